@@ -1,0 +1,43 @@
+# A room is one folder, one namespace slam::<name>, one target slam_<name> (alias slam::<name>).
+#   slam_add_room(NAME world SOURCES a.cpp b.cpp ROOMS core LIBRARIES opencv_core)
+# ROOMS and LIBRARIES are public: what a room's headers need, its users get.
+add_library(slam_build_flags INTERFACE)
+target_compile_options(slam_build_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Woverloaded-virtual
+  -ffp-contract=off)
+if(RASTERSLAM_WERROR)
+  target_compile_options(slam_build_flags INTERFACE -Werror)
+endif()
+if(RASTERSLAM_SANITIZE)
+  target_compile_options(slam_build_flags INTERFACE -fsanitize=address,undefined -fno-omit-frame-pointer
+                                                    -fno-sanitize-recover=undefined)
+  target_link_options(slam_build_flags INTERFACE -fsanitize=address,undefined)
+endif()
+
+function(slam_add_room)
+  cmake_parse_arguments(R "" "NAME" "SOURCES;ROOMS;LIBRARIES" ${ARGN})
+  set(target slam_${R_NAME})
+  add_library(${target} STATIC ${R_SOURCES})
+  add_library(slam::${R_NAME} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
+  list(TRANSFORM R_ROOMS PREPEND slam::)
+  target_link_libraries(${target} PUBLIC ${R_ROOMS} ${R_LIBRARIES} PRIVATE slam_build_flags)
+endfunction()
+
+# One test program per room: tests/<name>/*.cpp, linked with slam::<name> and slam::testing.
+#   slam_add_tests(world [LIBRARIES ...] [LABELS ...])
+function(slam_add_tests name)
+  cmake_parse_arguments(T "" "" "LIBRARIES;LABELS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
+  if(NOT sources)
+    return()
+  endif()
+  add_executable(test_${name} ${sources})
+  target_link_libraries(test_${name} PRIVATE slam_build_flags ${T_LIBRARIES} slam::testing
+                                             GTest::gtest GTest::gmock GTest::gtest_main)
+  target_compile_definitions(test_${name} PRIVATE RASTERSLAM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                                                  RASTERSLAM_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  gtest_discover_tests(test_${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
+                       PROPERTIES TIMEOUT 240 LABELS "${T_LABELS}")
+endfunction()

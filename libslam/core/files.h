@@ -1,0 +1,60 @@
+#pragma once
+#include <string>
+#include <string_view>
+
+namespace slam::core {
+
+/// The whole file. Errors: missing, a directory, unreadable (InputError with the path).
+std::string readTextFile(const std::string& path);
+
+/// InputError unless path names an existing regular file that can be opened; one line says which it is not.
+void requireReadableFile(const std::string& path);
+
+/// Writes `path` so that it is either whole or not there: beside it first (path + ".tmp"), then renamed.
+/// The folder must exist. Errors: IoError with the path and the reason.
+void writeFileAtomically(const std::string& path, std::string_view content);
+
+/// A file being written beside its final name by code that wants a path (MRPT, OpenCV). commit() renames it;
+/// without commit() the destructor removes it. keep_suffix: the temporary name ends like the final one
+/// ("map.tmp.png"), for writers that choose the format by suffix.
+class PendingFile {
+ public:
+  explicit PendingFile(std::string final_path, bool keep_suffix = false);
+  ~PendingFile();
+  PendingFile(const PendingFile&) = delete;
+  PendingFile& operator=(const PendingFile&) = delete;
+  const std::string& path() const { return temporary_path_; }
+  void commit();
+
+ private:
+  std::string final_path_, temporary_path_;
+  bool committed_ = false;
+};
+
+/// The same for a folder: made empty beside the final name, renamed by commit(), removed otherwise.
+/// An existing final folder is replaced at commit() only when `overwrite`, and only when it is empty or holds
+/// a manifest.json (so it is a result of ours and not somebody's home); else the constructor throws
+/// InputError. The final folder's parents are made if missing.
+class PendingFolder {
+ public:
+  PendingFolder(std::string final_path, bool overwrite);
+  ~PendingFolder();
+  PendingFolder(const PendingFolder&) = delete;
+  PendingFolder& operator=(const PendingFolder&) = delete;
+  const std::string& path() const { return temporary_path_; }
+  const std::string& finalPath() const { return final_path_; }
+  void commit();
+
+ private:
+  std::string final_path_, temporary_path_;
+  bool overwrite_, committed_ = false;
+};
+
+/// InputError "… exists; give --overwrite to replace it" when path exists and overwrite is false.
+void refuseToOverwrite(const std::string& path, bool overwrite);
+
+/// SHA-256 of a file's bytes as 64 hexadecimal digits.
+std::string fileSha256(const std::string& path);
+std::string sha256(std::string_view bytes);
+
+}  // namespace slam::core

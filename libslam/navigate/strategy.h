@@ -1,0 +1,68 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "libslam/core/parameters.h"
+#include "libslam/core/pose2.h"
+#include "libslam/core/random.h"
+#include "libslam/robot/drive.h"
+#include "libslam/robot/scan.h"
+
+namespace slam::navigate {
+
+/// Which ways are free, after the founding document's CanMove: 0 both, 1 only front, 2 only rear, 3 neither.
+enum class FreeWays { kBoth = 0, kFrontOnly = 1, kRearOnly = 2, kNone = 3 };
+
+/// Front sector: beams within +-45 degrees of the heading; rear: within +-45 degrees of straight back. A way
+/// is blocked when any return in its sector is nearer than clearance_m, and when the lidar does not see that
+/// sector.
+FreeWays canMove(const robot::Scan& scan, double clearance_m);
+
+/// What a strategy decides: turn by turn_rad, then drive distance_m, and why.
+struct Decision {
+  double turn_rad = 0;
+  double distance_m = 0;                   ///< 0: only turn
+  bool finished = false;                   ///< nothing left to explore
+  double score = 0;                        ///< of the choice, in the strategy's own measure
+  std::string reason;                      ///< "longest ray 7.31 m at 42 deg"
+  std::vector<core::Point2> alternatives;  ///< ends of the other candidates, robot frame
+};
+
+/// Where to go next. Sees the newest scan and the odometry pose, never the truth.
+class Strategy {
+ public:
+  virtual ~Strategy() = default;
+  virtual Decision decide(const robot::Scan& scan, const core::Pose2& T_odom_robot) = 0;
+};
+
+/// Section [strategy].
+struct StrategyOptions {
+  std::string name;  ///< longest_ray | quadrant
+  double divisor_min,
+      divisor_max;  ///< drive (longest ray / u), u uniform in between; the founding document: 0.1 .. 2.0
+  double stop_clearance_m;  ///< w of CanMove
+  StrategyOptions();
+  static const core::ParameterTable<StrategyOptions>& table();
+};
+std::unique_ptr<Strategy> makeStrategy(const StrategyOptions& options, core::RandomStream random);
+std::vector<std::string> strategyNames();
+
+/// Turns decisions into commands of one scan period each, looks at every scan, and stops early when the way
+/// ahead is blocked. Asks the strategy again when the current decision is carried out or given up.
+class Driver {
+ public:
+  Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& options, const robot::RobotOptions& robot,
+         double period_s);
+  ~Driver();
+  /// The command for the next period. `collided`: the last command ended in a collision.
+  robot::Command next(const robot::Scan& scan, const core::Pose2& T_odom_robot, bool collided);
+  bool finished() const;
+  const Decision& currentDecision() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace slam::navigate

@@ -1,0 +1,51 @@
+#include "libslam/testing/temp_folder.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+
+namespace slam::testing {
+namespace fs = std::filesystem;
+
+TempFolder::TempFolder() {
+  std::string pattern = (fs::temp_directory_path() / "rasterslam-test-XXXXXX").string();
+  if (!mkdtemp(pattern.data())) throw std::runtime_error("cannot make a folder like " + pattern);
+  path_ = pattern;
+}
+
+TempFolder::~TempFolder() {
+  std::error_code ignored;
+  fs::permissions(path_, fs::perms::owner_all, ignored);
+  fs::remove_all(path_, ignored);
+}
+
+CommandResult runCommand(const std::string& shell_line) {
+  const TempFolder folder;
+  const std::string out = folder / "out", err = folder / "err";
+  const int status =
+      std::system(("{ " + shell_line + " ; } >'" + out + "' 2>'" + err + "' </dev/null").c_str());
+  CommandResult result;
+  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  const auto slurp = [](const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  result.out = slurp(out);
+  result.err = slurp(err);
+  return result;
+}
+
+bool programExists(const std::string& name) {
+  return runCommand("command -v '" + name + "'").exit_code == 0;
+}
+
+std::string realDataFolder(const std::string& source_dir) {
+  const char* given = std::getenv("RASTERSLAM_DATA");
+  const fs::path folder = given ? fs::path(given) : fs::path(source_dir) / ".." / "shared" / "data";
+  return fs::is_directory(folder) ? fs::weakly_canonical(folder).string() : "";
+}
+
+}  // namespace slam::testing

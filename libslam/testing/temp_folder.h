@@ -1,0 +1,36 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+namespace slam::testing {
+
+/// A fresh folder for one test, removed with everything in it.
+class TempFolder {
+ public:
+  TempFolder();
+  ~TempFolder();
+  TempFolder(const TempFolder&) = delete;
+  TempFolder& operator=(const TempFolder&) = delete;
+  std::string path() const { return path_.string(); }
+  /// path()/name
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// What a program printed and how it ended. The command is a shell line; standard input is /dev/null.
+struct CommandResult {
+  int exit_code = -1;  ///< 128 + signal when killed
+  std::string out, err;
+};
+CommandResult runCommand(const std::string& shell_line);
+
+/// True when the program is on the PATH.
+bool programExists(const std::string& name);
+
+/// $RASTERSLAM_DATA or ../shared/data beside the source tree: real logs and plans; empty when absent, and
+/// then a test that needs it skips.
+std::string realDataFolder(const std::string& source_dir);
+
+}  // namespace slam::testing

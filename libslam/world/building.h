@@ -1,0 +1,18 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "libslam/world/plan.h"
+
+namespace slam::world {
+
+/// Names of the committed worlds: "flat", "office_loop", "pillar_hall", "corridor", "maze".
+std::vector<std::string> buildingNames();
+
+/// Draws a world at 0.05 m: rooms with doors wide enough for the robot, furniture, walls of several cells,
+/// everything enclosed. Integer arithmetic only, so the same name and seed give the same cells on any
+/// machine. Unknown name: InputError with the nearest known one.
+Plan makeBuilding(const std::string& name, std::uint64_t seed);
+
+}  // namespace slam::world

@@ -1,0 +1,60 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libslam/core/pose2.h"
+
+namespace slam::world {
+
+enum class Cell : std::uint8_t { kFree = 0, kOccupied = 1, kUnknown = 2 };
+
+/// The true world: a raster of cells in metres. Cell (column, row) covers [column, column + 1) x [row, row +
+/// 1) in units of resolution_m in the plan frame; row 0 is at the bottom (y up), the frame's origin is the
+/// lower left corner of cell (0, 0). T_world_plan places the plan in the world (ROS: `origin`, with yaw).
+struct Plan {
+  std::string name;  ///< file name without folder, for tables
+  int columns = 0, rows = 0;
+  double resolution_m = 0.05;
+  core::Pose2 T_world_plan;
+  std::vector<Cell> cells;  ///< row-major, row 0 first; columns * rows of them
+
+  Cell at(int column, int row) const { return cells[static_cast<size_t>(row) * columns + column]; }
+  bool contains(int column, int row) const {
+    return column >= 0 && row >= 0 && column < columns && row < rows;
+  }
+};
+
+/// How a picture becomes a plan. From a ROS yaml where there is one.
+struct PlanOptions {
+  double resolution_m = 0.05;
+  core::Pose2 T_world_plan;
+  bool negate = false;
+  double occupied_threshold = 0.65;  ///< occupied when (255 - gray) / 255 is above (ROS map_server's rule)
+  double free_threshold = 0.196;     ///< free when below; between the two unknown
+};
+
+/// Reads a plan: a ROS map yaml (image, resolution, origin, negate, thresholds, mode trinary/scale/raw), or a
+/// picture bmp, png, pgm, jpg with `options`. A picture with an alpha channel that is not opaque everywhere
+/// follows the founding raster lidar: alpha 255 is an obstacle, anything less is free; an opaque picture goes
+/// by gray level. Errors (InputError, one line with path and key): missing, a folder, truncated or not a
+/// picture, yaml that names a missing picture, key missing / malformed / out of range, no obstacle at all, no
+/// free cell at all, more than 2^28 cells.
+Plan loadPlan(const std::string& path, const PlanOptions& options = {});
+
+/// Writes plan.png (254 free, 0 occupied, 205 unknown) and the ROS yaml that loads it back to the same cells.
+void savePlan(const Plan& plan, const std::string& yaml_path);
+
+/// Cell coordinates (column, row as reals) of a point in the world, and back.
+core::Point2 worldToCells(const Plan& plan, const core::Point2& p_world);
+core::Point2 cellsToWorld(const Plan& plan, const core::Point2& cell);
+
+/// True when a disc around p_world touches an occupied cell or leaves the plan.
+bool discCollides(const Plan& plan, const core::Point2& p_world, double radius_m);
+
+/// A start pose with `clearance_m` all round, in the largest connected free region: the admissible cell
+/// nearest to that region's centre of mass, heading 0. nullopt when there is none.
+std::optional<core::Pose2> findStartPose(const Plan& plan, double clearance_m);
+
+}  // namespace slam::world

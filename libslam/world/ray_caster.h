@@ -1,0 +1,28 @@
+#pragma once
+#include <vector>
+
+#include "libslam/core/pose2.h"
+#include "libslam/world/plan.h"
+
+namespace slam::world {
+
+/// The exact answer that every faster caster has to equal bit for bit.
+///
+/// The ray is a half-line, cells are unit squares. The hit is the first occupied cell that a 4-connected walk
+/// enters, and the distance is that to the point of entry on the cell's face (not its centre). Origin in an
+/// occupied cell: 0. Nothing hit before the plan's edge or before max_range_m: +infinity. Unknown cells are
+/// transparent. Only a wall stops a ray. Arithmetic (so that any engine can restart the walk at any column
+/// and get the same bits): u is the major and v the minor axis, both made growing by symmetry; m = min(minor
+/// / major, 1 - 2^-36); row(u) = ov + (u - ou) * m in double, multiply and add rounded separately; in column
+/// u visit (u, v), then (u, v + 1) if row(u + 1) >= v + 1. A ray exactly through a lattice corner is a tie
+/// that this rule decides.
+///
+/// angle_rad in the world frame; max_range_m <= 0 means no limit. A pose that is not finite or outside the
+/// plan: +infinity.
+double castRay(const Plan& plan, const core::Point2& origin_world, double angle_rad, double max_range_m);
+
+/// Beam i at T_world_lidar.phi + first_angle_rad + i * step_rad; out gets `beams` ranges.
+void castScan(const Plan& plan, const core::Pose2& T_world_lidar, double first_angle_rad, double step_rad,
+              int beams, double max_range_m, std::vector<float>& out_ranges_m);
+
+}  // namespace slam::world
