@@ -10,9 +10,12 @@
 namespace slam::core {
 namespace {
 
+bool endsWith(const std::string& text, const std::string& tail) {
+  return text.size() > tail.size() && text.compare(text.size() - tail.size(), tail.size(), tail) == 0;
+}
+
 bool isInDegrees(const ParameterInfo& info) {
-  const std::string& key = info.key;
-  return key.size() > 4 && key.compare(key.size() - 4, 4, "_deg") == 0;
+  return endsWith(info.key, "_deg") || endsWith(info.key, "_degps") || endsWith(info.key, "_degpm");
 }
 
 std::string rangeText(const ParameterInfo& info) {

@@ -38,7 +38,8 @@ struct ParameterInfo {
 ///     return rows;
 ///   }
 ///
-/// A key that ends with `_deg` is in degrees in the .ini and in radians in the struct.
+/// A key that ends with `_deg`, `_degps` (per second) or `_degpm` (per metre) is in degrees in the .ini and
+/// in radians in the struct.
 template <class Options>
 class ParameterTable {
  public:

@@ -1,0 +1,17 @@
+#include "libslam/robot/scan.h"
+
+namespace slam::robot {
+
+std::vector<core::Point2> scanPoints(const Scan& scan) {
+  std::vector<core::Point2> points;
+  points.reserve(scan.ranges_m.size());
+  for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    if (!isReturn(scan.ranges_m[i])) continue;
+    const double range_m = scan.ranges_m[i], angle_rad = scan.angle(i);
+    points.push_back(scan.T_robot_lidar *
+                     core::Point2{range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)});
+  }
+  return points;
+}
+
+}  // namespace slam::robot
