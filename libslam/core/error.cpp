@@ -24,7 +24,7 @@ size_t editDistance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string didYouMean(std::string_view word, const std::vector<std::string>& candidates) {
-  size_t best = std::max<size_t>(1, word.size() / 3) + 1;
+  size_t best = (word.size() + 2) / 3 + 1;
   const std::string* nearest = nullptr;
   for (const auto& candidate : candidates) {
     const size_t d = editDistance(word, candidate);

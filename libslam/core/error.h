@@ -50,7 +50,7 @@ class Interrupted : public std::runtime_error {
 };
 
 /// "; did you mean 'x'?" for the candidate nearest to word by edit distance, or "" when none is near
-/// (more than a third of the word's letters would have to change).
+/// (more than a third of its letters, rounded up, would have to change).
 std::string didYouMean(std::string_view word, const std::vector<std::string>& candidates);
 
 }  // namespace slam::core

@@ -1,0 +1,108 @@
+#!/usr/bin/env bash
+# Sets rasterslam up on Debian 12 and does one job. See ./bootstrap.sh --help.
+set -euo pipefail
+cd "$(dirname "$0")"
+
+usage() {
+  cat <<'TEXT'
+usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
+
+  build    install what is missing, configure and build (build/release)
+  demo     build, then simulate a robot, run the SLAM methods, print the table (ARGUMENTS go to `rasterslam demo`)
+  test     build, then run all tests
+  bench    build with benchmarks, then run them (ARGUMENTS go to the benchmark)
+
+  --no-install   do not install packages (for users without root); says what is missing and goes on
+
+Packages come from Debian with apt-get, as root or through sudo. Everything else stays in this folder.
+TEXT
+}
+
+# What the code needs to build and test. `command -v`-like checks would miss headers, so dpkg is asked.
+packages=(
+  g++ cmake ninja-build pkg-config
+  libmrpt-dev mrpt-apps mrpt-common
+  libopencv-dev libeigen3-dev libcli11-dev nlohmann-json3-dev libssl-dev zlib1g-dev
+  libgtest-dev libgmock-dev
+)
+bench_packages=(libbenchmark-dev)
+
+say() { printf 'bootstrap: %s\n' "$*" >&2; }
+
+missing_packages() {
+  local name
+  for name in "$@"; do
+    dpkg-query -W -f='${db:Status-Status}\n' "$name" 2>/dev/null | grep -qx installed || printf '%s\n' "$name"
+  done
+}
+
+install_missing() {
+  local missing
+  mapfile -t missing < <(missing_packages "$@")
+  if [ ${#missing[@]} -eq 0 ]; then return; fi
+  if [ "$install" = no ]; then
+    say "not installed, and --no-install was given: ${missing[*]}"
+    return
+  fi
+  if ! command -v apt-get >/dev/null; then
+    say "this is not a Debian system; install these yourself and use --no-install: ${missing[*]}"
+    exit 1
+  fi
+  local as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || { say "root or sudo is needed to install: ${missing[*]} (or --no-install)"; exit 1; }
+    as_root=(sudo)
+  fi
+  say "installing: ${missing[*]}"
+  "${as_root[@]}" apt-get update -qq
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2
+}
+
+build() {
+  say "building with preset $1 (about 5 minutes on 2 cores the first time)"
+  cmake --preset "$1" >&2
+  cmake --build --preset "$1" >&2
+}
+
+verb=""
+install=yes
+arguments=()
+for word in "$@"; do
+  case "$word" in
+    --no-install) install=no ;;
+    -h | --help) if [ -z "$verb" ]; then usage; exit 0; fi; arguments+=("$word") ;;
+    *) if [ -z "$verb" ]; then verb="$word"; else arguments+=("$word"); fi ;;
+  esac
+done
+
+case "$verb" in
+  build)
+    install_missing "${packages[@]}"
+    build release
+    say "the program is build/release/apps/rasterslam"
+    ;;
+  demo)
+    install_missing "${packages[@]}"
+    build release
+    build/release/apps/rasterslam demo "${arguments[@]}"
+    ;;
+  test)
+    install_missing "${packages[@]}"
+    build release
+    ctest --preset release -j "$(nproc)" "${arguments[@]}"
+    ;;
+  bench)
+    install_missing "${packages[@]}" "${bench_packages[@]}"
+    build bench
+    build/release/benchmarks/rasterslam_bench "${arguments[@]}"
+    ;;
+  "")
+    usage
+    exit 2
+    ;;
+  *)
+    say "unknown verb '$verb'"
+    usage >&2
+    exit 2
+    ;;
+esac

@@ -1,0 +1,94 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+
+namespace {
+namespace fs = std::filesystem;
+
+// Who may include whom. The truth wall: nothing on the robot's side (navigate, odometry, mapping) may name a room that
+// knows the truth (world, sim, metrics, report); only `run` sees both.
+const std::map<std::string, std::set<std::string>> kMayInclude = {
+    {"core", {}},
+    {"robot", {"core"}},
+    {"logs", {"core", "robot"}},
+    // the truth's side
+    {"world", {"core"}},
+    {"sim", {"core", "robot", "world"}},
+    {"metrics", {"core", "world"}},
+    {"report", {"core", "robot", "world", "metrics"}},
+    // the robot's side
+    {"navigate", {"core", "robot"}},
+    {"odometry", {"core", "robot"}},
+    {"mapping", {"core", "robot", "odometry"}},
+    // both
+    {"run", {"core", "robot", "logs", "world", "sim", "metrics", "report", "navigate", "odometry", "mapping"}},
+    {"testing", {"core", "robot", "world"}},
+};
+
+std::string problemsOf(const std::string& file_name, const std::string& room, const std::string& text) {
+  static const std::regex kInclude(R"re(#\s*include\s*["<]libslam/([a-z]+)/)re");
+  const auto& allowed = kMayInclude.at(room);
+  std::string problems;
+  for (std::sregex_iterator it(text.begin(), text.end(), kInclude), end; it != end; ++it) {
+    const std::string other = (*it)[1];
+    if (other != room && !allowed.count(other)) problems += file_name + " includes room " + other + "\n";
+  }
+  return problems;
+}
+
+std::string read(const fs::path& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+bool isSource(const fs::path& path) { return path.extension() == ".h" || path.extension() == ".cpp"; }
+
+TEST(Includes, EveryRoomKeepsToTheTable) {
+  int files = 0;
+  const fs::path library = fs::path(RASTERSLAM_SOURCE_DIR) / "libslam";
+  for (const auto& entry : fs::recursive_directory_iterator(library)) {
+    if (!isSource(entry.path())) continue;
+    ++files;
+    const auto relative = fs::relative(entry.path(), library);
+    const std::string room = relative.begin()->string();
+    ASSERT_TRUE(kMayInclude.count(room)) << "room " << room << " is not in the table";
+    EXPECT_EQ(problemsOf(relative.string(), room, read(entry.path())), "");
+  }
+  EXPECT_GT(files, 40);  // the walk found the library
+}
+
+TEST(Includes, TheTableHoldsTheTruthWall) {
+  for (const std::string robot_side : {"navigate", "odometry", "mapping"})
+    for (const std::string truth_side : {"world", "sim", "metrics", "report", "run", "logs"})
+      EXPECT_FALSE(kMayInclude.at(robot_side).count(truth_side)) << robot_side << " reaches " << truth_side;
+}
+
+TEST(Includes, AViolationIsSeen) {
+  EXPECT_EQ(problemsOf("x.cpp", "mapping", "#include \"libslam/world/plan.h\"\n"), "x.cpp includes room world\n");
+  EXPECT_EQ(problemsOf("x.cpp", "mapping", "#include \"libslam/core/pose2.h\"\n"), "");
+}
+
+// A room's CMake target must not link what its includes may not name, or the linker would open a door in the wall.
+TEST(Includes, RoomsLinkOnlyWhatTheyMayInclude) {
+  static const std::regex kRooms(R"re(ROOMS([a-z_\s]*))re"), kAlias(R"re(slam::([a-z]+))re");
+  for (const auto& [room, allowed] : kMayInclude) {
+    const std::string text = read(fs::path(RASTERSLAM_SOURCE_DIR) / "libslam" / room / "CMakeLists.txt");
+    ASSERT_FALSE(text.empty()) << room;
+    std::set<std::string> linked;
+    std::smatch match;
+    if (std::regex_search(text, match, kRooms)) {
+      std::istringstream words(match[1]);
+      for (std::string word; words >> word;) linked.insert(word);
+    }
+    for (std::sregex_iterator it(text.begin(), text.end(), kAlias), end; it != end; ++it) linked.insert((*it)[1]);
+    for (const auto& other : linked)
+      EXPECT_TRUE(other == room || allowed.count(other)) << room << " links " << other;
+  }
+}
+
+}  // namespace

@@ -1,0 +1,120 @@
+#include "libslam/core/files.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "libslam/core/error.h"
+#include "libslam/core/manifest.h"
+#include "libslam/testing/temp_folder.h"
+
+namespace slam::core {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+std::string errorOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Files, SaysWhyAFileCannotBeRead) {
+  const testing::TempFolder folder;
+  EXPECT_EQ(errorOf([&] { readTextFile(folder / "none"); }), folder / "none" + ": no such file");
+  EXPECT_EQ(errorOf([&] { requireReadableFile(folder.path()); }),
+            folder.path() + ": is a folder, expected a file");
+}
+
+TEST(Files, AtomicWriteReplacesWholeOrLeavesTheOld) {
+  const testing::TempFolder folder;
+  const std::string path = folder / "a.txt";
+  writeFileAtomically(path, "one");
+  writeFileAtomically(path, "two");
+  EXPECT_EQ(readTextFile(path), "two");
+  EXPECT_THROW(writeFileAtomically(folder / "no/such/folder/a.txt", "x"), IoError);
+  EXPECT_FALSE(fs::exists(path + ".tmp"));
+}
+
+TEST(PendingFile, LeavesNothingWithoutCommit) {
+  const testing::TempFolder folder;
+  {
+    const PendingFile pending(folder / "map.png", true);
+    EXPECT_EQ(pending.path(), folder / "map.tmp.png");
+    std::ofstream(pending.path()) << "half";
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(PendingFolder, LeavesNothingWithoutCommitAndReplacesOnlyResults) {
+  const testing::TempFolder folder;
+  const std::string path = folder / "out/run";
+  {
+    const PendingFolder pending(path, false);
+    std::ofstream(pending.path() + "/half") << "x";
+  }
+  EXPECT_FALSE(fs::exists(path));
+  EXPECT_FALSE(fs::exists(path + ".tmp"));
+  {
+    PendingFolder pending(path + "/", false);  // a trailing slash names the same folder
+    std::ofstream(pending.path() + "/manifest.json") << "{}";
+    pending.commit();
+  }
+  EXPECT_TRUE(fs::exists(path + "/manifest.json"));
+  EXPECT_THAT(errorOf([&] { PendingFolder(path, false); }), HasSubstr("exists; give --overwrite"));
+  {
+    PendingFolder pending(path, true);
+    pending.commit();
+  }
+  EXPECT_TRUE(fs::is_empty(path));
+  std::ofstream(path + "/precious") << "x";
+  EXPECT_THAT(errorOf([&] { PendingFolder(path, true); }), HasSubstr("holds other files"));
+  EXPECT_TRUE(fs::exists(path + "/precious"));
+}
+
+TEST(Sha256, EqualsThePublishedExample) {
+  // FIPS 180-2, appendix B.1
+  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  const testing::TempFolder folder;
+  writeFileAtomically(folder / "abc", "abc");
+  EXPECT_EQ(fileSha256(folder / "abc"), sha256("abc"));
+}
+
+TEST(Manifest, ReadsBackWhatWasWritten) {
+  const testing::TempFolder folder;
+  Manifest manifest;
+  manifest.command_line = {"rasterslam", "run", "it's here.rawlog", ""};
+  manifest.seed = 18446744073709551615ULL;
+  manifest.config["mapping.resolution_m"] = "0.05";
+  manifest.files["map.png"] = "picture \"quoted\"";
+  manifest.times_s["mapping"] = 1.5;
+  writeManifest(manifest, folder / "manifest.json");
+  const Manifest back = readManifest(folder / "manifest.json");
+  EXPECT_EQ(back.command_line, manifest.command_line);
+  EXPECT_EQ(back.seed, manifest.seed);
+  EXPECT_EQ(back.config, manifest.config);
+  EXPECT_EQ(back.files, manifest.files);
+  EXPECT_EQ(back.times_s, manifest.times_s);
+  writeFileAtomically(folder / "other.json", "{\"a\": 1}");
+  EXPECT_THAT(errorOf([&] { readManifest(folder / "other.json"); }), HasSubstr("not a manifest"));
+}
+
+TEST(ShellQuoted, SurvivesTheShell) {
+  const std::vector<std::string> words = {"a b", "it's", "plain.txt", "$HOME", ""};
+  const auto result = testing::runCommand("printf '%s\\n' " + shellQuoted(words));
+  EXPECT_EQ(result.out, "a b\nit's\nplain.txt\n$HOME\n\n");
+}
+
+TEST(DidYouMean, IsSilentWhenNothingIsNear) {
+  EXPECT_EQ(didYouMean("rbfp", {"icp", "rbpf"}), "; did you mean 'rbpf'?");
+  EXPECT_EQ(didYouMean("hector", {"icp", "rbpf"}), "");
+  EXPECT_EQ(didYouMean("x", {}), "");
+}
+
+}  // namespace
+}  // namespace slam::core
