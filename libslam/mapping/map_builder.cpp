@@ -104,6 +104,14 @@ CActionRobotMovement2D::TMotionModelOptions motionModel(const MotionOptions& mot
   return model;
 }
 
+/// The first scan is where the map's frame is: without spread (MRPT needs a covariance that can be inverted).
+CActionRobotMovement2D::TMotionModelOptions exactStart() {
+  CActionRobotMovement2D::TMotionModelOptions model;
+  model.modelSelection = CActionRobotMovement2D::mmGaussian;
+  model.gaussianModel = {0, 0, 0, 0, 1e-9, 1e-9};
+  return model;
+}
+
 /// The motion since the scan before, from the scans. The estimator may have slept while the wheels did the
 /// work: then it is shown the previous scan first.
 odometry::ScanMotion motionFromScans(MapBuilder::State& state, const robot::Scan& scan) {
@@ -139,7 +147,8 @@ std::shared_ptr<CActionRobotMovement2D> makeAction(MapBuilder& method, const rob
   const core::Pose2 increment = is_first ? core::Pose2{} : T_previous_robot;
   requireFinite(method, increment, "the odometry");
   auto action = CActionRobotMovement2D::Create();
-  action->computeFromOdometry(mrpt::poses::CPose2D(robot::toMrpt(increment)), state.motion_model);
+  action->computeFromOdometry(mrpt::poses::CPose2D(robot::toMrpt(increment)),
+                              is_first ? exactStart() : state.motion_model);
   return action;
 }
 
@@ -228,6 +237,14 @@ double growingTime(double time_s, double last_time_s, bool is_first) {
   return last_time_s + 1e-3;
 }
 
+/// MRPT draws from one generator per thread. It is replaced, not only seeded: a normal number that it has in
+/// store would survive the seeding.
+void seedMrpt(const MapBuilder::State& state) {
+  core::RandomStream stream(state.seed, "mapping step " + std::to_string(state.steps));
+  mrpt::random::getRandomGenerator() =
+      mrpt::random::CRandomGenerator(static_cast<uint32_t>(stream.bits() >> 32));
+}
+
 }  // namespace
 
 MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, std::uint64_t seed) {
@@ -266,8 +283,7 @@ core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core:
   const double reach_m = reach(state, scan);
   requireBoundedMap(method, state.T_map_robot * increment, reach_m);
 
-  mrpt::random::getRandomGenerator().randomize(static_cast<uint32_t>(
-      core::RandomStream(state.seed, "mapping step " + std::to_string(state.steps)).bits() >> 32));
+  seedMrpt(state);
   feed(method, action, scan);
 
   const auto pose = method.builder->getCurrentPoseEstimation()->getMeanVal();
