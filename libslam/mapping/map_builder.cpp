@@ -104,14 +104,6 @@ CActionRobotMovement2D::TMotionModelOptions motionModel(const MotionOptions& mot
   return model;
 }
 
-/// The first scan is where the map's frame is: without spread (MRPT needs a covariance that can be inverted).
-CActionRobotMovement2D::TMotionModelOptions exactStart() {
-  CActionRobotMovement2D::TMotionModelOptions model;
-  model.modelSelection = CActionRobotMovement2D::mmGaussian;
-  model.gaussianModel = {0, 0, 0, 0, 1e-9, 1e-9};
-  return model;
-}
-
 /// The motion since the scan before, from the scans. The estimator may have slept while the wheels did the
 /// work: then it is shown the previous scan first.
 odometry::ScanMotion motionFromScans(MapBuilder::State& state, const robot::Scan& scan) {
@@ -147,8 +139,7 @@ std::shared_ptr<CActionRobotMovement2D> makeAction(MapBuilder& method, const rob
   const core::Pose2 increment = is_first ? core::Pose2{} : T_previous_robot;
   requireFinite(method, increment, "the odometry");
   auto action = CActionRobotMovement2D::Create();
-  action->computeFromOdometry(mrpt::poses::CPose2D(robot::toMrpt(increment)),
-                              is_first ? exactStart() : state.motion_model);
+  action->computeFromOdometry(mrpt::poses::CPose2D(robot::toMrpt(increment)), state.motion_model);
   return action;
 }
 
