@@ -85,9 +85,13 @@ TEST_P(EveryMethod, PrintsNothing) {
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();
   {
-    auto method = makeMethod(GetParam());
+    // Things that make MRPT talk: matches that are never good enough, a scan that fits nothing, and a clock that
+    // runs back.
+    std::vector<std::string> settings;
+    if (std::string(GetParam()).find("naive") == std::string::npos)
+      settings = {"icp.min_goodness=1", "mapping.localize_distance_m=0", "mapping.insert_distance_m=0"};
+    auto method = makeMethod(GetParam(), 1, settings);
     auto drive = test::driveThroughRoom(20);
-    // Things that make MRPT talk: a scan that fits nothing, and a clock that runs back.
     for (auto& range_m : drive.entries[10].scan.ranges_m) range_m = 0.5F;
     drive.entries[15].scan.time_s -= 10;
     runDrive(method, drive);
