@@ -29,7 +29,7 @@ std::vector<Entry> entriesOf(const std::string& what) {
       entries.emplace_back(name, firstComment(folder + "/" + name + ".ini"));
   } else if (what == "strategies") {
     for (const auto& name : navigate::strategyNames())
-      entries.emplace_back(name, navigate::strategyMeaning(name));
+      entries.emplace_back(name, "");
   } else if (what == "worlds") {
     for (const auto& name : run::namesInFolder(run::worldsFolder(), ".yaml")) {
       const auto plan = world::loadPlan(run::worldsFolder() + "/" + name + ".yaml");
