@@ -8,8 +8,8 @@
 
 #include "libslam/mapping/map_builder.h"
 
-// MRPT compares map names without namespace and without case, and makes a map for every name that matches: the
-// second name must differ from the class name in more than that.
+// MRPT compares map names without namespace and without case, and makes a map for every name that matches:
+// the second name must differ from the class name in more than that.
 MAP_DEFINITION_REGISTER("slam::mapping::ExactGrid,unbiasedGridMap", slam::mapping::ExactGrid)
 
 namespace slam::mapping {

@@ -11,13 +11,13 @@ namespace slam::mapping {
 /// CObservation2DRangeScan reaches from the first ray to the last, so that the step is aperture / (n - 1) (as
 /// getScanAngle() and the points maps have it). Every inserted scan is therefore squeezed, its last ray by a
 /// whole step, and on average turned by half a step against the scan that is matched to it. This class hands
-/// the insertion an equivalent scan for which aperture / n is the true step. Everything else is the stock grid:
-/// options, likelihoods, matching.
+/// the insertion an equivalent scan for which aperture / n is the true step. Everything else is the stock
+/// grid: options, likelihoods, matching.
 ///
-/// In an .ini: `unbiasedGridMap_count = 1` and the sections PREFIX_unbiasedGridMap_00_creationOpts, _insertOpts
-/// and _likelihoodOpts with the keys of occupancyGrid. Also in MRPT's own programs, when librasterslam-mrpt.so
-/// is loaded into them. A file that holds this class needs that library too: save a plain COccupancyGridMap2D
-/// (copyMapContentFrom) for others.
+/// In an .ini: `unbiasedGridMap_count = 1` and the sections PREFIX_unbiasedGridMap_00_creationOpts,
+/// _insertOpts and _likelihoodOpts with the keys of occupancyGrid. Also in MRPT's own programs, when
+/// librasterslam-mrpt.so is loaded into them. A file that holds this class needs that library too: save a
+/// plain COccupancyGridMap2D (copyMapContentFrom) for others.
 class ExactGrid : public mrpt::maps::COccupancyGridMap2D {
   DEFINE_SERIALIZABLE(ExactGrid, slam::mapping)
  public:

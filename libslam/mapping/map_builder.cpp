@@ -61,8 +61,8 @@ std::unique_ptr<mrpt::slam::CMetricMapBuilder> makeIcpBuilder(const mrpt::config
   builder->ICP_options.loadFromConfigFile(config, kMrptSection);
   builder->ICP_params.loadFromConfigFile(config, "ICP");
   silence(*builder);
-  // No start pose: MRPT would stamp it with the wall clock, and then ignore the odometry of a log from the past
-  // until the first accepted match.
+  // No start pose: MRPT would stamp it with the wall clock, and then ignore the odometry of a log from the
+  // past until the first accepted match.
   builder->initialize();
   return builder;
 }
@@ -115,26 +115,32 @@ odometry::ScanMotion motionFromScans(MapBuilder::State& state, const robot::Scan
   return state.scan_odometry->update(scan);
 }
 
-std::shared_ptr<CActionRobotMovement2D> makeAction(MapBuilder::State& state, const robot::Scan& scan,
-                                                   const core::Pose2& T_previous_robot, bool has_odometry) {
-  const bool is_first = state.steps == 0;
-  const bool from_scans = state.config.method.odometry != "wheel" || (!has_odometry && !is_first);
-  std::shared_ptr<CActionRobotMovement2D> action;
-  if (from_scans) {
-    action = odometry::toMrptAction(motionFromScans(state, scan), scan.time_s);
-    // MRPT's particle filter recomputes its covariance from this model, whatever the action's own says.
-    action->motionModelConfiguration = state.motion_model;
-  } else {
-    action = CActionRobotMovement2D::Create();
-    const core::Pose2 increment = is_first ? core::Pose2{} : T_previous_robot;
-    action->computeFromOdometry(mrpt::poses::CPose2D(robot::toMrpt(increment)), state.motion_model);
-  }
-  state.scan_odometry_saw_previous = from_scans;
-  return action;
-}
-
 std::string stepText(const MapBuilder& method) {
   return "method " + method.name + ", scan " + std::to_string(method.state->steps + 1) + ": ";
+}
+
+void requireFinite(const MapBuilder& method, const core::Pose2& pose, const char* what) {
+  if (!core::isFinite(pose)) throw core::MethodError(stepText(method) + what + " is not finite");
+}
+
+/// The action for the builder, still without its stamp.
+std::shared_ptr<CActionRobotMovement2D> makeAction(MapBuilder& method, const robot::Scan& scan,
+                                                   const core::Pose2& T_previous_robot, bool has_odometry) {
+  MapBuilder::State& state = *method.state;
+  const bool is_first = state.steps == 0;
+  const bool from_scans = state.config.method.odometry != "wheel" || (!has_odometry && !is_first);
+  if (from_scans) {
+    const odometry::ScanMotion motion = motionFromScans(state, scan);
+    state.scan_odometry_saw_previous = true;
+    requireFinite(method, motion.T_previous_current, "the motion estimated from the scans");
+    return odometry::toMrptAction(motion, state.builder_time_s);
+  }
+  state.scan_odometry_saw_previous = false;
+  const core::Pose2 increment = is_first ? core::Pose2{} : T_previous_robot;
+  requireFinite(method, increment, "the odometry");
+  auto action = CActionRobotMovement2D::Create();
+  action->computeFromOdometry(mrpt::poses::CPose2D(robot::toMrpt(increment)), state.motion_model);
+  return action;
 }
 
 /// Extent of one grid in metres.
@@ -151,8 +157,8 @@ double cellsWith(const Extent& grid, const core::Point2& centre, double reach_m)
 void addGrids(const mrpt::maps::CMultiMetricMap& maps, std::vector<Extent>& grids) {
   for (const auto& map : maps)
     if (const auto* grid = dynamic_cast<const COccupancyGridMap2D*>(&*map))
-      grids.push_back({grid->getXMin(), grid->getXMax(), grid->getYMin(), grid->getYMax(),
-                       grid->getResolution()});
+      grids.push_back(
+          {grid->getXMin(), grid->getXMax(), grid->getYMin(), grid->getYMax(), grid->getResolution()});
 }
 
 std::vector<Extent> gridsOf(const mrpt::slam::CMetricMapBuilder& builder) {
@@ -184,14 +190,10 @@ void requireBoundedMap(const MapBuilder& method, const core::Pose2& T_map_robot,
     cells += cellsWith(grid, core::position(T_map_robot), reach_m);
   const double limit = method.state->config.mapping.max_map_cells;
   if (!(cells <= limit))
-    throw core::MethodError(stepText(method) + "the map would hold " +
-                            core::formatNumber(std::round(cells / 1e6)) + " million cells, allowed are " +
-                            core::formatNumber(std::round(limit / 1e5) / 10) +
-                            " million ([mapping] max_map_cells); the method has diverged or the place is too large");
-}
-
-void requireFinite(const MapBuilder& method, const core::Pose2& pose, const char* what) {
-  if (!core::isFinite(pose)) throw core::MethodError(stepText(method) + what + " is not finite");
+    throw core::MethodError(
+        stepText(method) + "the map would hold " + core::formatNumber(std::round(cells / 1e6)) +
+        " million cells, allowed are " + core::formatNumber(std::round(limit / 1e5) / 10) +
+        " million ([mapping] max_map_cells); the method has diverged or the place is too large");
 }
 
 /// MRPT's exceptions carry a stack trace; one line of it says what happened.
@@ -259,9 +261,8 @@ core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core:
   MapBuilder::State& state = *method.state;
   state.builder_time_s = growingTime(scan.time_s, state.builder_time_s, state.steps == 0);
 
-  const auto action = makeAction(state, scan, T_previous_robot, has_odometry);
+  const auto action = makeAction(method, scan, T_previous_robot, has_odometry);
   const core::Pose2 increment = robot::fromMrpt(action->poseChange->getMeanVal().asTPose());
-  requireFinite(method, increment, "the motion since the scan before");
   const double reach_m = reach(state, scan);
   requireBoundedMap(method, state.T_map_robot * increment, reach_m);
 

@@ -43,8 +43,8 @@ struct MapBuilder {
 MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, std::uint64_t seed);
 
 /// The method's configuration as MRPT's own icp-slam / rbpf-slam programs read it; makeMapBuilder uses the
-/// same text, so both run with the same numbers (except the motion model, which rbpf-slam takes from the log).
-/// InputError for a type that no MRPT program runs.
+/// same text, so both run with the same numbers (except the motion model, which rbpf-slam takes from the
+/// log). InputError for a type that no MRPT program runs.
 std::string toMrptConfig(const core::IniFile& config, const std::string& name);
 
 /// All methods in a folder of configurations, sorted; "naive" and so on. InputError when it is no folder.
@@ -58,8 +58,8 @@ core::IniFile loadMethodConfig(const std::string& methods_folder, const std::str
 /// from the two scans (method correlation unless [scan_odometry] says otherwise) at every step for which
 /// has_odometry is false. Stamps that do not grow are moved on by a millisecond, for the builder only.
 /// Returns the pose T_map_robot after it; the map frame is the robot's pose at the first scan.
-/// The random numbers of step k come from (seed, k) alone: neither the thread nor other methods run in between
-/// matter. Errors: MethodError when the motion or the pose is not finite, the grids would grow beyond
+/// The random numbers of step k come from (seed, k) alone: neither the thread nor other methods run in
+/// between matter. Errors: MethodError when the motion or the pose is not finite, the grids would grow beyond
 /// [mapping] max_map_cells (checked before the scan is inserted), or MRPT throws. REQUIRES at least 2 beams.
 core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core::Pose2& T_previous_robot,
                         bool has_odometry);
@@ -79,8 +79,8 @@ OccupancyRaster currentMap(const MapBuilder& method);
 inline constexpr float kOccupiedAbove = 0.6F, kFreeBelow = 0.4F;
 
 /// Writes map.yaml + map.png (ROS map_server, trinary), map.gridmap.gz (a plain COccupancyGridMap2D),
-/// map.simplemap and map.3Dscene (stock MRPT classes only) into an existing folder. `estimate` is drawn as the
-/// path. Same input, same bytes. Errors: IoError with the path.
+/// map.simplemap and map.3Dscene (stock MRPT classes only) into an existing folder. `estimate` is drawn as
+/// the path. Same input, same bytes. Errors: IoError with the path.
 void saveMaps(const MapBuilder& method, const core::Trajectory& estimate, const std::string& folder);
 
 /// Registers our map classes with MRPT, so that an .ini can name them: mapping::registerMaps(). Also done by

@@ -6,6 +6,7 @@
 #include <mrpt/slam/CMetricMapBuilder.h>
 #include <zlib.h>
 
+#include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -13,6 +14,7 @@
 #include "libslam/core/files.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/mapping/mrpt_compat.h"
+#include "libslam/mapping/naive_map_builder.h"
 
 namespace slam::mapping {
 namespace {
@@ -28,6 +30,11 @@ COccupancyGridMap2D::Ptr gridOf(const MapBuilder& method) {
   const auto grid = mapsOf(method).mapByClass<COccupancyGridMap2D>();
   if (!grid) throw core::ContractError("method " + method.name + " holds no grid");
   return grid;
+}
+
+bool drawsDots(const MapBuilder& method) {
+  const auto* naive = dynamic_cast<const NaiveMapBuilder*>(method.builder.get());
+  return naive != nullptr && naive->drawsDots();
 }
 
 /// The grid that any MRPT program opens, whatever class the method uses.
@@ -85,8 +92,7 @@ void writeRosMap(const OccupancyRaster& map, const std::string& folder) {
       "# ROS map_server. Cells are occupied above a probability of 0.6, free below 0.4, unknown between.\n"
       "image: map.png\nmode: trinary\nresolution: " +
           core::formatNumber(map.resolution_m) + "\norigin: [" + core::formatNumber(map.x_min_m) + ", " +
-          core::formatNumber(map.y_min_m) +
-          ", 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
+          core::formatNumber(map.y_min_m) + ", 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
 }
 
 /// What the layers of the scene are called and how high they lie, so that none hides another.
@@ -154,13 +160,18 @@ OccupancyRaster currentMap(const MapBuilder& method) {
   OccupancyRaster map;
   map.columns = static_cast<int>(grid->getSizeX());
   map.rows = static_cast<int>(grid->getSizeY());
-  map.resolution_m = std::stod(core::formatNumber(std::round(grid->getResolution() * 1e6) / 1e6));
+  // The grid has it as a float; 0.05 is meant, not 0.05000000074505806.
+  map.resolution_m = std::round(static_cast<double>(grid->getResolution()) * 1e6) / 1e6;
   map.x_min_m = static_cast<double>(grid->getXMin());
   map.y_min_m = static_cast<double>(grid->getYMin());
   map.occupancy.reserve(grid->getRawMap().size());
-  // MRPT keeps the log-odds of being free; 0 there is a cell that nothing ever changed, or evenly.
-  for (const auto log_odds : grid->getRawMap())
-    map.occupancy.push_back(log_odds == 0 ? 0.5F : 1.0F - COccupancyGridMap2D::l2p(log_odds));
+  const bool dots = drawsDots(method);
+  // MRPT keeps the log-odds of being free; 0 there is a cell that nothing ever changed, or evenly. A dot is
+  // certain, which log-odds cannot say.
+  for (const auto log_odds : grid->getRawMap()) {
+    const float occupied = dots ? 1.0F : 1.0F - COccupancyGridMap2D::l2p(log_odds);
+    map.occupancy.push_back(log_odds == 0 ? 0.5F : occupied);
+  }
   return map;
 }
 

@@ -13,26 +13,31 @@ using MappingTable = core::ParameterTable<MappingOptions>;
 using IcpTable = core::ParameterTable<IcpOptions>;
 
 std::vector<MappingTable::Row> commonMappingRows() {
-  return {
-      {"resolution_m", &MappingOptions::resolution_m, 0.05, 0.005, 1.0, "side of a grid cell"},
-      {"grid", &MappingOptions::grid, "stock", {"stock", "exact"},
-       "MRPT's grid as it is, or with its half-step insertion bias removed"},
-      {"insert_distance_m", &MappingOptions::insert_distance_m, 0.5, 0.0, 100.0,
-       "travel after which a scan becomes a key frame"},
-      {"insert_angle_deg", &MappingOptions::insert_angle_rad, 20.0, 0.0, 360.0,
-       "turn after which a scan becomes a key frame"},
-      {"max_insert_range_m", &MappingOptions::max_insert_range_m, 35.0, 0.1, 1000.0,
-       "rays change the grid up to this distance"},
-      {"occupied_certainty", &MappingOptions::occupied_certainty, 0.65, 0.5, 0.999,
-       "probability that one ray gives to a cell: occupied where it ends, free before"},
-      {"no_return_is_free", &MappingOptions::no_return_is_free, true,
-       "rays without return free half of the lidar's range, where their neighbours have none either"},
-      {"max_map_cells", &MappingOptions::max_map_cells, 1.28e8, 1e4, 1e11,
-       "the method has failed when its grids, over all particles, would hold more cells"}};
+  return {{"resolution_m", &MappingOptions::resolution_m, 0.05, 0.005, 1.0, "side of a grid cell"},
+          {"grid",
+           &MappingOptions::grid,
+           "stock",
+           {"stock", "exact"},
+           "MRPT's grid as it is, or with its half-step insertion bias removed"},
+          {"insert_distance_m", &MappingOptions::insert_distance_m, 0.5, 0.0, 100.0,
+           "travel after which a scan becomes a key frame"},
+          {"insert_angle_deg", &MappingOptions::insert_angle_rad, 20.0, 0.0, 360.0,
+           "turn after which a scan becomes a key frame"},
+          {"max_insert_range_m", &MappingOptions::max_insert_range_m, 35.0, 0.1, 1000.0,
+           "rays change the grid up to this distance"},
+          {"occupied_certainty", &MappingOptions::occupied_certainty, 0.65, 0.5, 0.999,
+           "probability that one ray gives to a cell: occupied where it ends, free before"},
+          {"no_return_is_free", &MappingOptions::no_return_is_free, true,
+           "rays without return free half of the lidar's range, where their neighbours have none either"},
+          {"max_map_cells", &MappingOptions::max_map_cells, 1.28e8, 1e4, 1e11,
+           "the method has failed when its grids, over all particles, would hold more cells"}};
 }
 
 std::vector<MappingTable::Row> naiveMappingRows() {
-  return {{"draw", &MappingOptions::draw, "dots", {"dots", "rays"},
+  return {{"draw",
+           &MappingOptions::draw,
+           "dots",
+           {"dots", "rays"},
            "a dot for every return, or occupancy along whole rays"}};
 }
 
@@ -64,7 +69,8 @@ IcpTable makeIcpTable(bool with_points) {
       {"start_angle_deg", &IcpOptions::start_angle_rad, 5.0, 0.0, 90.0,
        "widens the distance of a pair far from the robot"},
       {"only_unique_robust", &IcpOptions::only_unique_robust, false,
-       "pairs must be nearest both ways; with the classic algorithm a single pair then throws the pose to the "
+       "pairs must be nearest both ways; with the classic algorithm a single pair then throws the pose to "
+       "the "
        "origin"},
       {"decimation", &IcpOptions::decimation, 2, 1, 1000, "every n-th point of the scan"},
       {"min_goodness", &IcpOptions::min_goodness, 0.4, 0.0, 1.0,
@@ -248,10 +254,12 @@ MethodOptions::MethodOptions() {
 
 const core::ParameterTable<MethodOptions>& MethodOptions::table() {
   static const core::ParameterTable<MethodOptions> kTable(
-      "method",
-      {{"type", &MethodOptions::type, "naive", {"naive", "icp", "rbpf"}, "which builder"},
-       {"odometry", &MethodOptions::odometry, "wheel", {"wheel", "argmax", "correlation"},
-        "the motion increments; wheel takes those of scans where the log has none"}});
+      "method", {{"type", &MethodOptions::type, "naive", {"naive", "icp", "rbpf"}, "which builder"},
+                 {"odometry",
+                  &MethodOptions::odometry,
+                  "wheel",
+                  {"wheel", "argmax", "correlation"},
+                  "the motion increments; wheel takes those of scans where the log has none"}});
   return kTable;
 }
 
@@ -282,18 +290,25 @@ const core::ParameterTable<ParticleOptions>& ParticleOptions::table() {
   using O = ParticleOptions;
   static const core::ParameterTable<O> kTable(
       "particles",
-      {{"algorithm", &O::algorithm, "optimal_icp", {"standard", "optimal_icp", "optimal_sampling"},
+      {{"algorithm",
+        &O::algorithm,
+        "optimal_icp",
+        {"standard", "optimal_icp", "optimal_sampling"},
         "MRPT's PF 0, 2 and 3: proposal from odometry, from ICP against the grid, by rejection sampling"},
        {"count", &O::count, 20, 1, 10000, "number of particles"},
        {"resample_below", &O::resample_below, 0.5, 0.0, 1.0, "effective share of particles that triggers it"},
-       {"resampling", &O::resampling, "multinomial", {"multinomial", "residual", "stratified", "systematic"},
+       {"resampling",
+        &O::resampling,
+        "multinomial",
+        {"multinomial", "residual", "stratified", "systematic"},
         "how particles are drawn"},
        {"power_factor", &O::power_factor, 1.0, 1e-6, 10.0, "exponent on the likelihoods"},
        {"optimal_samples", &O::optimal_samples, 250, 1, 100000, "of optimal_sampling, per particle"},
        {"likelihood_sigma_m", &O::likelihood_sigma_m, 0.2, 0.001, 10.0, "of the likelihood field"},
        {"likelihood_max_distance_m", &O::likelihood_max_distance_m, 0.3, 0.01, 10.0,
         "a return farther from every obstacle counts as this far"},
-       {"likelihood_random", &O::likelihood_random, 0.05, 0.0, 1.0, "share of returns from nothing in the map"},
+       {"likelihood_random", &O::likelihood_random, 0.05, 0.0, 1.0,
+        "share of returns from nothing in the map"},
        {"likelihood_decimation", &O::likelihood_decimation, 5, 1, 1000, "every n-th return"},
        {"likelihood_cache", &O::likelihood_cache, false,
         "8 more bytes per cell and particle; pays only with optimal_sampling"}});
@@ -307,13 +322,12 @@ MotionOptions::MotionOptions() {
 const core::ParameterTable<MotionOptions>& MotionOptions::table() {
   using O = MotionOptions;
   static const core::ParameterTable<O> kTable(
-      "motion",
-      {{"sigma_xy_m", &O::sigma_xy_m, 0.01, 0.0, 10.0, "always"},
-       {"sigma_xy_per_m", &O::sigma_xy_per_m, 0.05, 0.0, 10.0, "per metre driven"},
-       {"sigma_xy_per_rad", &O::sigma_xy_per_rad, 0.02, 0.0, 10.0, "metres per radian turned"},
-       {"sigma_turn_deg", &O::sigma_turn_rad, 0.3, 0.0, 90.0, "always"},
-       {"sigma_turn_per_m_deg", &O::sigma_turn_per_m_rad, 2.0, 0.0, 360.0, "per metre driven"},
-       {"sigma_turn_per_rad", &O::sigma_turn_per_rad, 0.05, 0.0, 10.0, "per angle turned"}});
+      "motion", {{"sigma_xy_m", &O::sigma_xy_m, 0.01, 0.0, 10.0, "always"},
+                 {"sigma_xy_per_m", &O::sigma_xy_per_m, 0.05, 0.0, 10.0, "per metre driven"},
+                 {"sigma_xy_per_rad", &O::sigma_xy_per_rad, 0.02, 0.0, 10.0, "metres per radian turned"},
+                 {"sigma_turn_deg", &O::sigma_turn_rad, 0.3, 0.0, 90.0, "always"},
+                 {"sigma_turn_per_m_deg", &O::sigma_turn_per_m_rad, 2.0, 0.0, 360.0, "per metre driven"},
+                 {"sigma_turn_per_rad", &O::sigma_turn_per_rad, 0.05, 0.0, 10.0, "per angle turned"}});
   return kTable;
 }
 

@@ -59,12 +59,12 @@ struct ParticleOptions {
   static const core::ParameterTable<ParticleOptions>& table();
 };
 
-/// Section [motion], type rbpf: MRPT's Gaussian motion model. The standard deviations of an increment of length
-/// d (metres) and turn a (radians, absolute) are
+/// Section [motion], type rbpf: MRPT's Gaussian motion model. The standard deviations of an increment of
+/// length d (metres) and turn a (radians, absolute) are
 ///   x, y: sigma_xy_m + sigma_xy_per_m * d + sigma_xy_per_rad * a
 ///   phi:  sigma_turn + sigma_turn_per_m * d + sigma_turn_per_rad * a
-/// (CActionRobotMovement2D, mmGaussian). They replace what a log or a scan matcher says of its increments: the
-/// particle filter of MRPT keeps only the mean of the increments between its updates.
+/// (CActionRobotMovement2D, mmGaussian). For increments of the wheels; those estimated from scans bring their
+/// own spread.
 struct MotionOptions {
   double sigma_xy_m, sigma_xy_per_m, sigma_xy_per_rad;
   double sigma_turn_rad, sigma_turn_per_m_rad, sigma_turn_per_rad;
@@ -83,7 +83,8 @@ struct MethodConfig {
   std::vector<core::ParameterReport> report;
 };
 
-/// Errors (InputError): every misspelt, impossible or contradictory key; a section that the type does not use.
+/// Errors (InputError): every misspelt, impossible or contradictory key; a section that the type does not
+/// use.
 MethodConfig readMethodConfig(const core::IniFile& ini);
 
 /// The text that MRPT's builders and programs read. REQUIRES type icp or rbpf (ContractError).

@@ -1,6 +1,6 @@
 #pragma once
-/// The one place that knows which MRPT is installed. Written against 2.5.8 (Debian 12); the branches for later
-/// versions follow the tags in which the interfaces changed.
+/// The one place that knows which MRPT is installed. Written against 2.5.8 (Debian 12); the branches for
+/// later versions follow the tags in which the interfaces changed.
 #if __has_include(<mrpt/core/version.h>)
 #include <mrpt/core/version.h>
 #else

@@ -1,6 +1,6 @@
 #include "libslam/mapping/naive_map_builder.h"
 
-#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/math/TPose2D.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
@@ -38,7 +38,7 @@ void drawDots(mrpt::maps::COccupancyGridMap2D& grid, const std::vector<core::Poi
 
 }  // namespace
 
-NaiveMapBuilder::NaiveMapBuilder(const MappingOptions& options) : options_(options) {
+NaiveMapBuilder::NaiveMapBuilder(const MappingOptions& mapping) : options_(mapping) {
   initialize();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-#include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/maps/CMultiMetricMap.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/poses/CPose2D.h>
 #include <mrpt/slam/CMetricMapBuilder.h>
@@ -15,10 +15,11 @@ namespace slam::mapping {
 /// odometry). With draw = rays whole rays change the occupancy, as in the other methods. The map holds one
 /// occupancy grid; with dots a cell is either fully occupied or unknown.
 ///
-/// Every scan is drawn; the key frames of the simple map are taken after insert_distance_m or insert_angle_deg.
+/// Every scan is drawn; the key frames of the simple map are taken after insert_distance_m or
+/// insert_angle_deg.
 class NaiveMapBuilder : public mrpt::slam::CMetricMapBuilder {
  public:
-  explicit NaiveMapBuilder(const MappingOptions& options);
+  explicit NaiveMapBuilder(const MappingOptions& mapping);
 
   void initialize(const mrpt::maps::CSimpleMap& initialMap = mrpt::maps::CSimpleMap(),
                   const mrpt::poses::CPosePDF* x0 = nullptr) override;
@@ -30,6 +31,7 @@ class NaiveMapBuilder : public mrpt::slam::CMetricMapBuilder {
   compat::BuiltMap getCurrentlyBuiltMetricMap() const override;
   /// Writes a picture of the grid; the format follows the suffix.
   void saveCurrentEstimationToImage(RASTERSLAM_MRPT_SAVE_IMAGE_ARGUMENTS) override;
+  bool drawsDots() const { return options_.draw == "dots"; }
 
  private:
   void draw(const mrpt::obs::CSensoryFrame& observations);
