@@ -221,6 +221,12 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   }
   comparison.accuracy =
       truth ? accuracyTable(comparison.evaluations, *truth) : agreementTable(comparison.evaluations, runs);
+  if (!runs.empty()) {
+    const std::string steps = runs.front().manifest.results.at("steps_without_odometry");
+    if (steps != "0")
+      comparison.accuracy.notes.push_back(steps + " steps of the log come without odometry; methods that want the " +
+                                          "wheels get increments estimated from the scans there.");
+  }
   comparison.cost = costTable(comparison.evaluations);
   writeTable(comparison.accuracy, request.output + "/scores");
   core::writeFileAtomically(request.output + "/cost.csv", report::toCsv(comparison.cost));
