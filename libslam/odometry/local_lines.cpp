@@ -11,6 +11,8 @@ constexpr double kLongest_m = 1.5;          // a longer line gains nothing and b
 constexpr double kSmallestSpread_m = 0.01;  // walls are not straighter than this, nor drawn finer
 constexpr double kSteepest = 8;             // two beams on one surface seen at up to about 83 degrees
 
+constexpr double kWorstNormal_rad = 0.15;
+
 /// Running second moments of a set of points.
 struct Moments {
   double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
@@ -29,6 +31,27 @@ struct Moments {
     return std::max(0.0, (sxx + syy) / 2 - std::hypot((sxx - syy) / 2, sxy)) / n;
   }
 };
+
+/// Range noise seen in the scan itself. A straight wall at distance d and bearing a has the inverse ranges
+/// cos(angle - a) / d, a sinusoid of the angle, so that u[i-1] - 2 cos(step) u[i] + u[i+1] is 0 on any wall,
+/// however steeply seen; what is left is noise, which dr = -r^2 du takes to metres. The median over all beams
+/// ignores corners and edges.
+double estimateNoise(const robot::Scan& scan) {
+  const double c = 2 * std::cos(scan.step_rad);
+  const double gain = std::sqrt(2 + c * c);
+  std::vector<double> noise;
+  for (size_t i = 1; i + 1 < scan.ranges_m.size(); ++i) {
+    const double left = scan.ranges_m[i - 1], middle = scan.ranges_m[i], right = scan.ranges_m[i + 1];
+    if (!robot::isReturn(scan.ranges_m[i - 1]) || !robot::isReturn(scan.ranges_m[i]) ||
+        !robot::isReturn(scan.ranges_m[i + 1]))
+      continue;
+    noise.push_back(middle * middle * std::abs(1 / left - c / middle + 1 / right) / gain);
+  }
+  if (noise.empty()) return 0;
+  const auto median = noise.begin() + static_cast<long>(noise.size() / 2);
+  std::nth_element(noise.begin(), median, noise.end());
+  return 1.4826 * *median;  // median of the size to standard deviation, for a normal distribution
+}
 
 class LineGrower {
  public:
@@ -65,7 +88,7 @@ class LineGrower {
         tip[side] = p;
       }
     }
-    finish(moments, tip, line);
+    finish(moments, tip, model_.sigma_m, line);
     return line;
   }
 
@@ -86,14 +109,14 @@ class LineGrower {
            kSteepest * range * model_.step_rad + 4 * model_.sigma_m;
   }
 
-  static void finish(const Moments& moments, const core::Point2 (&tip)[2], LocalLine& line) {
+  static void finish(const Moments& moments, const core::Point2 (&tip)[2], double sigma_m, LocalLine& line) {
     if (moments.n < 3) return;
     double sxx, sxy, syy;
     moments.scatter(sxx, sxy, syy);
     const double along = (sxx + syy) / 2 + std::hypot((sxx - syy) / 2, sxy);
     if (along <= 0) return;
     const double direction = 0.5 * std::atan2(2 * sxy, sxx - syy);
-    line.valid = true;
+    line.valid = sigma_m * sigma_m / along < kWorstNormal_rad * kWorstNormal_rad;
     line.normal = {-std::sin(direction), std::cos(direction)};
     // Variance of a fitted slope: sigma^2 / sum of squared abscissae.
     line.normal_variance_per_sigma = 1 / along;
@@ -117,7 +140,8 @@ ScanLines findLocalLines(const robot::Scan& scan) {
   model.first_angle_rad = scan.first_angle_rad;
   model.step_rad = scan.step_rad;
   model.full_circle = scan.isFullCircle();
-  model.sigma_m = std::clamp(scan.range_sigma_m, 0.002, 0.1);
+  // What a sensor states may be several times too small.
+  model.sigma_m = std::clamp(std::max(scan.range_sigma_m, estimateNoise(scan)), 0.002, 0.1);
   model.is_return.assign(n, 0);
   model.points.assign(n, {});
   for (size_t i = 0; i < n; ++i) {

@@ -20,15 +20,20 @@ constexpr double kSmallestScale_m = 1e-3;  // keeps noise-free scans from dividi
 constexpr double kCostCut_m = 0.10;        // a residual of this size costs as much as no match
 constexpr double kNormalAgreement = 0.7;   // cosine; surfaces turned more than 45 degrees are not the same
 constexpr double kEndMargin_m = 0.05;      // a point may lie this far beyond the end of its line
+/// The scale starts wide and narrows: along a corridor a few door posts tell the motion, and at a wrong start
+/// they look like outliers among walls that fit anyhow.
+constexpr double kFirstScale_m = 0.2, kNarrowing = 0.7;
 constexpr int kFewestPairs = 6;
 /// A direction counts as determined when at least this share of its information is not feigned.
 constexpr double kGenuineShare = 0.3;
+constexpr double kLargestStd = 0.05;  // metres (or radians): worse than this is no measurement
 
 struct Pair {
   Vector3d jacobian;        // of the residual by (x, y, phi)
   Vector3d by_normal_turn;  // of the jacobian by the direction of the normal
   double residual_m;
   double normal_variance;  // rad^2 per m^2
+core::Point2 q;
 };
 
 struct Pairs {
@@ -67,7 +72,7 @@ class Matcher {
           {{line.normal.x, line.normal.y, line.normal.x * swing.x + line.normal.y * swing.y},
            {-line.normal.y, line.normal.x, -line.normal.y * swing.x + line.normal.x * swing.y},
            residual,
-           line.normal_variance_per_sigma});
+           line.normal_variance_per_sigma,q});
     }
     return pairs;
   }
@@ -130,7 +135,7 @@ struct Equations {
   int inliers = 0;
 };
 
-Equations normalEquations(const std::vector<Pair>& pairs, double scale_m) {
+Equations normalEquations(const std::vector<Pair>& pairs, double scale_m, double noise_m) {
   Equations eq;
   const double c = kCauchy * scale_m;
   for (const Pair& p : pairs) {
@@ -138,8 +143,7 @@ Equations normalEquations(const std::vector<Pair>& pairs, double scale_m) {
     const double w = 1 / (1 + ratio * ratio);
     eq.information += w * p.jacobian * p.jacobian.transpose();
     eq.gradient += w * p.residual_m * p.jacobian;
-    // The residual of raw against raw points has twice the variance of one range; a line has one.
-    const double normal_variance = p.normal_variance * scale_m * scale_m / 2;
+    const double normal_variance = p.normal_variance * noise_m * noise_m;
     eq.feigned += w * normal_variance * p.by_normal_turn * p.by_normal_turn.transpose();
     if (std::abs(ratio) < 1) ++eq.inliers;
   }
@@ -153,13 +157,17 @@ struct Directions {
   Basis determined;
 };
 
-Directions analyse(const Equations& eq) {
+Directions analyse(const Equations& eq, double noise_m) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(eq.information - eq.feigned);
   Directions d{solver.eigenvectors(), solver.eigenvalues().cwiseMax(0.0), Basis(3, 0)};
   for (int k = 0; k < 3; ++k) {
     const Vector3d axis = d.axes.col(k);
     const double whole = axis.dot(eq.information * axis);
-    if (whole <= 0 || d.genuine[k] <= kGenuineShare * whole) continue;
+    const double weakest = 2 * noise_m * noise_m / (kLargestStd * kLargestStd);
+    if (d.genuine[k] <= std::max(kGenuineShare * whole, weakest)) {
+      d.genuine[k] = 0;
+      continue;
+    }
     d.determined.conservativeResize(3, d.determined.cols() + 1);
     d.determined.rightCols<1>() = axis;
   }
@@ -200,28 +208,38 @@ PlanarFit fitPlanarMotion(const ScanLines& reference, const ScanLines& moving, c
   PlanarFit fit;
   fit.T_reference_moving = guess;
   fit.covariance = {1 / prior[0], 0, 0, 0, 1 / prior[1], 0, 0, 0, 1 / prior[2]};
-  double gate = std::max(0.5 * options.max_move_m, 0.1);
+  // The noise of the ranges themselves, not of the residuals: far from the solution those say nothing of it.
+  const double range_noise = std::max(reference.sigma_m, moving.sigma_m);
+  double gate = std::max(0.5 * options.max_move_m, 0.1), widened = kFirstScale_m;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     const Pairs pairs = matcher.match(fit.T_reference_moving, options.stride, gate);
     fit.compared = pairs.compared;
     fit.matched = static_cast<int>(pairs.matched.size());
     fit.cost = meanCost(pairs);
     if (fit.matched < kFewestPairs) return fit;
-    const double scale = robustScale(pairs.matched);
-    const Equations eq = normalEquations(pairs.matched, scale);
+    const double noise = robustScale(pairs.matched);
+    const double scale = std::max(noise, widened);
+    const Equations eq = normalEquations(pairs.matched, scale, range_noise);
     fit.matched = eq.inliers;
-    const Directions directions = analyse(eq);
+    const Directions directions = analyse(eq, range_noise);
+    if (getenv("DBG")) {
+      if (iteration==12) for (auto& p: pairs.matched) if (std::abs(p.jacobian[0])>0.3) fprintf(stderr,"  J %.2f %.2f %.2f e %.4f nv %.1f at %.2f %.2f\n",p.jacobian[0],p.jacobian[1],p.jacobian[2],p.residual_m,p.normal_variance,p.q.x,p.q.y);
+      Eigen::SelfAdjointEigenSolver<Matrix3d> es(eq.information);
+      fprintf(stderr, "it %d T %.3f %.3f %.2f pairs %zu/%d noise %.4f scale %.4f raw %.2f %.2f %.2f gen %.2f %.2f %.2f feig %.3f %.3f det %d cost %.4f\n", iteration, fit.T_reference_moving.x, fit.T_reference_moving.y, fit.T_reference_moving.phi*57.3, pairs.matched.size(), pairs.compared, noise, scale, es.eigenvalues()[0], es.eigenvalues()[1], es.eigenvalues()[2], directions.genuine[0], directions.genuine[1], directions.genuine[2], eq.feigned(0,0), eq.feigned(1,1), (int)directions.determined.cols(), fit.cost);
+    }
     fit.degenerate = directions.determined.cols() < 3;
     const Vector3d step = newtonStep(eq, directions.determined);
     Matrix3d information =
-        directions.axes * (directions.genuine / (scale * scale)).asDiagonal() * directions.axes.transpose();
+        directions.axes * (directions.genuine / (noise * noise)).asDiagonal() * directions.axes.transpose();
     information.diagonal() += prior;
     storeCovariance(information.inverse(), fit.covariance);
     fit.T_reference_moving.x += step[0];
     fit.T_reference_moving.y += step[1];
     fit.T_reference_moving.phi = core::wrapToPi(fit.T_reference_moving.phi + step[2]);
-    gate = std::max({0.7 * gate, 6 * scale, 0.05});
-    if (std::abs(step[0]) + std::abs(step[1]) < 1e-6 && std::abs(step[2]) < 1e-7) break;
+    gate = std::max({kNarrowing * gate, 6 * noise, 0.05});
+    const bool narrow = widened <= noise;
+    widened *= kNarrowing;
+    if (narrow && std::abs(step[0]) + std::abs(step[1]) < 1e-6 && std::abs(step[2]) < 1e-7) break;
   }
   return fit;
 }
