@@ -11,7 +11,13 @@ constexpr double kLongest_m = 1.5;          // a longer line gains nothing and b
 constexpr double kSmallestSpread_m = 0.01;  // walls are not straighter than this, nor drawn finer
 constexpr double kSteepest = 8;             // two beams on one surface seen at up to about 83 degrees
 
+constexpr int kFewPoints = 5;
 constexpr double kWorstNormal_rad = 0.15;
+
+double squaredDistance(const core::Point2& a, const core::Point2& b) {
+  const double dx = a.x - b.x, dy = a.y - b.y;
+  return dx * dx + dy * dy;
+}
 
 /// Running second moments of a set of points.
 struct Moments {
@@ -28,7 +34,8 @@ struct Moments {
   double spread() const {
     double sxx, sxy, syy;
     scatter(sxx, sxy, syy);
-    return std::max(0.0, (sxx + syy) / 2 - std::hypot((sxx - syy) / 2, sxy)) / n;
+    const double half = (sxx - syy) / 2;
+    return std::max(0.0, (sxx + syy) / 2 - std::sqrt(half * half + sxy * sxy)) / n;
   }
 };
 
@@ -80,8 +87,10 @@ class LineGrower {
                              model_.points[static_cast<size_t>(next)].y - origin.y};
         Moments grown = moments;
         grown.add(p);
-        open[side] = grown.spread() <= largest_spread_ &&
-                     core::distance(p, tip[1 - side]) <= std::max(kLongest_m, 0.0) + shortStretch(moments);
+        // Far walls have their beams far apart: a few points may always stretch further.
+        const bool short_enough =
+            moments.n < kFewPoints || squaredDistance(p, tip[1 - side]) <= kLongest_m * kLongest_m;
+        open[side] = short_enough && grown.spread() <= largest_spread_;
         if (!open[side]) continue;
         moments = grown;
         end[side] = next;
@@ -93,9 +102,6 @@ class LineGrower {
   }
 
  private:
-  /// Lines of fewer than 3 points may be longer than the limit: far walls have their beams far apart.
-  static double shortStretch(const Moments& moments) { return moments.n < 5 ? 1e9 : 0.0; }
-
   long wrap(long beam) const {
     const long n = static_cast<long>(model_.points.size());
     if (beam >= 0 && beam < n) return beam;
@@ -105,8 +111,8 @@ class LineGrower {
   bool sameSurface(size_t a, size_t b) const {
     if (!model_.is_return[b]) return false;
     const double range = std::min(scan_.ranges_m[a], scan_.ranges_m[b]);
-    return core::distance(model_.points[a], model_.points[b]) <=
-           kSteepest * range * model_.step_rad + 4 * model_.sigma_m;
+    const double gap = kSteepest * range * model_.step_rad + 4 * model_.sigma_m;
+    return squaredDistance(model_.points[a], model_.points[b]) <= gap * gap;
   }
 
   static void finish(const Moments& moments, const core::Point2 (&tip)[2], double sigma_m, LocalLine& line) {
@@ -119,7 +125,7 @@ class LineGrower {
     line.valid = sigma_m * sigma_m / along < kWorstNormal_rad * kWorstNormal_rad;
     line.normal = {-std::sin(direction), std::cos(direction)};
     // Variance of a fitted slope: sigma^2 / sum of squared abscissae.
-    line.normal_variance_per_sigma = 1 / along;
+    line.normal_variance_per_m2 = 1 / along;
     const core::Point2 tangent{-line.normal.y, line.normal.x};
     const double t0 = tangent.x * tip[0].x + tangent.y * tip[0].y;
     const double t1 = tangent.x * tip[1].x + tangent.y * tip[1].y;

@@ -20,9 +20,15 @@ constexpr double kSmallestScale_m = 1e-3;  // keeps noise-free scans from dividi
 constexpr double kCostCut_m = 0.10;        // a residual of this size costs as much as no match
 constexpr double kNormalAgreement = 0.7;   // cosine; surfaces turned more than 45 degrees are not the same
 constexpr double kEndMargin_m = 0.05;      // a point may lie this far beyond the end of its line
-/// The scale starts wide and narrows: along a corridor a few door posts tell the motion, and at a wrong start
-/// they look like outliers among walls that fit anyhow.
-constexpr double kFirstScale_m = 0.2, kNarrowing = 0.7;
+constexpr double kStill_m = 1e-5, kStill_rad = 1e-6;  // far below any range noise
+constexpr double kNarrowing = 0.7;                    // of the first scale and the gate, per iteration
+/// Least share of the range noise that is believed to be left across a grazed line: walls are not ideal.
+constexpr double kGrazing = 0.5;
+/// Neighbouring pairs share points of the reference, and the nearest point hides part of the noise, so the
+/// residuals look smaller and more independent than they are. Measured: with 1 cm range noise in a simulated
+/// office (361 beams, 2082 scans) the mean normalised squared error is 1.6 times what it should be without
+/// it.
+constexpr double kSharing = 1.6;
 constexpr int kFewestPairs = 6;
 /// A direction counts as determined when at least this share of its information is not feigned.
 constexpr double kGenuineShare = 0.3;
@@ -33,7 +39,6 @@ struct Pair {
   Vector3d by_normal_turn;  // of the jacobian by the direction of the normal
   double residual_m;
   double normal_variance;  // rad^2 per m^2
-core::Point2 q;
 };
 
 struct Pairs {
@@ -53,7 +58,7 @@ class Matcher {
       const core::Point2& p = moving_.points[i];
       const core::Point2 arm{c * p.x - s * p.y, s * p.x + c * p.y};  // from the lidar, turned
       const core::Point2 q{T.x + arm.x, T.y + arm.y};
-      const double range = std::hypot(q.x, q.y);
+      const double range = std::sqrt(q.x * q.x + q.y * q.y);
       const double u = beamAt(q);
       if (!inView(u) || range <= 0) continue;
       ++pairs.compared;
@@ -67,12 +72,16 @@ class Matcher {
       if (!normalsAgree(moving_.lines[i], line, c, s)) continue;
       const double residual = line.normal.x * d.x + line.normal.y * d.y;
       if (std::abs(residual) > gate_m) continue;
+      // Range noise acts along the beam; across the line only its share by the angle of incidence is seen.
+      const double incidence = std::abs(line.normal.x * q.x + line.normal.y * q.y) / range;
+      const double w = 1 / std::max(incidence, kGrazing);
       const core::Point2 swing{-arm.y, arm.x};
+      const Vector3d jacobian(line.normal.x, line.normal.y,
+                              line.normal.x * swing.x + line.normal.y * swing.y);
+      const Vector3d by_normal_turn(-line.normal.y, line.normal.x,
+                                    -line.normal.y * swing.x + line.normal.x * swing.y);
       pairs.matched.push_back(
-          {{line.normal.x, line.normal.y, line.normal.x * swing.x + line.normal.y * swing.y},
-           {-line.normal.y, line.normal.x, -line.normal.y * swing.x + line.normal.x * swing.y},
-           residual,
-           line.normal_variance_per_sigma,q});
+          {w * jacobian, w * by_normal_turn, w * residual, line.normal_variance_per_m2});
     }
     return pairs;
   }
@@ -210,7 +219,7 @@ PlanarFit fitPlanarMotion(const ScanLines& reference, const ScanLines& moving, c
   fit.covariance = {1 / prior[0], 0, 0, 0, 1 / prior[1], 0, 0, 0, 1 / prior[2]};
   // The noise of the ranges themselves, not of the residuals: far from the solution those say nothing of it.
   const double range_noise = std::max(reference.sigma_m, moving.sigma_m);
-  double gate = std::max(0.5 * options.max_move_m, 0.1), widened = kFirstScale_m;
+  double gate = options.gate_m, widened = options.first_scale_m;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     const Pairs pairs = matcher.match(fit.T_reference_moving, options.stride, gate);
     fit.compared = pairs.compared;
@@ -222,15 +231,10 @@ PlanarFit fitPlanarMotion(const ScanLines& reference, const ScanLines& moving, c
     const Equations eq = normalEquations(pairs.matched, scale, range_noise);
     fit.matched = eq.inliers;
     const Directions directions = analyse(eq, range_noise);
-    if (getenv("DBG")) {
-      if (iteration==12) for (auto& p: pairs.matched) if (std::abs(p.jacobian[0])>0.3) fprintf(stderr,"  J %.2f %.2f %.2f e %.4f nv %.1f at %.2f %.2f\n",p.jacobian[0],p.jacobian[1],p.jacobian[2],p.residual_m,p.normal_variance,p.q.x,p.q.y);
-      Eigen::SelfAdjointEigenSolver<Matrix3d> es(eq.information);
-      fprintf(stderr, "it %d T %.3f %.3f %.2f pairs %zu/%d noise %.4f scale %.4f raw %.2f %.2f %.2f gen %.2f %.2f %.2f feig %.3f %.3f det %d cost %.4f\n", iteration, fit.T_reference_moving.x, fit.T_reference_moving.y, fit.T_reference_moving.phi*57.3, pairs.matched.size(), pairs.compared, noise, scale, es.eigenvalues()[0], es.eigenvalues()[1], es.eigenvalues()[2], directions.genuine[0], directions.genuine[1], directions.genuine[2], eq.feigned(0,0), eq.feigned(1,1), (int)directions.determined.cols(), fit.cost);
-    }
     fit.degenerate = directions.determined.cols() < 3;
     const Vector3d step = newtonStep(eq, directions.determined);
-    Matrix3d information =
-        directions.axes * (directions.genuine / (noise * noise)).asDiagonal() * directions.axes.transpose();
+    Matrix3d information = directions.axes * (directions.genuine / (kSharing * noise * noise)).asDiagonal() *
+                           directions.axes.transpose();
     information.diagonal() += prior;
     storeCovariance(information.inverse(), fit.covariance);
     fit.T_reference_moving.x += step[0];
@@ -239,7 +243,7 @@ PlanarFit fitPlanarMotion(const ScanLines& reference, const ScanLines& moving, c
     gate = std::max({kNarrowing * gate, 6 * noise, 0.05});
     const bool narrow = widened <= noise;
     widened *= kNarrowing;
-    if (narrow && std::abs(step[0]) + std::abs(step[1]) < 1e-6 && std::abs(step[2]) < 1e-7) break;
+    if (narrow && std::abs(step[0]) + std::abs(step[1]) < kStill_m && std::abs(step[2]) < kStill_rad) break;
   }
   return fit;
 }
