@@ -25,7 +25,12 @@ struct CompareRequest {
   std::string methods_folder;
   std::string output;  ///< folder
   std::uint64_t seed = 1;
-  int threads = 1;  ///< methods run side by side; memory is only measured with 1
+  int threads = 1;  ///< methods run side by side
+  /// The rasterslam program: each method then runs as `PROGRAM run METHOD LOG`, a process of its own, so that
+  /// a crash or a runaway is its own row and its memory can be measured. "" runs them in this process,
+  /// without figures of memory.
+  std::string program;
+  bool quiet = false;  ///< hand --quiet to those processes
   bool overwrite = false, resume = false;
 };
 
