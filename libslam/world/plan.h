@@ -33,11 +33,12 @@ struct PlanOptions {
   bool negate = false;
   double occupied_threshold = 0.65;  ///< occupied when (255 - gray) / 255 is above (ROS map_server's rule)
   double free_threshold = 0.196;     ///< free when below; between the two unknown
-  bool allow_empty = false;  ///< accept a picture without walls or without free space (an estimated map may be one)
+  bool allow_empty =
+      false;  ///< accept a picture without walls or without free space (an estimated map may be one)
 };
 
 /// Reads a plan: a ROS map yaml (by its suffix; image, resolution, origin, negate, thresholds, mode
-/// trinary/scale/raw; `options` are not used), or a picture bmp, png, pgm, jpg with `options`.
+/// trinary/scale/raw; of `options` only allow_empty counts), or a picture bmp, png, pgm, jpg with `options`.
 ///
 /// Gray is the mean of the colours, 8 or 16 bits. A bare picture with an alpha channel that is not opaque
 /// everywhere follows the founding raster lidar: alpha at its maximum is an obstacle, anything less is free;
