@@ -50,13 +50,15 @@ struct LogCounts {
 /// first; corrupt: with the same, where a gzip'ed log is checked whole before its first entry and the number
 /// is an estimate; no scan of the named label (then with the labels that are there); a scan that
 /// robot::fromMrpt refuses, or odometry that is not finite: with the number of the entry. The checksum comes
-/// first because MRPT's parsers may crash on damaged bytes; a plain log has none, and its damage shows only
-/// where it breaks the structure. What nobody can tell: a plain log that was cut exactly between two entries.
+/// first because MRPT's parsers may crash on damaged bytes; a plain log has none, nor has one that is cut:
+/// there damage shows only where it breaks the structure. What nobody can tell: a plain log that was cut
+/// exactly between two entries.
 ///
 /// Cost: a gzip'ed log is unpacked twice.
 ///
-/// MRPT recomputes the distribution of actions of model mmThrun while it loads them, with numbers drawn from
-/// its global generator of the calling thread: seed that generator after opening such a log, not before.
+/// MRPT recomputes the distribution of actions of model mmThrun while it loads them, with numbers from its
+/// generator of the calling thread. What next() gives does not depend on them, but a method that draws from
+/// the same generator gets other ones than with a log of mmGaussian actions (the same ones for the same log).
 class LogReader {
  public:
   explicit LogReader(const std::string& path, const std::string& sensor_label = "");

@@ -352,31 +352,32 @@ TEST(LogReader, NoticesACutAnywhereInAPackedLog) {
 
 TEST(LogReader, NoticesACutInAPlainLogUnlessItFallsBetweenTwoEntries) {
   const testing::TempFolder folder;
-  std::vector<size_t> borders;  // brute force: the size of every shorter log
-  for (int count = 1; count <= 3; ++count) {
-    auto entries = sampleEntries(count);
-    writeLog(entries, folder / "a.rawlog", RawlogForm::kActionFrame);
+  std::vector<size_t> borders;  // brute force: the sizes of the shorter logs
+  for (int count = 0; count <= 3; ++count) {
+    writeLog(sampleEntries(count), folder / "a.rawlog", RawlogForm::kObservationOnly);
     borders.push_back(unpacked(folder / "a.rawlog").size());
   }
   const auto plain = unpacked(folder / "a.rawlog");
-  size_t clean_ends = 0;
-  for (size_t size = 1; size < plain.size(); ++size) {
+  const auto outcomeOf = [&](size_t size) {
     writeBytes(plain.substr(0, size), folder / "cut.rawlog");
-    const auto outcome = readOutcome(folder / "cut.rawlog");
-    if (outcome.error.empty()) {
+    return readOutcome(folder / "cut.rawlog");
+  };
+  EXPECT_EQ(outcomeOf(borders[1]).error, "");
+  EXPECT_EQ(outcomeOf(borders[2]).error, "");
+  EXPECT_EQ(outcomeOf(20).error,
+            folder / "cut.rawlog" + ": is not an MRPT rawlog: it starts with other data");
+  // Every cut inside the second pair; only the end of its odometry is a border between entries as well.
+  size_t clean_ends = 0;
+  for (size_t size = borders[1] + 1; size < borders[2]; ++size) {
+    const auto outcome = outcomeOf(size);
+    ASSERT_EQ(outcome.entries, 1U) << "cut at " << size;
+    if (outcome.error.empty())
       ++clean_ends;
-      continue;
-    }
-    const bool in_first_header =
-        outcome.error == folder / "cut.rawlog" + ": is not an MRPT rawlog: it starts with other data";
-    ASSERT_TRUE(in_first_header ? size < 30
-                                : outcome.error.find(": truncated: ends at byte ") != std::string::npos)
-        << outcome.error;
-    const auto whole =
-        static_cast<size_t>(std::upper_bound(borders.begin(), borders.end(), size) - borders.begin());
-    ASSERT_EQ(outcome.entries, whole) << "cut at " << size;
+    else
+      ASSERT_THAT(outcome.error, HasSubstr(": truncated: ends at byte " + std::to_string(size) + " of "))
+          << size;
   }
-  EXPECT_EQ(clean_ends, 5U) << "3 actions and 3 frames have 5 borders inside the log";
+  EXPECT_EQ(clean_ends, 1U);
 }
 
 // MRPT's parsers crash on some of these: they must not see them.
@@ -384,6 +385,7 @@ TEST(LogReader, NoticesEveryFlippedByteOfAPackedLogBeforeItsFirstEntry) {
   const testing::TempFolder folder;
   writeLog(sampleEntries(4), folder / "a.rawlog", RawlogForm::kActionFrame);
   const auto bytes = readBytes(folder / "a.rawlog");
+  size_t looks_like_cuts = 0;
   for (size_t i = 0; i < bytes.size(); ++i) {
     // RFC 1952, 2.3: time, level and system; none of them is content, none is covered by the checksum.
     if (i >= 4 && i < 10) continue;
@@ -393,10 +395,15 @@ TEST(LogReader, NoticesEveryFlippedByteOfAPackedLogBeforeItsFirstEntry) {
       flipped[i] = static_cast<char>(flipped[i] ^ (1 << bit));
       writeBytes(flipped, folder / "flipped.rawlog");
       const auto outcome = readOutcome(folder / "flipped.rawlog");
-      ASSERT_EQ(outcome.entries, 0U) << "byte " << i << " bit " << bit;
       ASSERT_NE(outcome.error, "") << "byte " << i << " bit " << bit;
+      // Where the flip hides the mark that ends the data, the file looks cut, and what is before a cut is
+      // read.
+      const bool looks_cut = outcome.error.find(": truncated: ends at byte ") != std::string::npos;
+      looks_like_cuts += looks_cut;
+      ASSERT_TRUE(looks_cut || outcome.entries == 0) << "byte " << i << " bit " << bit;
     }
   }
+  EXPECT_LT(looks_like_cuts, bytes.size() / 20) << "should be rare";
 }
 
 TEST(LogReader, ReportsAChecksumThatDoesNotMatch) {
