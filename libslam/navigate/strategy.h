@@ -15,8 +15,8 @@ namespace slam::navigate {
 enum class FreeWays { kBoth = 0, kFrontOnly = 1, kRearOnly = 2, kNone = 3 };
 
 /// Front sector: beams within +-45 degrees of the heading; rear: within +-45 degrees of straight back. A way
-/// is blocked when any return in its sector is nearer than clearance_m, and when the lidar does not see that
-/// sector.
+/// is blocked when any return in its sector lies nearer than clearance_m to the robot's centre, and when the
+/// lidar does not see that sector: when its readings (lost ones do not count) cover less than half of it.
 FreeWays canMove(const robot::Scan& scan, double clearance_m);
 
 /// What a strategy decides: turn by turn_rad, then drive distance_m, and why.
@@ -42,18 +42,30 @@ struct StrategyOptions {
   double divisor_min,
       divisor_max;  ///< drive (longest ray / u), u uniform in between; the founding document: 0.1 .. 2.0
   double stop_clearance_m;  ///< w of CanMove
+  double back_off_m;        ///< how far to go back when the way ahead is blocked at once
+  int patience;             ///< decisions in a row without progress before a random free direction
   StrategyOptions();
   static const core::ParameterTable<StrategyOptions>& table();
 };
+
+/// Errors: unknown name, divisor_max below divisor_min (InputError).
 std::unique_ptr<Strategy> makeStrategy(const StrategyOptions& options, core::RandomStream random);
 std::vector<std::string> strategyNames();
 
 /// Turns decisions into commands of one scan period each, looks at every scan, and stops early when the way
 /// ahead is blocked. Asks the strategy again when the current decision is carried out or given up.
+///
+/// A command is a turn in place or a straight drive, within the robot's limits. The drive stops when CanMove
+/// reports the way blocked, and never goes farther in one period than the disc around the footprint can be
+/// shifted before it comes near to a return of the newest scan (a margin of 2 cm and three standard
+/// deviations of the range). When nothing was driven before the stop, it goes back by back_off_m where the
+/// rear is free. After `patience` decisions without progress it turns to a random direction in which the disc
+/// can leave, where only the disc has to fit. The same scans, poses and random stream give the same commands.
 class Driver {
  public:
+  /// Errors: period_s not positive, no strategy (ContractError).
   Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& options, const robot::RobotOptions& robot,
-         double period_s);
+         double period_s, core::RandomStream random);
   ~Driver();
   /// The command for the next period. `collided`: the last command ended in a collision.
   robot::Command next(const robot::Scan& scan, const core::Pose2& T_odom_robot, bool collided);

@@ -1,0 +1,20 @@
+#pragma once
+#include "libslam/navigate/strategy.h"
+
+namespace slam::navigate {
+
+/// The founding strategy: turn to the longest ray and drive (its length / u), u uniform between the two
+/// divisors. A ray without return counts as the maximum range; of equal rays the first counter-clockwise from
+/// straight ahead wins. It soon shuttles along the longest diagonal of a room: kept so, for comparison.
+class LongestRay : public Strategy {
+ public:
+  LongestRay(const StrategyOptions& options, core::RandomStream random)
+      : options_(options), random_(random) {}
+  Decision decide(const robot::Scan& scan, const core::Pose2& T_odom_robot) override;
+
+ private:
+  StrategyOptions options_;
+  core::RandomStream random_;
+};
+
+}  // namespace slam::navigate

@@ -1,0 +1,28 @@
+#pragma once
+#include <optional>
+
+#include "libslam/navigate/strategy.h"
+
+namespace slam::navigate {
+
+/// The founding improvement: the view is split into four quadrants around the heading (front-left, rear-left,
+/// rear-right, front-right), the longest ray of each is a candidate, and a candidate that leads back the way
+/// the robot came (within 45 degrees of the direction to where the last drive began, by odometry) is not
+/// chosen. Of the others the longest wins; the drive is as LongestRay's. Where no other candidate is longer
+/// than the stop clearance, a dead end, the way back is taken after all.
+class Quadrant : public Strategy {
+ public:
+  Quadrant(const StrategyOptions& options, core::RandomStream random) : options_(options), random_(random) {}
+  Decision decide(const robot::Scan& scan, const core::Pose2& T_odom_robot) override;
+
+ private:
+  void rememberWay(const core::Pose2& T_odom_robot);
+  bool leadsBack(double angle_rad, const core::Pose2& T_odom_robot) const;
+
+  StrategyOptions options_;
+  core::RandomStream random_;
+  std::optional<core::Pose2> T_odom_here_;  ///< place of the newest decision
+  std::optional<core::Pose2> T_odom_from_;  ///< place of the decision that led here
+};
+
+}  // namespace slam::navigate

@@ -1,0 +1,65 @@
+#include "libslam/sim/operation_log.h"
+
+#include <cmath>
+#include <sstream>
+
+#include "libslam/core/error.h"
+#include "libslam/core/parameters.h"
+
+namespace slam::sim {
+namespace {
+
+size_t readingsOf(char kind) {
+  return kind == 'm' ? 2 : 1;
+}
+
+Operation parseLine(const std::string& line, const std::string& where) {
+  const auto fail = [&]() -> core::InputError {
+    return core::InputError(where + ": found '" + line +
+                            "', expected 'm REAR FRONT' in metres or 't ANGLE' in radians");
+  };
+  std::istringstream words(line);
+  std::string kind, word;
+  words >> kind;
+  if (kind != "m" && kind != "t") throw fail();
+  Operation operation{kind[0], 0, 0};
+  size_t readings = 0;
+  while (words >> word) {
+    double& reading = readings == 0 ? operation.first : operation.second;
+    if (++readings > readingsOf(operation.kind) || !core::parseNumber(word, reading)) throw fail();
+  }
+  if (readings != readingsOf(operation.kind)) throw fail();
+  return operation;
+}
+
+}  // namespace
+
+std::string formatOperations(const std::vector<Operation>& operations) {
+  std::string text;
+  for (const auto& operation : operations) {
+    const bool known = operation.kind == 'm' || operation.kind == 't';
+    if (!known || !std::isfinite(operation.first) || !std::isfinite(operation.second))
+      throw core::ContractError("formatOperations: expected kind m or t and finite readings");
+    text += operation.kind;
+    text += ' ' + core::formatNumber(operation.first);
+    if (operation.kind == 'm') text += ' ' + core::formatNumber(operation.second);
+    text += '\n';
+  }
+  return text;
+}
+
+std::vector<Operation> parseOperations(const std::string& text, const std::string& name) {
+  std::vector<Operation> operations;
+  int number = 0;
+  for (size_t begin = 0; begin < text.size();) {
+    const std::string where = name + ":" + std::to_string(++number);
+    const size_t end = text.find('\n', begin);
+    if (end == std::string::npos)
+      throw core::InputError(where + ": the last line has no line end, expected a log that is not cut short");
+    operations.push_back(parseLine(text.substr(begin, end - begin), where));
+    begin = end + 1;
+  }
+  return operations;
+}
+
+}  // namespace slam::sim

@@ -1,0 +1,124 @@
+#include "libslam/sim/simulator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "libslam/core/error.h"
+#include "libslam/world/ray_caster.h"
+
+namespace slam::sim {
+namespace {
+
+constexpr double kContactTolerance_m = 0.001;
+
+double diagonal(const world::Plan& plan) {
+  return plan.resolution_m * std::hypot(plan.columns, plan.rows);
+}
+
+std::string describe(const core::Pose2& pose) {
+  char text[100];
+  std::snprintf(text, sizeof text, "(%.3f m, %.3f m, %.1f deg)", pose.x, pose.y, core::radToDeg(pose.phi));
+  return text;
+}
+
+void requireFreeStart(const world::Plan& plan, const core::Pose2& start, double radius_m) {
+  const auto fail = [&](const std::string& found) {
+    char needed[100];
+    std::snprintf(needed, sizeof needed, ", expected a clearance of %.3f m all round", radius_m);
+    throw core::InputError("plan '" + plan.name + "': start pose " + describe(start) + " is " + found +
+                           needed);
+  };
+  if (!core::isFinite(start)) fail("not finite");
+  const core::Point2 cell = world::worldToCells(plan, core::position(start));
+  const double column = std::floor(cell.x), row = std::floor(cell.y);
+  if (!(column >= 0 && row >= 0 && column < plan.columns && row < plan.rows)) fail("outside the plan");
+  if (plan.at(static_cast<int>(column), static_cast<int>(row)) == world::Cell::kOccupied) fail("in a wall");
+  if (world::discCollides(plan, core::position(start), radius_m)) fail("too near to a wall");
+}
+
+void requireValid(const robot::Command& command) {
+  const bool finite = std::isfinite(command.speed_mps) && std::isfinite(command.turn_rate_radps) &&
+                      std::isfinite(command.duration_s);
+  if (!finite || command.duration_s < 0)
+    throw core::ContractError("Simulator::step: expected a finite command with a duration of at least 0");
+}
+
+}  // namespace
+
+Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
+                     const robot::LidarOptions& lidar, const robot::OdometryOptions& odometry,
+                     const core::Pose2& start, std::uint64_t seed, double start_time_s)
+    : plan_(plan),
+      robot_(robot),
+      lidar_(lidar),
+      odometry_(odometry),
+      lidar_random_(seed, "lidar"),
+      odometry_random_(seed, "odometry"),
+      T_world_robot_(start),
+      start_time_s_(start_time_s) {
+  requireFreeStart(plan_, start, robot::circumscribedRadius(robot_));
+}
+
+double Simulator::time_s() const {
+  return start_time_s_ + static_cast<double>(elapsed_ns_) * 1e-9;
+}
+
+Sensed Simulator::sense() {
+  Sensed sensed;
+  robot::Scan& scan = sensed.scan;
+  scan.time_s = time_s();
+  scan.first_angle_rad = robot::firstAngle(lidar_);
+  scan.step_rad = robot::beamStep(lidar_);
+  scan.min_range_m = lidar_.min_range_m;
+  scan.max_range_m = lidar_.max_range_m > 0 ? lidar_.max_range_m : diagonal(plan_);
+  scan.range_sigma_m = lidar_.sigma_m;
+  scan.T_robot_lidar = robot::mountingPose(lidar_);
+  world::castScan(plan_, T_world_robot_ * scan.T_robot_lidar, scan.first_angle_rad, scan.step_rad,
+                  lidar_.beams, lidar_.max_range_m, scan.ranges_m);
+  robot::applyLidarErrors(lidar_, lidar_random_, scan.ranges_m);
+  sensed.T_odom_robot = T_odom_robot_;
+  sensed.T_previous_robot = T_previous_robot_;
+  sensed.collided = collided_;
+  return sensed;
+}
+
+Sensed Simulator::step(const robot::Command& command) {
+  requireValid(command);
+  const double driven_s = freeDuration(command);
+  const core::Pose2 T_before_after = robot::driveMotion(command, driven_s);
+  T_world_robot_ = T_world_robot_ * T_before_after;
+  collided_ = driven_s < command.duration_s;
+  if (collided_) collisions_.push_back({time_s() + driven_s, T_world_robot_});
+  elapsed_ns_ += std::llround(command.duration_s * 1e9);
+  T_previous_robot_ = robot::sampleOdometry(T_before_after, odometry_, odometry_random_);
+  T_odom_robot_ = T_odom_robot_ * T_previous_robot_;
+  return sense();
+}
+
+double Simulator::freeDuration(const robot::Command& command) const {
+  const double travel_m = std::abs(command.speed_mps) * command.duration_s;
+  if (travel_m == 0) return command.duration_s;
+  const double radius_m = robot::circumscribedRadius(robot_);
+  const auto collidesAfter = [&](double elapsed_s) {
+    const core::Pose2 T_world_then = T_world_robot_ * robot::driveMotion(command, elapsed_s);
+    return world::discCollides(plan_, core::position(T_world_then), radius_m);
+  };
+  const int checks = static_cast<int>(std::ceil(travel_m / std::min(0.25 * plan_.resolution_m, 0.01)));
+  double free_s = 0;
+  for (int i = 1; i <= checks; ++i) {
+    double blocked_s = command.duration_s * i / checks;
+    if (!collidesAfter(blocked_s)) {
+      free_s = blocked_s;
+      continue;
+    }
+    while ((blocked_s - free_s) * std::abs(command.speed_mps) > kContactTolerance_m) {
+      const double middle_s = 0.5 * (free_s + blocked_s);
+      (collidesAfter(middle_s) ? blocked_s : free_s) = middle_s;
+    }
+    return free_s;
+  }
+  return command.duration_s;
+}
+
+}  // namespace slam::sim

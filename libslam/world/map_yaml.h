@@ -1,0 +1,28 @@
+#pragma once
+#include <string>
+
+#include "libslam/world/plan.h"
+
+namespace slam::world {
+
+/// A ROS map_server description of a map picture.
+struct MapYaml {
+  std::string image_path;  ///< beside the yaml unless absolute
+  PlanOptions options;
+  bool is_raw = false;  ///< mode raw: the pixel is the occupancy in percent, above 100 unknown
+};
+
+/// Reads a map yaml. A small strict reader of the part of YAML that such files use (one key and value a line,
+/// lists [a, b, c] or one item a line, quotes, comments), because the general ones that are at hand let
+/// duplicate keys and malformed lines pass. Keys: image, resolution, origin (required), negate,
+/// occupied_thresh, free_thresh, mode. Errors (InputError with file, line and key): missing file, unknown key
+/// (with the nearest known one), missing or duplicate key, malformed value, nan, out of range.
+MapYaml readMapYaml(const std::string& path);
+
+/// The text that readMapYaml reads back to the same; `image_name` relative to the yaml.
+std::string formatMapYaml(const std::string& image_name, const PlanOptions& options);
+
+/// InputError naming `where` for a resolution, placement or threshold that no plan can have.
+void requireSensible(const PlanOptions& options, const std::string& where);
+
+}  // namespace slam::world

@@ -1,0 +1,279 @@
+#include "libslam/world/picture_file.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <limits>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <optional>
+#include <string_view>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+
+namespace slam::world {
+namespace {
+
+/// A file's bytes with its path for messages. Reads past the end are the "truncated" error.
+class Bytes {
+ public:
+  Bytes(const std::string& path, std::string_view data) : path_(path), data_(data) {}
+
+  size_t size() const { return data_.size(); }
+  const char* data() const { return data_.data(); }
+  bool startsWith(std::string_view magic) const { return data_.substr(0, magic.size()) == magic; }
+
+  std::uint32_t byte(size_t at) const {
+    if (at >= data_.size()) throw truncated("its bytes end after " + std::to_string(data_.size()));
+    return static_cast<unsigned char>(data_[at]);
+  }
+  std::uint32_t bigEndian(size_t at, int bytes) const {
+    std::uint32_t value = 0;
+    for (int i = 0; i < bytes; ++i) value = value << 8 | byte(at + i);
+    return value;
+  }
+  std::uint32_t littleEndian(size_t at, int bytes) const {
+    std::uint32_t value = 0;
+    for (int i = bytes; i-- > 0;) value = value << 8 | byte(at + i);
+    return value;
+  }
+  std::string_view text(size_t at, size_t count) const {
+    if (count > 0) byte(at + count - 1);
+    return data_.substr(at, count);
+  }
+
+  core::InputError truncated(const std::string& why) const {
+    return error("the picture is truncated: " + why);
+  }
+  core::InputError damaged(const std::string& why) const { return error("the picture is damaged: " + why); }
+  core::InputError error(const std::string& what) const { return core::InputError(path_ + ": " + what); }
+
+ private:
+  const std::string& path_;
+  std::string_view data_;
+};
+
+void requireSensibleSize(const Bytes& file, std::int64_t columns, std::int64_t rows) {
+  const std::string found = std::to_string(columns) + " x " + std::to_string(rows) + " pixels";
+  if (columns <= 0 || rows <= 0) throw file.error("the picture has " + found + ", expected at least one");
+  if (columns > kMaxPlanSide || rows > kMaxPlanSide || columns * rows > kMaxPlanCells)
+    throw file.error("the picture has " + found + ", expected at most " + std::to_string(kMaxPlanSide) +
+                     " on a side and 2^28 in all");
+}
+
+/// PNG (ISO/IEC 15948, section 5): signature, then chunks of length, type, data, CRC; IHDR first, IEND last.
+void requireWholePng(const Bytes& file) {
+  bool has_data = false;
+  for (size_t at = 8;;) {
+    if (at + 12 > file.size())
+      throw file.truncated("a PNG ends with an IEND chunk, this one at byte " + std::to_string(file.size()));
+    const std::uint32_t length = file.bigEndian(at, 4);
+    const std::string_view type = file.text(at + 4, 4);
+    if (length > file.size() - at - 12)
+      throw file.truncated("a PNG chunk at byte " + std::to_string(at) + " needs " + std::to_string(length) +
+                           " bytes, the file has " + std::to_string(file.size() - at - 12));
+    const auto* checked = reinterpret_cast<const Bytef*>(file.data() + at + 4);
+    if (crc32(0, checked, length + 4) != file.bigEndian(at + 8 + length, 4))
+      throw file.damaged("wrong checksum of the PNG chunk at byte " + std::to_string(at));
+    if (at == 8) {
+      if (type != "IHDR" || length != 13) throw file.damaged("a PNG begins with an IHDR chunk");
+      requireSensibleSize(file, file.bigEndian(16, 4), file.bigEndian(20, 4));
+    }
+    has_data = has_data || type == "IDAT";
+    if (type == "IEND") break;
+    at += 12 + static_cast<size_t>(length);
+  }
+  if (!has_data) throw file.damaged("a PNG without an IDAT chunk");
+}
+
+/// JPEG (ITU-T T.81, annex B): markers FF xx with a length, entropy-coded data after SOS, EOI at the end.
+void requireWholeJpeg(const Bytes& file) {
+  bool has_size = false;
+  for (size_t at = 2; true;) {
+    if (file.byte(at) != 0xFF) throw file.damaged("expected a JPEG marker at byte " + std::to_string(at));
+    const std::uint32_t marker = file.byte(at + 1);
+    if (marker == 0xFF) {  // fill byte
+      ++at;
+      continue;
+    }
+    if (marker == 0xD9) break;
+    const bool is_frame_header =
+        marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    if (is_frame_header) {
+      requireSensibleSize(file, file.bigEndian(at + 7, 2), file.bigEndian(at + 5, 2));
+      has_size = true;
+    }
+    at += 2 + static_cast<size_t>(file.bigEndian(at + 2, 2));
+    if (marker != 0xDA) continue;
+    // Inside entropy-coded data FF is followed by 00 (a data byte FF) or D0 .. D7 (restart).
+    const auto isData = [&](std::uint32_t next) { return next == 0 || (next >= 0xD0 && next <= 0xD7); };
+    while (file.byte(at) != 0xFF || isData(file.byte(at + 1))) ++at;
+  }
+  if (!has_size) throw file.damaged("a JPEG without a frame header");
+}
+
+/// BMP: the 14-byte file header, then a DIB header whose first field is its own size.
+void requireWholeBmp(const Bytes& file) {
+  const std::uint32_t pixels_at = file.littleEndian(10, 4);
+  const bool is_os2 = file.littleEndian(14, 4) == 12;
+  const auto columns =
+      static_cast<std::int32_t>(is_os2 ? file.littleEndian(18, 2) : file.littleEndian(18, 4));
+  const auto rows = static_cast<std::int32_t>(is_os2 ? file.littleEndian(20, 2) : file.littleEndian(22, 4));
+  const std::uint32_t bits = is_os2 ? file.littleEndian(24, 2) : file.littleEndian(28, 2);
+  const std::uint32_t compression = is_os2 ? 0 : file.littleEndian(30, 4);
+  const std::int64_t height = std::abs(static_cast<std::int64_t>(rows));  // negative: stored top down
+  requireSensibleSize(file, columns, height);
+  const bool is_run_length_coded = compression == 1 || compression == 2;
+  const std::int64_t row_bytes = (static_cast<std::int64_t>(columns) * bits + 31) / 32 * 4;
+  const std::int64_t needed = is_run_length_coded ? file.littleEndian(2, 4) : pixels_at + row_bytes * height;
+  if (needed > static_cast<std::int64_t>(file.size()))
+    throw file.truncated("needs " + std::to_string(needed) + " bytes, the file has " +
+                         std::to_string(file.size()));
+}
+
+/// The fields of a PGM header: numbers between white space and comments.
+class PgmReader {
+ public:
+  explicit PgmReader(const Bytes& file) : file_(file) {}
+
+  std::uint32_t number(const char* what) {
+    skipBlanks();
+    std::uint32_t value = 0;
+    size_t digits = 0;
+    for (; at_ < file_.size() && isDigit(file_.byte(at_)); ++at_, ++digits) {
+      value = value * 10 + (file_.byte(at_) - '0');
+      if (value > 100000000) throw file_.damaged(std::string("the PGM's ") + what + " is too large");
+    }
+    if (digits == 0 && at_ >= file_.size())
+      throw file_.truncated(std::string("the PGM ends before its ") + what);
+    if (digits == 0)
+      throw file_.damaged(std::string("expected the PGM's ") + what + " at byte " + std::to_string(at_));
+    return value;
+  }
+  size_t position() const { return at_; }
+
+ private:
+  static bool isDigit(std::uint32_t c) { return c >= '0' && c <= '9'; }
+  void skipBlanks() {
+    for (; at_ < file_.size(); ++at_) {
+      const std::uint32_t c = file_.byte(at_);
+      if (c == '#')
+        while (at_ < file_.size() && file_.byte(at_) != '\n') ++at_;
+      else if (c != ' ' && (c < '\t' || c > '\r'))
+        return;
+    }
+  }
+
+  const Bytes& file_;
+  size_t at_ = 2;
+};
+
+/// Netpbm's PGM, plain (P2) and raw (P5). Decoded here: what the general decoders do with a maximum other
+/// than 255 differs between them, and a map's thresholds depend on it.
+Picture readPgm(const Bytes& file) {
+  PgmReader header(file);
+  Picture picture;
+  const std::uint32_t columns = header.number("width"), rows = header.number("height");
+  const std::uint32_t maximum = header.number("maximum");
+  requireSensibleSize(file, columns, rows);
+  if (maximum < 1 || maximum > 65535)
+    throw file.damaged("the PGM's maximum is " + std::to_string(maximum) + ", expected 1 to 65535");
+  picture.columns = static_cast<int>(columns);
+  picture.rows = static_cast<int>(rows);
+  const size_t pixels = static_cast<size_t>(columns) * rows;
+  const int bytes = maximum > 255 ? 2 : 1;
+  const bool is_plain = file.startsWith("P2");
+  const size_t first = header.position() + 1;  // one white space ends a raw header
+  if (!is_plain && file.size() < first + pixels * bytes)
+    throw file.truncated("the PGM needs " + std::to_string(first + pixels * bytes) + " bytes, the file has " +
+                         std::to_string(file.size()));
+  picture.gray.reserve(pixels);
+  for (size_t i = 0; i < pixels; ++i) {
+    const std::uint32_t value = is_plain ? header.number("pixels") : file.bigEndian(first + i * bytes, bytes);
+    if (value > maximum)
+      throw file.damaged("pixel " + std::to_string(i) + " of the PGM is " + std::to_string(value) +
+                         ", above its maximum " + std::to_string(maximum));
+    picture.gray.push_back(
+        static_cast<std::uint16_t>((std::uint64_t{value} * 65535 + maximum / 2) / maximum));
+  }
+  return picture;
+}
+
+/// T: the channel type. Gray is the mean of the colours (map_server), not a weighted luminance.
+template <class T>
+Picture fromDecoded(const cv::Mat& image) {
+  constexpr std::uint64_t kMaximum = std::numeric_limits<T>::max();
+  const int channels = image.channels();
+  const int colours = channels >= 3 ? 3 : 1;
+  const bool has_alpha = channels == 2 || channels == 4;
+  Picture picture;
+  picture.columns = image.cols;
+  picture.rows = image.rows;
+  picture.gray.reserve(image.total());
+  if (has_alpha) picture.opaque.reserve(image.total());
+  for (int row = 0; row < image.rows; ++row) {
+    const T* pixel = image.ptr<T>(row);
+    for (int column = 0; column < image.cols; ++column, pixel += channels) {
+      std::uint64_t sum = 0;
+      for (int c = 0; c < colours; ++c) sum += pixel[c];
+      const std::uint64_t whole = kMaximum * colours;
+      picture.gray.push_back(static_cast<std::uint16_t>((sum * 65535 + whole / 2) / whole));
+      if (has_alpha) picture.opaque.push_back(pixel[colours] == kMaximum);
+    }
+  }
+  if (std::all_of(picture.opaque.begin(), picture.opaque.end(), [](auto o) { return o == 1; }))
+    picture.opaque.clear();
+  return picture;
+}
+
+bool allZero(const cv::Mat& image, int channel) {
+  for (int row = 0; row < image.rows; ++row)
+    for (int column = 0; column < image.cols; ++column)
+      if (image.ptr<std::uint8_t>(row)[column * image.channels() + channel] != 0) return false;
+  return true;
+}
+
+Picture decode(const Bytes& file) {
+  cv::Mat image;
+  try {
+    const cv::Mat encoded(1, static_cast<int>(file.size()), CV_8U, const_cast<char*>(file.data()));
+    image = cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    image.release();
+  }
+  if (image.empty()) throw file.damaged("it cannot be decoded");
+  if (image.depth() == CV_16U) return fromDecoded<std::uint16_t>(image);
+  if (image.depth() != CV_8U) throw file.error("the picture's channels are neither 8 nor 16 bits wide");
+  Picture picture = fromDecoded<std::uint8_t>(image);
+  // The fourth byte of most 32-bit BMPs is no alpha but reserved, and then 0 everywhere.
+  if (file.startsWith("BM") && image.channels() == 4 && allZero(image, 3)) picture.opaque.clear();
+  return picture;
+}
+
+}  // namespace
+
+Picture readPicture(const std::string& path) {
+  const std::string content = core::readTextFile(path);
+  const Bytes file(path, content);
+  if (content.empty()) throw file.error("is empty, expected a picture (bmp, png, pgm, jpg)");
+  if (file.startsWith("P5") || file.startsWith("P2")) return readPgm(file);
+  if (file.startsWith("\x89PNG\r\n\x1a\n"))
+    requireWholePng(file);
+  else if (file.startsWith("\xFF\xD8"))
+    requireWholeJpeg(file);
+  else if (file.startsWith("BM"))
+    requireWholeBmp(file);
+  else
+    throw file.error("is not a picture that can be read (bmp, png, pgm, jpg)");
+  return decode(file);
+}
+
+std::string encodePng(int columns, int rows, const std::vector<std::uint8_t>& gray) {
+  const cv::Mat image(rows, columns, CV_8U, const_cast<std::uint8_t*>(gray.data()));
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9});
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace slam::world

@@ -1,0 +1,173 @@
+#include "libslam/world/plan.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/core/parameters.h"
+#include "libslam/world/map_yaml.h"
+#include "libslam/world/picture_file.h"
+
+namespace slam::world {
+namespace fs = std::filesystem;
+namespace {
+
+/// How one pixel becomes a cell.
+class CellRule {
+ public:
+  CellRule(const PlanOptions& options, bool is_raw) : options_(options), is_raw_(is_raw) {}
+
+  Cell fromGray(std::uint16_t gray) const {
+    if (is_raw_ && gray > 100 * 257) return Cell::kUnknown;
+    const double occupancy = is_raw_           ? gray / (100.0 * 257.0)
+                             : options_.negate ? gray / 65535.0
+                                               : (65535 - gray) / 65535.0;
+    if (occupancy > options_.occupied_threshold) return Cell::kOccupied;
+    if (occupancy < options_.free_threshold) return Cell::kFree;
+    return Cell::kUnknown;
+  }
+
+ private:
+  const PlanOptions& options_;
+  bool is_raw_;
+};
+
+bool isYaml(const std::string& path) {
+  std::string suffix = fs::path(path).extension().string();
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return suffix == ".yaml" || suffix == ".yml";
+}
+
+void requireSomethingToSee(const Plan& plan, const std::string& path) {
+  if (std::count(plan.cells.begin(), plan.cells.end(), Cell::kOccupied) == 0)
+    throw core::InputError(path + ": the picture has no obstacle, expected at least one occupied pixel");
+  if (std::count(plan.cells.begin(), plan.cells.end(), Cell::kFree) == 0)
+    throw core::InputError(path + ": the picture has no free space, expected at least one free pixel");
+}
+
+/// The picture's top row is the plan's last: the plan's y points up.
+template <class CellOfPixel>
+Plan planFromPicture(const Picture& picture, const PlanOptions& options, CellOfPixel cell_of_pixel) {
+  Plan plan;
+  plan.columns = picture.columns;
+  plan.rows = picture.rows;
+  plan.resolution_m = options.resolution_m;
+  plan.T_world_plan = options.T_world_plan;
+  plan.cells.resize(picture.gray.size());
+  const auto columns = static_cast<size_t>(picture.columns), rows = static_cast<size_t>(picture.rows);
+  for (size_t row = 0; row < rows; ++row)
+    for (size_t column = 0; column < columns; ++column)
+      plan.cells[(rows - 1 - row) * columns + column] = cell_of_pixel(row * columns + column);
+  return plan;
+}
+
+Plan loadFromYaml(const std::string& path) {
+  const MapYaml map = readMapYaml(path);
+  if (!fs::exists(map.image_path))
+    throw core::InputError(path + ": key 'image': found '" + map.image_path + "', which does not exist");
+  const Picture picture = readPicture(map.image_path);
+  const CellRule rule(map.options, map.is_raw);
+  return planFromPicture(picture, map.options, [&](size_t pixel) {
+    const bool transparent = !picture.opaque.empty() && !picture.opaque[pixel];
+    return transparent ? Cell::kUnknown : rule.fromGray(picture.gray[pixel]);
+  });
+}
+
+Plan loadFromPicture(const std::string& path, const PlanOptions& options) {
+  requireSensible(options, path);
+  const Picture picture = readPicture(path);
+  const CellRule rule(options, false);
+  return planFromPicture(picture, options, [&](size_t pixel) {
+    if (picture.opaque.empty()) return rule.fromGray(picture.gray[pixel]);
+    return picture.opaque[pixel] ? Cell::kOccupied : Cell::kFree;
+  });
+}
+
+std::uint8_t grayOf(Cell cell) {
+  return cell == Cell::kOccupied ? 0 : cell == Cell::kFree ? 254 : 205;
+}
+
+void writeBytes(const std::string& pending_path, const std::string& content, const std::string& final_path) {
+  std::ofstream out(pending_path, std::ios::binary | std::ios::trunc);
+  out.write(content.data(), static_cast<std::streamsize>(content.size()));
+  out.close();
+  if (!out) throw core::IoError(final_path + ": cannot be written: " + std::strerror(errno));
+}
+
+/// Distance along one axis from a point to the nearest point of cell [index, index + 1).
+double gap(double coordinate, int index) {
+  return std::max({0.0, index - coordinate, coordinate - (index + 1)});
+}
+
+}  // namespace
+
+Plan loadPlan(const std::string& path, const PlanOptions& options) {
+  core::requireReadableFile(path);
+  Plan plan = isYaml(path) ? loadFromYaml(path) : loadFromPicture(path, options);
+  plan.name = fs::path(path).stem().string();
+  if (!options.allow_empty) requireSomethingToSee(plan, path);
+  return plan;
+}
+
+void savePlan(const Plan& plan, const std::string& yaml_path) {
+  std::vector<std::uint8_t> gray;
+  gray.reserve(plan.cells.size());
+  for (int row = plan.rows; row-- > 0;)
+    for (int column = 0; column < plan.columns; ++column) gray.push_back(grayOf(plan.at(column, row)));
+  PlanOptions options;
+  options.resolution_m = plan.resolution_m;
+  options.T_world_plan = plan.T_world_plan;
+  const std::string image_path = fs::path(yaml_path).replace_extension(".png").string();
+  core::PendingFile image(image_path), yaml(yaml_path);
+  writeBytes(image.path(), encodePng(plan.columns, plan.rows, gray), image_path);
+  writeBytes(yaml.path(), formatMapYaml(fs::path(image_path).filename().string(), options), yaml_path);
+  image.commit();
+  try {
+    yaml.commit();
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(image_path, ignored);
+    throw;
+  }
+}
+
+core::Point2 worldToCells(const Plan& plan, const core::Point2& p_world) {
+  const core::Point2 p_plan = core::inverse(plan.T_world_plan) * p_world;
+  return {p_plan.x / plan.resolution_m, p_plan.y / plan.resolution_m};
+}
+
+core::Point2 cellsToWorld(const Plan& plan, const core::Point2& cell) {
+  return plan.T_world_plan * core::Point2{cell.x * plan.resolution_m, cell.y * plan.resolution_m};
+}
+
+bool discCollides(const Plan& plan, const core::Point2& p_world, double radius_m) {
+  const core::Point2 c = worldToCells(plan, p_world);
+  const double radius = radius_m / plan.resolution_m;
+  const bool inside =
+      c.x - radius >= 0 && c.y - radius >= 0 && c.x + radius <= plan.columns && c.y + radius <= plan.rows;
+  if (!inside) return true;
+  // A cell whose far side is just touched counts, so the first index is one below the floor on a grid line.
+  const int first_column = std::max(0, static_cast<int>(std::ceil(c.x - radius)) - 1);
+  const int first_row = std::max(0, static_cast<int>(std::ceil(c.y - radius)) - 1);
+  const int last_column = std::min(plan.columns - 1, static_cast<int>(std::floor(c.x + radius)));
+  const int last_row = std::min(plan.rows - 1, static_cast<int>(std::floor(c.y + radius)));
+  for (int row = first_row; row <= last_row; ++row) {
+    const double dy = gap(c.y, row);
+    for (int column = first_column; column <= last_column; ++column) {
+      if (plan.at(column, row) != Cell::kOccupied) continue;
+      const double dx = gap(c.x, column);
+      if (dx * dx + dy * dy <= radius * radius) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace slam::world

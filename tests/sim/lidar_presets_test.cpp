@@ -1,0 +1,46 @@
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "libslam/core/ini.h"
+#include "libslam/robot/lidar.h"
+
+namespace slam::robot {
+namespace {
+
+const std::string kFolder = RASTERSLAM_SOURCE_DIR "/configs/lidars/";
+
+LidarOptions load(const std::string& name) {
+  const auto ini = core::IniFile::load(kFolder + name + ".ini");
+  core::rejectUnknownSections(ini, {"lidar"});
+  LidarOptions options;
+  core::readParameters(ini, LidarOptions::table(), options);
+  return options;
+}
+
+TEST(LidarPresets, AllLoadStrictlyAndGiveEveryParameter) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(kFolder)) {
+    ASSERT_EQ(entry.path().extension(), ".ini") << entry.path();
+    names.push_back(entry.path().stem());
+    EXPECT_NO_THROW(load(names.back())) << entry.path();
+    // A preset that leaves a parameter to the built-in default would change with it.
+    const auto ini = core::IniFile::load(entry.path());
+    for (const auto& row : LidarOptions::table().rows())
+      EXPECT_TRUE(ini.find("lidar", row.info.key)) << entry.path() << " lacks " << row.info.key;
+  }
+  EXPECT_THAT(names,
+              testing::UnorderedElementsAre("thesis_360", "lms291", "utm30lx", "urg04lx", "rplidar_a1"));
+}
+
+TEST(LidarPresets, HaveTheBeamStepOfTheDataSheet) {
+  // The presets give field of view and count; the step follows. URG-04LX: 360/1024 deg within 0.1 %.
+  EXPECT_NEAR(core::radToDeg(beamStep(load("thesis_360"))), 1.0, 1e-12);
+  EXPECT_NEAR(core::radToDeg(beamStep(load("lms291"))), 0.5, 1e-12);
+  EXPECT_NEAR(core::radToDeg(beamStep(load("utm30lx"))), 0.25, 1e-12);
+  EXPECT_NEAR(core::radToDeg(beamStep(load("urg04lx"))), 360.0 / 1024, 0.001 * 360.0 / 1024);
+  EXPECT_NEAR(core::radToDeg(beamStep(load("rplidar_a1"))), 1.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace slam::robot
