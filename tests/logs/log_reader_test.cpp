@@ -198,6 +198,8 @@ TEST(LogReader, TakesOdometryInsideAFrameForTheScansOfTheFrame) {
         << frame(rawScan(kStart_s + 1, "L"), rawOdometry(kStart_s + 1, 4));
   }
   EXPECT_THAT(travelled(readLog(folder / "a.rawlog")), ElementsAre(0, 1));
+  EXPECT_THAT(measured(readLog(folder / "a.rawlog")), ElementsAre(true, true));
+  EXPECT_EQ(inspectLog(folder / "a.rawlog").odometry_readings, 2U);
 }
 
 TEST(LogReader, CountsMotionOnceWhenALogHasActionsAndReadings) {
@@ -250,8 +252,8 @@ TEST(LogReader, TakesTheLidarMetFirstOfTwoEqualOnes) {
   const testing::TempFolder folder;
   {
     RawObjects log(folder / "a.rawlog");
-    log << rawScan(kStart_s, "Z") << rawScan(kStart_s, "A") << rawScan(kStart_s + 1, "A")
-        << rawScan(kStart_s + 1, "Z");
+    log << rawScan(kStart_s, "Z") << rawScan(kStart_s, "A") << rawScan(kStart_s + 1, "Z")
+        << rawScan(kStart_s + 1, "A");
   }
   LogReader reader(folder / "a.rawlog");
   reader.next();
