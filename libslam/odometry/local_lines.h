@@ -11,7 +11,7 @@ struct LocalLine {
   core::Point2 normal;
   double low_m = 0, high_m = 0;          ///< ends of the neighbours along the tangent (-normal.y, normal.x)
                                          ///< from the return
-  double normal_variance_per_sigma = 0;  ///< variance of the normal's direction (rad^2) per m^2 of range
+  double normal_variance_per_m2 = 0;  ///< variance of the normal's direction (rad^2) per m^2 of range
                                          ///< variance across the line
 };
 
