@@ -84,13 +84,16 @@ unsigned char LabelRaster::at(const core::Point2& p_world, double side_m) const 
   const double x = (cosine_ * dx + sine_ * dy) / resolution_m_,
                y = (cosine_ * dy - sine_ * dx) / resolution_m_;
   const double half = side_m > resolution_m_ ? 0.5 * side_m / resolution_m_ : 0;
-  const double column0 = std::max(0.0, std::floor(x - half)), row0 = std::max(0.0, std::floor(y - half));
-  const double column1 = std::min(columns_ - 1.0, std::floor(x + half));
-  const double row1 = std::min(rows_ - 1.0, std::floor(y + half));
+  // Clamped as reals: a far point would overflow an int.
+  const auto cell = [](double v, double low, double high) {
+    return static_cast<int>(std::clamp(std::floor(v), low, high));
+  };
+  const int column0 = cell(x - half, 0, columns_), column1 = cell(x + half, -1, columns_ - 1);
+  const int row0 = cell(y - half, 0, rows_), row1 = cell(y + half, -1, rows_ - 1);
   unsigned char highest = 0;
-  for (double row = row0; row <= row1; ++row)
-    for (double column = column0; column <= column1; ++column)
-      highest = std::max(highest, labels_[static_cast<size_t>(row) * columns_ + static_cast<size_t>(column)]);
+  for (int row = row0; row <= row1; ++row)
+    for (int column = column0; column <= column1; ++column)
+      highest = std::max(highest, labels_[static_cast<size_t>(row) * columns_ + column]);
   return highest;
 }
 

@@ -150,7 +150,7 @@ TEST(DrawPlan, KeepsThinWallsOfALargePlan) {
   const TempFolder folder;
   world::Plan large;
   large.columns = 4000, large.rows = 2001;
-  large.cells.assign(4000 * 2001, Cell::kFree);
+  large.cells.assign(size_t{4000} * 2001, Cell::kFree);
   for (int column = 0; column < 4000; ++column)
     for (const int row : {0, 1000, 2000})
       large.cells[static_cast<size_t>(row) * 4000 + column] = Cell::kOccupied;
@@ -184,6 +184,7 @@ TEST(DrawPanels, ArrangesOneToEightPanelsOfAnyShape) {
   for (const auto& [columns, rows] : {std::pair{160, 80}, {800, 30}, {30, 800}})
     for (const int count : {1, 2, 5, 8}) {
       std::vector<Panel> panels;
+      panels.reserve(static_cast<size_t>(count));
       for (int i = 0; i < count; ++i)
         panels.push_back({"method " + std::to_string(i),
                           "ATE 0.1 m",
