@@ -1,5 +1,6 @@
 #include "apps/commands.h"
 
+#include <algorithm>
 #include <iostream>
 #include <nlohmann/json.hpp>
 

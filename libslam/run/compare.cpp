@@ -1,6 +1,8 @@
 #include "libslam/run/compare.h"
 
+#include <algorithm>
 #include <atomic>
+#include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <thread>
@@ -224,7 +226,8 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   if (!runs.empty()) {
     const std::string steps = runs.front().manifest.results.at("steps_without_odometry");
     if (steps != "0")
-      comparison.accuracy.notes.push_back(steps + " steps of the log come without odometry; methods that want the " +
+      comparison.accuracy.notes.push_back(steps +
+                                          " steps of the log come without odometry; methods that want the " +
                                           "wheels get increments estimated from the scans there.");
   }
   comparison.cost = costTable(comparison.evaluations);
