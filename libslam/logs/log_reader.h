@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,20 +18,53 @@ struct LogEntry {
   bool has_odometry = false;     ///< false: the log gave none for this step, the two above do not move
 };
 
-/// Reads an MRPT rawlog of either form (actions with sensory frames, or bare observations), streaming: memory
-/// does not grow with the log. Bare observations: each 2D scan with the newest odometry at or before it.
-/// Several lidars: the label with the most scans in the first 100 entries unless `sensor_label` names one.
-/// Errors (InputError with path): missing, a folder, not a rawlog, truncated or corrupt: with the byte offset
-/// in the (compressed) file and the number of good entries before it. Other observations are skipped and
-/// counted.
+/// What a reader met so far. It reads ahead by up to 100 scans.
+struct LogCounts {
+  std::uint64_t entries = 0;  ///< top-level objects of the file: actions, frames, bare observations
+  std::uint64_t odometry_readings = 0;
+  std::uint64_t other_observations = 0;  ///< neither 2D scan nor odometry; skipped
+  std::map<std::string, std::uint64_t> scans_by_label;
+  bool has_frames = false;             ///< actions or sensory frames
+  bool has_bare_observations = false;  ///< observations outside of a frame
+};
+
+/// Reads an MRPT rawlog of either form (actions with sensory frames, or bare observations), gzip'ed or plain,
+/// streaming: memory does not grow with the log.
+///
+/// Increments. Actions: of the wheel odometry (CActionRobotMovement2D of kind emOdometry, its raw reading),
+/// else the mean of a scan matching one, else of a CActionRobotMovement3D; several actions before a scan
+/// compose. Bare readings (CObservationOdometry, absolute): those before the scan in the file and stamped at
+/// or before it; later ones wait. No new reading since the last scan: has_odometry is false. As soon as a log
+/// has shown an action with an increment, its bare readings count no more. What moved before the first scan
+/// is dropped: its T_odom_robot is the identity.
+///
+/// Several lidars: the label with the most scans among the first 100 scans (a tie: the one met first) unless
+/// `sensor_label` names one; the motion of skipped scans goes to the next one kept. Several scans of that
+/// label in one frame are entries of their own, the later ones without odometry.
+///
+/// Stamps: a scan without one gets that of the newest action or odometry reading before it; without either,
+/// an InputError.
+///
+/// Errors (InputError with path): missing, a folder, empty, not a rawlog, truncated or corrupt: with the byte
+/// offset in the (compressed) file and the number of good entries (LogCounts::entries) before it; no scan of
+/// the named label (then with the labels that are there); a scan that robot::fromMrpt refuses, or odometry
+/// that is not finite: with the number of the entry. What a cut cannot tell: a plain log that ends exactly
+/// between two entries. A damaged gzip stream is noticed at the latest at its checksum, after its last entry.
+///
+/// MRPT recomputes the distribution of actions of model mmThrun while it loads them, with numbers drawn from
+/// its global generator of the calling thread: seed that generator after opening such a log, not before.
 class LogReader {
  public:
   explicit LogReader(const std::string& path, const std::string& sensor_label = "");
   ~LogReader();
-  /// The next scan, or nullopt at the proper end of the log.
+  /// The next scan, or nullopt at the proper end of the log. Entries before damage come first, then the
+  /// error.
   std::optional<LogEntry> next();
   /// How far in the file, 0..1, for progress.
   double fractionRead() const;
+  const LogCounts& counts() const;
+  /// The label of the scans that next() gives; "" also before the first call.
+  const std::string& sensorLabel() const;
 
  private:
   struct State;
@@ -39,17 +73,24 @@ class LogReader {
 
 /// What `rasterslam info` says of a log. Reads it whole, streaming.
 struct LogInfo {
-  std::string path, form;  ///< form: "action / sensory frame" or "observation only"
-  std::uint64_t file_bytes = 0, entries = 0, scans = 0, odometry_readings = 0, other_observations = 0;
-  double first_time_s = 0, last_time_s = 0;
-  std::string sensor_label;
-  int beams = 0;
+  std::string path;
+  std::string form;  ///< "action / sensory frame", "observation only", or "mixed"; "empty" without entries
+  std::uint64_t file_bytes = 0;
+  std::uint64_t entries = 0;  ///< as MRPT's rawlog-edit counts objects
+  std::uint64_t scans = 0;    ///< of sensor_label
+  std::uint64_t odometry_readings = 0, other_observations = 0;
+  double first_time_s = 0, last_time_s = 0;  ///< earliest and latest stamp of a scan
+  std::string sensor_label;                  ///< the lidar that LogReader gives
+  std::map<std::string, std::uint64_t> scans_by_label;
+  int beams = 0;  ///< this and the next four: of the first scan
   double fov_rad = 0, step_rad = 0, max_range_m = 0;
   core::Pose2 T_robot_lidar;
+  bool geometry_varies = false;  ///< a later scan differs in one of the five
   double odometry_length_m = 0, median_scan_period_s = 0, longest_gap_s = 0;
   double no_return_share = 0, lost_share = 0;  ///< of all readings
   bool stamps_run_back = false;
 };
+/// Errors: as LogReader.
 LogInfo inspectLog(const std::string& path);
 
 /// InputError when the log holds no scan, or scans of one beam ("… holds 0 laser scans, expected at least

@@ -19,29 +19,48 @@ class CSensoryFrame;
 
 namespace slam::mapping {
 
-/// A SLAM method ready to run: MRPT's interface, and what feeds it.
+/// A SLAM method ready to run: MRPT's interface, and what feeds it. Feed it through processScan().
 struct MapBuilder {
+  MapBuilder();
+  MapBuilder(MapBuilder&&) noexcept;
+  MapBuilder& operator=(MapBuilder&&) noexcept;
+  ~MapBuilder();
+
   std::unique_ptr<mrpt::slam::CMetricMapBuilder> builder;
-  std::string name;      ///< of the configuration: "icp", "rbpf_fixed"
+  std::string name;      ///< of the configuration: "icp", "rbpf_exact"
   std::string type;      ///< naive | icp | rbpf
   std::string odometry;  ///< which increments it is fed: wheel | argmax | correlation
   std::vector<core::ParameterReport> parameters;
+
+  struct State;
+  std::unique_ptr<State> state;  ///< between the scans
 };
 
-/// Makes a method from its .ini (configs/methods/NAME.ini; sections [method], [mapping], and the type's own).
-/// Strict: every misspelt or impossible key is an InputError. Seeds MRPT's generator of the calling thread.
+/// Makes a method from its .ini (configs/methods/NAME.ini; sections [method], [mapping], [scan_odometry] and
+/// the type's own: [icp] for icp and rbpf, [particles] and [motion] for rbpf). Strict: every misspelt or
+/// impossible key, and a section that the type does not use, is an InputError. Nothing is printed, whatever
+/// MRPT would like to say.
 MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, std::uint64_t seed);
 
 /// The method's configuration as MRPT's own icp-slam / rbpf-slam programs read it; makeMapBuilder uses the
-/// same text, so both run with the same numbers. InputError for a type that no MRPT program runs.
+/// same text, so both run with the same numbers (except the motion model, which rbpf-slam takes from the
+/// log). InputError for a type that no MRPT program runs.
 std::string toMrptConfig(const core::IniFile& config, const std::string& name);
 
-/// All methods in a folder of configurations, sorted; "naive" and so on.
+/// All methods in a folder of configurations, sorted; "naive" and so on. InputError when it is no folder.
 std::vector<std::string> methodNames(const std::string& methods_folder);
+/// By name in the folder, or from a path (a text with '/' or ending in .ini). InputError for an unknown name,
+/// with the nearest known one.
 core::IniFile loadMethodConfig(const std::string& methods_folder, const std::string& name_or_path);
 
-/// Feeds one scan: increment since the last scan as the method's [method] odometry wants it.
-/// Returns the pose T_map_robot after it.
+/// Feeds one scan. T_previous_robot is the wheels' increment since the scan before, the first scan's is taken
+/// as null. Which increment the builder gets is for [method] odometry to say; `wheel` takes the one estimated
+/// from the two scans (method correlation unless [scan_odometry] says otherwise) at every step for which
+/// has_odometry is false. Stamps that do not grow are moved on by a millisecond, for the builder only.
+/// Returns the pose T_map_robot after it; the map frame is the robot's pose at the first scan.
+/// The random numbers of step k come from (seed, k) alone: neither the thread nor other methods run in
+/// between matter. Errors: MethodError when the motion or the pose is not finite, the grids would grow beyond
+/// [mapping] max_map_cells (checked before the scan is inserted), or MRPT throws. REQUIRES at least 2 beams.
 core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core::Pose2& T_previous_robot,
                         bool has_odometry);
 
@@ -55,8 +74,13 @@ struct OccupancyRaster {
 };
 OccupancyRaster currentMap(const MapBuilder& method);
 
-/// Writes map.yaml + map.png (ROS), map.gridmap.gz, map.simplemap and map.3Dscene (stock MRPT classes only)
-/// into a folder.
+/// Above and below these a cell is drawn occupied and free in map.png, between them unknown. One ray with the
+/// default certainty (0.65) decides a cell.
+inline constexpr float kOccupiedAbove = 0.6F, kFreeBelow = 0.4F;
+
+/// Writes map.yaml + map.png (ROS map_server, trinary), map.gridmap.gz (a plain COccupancyGridMap2D),
+/// map.simplemap and map.3Dscene (stock MRPT classes only) into an existing folder. `estimate` is drawn as
+/// the path. Same input, same bytes. Errors: IoError with the path.
 void saveMaps(const MapBuilder& method, const core::Trajectory& estimate, const std::string& folder);
 
 /// Registers our map classes with MRPT, so that an .ini can name them: mapping::registerMaps(). Also done by

@@ -19,15 +19,21 @@ struct ScanMotion {
   core::Pose2 T_previous_current;      ///< of the robot
   std::array<double, 9> covariance{};  ///< row-major over (x, y, phi): m^2, m rad, rad^2; positive definite
   bool reliable = true;                ///< false: too few returns or an ambiguous fit; the motion is a guess
-  /// What the founding document logs: `turn` or the two move readings.
+  /// What the founding document logs: `t` with the turn, or `m` with the two move readings. Each is a reading
+  /// of the scan before minus one of the scan after: the turn is positive counter-clockwise; on a move ahead
+  /// the front reading is positive (the wall ahead came nearer) and the rear one negative. 0 where there is
+  /// no reading. A method that estimates the whole motion fills in what ideal readings would have been.
   double turn_reading_rad = 0, rear_reading_m = 0, front_reading_m = 0;
 };
+
+/// What the robot was told to do between two scans, where the caller knows it.
+enum class MotionKind { kUnknown, kMove, kTurn };
 
 /// Section [scan_odometry].
 struct ScanOdometryOptions {
   std::string method;   ///< argmax | correlation
-  double max_turn_rad;  ///< search range between two scans
-  double max_move_m;
+  double max_turn_rad;  ///< search range between two scans (correlation); what a guess may be wrong by (both)
+  double max_move_m;    ///< the same for the translation
   ScanOdometryOptions();
   static const core::ParameterTable<ScanOdometryOptions>& table();
 };
@@ -36,15 +42,23 @@ struct ScanOdometryOptions {
 class ScanOdometry {
  public:
   virtual ~ScanOdometry() = default;
-  /// Motion since the scan before; the first scan gives the identity with tiny covariance.
-  virtual ScanMotion update(const robot::Scan& scan) = 0;
+  /// Motion since the scan before; the first scan gives the identity with tiny covariance. `kind` is for
+  /// methods that read a turn and a move differently (argmax); the others ignore it. REQUIRES at least 2
+  /// beams and a finite, positive step (ContractError).
+  virtual ScanMotion update(const robot::Scan& scan, MotionKind kind) = 0;
+  ScanMotion update(const robot::Scan& scan) { return update(scan, MotionKind::kUnknown); }
+  /// Forgets the scan before.
   virtual void reset() = 0;
 };
 
+/// Unknown method: InputError with the nearest known one.
 std::unique_ptr<ScanOdometry> makeScanOdometry(const ScanOdometryOptions& options);
 std::vector<std::string> scanOdometryNames();
 
-/// As an MRPT action of kind emScan2DMatching, whose covariance MRPT's builders accept.
+/// As an MRPT action of kind emScan2DMatching: mean and covariance as they are, and beside them a Gaussian
+/// motion model of about the same spread, because MRPT's particle filters drop the covariance of a 2D action,
+/// add up the means of several steps and spread the sum by `motionModelConfiguration` (which MRPT does not
+/// write into files). time_s is seconds since the Unix epoch.
 std::shared_ptr<mrpt::obs::CActionRobotMovement2D> toMrptAction(const ScanMotion& motion, double time_s);
 
 }  // namespace slam::odometry

@@ -113,7 +113,7 @@ Plan loadPlan(const std::string& path, const PlanOptions& options) {
   core::requireReadableFile(path);
   Plan plan = isYaml(path) ? loadFromYaml(path) : loadFromPicture(path, options);
   plan.name = fs::path(path).stem().string();
-  requireSomethingToSee(plan, path);
+  if (!options.allow_empty) requireSomethingToSee(plan, path);
   return plan;
 }
 

@@ -33,6 +33,7 @@ struct PlanOptions {
   bool negate = false;
   double occupied_threshold = 0.65;  ///< occupied when (255 - gray) / 255 is above (ROS map_server's rule)
   double free_threshold = 0.196;     ///< free when below; between the two unknown
+  bool allow_empty = false;  ///< accept a picture without walls or without free space (an estimated map may be one)
 };
 
 /// Reads a plan: a ROS map yaml (image, resolution, origin, negate, thresholds, mode trinary/scale/raw), or a

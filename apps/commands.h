@@ -1,0 +1,55 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "libslam/core/ini.h"
+#include "libslam/core/manifest.h"
+#include "libslam/core/parameters.h"
+
+namespace slam::apps {
+
+/// What every command shares.
+struct Context {
+  std::vector<std::string> command_line;
+  std::function<int()> action;  ///< set by the chosen command; returns the exit code
+
+  std::uint64_t seed = 1;
+  std::string output, config;
+  std::vector<std::string> settings;  ///< --set
+  bool json = false, overwrite = false, quiet = false, print_config = false;
+
+  core::Manifest manifest() const;
+};
+
+void addDemo(CLI::App& app, Context& context);
+void addSimulate(CLI::App& app, Context& context);
+void addRun(CLI::App& app, Context& context);
+void addEval(CLI::App& app, Context& context);
+void addCompare(CLI::App& app, Context& context);
+void addInfo(CLI::App& app, Context& context);
+void addList(CLI::App& app, Context& context);
+
+// Options that mean the same wherever they appear.
+void addSeed(CLI::App* command, Context& context);
+void addOutput(CLI::App* command, Context& context, const std::string& what);
+void addConfig(CLI::App* command, Context& context);
+void addJson(CLI::App* command, Context& context);
+
+/// Flags of a simulation, shared by simulate and compare.
+struct SimulationFlags {
+  std::string lidar, strategy, form;
+  double duration_s = -1;
+};
+void addSimulationFlags(CLI::App* command, SimulationFlags& flags);
+
+/// The layers of a simulation's configuration, weakest first: built-in, the lidar's file, --config, --set,
+/// flags.
+core::IniFile simulationConfig(const Context& context, const SimulationFlags& flags);
+
+/// Prints what --print-config shows.
+void printParameters(const std::vector<core::ParameterReport>& parameters, bool json);
+
+}  // namespace slam::apps

@@ -1,0 +1,95 @@
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "apps/commands.h"
+#include "apps/console.h"
+#include "libslam/core/error.h"
+#include "libslam/run/compare.h"
+#include "libslam/run/resources.h"
+
+namespace slam::apps {
+namespace {
+
+struct Arguments {
+  std::string input, truth, plan;
+  std::vector<std::string> methods = {"naive", "naive_correlation", "icp", "rbpf", "rbpf_exact"};
+  SimulationFlags flags;
+  int threads = 1;
+  bool resume = false;
+};
+
+int compareMethods(const Context& context, const Arguments& arguments) {
+  run::CompareRequest request;
+  const bool is_plan = run::looksLikePlan(arguments.input);
+  if (is_plan || context.print_config)
+    request.record = run::readRecordConfig(simulationConfig(context, arguments.flags));
+  if (context.print_config) {
+    printParameters(request.record.parameters, context.json);
+    return 0;
+  }
+  if (!is_plan && !(context.config.empty() && context.settings.empty()))
+    throw core::InputError("--config and --set belong to the simulation of a plan; " + arguments.input +
+                           " is a log. Give methods their own .ini in --methods");
+  (is_plan ? request.plan_path : request.log_path) =
+      is_plan ? run::resolvePlan(arguments.input) : arguments.input;
+  request.truth_path = arguments.truth;
+  if (!arguments.plan.empty()) request.truth_plan_path = run::resolvePlan(arguments.plan);
+  request.methods = arguments.methods;
+  request.methods_folder = run::configsFolder() + "/methods";
+  request.output = context.output.empty() ? "comparison" : context.output;
+  request.seed = context.seed;
+  request.threads = arguments.threads;
+  request.overwrite = context.overwrite;
+  request.resume = arguments.resume;
+  ConsoleProgress progress(context.quiet);
+  const auto comparison = run::compare(request, context.manifest(), progress);
+  if (context.json)
+    std::cout << nlohmann::ordered_json{{"scores",
+                                         nlohmann::ordered_json::parse(report::toJson(comparison.accuracy))},
+                                        {"cost",
+                                         nlohmann::ordered_json::parse(report::toJson(comparison.cost))}}
+                     .dump(2)
+              << "\n";
+  else
+    std::cout << report::toText(comparison.accuracy) << "\n"
+              << report::toText(comparison.cost) << "\nmaps, paths, pictures: " << request.output << "\n";
+  return static_cast<int>(comparison.failed ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);
+}
+
+}  // namespace
+
+void addCompare(CLI::App& app, Context& context) {
+  auto* command = app.add_subcommand("compare", "run several methods on one log or plan; prints a table");
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("input", arguments->input, "an MRPT rawlog, or a plan to simulate a log in")
+      ->required();
+  command->add_option("--methods", arguments->methods, "names or .ini files, separated by commas")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("--truth", arguments->truth, "true path (default: the one beside the log, if any)");
+  command->add_option("--plan", arguments->plan,
+                      "true plan for the map scores (default: the one the log was made in)");
+  command->add_option("--threads", arguments->threads, "methods side by side; memory is measured only with 1")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->add_flag("--resume", arguments->resume,
+                    "keep the methods that an interrupted comparison has finished");
+  addOutput(command, context, "folder to write (default comparison)");
+  addSeed(command, context);
+  addSimulationFlags(command, arguments->flags);
+  addConfig(command, context);
+  addJson(command, context);
+  command->footer(
+      "Examples:\n"
+      "  rasterslam compare run.rawlog -o out\n"
+      "  rasterslam compare office_loop -o out --methods icp,rbpf_exact,my_icp.ini --seed 5\n"
+      "  rasterslam compare \"/usr/share/mrpt/datasets/2006-01ENE-21-SENA_Telecom "
+      "Faculty_one_loop_only.rawlog\"");
+  command->callback([&context, arguments] {
+    context.action = [&context, arguments] { return compareMethods(context, *arguments); };
+  });
+}
+
+}  // namespace slam::apps

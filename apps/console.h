@@ -1,0 +1,33 @@
+#pragma once
+#include <chrono>
+#include <mutex>
+#include <string>
+
+#include "libslam/core/progress.h"
+
+namespace slam::apps {
+
+/// Ctrl-C and SIGTERM ask to stop at the next progress report; a second one ends the program at once.
+void catchInterrupts();
+
+/// Progress on standard error: a bar with time left and real-time factor on a terminal, else a line every 10
+/// %.
+class ConsoleProgress : public core::Progress {
+ public:
+  explicit ConsoleProgress(bool quiet);
+  void begin(const std::string& stage) override;
+  void update(double fraction, double log_time_s) override;  ///< throws core::Interrupted after Ctrl-C
+  void end() override;
+
+ private:
+  void drawBar(double fraction, double log_time_s, bool last);
+
+  std::mutex mutex_;
+  bool quiet_, is_terminal_;
+  std::string stage_;
+  std::chrono::steady_clock::time_point start_, last_drawn_;
+  int last_tenth_ = -1;
+  double log_time_s_ = 0;
+};
+
+}  // namespace slam::apps

@@ -1,0 +1,67 @@
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "apps/commands.h"
+#include "libslam/core/error.h"
+#include "libslam/run/compare.h"
+#include "libslam/run/evaluate.h"
+#include "libslam/run/resources.h"
+
+namespace slam::apps {
+namespace {
+
+struct Arguments {
+  std::string folder, truth, plan;
+};
+
+int evaluateRun(const Context& context, const Arguments& arguments) {
+  const auto run_folder = run::loadRun(arguments.folder);
+  const std::string plan_path = arguments.plan.empty() ? "" : run::resolvePlan(arguments.plan);
+  if (arguments.truth.empty() && !plan_path.empty())
+    throw core::InputError("--plan needs --truth: without the true path the map cannot be laid on the plan");
+  std::optional<run::Truth> truth;
+  if (!arguments.truth.empty()) truth = run::loadTruth(arguments.truth, plan_path, run_folder);
+  const auto evaluation = run::evaluate(run_folder, truth);
+  if (truth && evaluation.trajectory.position_m.count == 0)
+    throw core::InputError(arguments.truth + ": no stamp in common with " + arguments.folder +
+                           "/trajectory.tum, expected the truth of the same log");
+  const auto table =
+      truth ? run::accuracyTable({evaluation}, *truth) : run::agreementTable({evaluation}, {run_folder});
+  const auto cost = run::costTable({evaluation});
+  if (context.json) {
+    std::cout << nlohmann::ordered_json{{"scores", nlohmann::ordered_json::parse(report::toJson(table))},
+                                        {"cost", nlohmann::ordered_json::parse(report::toJson(cost))}}
+                     .dump(2)
+              << "\n";
+    return 0;
+  }
+  std::cout << report::toText(table) << "\n" << report::toText(cost);
+  if (truth && evaluation.trajectory.unmatched > 0)
+    std::fprintf(stderr,
+                 "rasterslam: %zu of %zu poses lie outside the truth's time span and are not scored\n",
+                 evaluation.trajectory.unmatched, run_folder.estimate.size());
+  return 0;
+}
+
+}  // namespace
+
+void addEval(CLI::App& app, Context& context) {
+  auto* command = app.add_subcommand("eval", "score the folder of one run");
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("folder", arguments->folder, "what 'rasterslam run' wrote")->required();
+  command->add_option("--truth", arguments->truth, "true path: TUM, or MRPT's .GT.txt");
+  command->add_option("--plan", arguments->plan,
+                      "true plan, to score the map too (needs a TUM truth in the plan's frame)");
+  addJson(command, context);
+  command->footer(
+      "Examples:\n"
+      "  rasterslam eval out --truth run.gt.tum\n"
+      "  rasterslam eval out --truth run.gt.tum --plan flat --json");
+  command->callback([&context, arguments] {
+    context.action = [&context, arguments] { return evaluateRun(context, *arguments); };
+  });
+}
+
+}  // namespace slam::apps

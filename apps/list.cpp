@@ -1,0 +1,73 @@
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "apps/commands.h"
+#include "libslam/core/files.h"
+#include "libslam/mapping/map_builder.h"
+#include "libslam/navigate/strategy.h"
+#include "libslam/run/evaluate.h"
+#include "libslam/run/resources.h"
+
+namespace slam::apps {
+namespace {
+
+using Entry = std::pair<std::string, std::string>;  // name, meaning
+
+/// The first comment line of an .ini says what it is.
+std::string firstComment(const std::string& path) {
+  const std::string text = core::readTextFile(path);
+  if (text.empty() || (text[0] != '#' && text[0] != ';')) return "";
+  const size_t start = text.find_first_not_of("#; ");
+  return text.substr(start, text.find('\n') - start);
+}
+
+std::vector<Entry> entriesOf(const std::string& what) {
+  std::vector<Entry> entries;
+  if (what == "methods" || what == "lidars") {
+    const std::string folder = run::configsFolder() + "/" + what;
+    for (const auto& name : run::namesInFolder(folder, ".ini"))
+      entries.emplace_back(name, firstComment(folder + "/" + name + ".ini"));
+  } else if (what == "strategies") {
+    for (const auto& name : navigate::strategyNames()) entries.emplace_back(name, "");
+  } else if (what == "worlds") {
+    for (const auto& name : run::namesInFolder(run::worldsFolder(), ".yaml")) {
+      const auto plan = world::loadPlan(run::worldsFolder() + "/" + name + ".yaml");
+      char size[64];
+      std::snprintf(size, sizeof size, "%.1f x %.1f m, %g m a cell", plan.columns * plan.resolution_m,
+                    plan.rows * plan.resolution_m, plan.resolution_m);
+      entries.emplace_back(name, size);
+    }
+  } else {
+    for (const auto& metric : run::metricInfos()) entries.emplace_back(metric.key, metric.meaning);
+  }
+  return entries;
+}
+
+int list(const Context& context, const std::string& what) {
+  const auto entries = entriesOf(what);
+  if (context.json) {
+    auto json = nlohmann::ordered_json::array();
+    for (const auto& [name, meaning] : entries) json.push_back({{"name", name}, {"meaning", meaning}});
+    std::cout << json.dump(2) << "\n";
+    return 0;
+  }
+  for (const auto& [name, meaning] : entries) std::printf("%-20s %s\n", name.c_str(), meaning.c_str());
+  return 0;
+}
+
+}  // namespace
+
+void addList(CLI::App& app, Context& context) {
+  auto* command = app.add_subcommand("list", "list methods, strategies, worlds, lidars or metrics");
+  auto what = std::make_shared<std::string>();
+  command->add_option("what", *what, "methods | strategies | worlds | lidars | metrics")
+      ->required()
+      ->check(CLI::IsMember({"methods", "strategies", "worlds", "lidars", "metrics"}));
+  addJson(command, context);
+  command->footer("Example:\n  rasterslam list methods");
+  command->callback([&context, what] { context.action = [&context, what] { return list(context, *what); }; });
+}
+
+}  // namespace slam::apps

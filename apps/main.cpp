@@ -1,0 +1,63 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "apps/commands.h"
+#include "apps/console.h"
+#include "libslam/core/error.h"
+
+namespace {
+
+using slam::core::ExitCode;
+
+int code(ExitCode exit_code) {
+  return static_cast<int>(exit_code);
+}
+
+int report(const char* message, ExitCode exit_code) {
+  std::fprintf(stderr, "rasterslam: %s\n", message);
+  return code(exit_code);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  slam::apps::Context context;
+  context.command_line.assign(argv, argv + argc);
+  CLI::App app{
+      "Probabilistic 2D-lidar SLAM: a robot explores a floor plan, methods map its log, tables say how "
+      "well.\n"
+      "Start with: rasterslam demo"};
+  app.set_version_flag("--version", "rasterslam " + slam::core::versionText());
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 ok, 1 failed, 2 usage, 3 bad input, 4 a method failed or diverged, 130 interrupted.\n"
+      "'rasterslam COMMAND --help' shows examples.");
+  slam::apps::addDemo(app, context);
+  slam::apps::addSimulate(app, context);
+  slam::apps::addRun(app, context);
+  slam::apps::addEval(app, context);
+  slam::apps::addCompare(app, context);
+  slam::apps::addInfo(app, context);
+  slam::apps::addList(app, context);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? code(ExitCode::kOk) : code(ExitCode::kUsage);
+  }
+  slam::apps::catchInterrupts();
+  try {
+    return context.action();
+  } catch (const slam::core::InputError& error) {
+    return report(error.what(), ExitCode::kBadInput);
+  } catch (const slam::core::MethodError& error) {
+    return report(error.what(), ExitCode::kMethodFailed);
+  } catch (const slam::core::Interrupted& error) {
+    return report(error.what(), ExitCode::kInterrupted);
+  } catch (const std::bad_alloc&) {
+    return report("out of memory", ExitCode::kFailed);
+  } catch (const std::exception& error) {
+    return report(error.what(), ExitCode::kFailed);
+  }
+}

@@ -1,0 +1,36 @@
+#include "libslam/logs/mrpt_time.h"
+
+#include <cmath>
+
+#include "libslam/core/error.h"
+#include "libslam/core/parameters.h"
+
+namespace slam::logs {
+namespace {
+
+constexpr std::int64_t kTicksPerSecond = 10'000'000;
+// From 1601-01-01 to 1970-01-01: 134774 days.
+constexpr std::int64_t kUnixEpochTicks = 134'774LL * 86'400LL * kTicksPerSecond;
+constexpr double kYear10000_s = 253'402'300'800.0;
+
+}  // namespace
+
+std::int64_t mrptTicks(double time_s) {
+  const double earliest_s = -static_cast<double>(kUnixEpochTicks / kTicksPerSecond);
+  if (!(time_s > earliest_s && time_s < kYear10000_s))
+    throw core::ContractError("a stamp of " + core::formatNumber(time_s) +
+                              " s is outside the years 1601 to 9999");
+  // Whole seconds and the rest apart: their product with 10^7 at once would not fit into a double's 53 bits.
+  const double whole_s = std::floor(time_s);
+  const double rest_s = time_s - whole_s;
+  return kUnixEpochTicks + static_cast<std::int64_t>(whole_s) * kTicksPerSecond +
+         std::llround(rest_s * static_cast<double>(kTicksPerSecond));
+}
+
+double secondsFromMrptTicks(std::int64_t ticks) {
+  const std::int64_t since_epoch = ticks - kUnixEpochTicks;
+  return static_cast<double>(since_epoch / kTicksPerSecond) +
+         static_cast<double>(since_epoch % kTicksPerSecond) / static_cast<double>(kTicksPerSecond);
+}
+
+}  // namespace slam::logs

@@ -1,0 +1,276 @@
+#include "libslam/logs/rawlog_stream.h"
+
+#include <mrpt/maps/registerAllClasses.h>
+#include <mrpt/obs/CAction.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CObservation.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/rtti/CObject.h>
+#include <mrpt/serialization/CArchive.h>
+#include <mrpt/serialization/CSerializable.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+
+namespace slam::logs {
+namespace {
+
+constexpr size_t kInputBytes = 1 << 16;
+constexpr size_t kUnpackedBytes = 1 << 13;
+constexpr int kGzipWindowBits = 15 + 16;  // zlib.h, inflateInit2: 16 more than the window means gzip only
+
+[[noreturn]] void notOffered(const char* what) {
+  throw core::ContractError(std::string("rawlog stream: ") + what + " is not offered");
+}
+
+struct ObjectHeader {
+  std::string class_name;  ///< "" when no object starts here
+  bool is_cut = false;     ///< the bytes end inside what may be a header
+};
+
+/// The start of a serialized MRPT object, in one of two layouts: since MRPT 0.5.5 one byte with bit 7 set and
+/// the length of the class name, before that the length in four bytes, least first.
+ObjectHeader headerAt(const std::string& bytes) {
+  if (bytes.empty()) return {"", true};
+  const auto first = static_cast<unsigned char>(bytes[0]);
+  const bool old_layout = (first & 0x80U) == 0;
+  const size_t length = first & 0x7FU, start = old_layout ? 4 : 1;
+  const auto is_zero = [](char c) { return c == 0; };
+  const auto is_letter = [](char c) { return c > 32 && c < 127; };
+  const auto length_end = bytes.begin() + static_cast<std::ptrdiff_t>(std::min(start, bytes.size()));
+  if (length == 0 || !std::all_of(bytes.begin() + 1, length_end, is_zero)) return {};
+  const std::string name = bytes.substr(std::min(start, bytes.size()), length);
+  if (!std::all_of(name.begin(), name.end(), is_letter)) return {};
+  return name.size() < length ? ObjectHeader{"", true} : ObjectHeader{name, false};
+}
+
+constexpr size_t kLongestHeader = 4 + 127;
+
+bool isLogEntry(const mrpt::rtti::TRuntimeClassId& id) {
+  using namespace mrpt::obs;
+  return id.derivedFrom(CLASS_ID(CActionCollection)) || id.derivedFrom(CLASS_ID(CSensoryFrame)) ||
+         id.derivedFrom(CLASS_ID(CObservation)) || id.derivedFrom(CLASS_ID(CAction));
+}
+
+}  // namespace
+
+UnpackingStream::UnpackingStream(const std::string& path) : input_(kInputBytes) {
+  core::requireReadableFile(path);
+  file_.open(path, std::ios::binary);
+  std::error_code error;
+  file_bytes_ = std::filesystem::file_size(path, error);
+  if (!file_ || error) throw core::InputError(path + ": cannot be read: " + std::strerror(errno));
+  readFile();
+  packed_ = inflater_.avail_in >= 2 && input_[0] == 0x1F && input_[1] == 0x8B;
+  if (packed_ && inflateInit2(&inflater_, kGzipWindowBits) != Z_OK) throw std::bad_alloc();
+  in_member_ = packed_;
+}
+
+UnpackingStream::~UnpackingStream() {
+  if (packed_) inflateEnd(&inflater_);
+}
+
+bool UnpackingStream::readFile() {
+  file_.read(reinterpret_cast<char*>(input_.data()), static_cast<std::streamsize>(input_.size()));
+  inflater_.next_in = input_.data();
+  inflater_.avail_in = static_cast<uInt>(file_.gcount());
+  file_read_ += inflater_.avail_in;
+  return inflater_.avail_in > 0;
+}
+
+std::uint64_t UnpackingStream::fileOffset() const {
+  return file_read_ - inflater_.avail_in;
+}
+
+void UnpackingStream::inflateSome() {
+  const size_t old_size = unpacked_.size();
+  unpacked_.resize(old_size + kUnpackedBytes);
+  inflater_.next_out = unpacked_.data() + old_size;
+  inflater_.avail_out = kUnpackedBytes;
+  const int result = inflate(&inflater_, Z_NO_FLUSH);
+  unpacked_.resize(old_size + kUnpackedBytes - inflater_.avail_out);
+  if (result == Z_STREAM_END) {
+    in_member_ = false;
+  } else if (result != Z_OK && result != Z_BUF_ERROR) {
+    failure_text_ = inflater_.msg ? inflater_.msg : "cannot be unpacked";
+    const bool at_trailer =
+        failure_text_ == "incorrect data check" || failure_text_ == "incorrect length check";
+    pending_failure_ = at_trailer ? Failure::kChecksum : Failure::kDamaged;
+  }
+}
+
+/// More bytes into unpacked_; false when there are none.
+bool UnpackingStream::fill() {
+  unpacked_.erase(unpacked_.begin(), unpacked_.begin() + static_cast<std::ptrdiff_t>(unpacked_begin_));
+  unpacked_begin_ = 0;
+  const size_t size_before = unpacked_.size();
+  while (unpacked_.size() == size_before && pending_failure_ == Failure::kNone) {
+    if (inflater_.avail_in == 0 && !readFile()) {
+      if (in_member_) pending_failure_ = Failure::kTruncated;
+      break;
+    }
+    if (!packed_) {
+      const size_t count = std::min<size_t>(inflater_.avail_in, kUnpackedBytes);
+      unpacked_.insert(unpacked_.end(), inflater_.next_in, inflater_.next_in + count);
+      inflater_.next_in += count;
+      inflater_.avail_in -= static_cast<uInt>(count);
+      continue;
+    }
+    if (!in_member_) {
+      inflateReset(&inflater_);
+      in_member_ = true;
+    }
+    inflateSome();
+  }
+  return unpacked_.size() > size_before;
+}
+
+std::string UnpackingStream::peek(size_t count) {
+  while (unpacked_.size() - unpacked_begin_ < count && fill()) {
+  }
+  const size_t available = std::min(count, unpacked_.size() - unpacked_begin_);
+  if (available < count) failure_ = pending_failure_;
+  const auto begin = unpacked_.begin() + static_cast<std::ptrdiff_t>(unpacked_begin_);
+  return {begin, begin + static_cast<std::ptrdiff_t>(available)};
+}
+
+size_t UnpackingStream::Read(void* buffer, size_t count) {
+  auto* target = static_cast<unsigned char*>(buffer);
+  size_t missing = count;
+  while (missing > 0) {
+    if (unpacked_begin_ == unpacked_.size() && !fill()) {
+      failure_ = pending_failure_ == Failure::kNone ? Failure::kTruncated : pending_failure_;
+      throw std::runtime_error("no more bytes");
+    }
+    const size_t step = std::min(missing, unpacked_.size() - unpacked_begin_);
+    std::memcpy(target, unpacked_.data() + unpacked_begin_, step);
+    unpacked_begin_ += step;
+    target += step;
+    missing -= step;
+  }
+  position_ += count;
+  return count;
+}
+
+size_t UnpackingStream::Write(const void*, size_t) {
+  notOffered("writing");
+}
+std::uint64_t UnpackingStream::Seek(std::int64_t, TSeekOrigin) {
+  notOffered("seeking");
+}
+
+RawlogObjects::RawlogObjects(const std::string& path) : path_(path), stream_(path) {
+  // Linked libraries of which nothing is called are dropped, and their classes with them.
+  mrpt::maps::registerAllClasses_mrpt_maps();
+  if (stream_.fileBytes() == 0) throw core::InputError(path + ": is empty, expected an MRPT rawlog");
+}
+
+double RawlogObjects::fractionRead() const {
+  return static_cast<double>(stream_.fileOffset()) / static_cast<double>(stream_.fileBytes());
+}
+
+void RawlogObjects::fail(UnpackingStream::Failure failure, const std::string& otherwise) const {
+  using Failure = UnpackingStream::Failure;
+  const std::string place =
+      "byte " + std::to_string(stream_.fileOffset()) + " of " + std::to_string(stream_.fileBytes());
+  const std::string good = std::to_string(count_) + (count_ == 1 ? " good entry" : " good entries");
+  const std::string after = ", after " + good;
+  if (failure == Failure::kTruncated)
+    throw core::InputError(path_ + ": truncated: ends at " + place + " inside an entry" + after);
+  if (failure == Failure::kChecksum)
+    throw core::InputError(path_ + ": corrupt: the gzip checksum at " + place + " does not match" + after +
+                           ", of which one must be wrong");
+  throw core::InputError(path_ + ": corrupt near " + place + " (" +
+                         (failure == Failure::kDamaged ? stream_.failureText() : otherwise) + ")" + after);
+}
+
+/// Throws unless an object of a class that can be read starts here.
+void RawlogObjects::checkHeader() {
+  const auto header = headerAt(stream_.peek(kLongestHeader));
+  const std::string& name = header.class_name;
+  if (name == "nullptr") return;
+  const auto* id = name.empty() ? nullptr : mrpt::rtti::findRegisteredClass(name);
+  if (id && (count_ > 0 || isLogEntry(*id))) return;
+  if (stream_.failure() != UnpackingStream::Failure::kNone) fail(stream_.failure());
+  if (count_ > 0 && header.is_cut) fail(UnpackingStream::Failure::kTruncated);
+  if (count_ > 0)
+    fail(UnpackingStream::Failure::kNone,
+         name.empty() ? "no entry starts here" : "an entry of the unknown class '" + name + "'");
+  throw core::InputError(path_ + ": is not an MRPT rawlog: it starts with " +
+                         (name.empty() ? std::string("other data") : "an object of class '" + name + "'"));
+}
+
+std::shared_ptr<mrpt::serialization::CSerializable> RawlogObjects::next() {
+  auto archive = mrpt::serialization::archiveFrom<mrpt::io::CStream>(stream_);
+  for (;;) {
+    if (stream_.peek(1).empty()) {
+      if (stream_.failure() != UnpackingStream::Failure::kNone) fail(stream_.failure());
+      return nullptr;
+    }
+    checkHeader();
+    std::shared_ptr<mrpt::serialization::CSerializable> object;
+    try {
+      object = archive.ReadObject();
+    } catch (const std::bad_alloc&) {
+      fail(stream_.failure(), "an entry of impossible size");
+    } catch (const std::length_error&) {
+      fail(stream_.failure(), "an entry of impossible size");
+    } catch (const std::exception&) {
+      fail(stream_.failure(), "an entry that cannot be read");
+    }
+    ++count_;
+    if (object) return object;
+  }
+}
+
+PackingStream::PackingStream(const std::string& path, std::string final_path)
+    : final_path_(std::move(final_path)) {
+  errno = 0;
+  file_ = gzopen(path.c_str(), "wb");
+  if (!file_) fail(errno ? errno : ENOMEM);
+}
+
+PackingStream::~PackingStream() {
+  if (file_) gzclose(file_);
+}
+
+void PackingStream::fail(int error_number) {
+  error_number_ = error_number;
+  throw core::IoError(final_path_ + ": cannot be written: " + std::strerror(error_number));
+}
+
+void PackingStream::rethrowFailure() const {
+  if (error_number_ != 0)
+    throw core::IoError(final_path_ + ": cannot be written: " + std::strerror(error_number_));
+}
+
+size_t PackingStream::Write(const void* buffer, size_t count) {
+  errno = 0;
+  if (gzwrite(file_, buffer, static_cast<unsigned>(count)) != static_cast<int>(count))
+    fail(errno ? errno : EIO);
+  position_ += count;
+  return count;
+}
+
+void PackingStream::close() {
+  errno = 0;
+  const int result = gzclose(std::exchange(file_, nullptr));
+  if (result != Z_OK) fail(errno ? errno : EIO);
+}
+
+size_t PackingStream::Read(void*, size_t) {
+  notOffered("reading");
+}
+std::uint64_t PackingStream::Seek(std::int64_t, TSeekOrigin) {
+  notOffered("seeking");
+}
+
+}  // namespace slam::logs

@@ -1,0 +1,184 @@
+#include "libslam/logs/trajectory_io.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+#include <vector>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+
+namespace slam::logs {
+namespace {
+
+constexpr int kTimeDecimals = 6;
+constexpr int kTumDecimals = 9;
+constexpr int kMrptDecimals = 6;
+
+// A quaternion in a text file has a length near 1; a shorter one than this holds no direction.
+constexpr double kShortestQuaternion = 1e-6;
+
+void appendNumber(std::string& text, double value, int decimals) {
+  // Fixed notation of the largest double has 309 digits before the point.
+  std::array<char, 400> buffer{};
+  const auto result =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, decimals);
+  std::string_view digits(buffer.data(), static_cast<size_t>(result.ptr - buffer.data()));
+  // "-0.000" would make equal poses differ in their bytes.
+  if (digits.front() == '-' && digits.find_first_not_of("-0.") == std::string_view::npos)
+    digits.remove_prefix(1);
+  text += digits;
+}
+
+void requireWritable(const core::Trajectory& trajectory) {
+  if (trajectory.empty()) throw core::ContractError("a trajectory without poses cannot be written");
+  for (size_t i = 0; i < trajectory.size(); ++i) {
+    if (!std::isfinite(trajectory[i].time_s) || !core::isFinite(trajectory[i].pose))
+      throw core::ContractError("a trajectory to write holds a number that is not finite");
+    if (i > 0 && trajectory[i].time_s < trajectory[i - 1].time_s)
+      throw core::ContractError("a trajectory to write has stamps that run back");
+  }
+}
+
+struct Line {
+  size_t number = 0;  ///< from 1
+  std::vector<double> values;
+};
+
+[[noreturn]] void failAt(const std::string& path, size_t line, const std::string& what) {
+  throw core::InputError(path + ":" + std::to_string(line) + ": " + what);
+}
+
+double parseFinite(std::string_view word, const std::string& path, size_t line) {
+  // from_chars, and so no locale, decides what a decimal point is; unlike strtod it takes no leading '+'.
+  std::string_view digits = word;
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+  double value = 0;
+  const auto result = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (result.ec != std::errc() || result.ptr != digits.data() + digits.size() || !std::isfinite(value))
+    failAt(path, line, "found '" + std::string(word) + "', expected a finite number");
+  return value;
+}
+
+std::vector<double> parseNumbers(std::string_view text, const std::string& path, size_t line) {
+  constexpr std::string_view kBlank = " \t\r\v\f";
+  std::vector<double> values;
+  for (size_t begin = text.find_first_not_of(kBlank); begin != std::string_view::npos;) {
+    const size_t end = std::min(text.find_first_of(kBlank, begin), text.size());
+    values.push_back(parseFinite(text.substr(begin, end - begin), path, line));
+    begin = text.find_first_not_of(kBlank, end);
+  }
+  return values;
+}
+
+/// The lines with numbers; blank lines and those that start with # (TUM) or % (MRPT) are passed over.
+std::vector<Line> readLines(const std::string& path) {
+  const std::string text = core::readTextFile(path);
+  std::vector<Line> lines;
+  size_t number = 0;
+  for (size_t begin = 0; begin < text.size();) {
+    const size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string_view content(text.data() + begin, end - begin);
+    begin = end + 1;
+    ++number;
+    const size_t first = content.find_first_not_of(" \t\r\v\f");
+    if (first == std::string_view::npos || content[first] == '#' || content[first] == '%') continue;
+    lines.push_back({number, parseNumbers(content, path, number)});
+  }
+  if (lines.empty()) throw core::InputError(path + ": holds no pose, expected at least 1");
+  return lines;
+}
+
+core::Pose2 tumPose(const Line& line, const std::string& path) {
+  const auto& v = line.values;
+  const double qx = v[4], qy = v[5], qz = v[6], qw = v[7];
+  if (std::sqrt(qx * qx + qy * qy + qz * qz + qw * qw) < kShortestQuaternion)
+    failAt(path, line.number, "found a quaternion of length 0, expected length 1");
+  // Yaw of the rotation matrix, atan2(R10, R00); of any scale, so that a rounded quaternion needs no
+  // normalising.
+  return {v[1], v[2], std::atan2(2 * (qw * qz + qx * qy), qw * qw + qx * qx - qy * qy - qz * qz)};
+}
+
+core::Pose2 mrptPose(const Line& line, const std::string& /*path*/) {
+  return {line.values[1], line.values[2], line.values[3]};
+}
+
+struct Format {
+  size_t numbers;
+  const char* columns;
+  core::Pose2 (*pose)(const Line&, const std::string&);
+};
+const Format kTum{8, "time x y z qx qy qz qw", tumPose};
+const Format kMrpt{4, "time x y phi", mrptPose};
+
+core::Trajectory toTrajectory(const std::vector<Line>& lines, const Format& format, const std::string& path) {
+  core::Trajectory trajectory;
+  for (const Line& line : lines) {
+    if (line.values.size() != format.numbers)
+      failAt(path, line.number,
+             "found " + std::to_string(line.values.size()) + " numbers, expected " +
+                 std::to_string(format.numbers) + " (" + format.columns + ")");
+    const double time_s = line.values[0];
+    if (!trajectory.empty() && time_s < trajectory.back().time_s) {
+      std::string found, before;
+      appendNumber(found, time_s, kTimeDecimals);
+      appendNumber(before, trajectory.back().time_s, kTimeDecimals);
+      failAt(path, line.number, "found time " + found + ", expected none before " + before);
+    }
+    trajectory.push_back({time_s, format.pose(line, path)});
+  }
+  return trajectory;
+}
+
+}  // namespace
+
+void writeTum(const core::Trajectory& trajectory, const std::string& path) {
+  requireWritable(trajectory);
+  std::string text = "# time x y z qx qy qz qw\n";
+  for (const auto& [time_s, pose] : trajectory) {
+    const double half_rad = core::wrapToPi(pose.phi) / 2;
+    appendNumber(text, time_s, kTimeDecimals);
+    for (const double value : {pose.x, pose.y, 0.0, 0.0, 0.0, std::sin(half_rad), std::cos(half_rad)}) {
+      text += ' ';
+      appendNumber(text, value, kTumDecimals);
+    }
+    text += '\n';
+  }
+  core::writeFileAtomically(path, text);
+}
+
+core::Trajectory readTum(const std::string& path) {
+  return toTrajectory(readLines(path), kTum, path);
+}
+
+void writeMrptGroundTruth(const core::Trajectory& truth, const std::string& path) {
+  requireWritable(truth);
+  std::string text;
+  for (const auto& [time_s, pose] : truth) {
+    const auto T_start_robot = core::between(truth.front().pose, pose);
+    appendNumber(text, time_s, kTimeDecimals);
+    for (const double value : {T_start_robot.x, T_start_robot.y, T_start_robot.phi}) {
+      text += ' ';
+      appendNumber(text, value, kMrptDecimals);
+    }
+    text += '\n';
+  }
+  core::writeFileAtomically(path, text);
+}
+
+core::Trajectory readMrptGroundTruth(const std::string& path) {
+  return toTrajectory(readLines(path), kMrpt, path);
+}
+
+core::Trajectory readTrajectory(const std::string& path) {
+  const auto lines = readLines(path);
+  const size_t numbers = lines.front().values.size();
+  if (numbers != kTum.numbers && numbers != kMrpt.numbers)
+    failAt(path, lines.front().number,
+           "found " + std::to_string(numbers) + " numbers, expected " + std::to_string(kTum.numbers) + " (" +
+               kTum.columns + ") or " + std::to_string(kMrpt.numbers) + " (" + kMrpt.columns + ")");
+  return toTrajectory(lines, numbers == kTum.numbers ? kTum : kMrpt, path);
+}
+
+}  // namespace slam::logs

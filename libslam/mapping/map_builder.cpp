@@ -1,0 +1,303 @@
+#include "libslam/mapping/map_builder.h"
+
+#include <mrpt/config/CConfigFileMemory.h>
+#include <mrpt/core/Clock.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/math/TPose2D.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CActionRobotMovement2D.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/random/RandomGenerators.h>
+#include <mrpt/slam/CMetricMapBuilderICP.h>
+#include <mrpt/slam/CMetricMapBuilderRBPF.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <sstream>
+
+#include "libslam/core/error.h"
+#include "libslam/core/random.h"
+#include "libslam/mapping/method_config.h"
+#include "libslam/mapping/mrpt_compat.h"
+#include "libslam/mapping/naive_map_builder.h"
+#include "libslam/robot/mrpt_types.h"
+
+namespace slam::mapping {
+
+using mrpt::maps::COccupancyGridMap2D;
+using mrpt::obs::CActionRobotMovement2D;
+using mrpt::slam::CMetricMapBuilderICP;
+using mrpt::slam::CMetricMapBuilderRBPF;
+
+struct MapBuilder::State {
+  MethodConfig config;
+  std::uint64_t seed = 0;
+  std::uint64_t steps = 0;
+  double builder_time_s = 0;  ///< stamp of the last step, as the builder saw it
+  core::Pose2 T_map_robot;
+  CActionRobotMovement2D::TMotionModelOptions motion_model;
+  std::unique_ptr<odometry::ScanOdometry> scan_odometry;
+  std::optional<robot::Scan> previous_scan;
+  bool scan_odometry_saw_previous = false;
+};
+
+MapBuilder::MapBuilder() = default;
+MapBuilder::MapBuilder(MapBuilder&&) noexcept = default;
+MapBuilder& MapBuilder::operator=(MapBuilder&&) noexcept = default;
+MapBuilder::~MapBuilder() = default;
+
+namespace {
+
+void silence(mrpt::system::COutputLogger& logger) {
+  logger.setVerbosityLevel(mrpt::system::LVL_ERROR);
+  logger.logging_enable_console_output = false;
+}
+
+std::unique_ptr<mrpt::slam::CMetricMapBuilder> makeIcpBuilder(const mrpt::config::CConfigFileBase& config) {
+  auto builder = std::make_unique<CMetricMapBuilderICP>();
+  builder->ICP_options.loadFromConfigFile(config, kMrptSection);
+  builder->ICP_params.loadFromConfigFile(config, "ICP");
+  silence(*builder);
+  // No start pose: MRPT would stamp it with the wall clock, and then ignore the odometry of a log from the
+  // past until the first accepted match.
+  builder->initialize();
+  return builder;
+}
+
+std::unique_ptr<mrpt::slam::CMetricMapBuilder> makeRbpfBuilder(const mrpt::config::CConfigFileBase& config) {
+  CMetricMapBuilderRBPF::TConstructionOptions options;
+  options.loadFromConfigFile(config, kMrptSection);
+  auto builder = std::make_unique<CMetricMapBuilderRBPF>(options);
+  silence(*builder);
+  // The particles' own logger, which reports every rejected match of every particle.
+  silence(builder->mapPDF);
+  builder->initialize();
+  return builder;
+}
+
+std::unique_ptr<mrpt::slam::CMetricMapBuilder> makeBuilder(const MethodConfig& config,
+                                                           const std::string& name) {
+  if (config.method.type == "naive") {
+    auto builder = std::make_unique<NaiveMapBuilder>(config.mapping);
+    silence(*builder);
+    return builder;
+  }
+  registerMaps();
+  const mrpt::config::CConfigFileMemory text(mrptConfigText(config, name));
+  return config.method.type == "icp" ? makeIcpBuilder(text) : makeRbpfBuilder(text);
+}
+
+CActionRobotMovement2D::TMotionModelOptions motionModel(const MotionOptions& motion) {
+  CActionRobotMovement2D::TMotionModelOptions model;
+  // The Gaussian model: Thrun's would draw samples whenever the action is copied.
+  model.modelSelection = CActionRobotMovement2D::mmGaussian;
+  auto& gaussian = model.gaussianModel;
+  gaussian.a1 = motion.sigma_xy_per_m;
+  gaussian.a2 = motion.sigma_xy_per_rad;
+  gaussian.a3 = motion.sigma_turn_per_m_rad;
+  gaussian.a4 = motion.sigma_turn_per_rad;
+  gaussian.minStdXY = motion.sigma_xy_m;
+  gaussian.minStdPHI = motion.sigma_turn_rad;
+  return model;
+}
+
+/// The motion since the scan before, from the scans. The estimator may have slept while the wheels did the
+/// work: then it is shown the previous scan first.
+odometry::ScanMotion motionFromScans(MapBuilder::State& state, const robot::Scan& scan) {
+  if (!state.scan_odometry) state.scan_odometry = odometry::makeScanOdometry(state.config.scan_odometry);
+  if (!state.scan_odometry_saw_previous && state.previous_scan) {
+    state.scan_odometry->reset();
+    state.scan_odometry->update(*state.previous_scan);
+  }
+  return state.scan_odometry->update(scan);
+}
+
+std::string stepText(const MapBuilder& method) {
+  return "method " + method.name + ", scan " + std::to_string(method.state->steps + 1) + ": ";
+}
+
+void requireFinite(const MapBuilder& method, const core::Pose2& pose, const char* what) {
+  if (!core::isFinite(pose)) throw core::MethodError(stepText(method) + what + " is not finite");
+}
+
+/// The action for the builder, still without its stamp.
+std::shared_ptr<CActionRobotMovement2D> makeAction(MapBuilder& method, const robot::Scan& scan,
+                                                   const core::Pose2& T_previous_robot, bool has_odometry) {
+  MapBuilder::State& state = *method.state;
+  const bool is_first = state.steps == 0;
+  const bool from_scans = state.config.method.odometry != "wheel" || (!has_odometry && !is_first);
+  if (from_scans) {
+    const odometry::ScanMotion motion = motionFromScans(state, scan);
+    state.scan_odometry_saw_previous = true;
+    requireFinite(method, motion.T_previous_current, "the motion estimated from the scans");
+    return odometry::toMrptAction(motion, state.builder_time_s);
+  }
+  state.scan_odometry_saw_previous = false;
+  const core::Pose2 increment = is_first ? core::Pose2{} : T_previous_robot;
+  requireFinite(method, increment, "the odometry");
+  auto action = CActionRobotMovement2D::Create();
+  action->computeFromOdometry(mrpt::poses::CPose2D(robot::toMrpt(increment)), state.motion_model);
+  return action;
+}
+
+/// Extent of one grid in metres.
+struct Extent {
+  double x_min, x_max, y_min, y_max, resolution_m;
+};
+
+double cellsWith(const Extent& grid, const core::Point2& centre, double reach_m) {
+  const double width_m = std::max(grid.x_max, centre.x + reach_m) - std::min(grid.x_min, centre.x - reach_m);
+  const double height_m = std::max(grid.y_max, centre.y + reach_m) - std::min(grid.y_min, centre.y - reach_m);
+  return width_m * height_m / (grid.resolution_m * grid.resolution_m);
+}
+
+void addGrids(const mrpt::maps::CMultiMetricMap& maps, std::vector<Extent>& grids) {
+  for (const auto& map : maps)
+    if (const auto* grid = dynamic_cast<const COccupancyGridMap2D*>(&*map))
+      grids.push_back(
+          {grid->getXMin(), grid->getXMax(), grid->getYMin(), grid->getYMax(), grid->getResolution()});
+}
+
+std::vector<Extent> gridsOf(const mrpt::slam::CMetricMapBuilder& builder) {
+  std::vector<Extent> grids;
+  if (const auto* rbpf = dynamic_cast<const CMetricMapBuilderRBPF*>(&builder)) {
+    for (const auto& particle : rbpf->mapPDF.m_particles) addGrids(particle.d->mapTillNow, grids);
+  } else {
+    addGrids(compat::asReference(builder.getCurrentlyBuiltMetricMap()), grids);
+  }
+  return grids;
+}
+
+/// How far from the robot the scan can change the grid.
+double reach(const MapBuilder::State& state, const robot::Scan& scan) {
+  double farthest_m = 0;
+  for (const float range_m : scan.ranges_m)
+    if (robot::isReturn(range_m)) farthest_m = std::max(farthest_m, static_cast<double>(range_m));
+  const double mount_m = std::hypot(scan.T_robot_lidar.x, scan.T_robot_lidar.y);
+  const auto& mapping = state.config.mapping;
+  if (state.config.method.type == "naive" && mapping.draw == "dots") return farthest_m + mount_m;
+  return std::min(mapping.max_insert_range_m, std::max(farthest_m, scan.max_range_m)) + mount_m;
+}
+
+/// MRPT's grids grow without limit and end the program when memory does: a diverging method has to be stopped
+/// before it inserts.
+void requireBoundedMap(const MapBuilder& method, const core::Pose2& T_map_robot, double reach_m) {
+  double cells = 0;
+  for (const Extent& grid : gridsOf(*method.builder))
+    cells += cellsWith(grid, core::position(T_map_robot), reach_m);
+  const double limit = method.state->config.mapping.max_map_cells;
+  if (!(cells <= limit))
+    throw core::MethodError(
+        stepText(method) + "the map would hold " + core::formatNumber(std::round(cells / 1e6)) +
+        " million cells, allowed are " + core::formatNumber(std::round(limit / 1e5) / 10) +
+        " million ([mapping] max_map_cells); the method has diverged or the place is too large");
+}
+
+/// MRPT's exceptions carry a stack trace; one line of it says what happened.
+std::string firstLine(const std::string& text) {
+  std::istringstream lines(text);
+  std::string line;
+  while (std::getline(lines, line))
+    if (line.find_first_not_of(" \t=") != std::string::npos) return line;
+  return text;
+}
+
+void feed(MapBuilder& method, const std::shared_ptr<CActionRobotMovement2D>& action,
+          const robot::Scan& scan) {
+  auto observation = robot::toMrpt(scan);
+  const auto stamp = mrpt::Clock::fromDouble(method.state->builder_time_s);
+  action->timestamp = stamp;
+  observation->timestamp = stamp;
+  mrpt::obs::CActionCollection actions;
+  actions.insert(*action);
+  mrpt::obs::CSensoryFrame frame;
+  frame.insert(observation);
+  try {
+    method.builder->processActionObservation(actions, frame);
+  } catch (const std::exception& error) {
+    throw core::MethodError(stepText(method) + "MRPT: " + firstLine(error.what()));
+  }
+}
+
+/// ICP's builder ignores odometry that is not newer than its last match, and complains on the console.
+double growingTime(double time_s, double last_time_s, bool is_first) {
+  if (std::isfinite(time_s) && (is_first || time_s > last_time_s)) return time_s;
+  return last_time_s + 1e-3;
+}
+
+}  // namespace
+
+MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, std::uint64_t seed) {
+  MapBuilder method;
+  method.state = std::make_unique<MapBuilder::State>();
+  MapBuilder::State& state = *method.state;
+  state.config = readMethodConfig(config);
+  state.seed = seed;
+  state.motion_model = motionModel(state.config.motion);
+  method.name = name;
+  method.type = state.config.method.type;
+  method.odometry = state.config.method.odometry;
+  method.parameters = state.config.report;
+  method.builder = makeBuilder(state.config, name);
+  return method;
+}
+
+std::string toMrptConfig(const core::IniFile& config, const std::string& name) {
+  const MethodConfig read = readMethodConfig(config);
+  if (read.method.type == "naive") {
+    const auto* given = config.find("method", "type");
+    throw core::InputError((given != nullptr ? given->origin : name) +
+                           ": section [method], key 'type': found 'naive', expected icp or rbpf: no MRPT "
+                           "program runs the naive method");
+  }
+  return mrptConfigText(read, name);
+}
+
+core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core::Pose2& T_previous_robot,
+                        bool has_odometry) {
+  MapBuilder::State& state = *method.state;
+  state.builder_time_s = growingTime(scan.time_s, state.builder_time_s, state.steps == 0);
+
+  const auto action = makeAction(method, scan, T_previous_robot, has_odometry);
+  const core::Pose2 increment = robot::fromMrpt(action->poseChange->getMeanVal().asTPose());
+  const double reach_m = reach(state, scan);
+  requireBoundedMap(method, state.T_map_robot * increment, reach_m);
+
+  mrpt::random::getRandomGenerator().randomize(static_cast<uint32_t>(
+      core::RandomStream(state.seed, "mapping step " + std::to_string(state.steps)).bits() >> 32));
+  feed(method, action, scan);
+
+  const auto pose = method.builder->getCurrentPoseEstimation()->getMeanVal();
+  state.T_map_robot = {pose.x(), pose.y(), pose.yaw()};
+  requireFinite(method, state.T_map_robot, "the pose");
+  requireBoundedMap(method, state.T_map_robot, 0);
+  state.previous_scan = scan;
+  ++state.steps;
+  return state.T_map_robot;
+}
+
+std::vector<std::string> methodNames(const std::string& methods_folder) {
+  std::error_code error;
+  std::filesystem::directory_iterator files(methods_folder, error);
+  if (error) throw core::InputError(methods_folder + ": cannot be read as a folder: " + error.message());
+  std::vector<std::string> names;
+  for (const auto& file : files)
+    if (file.path().extension() == ".ini") names.push_back(file.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+core::IniFile loadMethodConfig(const std::string& methods_folder, const std::string& name_or_path) {
+  const bool is_path = name_or_path.find('/') != std::string::npos ||
+                       std::filesystem::path(name_or_path).extension() == ".ini";
+  if (is_path) return core::IniFile::load(name_or_path);
+  const auto names = methodNames(methods_folder);
+  if (std::find(names.begin(), names.end(), name_or_path) == names.end())
+    throw core::InputError("unknown method '" + name_or_path + "'" + core::didYouMean(name_or_path, names));
+  return core::IniFile::load((std::filesystem::path(methods_folder) / (name_or_path + ".ini")).string());
+}
+
+}  // namespace slam::mapping

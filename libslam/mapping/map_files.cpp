@@ -1,0 +1,187 @@
+#include <mrpt/io/CMemoryStream.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/serialization/CArchive.h>
+#include <mrpt/slam/CMetricMapBuilder.h>
+#include <zlib.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/mapping/map_builder.h"
+#include "libslam/mapping/mrpt_compat.h"
+#include "libslam/mapping/naive_map_builder.h"
+
+namespace slam::mapping {
+namespace {
+
+using mrpt::maps::COccupancyGridMap2D;
+namespace viz = compat::viz;
+
+const mrpt::maps::CMultiMetricMap& mapsOf(const MapBuilder& method) {
+  return compat::asReference(method.builder->getCurrentlyBuiltMetricMap());
+}
+
+COccupancyGridMap2D::Ptr gridOf(const MapBuilder& method) {
+  const auto grid = mapsOf(method).mapByClass<COccupancyGridMap2D>();
+  if (!grid) throw core::ContractError("method " + method.name + " holds no grid");
+  return grid;
+}
+
+bool drawsDots(const MapBuilder& method) {
+  const auto* naive = dynamic_cast<const NaiveMapBuilder*>(method.builder.get());
+  return naive != nullptr && naive->drawsDots();
+}
+
+/// The grid that any MRPT program opens, whatever class the method uses.
+COccupancyGridMap2D plainCopy(const COccupancyGridMap2D& grid) {
+  COccupancyGridMap2D plain;
+  plain.copyMapContentFrom(grid);
+  plain.insertionOptions = grid.insertionOptions;
+  plain.likelihoodOptions = grid.likelihoodOptions;
+  return plain;
+}
+
+/// A gzip member with no name and no time in it, so that the same object gives the same bytes.
+std::string gzipped(const void* data, size_t size) {
+  z_stream stream{};
+  const int kGzipWindow = 15 + 16;
+  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzipWindow, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+    throw core::IoError("zlib cannot be started");
+  std::string out(deflateBound(&stream, static_cast<uLong>(size)), '\0');
+  stream.next_in = static_cast<Bytef*>(const_cast<void*>(data));
+  stream.avail_in = static_cast<uInt>(size);
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  const int result = deflate(&stream, Z_FINISH);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  if (result != Z_STREAM_END) throw core::IoError("zlib cannot compress");
+  return out;
+}
+
+/// MRPT's own writers go through gzip streams that do not report a full disk.
+void writeObject(const mrpt::serialization::CSerializable& object, const std::string& path) {
+  mrpt::io::CMemoryStream buffer;
+  mrpt::serialization::archiveFrom(buffer) << object;
+  core::writeFileAtomically(path, gzipped(buffer.getRawBufferData(), buffer.getTotalBytesCount()));
+}
+
+/// ROS's picture of the map: the top row first, 0 occupied, 254 free, 205 unknown (map_server's own values).
+void writeRosMap(const OccupancyRaster& map, const std::string& folder) {
+  cv::Mat picture(map.rows, map.columns, CV_8UC1);
+  for (int row = 0; row < map.rows; ++row) {
+    auto* pixels = picture.ptr<std::uint8_t>(map.rows - 1 - row);
+    const float* cells = map.occupancy.data() + static_cast<size_t>(row) * static_cast<size_t>(map.columns);
+    for (int column = 0; column < map.columns; ++column) {
+      std::uint8_t gray = 205;
+      if (cells[column] > kOccupiedAbove) gray = 0;
+      if (cells[column] < kFreeBelow) gray = 254;
+      pixels[column] = gray;
+    }
+  }
+  std::vector<std::uint8_t> png;
+  if (!cv::imencode(".png", picture, png)) throw core::IoError(folder + "/map.png: cannot be encoded");
+  core::writeFileAtomically(folder + "/map.png", {reinterpret_cast<const char*>(png.data()), png.size()});
+  core::writeFileAtomically(
+      folder + "/map.yaml",
+      "# ROS map_server. Cells are occupied above a probability of 0.6, free below 0.4, unknown between.\n"
+      "image: map.png\nmode: trinary\nresolution: " +
+          core::formatNumber(map.resolution_m) + "\norigin: [" + core::formatNumber(map.x_min_m) + ", " +
+          core::formatNumber(map.y_min_m) + ", 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
+}
+
+/// What the layers of the scene are called and how high they lie, so that none hides another.
+constexpr float kGroundHeight_m = -0.02F, kPointsHeight_m = 0.02F, kPathHeight_m = 0.05F;
+
+viz::CPointCloud::Ptr pointsLayer(const mrpt::maps::CMultiMetricMap& maps, const COccupancyGridMap2D& grid) {
+  mrpt::maps::CSimplePointsMap of_grid;
+  auto points = maps.mapByClass<mrpt::maps::CPointsMap>();
+  const mrpt::maps::CPointsMap* source = points.get();
+  if (source == nullptr) {
+    grid.getAsPointCloud(of_grid, 0.5F);
+    source = &of_grid;
+  }
+  auto layer = viz::CPointCloud::Create();
+  layer->setName("obstacle points");
+  layer->setPointSize(3);
+  layer->setColor(0.8F, 0.1F, 0.1F);
+  for (size_t i = 0; i < source->size(); ++i) {
+    float x = 0, y = 0;
+    source->getPoint(i, x, y);
+    layer->insertPoint(x, y, kPointsHeight_m);
+  }
+  return layer;
+}
+
+viz::CSetOfLines::Ptr pathLayer(const core::Trajectory& path) {
+  auto layer = viz::CSetOfLines::Create();
+  layer->setName("path");
+  layer->setLineWidth(3);
+  layer->setColor(0.1F, 0.3F, 0.9F);
+  const auto height = static_cast<double>(kPathHeight_m);
+  for (size_t i = 1; i < path.size(); ++i)
+    layer->appendLine(path[i - 1].pose.x, path[i - 1].pose.y, height, path[i].pose.x, path[i].pose.y, height);
+  return layer;
+}
+
+void writeScene(const MapBuilder& method, const core::Trajectory& path, const std::string& file) {
+  const auto grid = plainCopy(*gridOf(method));
+  compat::Scene scene;
+  auto ground = viz::CGridPlaneXY::Create(grid.getXMin(), grid.getXMax(), grid.getYMin(), grid.getYMax(),
+                                          kGroundHeight_m, 1.0F);
+  ground->setName("ground, 1 m");
+  ground->setColor(0.6F, 0.6F, 0.6F);
+  scene.insert(ground);
+  auto occupancy = viz::CSetOfObjects::Create();
+  occupancy->setName("occupancy grid");
+  grid.getVisualizationInto(*occupancy);
+  scene.insert(occupancy);
+  scene.insert(pointsLayer(mapsOf(method), grid));
+  scene.insert(pathLayer(path));
+  if (!path.empty()) {
+    auto robot = viz::stock_objects::CornerXYZSimple(0.6F, 3.0F);
+    robot->setName("robot");
+    const auto& pose = path.back().pose;
+    robot->setPose(mrpt::poses::CPose3D(pose.x, pose.y, static_cast<double>(kPathHeight_m), pose.phi, 0, 0));
+    scene.insert(robot);
+  }
+  writeObject(scene, file);
+}
+
+}  // namespace
+
+OccupancyRaster currentMap(const MapBuilder& method) {
+  const auto grid = gridOf(method);
+  OccupancyRaster map;
+  map.columns = static_cast<int>(grid->getSizeX());
+  map.rows = static_cast<int>(grid->getSizeY());
+  // The grid has it as a float; 0.05 is meant, not 0.05000000074505806.
+  map.resolution_m = std::round(static_cast<double>(grid->getResolution()) * 1e6) / 1e6;
+  map.x_min_m = static_cast<double>(grid->getXMin());
+  map.y_min_m = static_cast<double>(grid->getYMin());
+  map.occupancy.reserve(grid->getRawMap().size());
+  const bool dots = drawsDots(method);
+  // MRPT keeps the log-odds of being free; 0 there is a cell that nothing ever changed, or evenly. A dot is
+  // certain, which log-odds cannot say.
+  for (const auto log_odds : grid->getRawMap()) {
+    const float occupied = dots ? 1.0F : 1.0F - COccupancyGridMap2D::l2p(log_odds);
+    map.occupancy.push_back(log_odds == 0 ? 0.5F : occupied);
+  }
+  return map;
+}
+
+void saveMaps(const MapBuilder& method, const core::Trajectory& estimate, const std::string& folder) {
+  writeRosMap(currentMap(method), folder);
+  writeObject(plainCopy(*gridOf(method)), folder + "/map.gridmap.gz");
+  mrpt::maps::CSimpleMap key_frames;
+  method.builder->getCurrentlyBuiltMap(key_frames);
+  writeObject(key_frames, folder + "/map.simplemap");
+  writeScene(method, estimate, folder + "/map.3Dscene");
+}
+
+}  // namespace slam::mapping

@@ -1,0 +1,79 @@
+#pragma once
+/// The one place that knows which MRPT is installed. Written against 2.5.8 (Debian 12); the branches for
+/// later versions follow the tags in which the interfaces changed.
+#if __has_include(<mrpt/core/version.h>)
+#include <mrpt/core/version.h>
+#else
+#include <mrpt/version.h>
+#endif
+#include <mrpt/maps/CMultiMetricMap.h>
+
+#include <memory>
+#include <string>
+
+#if MRPT_VERSION >= 0x030000
+#include <mrpt/viz/CGridPlaneXY.h>
+#include <mrpt/viz/CPointCloud.h>
+#include <mrpt/viz/CSetOfLines.h>
+#include <mrpt/viz/CSetOfObjects.h>
+#include <mrpt/viz/Scene.h>
+#include <mrpt/viz/stock_objects.h>
+#else
+#include <mrpt/opengl/CGridPlaneXY.h>
+#include <mrpt/opengl/COpenGLScene.h>
+#include <mrpt/opengl/CPointCloud.h>
+#include <mrpt/opengl/CSetOfLines.h>
+#include <mrpt/opengl/CSetOfObjects.h>
+#include <mrpt/opengl/stock_objects.h>
+#endif
+
+namespace slam::mapping::compat {
+
+// 3.0.0 split the drawable data from the OpenGL code and changed two signatures of CMetricMapBuilder.
+#if MRPT_VERSION >= 0x030000
+namespace viz = mrpt::viz;
+using Scene = mrpt::viz::Scene;
+using MapSize = size_t;
+#define RASTERSLAM_MRPT_SAVE_IMAGE_ARGUMENTS const std::string& file
+#else
+namespace viz = mrpt::opengl;
+using Scene = mrpt::opengl::COpenGLScene;
+using MapSize = unsigned int;
+#define RASTERSLAM_MRPT_SAVE_IMAGE_ARGUMENTS const std::string &file, bool
+#endif
+
+// 2.9.2: getCurrentlyBuiltMetricMap() returns a reference.
+#if MRPT_VERSION >= 0x020902
+using BuiltMap = const mrpt::maps::CMultiMetricMap&;
+inline BuiltMap builtMap(const mrpt::maps::CMultiMetricMap& map) {
+  return map;
+}
+#else
+using BuiltMap = const mrpt::maps::CMultiMetricMap*;
+inline BuiltMap builtMap(const mrpt::maps::CMultiMetricMap& map) {
+  return &map;
+}
+#endif
+inline const mrpt::maps::CMultiMetricMap& asReference(const mrpt::maps::CMultiMetricMap& map) {
+  return map;
+}
+inline const mrpt::maps::CMultiMetricMap& asReference(const mrpt::maps::CMultiMetricMap* map) {
+  return *map;
+}
+
+// 2.11.3: map factories hand out shared pointers.
+#if MRPT_VERSION >= 0x020B03
+using MapPointer = std::shared_ptr<mrpt::maps::CMetricMap>;
+template <class T>
+std::shared_ptr<T> owned(T* object) {
+  return std::shared_ptr<T>(object);
+}
+#else
+using MapPointer = mrpt::maps::CMetricMap*;
+template <class T>
+T* owned(T* object) {
+  return object;
+}
+#endif
+
+}  // namespace slam::mapping::compat

@@ -1,0 +1,118 @@
+#include "libslam/mapping/naive_map_builder.h"
+
+#include <mrpt/math/TPose2D.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CActionRobotMovement2D.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/poses/CPose3DPDFGaussian.h>
+#include <mrpt/poses/CPosePDF.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/mapping/exact_grid.h"
+#include "libslam/robot/mrpt_types.h"
+#include "libslam/robot/scan.h"
+
+namespace slam::mapping {
+namespace {
+
+/// Puts a dot into every cell that a return falls into. Grows the grid first where needed.
+void drawDots(mrpt::maps::COccupancyGridMap2D& grid, const std::vector<core::Point2>& points,
+              const core::Pose2& T_map_robot) {
+  std::vector<core::Point2> dots;
+  dots.reserve(points.size());
+  for (const auto& p_robot : points) dots.push_back(T_map_robot * p_robot);
+  double x_min = grid.getXMin(), x_max = grid.getXMax(), y_min = grid.getYMin(), y_max = grid.getYMax();
+  // Two cells more than the outermost dot, so that rounding never puts it outside.
+  const double margin_m = 2 * static_cast<double>(grid.getResolution());
+  for (const auto& dot : dots) {
+    x_min = std::min(x_min, dot.x - margin_m), x_max = std::max(x_max, dot.x + margin_m);
+    y_min = std::min(y_min, dot.y - margin_m), y_max = std::max(y_max, dot.y + margin_m);
+  }
+  grid.resizeGrid(static_cast<float>(x_min), static_cast<float>(x_max), static_cast<float>(y_min),
+                  static_cast<float>(y_max));
+  for (const auto& dot : dots) grid.setCell(grid.x2idx(dot.x), grid.y2idx(dot.y), 0.0F);
+}
+
+}  // namespace
+
+NaiveMapBuilder::NaiveMapBuilder(const MappingOptions& mapping) : options_(mapping) {
+  initialize();
+}
+
+void NaiveMapBuilder::initialize(const mrpt::maps::CSimpleMap& initialMap, const mrpt::poses::CPosePDF* x0) {
+  const auto side_m = static_cast<float>(std::max(1.0, 4 * options_.resolution_m));
+  const auto resolution_m = static_cast<float>(options_.resolution_m);
+  if (options_.grid == "exact")
+    grid_ = std::make_shared<ExactGrid>(-side_m, side_m, -side_m, side_m, resolution_m);
+  else
+    grid_ = mrpt::maps::COccupancyGridMap2D::Create(-side_m, side_m, -side_m, side_m, resolution_m);
+  auto& insertion = grid_->insertionOptions;
+  insertion.maxDistanceInsertion = static_cast<float>(options_.max_insert_range_m);
+  insertion.maxOccupancyUpdateCertainty = static_cast<float>(options_.occupied_certainty);
+  insertion.considerInvalidRangesAsFreeSpace = options_.no_return_is_free;
+  maps_.maps.clear();
+  maps_.maps.push_back(grid_);
+  T_map_robot_ = x0 != nullptr ? x0->getMeanVal() : mrpt::poses::CPose2D();
+  T_map_key_frame_ = T_map_robot_;
+  key_frames_ = initialMap;
+  if (!key_frames_.empty()) maps_.loadFromSimpleMap(key_frames_);
+}
+
+mrpt::poses::CPose3DPDF::Ptr NaiveMapBuilder::getCurrentPoseEstimation() const {
+  auto pose = mrpt::poses::CPose3DPDFGaussian::Create();
+  pose->mean = mrpt::poses::CPose3D(T_map_robot_);
+  return pose;
+}
+
+void NaiveMapBuilder::processActionObservation(mrpt::obs::CActionCollection& action,
+                                               mrpt::obs::CSensoryFrame& observations) {
+  if (const auto movement = action.getBestMovementEstimation())
+    T_map_robot_ = T_map_robot_ + movement->poseChange->getMeanVal();
+  if (!options.enableMapUpdating) return;
+  draw(observations);
+  if (!isKeyFrame()) return;
+  mrpt::poses::CPose3DPDFGaussian pose;
+  pose.mean = mrpt::poses::CPose3D(T_map_robot_);
+  key_frames_.insert(pose, observations);
+  T_map_key_frame_ = T_map_robot_;
+}
+
+void NaiveMapBuilder::draw(const mrpt::obs::CSensoryFrame& observations) {
+  for (size_t i = 0; i < observations.size(); ++i) {
+    const auto observation = observations.getObservationByIndex(i);
+    const auto scan = std::dynamic_pointer_cast<mrpt::obs::CObservation2DRangeScan>(observation);
+    if (!scan) continue;
+    if (options_.draw == "rays")
+      grid_->insertObservation(*scan, mrpt::poses::CPose3D(T_map_robot_));
+    else
+      drawDots(*grid_, robot::scanPoints(robot::fromMrpt(*scan)), robot::fromMrpt(T_map_robot_.asTPose()));
+  }
+}
+
+bool NaiveMapBuilder::isKeyFrame() const {
+  if (key_frames_.empty() || options.debugForceInsertion) return true;
+  const auto travelled = T_map_robot_ - T_map_key_frame_;
+  return travelled.norm() >= options_.insert_distance_m ||
+         std::abs(core::wrapToPi(travelled.phi())) >= options_.insert_angle_rad;
+}
+
+void NaiveMapBuilder::getCurrentlyBuiltMap(mrpt::maps::CSimpleMap& out_map) const {
+  out_map = key_frames_;
+}
+
+compat::MapSize NaiveMapBuilder::getCurrentlyBuiltMapSize() {
+  return static_cast<compat::MapSize>(key_frames_.size());
+}
+
+compat::BuiltMap NaiveMapBuilder::getCurrentlyBuiltMetricMap() const {
+  return compat::builtMap(maps_);
+}
+
+void NaiveMapBuilder::saveCurrentEstimationToImage(RASTERSLAM_MRPT_SAVE_IMAGE_ARGUMENTS) {
+  grid_->saveAsBitmapFile(file);
+}
+
+}  // namespace slam::mapping

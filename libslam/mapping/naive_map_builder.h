@@ -1,0 +1,47 @@
+#pragma once
+#include <mrpt/maps/CMultiMetricMap.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/poses/CPose2D.h>
+#include <mrpt/slam/CMetricMapBuilder.h>
+
+#include "libslam/mapping/method_config.h"
+#include "libslam/mapping/mrpt_compat.h"
+
+namespace slam::mapping {
+
+/// The founding robot's map: every return is put as a dot at the dead-reckoned pose and nothing is ever
+/// corrected. The pose is the sum of the actions' best movement estimations (MRPT: scan matching before
+/// odometry). With draw = rays whole rays change the occupancy, as in the other methods. The map holds one
+/// occupancy grid; with dots a cell is either fully occupied or unknown.
+///
+/// Every scan is drawn; the key frames of the simple map are taken after insert_distance_m or
+/// insert_angle_deg.
+class NaiveMapBuilder : public mrpt::slam::CMetricMapBuilder {
+ public:
+  explicit NaiveMapBuilder(const MappingOptions& mapping);
+
+  void initialize(const mrpt::maps::CSimpleMap& initialMap = mrpt::maps::CSimpleMap(),
+                  const mrpt::poses::CPosePDF* x0 = nullptr) override;
+  mrpt::poses::CPose3DPDF::Ptr getCurrentPoseEstimation() const override;
+  void processActionObservation(mrpt::obs::CActionCollection& action,
+                                mrpt::obs::CSensoryFrame& observations) override;
+  void getCurrentlyBuiltMap(mrpt::maps::CSimpleMap& out_map) const override;
+  compat::MapSize getCurrentlyBuiltMapSize() override;
+  compat::BuiltMap getCurrentlyBuiltMetricMap() const override;
+  /// Writes a picture of the grid; the format follows the suffix.
+  void saveCurrentEstimationToImage(RASTERSLAM_MRPT_SAVE_IMAGE_ARGUMENTS) override;
+  bool drawsDots() const { return options_.draw == "dots"; }
+
+ private:
+  void draw(const mrpt::obs::CSensoryFrame& observations);
+  bool isKeyFrame() const;
+
+  MappingOptions options_;
+  mrpt::maps::CMultiMetricMap maps_;
+  mrpt::maps::COccupancyGridMap2D::Ptr grid_;  ///< the one in maps_
+  mrpt::maps::CSimpleMap key_frames_;
+  mrpt::poses::CPose2D T_map_robot_, T_map_key_frame_;
+};
+
+}  // namespace slam::mapping

@@ -1,0 +1,142 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "libslam/odometry/methods.h"
+
+namespace slam::odometry {
+namespace {
+
+/// The scan as the founding document sees it: index 0 straight ahead of the robot, indices growing
+/// counter-clockwise, N of them to the full circle. Beams outside a partial field of view do not exist.
+class FoundingScan {
+ public:
+  explicit FoundingScan(const robot::Scan& scan)
+      : scan_(scan),
+        circle_(std::lround(2 * core::kPi / scan.step_rad)),
+        ahead_(std::lround((-scan.T_robot_lidar.phi - scan.first_angle_rad) / scan.step_rad)) {}
+
+  long circle() const { return circle_; }
+
+  bool hasBeam(long index) const { return beam(index) < scan_.ranges_m.size(); }
+
+  /// Reading at an index; lost where there is no such beam.
+  float at(long index) const { return hasBeam(index) ? scan_.ranges_m[beam(index)] : robot::kLostReading; }
+
+  /// Index of the largest range; of equal ones the first. A no-return is the largest range there is.
+  std::optional<long> longest() const {
+    std::optional<long> best;
+    float best_range = 0;
+    for (long i = 0; i < circle_; ++i) {
+      const float range = at(i);
+      if (!(range > best_range)) continue;  // also skips lost readings: NaN compares false
+      best = i;
+      best_range = range;
+    }
+    return best;
+  }
+
+ private:
+  size_t beam(long index) const {
+    return static_cast<size_t>((((ahead_ + index) % circle_) + circle_) % circle_);
+  }
+
+  const robot::Scan& scan_;
+  long circle_, ahead_;
+};
+
+bool sameBeams(const robot::Scan& a, const robot::Scan& b) {
+  return a.ranges_m.size() == b.ranges_m.size() && std::abs(a.step_rad - b.step_rad) < 1e-3 * a.step_rad &&
+         std::abs(a.first_angle_rad - b.first_angle_rad) < 1e-3 * a.step_rad;
+}
+
+/// Into (-N/2, N/2], as the document has it.
+long wrapIndex(long shift, long circle) {
+  shift %= circle;
+  if (2 * shift > circle) shift -= circle;
+  if (2 * shift <= -circle) shift += circle;
+  return shift;
+}
+
+std::optional<double> difference(float before, float after) {
+  if (!robot::isReturn(before) || !robot::isReturn(after)) return std::nullopt;
+  return static_cast<double>(before) - static_cast<double>(after);
+}
+
+/// The founding method: a turn is the shift of the longest range, a move the change of the readings straight
+/// ahead and straight behind. Nothing else of the scan is used. The lidar is taken to sit on the robot's
+/// axis, as in the document; of its mounting pose only the heading counts.
+///
+/// The document knows which command ran. Where our caller does not say (kUnknown), a longest range that moved
+/// by at least one beam means a turn, anything else a move.
+///
+/// The document takes two move readings and leaves open how they become one step; here the step is the mean
+/// of front and minus rear, or the one that exists (front only for lidars that do not look back).
+class ArgmaxOdometry : public ScanOdometry {
+ public:
+  explicit ArgmaxOdometry(const ScanOdometryOptions& options) : options_(options) {}
+
+  void reset() override { previous_.reset(); }
+
+  ScanMotion update(const robot::Scan& scan, MotionKind kind) override {
+    requireUsable(scan);
+    const std::optional<robot::Scan> previous = std::exchange(previous_, scan);
+    if (!previous) return noMotionYet();
+    if (!sameBeams(*previous, scan)) return unknownMotion(options_);
+    const FoundingScan before(*previous), after(scan);
+    const std::optional<long> longest_before = before.longest(), longest_after = after.longest();
+    const bool comparable = longest_before && longest_after;
+    const long shift = comparable ? wrapIndex(*longest_before - *longest_after, before.circle()) : 0;
+    const bool turned = kind == MotionKind::kTurn || (kind == MotionKind::kUnknown && shift != 0);
+    if (!turned) return move(before, after, scan);
+    return comparable ? turn(static_cast<double>(shift) * scan.step_rad, scan) : unknownMotion(options_);
+  }
+
+ private:
+  ScanMotion turn(double angle_rad, const robot::Scan& scan) const {
+    ScanMotion motion;
+    motion.turn_reading_rad = angle_rad;
+    motion.T_previous_current.phi = core::wrapToPi(angle_rad);
+    setCovariance(motion, scan, 1);
+    return motion;
+  }
+
+  ScanMotion move(const FoundingScan& before, const FoundingScan& after, const robot::Scan& scan) const {
+    const long behind = before.circle() / 2;
+    const auto front = difference(before.at(0), after.at(0));
+    const auto rear = difference(before.at(behind), after.at(behind));
+    if (!front && !rear) return unknownMotion(options_);
+    ScanMotion motion;
+    motion.front_reading_m = front.value_or(0);
+    motion.rear_reading_m = rear.value_or(0);
+    if (front && rear)
+      motion.T_previous_current.x = (*front - *rear) / 2;
+    else
+      motion.T_previous_current.x = front ? *front : -*rear;
+    motion.reliable = front && (rear || !after.hasBeam(behind));
+    setCovariance(motion, scan, front && rear ? 2 : 1);
+    return motion;
+  }
+
+  /// What quantisation and range noise alone explain. The method's real errors are blunders, for which no
+  /// covariance stands.
+  static void setCovariance(ScanMotion& motion, const robot::Scan& scan, int readings) {
+    const double sigma = std::max(scan.range_sigma_m, 0.001);
+    // Two indices, each uniform over one beam: 2 step^2 / 12.
+    motion.covariance[8] = scan.step_rad * scan.step_rad / 6;
+    // Two ranges in each reading, averaged over the readings.
+    motion.covariance[0] = motion.covariance[4] = 2 * sigma * sigma / readings;
+  }
+
+  ScanOdometryOptions options_;
+  std::optional<robot::Scan> previous_;
+};
+
+}  // namespace
+
+std::unique_ptr<ScanOdometry> makeArgmaxOdometry(const ScanOdometryOptions& options) {
+  return std::make_unique<ArgmaxOdometry>(options);
+}
+
+}  // namespace slam::odometry

@@ -1,0 +1,151 @@
+#include "libslam/run/build_map.h"
+
+#include <sys/resource.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/core/parameters.h"
+#include "libslam/logs/log_reader.h"
+#include "libslam/logs/trajectory_io.h"
+#include "libslam/mapping/map_builder.h"
+#include "libslam/metrics/map_score.h"
+
+namespace slam::run {
+namespace {
+
+double threadCpuSeconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// A figure of /proc/self/status in MB; NaN where the system has none.
+double processMemoryMb(const std::string& key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.compare(0, key.size() + 1, key + ":") == 0)
+      return std::atof(line.c_str() + key.size() + 1) / 1024;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Peak memory of this process from construction on, over its size then. Linux lets a process forget its own
+/// peak.
+class MemoryMeter {
+ public:
+  MemoryMeter() {
+    std::ofstream("/proc/self/clear_refs") << "5";
+    before_mb_ = processMemoryMb("VmRSS");
+  }
+  double peakMb() const { return processMemoryMb("VmHWM") - before_mb_; }
+
+ private:
+  double before_mb_;
+};
+
+Cost summarize(std::vector<double> milliseconds, double log_seconds) {
+  Cost cost;
+  if (milliseconds.empty()) return cost;
+  double total_ms = 0;
+  for (const double ms : milliseconds) total_ms += ms;
+  std::sort(milliseconds.begin(), milliseconds.end());
+  const auto rank = static_cast<size_t>(std::ceil(0.99 * static_cast<double>(milliseconds.size())));
+  cost.mean_ms_per_scan = total_ms / static_cast<double>(milliseconds.size());
+  cost.p99_ms_per_scan = milliseconds[rank - 1];
+  cost.real_time_factor = log_seconds / (total_ms / 1000);
+  return cost;
+}
+
+void describe(const robot::Scan& scan, std::map<std::string, std::string>& results) {
+  results["lidar.beams"] = std::to_string(scan.ranges_m.size());
+  results["lidar.first_angle_rad"] = core::formatNumber(scan.first_angle_rad);
+  results["lidar.step_rad"] = core::formatNumber(scan.step_rad);
+  results["lidar.max_range_m"] = core::formatNumber(scan.max_range_m);
+  results["lidar.mount_x_m"] = core::formatNumber(scan.T_robot_lidar.x);
+  results["lidar.mount_y_m"] = core::formatNumber(scan.T_robot_lidar.y);
+  results["lidar.mount_yaw_rad"] = core::formatNumber(scan.T_robot_lidar.phi);
+}
+
+const std::map<std::string, std::string>& fileNotes() {
+  static const std::map<std::string, std::string> notes = {
+      {"trajectory.tum", "estimated pose of every scan, TUM form: rasterslam eval, evo"},
+      {"map.yaml", "ROS map: map_server, ros-map-yaml2mrpt; its picture is map.png"},
+      {"map.png", "the map as a picture"},
+      {"map.gridmap.gz", "MRPT occupancy grid: pf-localization, GridmapNavSimul"},
+      {"map.simplemap", "MRPT key frames: robot-map-gui, observations2map, pf-localization"},
+      {"map.3Dscene", "map and path in 3D: SceneViewer3D"},
+      {"timing.csv", "CPU milliseconds of every scan"},
+  };
+  return notes;
+}
+
+}  // namespace
+
+MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
+                const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
+                core::Manifest manifest, core::Progress& progress, bool measure_memory) {
+  core::PendingFolder output(folder, overwrite);
+  const MemoryMeter memory;
+  auto method = mapping::makeMapBuilder(method_config, method_name, seed);
+  logs::LogReader log(log_path);
+  MapRun run;
+  std::vector<double> milliseconds;
+  progress.begin("mapping with " + method_name);
+  while (const auto entry = log.next()) {
+    if (run.estimate.empty())
+      describe(entry->scan, manifest.results);
+    else if (!entry->has_odometry)
+      ++run.steps_without_odometry;
+    const double before_s = threadCpuSeconds();
+    const core::Pose2 T_map_robot =
+        mapping::processScan(method, entry->scan, entry->T_previous_robot, entry->has_odometry);
+    milliseconds.push_back((threadCpuSeconds() - before_s) * 1000);
+    if (!core::isFinite(T_map_robot))
+      throw core::MethodError(method_name + " diverged at scan " + std::to_string(run.estimate.size() + 1) +
+                              ": its pose is not finite");
+    run.estimate.push_back({entry->scan.time_s, T_map_robot});
+    progress.update(log.fractionRead(), entry->scan.time_s - run.estimate.front().time_s);
+  }
+  progress.end();
+  if (run.estimate.empty()) throw core::InputError(log_path + ": holds 0 laser scans, expected at least 1");
+
+  const double log_seconds = run.estimate.back().time_s - run.estimate.front().time_s;
+  run.cost = summarize(milliseconds, log_seconds);
+  run.cost.peak_memory_mb = measure_memory ? memory.peakMb() : std::numeric_limits<double>::quiet_NaN();
+  const auto map = mapping::currentMap(method);
+  const auto sharpness = metrics::mapSharpness(map.occupancy);
+
+  logs::writeTum(run.estimate, output.path() + "/trajectory.tum");
+  mapping::saveMaps(method, run.estimate, output.path());
+  std::ostringstream timing;
+  timing << "scan,time_s,cpu_ms\n";
+  for (size_t i = 0; i < milliseconds.size(); ++i)
+    timing << i << ',' << core::formatNumber(run.estimate[i].time_s - run.estimate.front().time_s) << ','
+           << core::formatNumber(milliseconds[i]) << '\n';
+  core::writeFileAtomically(output.path() + "/timing.csv", timing.str());
+
+  manifest.seed = seed;
+  manifest.inputs[log_path] = core::fileSha256(log_path);
+  for (const auto& line : method.parameters) manifest.config[line.section + "." + line.info.key] = line.value;
+  manifest.files = fileNotes();
+  manifest.results["method"] = method_name;
+  manifest.results["scans"] = std::to_string(run.estimate.size());
+  manifest.results["steps_without_odometry"] = std::to_string(run.steps_without_odometry);
+  manifest.results["map_mean_entropy_bits"] = core::formatNumber(sharpness.mean_entropy_bits);
+  manifest.results["map_occupied_share"] = core::formatNumber(sharpness.occupied_share);
+  manifest.times_s["mean_ms_per_scan"] = run.cost.mean_ms_per_scan;
+  manifest.times_s["p99_ms_per_scan"] = run.cost.p99_ms_per_scan;
+  manifest.times_s["real_time_factor"] = run.cost.real_time_factor;
+  manifest.results["peak_memory_mb"] = core::formatNumber(run.cost.peak_memory_mb);
+  core::writeManifest(manifest, output.path() + "/manifest.json");
+  output.commit();
+  return run;
+}
+
+}  // namespace slam::run

@@ -1,0 +1,37 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "libslam/core/ini.h"
+#include "libslam/core/manifest.h"
+#include "libslam/core/pose2.h"
+#include "libslam/core/progress.h"
+
+namespace slam::run {
+
+/// What a method cost.
+struct Cost {
+  double mean_ms_per_scan = 0,
+         p99_ms_per_scan = 0;  ///< CPU time of the calling thread, without reading the log
+  double peak_memory_mb = 0;  ///< growth of the process over its size before the run; NaN when not measurable
+  double real_time_factor = 0;  ///< robot's seconds per second of computing
+};
+
+struct MapRun {
+  core::Trajectory estimate;  ///< T_map_robot at every scan, as the method gave it online
+  Cost cost;
+  int steps_without_odometry = 0;  ///< scans after the first for which the log gives no increment
+};
+
+/// Runs a SLAM method over a log and writes a folder:
+///   trajectory.tum   map.yaml + map.png   map.gridmap.gz   map.simplemap   map.3Dscene   timing.csv
+///   manifest.json
+/// The folder appears whole or not at all. Same log, config and seed: the same bytes but for timing.csv and
+/// the manifest. `measure_memory` only makes sense while nothing else runs in this process. Errors:
+/// InputError (log, config), MethodError (diverged).
+MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
+                const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
+                core::Manifest manifest, core::Progress& progress, bool measure_memory = true);
+
+}  // namespace slam::run

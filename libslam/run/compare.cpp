@@ -1,0 +1,250 @@
+#include "libslam/run/compare.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <thread>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/logs/log_reader.h"
+#include "libslam/mapping/map_builder.h"
+#include "libslam/report/picture.h"
+#include "libslam/run/build_map.h"
+
+namespace slam::run {
+namespace fs = std::filesystem;
+namespace {
+
+struct Method {
+  std::string name, folder;
+  core::IniFile config;
+  std::string failure;
+  bool reused = false;
+};
+
+std::vector<Method> loadMethods(const CompareRequest& request) {
+  std::vector<Method> methods;
+  for (const auto& name_or_path : request.methods) {
+    Method method;
+    method.name =
+        fs::path(name_or_path).extension() == ".ini" ? fs::path(name_or_path).stem().string() : name_or_path;
+    method.config = mapping::loadMethodConfig(request.methods_folder, name_or_path);
+    method.folder = request.output + "/" + method.name;
+    for (const auto& other : methods)
+      if (other.name == method.name) throw core::InputError("method '" + method.name + "' is named twice");
+    mapping::makeMapBuilder(method.config, method.name,
+                            request.seed);  // a bad key must not show after an hour
+    methods.push_back(std::move(method));
+  }
+  if (methods.empty()) throw core::InputError("no method named, expected at least one");
+  return methods;
+}
+
+/// True when the folder holds a finished run of the same method on the same log with the same seed and
+/// program.
+bool isSameRun(const Method& method, const std::string& log_path, std::uint64_t seed) {
+  if (!fs::exists(method.folder + "/manifest.json")) return false;
+  try {
+    const auto manifest = core::readManifest(method.folder + "/manifest.json");
+    const auto builder = mapping::makeMapBuilder(method.config, method.name, seed);
+    for (const auto& line : builder.parameters) {
+      const auto it = manifest.config.find(line.section + "." + line.info.key);
+      if (it == manifest.config.end() || it->second != line.value) return false;
+    }
+    const auto version = manifest.results.find("program_version");
+    const auto input = manifest.inputs.find(log_path);
+    return manifest.seed == seed && version != manifest.results.end() &&
+           version->second == core::versionText() && input != manifest.inputs.end() &&
+           input->second == core::fileSha256(log_path);
+  } catch (const core::InputError&) {
+    return false;
+  }
+}
+
+/// Runs methods side by side; each is independent, so the number of threads changes nothing but the time.
+void runMethods(std::vector<Method>& methods, const std::string& log_path, const CompareRequest& request,
+                const core::Manifest& manifest, core::Progress& progress) {
+  std::atomic<size_t> next{0};
+  std::vector<std::exception_ptr> errors(methods.size());
+  const auto work = [&] {
+    for (size_t i = next++; i < methods.size(); i = next++) {
+      Method& method = methods[i];
+      if (method.reused) continue;
+      try {
+        buildMap(log_path, method.config, method.name, request.seed, method.folder, true, manifest, progress,
+                 request.threads == 1);
+      } catch (const core::MethodError& error) {
+        method.failure = error.what();
+      } catch (...) {
+        errors[i] = std::current_exception();
+        next = methods.size();
+      }
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int t = 1; t < request.threads; ++t) threads.emplace_back(work);
+  work();
+  for (auto& thread : threads) thread.join();
+  for (const auto& error : errors)
+    if (error) std::rethrow_exception(error);
+}
+
+core::Trajectory moved(const core::Pose2& T_world_map, core::Trajectory trajectory) {
+  for (auto& stamped : trajectory) stamped.pose = T_world_map * stamped.pose;
+  return trajectory;
+}
+
+std::string subtitle(const Evaluation& e, bool has_truth) {
+  char text[64];
+  if (has_truth)
+    std::snprintf(text, sizeof text, "ATE %.3f m", e.trajectory.position_m.rmse);
+  else
+    std::snprintf(text, sizeof text, "path %.1f m", e.path_length_m);
+  return text;
+}
+
+void drawPictures(const std::vector<RunFolder>& runs, const std::vector<Evaluation>& evaluations,
+                  const std::optional<Truth>& truth, const std::string& log_path, const std::string& output) {
+  std::vector<report::Panel> panels;
+  std::vector<report::DrawnPath> paths;
+  if (truth) paths.push_back({truth->trajectory, "truth", true});
+  for (const auto& run : runs) {
+    const auto& e = *std::find_if(evaluations.begin(), evaluations.end(),
+                                  [&](const Evaluation& x) { return x.method == run.method; });
+    const core::Pose2 T_world_map = truth ? e.trajectory.T_truth_estimate : core::Pose2{};
+    report::Panel panel{run.method, subtitle(e, truth.has_value()), run.map, T_world_map, {}};
+    if (truth) panel.paths.push_back({truth->trajectory, "truth", true});
+    panel.paths.push_back({moved(T_world_map, run.estimate), run.method, false});
+    paths.push_back(panel.paths.back());
+    panels.push_back(std::move(panel));
+    if (truth && truth->plan)
+      report::drawDifference(*truth->plan, run.map, T_world_map, run.method, run.path + "/difference.png");
+  }
+  if (panels.empty()) return;
+  report::drawPanels(panels, output + "/maps.png");
+  const world::Plan& ground = truth && truth->plan ? *truth->plan : runs.front().map;
+  report::drawPlan(ground, paths, ground.name, output + "/paths.png");
+  logs::LogReader log(log_path);
+  if (const auto entry = log.next()) report::drawScan(entry->scan, output + "/scan.png");
+}
+
+void writeTable(const report::Table& table, const std::string& stem) {
+  core::writeFileAtomically(stem + ".txt", report::toText(table));
+  core::writeFileAtomically(stem + ".md", report::toMarkdown(table));
+  core::writeFileAtomically(stem + ".csv", report::toCsv(table));
+  core::writeFileAtomically(stem + ".json", report::toJson(table));
+}
+
+/// An output folder is new, or ours to replace, or ours to go on with.
+void prepareOutput(const CompareRequest& request) {
+  const std::string manifest = request.output + "/manifest.json";
+  std::error_code error;
+  if (fs::exists(request.output) && !fs::is_directory(request.output))
+    throw core::InputError(request.output + ": is a file, expected a folder");
+  const bool empty = !fs::exists(request.output) || fs::is_empty(request.output);
+  if (!empty && !fs::exists(manifest))
+    throw core::InputError(
+        request.output + ": holds other files and no manifest.json, so it is not replaced; remove it first");
+  if (!empty && !request.overwrite && !request.resume)
+    throw core::InputError(request.output + ": exists; give --overwrite to replace it or --resume to go on");
+  if (!empty && request.overwrite) fs::remove_all(request.output, error);
+  fs::create_directories(request.output, error);
+  if (error) throw core::IoError(request.output + ": cannot be made: " + error.message());
+}
+
+}  // namespace
+
+std::string findTruth(const std::string& log_path) {
+  for (const auto& path : {logStem(log_path) + ".gt.tum", log_path + ".GT.txt"})
+    if (fs::exists(path)) return path;
+  return "";
+}
+
+std::string findPlan(const std::string& log_path) {
+  const std::string path = logStem(log_path) + ".manifest.json";
+  if (!fs::exists(path)) return "";
+  const auto manifest = core::readManifest(path);
+  for (const auto& [input, hash] : manifest.inputs)
+    if (fs::exists(input) && core::fileSha256(input) == hash) return input;
+  return "";
+}
+
+Comparison compare(const CompareRequest& request, core::Manifest manifest, core::Progress& progress) {
+  auto methods = loadMethods(request);
+  std::optional<world::Plan> plan;
+  if (!request.plan_path.empty()) plan = world::loadPlan(request.plan_path);
+  if (!request.log_path.empty()) logs::requireUsable(logs::inspectLog(request.log_path));
+  prepareOutput(request);
+  manifest.seed = request.seed;
+  manifest.results["status"] = "incomplete";
+  core::writeManifest(manifest, request.output + "/manifest.json");
+
+  Comparison comparison;
+  comparison.log_path = request.log_path;
+  if (plan) {
+    comparison.log_path = request.output + "/log/run.rawlog";
+    fs::create_directories(request.output + "/log");
+    manifest.inputs[request.plan_path] = core::fileSha256(request.plan_path);
+    record(*plan, request.record, request.seed, comparison.log_path, manifest, progress);
+  } else {
+    manifest.inputs[request.log_path] = core::fileSha256(request.log_path);
+  }
+  core::Manifest method_manifest = manifest;
+  method_manifest.inputs.clear();
+  method_manifest.results.clear();
+  method_manifest.results["program_version"] = core::versionText();
+  for (auto& method : methods) {
+    method.reused = request.resume && isSameRun(method, comparison.log_path, request.seed);
+    comparison.reused += method.reused ? 1 : 0;
+  }
+  runMethods(methods, comparison.log_path, request, method_manifest, progress);
+
+  std::vector<RunFolder> runs;
+  for (const auto& method : methods)
+    if (method.failure.empty()) runs.push_back(loadRun(method.folder));
+  const std::string truth_path =
+      request.truth_path.empty() ? findTruth(comparison.log_path) : request.truth_path;
+  std::string plan_path = request.truth_plan_path.empty() ? request.plan_path : request.truth_plan_path;
+  if (plan_path.empty()) plan_path = findPlan(comparison.log_path);
+  // MRPT's own form of the truth starts at the origin: it cannot be laid on the plan.
+  if (fs::path(truth_path).extension() != ".tum") plan_path.clear();
+  std::optional<Truth> truth;
+  if (!truth_path.empty() && !runs.empty()) truth = loadTruth(truth_path, plan_path, runs.front());
+  comparison.has_truth = truth.has_value();
+  for (const auto& method : methods) {
+    const auto run =
+        std::find_if(runs.begin(), runs.end(), [&](const RunFolder& r) { return r.path == method.folder; });
+    comparison.evaluations.push_back(run == runs.end() ? failedEvaluation(method.name, method.failure)
+                                                       : evaluate(*run, truth));
+    comparison.failed += run == runs.end() ? 1 : 0;
+  }
+  comparison.accuracy =
+      truth ? accuracyTable(comparison.evaluations, *truth) : agreementTable(comparison.evaluations, runs);
+  if (!runs.empty()) {
+    const std::string steps = runs.front().manifest.results.at("steps_without_odometry");
+    if (steps != "0")
+      comparison.accuracy.notes.push_back(steps +
+                                          " steps of the log come without odometry; methods that want the " +
+                                          "wheels get increments estimated from the scans there.");
+  }
+  comparison.cost = costTable(comparison.evaluations);
+  writeTable(comparison.accuracy, request.output + "/scores");
+  core::writeFileAtomically(request.output + "/cost.csv", report::toCsv(comparison.cost));
+  core::writeFileAtomically(request.output + "/cost.json", report::toJson(comparison.cost));
+  drawPictures(runs, comparison.evaluations, truth, comparison.log_path, request.output);
+
+  manifest.files["scores.txt"] = "accuracy of every method; also .md, .csv, .json";
+  manifest.files["cost.csv"] = "time and memory of every method; also .json";
+  manifest.files["maps.png"] = "the map of every method, side by side";
+  manifest.files["paths.png"] = "all paths on one plan";
+  manifest.files["scan.png"] = "the first scan: range over angle, and polar";
+  manifest.results["status"] = "complete";
+  manifest.results["failed_methods"] = std::to_string(comparison.failed);
+  core::writeManifest(manifest, request.output + "/manifest.json");
+  return comparison;
+}
+
+}  // namespace slam::run

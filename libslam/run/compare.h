@@ -1,0 +1,55 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libslam/core/ini.h"
+#include "libslam/core/manifest.h"
+#include "libslam/core/progress.h"
+#include "libslam/report/table.h"
+#include "libslam/run/evaluate.h"
+#include "libslam/run/record.h"
+
+namespace slam::run {
+
+/// What to compare. Exactly one of plan_path and log_path is given.
+struct CompareRequest {
+  std::string plan_path;   ///< simulate a log in this plan first
+  std::string log_path;    ///< or take this log
+  std::string truth_path;  ///< "" = look beside the log (STEM.gt.tum, then LOG.GT.txt)
+  std::string
+      truth_plan_path;  ///< plan to score maps on; "" = the simulated plan, or the one in the log's manifest
+  RecordConfig record;  ///< for plan_path
+  std::vector<std::string> methods;  ///< names in configs/methods or paths of .ini files
+  std::string methods_folder;
+  std::string output;  ///< folder
+  std::uint64_t seed = 1;
+  int threads = 1;  ///< methods run side by side; memory is only measured with 1
+  bool overwrite = false, resume = false;
+};
+
+struct Comparison {
+  std::vector<Evaluation> evaluations;  ///< in the order of the request
+  bool has_truth = false;
+  report::Table accuracy, cost;
+  std::string log_path;
+  int failed = 0, reused = 0;
+};
+
+/// Simulates if asked, runs every method on the same log, scores, draws, and writes into `output`:
+///   log/run.rawlog (and its truth)      when simulated
+///   METHOD/…                            one buildMap() folder per method, with difference.png where a plan
+///   is known scores.txt .md .csv .json           accuracy: the same bytes for the same seed, any number of
+///   threads cost.csv .json                      time and memory: differ from run to run maps.png paths.png
+///   scan.png         pictures manifest.json                       how to make it again
+/// A method that fails gets a row that says so. An interrupt keeps the finished methods; `resume` reuses each
+/// method folder whose log, configuration, seed and version are still the same.
+Comparison compare(const CompareRequest& request, core::Manifest manifest, core::Progress& progress);
+
+/// Truth beside a log as `record()` leaves it; "" when there is none.
+std::string findTruth(const std::string& log_path);
+/// The plan that a log was simulated in, from its manifest; "" when unknown or no longer the same file.
+std::string findPlan(const std::string& log_path);
+
+}  // namespace slam::run

@@ -1,0 +1,66 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "libslam/core/manifest.h"
+#include "libslam/core/pose2.h"
+#include "libslam/metrics/map_score.h"
+#include "libslam/metrics/trajectory_error.h"
+#include "libslam/report/table.h"
+#include "libslam/run/build_map.h"
+#include "libslam/world/plan.h"
+
+namespace slam::run {
+
+/// A folder that buildMap() wrote, read back.
+struct RunFolder {
+  std::string path, method;
+  core::Trajectory estimate;
+  world::Plan map;  ///< in the map frame
+  core::Manifest manifest;
+  Cost cost;
+};
+/// Errors: InputError naming the file that is missing or broken.
+RunFolder loadRun(const std::string& folder);
+
+/// What is known to be true. The plan and what of it could be seen are only there when a plan was given.
+struct Truth {
+  core::Trajectory trajectory;
+  std::optional<world::Plan> plan;
+  std::optional<metrics::SeenMask> seen;
+};
+/// `lidar_of`: any run on the same log; it says which lidar looked. plan_path may be "".
+Truth loadTruth(const std::string& truth_path, const std::string& plan_path, const RunFolder& lidar_of);
+
+/// All figures of one run. Without truth the first three blocks are NaN; without plan the map score is.
+struct Evaluation {
+  std::string method, failure;  ///< failure: why there are no figures, or ""
+  metrics::TrajectoryError trajectory;
+  metrics::RelativeError per_metre, per_second;
+  metrics::MapScore map;
+  Cost cost;
+  double path_length_m = 0;
+  core::Pose2 end_pose;  ///< T_map_robot at the last scan
+  double map_mean_entropy_bits, map_occupied_share;
+};
+Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth);
+/// Every figure NaN: the row of a method that failed.
+Evaluation failedEvaluation(const std::string& method, const std::string& why);
+
+/// How far from a wall an estimated wall may lie and still count as found.
+inline constexpr double kWallTolerance_m = 0.10;
+
+/// Accuracy of several runs against the truth: one row each. The same bytes on every machine.
+report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Truth& truth);
+/// What can be said without truth: length, end pose, sharpness of the map, agreement with the other methods.
+report::Table agreementTable(const std::vector<Evaluation>& evaluations, const std::vector<RunFolder>& runs);
+/// Time and memory; differs from run to run.
+report::Table costTable(const std::vector<Evaluation>& evaluations);
+
+/// Names and one-line meanings of the columns above: `rasterslam list metrics`.
+struct MetricInfo {
+  std::string key, title, meaning;
+};
+const std::vector<MetricInfo>& metricInfos();
+
+}  // namespace slam::run

@@ -1,0 +1,63 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "libslam/core/ini.h"
+#include "libslam/core/manifest.h"
+#include "libslam/core/parameters.h"
+#include "libslam/core/progress.h"
+#include "libslam/navigate/strategy.h"
+#include "libslam/robot/drive.h"
+#include "libslam/robot/lidar.h"
+#include "libslam/robot/odometry_noise.h"
+#include "libslam/sim/simulator.h"
+#include "libslam/world/plan.h"
+
+namespace slam::run {
+
+/// Section [simulation].
+struct SimulationOptions {
+  double duration_s;     ///< of the robot's time, at most
+  std::string start;     ///< "auto", or "x_m y_m yaw_deg" in the world frame
+  std::string log_form;  ///< action | observation
+  SimulationOptions();
+  static const core::ParameterTable<SimulationOptions>& table();
+};
+
+/// All that decides a recording besides the plan and the seed.
+struct RecordConfig {
+  robot::RobotOptions robot;
+  robot::LidarOptions lidar;
+  robot::OdometryOptions odometry;
+  navigate::StrategyOptions strategy;
+  SimulationOptions simulation;
+  std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
+};
+
+/// Reads sections [robot] [lidar] [odometry] [strategy] [simulation]; strict.
+RecordConfig readRecordConfig(const core::IniFile& config);
+
+/// What came out of a recording.
+struct Recording {
+  core::Trajectory truth;
+  std::vector<sim::Collision> collisions;
+  double duration_s = 0, path_length_m = 0;
+  std::vector<std::string> files;
+};
+
+/// Lets the robot explore the plan and writes, for log_path "a/run.rawlog":
+///   run.rawlog            what the robot sensed, for MRPT's programs and ours
+///   run.rawlog.GT.txt     the truth as MRPT's simulator writes it (relative to the start)
+///   run.gt.tum            the truth as TUM (world frame)
+///   run.operations.txt    the founding document's operation log
+///   run.manifest.json     how to make it again
+/// Each file is written beside and renamed; an error or an interrupt leaves none of them.
+/// Same plan, config and seed: the same bytes (but for the times in the manifest).
+Recording record(const world::Plan& plan, const RecordConfig& config, std::uint64_t seed,
+                 const std::string& log_path, core::Manifest manifest, core::Progress& progress);
+
+/// "a/run.rawlog" -> "a/run": the stem of the files beside a log.
+std::string logStem(const std::string& log_path);
+
+}  // namespace slam::run
