@@ -43,11 +43,12 @@ struct Comparison {
 };
 
 /// Simulates if asked, runs every method on the same log, scores, draws, and writes into `output`:
-///   log/run.rawlog (and its truth)      when simulated
-///   METHOD/…                            one buildMap() folder per method, with difference.png where a plan
-///   is known scores.txt .md .csv .json           accuracy: the same bytes for the same seed, any number of
-///   threads cost.csv .json                      time and memory: differ from run to run maps.png paths.png
-///   scan.png         pictures manifest.json                       how to make it again
+///   log/run.rawlog (and its truth)   when simulated
+///   METHOD/                          one buildMap() folder per method, with difference.png where a plan is known
+///   scores.txt .md .csv .json        accuracy: the same bytes for the same seed, any number of threads
+///   cost.csv .json                   time and memory: differ from run to run
+///   maps.png paths.png scan.png      pictures
+///   manifest.json                    how to make it again
 /// A method that fails gets a row that says so. An interrupt keeps the finished methods; `resume` reuses each
 /// method folder whose log, configuration, seed and version are still the same.
 Comparison compare(const CompareRequest& request, core::Manifest manifest, core::Progress& progress);
