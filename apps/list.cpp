@@ -1,4 +1,6 @@
+#include <cstdio>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
@@ -28,8 +30,7 @@ std::vector<Entry> entriesOf(const std::string& what) {
     for (const auto& name : run::namesInFolder(folder, ".ini"))
       entries.emplace_back(name, firstComment(folder + "/" + name + ".ini"));
   } else if (what == "strategies") {
-    for (const auto& name : navigate::strategyNames())
-      entries.emplace_back(name, navigate::strategyMeaning(name));
+    for (const auto& name : navigate::strategyNames()) entries.emplace_back(name, "");
   } else if (what == "worlds") {
     for (const auto& name : run::namesInFolder(run::worldsFolder(), ".yaml")) {
       const auto plan = world::loadPlan(run::worldsFolder() + "/" + name + ".yaml");

@@ -1,4 +1,7 @@
+#include <cstdio>
+#include <filesystem>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
@@ -27,6 +30,10 @@ int runMethod(const Context& context, const Arguments& arguments) {
   ConsoleProgress progress(context.quiet);
   const auto result = run::buildMap(arguments.log, config, name, context.seed, folder, context.overwrite,
                                     context.manifest(), progress);
+  if (result.steps_without_odometry > 0)
+    std::fprintf(stderr,
+                 "rasterslam: %s: %d of %zu steps come without odometry, estimated from the scans instead\n",
+                 arguments.log.c_str(), result.steps_without_odometry, result.estimate.size() - 1);
   const auto& end = result.estimate.back().pose;
   if (context.json) {
     std::cout << nlohmann::ordered_json{{"folder", folder},

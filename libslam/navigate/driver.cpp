@@ -10,7 +10,8 @@
 namespace slam::navigate {
 namespace {
 
-constexpr double kProgress_m = 0.2;         // a shorter drive counts as being stuck
+constexpr double kNewPlace_m = 0.5;  // nearer to the last place it counts as being stuck
+constexpr double kShortestEscape_m = 0.2;
 constexpr double kShortestDrive_m = 0.01;   // less than this is not worth a period
 constexpr double kSmallestTurn_rad = 1e-3;  // below what any odometry notices
 constexpr double kEscapeStep_rad = core::kPi / 36;
@@ -30,7 +31,8 @@ struct Driver::State {
   Phase phase = Phase::kDeciding;
   Decision decision = {};
   bool escaping = false;  ///< the decision is a random free direction: only the disc has to fit
-  int failures = 0;       ///< decisions in a row that brought no progress
+  int failures = 0;       ///< decisions in a row that led to no new place
+  std::optional<core::Pose2> T_odom_place = std::nullopt;  ///< the last new place
   double target_heading_rad = 0;
   core::Pose2 T_odom_begin = {};  ///< where the present drive or backing began
 
@@ -40,8 +42,7 @@ struct Driver::State {
   std::optional<robot::Command> turn(const core::Pose2& T_odom_robot);
   std::optional<robot::Command> drive(const robot::Scan& scan, const core::Pose2& T_odom_robot);
   std::optional<robot::Command> back(const robot::Scan& scan, const core::Pose2& T_odom_robot);
-  void endDrive(double driven_m);
-  void stopEarly(double driven_m, const core::Pose2& T_odom_robot);
+  void endDrive(const core::Pose2& T_odom_robot);
 
   /// How far the disc may go straight along direction_rad by this scan.
   double reach(const robot::Scan& scan, double direction_rad) const {
@@ -69,6 +70,7 @@ std::optional<robot::Command> Driver::State::advance(const robot::Scan& scan,
 }
 
 void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
+  if (!T_odom_place) T_odom_place = T_odom_robot;
   escaping = failures >= options.patience;
   decision = escaping ? escape(scan) : strategy->decide(scan, T_odom_robot);
   target_heading_rad = core::wrapToPi(T_odom_robot.phi + decision.turn_rad);
@@ -86,7 +88,7 @@ Decision Driver::State::escape(const robot::Scan& scan) {
     if (beam.angle_rad - last_rad < kEscapeStep_rad) continue;
     last_rad = beam.angle_rad;
     const double reach_m = std::min(beam.range_m, reach(scan, beam.angle_rad));
-    if (reach_m >= kProgress_m) ways.push_back({beam.angle_rad, reach_m});
+    if (reach_m >= kShortestEscape_m) ways.push_back({beam.angle_rad, reach_m});
   }
   Decision chosen;
   char reason[80];
@@ -97,7 +99,7 @@ Decision Driver::State::escape(const robot::Scan& scan) {
   } else {
     const Way& way = ways[random.below(ways.size())];
     chosen.turn_rad = core::wrapToPi(way.angle_rad);
-    chosen.distance_m = std::max(kProgress_m, way.reach_m * random.uniform(0.5, 1.0));
+    chosen.distance_m = std::max(kShortestEscape_m, way.reach_m * random.uniform(0.5, 1.0));
     chosen.score = way.reach_m;
     std::snprintf(reason, sizeof reason, "stuck: random free direction at %.0f deg",
                   core::radToDeg(chosen.turn_rad));
@@ -119,14 +121,16 @@ std::optional<robot::Command> Driver::State::drive(const robot::Scan& scan, cons
   const double driven_m = core::distance(T_odom_begin, T_odom_robot);
   const double rest_m = decision.distance_m - driven_m;
   if (rest_m < kShortestDrive_m) {
-    endDrive(driven_m);
+    endDrive(T_odom_robot);
     return std::nullopt;
   }
   const FreeWays ways = canMove(scan, options.stop_clearance_m);
   const bool front_free = ways == FreeWays::kBoth || ways == FreeWays::kFrontOnly;
   const double step_m = std::min({rest_m, robot.max_speed_mps * period_s, reach(scan, 0)});
   if ((!front_free && !escaping) || step_m < kShortestDrive_m) {
-    stopEarly(driven_m, T_odom_robot);
+    endDrive(T_odom_robot);
+    // Stopped before it moved at all: deciding again from here would decide the same.
+    if (driven_m < kShortestDrive_m) phase = Phase::kBacking;
     return std::nullopt;
   }
   return straight(step_m);
@@ -144,17 +148,14 @@ std::optional<robot::Command> Driver::State::back(const robot::Scan& scan, const
   return straight(-step_m);
 }
 
-void Driver::State::endDrive(double driven_m) {
+void Driver::State::endDrive(const core::Pose2& T_odom_robot) {
   const bool only_turned = decision.distance_m == 0 && std::abs(decision.turn_rad) > kSmallestTurn_rad;
-  failures = only_turned || driven_m >= kProgress_m ? 0 : failures + 1;
+  // Farther than backing off leads, or backing off and coming again would count as progress for ever.
+  const double new_place_m = std::max(kNewPlace_m, 2 * options.back_off_m);
+  const bool new_place = core::distance(*T_odom_place, T_odom_robot) >= new_place_m;
+  if (new_place) T_odom_place = T_odom_robot;
+  failures = only_turned || new_place ? 0 : failures + 1;
   phase = Phase::kDeciding;
-}
-
-void Driver::State::stopEarly(double driven_m, const core::Pose2& T_odom_robot) {
-  endDrive(driven_m);
-  if (failures == 0) return;
-  T_odom_begin = T_odom_robot;
-  phase = Phase::kBacking;
 }
 
 Driver::Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& options,

@@ -13,6 +13,8 @@ namespace {
 constexpr size_t kCandidates = 3;
 constexpr size_t kCoarseBeams = 120;  // enough to tell candidates apart
 constexpr int kCoarseIterations = 8;
+constexpr int kFineIterations = 15;
+constexpr double kFineScale_m = 0.05, kFineGate_m = 0.3;
 constexpr double kLikelyTurn_rad = 0.05;  // about 3 degrees: nearer to this than to a candidate, try none
 constexpr double kFewestMatched = 0.3;    // share of the compared returns
 constexpr double kLargestError_m = 0.1;   // standard deviation above which a position is a guess
@@ -72,8 +74,7 @@ class CorrelationOdometry : public ScanOdometry {
     if (fits.empty()) return unknownMotion(options_);
     std::stable_sort(fits.begin(), fits.end(),
                      [](const PlanarFit& a, const PlanarFit& b) { return a.cost < b.cost; });
-    const PlanarFit fit =
-        fitPlanarMotion(before.lines, after.lines, fits[0].T_reference_moving, fitOptions());
+    const PlanarFit fit = fineFit(before, after, fits[0].T_reference_moving);
     if (!believable(fit)) return unknownMotion(options_);
     ScanMotion motion;
     toRobotFrame(after.scan.T_robot_lidar, fit.T_reference_moving, fit.covariance, motion);
@@ -99,7 +100,16 @@ class CorrelationOdometry : public ScanOdometry {
     PlanarFitOptions options = fitOptions();
     options.stride = static_cast<int>(std::max<size_t>(1, after.lines.points.size() / kCoarseBeams));
     options.max_iterations = kCoarseIterations;
+    options.gate_m = std::max(0.5 * options_.max_move_m, 0.1);
     return fitPlanarMotion(before.lines, after.lines, {0, 0, turn_rad}, options);
+  }
+
+  PlanarFit fineFit(const Frame& before, const Frame& after, const core::Pose2& guess) const {
+    PlanarFitOptions options = fitOptions();
+    options.first_scale_m = kFineScale_m;
+    options.gate_m = kFineGate_m;
+    options.max_iterations = kFineIterations;
+    return fitPlanarMotion(before.lines, after.lines, guess, options);
   }
 
   PlanarFitOptions fitOptions() const {

@@ -20,9 +20,17 @@ constexpr double kSmallestScale_m = 1e-3;  // keeps noise-free scans from dividi
 constexpr double kCostCut_m = 0.10;        // a residual of this size costs as much as no match
 constexpr double kNormalAgreement = 0.7;   // cosine; surfaces turned more than 45 degrees are not the same
 constexpr double kEndMargin_m = 0.05;      // a point may lie this far beyond the end of its line
+constexpr double kStill_m = 1e-5, kStill_rad = 1e-6;  // far below any range noise
+constexpr double kNarrowing = 0.7;                    // of the first scale and the gate, per iteration
+/// Least share of the range noise that is believed to be left across a grazed line: walls are not ideal.
+constexpr double kGrazing = 0.5;
+constexpr double kCurved_rad = 0.02;  // error of a normal besides noise: bent walls, lines grown to one side
+constexpr long kReach = 8;            // beams to each side in which a partner is looked for
+constexpr double kSameSurface = 5;    // times the noise
 constexpr int kFewestPairs = 6;
 /// A direction counts as determined when at least this share of its information is not feigned.
 constexpr double kGenuineShare = 0.3;
+constexpr double kLargestStd = 0.05;  // metres (or radians): worse than this is no measurement
 
 struct Pair {
   Vector3d jacobian;        // of the residual by (x, y, phi)
@@ -48,11 +56,11 @@ class Matcher {
       const core::Point2& p = moving_.points[i];
       const core::Point2 arm{c * p.x - s * p.y, s * p.x + c * p.y};  // from the lidar, turned
       const core::Point2 q{T.x + arm.x, T.y + arm.y};
-      const double range = std::hypot(q.x, q.y);
+      const double range = std::sqrt(q.x * q.x + q.y * q.y);
       const double u = beamAt(q);
       if (!inView(u) || range <= 0) continue;
       ++pairs.compared;
-      const long j = nearest(q, u, range, gate_m);
+      const long j = partner(q, u, range, gate_m);
       if (j < 0) continue;
       const LocalLine& line = reference_.lines[static_cast<size_t>(j)];
       const core::Point2& r = reference_.points[static_cast<size_t>(j)];
@@ -62,12 +70,15 @@ class Matcher {
       if (!normalsAgree(moving_.lines[i], line, c, s)) continue;
       const double residual = line.normal.x * d.x + line.normal.y * d.y;
       if (std::abs(residual) > gate_m) continue;
+      // Range noise acts along the beam; across the line only its share by the angle of incidence is seen.
+      const double incidence = std::abs(line.normal.x * q.x + line.normal.y * q.y) / range;
+      const double w = 1 / std::max(incidence, kGrazing);
       const core::Point2 swing{-arm.y, arm.x};
-      pairs.matched.push_back(
-          {{line.normal.x, line.normal.y, line.normal.x * swing.x + line.normal.y * swing.y},
-           {-line.normal.y, line.normal.x, -line.normal.y * swing.x + line.normal.x * swing.y},
-           residual,
-           line.normal_variance_per_sigma});
+      const Vector3d jacobian(line.normal.x, line.normal.y,
+                              line.normal.x * swing.x + line.normal.y * swing.y);
+      const Vector3d by_normal_turn(-line.normal.y, line.normal.x,
+                                    -line.normal.y * swing.x + line.normal.x * swing.y);
+      pairs.matched.push_back({w * jacobian, w * by_normal_turn, w * residual, line.normal_variance_per_m2});
     }
     return pairs;
   }
@@ -85,22 +96,47 @@ class Matcher {
     return reference_.full_circle || u <= n - 0.5 || u >= 2 * core::kPi / reference_.step_rad - 0.5;
   }
 
-  long nearest(const core::Point2& q, double u, double range, double gate_m) const {
-    const long n = static_cast<long>(reference_.points.size());
+  /// The partner of a point: the return nearest to it tells the surface, and on that surface the return
+  /// beside it along the wall is taken. Taking the nearest itself would pick, of all returns within the
+  /// noise, the one with the most agreeable error.
+  long partner(const core::Point2& q, double u, double range, double gate_m) const {
     const long centre = std::lround(u);
     const long reach =
-        std::clamp(static_cast<long>(std::ceil(gate_m / (range * reference_.step_rad))), 1L, 8L);
-    long best = -1;
-    double best_distance = std::numeric_limits<double>::infinity();
+        std::clamp(static_cast<long>(std::ceil(gate_m / (range * reference_.step_rad))), 1L, kReach);
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    double least = kFar;
+    long nearest = -1;
     for (long k = centre - reach; k <= centre + reach; ++k) {
-      long j = k;
-      if (reference_.full_circle) j = (j % n + n) % n;
-      if (j < 0 || j >= n || !reference_.lines[static_cast<size_t>(j)].valid) continue;
+      const long j = lineAt(k);
+      if (j < 0) continue;
       const core::Point2& r = reference_.points[static_cast<size_t>(j)];
-      const double dx = q.x - r.x, dy = q.y - r.y, distance = dx * dx + dy * dy;
-      if (distance < best_distance) best = j, best_distance = distance;
+      const double distance = (q.x - r.x) * (q.x - r.x) + (q.y - r.y) * (q.y - r.y);
+      if (distance < least) nearest = j, least = distance;
     }
-    return best;
+    if (nearest < 0) return -1;
+    const core::Point2 normal = reference_.lines[static_cast<size_t>(nearest)].normal;
+    const core::Point2 on = reference_.points[static_cast<size_t>(nearest)];
+    long beside = nearest;
+    least = kFar;
+    for (long k = centre - reach; k <= centre + reach; ++k) {
+      const long j = lineAt(k);
+      if (j < 0) continue;
+      const core::Point2& r = reference_.points[static_cast<size_t>(j)];
+      const double off = normal.x * (r.x - on.x) + normal.y * (r.y - on.y);
+      const double along = std::abs(-normal.y * (q.x - r.x) + normal.x * (q.y - r.y));
+      if (std::abs(off) < kSameSurface * reference_.sigma_m && along < least) beside = j, least = along;
+    }
+    return beside;
+  }
+
+  /// The beam, once round the circle where there is one; -1 where there is no beam or no line.
+  long lineAt(long beam) const {
+    const long n = static_cast<long>(reference_.points.size());
+    if (beam < 0 || beam >= n) {
+      if (!reference_.full_circle) return -1;
+      beam = (beam + n) % n;
+    }
+    return beam >= 0 && reference_.lines[static_cast<size_t>(beam)].valid ? beam : -1;
   }
 
   static bool normalsAgree(const LocalLine& moving, const LocalLine& reference, double c, double s) {
@@ -130,7 +166,7 @@ struct Equations {
   int inliers = 0;
 };
 
-Equations normalEquations(const std::vector<Pair>& pairs, double scale_m) {
+Equations normalEquations(const std::vector<Pair>& pairs, double scale_m, double noise_m) {
   Equations eq;
   const double c = kCauchy * scale_m;
   for (const Pair& p : pairs) {
@@ -138,8 +174,7 @@ Equations normalEquations(const std::vector<Pair>& pairs, double scale_m) {
     const double w = 1 / (1 + ratio * ratio);
     eq.information += w * p.jacobian * p.jacobian.transpose();
     eq.gradient += w * p.residual_m * p.jacobian;
-    // The residual of raw against raw points has twice the variance of one range; a line has one.
-    const double normal_variance = p.normal_variance * scale_m * scale_m / 2;
+    const double normal_variance = p.normal_variance * noise_m * noise_m + kCurved_rad * kCurved_rad;
     eq.feigned += w * normal_variance * p.by_normal_turn * p.by_normal_turn.transpose();
     if (std::abs(ratio) < 1) ++eq.inliers;
   }
@@ -153,13 +188,17 @@ struct Directions {
   Basis determined;
 };
 
-Directions analyse(const Equations& eq) {
+Directions analyse(const Equations& eq, double noise_m) {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(eq.information - eq.feigned);
   Directions d{solver.eigenvectors(), solver.eigenvalues().cwiseMax(0.0), Basis(3, 0)};
   for (int k = 0; k < 3; ++k) {
     const Vector3d axis = d.axes.col(k);
     const double whole = axis.dot(eq.information * axis);
-    if (whole <= 0 || d.genuine[k] <= kGenuineShare * whole) continue;
+    const double weakest = 2 * noise_m * noise_m / (kLargestStd * kLargestStd);
+    if (d.genuine[k] <= std::max(kGenuineShare * whole, weakest)) {
+      d.genuine[k] = 0;
+      continue;
+    }
     d.determined.conservativeResize(3, d.determined.cols() + 1);
     d.determined.rightCols<1>() = axis;
   }
@@ -200,28 +239,33 @@ PlanarFit fitPlanarMotion(const ScanLines& reference, const ScanLines& moving, c
   PlanarFit fit;
   fit.T_reference_moving = guess;
   fit.covariance = {1 / prior[0], 0, 0, 0, 1 / prior[1], 0, 0, 0, 1 / prior[2]};
-  double gate = std::max(0.5 * options.max_move_m, 0.1);
+  // The noise of the ranges themselves, not of the residuals: far from the solution those say nothing of it.
+  const double range_noise = std::max(reference.sigma_m, moving.sigma_m);
+  double gate = options.gate_m, widened = options.first_scale_m;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     const Pairs pairs = matcher.match(fit.T_reference_moving, options.stride, gate);
     fit.compared = pairs.compared;
     fit.matched = static_cast<int>(pairs.matched.size());
     fit.cost = meanCost(pairs);
     if (fit.matched < kFewestPairs) return fit;
-    const double scale = robustScale(pairs.matched);
-    const Equations eq = normalEquations(pairs.matched, scale);
+    const double noise = robustScale(pairs.matched);
+    const double scale = std::max(noise, widened);
+    const Equations eq = normalEquations(pairs.matched, scale, range_noise);
     fit.matched = eq.inliers;
-    const Directions directions = analyse(eq);
+    const Directions directions = analyse(eq, range_noise);
     fit.degenerate = directions.determined.cols() < 3;
     const Vector3d step = newtonStep(eq, directions.determined);
     Matrix3d information =
-        directions.axes * (directions.genuine / (scale * scale)).asDiagonal() * directions.axes.transpose();
+        directions.axes * (directions.genuine / (noise * noise)).asDiagonal() * directions.axes.transpose();
     information.diagonal() += prior;
     storeCovariance(information.inverse(), fit.covariance);
     fit.T_reference_moving.x += step[0];
     fit.T_reference_moving.y += step[1];
     fit.T_reference_moving.phi = core::wrapToPi(fit.T_reference_moving.phi + step[2]);
-    gate = std::max({0.7 * gate, 6 * scale, 0.05});
-    if (std::abs(step[0]) + std::abs(step[1]) < 1e-6 && std::abs(step[2]) < 1e-7) break;
+    gate = std::max({kNarrowing * gate, 6 * noise, 0.05});
+    const bool narrow = widened <= noise;
+    widened *= kNarrowing;
+    if (narrow && std::abs(step[0]) + std::abs(step[1]) < kStill_m && std::abs(step[2]) < kStill_rad) break;
   }
   return fit;
 }

@@ -7,9 +7,13 @@ namespace slam::odometry {
 
 struct PlanarFitOptions {
   int max_iterations = 30;
-  int stride = 1;         ///< use every stride-th beam of the moving scan
-  double max_move_m = 1;  ///< standard deviation of the prior that keeps undetermined directions finite
-  double max_turn_rad = 1;
+  int stride = 1;  ///< use every stride-th beam of the moving scan
+  /// Scale of the weights and largest residual at the start; both narrow to the noise. Wide at first, because
+  /// along a corridor only a few door posts tell the motion, and from a wrong start they look like outliers
+  /// among walls that fit anyhow.
+  double first_scale_m = 0.2, gate_m = 1;
+  double max_move_m = 1;    ///< standard deviation of a direction that the scans do not determine
+  double max_turn_rad = 1;  ///< the same for the turn
 };
 
 /// How one scan lies on another.

@@ -18,7 +18,7 @@ const core::ParameterTable<ScanOdometryOptions>& ScanOdometryOptions::table() {
         "argmax: the longest range and two readings; correlation: all beams, with covariance"},
        {"max_turn_deg", &ScanOdometryOptions::max_turn_rad, 60.0, 1.0, 180.0,
         "largest turn between two scans that is searched for"},
-       {"max_move_m", &ScanOdometryOptions::max_move_m, 1.0, 0.01, 100.0,
+       {"max_move_m", &ScanOdometryOptions::max_move_m, 2.0, 0.01, 100.0,
         "largest move between two scans that is believed"}});
   return rows;
 }

@@ -5,7 +5,8 @@
 
 namespace slam::report {
 
-/// A cell: text, or a number with the column's digits. NaN is printed as "-" and as null in JSON.
+/// A cell: text, or a number with the column's digits. NaN is "-" for people, null in JSON and an empty field
+/// in CSV; infinity is "inf", in JSON null.
 using CellValue = std::variant<std::string, double>;
 
 struct Column {
@@ -21,10 +22,19 @@ struct Table {
   std::vector<std::string> notes;            ///< lines under the table
 };
 
-/// Aligned columns, at most 80 wide where it can be; UTF-8.
+// All four: the same table gives the same bytes. Columns that hold a number are aligned right. Line breaks
+// inside a text become blanks, except in CSV and JSON. Two columns with one key, or a row that is not as long
+// as `columns`: ContractError.
+
+/// Aligned columns (letters counted as UTF-8 code points). Where that is wider than 80, titles are broken
+/// over lines at blanks; caption and notes always.
 std::string toText(const Table& table);
+/// Caption in bold, a GitHub-flavoured table, notes as paragraphs.
 std::string toMarkdown(const Table& table);
-std::string toCsv(const Table& table);   ///< RFC 4180
-std::string toJson(const Table& table);  ///< {"caption", "columns", "rows": [{key: value}], "notes"}
+/// RFC 4180: header of keys, lines end with CR LF; numbers with the digits that read back the same. No
+/// caption, no notes.
+std::string toCsv(const Table& table);
+/// {"caption": text, "columns": [{"key", "title"}], "rows": [{key: value}], "notes": [text]}
+std::string toJson(const Table& table);
 
 }  // namespace slam::report

@@ -1,6 +1,6 @@
 #include "libslam/run/build_map.h"
 
-#include <sys/resource.h>
+#include <malloc.h>
 #include <time.h>
 
 #include <algorithm>
@@ -98,7 +98,10 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   std::vector<double> milliseconds;
   progress.begin("mapping with " + method_name);
   while (const auto entry = log.next()) {
-    if (run.estimate.empty()) describe(entry->scan, manifest.results);
+    if (run.estimate.empty())
+      describe(entry->scan, manifest.results);
+    else if (!entry->has_odometry)
+      ++run.steps_without_odometry;
     const double before_s = threadCpuSeconds();
     const core::Pose2 T_map_robot =
         mapping::processScan(method, entry->scan, entry->T_previous_robot, entry->has_odometry);
@@ -133,6 +136,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   manifest.files = fileNotes();
   manifest.results["method"] = method_name;
   manifest.results["scans"] = std::to_string(run.estimate.size());
+  manifest.results["steps_without_odometry"] = std::to_string(run.steps_without_odometry);
   manifest.results["map_mean_entropy_bits"] = core::formatNumber(sharpness.mean_entropy_bits);
   manifest.results["map_occupied_share"] = core::formatNumber(sharpness.occupied_share);
   manifest.times_s["mean_ms_per_scan"] = run.cost.mean_ms_per_scan;

@@ -86,7 +86,7 @@ Recording record(const world::Plan& plan, const RecordConfig& config, std::uint6
   const double period_s = 1 / config.lidar.rate_hz;
   sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, startPose(plan, config), seed);
   navigate::Driver driver(navigate::makeStrategy(config.strategy, core::RandomStream(seed, "strategy")),
-                          config.strategy, config.robot, period_s);
+                          config.strategy, config.robot, period_s, core::RandomStream(seed, "driver"));
   odometry::ScanOdometryOptions founding;
   founding.method = "argmax";
   const auto scan_odometry = odometry::makeScanOdometry(founding);

@@ -42,7 +42,8 @@ std::string withoutComment(const std::string& line) {
     const char c = line[i];
     const bool after_blank = i == 0 || line[i - 1] == ' ' || line[i - 1] == '\t';
     if (quote) {
-      if (c == '\\' && quote == '"')
+      const bool is_doubled = c == '\'' && quote == c && i + 1 < line.size() && line[i + 1] == c;
+      if ((c == '\\' && quote == '"') || is_doubled)
         ++i;
       else if (c == quote)
         quote = 0;

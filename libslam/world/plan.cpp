@@ -1,9 +1,13 @@
 #include "libslam/world/plan.h"
 
 #include <algorithm>
+#include <cctype>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <system_error>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
@@ -91,11 +95,11 @@ std::uint8_t grayOf(Cell cell) {
   return cell == Cell::kOccupied ? 0 : cell == Cell::kFree ? 254 : 205;
 }
 
-void writeBytes(const std::string& path, const std::string& content) {
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+void writeBytes(const std::string& pending_path, const std::string& content, const std::string& final_path) {
+  std::ofstream out(pending_path, std::ios::binary | std::ios::trunc);
   out.write(content.data(), static_cast<std::streamsize>(content.size()));
   out.close();
-  if (!out) throw core::IoError(path + ": cannot be written");
+  if (!out) throw core::IoError(final_path + ": cannot be written: " + std::strerror(errno));
 }
 
 /// Distance along one axis from a point to the nearest point of cell [index, index + 1).
@@ -109,7 +113,7 @@ Plan loadPlan(const std::string& path, const PlanOptions& options) {
   core::requireReadableFile(path);
   Plan plan = isYaml(path) ? loadFromYaml(path) : loadFromPicture(path, options);
   plan.name = fs::path(path).stem().string();
-  requireSomethingToSee(plan, path);
+  if (!options.allow_empty) requireSomethingToSee(plan, path);
   return plan;
 }
 
@@ -123,10 +127,16 @@ void savePlan(const Plan& plan, const std::string& yaml_path) {
   options.T_world_plan = plan.T_world_plan;
   const std::string image_path = fs::path(yaml_path).replace_extension(".png").string();
   core::PendingFile image(image_path), yaml(yaml_path);
-  writeBytes(image.path(), encodePng(plan.columns, plan.rows, gray));
-  writeBytes(yaml.path(), formatMapYaml(fs::path(image_path).filename().string(), options));
+  writeBytes(image.path(), encodePng(plan.columns, plan.rows, gray), image_path);
+  writeBytes(yaml.path(), formatMapYaml(fs::path(image_path).filename().string(), options), yaml_path);
   image.commit();
-  yaml.commit();
+  try {
+    yaml.commit();
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(image_path, ignored);
+    throw;
+  }
 }
 
 core::Point2 worldToCells(const Plan& plan, const core::Point2& p_world) {

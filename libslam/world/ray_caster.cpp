@@ -62,19 +62,29 @@ double walk(const Plan& plan, const Axis& major, const Axis& minor, double limit
   }
 }
 
+/// Distance in cells; may give up on hits beyond `limit` cells.
+double castWithin(const Plan& plan, const core::Point2& origin, const core::Point2& direction, double limit) {
+  const bool is_finite = std::isfinite(origin.x) && std::isfinite(origin.y) && std::isfinite(direction.x) &&
+                         std::isfinite(direction.y);
+  if (!is_finite) return kInfinity;
+  const Axis x = growingAxis(origin.x, direction.x, plan.columns, 1);
+  const Axis y = growingAxis(origin.y, direction.y, plan.rows, plan.columns);
+  return x.direction >= y.direction ? walk(plan, x, y, limit) : walk(plan, y, x, limit);
+}
+
 double castFromCells(const Plan& plan, const core::Point2& origin, double angle_in_plan, double max_range_m) {
-  const double dx = std::cos(angle_in_plan), dy = std::sin(angle_in_plan);
-  if (!std::isfinite(origin.x) || !std::isfinite(origin.y) || std::isnan(dx)) return kInfinity;
-  const Axis x = growingAxis(origin.x, dx, plan.columns, 1);
-  const Axis y = growingAxis(origin.y, dy, plan.rows, plan.columns);
   const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
-  const bool x_is_major = x.direction >= y.direction;
+  const core::Point2 direction{std::cos(angle_in_plan), std::sin(angle_in_plan)};
   const double distance_m =
-      plan.resolution_m * walk(plan, x_is_major ? x : y, x_is_major ? y : x, limit_m / plan.resolution_m);
+      plan.resolution_m * castWithin(plan, origin, direction, limit_m / plan.resolution_m);
   return distance_m <= limit_m ? distance_m : kInfinity;
 }
 
 }  // namespace
+
+double castRayInCells(const Plan& plan, const core::Point2& origin, const core::Point2& direction) {
+  return castWithin(plan, origin, direction, kInfinity);
+}
 
 double castRay(const Plan& plan, const core::Point2& origin_world, double angle_rad, double max_range_m) {
   return castFromCells(plan, worldToCells(plan, origin_world), angle_rad - plan.T_world_plan.phi,

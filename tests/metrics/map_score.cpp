@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -124,10 +125,12 @@ TEST(SeenCells, LeaveOutPosesTooCloseToTheLastOneUsed) {
   for (const double x : {0.05, 0.14, 0.26, 0.35, 0.45}) truth.push_back({10 * x, {x, 0.05, kPi / 2}});
   // 0.14 is within 0.1 m of 0.05, 0.35 of 0.26; the last one always counts.
   EXPECT_EQ(picture(seenCells(open, truth, {}, 0, 0.1, 1, kNoLimit)).front(), ". . .       ");
-  const core::Trajectory turning = {
-      {0, {0.05, 0.05, 0}}, {1, {0.05, 0.05, 0.08}}, {2, {0.05, 0.05, 0.09}}, {3, {0.05, 0.05, 0.0}}};
-  // 0.09 rad is more than 5 degrees and lifts the ray by one cell at the end, 0.08 would by as much.
-  EXPECT_EQ(picture(seenCells(open, turning, {}, 0, 0.1, 1, kNoLimit))[1], "       .....");
+  for (const double turn_rad : {0.085, 0.09}) {  // 5 degrees are 0.0873 rad
+    const core::Trajectory turning = {
+        {0, {0.05, 0.05, 0}}, {1, {0.05, 0.05, turn_rad}}, {2, {0.05, 0.05, 0}}};
+    EXPECT_EQ(picture(seenCells(open, turning, {}, 0, 0.1, 1, kNoLimit))[1],
+              turn_rad < 0.0873 ? "            " : "      ......");
+  }
 }
 
 TEST(SeenCells, EndWhereTheReferenceRayEnds) {
@@ -147,12 +150,12 @@ TEST(SeenCells, EndWhereTheReferenceRayEnds) {
     ASSERT_EQ(wall != seen.wall.end(), std::isfinite(range_m));
     if (wall == seen.wall.end()) continue;
     ++hits;
-    const auto cell = wall - seen.wall.begin();
+    const auto cell = wall - seen.wall.begin(), column = cell % 53, row = cell / 53;
     const auto hit =
         world::worldToCells(plan, {p.x + range_m * std::cos(angle), p.y + range_m * std::sin(angle)});
     // The hit lies on the face of the marked cell: within it but for rounding.
-    EXPECT_NEAR(hit.x, double(cell % 53) + 0.5, 0.5 + kExact);
-    EXPECT_NEAR(hit.y, double(cell / 53) + 0.5, 0.5 + kExact);
+    EXPECT_NEAR(hit.x, double(column) + 0.5, 0.5 + kExact);
+    EXPECT_NEAR(hit.y, double(row) + 0.5, 0.5 + kExact);
   }
   EXPECT_GT(hits, 1000);
 }

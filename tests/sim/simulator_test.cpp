@@ -97,7 +97,8 @@ TEST(Simulator, OdometryWithoutNoiseIsTheTruthSeenFromTheStart) {
   for (const auto& command : wanderingCommands(300)) {
     const auto sensed = simulator.step(command);
     const Pose2 seen = core::between(start, simulator.truth());
-    // Each step rounds a few times; 300 of them stay far below a nanometre. The cut of a collision is in both.
+    // Each step rounds a few times; 300 of them stay far below a nanometre. The cut of a collision is in
+    // both.
     ASSERT_NEAR(core::distance(sensed.T_odom_robot, seen), 0, 1e-11);
   }
   EXPECT_FALSE(simulator.collisions().empty());

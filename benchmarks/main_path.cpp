@@ -1,0 +1,120 @@
+// The main path's cost: casting (MRPT's own simulator beside ours), simulating, and every method per scan.
+// ./bootstrap.sh bench --benchmark_format=json > benchmarks/results/main_path.json
+#include <benchmark/benchmark.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+
+#include <memory>
+
+#include "libslam/mapping/map_builder.h"
+#include "libslam/run/build_map.h"
+#include "libslam/run/record.h"
+#include "libslam/run/resources.h"
+#include "libslam/testing/temp_folder.h"
+#include "libslam/world/ray_caster.h"
+
+namespace {
+using namespace slam;
+
+constexpr int kBeams = 541;
+const double kFov_rad = core::degToRad(270), kMaxRange_m = 30;
+
+const world::Plan& plan() {
+  static const world::Plan office = world::loadPlan(run::resolvePlan("office_loop"));
+  return office;
+}
+
+/// Poses that a robot really visits: every tenth of a recording.
+const std::vector<core::Pose2>& poses() {
+  static const std::vector<core::Pose2> visited = [] {
+    const testing::TempFolder folder;
+    core::IniFile ini;
+    ini.set("simulation", "duration_s", "300", "benchmark");
+    std::vector<core::Pose2> result;
+    const auto recording =
+        run::record(plan(), run::readRecordConfig(ini), 1, folder / "run.rawlog", {}, core::silentProgress());
+    for (size_t i = 0; i < recording.truth.size(); i += 10) result.push_back(recording.truth[i].pose);
+    return result;
+  }();
+  return visited;
+}
+
+void castOurs(benchmark::State& state) {
+  std::vector<float> ranges;
+  size_t i = 0;
+  for (auto _ : state) {
+    world::castScan(plan(), poses()[i++ % poses().size()], -kFov_rad / 2, kFov_rad / (kBeams - 1), kBeams,
+                    kMaxRange_m, ranges);
+    benchmark::DoNotOptimize(ranges.data());
+  }
+  state.counters["Mrays/s"] =
+      benchmark::Counter(double(state.iterations()) * kBeams / 1e6, benchmark::Counter::kIsRate);
+}
+BENCHMARK(castOurs)->Name("cast/exact reference")->MinTime(0.5);
+
+void castMrpt(benchmark::State& state) {
+  mrpt::maps::COccupancyGridMap2D grid(0, float(plan().columns * plan().resolution_m), 0,
+                                       float(plan().rows * plan().resolution_m), float(plan().resolution_m));
+  for (int y = 0; y < plan().rows; ++y)
+    for (int x = 0; x < plan().columns; ++x)
+      grid.setCell(x, y, plan().at(x, y) == world::Cell::kOccupied ? 0.01F : 0.99F);
+  mrpt::obs::CObservation2DRangeScan scan;
+  scan.aperture = float(kFov_rad);
+  scan.maxRange = float(kMaxRange_m);
+  size_t i = 0;
+  for (auto _ : state) {
+    const auto& pose = poses()[i++ % poses().size()];
+    const auto local = core::between(plan().T_world_plan, pose);
+    grid.laserScanSimulator(scan, {local.x, local.y, local.phi}, 0.5F, kBeams, 0);
+    benchmark::DoNotOptimize(scan.getScanRange(0));
+  }
+  state.counters["Mrays/s"] =
+      benchmark::Counter(double(state.iterations()) * kBeams / 1e6, benchmark::Counter::kIsRate);
+}
+BENCHMARK(castMrpt)->Name("cast/MRPT laserScanSimulator (approximate)")->MinTime(0.5);
+
+void simulate(benchmark::State& state) {
+  const testing::TempFolder folder;
+  core::IniFile ini;
+  ini.set("simulation", "duration_s", "120", "benchmark");
+  const auto config = run::readRecordConfig(ini);
+  double simulated_s = 0, scans = 0;
+  for (auto _ : state) {
+    const auto recording = run::record(plan(), config, 1, folder / "run.rawlog", {}, core::silentProgress());
+    simulated_s += recording.duration_s;
+    scans += double(recording.truth.size());
+  }
+  state.counters["simulated_s/s"] = benchmark::Counter(simulated_s, benchmark::Counter::kIsRate);
+  state.counters["scans/s"] = benchmark::Counter(scans, benchmark::Counter::kIsRate);
+}
+BENCHMARK(simulate)->Name("simulate and write a rawlog, 541 beams")->Unit(benchmark::kMillisecond);
+
+void mapWith(benchmark::State& state, const std::string& method) {
+  const testing::TempFolder folder;
+  core::IniFile ini;
+  ini.set("simulation", "duration_s", "60", "benchmark");
+  run::record(plan(), run::readRecordConfig(ini), 1, folder / "run.rawlog", {}, core::silentProgress());
+  const auto config = mapping::loadMethodConfig(run::configsFolder() + "/methods", method);
+  run::Cost cost;
+  for (auto _ : state)
+    cost = run::buildMap(folder / "run.rawlog", config, method, 1, folder / "out", true, {},
+                         core::silentProgress())
+               .cost;
+  state.counters["ms/scan"] = cost.mean_ms_per_scan;
+  state.counters["p99 ms"] = cost.p99_ms_per_scan;
+  state.counters["x real time"] = cost.real_time_factor;
+  state.counters["peak MB"] = cost.peak_memory_mb;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  for (const auto& method : run::namesInFolder(run::configsFolder() + "/methods", ".ini"))
+    benchmark::RegisterBenchmark(("map/" + method).c_str(), mapWith, method)
+        ->Iterations(1)
+        ->Unit(benchmark::kMillisecond);
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+}

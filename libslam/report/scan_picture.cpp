@@ -1,0 +1,147 @@
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/report/map_view.h"
+#include "libslam/report/picture.h"
+
+namespace slam::report {
+namespace {
+
+constexpr int kWidth = 1400, kHeight = 600;
+constexpr PixelBox kChart{85, 55, 745, 470};
+constexpr Pixel kPolarCentre{1120, 290};
+constexpr double kPolarRadius = 230;
+constexpr double kTextSize = 17, kTitleSize = 20;
+constexpr Colour kRule{222, 222, 222}, kSeenArea{226, 240, 250};
+
+/// Ends of both range axes and their ticks, metres.
+struct RangeAxis {
+  double end_m, step_m;
+};
+
+RangeAxis rangeAxis(const robot::Scan& scan) {
+  double farthest_m = 0;
+  for (const float range_m : scan.ranges_m)
+    if (robot::isReturn(range_m)) farthest_m = std::max(farthest_m, static_cast<double>(range_m));
+  if (farthest_m == 0) farthest_m = scan.max_range_m > 0 ? scan.max_range_m : 1;
+  const double step_m = niceStep(farthest_m / 4);
+  return {step_m * std::ceil(farthest_m / step_m - 1e-9), step_m};
+}
+
+/// Degrees between ticks, so that there are at most nine.
+double angleStep_deg(double span_deg) {
+  for (const double step : {1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0})
+    if (span_deg / step <= 8) return step;
+  return 90;
+}
+
+class Chart {
+ public:
+  Chart(Canvas& canvas, const robot::Scan& scan, const RangeAxis& ranges)
+      : canvas_(canvas), scan_(scan), ranges_(ranges) {
+    const double last_rad = scan.angle(scan.ranges_m.empty() ? 0 : scan.ranges_m.size() - 1);
+    first_deg_ = core::radToDeg(scan.first_angle_rad), last_deg_ = core::radToDeg(last_rad);
+    if (!(last_deg_ - first_deg_ > 1e-6))
+      first_deg_ -= 0.5, last_deg_ += 0.5;  // a single beam stands in the middle
+  }
+
+  void draw() const {
+    canvas_.text({kChart.left, 34}, "Range over angle", kTitleSize, kInk, Align::kLeft, true);
+    drawRangeTicks();
+    drawAngleTicks();
+    canvas_.frame(kChart, kFrame, 1);
+    drawReadings();
+  }
+
+ private:
+  Pixel at(double angle_deg, double range_m) const {
+    return {kChart.left + kChart.width * (angle_deg - first_deg_) / (last_deg_ - first_deg_),
+            kChart.top + kChart.height * (1 - range_m / ranges_.end_m)};
+  }
+
+  void drawRangeTicks() const {
+    for (int i = 0; i * ranges_.step_m <= ranges_.end_m * (1 + 1e-9); ++i) {
+      const double y = at(first_deg_, i * ranges_.step_m).y;
+      canvas_.line({kChart.left, y}, {kChart.left + kChart.width, y}, kRule, 1);
+      canvas_.text({kChart.left - 10, y + 6}, stepLabel(i * ranges_.step_m), kTextSize, kInk, Align::kRight);
+    }
+    canvas_.text({kChart.left - 60, kChart.top - 14}, "m", kTextSize, kInk);
+  }
+
+  void drawAngleTicks() const {
+    const double step = angleStep_deg(last_deg_ - first_deg_);
+    for (double k = std::ceil(first_deg_ / step - 1e-6); k * step <= last_deg_ + 1e-6; ++k) {
+      const double x = at(k * step, 0).x, bottom = kChart.top + kChart.height;
+      canvas_.line({x, kChart.top}, {x, bottom}, kRule, 1);
+      canvas_.line({x, bottom}, {x, bottom + 6}, kInk, 1);
+      canvas_.text({x, bottom + 26}, stepLabel(k * step + 0.0), kTextSize, kInk, Align::kCentre);
+    }
+    canvas_.text({kChart.left + kChart.width / 2, kChart.top + kChart.height + 54},
+                 "beam angle (degrees, 0 ahead, left positive)", kTextSize, kInk, Align::kCentre);
+  }
+
+  void drawReadings() const {
+    // One place per beam; a beam without a return has none, and the line breaks there.
+    std::vector<Pixel> places;
+    const double nowhere = std::nan("");
+    for (size_t i = 0; i < scan_.ranges_m.size(); ++i) {
+      const bool is_return = robot::isReturn(scan_.ranges_m[i]);
+      places.push_back(is_return ? at(core::radToDeg(scan_.angle(i)), scan_.ranges_m[i])
+                                 : Pixel{nowhere, nowhere});
+    }
+    canvas_.polyline(places, kSkyBlue, 1.5);
+    for (const auto& place : places) canvas_.disc(place, places.size() > 400 ? 1.6 : 2.2, kBlue);
+  }
+
+  Canvas& canvas_;
+  const robot::Scan& scan_;
+  RangeAxis ranges_;
+  double first_deg_, last_deg_;
+};
+
+/// As seen from above with the lidar looking up the page.
+Pixel polar(double angle_rad, double radius) {
+  return {kPolarCentre.x - radius * std::sin(angle_rad), kPolarCentre.y - radius * std::cos(angle_rad)};
+}
+
+void drawSeenArea(Canvas& canvas, const robot::Scan& scan, double pixels_per_metre) {
+  for (size_t i = 0; i + 1 < scan.ranges_m.size(); ++i) {
+    if (!robot::isReturn(scan.ranges_m[i]) || !robot::isReturn(scan.ranges_m[i + 1])) continue;
+    canvas.fillPolygon({kPolarCentre, polar(scan.angle(i), scan.ranges_m[i] * pixels_per_metre),
+                        polar(scan.angle(i + 1), scan.ranges_m[i + 1] * pixels_per_metre)},
+                       kSeenArea);
+  }
+}
+
+void drawPolar(Canvas& canvas, const robot::Scan& scan, const RangeAxis& ranges) {
+  const double pixels_per_metre = kPolarRadius / ranges.end_m;
+  canvas.text({kPolarCentre.x - kPolarRadius - 20, 34}, "From above", kTitleSize, kInk, Align::kLeft, true);
+  drawSeenArea(canvas, scan, pixels_per_metre);
+  for (int i = 1; i * ranges.step_m <= ranges.end_m * (1 + 1e-9); ++i)
+    canvas.circle(kPolarCentre, i * ranges.step_m * pixels_per_metre, kRule, 1);
+  for (const double degrees : {0.0, 90.0, 180.0, 270.0})
+    canvas.line(kPolarCentre, polar(core::degToRad(degrees), kPolarRadius), kRule, 1);
+  for (size_t i = 0; i < scan.ranges_m.size(); ++i)
+    if (robot::isReturn(scan.ranges_m[i]))
+      canvas.disc(polar(scan.angle(i), scan.ranges_m[i] * pixels_per_metre), 2.2, kBlue);
+  canvas.fillPolygon({polar(0, 12), polar(core::degToRad(140), 10), polar(core::degToRad(220), 10)},
+                     kVermillion);
+  canvas.text({kPolarCentre.x, kPolarCentre.y + kPolarRadius + 32},
+              "rings every " + stepLabel(ranges.step_m) + " m, ahead is up", kTextSize, kInk, Align::kCentre);
+}
+
+}  // namespace
+
+void drawScan(const robot::Scan& scan, const std::string& png_path) {
+  Canvas canvas(kWidth, kHeight);
+  const auto ranges = rangeAxis(scan);
+  Chart(canvas, scan, ranges).draw();
+  drawPolar(canvas, scan, ranges);
+  const auto returns = std::count_if(scan.ranges_m.begin(), scan.ranges_m.end(), robot::isReturn);
+  canvas.text({kPolarCentre.x, kPolarCentre.y + kPolarRadius + 56},
+              std::to_string(returns) + " returns of " + std::to_string(scan.ranges_m.size()) + " beams",
+              kTextSize, kGrey, Align::kCentre);
+  canvas.savePng(png_path);
+}
+
+}  // namespace slam::report

@@ -1,0 +1,178 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mrpt/io/CFileGZOutputStream.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "libslam/core/files.h"
+#include "libslam/logs/log_writer.h"
+#include "tests/apps/program.h"
+
+namespace slam::apps {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+/// One line on standard error that says `what`, the exit code, and not a file more in the folder than before.
+void expectRefusal(const testing::TempFolder& folder, const std::string& arguments, int exit_code,
+                   const std::string& what) {
+  const auto count = [&] {
+    return std::distance(fs::recursive_directory_iterator(folder.path()), fs::recursive_directory_iterator());
+  };
+  const auto before = count();
+  const auto result = rasterslam(arguments, folder.path());
+  EXPECT_EQ(result.exit_code, exit_code) << arguments << "\n" << result.err;
+  EXPECT_THAT(result.err, HasSubstr(what)) << arguments;
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(count(), before) << arguments << " left something behind";
+}
+
+/// A room of 60 x 40 cells with walls all round.
+cv::Mat roomPicture() {
+  cv::Mat picture(40, 60, CV_8UC1, cv::Scalar(255));
+  picture.row(0) = picture.row(39) = 0;
+  picture.col(0) = picture.col(59) = 0;
+  return picture;
+}
+
+robot::Scan smallScan(double time_s, int beams) {
+  robot::Scan scan;
+  scan.time_s = 1700000000 + time_s;
+  scan.first_angle_rad = -1;
+  scan.step_rad = beams > 1 ? 2.0 / (beams - 1) : 1.0;
+  scan.max_range_m = 10;
+  scan.ranges_m.assign(static_cast<size_t>(beams), 2.0F);
+  return scan;
+}
+
+void writeLog(const std::string& path, int entries, bool has_odometry = true) {
+  logs::LogWriter writer(path, logs::RawlogForm::kActionFrame);
+  for (int i = 0; i < entries; ++i)
+    writer.write({smallScan(0.2 * i, 31), {0.0, 0, 0}, {0.0, 0, 0}, has_odometry});
+  writer.close();
+}
+
+TEST(BadInput, PlansThatAreNone) {
+  const testing::TempFolder folder;
+  cv::imwrite(folder / "room.png", roomPicture());
+  cv::imwrite(folder / "white.png", cv::Mat(20, 20, CV_8UC1, cv::Scalar(255)));
+  cv::imwrite(folder / "black.png", cv::Mat(20, 20, CV_8UC1, cv::Scalar(0)));
+  const std::string whole = core::readTextFile(folder / "room.png");
+  std::ofstream(folder / "cut.png", std::ios::binary) << whole.substr(0, whole.size() / 2);
+  std::ofstream(folder / "text.png") << "not a picture";
+  std::ofstream(folder / "lost.yaml") << "image: none.png\nresolution: 0.05\norigin: [0, 0, 0]\n";
+  std::ofstream(folder / "negative.yaml") << "image: room.png\nresolution: -0.05\norigin: [0, 0, 0]\n";
+  std::ofstream(folder / "misspelt.yaml") << "image: room.png\nresolutoin: 0.05\norigin: [0, 0, 0]\n";
+  expectRefusal(folder, "simulate none.png", 3, "none.png: no such file");
+  expectRefusal(folder, "simulate flatt", 3, "did you mean 'flat'?");
+  expectRefusal(folder, "simulate " + folder.path(), 3, "is a folder, expected a file");
+  expectRefusal(folder, "simulate cut.png", 3, "cut.png");
+  expectRefusal(folder, "simulate text.png", 3, "text.png");
+  expectRefusal(folder, "simulate white.png", 3, "no obstacle");
+  expectRefusal(folder, "simulate black.png", 3, "no free space");
+  expectRefusal(folder, "simulate lost.yaml", 3, "none.png");
+  expectRefusal(folder, "simulate negative.yaml", 3, "'resolution'");
+  expectRefusal(folder, "simulate misspelt.yaml", 3, "did you mean 'resolution'?");
+  expectRefusal(folder, "compare white.png", 3, "no obstacle");
+}
+
+TEST(BadInput, StartsAndKeysThatCannotBe) {
+  const testing::TempFolder folder;
+  cv::imwrite(folder / "room.png", roomPicture());
+  std::ofstream(folder / "typo.ini") << "[lidar]\nbeams = 90\nmax_rnage_m = 5\n";
+  expectRefusal(folder, "simulate room.png --set 'simulation.start=0.02 1 0'", 3, "start");
+  expectRefusal(folder, "simulate room.png --set 'simulation.start=-5 1 0'", 3, "start");
+  expectRefusal(folder, "simulate room.png --set 'simulation.start=here'", 3,
+                "expected auto or x_m y_m yaw_deg");
+  expectRefusal(folder, "simulate room.png --config typo.ini", 3,
+                "typo.ini:3: section [lidar], unknown key 'max_rnage_m'; did you mean 'max_range_m'?");
+  expectRefusal(folder, "simulate room.png --set lidar.beams=1", 3,
+                "--set: section [lidar], key 'beams': found '1', expected a whole number from 2 to 100000");
+  expectRefusal(folder, "simulate room.png --set lidar.beems=1", 3, "did you mean 'beams'?");
+  expectRefusal(folder, "simulate room.png --set ladar.beams=9", 3, "did you mean 'lidar'?");
+  expectRefusal(folder, "simulate room.png --lidar lms292", 3, "did you mean 'lms291'?");
+  expectRefusal(folder, "simulate room.png --strategy quadrat", 3, "did you mean 'quadrant'?");
+  expectRefusal(folder, "simulate room.png --set robot.side_m=3", 3, "no free place");
+  expectRefusal(folder, "simulate room.png --duration 2 -o /dev/null/run.rawlog", 1, "/dev/null/run.rawlog");
+}
+
+TEST(BadInput, LogsThatAreNone) {
+  const testing::TempFolder folder;
+  writeLog(folder / "good.rawlog", 400);
+  const std::string whole = core::readTextFile(folder / "good.rawlog");
+  std::ofstream(folder / "cut.rawlog", std::ios::binary) << whole.substr(0, whole.size() * 2 / 3);
+  std::ofstream(folder / "text.rawlog") << "this is no log\n";
+  std::ofstream(folder / "empty.rawlog");
+  {
+    mrpt::io::CFileGZOutputStream file(folder / "no_scans.rawlog");
+    auto archive = mrpt::serialization::archiveFrom(file);
+    archive << mrpt::obs::CActionCollection() << mrpt::obs::CSensoryFrame();
+    mrpt::io::CFileGZOutputStream thin(folder / "one_beam.rawlog");
+    auto thin_archive = mrpt::serialization::archiveFrom(thin);
+    auto scan = mrpt::obs::CObservation2DRangeScan::Create();
+    scan->resizeScan(1);
+    scan->aperture = 1;
+    scan->timestamp = mrpt::Clock::fromDouble(1700000000);
+    mrpt::obs::CSensoryFrame frame;
+    frame.insert(scan);
+    thin_archive << mrpt::obs::CActionCollection() << frame;
+  }
+  for (const std::string command : {"info", "run icp", "compare"}) {
+    expectRefusal(folder, command + " none.rawlog", 3, "none.rawlog: no such file");
+    expectRefusal(folder, command + " " + folder.path(), 3, "is a folder");
+    expectRefusal(folder, command + " text.rawlog", 3, "text.rawlog");
+    expectRefusal(folder, command + " empty.rawlog", 3, "empty.rawlog");
+    expectRefusal(folder, command + " cut.rawlog", 3, "byte");
+    expectRefusal(folder, command + " one_beam.rawlog", 3, "1 beam");
+  }
+  expectRefusal(folder, "run naive no_scans.rawlog -q", 3, "0 laser scans");
+  expectRefusal(folder, "compare no_scans.rawlog", 3, "0 laser scans");
+}
+
+TEST(BadInput, MethodsAndResultsThatAreNone) {
+  const testing::TempFolder folder;
+  writeLog(folder / "good.rawlog", 5);
+  std::ofstream(folder / "precious.txt") << "x";
+  expectRefusal(folder, "run rbfp good.rawlog", 3, "did you mean 'rbpf'?");
+  expectRefusal(folder, "run icp good.rawlog --set mapping.resolution_m=-0.05", 3,
+                "--set: section [mapping], key 'resolution_m': found '-0.05', expected a number");
+  expectRefusal(folder, "run icp good.rawlog --set icp.max_iteration=5", 3, "did you mean 'max_iterations'?");
+  expectRefusal(folder, "compare good.rawlog --methods icp,icp", 3, "named twice");
+  expectRefusal(folder, "run naive good.rawlog -q -o /dev/null/out", 1, "/dev/null/out");
+  expectRefusal(folder, "run naive good.rawlog -q -o .", 3, "exists; give --overwrite");
+  expectRefusal(folder, "run naive good.rawlog -q -o . --overwrite", 3, "holds other files");
+  expectRefusal(folder, "compare good.rawlog -o . --overwrite", 3, "holds other files");
+  expectRefusal(folder, "eval .", 3, "manifest.json: no such file");
+  EXPECT_TRUE(fs::exists(folder / "precious.txt"));
+}
+
+TEST(BadInput, CommandLinesThatAreNone) {
+  const testing::TempFolder folder;
+  for (const std::string arguments : {"", "simulat flat", "run icp", "list colours",
+                                      "simulate flat --seed minus", "compare flat --threads 0"}) {
+    const auto result = rasterslam(arguments, folder.path());
+    EXPECT_EQ(result.exit_code, 2) << arguments;
+    EXPECT_NE(result.err, "") << arguments;
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(BadInput, ALogWithoutOdometryIsMappedFromScansAndSaysSo) {
+  const testing::TempFolder folder;
+  writeLog(folder / "bare.rawlog", 20, false);
+  const auto result = rasterslam("run icp bare.rawlog -q -o out", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("bare.rawlog: 19 of 19 steps come without odometry"));
+  EXPECT_TRUE(fs::exists(folder / "out/map.png"));
+}
+
+}  // namespace
+}  // namespace slam::apps

@@ -1,0 +1,170 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "libslam/core/files.h"
+#include "libslam/core/pose2.h"
+#include "libslam/logs/trajectory_io.h"
+#include "tests/apps/program.h"
+
+namespace slam::apps {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+/// Every file of a folder with its hash, but for those that hold times.
+std::map<std::string, std::string> contents(const std::string& folder) {
+  std::map<std::string, std::string> hashes;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    const bool holds_times = name == "timing.csv" || name == "cost.csv" || name == "cost.json" ||
+                             name.find("manifest.json") != std::string::npos;
+    if (entry.is_regular_file() && !holds_times)
+      hashes[fs::relative(entry.path(), folder).string()] = core::fileSha256(entry.path().string());
+  }
+  return hashes;
+}
+
+TEST(MainJob, FromPlanToTableByHand) {
+  const testing::TempFolder folder;
+  const auto simulated = rasterslam("simulate flat -o run.rawlog --duration 40 --seed 2", folder.path());
+  ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
+  EXPECT_THAT(simulated.out, HasSubstr("201 scans in 40.0 s"));
+  for (const char* file :
+       {"run.rawlog", "run.rawlog.GT.txt", "run.gt.tum", "run.operations.txt", "run.manifest.json"})
+    EXPECT_TRUE(fs::exists(folder / file)) << file;
+
+  const auto info = rasterslam("info run.rawlog --json", folder.path());
+  ASSERT_EQ(info.exit_code, 0) << info.err;
+  const auto facts = nlohmann::json::parse(info.out);
+  EXPECT_EQ(facts["scans"], 201);
+  EXPECT_EQ(facts["beams"], 541);
+  EXPECT_NEAR(facts["fov_deg"].get<double>(), 270, 1e-4);  // MRPT keeps the aperture as a float
+
+  const auto mapped = rasterslam("run icp run.rawlog -o out", folder.path());
+  ASSERT_EQ(mapped.exit_code, 0) << mapped.err;
+  for (const char* file : {"trajectory.tum", "map.yaml", "map.png", "map.gridmap.gz", "map.simplemap",
+                           "map.3Dscene", "timing.csv", "manifest.json"}) {
+    EXPECT_TRUE(fs::exists(folder / ("out/" + std::string(file)))) << file;
+    EXPECT_THAT(mapped.out, file == std::string("manifest.json") ? HasSubstr("out/") : HasSubstr(file));
+  }
+  EXPECT_EQ(logs::readTum(folder / "out/trajectory.tum").size(), 201U);
+
+  const auto scored = rasterslam("eval out --truth run.gt.tum --plan flat --json", folder.path());
+  ASSERT_EQ(scored.exit_code, 0) << scored.err;
+  const auto row = nlohmann::json::parse(scored.out)["scores"]["rows"][0];
+  EXPECT_LT(row["ate_rmse_m"].get<double>(), 0.1);  // a flat of 12 m: ICP stays well within a cell or two
+  EXPECT_GT(row["wall_f1"].get<double>(), 0.8);
+  EXPECT_GT(row["free_iou"].get<double>(), 0.8);
+
+  const auto again = rasterslam("simulate flat -o run.rawlog", folder.path());
+  EXPECT_EQ(again.exit_code, 3);
+  EXPECT_THAT(again.err, HasSubstr("run.rawlog: exists; give --overwrite to replace it"));
+}
+
+TEST(MainJob, SameSeedSameBytesWithOneAndTwoThreads) {
+  const testing::TempFolder folder;
+  const std::string common = "compare flat --duration 20 --seed 3 -q --methods naive,icp,rbpf,rbpf_exact -o ";
+  const auto one = rasterslam(common + "one --threads 1", folder.path());
+  ASSERT_EQ(one.exit_code, 0) << one.err;
+  ASSERT_EQ(rasterslam(common + "two --threads 2", folder.path()).exit_code, 0);
+  const auto first = contents(folder / "one");
+  EXPECT_GT(first.size(), 35U);
+  EXPECT_EQ(first, contents(folder / "two"));
+  ASSERT_EQ(
+      rasterslam("compare flat --duration 20 --seed 4 -q --methods naive -o other", folder.path()).exit_code,
+      0);
+  EXPECT_NE(first.at("log/run.rawlog"), contents(folder / "other").at("log/run.rawlog"));
+}
+
+TEST(MainJob, AnInterruptedComparisonResumes) {
+  const testing::TempFolder folder;
+  // The program is stopped at its first progress report after the first method's folder has appeared.
+  const auto stopped = testing::runCommand(
+      "cd '" + folder.path() +
+      "' && { '" RASTERSLAM_PROGRAM
+      "' compare flat --duration 60 -q --methods naive_wheel,rbpf_exact -o out & pid=$!; "
+      "while [ ! -d out/naive_wheel ] && kill -0 $pid; do :; done; kill -INT $pid; wait $pid; }");
+  ASSERT_EQ(stopped.exit_code, 130) << stopped.err;
+  EXPECT_THAT(stopped.err, HasSubstr("interrupted"));
+  EXPECT_FALSE(fs::exists(folder / "out/rbpf_exact"));
+  EXPECT_FALSE(fs::exists(folder / "out/rbpf_exact.tmp"));
+  EXPECT_THAT(rasterslam("compare flat -o out", folder.path()).err, HasSubstr("--resume"));
+  const auto before = fs::last_write_time(folder / "out/naive_wheel/trajectory.tum");
+  const auto resumed = rasterslam(
+      "compare flat --duration 60 -q --methods naive_wheel,rbpf_exact -o out --resume", folder.path());
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
+  EXPECT_EQ(fs::last_write_time(folder / "out/naive_wheel/trajectory.tum"), before);
+  ASSERT_EQ(
+      rasterslam("compare flat --duration 60 -q --methods naive_wheel,rbpf_exact -o whole", folder.path())
+          .exit_code,
+      0);
+  EXPECT_EQ(contents(folder / "out"), contents(folder / "whole"));
+}
+
+TEST(MainJob, ARealLogWithoutTruthSaysWhatCanBeSaid) {
+  const std::string log = "/usr/share/mrpt/datasets/2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog";
+  if (!fs::exists(log)) GTEST_SKIP() << "Debian's package mrpt-common is not installed";
+  const testing::TempFolder folder;
+  const auto result =
+      rasterslam("compare '" + log + "' --methods naive_wheel,icp -o out -q --json", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto scores = nlohmann::json::parse(result.out)["scores"];
+  EXPECT_THAT(scores["caption"].get<std::string>(), HasSubstr("No truth is known"));
+  const auto icp = scores["rows"][1];
+  // Where MRPT's own icp-slam ends with its two shipped configurations, within what those differ by several
+  // times.
+  EXPECT_NEAR(icp["end_x_m"].get<double>(), 4.27, 0.4);
+  EXPECT_NEAR(icp["end_y_m"].get<double>(), -18.46, 0.4);
+  EXPECT_GT(icp["agreement_m"].get<double>(), 0.0);
+}
+
+TEST(MainJob, RealPlansGiveALogAndATable) {
+  const std::string data = testing::realDataFolder(RASTERSLAM_SOURCE_DIR);
+  if (data.empty()) GTEST_SKIP() << "the folder of real data is not there (RASTERSLAM_DATA)";
+  const testing::TempFolder folder;
+  for (const std::string plan : {"willow/willow-full.yaml", "turtlebot3/map.yaml", "nav2/depot.yaml"}) {
+    const auto result =
+        rasterslam("compare '" + data + "/worlds/" + plan +
+                       "' --duration 30 -q --json --overwrite --methods naive_wheel,icp -o out",
+                   folder.path());
+    ASSERT_EQ(result.exit_code, 0) << plan << result.err;
+    const auto icp = nlohmann::json::parse(result.out)["scores"]["rows"][1];
+    EXPECT_LT(icp["ate_rmse_m"].get<double>(), 0.25)
+        << plan;  // half a minute of driving: a loose bound, a lost map is metres
+    EXPECT_GT(icp["wall_f1"].get<double>(), 0.5) << plan;
+  }
+}
+
+TEST(MainJob, PrintsItsConfigurationWithOrigins) {
+  const testing::TempFolder folder;
+  const auto result = rasterslam(
+      "simulate flat --lidar lms291 --set lidar.sigma_m=0.02 --strategy longest_ray --print-config",
+      folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, ::testing::ContainsRegex("sigma_m = 0.02 +# --set"));
+  EXPECT_THAT(result.out, ::testing::ContainsRegex("name = longest_ray +# --strategy"));
+  EXPECT_THAT(result.out, ::testing::ContainsRegex("beams = 361 +# .*lms291.ini:[0-9]+"));
+  EXPECT_THAT(result.out, ::testing::ContainsRegex("side_m = 0.4 +# built-in"));
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(MainJob, ListsEverythingAsTextAndJson) {
+  for (const std::string what : {"methods", "strategies", "worlds", "lidars", "metrics"}) {
+    const auto text = rasterslam("list " + what), json = rasterslam("list " + what + " --json");
+    ASSERT_EQ(text.exit_code, 0) << text.err;
+    const auto entries = nlohmann::json::parse(json.out);
+    EXPECT_GE(entries.size(), 2U) << what;
+    for (const auto& entry : entries) {
+      EXPECT_NE(entry["meaning"], "") << what << " " << entry["name"];
+      EXPECT_THAT(text.out, HasSubstr(entry["name"].get<std::string>()));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace slam::apps

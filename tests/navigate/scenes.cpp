@@ -1,0 +1,125 @@
+#include "tests/navigate/scenes.h"
+
+#include <algorithm>
+
+namespace slam::navigate::scenes {
+namespace {
+
+using world::Cell;
+using world::Plan;
+
+size_t index(const Plan& plan, int column, int row) {
+  return static_cast<size_t>(row) * plan.columns + column;
+}
+
+/// 1 for the floor that is 4-connected with p_world.
+std::vector<char> connectedFloor(const Plan& plan, const core::Point2& p_world) {
+  std::vector<char> floor(plan.cells.size(), 0);
+  const auto p = world::worldToCells(plan, p_world);
+  std::vector<std::pair<int, int>> open = {{static_cast<int>(p.x), static_cast<int>(p.y)}};
+  floor[index(plan, open[0].first, open[0].second)] = 1;
+  while (!open.empty()) {
+    const auto [column, row] = open.back();
+    open.pop_back();
+    for (const auto& [dc, dr] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+      const int c = column + dc, r = row + dr;
+      if (!plan.contains(c, r) || plan.at(c, r) != Cell::kFree || floor[index(plan, c, r)]) continue;
+      floor[index(plan, c, r)] = 1;
+      open.push_back({c, r});
+    }
+  }
+  return floor;
+}
+
+/// Marks what the rays of a scan passed, every half cell.
+void markSeen(const Plan& plan, const core::Pose2& T_world_robot, const robot::Scan& scan,
+              std::vector<char>& seen) {
+  const core::Pose2 T_world_lidar = T_world_robot * scan.T_robot_lidar;
+  for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    if (!robot::isReturn(scan.ranges_m[i])) continue;
+    const double angle = T_world_lidar.phi + scan.angle(i), c = std::cos(angle), s = std::sin(angle);
+    for (double r = 0; r < scan.ranges_m[i]; r += plan.resolution_m / 2) {
+      const auto p = world::worldToCells(plan, {T_world_lidar.x + r * c, T_world_lidar.y + r * s});
+      const int column = static_cast<int>(p.x), row = static_cast<int>(p.y);
+      if (plan.contains(column, row)) seen[index(plan, column, row)] = 1;
+    }
+  }
+}
+
+double share(const std::vector<char>& seen, const std::vector<char>& floor) {
+  size_t both = 0;
+  for (size_t i = 0; i < floor.size(); ++i) both += seen[i] && floor[i];
+  return static_cast<double>(both) / static_cast<double>(std::count(floor.begin(), floor.end(), char{1}));
+}
+
+}  // namespace
+
+Plan room(double width_m, double height_m) {
+  Plan plan;
+  plan.name = "room";
+  plan.columns = static_cast<int>(std::lround(width_m / plan.resolution_m)) + 4;
+  plan.rows = static_cast<int>(std::lround(height_m / plan.resolution_m)) + 4;
+  plan.T_world_plan = {-2 * plan.resolution_m, -2 * plan.resolution_m, 0};
+  plan.cells.assign(static_cast<size_t>(plan.columns) * plan.rows, Cell::kOccupied);
+  fill(plan, 0, 0, width_m, height_m, Cell::kFree);
+  return plan;
+}
+
+void fill(Plan& plan, double x0, double y0, double x1, double y1, Cell cell) {
+  const auto low = world::worldToCells(plan, {x0, y0}), high = world::worldToCells(plan, {x1, y1});
+  for (int row = static_cast<int>(std::lround(low.y)); row < std::lround(high.y); ++row)
+    for (int column = static_cast<int>(std::lround(low.x)); column < std::lround(high.x); ++column)
+      plan.cells[index(plan, column, row)] = cell;
+}
+
+Plan flat() {
+  Plan plan = room(12, 8);
+  plan.name = "drawn flat";
+  fill(plan, 0, 3.2, 12, 3.3);  // the corridor lies between y = 3.3 and 4.7
+  fill(plan, 0, 4.7, 12, 4.8);
+  fill(plan, 6.0, 0, 6.1, 3.2);
+  fill(plan, 5.0, 4.8, 5.1, 8.0);
+  for (const double x : {2.0, 9.0}) fill(plan, x, 3.2, x + 0.9, 3.3, Cell::kFree);
+  for (const double x : {3.2, 7.5}) fill(plan, x, 4.7, x + 0.9, 4.8, Cell::kFree);
+  fill(plan, 0.5, 0.5, 1.5, 1.2);
+  fill(plan, 10.5, 1.0, 11.0, 2.0);
+  fill(plan, 1.0, 7.0, 2.5, 7.6);
+  fill(plan, 9.0, 6.0, 9.1, 6.1);
+  return plan;
+}
+
+robot::LidarOptions circleLidar() {
+  robot::LidarOptions lidar;
+  lidar.fov_rad = 2 * core::kPi;
+  lidar.beams = 360;
+  lidar.max_range_m = 12;
+  return lidar;
+}
+
+Exploration explore(const Plan& plan, const core::Pose2& start, const StrategyOptions& options,
+                    const robot::LidarOptions& lidar, std::uint64_t seed, double duration_s) {
+  const robot::RobotOptions robot;
+  const double period_s = 1 / lidar.rate_hz;
+  sim::Simulator simulator(plan, robot, lidar, {}, start, seed);
+  Driver driver(makeStrategy(options, {seed, "strategy"}), options, robot, period_s, {seed, "driver"});
+  const auto floor = connectedFloor(plan, core::position(start));
+  std::vector<char> seen(plan.cells.size(), 0);
+
+  Exploration result;
+  sim::Sensed sensed = simulator.sense();
+  const int periods = static_cast<int>(std::lround(duration_s / period_s));
+  for (int i = 0; i < periods; ++i) {
+    result.truth.push_back(simulator.truth());
+    markSeen(plan, simulator.truth(), sensed.scan, seen);
+    if (i == periods / 2) result.seen_share_half = share(seen, floor);
+    const auto command = driver.next(sensed.scan, sensed.T_odom_robot, sensed.collided);
+    const std::string& reason = driver.currentDecision().reason;
+    if (result.decisions.empty() || result.decisions.back() != reason) result.decisions.push_back(reason);
+    sensed = simulator.step(command);
+  }
+  result.collisions = simulator.collisions().size();
+  result.seen_share = share(seen, floor);
+  return result;
+}
+
+}  // namespace slam::navigate::scenes

@@ -1,0 +1,35 @@
+#pragma once
+#include <cmath>
+#include <vector>
+
+#include "libslam/navigate/strategy.h"
+#include "libslam/sim/simulator.h"
+#include "libslam/world/plan.h"
+
+namespace slam::navigate::scenes {
+
+/// width x height metres of free floor at 0.05 m, with walls two cells thick all round.
+world::Plan room(double width_m, double height_m);
+/// Fills the cells of the rectangle from (x0, y0) to (x1, y1), metres.
+void fill(world::Plan& plan, double x0, double y0, double x1, double y1,
+          world::Cell cell = world::Cell::kOccupied);
+/// A flat of 12 x 8 m: a corridor, two rooms on either side behind doors of 0.9 m, a little furniture.
+world::Plan flat();
+
+/// A full circle of one-degree beams, 12 m, 1 cm noise.
+robot::LidarOptions circleLidar();
+
+/// What a robot did and saw in a plan.
+struct Exploration {
+  std::vector<core::Pose2> truth;  ///< one per period, the start first
+  std::vector<std::string> decisions;
+  size_t collisions = 0;
+  double seen_share = 0;       ///< of the free floor that is connected with the start
+  double seen_share_half = 0;  ///< the same at half time
+};
+
+/// Drives for duration_s with noise on lidar and odometry.
+Exploration explore(const world::Plan& plan, const core::Pose2& start, const StrategyOptions& options,
+                    const robot::LidarOptions& lidar, std::uint64_t seed, double duration_s);
+
+}  // namespace slam::navigate::scenes

@@ -1,0 +1,158 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/mapping/map_builder.h"
+#include "libslam/run/build_map.h"
+#include "libslam/run/compare.h"
+#include "libslam/run/evaluate.h"
+#include "libslam/run/record.h"
+#include "libslam/run/resources.h"
+#include "libslam/testing/temp_folder.h"
+
+namespace slam::run {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+/// Asks to stop at the n-th report.
+class StopAt : public core::Progress {
+ public:
+  explicit StopAt(int n) : left_(n) {}
+  void update(double, double) override {
+    if (--left_ == 0) throw core::Interrupted();
+  }
+
+ private:
+  int left_;
+};
+
+RecordConfig shortRecording(double duration_s) {
+  core::IniFile ini;
+  ini.set("simulation", "duration_s", core::formatNumber(duration_s), "test");
+  ini.set("lidar", "beams", "181", "test");
+  return readRecordConfig(ini);
+}
+
+world::Plan flat() {
+  return world::loadPlan(resolvePlan("flat"));
+}
+
+std::string errorOf(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Record, AnInterruptLeavesNothing) {
+  const testing::TempFolder folder;
+  StopAt progress(20);
+  EXPECT_THROW(record(flat(), shortRecording(60), 1, folder / "run.rawlog", {}, progress), core::Interrupted);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(Record, TheTruthHasOnePoseForEveryScanAndStartsWhereAsked) {
+  const testing::TempFolder folder;
+  const auto plan = flat();
+  auto config = shortRecording(10);
+  const auto start = world::findStartPose(plan, 0.6);
+  ASSERT_TRUE(start.has_value());
+  config.simulation.start = core::formatNumber(start->x) + " " + core::formatNumber(start->y) + " 90";
+  const auto recording = record(plan, config, 1, folder / "run.rawlog", {}, core::silentProgress());
+  EXPECT_EQ(recording.truth.size(), 51U);  // 10 s at 5 Hz and the first look
+  EXPECT_EQ(recording.truth.front().pose.x, start->x);
+  EXPECT_NEAR(recording.truth.front().pose.phi, core::kPi / 2, 1e-12);
+  EXPECT_NEAR(recording.duration_s, 10, 1e-9);
+  const std::string operations = core::readTextFile(folder / "run.operations.txt");
+  EXPECT_EQ(std::count(operations.begin(), operations.end(), '\n'), 50);
+}
+
+// The bytes that seed 1 gives; kept over build types and numbers of threads. They may only change with a
+// commit that says why, since every published table of an older version changes with them.
+TEST(Record, HasGoldenBytes) {
+  const testing::TempFolder folder;
+  record(flat(), shortRecording(30), 1, folder / "run.rawlog", {}, core::silentProgress());
+  EXPECT_EQ(core::fileSha256(folder / "run.rawlog"), "GOLDEN_LOG");
+  EXPECT_EQ(core::fileSha256(folder / "run.gt.tum"), "GOLDEN_TRUTH");
+  for (const auto& [method, golden] : std::map<std::string, std::string>{
+           {"naive", "GOLDEN_NAIVE"}, {"icp", "GOLDEN_ICP"}, {"rbpf_exact", "GOLDEN_RBPF"}}) {
+    const auto config = mapping::loadMethodConfig(configsFolder() + "/methods", method);
+    buildMap(folder / "run.rawlog", config, method, 1, folder / method, false, {}, core::silentProgress());
+    EXPECT_EQ(core::sha256(core::fileSha256(folder / (method + "/trajectory.tum")) +
+                           core::fileSha256(folder / (method + "/map.png"))),
+              golden)
+        << method;
+  }
+}
+
+TEST(BuildMap, AnInterruptLeavesNothing) {
+  const testing::TempFolder folder;
+  record(flat(), shortRecording(6), 1, folder / "run.rawlog", {}, core::silentProgress());
+  const auto config = mapping::loadMethodConfig(configsFolder() + "/methods", "naive");
+  StopAt progress(10);
+  EXPECT_THROW(buildMap(folder / "run.rawlog", config, "naive", 1, folder / "out", false, {}, progress),
+               core::Interrupted);
+  EXPECT_FALSE(fs::exists(folder / "out"));
+  EXPECT_FALSE(fs::exists(folder / "out.tmp"));
+}
+
+TEST(Evaluate, AFailedMethodHasARowOfNothing) {
+  Truth truth;
+  truth.plan = world::Plan{};
+  const auto table = accuracyTable({failedEvaluation("icp", "diverged at scan 3")}, truth);
+  ASSERT_EQ(table.rows.size(), 1U);
+  for (size_t i = 1; i < table.columns.size(); ++i)
+    EXPECT_TRUE(std::isnan(std::get<double>(table.rows[0][i])));
+  EXPECT_THAT(table.notes.back(), HasSubstr("icp failed: diverged at scan 3"));
+}
+
+TEST(Compare, AMethodThatFailsDoesNotTakeTheOthersWithIt) {
+  const testing::TempFolder folder;
+  auto tiny = mapping::loadMethodConfig(configsFolder() + "/methods", "rbpf");
+  CompareRequest request;
+  request.plan_path = resolvePlan("flat");
+  request.record = shortRecording(6);
+  request.methods_folder = configsFolder() + "/methods";
+  // A limit that the first map already breaks stands for a filter that diverges.
+  const std::string rbpf = core::readTextFile(request.methods_folder + "/rbpf.ini");
+  core::writeFileAtomically(
+      folder / "cramped.ini",
+      std::string(rbpf).replace(rbpf.find("[mapping]"), 9, "[mapping]\nmax_map_cells = 1000"));
+  request.methods = {folder / "cramped.ini", "naive_wheel"};
+  request.output = folder / "out";
+  const auto comparison = compare(request, {}, core::silentProgress());
+  EXPECT_EQ(comparison.failed, 1);
+  ASSERT_EQ(comparison.evaluations.size(), 2U);
+  EXPECT_NE(comparison.evaluations[0].failure, "");
+  EXPECT_TRUE(std::isfinite(comparison.evaluations[1].trajectory.position_m.rmse));
+  EXPECT_FALSE(fs::exists(folder / "out/cramped"));
+  EXPECT_TRUE(fs::exists(folder / "out/maps.png"));
+}
+
+TEST(Resources, NamesAreNotPathsAndPathsAreNotNames) {
+  EXPECT_THAT(resolvePlan("maze"), HasSubstr("maze.yaml"));
+  EXPECT_EQ(errorOf([] { resolvePlan("./maze"); }), "./maze: no such file");
+  EXPECT_THAT(errorOf([] { resolvePlan("mazze"); }), HasSubstr("did you mean 'maze'?"));
+  EXPECT_TRUE(looksLikePlan("some/PLAN.PNG"));
+  EXPECT_FALSE(looksLikePlan("run.rawlog"));
+}
+
+// Every configuration that is shipped can be loaded: a misspelt key in one of them would be found here.
+TEST(Resources, EveryShippedMethodAndWorldLoads) {
+  const std::string methods = configsFolder() + "/methods";
+  EXPECT_GE(namesInFolder(methods, ".ini").size(), 6U);
+  for (const auto& name : namesInFolder(methods, ".ini"))
+    EXPECT_NO_THROW(mapping::makeMapBuilder(mapping::loadMethodConfig(methods, name), name, 1)) << name;
+  for (const auto& name : namesInFolder(worldsFolder(), ".yaml"))
+    EXPECT_NO_THROW(world::loadPlan(resolvePlan(name))) << name;
+}
+
+}  // namespace
+}  // namespace slam::run
