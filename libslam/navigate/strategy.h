@@ -51,6 +51,8 @@ struct StrategyOptions {
 /// Errors: unknown name, divisor_max below divisor_min (InputError).
 std::unique_ptr<Strategy> makeStrategy(const StrategyOptions& options, core::RandomStream random);
 std::vector<std::string> strategyNames();
+/// One line for lists. REQUIRES a name of strategyNames() (ContractError).
+std::string strategyMeaning(const std::string& name);
 
 /// Turns decisions into commands of one scan period each, looks at every scan, and stops early when the way
 /// ahead is blocked. Asks the strategy again when the current decision is carried out or given up.
