@@ -278,6 +278,13 @@ TEST_F(Plans, RefuseWhatIsNoPicture) {
             ": the picture has 40000 x 1 pixels, expected at most 32768 on a side and 2^28 in all");
 }
 
+TEST_F(Plans, MayBeEmptyWhereThatIsAllowed) {
+  PlanOptions options;
+  options.allow_empty = true;
+  EXPECT_EQ(drawing(loadPlan(write("good.png", cv::Mat(1, 2, CV_8U, cv::Scalar(255))), options)), "..");
+  EXPECT_EQ(drawing(loadPlan(write("map.yaml", kHeader), options)), "..");
+}
+
 TEST_F(Plans, RefuseEveryCutOfAPictureWithoutANoise) {
   cv::Mat image(24, 24, CV_8UC3);
   core::RandomStream random(1, "picture");
