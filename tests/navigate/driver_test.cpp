@@ -51,10 +51,10 @@ struct Drive {
 
 /// Carries out the script in the plan, for at most limit_s; perfect odometry, checks every command's limits.
 Drive carryOut(const world::Plan& plan, const core::Pose2& start, std::vector<Decision> decisions,
-               double limit_s = 120) {
+               double limit_s = 120, const StrategyOptions& options = {}) {
   const robot::RobotOptions robot;
   sim::Simulator simulator(plan, robot, scenes::circleLidar(), perfectOdometry(), start, 1, 0.0);
-  Driver driver(std::make_unique<Script>(std::move(decisions)), {}, robot, 0.2, {1, "driver"});
+  Driver driver(std::make_unique<Script>(std::move(decisions)), options, robot, 0.2, {1, "driver"});
   sim::Sensed sensed = simulator.sense();
   while (!driver.finished() && simulator.time_s() < limit_s) {
     const auto command = driver.next(sensed.scan, sensed.T_odom_robot, sensed.collided);
@@ -78,14 +78,19 @@ TEST(Driver, TurnsAndDrivesAsDecided) {
 }
 
 TEST(Driver, StopsEarlyBeforeAWallAndDecidesAgain) {
-  const auto drive =
-      carryOut(scenes::room(6, 6), {3, 3, 0}, {turnAndDrive(0, 50), turnAndDrive(core::kPi / 2, 0)});
-  EXPECT_TRUE(drive.finished);
-  EXPECT_EQ(drive.collisions, 0u);
-  const double gap_m = 6 - drive.end.x;
-  EXPECT_LT(gap_m, 0.45);         // the stop clearance of CanMove
-  EXPECT_GT(gap_m, 0.45 - 0.14);  // less one period's 0.1 m and four standard deviations of a range
-  EXPECT_NEAR(drive.end.phi, core::kPi / 2, 0.001);
+  for (const double clearance_m : {0.45, 1.0}) {
+    StrategyOptions options;
+    options.stop_clearance_m = clearance_m;
+    const auto drive = carryOut(scenes::room(6, 6), {3, 3, 0},
+                                {turnAndDrive(0, 50), turnAndDrive(core::kPi / 2, 0)}, 120, options);
+    EXPECT_TRUE(drive.finished);
+    EXPECT_EQ(drive.collisions, 0u);
+    // The drive may stop up to one period's 0.1 m late, and four standard deviations of a range off.
+    const double gap_m = 6 - drive.end.x;
+    EXPECT_LT(gap_m, clearance_m + 0.04);
+    EXPECT_GT(gap_m, clearance_m - 0.14);
+    EXPECT_NEAR(drive.end.phi, core::kPi / 2, 0.001);
+  }
 }
 
 TEST(Driver, PassesADoorOfNinetyCentimetres) {
