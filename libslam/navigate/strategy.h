@@ -59,8 +59,8 @@ std::string strategyMeaning(const std::string& name);
 ///
 /// A command is a turn in place or a straight drive, within the robot's limits. The drive stops when CanMove
 /// reports the way blocked, and never goes farther in one period than the disc around the footprint can be
-/// shifted before it comes near to a return of the newest scan (a margin of 2 cm and three standard
-/// deviations of the range). When nothing was driven before the stop, it goes back by back_off_m where the
+/// shifted before it comes near to a return of the newest scan (a margin of 2 cm and one standard deviation
+/// of the range). When nothing was driven before the stop, it goes back by back_off_m where the
 /// rear is free. After `patience` decisions without progress it turns to a random direction in which the disc
 /// can leave, where only the disc has to fit. The same scans, poses and random stream give the same commands.
 class Driver {
