@@ -85,9 +85,13 @@ TEST_P(EveryMethod, PrintsNothing) {
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();
   {
-    auto method = makeMethod(GetParam());
+    // Things that make MRPT talk: matches that are never good enough, a scan that fits nothing, and a clock that
+    // runs back.
+    std::vector<std::string> settings;
+    if (std::string(GetParam()).find("naive") == std::string::npos)
+      settings = {"icp.min_goodness=1", "mapping.localize_distance_m=0", "mapping.insert_distance_m=0"};
+    auto method = makeMethod(GetParam(), 1, settings);
     auto drive = test::driveThroughRoom(20);
-    // Things that make MRPT talk: a scan that fits nothing, and a clock that runs back.
     for (auto& range_m : drive.entries[10].scan.ranges_m) range_m = 0.5F;
     drive.entries[15].scan.time_s -= 10;
     runDrive(method, drive);
@@ -108,9 +112,9 @@ TEST(MapBuilder, MatchersBeatTheirOdometryInTheSmallRoom) {
   const auto& truth = drive.truth.back();
   const double wheel_error_rad =
       std::abs(core::angleDifference(runDrive(wheel, drive).back().pose.phi, truth.phi));
-  // Exact scans, cells and points 5 cm apart: about a cell, and a cell seen at 4 m. The filter corrects every
-  // 10 degrees only, in which the odometry errs by 0.3, and gives the mean of 20 particles.
-  const std::map<std::string, double> tolerance_deg = {{"icp", 0.7}, {"rbpf_exact", 1.5}};
+  // Exact scans, cells and points 5 cm apart: about a cell, and for ICP a cell seen at 4 m. The filter matches
+  // every 5th point to cell centres, which errs by up to 1.6 degrees over seeds in so small a room.
+  const std::map<std::string, double> tolerance_deg = {{"icp", 0.7}, {"rbpf_exact", 1.8}};
   for (const auto& [name, tolerance] : tolerance_deg) {
     auto method = makeMethod(name);
     const auto pose = runDrive(method, drive).back().pose;
