@@ -74,8 +74,7 @@ class CorrelationOdometry : public ScanOdometry {
     if (fits.empty()) return unknownMotion(options_);
     std::stable_sort(fits.begin(), fits.end(),
                      [](const PlanarFit& a, const PlanarFit& b) { return a.cost < b.cost; });
-    const PlanarFit fit =
-        fitPlanarMotion(before.lines, after.lines, fits[0].T_reference_moving, fitOptions());
+    const PlanarFit fit = fineFit(before, after, fits[0].T_reference_moving);
     if (!believable(fit)) return unknownMotion(options_);
     ScanMotion motion;
     toRobotFrame(after.scan.T_robot_lidar, fit.T_reference_moving, fit.covariance, motion);

@@ -9,10 +9,10 @@ namespace slam::odometry {
 struct LocalLine {
   bool valid = false;  ///< false: no return, or too few neighbours in a line (pillar's edge, clutter)
   core::Point2 normal;
-  double low_m = 0, high_m = 0;          ///< ends of the neighbours along the tangent (-normal.y, normal.x)
-                                         ///< from the return
+  double low_m = 0, high_m = 0;       ///< ends of the neighbours along the tangent (-normal.y, normal.x)
+                                      ///< from the return
   double normal_variance_per_m2 = 0;  ///< variance of the normal's direction (rad^2) per m^2 of range
-                                         ///< variance across the line
+                                      ///< variance across the line
 };
 
 /// A scan as points with their local lines, in the lidar frame, one per beam.
