@@ -1,6 +1,7 @@
 #include "apps/commands.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -14,6 +15,12 @@ core::Manifest Context::manifest() const {
   manifest.command_line = command_line;
   manifest.seed = seed;
   return manifest;
+}
+
+std::string Context::programPath() const {
+  std::error_code error;
+  const auto path = std::filesystem::read_symlink("/proc/self/exe", error);
+  return error ? command_line.front() : path.string();
 }
 
 void addSeed(CLI::App* command, Context& context) {

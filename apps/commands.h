@@ -22,6 +22,8 @@ struct Context {
   bool json = false, overwrite = false, quiet = false, print_config = false;
 
   core::Manifest manifest() const;
+  /// This program's own file, for comparisons that give each method a process.
+  std::string programPath() const;
 };
 
 void addDemo(CLI::App& app, Context& context);

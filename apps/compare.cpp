@@ -41,6 +41,8 @@ int compareMethods(const Context& context, const Arguments& arguments) {
   request.output = context.output.empty() ? "comparison" : context.output;
   request.seed = context.seed;
   request.threads = arguments.threads;
+  request.program = context.programPath();
+  request.quiet = context.quiet;
   request.overwrite = context.overwrite;
   request.resume = arguments.resume;
   ConsoleProgress progress(context.quiet);
@@ -71,7 +73,7 @@ void addCompare(CLI::App& app, Context& context) {
   command->add_option("--truth", arguments->truth, "true path (default: the one beside the log, if any)");
   command->add_option("--plan", arguments->plan,
                       "true plan for the map scores (default: the one the log was made in)");
-  command->add_option("--threads", arguments->threads, "methods side by side; memory is measured only with 1")
+  command->add_option("--threads", arguments->threads, "methods side by side")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->add_flag("--resume", arguments->resume,

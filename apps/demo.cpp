@@ -19,6 +19,8 @@ run::CompareRequest commonRequest(const Context& context, const std::string& out
   request.methods = {"naive", "naive_correlation", "icp", "rbpf", "rbpf_exact"};
   request.methods_folder = run::configsFolder() + "/methods";
   request.output = output;
+  request.program = context.programPath();
+  request.quiet = context.quiet;
   request.seed = context.seed;
   // The default folder is the demo's own; a folder that the user names is respected.
   request.overwrite = context.overwrite || context.output.empty();

@@ -1,7 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <iostream>
 #include <new>
+#include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
 #include "apps/console.h"
@@ -15,8 +17,13 @@ int code(ExitCode exit_code) {
   return static_cast<int>(exit_code);
 }
 
-int report(const char* message, ExitCode exit_code) {
+/// One line on standard error; with --json also an object on standard output, for the program that called us.
+int report(const slam::apps::Context& context, const char* message, ExitCode exit_code) {
   std::fprintf(stderr, "rasterslam: %s\n", message);
+  if (context.json)
+    std::cout << nlohmann::json{{"error", message}, {"exit_code", code(exit_code)}}.dump(
+                     -1, ' ', false, nlohmann::json::error_handler_t::replace)
+              << "\n";
   return code(exit_code);
 }
 
@@ -50,14 +57,14 @@ int main(int argc, char** argv) {
   try {
     return context.action();
   } catch (const slam::core::InputError& error) {
-    return report(error.what(), ExitCode::kBadInput);
+    return report(context, error.what(), ExitCode::kBadInput);
   } catch (const slam::core::MethodError& error) {
-    return report(error.what(), ExitCode::kMethodFailed);
+    return report(context, error.what(), ExitCode::kMethodFailed);
   } catch (const slam::core::Interrupted& error) {
-    return report(error.what(), ExitCode::kInterrupted);
+    return report(context, error.what(), ExitCode::kInterrupted);
   } catch (const std::bad_alloc&) {
-    return report("out of memory", ExitCode::kFailed);
+    return report(context, "out of memory", ExitCode::kFailed);
   } catch (const std::exception& error) {
-    return report(error.what(), ExitCode::kFailed);
+    return report(context, error.what(), ExitCode::kFailed);
   }
 }

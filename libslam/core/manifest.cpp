@@ -49,6 +49,7 @@ Manifest readManifest(const std::string& path) {
   Manifest manifest;
   try {
     const auto json = nlohmann::json::parse(text);
+    json.at("version").get_to(manifest.version);
     json.at("command_line").get_to(manifest.command_line);
     json.at("seed").get_to(manifest.seed);
     json.at("config").get_to(manifest.config);

@@ -8,6 +8,7 @@ namespace slam::core {
 
 /// What made an output folder, so that anyone can make it again: written as manifest.json into it.
 struct Manifest {
+  std::string version;                    ///< of rasterslam; written by writeManifest()
   std::vector<std::string> command_line;  ///< argv
   std::uint64_t seed = 0;
   std::map<std::string, std::string> config;   ///< "section.key" -> value, all of them

@@ -121,7 +121,6 @@ class StepReader {
     if (!increment) return;
     requireFinite(*increment);
     ++counts_.odometry_readings;
-    if (!has_actions_) motion_ = Motion{};
     has_actions_ = true;
     motion_.add(*increment);
   }

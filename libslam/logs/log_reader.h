@@ -45,14 +45,20 @@ struct LogCounts {
 /// Stamps: a scan without one gets that of the newest action or odometry reading before it; without either,
 /// an InputError.
 ///
-/// Errors (InputError with path): missing, a folder, empty, not a rawlog, truncated or corrupt: with the byte
-/// offset in the (compressed) file and the number of good entries (LogCounts::entries) before it; no scan of
-/// the named label (then with the labels that are there); a scan that robot::fromMrpt refuses, or odometry
-/// that is not finite: with the number of the entry. What a cut cannot tell: a plain log that ends exactly
-/// between two entries. A damaged gzip stream is noticed at the latest at its checksum, after its last entry.
+/// Errors (InputError with path): missing, a folder, empty, not a rawlog; truncated: with the byte offset in
+/// the (compressed) file and the number of good entries (LogCounts::entries) before it, which next() gives
+/// first; corrupt: with the same, where a gzip'ed log is checked whole before its first entry and the number
+/// is an estimate; no scan of the named label (then with the labels that are there); a scan that
+/// robot::fromMrpt refuses, or odometry that is not finite: with the number of the entry. The checksum comes
+/// first because MRPT's parsers may crash on damaged bytes; a plain log has none, nor has one that is cut:
+/// there damage shows only where it breaks the structure. What nobody can tell: a plain log that was cut
+/// exactly between two entries.
 ///
-/// MRPT recomputes the distribution of actions of model mmThrun while it loads them, with numbers drawn from
-/// its global generator of the calling thread: seed that generator after opening such a log, not before.
+/// Cost: a gzip'ed log is unpacked twice.
+///
+/// MRPT recomputes the distribution of actions of model mmThrun while it loads them, with numbers from its
+/// generator of the calling thread. What next() gives does not depend on them, but a method that draws from
+/// the same generator gets other ones than with a log of mmGaussian actions (the same ones for the same log).
 class LogReader {
  public:
   explicit LogReader(const std::string& path, const std::string& sensor_label = "");

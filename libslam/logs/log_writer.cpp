@@ -56,6 +56,7 @@ void writeActionAndFrame(const LogEntry& entry, CArchive& archive) {
 }
 
 void writeObservations(const LogEntry& entry, CArchive& archive) {
+  const auto scan = toObservation(entry);
   if (entry.has_odometry) {
     mrpt::obs::CObservationOdometry odometry;
     odometry.sensorLabel = "ODOMETRY";
@@ -63,7 +64,7 @@ void writeObservations(const LogEntry& entry, CArchive& archive) {
     odometry.odometry = toMrptPose(entry.T_odom_robot);
     archive << odometry;
   }
-  archive << *toObservation(entry);
+  archive << *scan;
 }
 
 void requireWritable(const LogEntry& entry) {

@@ -8,11 +8,15 @@ namespace slam::logs {
 
 enum class RawlogForm { kActionFrame, kObservationOnly };
 
-/// Streams a rawlog that MRPT's own programs read: gzip inside, written beside and renamed by close().
-/// Action form: one CActionRobotMovement2D (odometry, Gaussian model) and one CSensoryFrame per scan, the
-/// first action null. Observation form: CObservationOdometry ("ODOMETRY", absolute) then
-/// CObservation2DRangeScan ("LASER"). Same entries, same bytes. Without close() nothing is left behind.
-/// Errors: IoError with the path.
+/// Streams a rawlog that MRPT's own programs read: gzip inside, written beside (path + ".tmp") and renamed by
+/// close(), over an older file too. Action form: one CActionCollection with a CActionRobotMovement2D
+/// (odometry, MRPT's Gaussian model with its default noise) and one CSensoryFrame per scan; the increment
+/// written is T_previous_robot, so the first action is null. Observation form: CObservationOdometry
+/// ("ODOMETRY", T_odom_robot) then CObservation2DRangeScan ("LASER"). Everything carries the scan's stamp.
+/// Without has_odometry: an empty collection, or no CObservationOdometry. Same entries, same bytes. Without
+/// close() nothing is left behind. The format holds no minimum range, and the step as the field of view in a
+/// float. Errors: IoError with the path, at write() or at the latest at close(). ContractError: fewer than 2
+/// beams, odometry that is not finite, a stamp that mrptTicks() refuses, use after close().
 class LogWriter {
  public:
   LogWriter(const std::string& path, RawlogForm form);

@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <new>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "libslam/core/error.h"
@@ -50,6 +51,65 @@ ObjectHeader headerAt(const std::string& bytes) {
   const std::string name = bytes.substr(std::min(start, bytes.size()), length);
   if (!std::all_of(name.begin(), name.end(), is_letter)) return {};
   return name.size() < length ? ObjectHeader{"", true} : ObjectHeader{name, false};
+}
+
+/// How many log entries begin in the content of a file, up to where it cannot be unpacked, without parsing
+/// them: by the names in their headers. Observations count only in a log without frames; in frames they are
+/// parts.
+class EntryEstimate {
+ public:
+  void take(std::string_view content) {
+    for (Name* name : {&actions_, &frames_, &observations_}) name->take(content);
+  }
+  std::uint64_t count() const {
+    const std::uint64_t in_frames = actions_.found + frames_.found;
+    return in_frames > 0 ? in_frames : observations_.found;
+  }
+
+ private:
+  struct Name {
+    std::string_view text;
+    std::uint64_t found = 0;
+    std::string tail = {};  ///< of the content so far, for a name across two pieces
+    void take(std::string_view content) {
+      const std::string joined = tail + std::string(content);
+      for (size_t at = joined.find(text); at != std::string::npos; at = joined.find(text, at + text.size()))
+        ++found;
+      tail = joined.substr(joined.size() - std::min(joined.size(), text.size() - 1));
+    }
+  };
+  Name actions_{"mrpt::obs::CActionCollection"}, frames_{"mrpt::obs::CSensoryFrame"},
+      observations_{"mrpt::obs::CObservation"};
+};
+
+std::string placeIn(const UnpackingStream& stream) {
+  return "byte " + std::to_string(stream.fileOffset()) + " of " + std::to_string(stream.fileBytes());
+}
+
+std::uint64_t estimateEntries(const std::string& path) {
+  UnpackingStream stream(path);
+  EntryEstimate estimate;
+  for (std::string piece; !(piece = stream.take()).empty();) estimate.take(piece);
+  return estimate.count();
+}
+
+/// Unpacks the whole file once. A cut is no damage: what comes before it can be read.
+void requireUndamaged(const std::string& path) {
+  using Failure = UnpackingStream::Failure;
+  UnpackingStream stream(path);
+  if (!stream.isPacked()) return;
+  while (!stream.take().empty()) {
+  }
+  if (stream.failure() == Failure::kChecksum)
+    throw core::InputError(path + ": corrupt: the gzip checksum at " + placeIn(stream) +
+                           " does not match, so one of its about " + std::to_string(estimateEntries(path)) +
+                           " entries is wrong");
+  if (stream.failure() == Failure::kDamaged) {
+    const std::uint64_t begun = estimateEntries(path);
+    throw core::InputError(path + ": corrupt: the gzip data breaks at " + placeIn(stream) + " (" +
+                           stream.failureText() + "), after about " +
+                           std::to_string(begun > 0 ? begun - 1 : 0) + " good entries");
+  }
 }
 
 constexpr size_t kLongestHeader = 4 + 127;
@@ -142,6 +202,16 @@ std::string UnpackingStream::peek(size_t count) {
   return {begin, begin + static_cast<std::ptrdiff_t>(available)};
 }
 
+std::string UnpackingStream::take() {
+  if (unpacked_begin_ == unpacked_.size() && !fill()) {
+    failure_ = pending_failure_;
+    return "";
+  }
+  std::string piece(unpacked_.begin() + static_cast<std::ptrdiff_t>(unpacked_begin_), unpacked_.end());
+  unpacked_begin_ = unpacked_.size();
+  return piece;
+}
+
 size_t UnpackingStream::Read(void* buffer, size_t count) {
   auto* target = static_cast<unsigned char*>(buffer);
   size_t missing = count;
@@ -171,6 +241,8 @@ RawlogObjects::RawlogObjects(const std::string& path) : path_(path), stream_(pat
   // Linked libraries of which nothing is called are dropped, and their classes with them.
   mrpt::maps::registerAllClasses_mrpt_maps();
   if (stream_.fileBytes() == 0) throw core::InputError(path + ": is empty, expected an MRPT rawlog");
+  // MRPT's parsers trust what they read, to the point of crashing on damaged bytes.
+  requireUndamaged(path);
 }
 
 double RawlogObjects::fractionRead() const {
@@ -179,17 +251,12 @@ double RawlogObjects::fractionRead() const {
 
 void RawlogObjects::fail(UnpackingStream::Failure failure, const std::string& otherwise) const {
   using Failure = UnpackingStream::Failure;
-  const std::string place =
-      "byte " + std::to_string(stream_.fileOffset()) + " of " + std::to_string(stream_.fileBytes());
+  const std::string place = placeIn(stream_);
   const std::string good = std::to_string(count_) + (count_ == 1 ? " good entry" : " good entries");
   const std::string after = ", after " + good;
   if (failure == Failure::kTruncated)
     throw core::InputError(path_ + ": truncated: ends at " + place + " inside an entry" + after);
-  if (failure == Failure::kChecksum)
-    throw core::InputError(path_ + ": corrupt: the gzip checksum at " + place + " does not match" + after +
-                           ", of which one must be wrong");
-  throw core::InputError(path_ + ": corrupt near " + place + " (" +
-                         (failure == Failure::kDamaged ? stream_.failureText() : otherwise) + ")" + after);
+  throw core::InputError(path_ + ": corrupt near " + place + " (" + otherwise + ")" + after);
 }
 
 /// Throws unless an object of a class that can be read starts here.

@@ -31,12 +31,16 @@ class UnpackingStream : public mrpt::io::CStream {
   /// All of `count` bytes, or a std::runtime_error after noting the failure.
   size_t Read(void* buffer, size_t count) override;
 
+  /// Whatever is unpacked already, at least one byte; "" at the end of the data.
+  std::string take();
+
   enum class Failure { kNone, kTruncated, kChecksum, kDamaged };
   /// Set as soon as bytes are missing that should be there.
   Failure failure() const { return failure_; }
   /// zlib's words for a kDamaged stream.
   const std::string& failureText() const { return failure_text_; }
 
+  bool isPacked() const { return packed_; }
   std::uint64_t fileBytes() const { return file_bytes_; }
   /// How many bytes of the file are used up; unpacking runs at most 8 KiB of content ahead of what was read.
   std::uint64_t fileOffset() const;
@@ -62,7 +66,7 @@ class UnpackingStream : public mrpt::io::CStream {
   std::string failure_text_;
 };
 
-/// The objects of a rawlog, one after the other.
+/// The objects of a rawlog, one after the other. A packed file is unpacked once before, for its checksum.
 /// Errors (InputError with the path): empty file, not a rawlog, truncated, damaged; with byte offset and
 /// number of objects read before.
 class RawlogObjects {

@@ -228,6 +228,14 @@ double growingTime(double time_s, double last_time_s, bool is_first) {
   return last_time_s + 1e-3;
 }
 
+/// MRPT draws from one generator per thread. It is replaced, not only seeded: a normal number that it has in
+/// store would survive the seeding.
+void seedMrpt(const MapBuilder::State& state) {
+  core::RandomStream stream(state.seed, "mapping step " + std::to_string(state.steps));
+  mrpt::random::getRandomGenerator() =
+      mrpt::random::CRandomGenerator(static_cast<uint32_t>(stream.bits() >> 32));
+}
+
 }  // namespace
 
 MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, std::uint64_t seed) {
@@ -266,8 +274,7 @@ core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core:
   const double reach_m = reach(state, scan);
   requireBoundedMap(method, state.T_map_robot * increment, reach_m);
 
-  mrpt::random::getRandomGenerator().randomize(static_cast<uint32_t>(
-      core::RandomStream(state.seed, "mapping step " + std::to_string(state.steps)).bits() >> 32));
+  seedMrpt(state);
   feed(method, action, scan);
 
   const auto pose = method.builder->getCurrentPoseEstimation()->getMeanVal();

@@ -1,7 +1,7 @@
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/maps/CPointsMap.h>
 #include <mrpt/maps/CSimpleMap.h>
-#include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/slam/CMetricMapBuilder.h>
 #include <zlib.h>
@@ -95,26 +95,30 @@ void writeRosMap(const OccupancyRaster& map, const std::string& folder) {
           core::formatNumber(map.y_min_m) + ", 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
 }
 
-/// What the layers of the scene are called and how high they lie, so that none hides another.
-constexpr float kGroundHeight_m = -0.02F, kPointsHeight_m = 0.02F, kPathHeight_m = 0.05F;
+/// Heights of the scene's layers: far enough apart for the depth buffer of a viewer that looks at a whole
+/// building.
+constexpr float kGroundHeight_m = 0.02F, kPointsHeight_m = 0.08F, kPathHeight_m = 0.2F;
 
-viz::CPointCloud::Ptr pointsLayer(const mrpt::maps::CMultiMetricMap& maps, const COccupancyGridMap2D& grid) {
-  mrpt::maps::CSimplePointsMap of_grid;
-  auto points = maps.mapByClass<mrpt::maps::CPointsMap>();
-  const mrpt::maps::CPointsMap* source = points.get();
-  if (source == nullptr) {
-    grid.getAsPointCloud(of_grid, 0.5F);
-    source = &of_grid;
-  }
+/// The points that the method matches to; for a method without them, the centres of the occupied cells.
+viz::CPointCloud::Ptr pointsLayer(const MapBuilder& method) {
   auto layer = viz::CPointCloud::Create();
   layer->setName("obstacle points");
-  layer->setPointSize(3);
+  layer->setPointSize(2);
   layer->setColor(0.8F, 0.1F, 0.1F);
-  for (size_t i = 0; i < source->size(); ++i) {
-    float x = 0, y = 0;
-    source->getPoint(i, x, y);
-    layer->insertPoint(x, y, kPointsHeight_m);
+  if (const auto points = mapsOf(method).mapByClass<mrpt::maps::CPointsMap>()) {
+    for (size_t i = 0; i < points->size(); ++i) {
+      float x = 0, y = 0;
+      points->getPoint(i, x, y);
+      layer->insertPoint(x, y, kPointsHeight_m);
+    }
+    return layer;
   }
+  const auto grid = gridOf(method);
+  const auto occupied = COccupancyGridMap2D::p2l(1.0F - kOccupiedAbove);
+  for (size_t i = 0; i < grid->getRawMap().size(); ++i)
+    if (grid->getRawMap()[i] < occupied)
+      layer->insertPoint(grid->idx2x(i % grid->getSizeX()), grid->idx2y(i / grid->getSizeX()),
+                         kPointsHeight_m);
   return layer;
 }
 
@@ -135,19 +139,22 @@ void writeScene(const MapBuilder& method, const core::Trajectory& path, const st
   auto ground = viz::CGridPlaneXY::Create(grid.getXMin(), grid.getXMax(), grid.getYMin(), grid.getYMax(),
                                           kGroundHeight_m, 1.0F);
   ground->setName("ground, 1 m");
-  ground->setColor(0.6F, 0.6F, 0.6F);
+  ground->setColor(0.45F, 0.5F, 0.55F);
+  ground->setLineWidth(1);
+  ground->enableAntiAliasing(false);
   scene.insert(ground);
   auto occupancy = viz::CSetOfObjects::Create();
   occupancy->setName("occupancy grid");
   grid.getVisualizationInto(*occupancy);
   scene.insert(occupancy);
-  scene.insert(pointsLayer(mapsOf(method), grid));
+  scene.insert(pointsLayer(method));
   scene.insert(pathLayer(path));
   if (!path.empty()) {
-    auto robot = viz::stock_objects::CornerXYZSimple(0.6F, 3.0F);
+    auto robot = viz::stock_objects::CornerXYZSimple(0.8F, 3.0F);
     robot->setName("robot");
     const auto& pose = path.back().pose;
-    robot->setPose(mrpt::poses::CPose3D(pose.x, pose.y, static_cast<double>(kPathHeight_m), pose.phi, 0, 0));
+    robot->setPose(
+        mrpt::poses::CPose3D(pose.x, pose.y, 2.0 * static_cast<double>(kPathHeight_m), pose.phi, 0, 0));
     scene.insert(robot);
   }
   writeObject(scene, file);

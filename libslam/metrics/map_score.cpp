@@ -49,6 +49,7 @@ std::vector<double> nearestDistances(const std::vector<core::Point2>& from,
                                      const std::vector<core::Point2>& to) {
   const NearestPoints nearest(to);
   std::vector<double> distances_m;
+  distances_m.reserve(from.size());
   for (const auto& p : from) distances_m.push_back(nearest.distance(p));
   return distances_m;
 }
@@ -108,8 +109,9 @@ double freeIntersectionOverUnion(const world::Plan& plan, const SeenMask& seen, 
       const bool truly =
           plan.contains(column, row) && seen.free[static_cast<size_t>(row) * plan.columns + column];
       for (int part = 0; part < cuts * cuts; ++part) {
-        const core::Point2 p_plan{column * plan.resolution_m + (part % cuts + 0.5) * step_m,
-                                  row * plan.resolution_m + (part / cuts + 0.5) * step_m};
+        const int sub_column = part % cuts, sub_row = part / cuts;
+        const core::Point2 p_plan{column * plan.resolution_m + (sub_column + 0.5) * step_m,
+                                  row * plan.resolution_m + (sub_row + 0.5) * step_m};
         const bool claimed = cellAt(map, T_map_plan * p_plan) == world::Cell::kFree;
         both += truly && claimed;
         either += truly || claimed;

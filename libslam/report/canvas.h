@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -78,7 +79,7 @@ class Canvas {
 
  private:
   struct Sheet;
-  static int subpixel(double pixel) { return static_cast<int>(pixel * kSubpixels + 0.5); }
+  static int subpixel(double pixel) { return static_cast<int>(std::lround(pixel * kSubpixels)); }
   void setSubpixel(int x, int y, Colour colour);
 
   int width_, height_;

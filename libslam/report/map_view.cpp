@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kTextSize = 17;
 constexpr double kLine = 28;  // pitch of the legend's lines
-constexpr double kSample = 34, kGapAfterSample = 9, kGapAfterEntry = 28;
+constexpr double kSample = 34, kGapAfterSample = 9, kGapAfterEntry = 28, kGapBeforeBar = 8;
 constexpr double kMostOfScaleBar = 0.18;  // of the strip's width
 
 Window windowWhere(const world::Plan& raster, const core::Pose2& T_world_raster, world::Cell wanted) {
@@ -21,14 +21,6 @@ Window windowWhere(const world::Plan& raster, const core::Pose2& T_world_raster,
         window.include(T_world_raster *
                        core::Point2{(column + 0.5) * raster.resolution_m, (row + 0.5) * raster.resolution_m});
   return window;
-}
-
-LabelRaster asLabels(const world::Plan& raster, const core::Pose2& T_world_raster) {
-  LabelRaster result{raster.columns, raster.rows, raster.resolution_m, T_world_raster, {}};
-  result.labels.reserve(raster.cells.size());
-  for (const auto cell : raster.cells)
-    result.labels.push_back(cell == world::Cell::kOccupied ? 2 : cell == world::Cell::kFree ? 1 : 0);
-  return result;
 }
 
 }  // namespace
@@ -77,23 +69,43 @@ core::Point2 MapView::toWorld(Pixel pixel) const {
           window.y0 + (box.top + box.height - pixel.y) / pixelsPerMetre()};
 }
 
+LabelRaster::LabelRaster(const world::Plan& raster, const core::Pose2& T_world_raster)
+    : columns_(raster.columns),
+      rows_(raster.rows),
+      resolution_m_(raster.resolution_m),
+      T_world_raster_(T_world_raster),
+      cosine_(std::cos(T_world_raster.phi)),
+      sine_(std::sin(T_world_raster.phi)) {
+  labels_.reserve(raster.cells.size());
+}
+
 unsigned char LabelRaster::at(const core::Point2& p_world, double side_m) const {
-  const auto p = core::inverse(T_world_raster) * p_world;
-  const double half = side_m > resolution_m ? 0.5 * side_m / resolution_m : 0;
-  const double x = p.x / resolution_m, y = p.y / resolution_m;
-  const double column0 = std::max(0.0, std::floor(x - half)), row0 = std::max(0.0, std::floor(y - half));
-  const double column1 = std::min(columns - 1.0, std::floor(x + half));
-  const double row1 = std::min(rows - 1.0, std::floor(y + half));
+  const double dx = p_world.x - T_world_raster_.x, dy = p_world.y - T_world_raster_.y;
+  const double x = (cosine_ * dx + sine_ * dy) / resolution_m_,
+               y = (cosine_ * dy - sine_ * dx) / resolution_m_;
+  const double half = side_m > resolution_m_ ? 0.5 * side_m / resolution_m_ : 0;
+  // Clamped as reals: a far point would overflow an int.
+  const auto cell = [](double v, double low, double high) {
+    return static_cast<int>(std::clamp(std::floor(v), low, high));
+  };
+  const int column0 = cell(x - half, 0, columns_), column1 = cell(x + half, -1, columns_ - 1);
+  const int row0 = cell(y - half, 0, rows_), row1 = cell(y + half, -1, rows_ - 1);
   unsigned char highest = 0;
-  for (double row = row0; row <= row1; ++row)
-    for (double column = column0; column <= column1; ++column)
-      highest = std::max(highest, labels[static_cast<size_t>(row) * columns + static_cast<size_t>(column)]);
+  for (int row = row0; row <= row1; ++row)
+    for (int column = column0; column <= column1; ++column)
+      highest = std::max(highest, labels_[static_cast<size_t>(row) * columns_ + column]);
   return highest;
 }
 
 void drawRaster(Canvas& canvas, const MapView& view, const world::Plan& raster,
                 const core::Pose2& T_world_raster) {
-  const auto labels = asLabels(raster, T_world_raster);
+  // Ranked: 2 a wall, 1 free, 0 unknown.
+  const LabelRaster labels(raster, T_world_raster, [&raster](int column, int row) {
+    const auto cell = raster.at(column, row);
+    return static_cast<unsigned char>(cell == world::Cell::kOccupied ? 2
+                                      : cell == world::Cell::kFree   ? 1
+                                                                     : 0);
+  });
   const double side_m = 1 / (view.pixelsPerMetre() * Canvas::kSubpixels);
   canvas.paint(view.box, [&](Pixel pixel) {
     const auto label = labels.at(view.toWorld(pixel), side_m);
@@ -119,7 +131,8 @@ LegendStrip::LegendStrip(std::vector<LegendEntry> entries, double width, double 
       width_(width),
       pixels_per_metre_(pixels_per_metre),
       bar_m_(niceStep(kMostOfScaleBar * width / pixels_per_metre)) {
-  const double right_end = width - kMostOfScaleBar * width - kGapAfterEntry;
+  const double right_end = width - bar_m_ * pixels_per_metre - kGapBeforeBar -
+                           Canvas::textWidth(barLabel(), kTextSize) - kGapAfterEntry;
   double x = 0, y = 0;
   for (auto& entry : entries_) {
     entry.label = Canvas::fitText(entry.label, kTextSize, right_end - kSample - kGapAfterSample);
@@ -128,6 +141,10 @@ LegendStrip::LegendStrip(std::vector<LegendEntry> entries, double width, double 
     places_.push_back({x, y});
     x += entry_width + kGapAfterEntry;
   }
+}
+
+std::string LegendStrip::barLabel() const {
+  return stepLabel(bar_m_) + " m";
 }
 
 double LegendStrip::height() const {
@@ -166,7 +183,7 @@ void LegendStrip::drawScaleBar(Canvas& canvas, Pixel right_end) const {
   canvas.line(left_end, right_end, kInk, 2.5);
   for (const auto& end : {left_end, right_end})
     canvas.line({end.x, end.y - 6}, {end.x, end.y + 6}, kInk, 2.5);
-  canvas.text({left_end.x - 8, right_end.y + 6}, stepLabel(bar_m_) + " m", kTextSize, kInk, Align::kRight);
+  canvas.text({left_end.x - kGapBeforeBar, right_end.y + 6}, barLabel(), kTextSize, kInk, Align::kRight);
 }
 
 double niceStep(double most) {

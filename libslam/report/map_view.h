@@ -1,5 +1,4 @@
 #pragma once
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -41,15 +40,30 @@ struct MapView {
 
 /// One small number per cell of a raster, the more important the higher: where several cells share a point of
 /// the picture the highest is shown, so that a thin wall never vanishes. 0 is also what lies outside.
-struct LabelRaster {
-  int columns = 0, rows = 0;
-  double resolution_m = 1;
-  core::Pose2 T_world_raster;
-  std::vector<unsigned char> labels;
+class LabelRaster {
+ public:
+  /// Nothing: 0 everywhere.
+  LabelRaster() = default;
+  /// label_of(column, row) for every cell of a raster.
+  template <class LabelOf>
+  LabelRaster(const world::Plan& raster, const core::Pose2& T_world_raster, LabelOf label_of)
+      : LabelRaster(raster, T_world_raster) {
+    for (int row = 0; row < rows_; ++row)
+      for (int column = 0; column < columns_; ++column) labels_.push_back(label_of(column, row));
+  }
 
   /// The highest label within the square of that side around the point; the one at the point when the square
   /// is not larger than a cell.
   unsigned char at(const core::Point2& p_world, double side_m) const;
+
+ private:
+  LabelRaster(const world::Plan& raster, const core::Pose2& T_world_raster);
+
+  int columns_ = 0, rows_ = 0;
+  double resolution_m_ = 1;
+  core::Pose2 T_world_raster_;
+  double cosine_ = 1, sine_ = 0;  ///< of the raster's turn: at() is asked millions of times
+  std::vector<unsigned char> labels_;
 };
 
 inline constexpr Colour kInk{40, 40, 40}, kGrey{110, 110, 110}, kWall{38, 38, 38}, kFree{255, 255, 255},
@@ -78,6 +92,7 @@ class LegendStrip {
 
  private:
   void drawScaleBar(Canvas& canvas, Pixel right_end) const;
+  std::string barLabel() const;
 
   std::vector<LegendEntry> entries_;
   std::vector<Pixel> places_;  ///< of the entries, from the strip's upper left

@@ -14,8 +14,11 @@ namespace {
 constexpr double kMargin = 20;  // pixels, round the sheet and between its parts
 constexpr double kTitleSize = 25, kTitleHeight = 44;
 constexpr double kPanelTitleSize = 23, kSubtitleSize = 18, kPanelHeadHeight = 58;
-constexpr double kTruthWidth = 7, kPathWidth = 2.5;
-constexpr double kLeastWidth = 600, kMostWidth = 1960, kMostHeight = 1700;  // of what lies within the margins
+struct LineWidths {
+  double truth, estimate;
+};
+constexpr LineWidths kPlanLines{7, 2.5}, kPanelLines{5, 2};
+constexpr double kLeastWidth = 600, kMostWidth = 1960;  // of what lies within the margins
 
 /// The scale at which a window fills as much of a box as its shape allows.
 double fittingScale(const Window& window, double width, double height) {
@@ -31,10 +34,10 @@ Window usable(Window window) {
   return window.grownBy(0.025);
 }
 
-/// Estimates may have gone far astray: they widen a window that the truth gives by a quarter at most.
+/// Estimates may have gone far astray: they widen a window that the truth gives by a tenth at most.
 Window withEstimates(const Window& truth, const Window& estimates) {
   Window all = truth;
-  all.include(truth.isEmpty() ? estimates : estimates.cutTo(truth.grownBy(0.25)));
+  all.include(truth.isEmpty() ? estimates : estimates.cutTo(truth.grownBy(0.1)));
   return all;
 }
 
@@ -56,11 +59,11 @@ class PathColours {
   std::map<std::string, size_t> indices_;
 };
 
-void drawPaths(Canvas& canvas, const MapView& view, const std::vector<DrawnPath>& paths,
-               PathColours& colours) {
+void drawPaths(Canvas& canvas, const MapView& view, const std::vector<DrawnPath>& paths, PathColours& colours,
+               const LineWidths& widths) {
   const auto ordered = truthFirst(paths);
   for (const auto& path : ordered)
-    drawPath(canvas, view, path.path, colours.of(path), path.is_truth ? kTruthWidth : kPathWidth);
+    drawPath(canvas, view, path.path, colours.of(path), path.is_truth ? widths.truth : widths.estimate);
   for (const auto& path : ordered) {
     if (path.path.empty()) continue;
     drawStart(canvas, view.toPixel(core::position(path.path.front().pose)));
@@ -141,16 +144,8 @@ std::vector<core::Point2> wallCentres(const world::Plan& raster, const core::Pos
   return centres;
 }
 
-template <class LabelOf>
-LabelRaster labelled(const world::Plan& raster, const core::Pose2& T_world_raster, LabelOf label_of) {
-  LabelRaster result{raster.columns, raster.rows, raster.resolution_m, T_world_raster, {}};
-  for (int row = 0; row < raster.rows; ++row)
-    for (int column = 0; column < raster.columns; ++column) result.labels.push_back(label_of(column, row));
-  return result;
-}
-
 LabelRaster labelTruth(const world::Plan& plan, const metrics::NearestPoints& map_walls, double tolerance_m) {
-  return labelled(plan, plan.T_world_plan, [&](int column, int row) {
+  return LabelRaster(plan, plan.T_world_plan, [&](int column, int row) {
     const auto cell = plan.at(column, row);
     if (cell != world::Cell::kOccupied) return cell == world::Cell::kFree ? kTrueFree : kTrueUnknown;
     if (!isFace(plan, column, row)) return kInsideWall;
@@ -161,7 +156,7 @@ LabelRaster labelTruth(const world::Plan& plan, const metrics::NearestPoints& ma
 
 LabelRaster labelMap(const world::Plan& map, const core::Pose2& T_world_raster,
                      const metrics::NearestPoints& true_walls, double tolerance_m) {
-  return labelled(map, T_world_raster, [&](int column, int row) {
+  return LabelRaster(map, T_world_raster, [&](int column, int row) {
     const auto cell = map.at(column, row);
     if (cell != world::Cell::kOccupied) return cell == world::Cell::kFree ? kMapFree : kMapUnknown;
     return true_walls.distance(centre(map, T_world_raster, column, row)) <= tolerance_m ? kAgreedWall
@@ -169,7 +164,7 @@ LabelRaster labelMap(const world::Plan& map, const core::Pose2& T_world_raster,
   });
 }
 
-constexpr Colour kSolid{190, 190, 190}, kClaimedFree{250, 222, 200}, kMissed = kSkyBlue, kWrong = kVermillion;
+constexpr Colour kSolid{190, 190, 190}, kClaimedFree{250, 222, 200}, kMissed = kBlue, kWrong = kVermillion;
 
 Colour differenceColour(unsigned char truth, unsigned char map) {
   if (map == kWrongWall) return kWrong;
@@ -206,25 +201,35 @@ Window commonWindow(const std::vector<Panel>& panels) {
   return usable(maps);
 }
 
-/// How n panels stand: the number of columns that shows them largest on a sheet of the usual shape.
+/// How n panels stand: the number of columns that shows them largest on a sheet of the usual shape, where an
+/// empty place counts against it.
 struct Grid {
   int columns = 1, rows = 1;
   double panel_width = 0, map_height = 0;
 };
-Grid arrange(int panels, const Window& window) {
-  constexpr double kSheetWidth = 1500, kSheetHeight = 1050, kLargestMap = 900, kLeastPanel = 280;
+Grid arrange(const std::vector<Panel>& panels, const Window& window) {
+  constexpr double kSheetWidth = 1500, kSheetHeight = 1050, kLargestMap = 900;
+  double least_width = 120;  // of a panel: a narrow map is no wider than its title, up to a point
+  for (const auto& panel : panels) {
+    least_width = std::max(least_width, Canvas::textWidth(panel.title, kPanelTitleSize, true) + 4);
+    least_width = std::max(least_width, Canvas::textWidth(panel.subtitle, kSubtitleSize) + 4);
+  }
+  least_width = std::min(least_width, 280.0);
+
+  const auto count = static_cast<int>(panels.size());
   Grid best;
-  double best_scale = 0;
-  for (int columns = 1; columns <= panels; ++columns) {
-    const int rows = (panels + columns - 1) / columns;
+  double best_score = 0;
+  for (int columns = 1; columns <= count; ++columns) {
+    if (columns > 1 && columns * (least_width + kMargin) > kMostWidth) break;
+    const int rows = (count + columns - 1) / columns;
     const double width = std::min(kLargestMap, (kSheetWidth - (columns - 1) * kMargin) / columns);
     const double height =
         std::min(kLargestMap, (kSheetHeight - (rows - 1) * kMargin) / rows - kPanelHeadHeight);
-    if (columns > 1 && columns * (kLeastPanel + kMargin) > kMostWidth) continue;
     const double scale = fittingScale(window, width, std::max(height, 60.0));
-    if (scale <= best_scale * 1.0001) continue;
-    best_scale = scale;
-    best = {columns, rows, std::max(kLeastPanel, std::round(window.width() * scale)),
+    const double score = scale * count / (columns * rows);
+    if (score <= best_score * 1.0001) continue;
+    best_score = score;
+    best = {columns, rows, std::max(std::ceil(least_width), std::round(window.width() * scale)),
             std::round(window.height() * scale)};
   }
   return best;
@@ -241,7 +246,7 @@ void drawPanel(Canvas& canvas, const Panel& panel, const MapView& view, const Pi
     drawRaster(canvas, view, panel.map, panel.T_world_map * panel.map.T_world_plan);
   else
     canvas.box(view.box, kUnknown);
-  drawPaths(canvas, view, panel.paths, colours);
+  drawPaths(canvas, view, panel.paths, colours, kPanelLines);
   canvas.liftClip();
   canvas.frame(view.box, kFrame, 1);
 }
@@ -258,7 +263,7 @@ void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, cons
   auto& canvas = sheet.canvas();
   canvas.clipTo(sheet.view().box);
   drawRaster(canvas, sheet.view(), plan, plan.T_world_plan);
-  drawPaths(canvas, sheet.view(), paths, colours);
+  drawPaths(canvas, sheet.view(), paths, colours, kPlanLines);
   canvas.liftClip();
   canvas.frame(sheet.view().box, kFrame, 1);
   canvas.savePng(png_path);
@@ -296,9 +301,9 @@ void drawDifference(const world::Plan& plan, const world::Plan& map, const core:
 }
 
 void drawPanels(const std::vector<Panel>& panels, const std::string& png_path) {
-  if (panels.empty()) throw core::ContractError("drawPanels: needs at least one panel");
+  if (panels.empty() || panels.size() > 8) throw core::ContractError("drawPanels: needs 1 to 8 panels");
   const auto window = commonWindow(panels);
-  const auto grid = arrange(static_cast<int>(panels.size()), window);
+  const auto grid = arrange(panels, window);
   const double scale = grid.map_height / window.height();
 
   PathColours colours;

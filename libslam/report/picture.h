@@ -15,26 +15,39 @@ struct DrawnPath {
   bool is_truth = false;  ///< drawn grey and broad, under the others
 };
 
-/// PNG of a plan with paths, legend, scale bar. Colours are the Okabe-Ito palette (safe for colour-blind
-/// readers), in the order of the paths. At least 600 px on the long side, at most 2000. Written atomically.
+// All pictures: PNG, the same input gives the same bytes, written atomically (core::IoError with the path).
+// At least 600 pixels wide, at most 2000 on either side. Legend and scale bar stand in a strip below the map.
+// Colours are the Okabe-Ito palette (safe for colour-blind readers), given to paths by label in the order of
+// first use. Walls are dark, free space white, the unknown grey. What is shown is the part of the world that
+// holds walls and the true path; estimates may widen it by a tenth and are cut where they leave it. Points
+// that are not finite break a path. Text is ASCII: accents are dropped. Rasters lie where their T_world_plan
+// says.
+
+/// A plan with paths.
 void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, const std::string& title,
               const std::string& png_path);
 
-/// PNG of an estimated map over the true plan: agreeing walls dark, walls only in the estimate one colour,
-/// walls only in the truth another, free space agreed light; legend.
+/// An estimated map over the true plan. A wall cell of one agrees when the other has a wall within two cells
+/// (of the coarser raster; the legend states it in metres); agreeing walls are dark, walls of the map alone
+/// one colour, walls of the truth alone another. Of the truth only wall cells that touch free space can be
+/// missed, whether the robot was there or not; the inside of a block is plain. T_world_map not finite: the
+/// truth alone.
 void drawDifference(const world::Plan& plan, const world::Plan& map, const core::Pose2& T_world_map,
                     const std::string& title, const std::string& png_path);
 
-/// PNG with one map per method side by side, titled (same scale): the picture of a comparison.
+/// One map per method, all in the same window of the world at the same scale, in the grid that shows them
+/// largest: the picture of a comparison. The window holds what half of the maps reach, so that one that has
+/// gone astray does not shrink the rest, and the true path. REQUIRES 1 to 8 panels.
 struct Panel {
   std::string title, subtitle;
-  world::Plan map;  ///< in its own map frame
-  core::Pose2 T_world_map;
+  world::Plan map;               ///< in its own map frame
+  core::Pose2 T_world_map;       ///< not finite: the map is left out
   std::vector<DrawnPath> paths;  ///< in the world frame
 };
 void drawPanels(const std::vector<Panel>& panels, const std::string& png_path);
 
-/// PNG of a scan: range over angle (the founding chart) beside the polar plot.
+/// A scan: range over angle (the founding chart; beams without a return leave gaps) beside the polar plot,
+/// lidar frame, ahead up.
 void drawScan(const robot::Scan& scan, const std::string& png_path);
 
 }  // namespace slam::report

@@ -153,6 +153,7 @@ void appendTitles(std::string& text, const std::vector<TextColumn>& columns) {
     appendLine(text, columns, cells);
   }
   std::vector<std::string> rule;
+  rule.reserve(columns.size());
   for (const auto& column : columns) rule.emplace_back(column.width, '-');
   appendLine(text, columns, rule);
 }
@@ -195,6 +196,7 @@ std::string toText(const Table& table) {
   appendTitles(text, columns);
   for (size_t row = 0; row < table.rows.size(); ++row) {
     std::vector<std::string> cells;
+    cells.reserve(columns.size());
     for (const auto& column : columns) cells.push_back(column.cells[row]);
     appendLine(text, columns, cells);
   }

@@ -1,6 +1,6 @@
 #include "libslam/run/build_map.h"
 
-#include <sys/resource.h>
+#include <malloc.h>
 #include <time.h>
 
 #include <algorithm>

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "libslam/core/error.h"
@@ -13,13 +14,14 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/report/picture.h"
 #include "libslam/run/build_map.h"
+#include "libslam/run/worker.h"
 
 namespace slam::run {
 namespace fs = std::filesystem;
 namespace {
 
 struct Method {
-  std::string name, folder;
+  std::string name, argument, folder;  // argument: as the request names it
   core::IniFile config;
   std::string failure;
   bool reused = false;
@@ -31,6 +33,7 @@ std::vector<Method> loadMethods(const CompareRequest& request) {
     Method method;
     method.name =
         fs::path(name_or_path).extension() == ".ini" ? fs::path(name_or_path).stem().string() : name_or_path;
+    method.argument = name_or_path;
     method.config = mapping::loadMethodConfig(request.methods_folder, name_or_path);
     method.folder = request.output + "/" + method.name;
     for (const auto& other : methods)
@@ -54,14 +57,30 @@ bool isSameRun(const Method& method, const std::string& log_path, std::uint64_t 
       const auto it = manifest.config.find(line.section + "." + line.info.key);
       if (it == manifest.config.end() || it->second != line.value) return false;
     }
-    const auto version = manifest.results.find("program_version");
     const auto input = manifest.inputs.find(log_path);
-    return manifest.seed == seed && version != manifest.results.end() &&
-           version->second == core::versionText() && input != manifest.inputs.end() &&
-           input->second == core::fileSha256(log_path);
+    return manifest.seed == seed && manifest.version == core::versionText() &&
+           input != manifest.inputs.end() && input->second == core::fileSha256(log_path);
   } catch (const core::InputError&) {
     return false;
   }
+}
+
+/// Runs one method in a process of its own. Throws MethodError for whatever goes wrong with the method alone.
+void runInProcess(const Method& method, const std::string& log_path, const CompareRequest& request,
+                  core::Progress& progress) {
+  std::vector<std::string> command = {
+      request.program, "run",         method.argument, log_path, "-o",
+      method.folder,   "--overwrite", "--json",        "--seed", std::to_string(request.seed)};
+  if (request.quiet) command.emplace_back("--quiet");
+  const auto result = runWorker(command, progress);
+  if (result.exit_code == 0) return;
+  if (result.exit_code == static_cast<int>(core::ExitCode::kInterrupted)) throw core::Interrupted();
+  std::string why = result.killed ? "killed by signal " + std::to_string(result.exit_code - 128)
+                                  : "exit code " + std::to_string(result.exit_code);
+  const auto json = nlohmann::json::parse(result.out, nullptr, false);
+  if (json.is_object() && json.contains("error")) why = json["error"].get<std::string>();
+  if (result.exit_code == static_cast<int>(core::ExitCode::kBadInput)) throw core::InputError(why);
+  throw core::MethodError(why);
 }
 
 /// Runs methods side by side; each is independent, so the number of threads changes nothing but the time.
@@ -74,8 +93,11 @@ void runMethods(std::vector<Method>& methods, const std::string& log_path, const
       Method& method = methods[i];
       if (method.reused) continue;
       try {
-        buildMap(log_path, method.config, method.name, request.seed, method.folder, true, manifest, progress,
-                 request.threads == 1);
+        if (request.program.empty())
+          buildMap(log_path, method.config, method.name, request.seed, method.folder, true, manifest,
+                   progress, false);
+        else
+          runInProcess(method, log_path, request, progress);
       } catch (const core::MethodError& error) {
         method.failure = error.what();
       } catch (...) {
@@ -195,7 +217,6 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   core::Manifest method_manifest = manifest;
   method_manifest.inputs.clear();
   method_manifest.results.clear();
-  method_manifest.results["program_version"] = core::versionText();
   for (auto& method : methods) {
     method.reused = request.resume && isSameRun(method, comparison.log_path, request.seed);
     comparison.reused += method.reused ? 1 : 0;

@@ -25,7 +25,12 @@ struct CompareRequest {
   std::string methods_folder;
   std::string output;  ///< folder
   std::uint64_t seed = 1;
-  int threads = 1;  ///< methods run side by side; memory is only measured with 1
+  int threads = 1;  ///< methods run side by side
+  /// The rasterslam program: each method then runs as `PROGRAM run METHOD LOG`, a process of its own, so that
+  /// a crash or a runaway is its own row and its memory can be measured. "" runs them in this process,
+  /// without figures of memory.
+  std::string program;
+  bool quiet = false;  ///< hand --quiet to those processes
   bool overwrite = false, resume = false;
 };
 
@@ -38,11 +43,12 @@ struct Comparison {
 };
 
 /// Simulates if asked, runs every method on the same log, scores, draws, and writes into `output`:
-///   log/run.rawlog (and its truth)      when simulated
-///   METHOD/…                            one buildMap() folder per method, with difference.png where a plan
-///   is known scores.txt .md .csv .json           accuracy: the same bytes for the same seed, any number of
-///   threads cost.csv .json                      time and memory: differ from run to run maps.png paths.png
-///   scan.png         pictures manifest.json                       how to make it again
+///   log/run.rawlog (and its truth)   when simulated
+///   METHOD/                          one buildMap() folder per method, with difference.png where a plan is known
+///   scores.txt .md .csv .json        accuracy: the same bytes for the same seed, any number of threads
+///   cost.csv .json                   time and memory: differ from run to run
+///   maps.png paths.png scan.png      pictures
+///   manifest.json                    how to make it again
 /// A method that fails gets a row that says so. An interrupt keeps the finished methods; `resume` reuses each
 /// method folder whose log, configuration, seed and version are still the same.
 Comparison compare(const CompareRequest& request, core::Manifest manifest, core::Progress& progress);

@@ -14,7 +14,7 @@ enum class Cell : std::uint8_t { kFree = 0, kOccupied = 1, kUnknown = 2 };
 /// 1) in units of resolution_m in the plan frame; row 0 is at the bottom (y up), the frame's origin is the
 /// lower left corner of cell (0, 0). T_world_plan places the plan in the world (ROS: `origin`, with yaw).
 struct Plan {
-  std::string name;  ///< file name without folder, for tables
+  std::string name;  ///< file name without folder and suffix, for tables
   int columns = 0, rows = 0;
   double resolution_m = 0.05;
   core::Pose2 T_world_plan;
@@ -33,29 +33,41 @@ struct PlanOptions {
   bool negate = false;
   double occupied_threshold = 0.65;  ///< occupied when (255 - gray) / 255 is above (ROS map_server's rule)
   double free_threshold = 0.196;     ///< free when below; between the two unknown
-  bool allow_empty = false;  ///< accept a picture without walls or without free space (an estimated map may be one)
+  bool allow_empty =
+      false;  ///< accept a picture without walls or without free space (an estimated map may be one)
 };
 
-/// Reads a plan: a ROS map yaml (image, resolution, origin, negate, thresholds, mode trinary/scale/raw), or a
-/// picture bmp, png, pgm, jpg with `options`. A picture with an alpha channel that is not opaque everywhere
-/// follows the founding raster lidar: alpha 255 is an obstacle, anything less is free; an opaque picture goes
-/// by gray level. Errors (InputError, one line with path and key): missing, a folder, truncated or not a
-/// picture, yaml that names a missing picture, key missing / malformed / out of range, no obstacle at all, no
-/// free cell at all, more than 2^28 cells.
+/// Reads a plan: a ROS map yaml (by its suffix; image, resolution, origin, negate, thresholds, mode
+/// trinary/scale/raw; of `options` only allow_empty counts), or a picture bmp, png, pgm, jpg with `options`.
+///
+/// Gray is the mean of the colours, 8 or 16 bits. A bare picture with an alpha channel that is not opaque
+/// everywhere follows the founding raster lidar: alpha at its maximum is an obstacle, anything less is free;
+/// an opaque picture goes by gray level. In a ROS map pixels that are not opaque are unknown. mode scale is
+/// read as trinary (what lies between the thresholds is unknown either way); mode raw takes the 8-bit pixel
+/// as the occupancy in percent, above 100 unknown, and ignores negate.
+///
+/// Errors (InputError, one line with path and key): missing, a folder, truncated or not a picture, yaml that
+/// names a missing picture, unknown or duplicate key, key missing / malformed / out of range, no obstacle at
+/// all, no free cell at all, more than 2^28 cells or 2^15 on a side (the reach of castRay's proof).
 Plan loadPlan(const std::string& path, const PlanOptions& options = {});
 
-/// Writes plan.png (254 free, 0 occupied, 205 unknown) and the ROS yaml that loads it back to the same cells.
+/// Writes a picture beside the yaml (NAME.yaml, NAME.png; 254 free, 0 occupied, 205 unknown) and the ROS yaml
+/// that loads it back to the same cells, resolution and placement, bit for bit. Both or neither are written.
+/// Errors: IoError.
 void savePlan(const Plan& plan, const std::string& yaml_path);
 
 /// Cell coordinates (column, row as reals) of a point in the world, and back.
 core::Point2 worldToCells(const Plan& plan, const core::Point2& p_world);
 core::Point2 cellsToWorld(const Plan& plan, const core::Point2& cell);
 
-/// True when a disc around p_world touches an occupied cell or leaves the plan.
+/// True when a disc around p_world touches the square of an occupied cell (equality counts) or leaves the
+/// plan; also when p_world is not finite. Unknown cells are no obstacle. Cost: the cells under the disc.
 bool discCollides(const Plan& plan, const core::Point2& p_world, double radius_m);
 
-/// A start pose with `clearance_m` all round, in the largest connected free region: the admissible cell
-/// nearest to that region's centre of mass, heading 0. nullopt when there is none.
+/// A start pose with `clearance_m` all round. Admissible are the free cells at whose centre a disc of that
+/// radius does not collide; in their largest 4-connected region (so it counts what a robot can reach from
+/// there, not what it sees) the one nearest to the region's centre of mass, of equals the lowest and then
+/// leftmost; heading 0 in the world. nullopt when there is none. In start_pose.cpp.
 std::optional<core::Pose2> findStartPose(const Plan& plan, double clearance_m);
 
 }  // namespace slam::world

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "libslam/world/plan.h"
+#include "libslam/world/region.h"
 
 namespace slam::world {
 namespace {
@@ -57,40 +58,13 @@ std::vector<char> admissibleCells(const Plan& plan, double radius) {
   return admissible;
 }
 
-/// The largest 4-connected set of marked cells, as indices in the order of the plan's cells; of equals the
-/// first.
-std::vector<size_t> largestRegion(const Plan& plan, std::vector<char> marked) {
-  const auto columns = static_cast<size_t>(plan.columns);
-  std::vector<size_t> largest, region;
-  for (size_t seed = 0; seed < marked.size(); ++seed) {
-    if (!marked[seed]) continue;
-    region.assign(1, seed);
-    marked[seed] = 0;
-    const auto add = [&](bool exists, size_t index) {
-      if (!exists || !marked[index]) return;
-      marked[index] = 0;
-      region.push_back(index);
-    };
-    for (size_t done = 0; done < region.size(); ++done) {
-      const size_t index = region[done];
-      add(index % columns > 0, index - 1);
-      add(index % columns + 1 < columns, index + 1);
-      add(index >= columns, index - columns);
-      add(index + columns < marked.size(), index + columns);
-    }
-    if (region.size() > largest.size()) largest.swap(region);
-  }
-  std::sort(largest.begin(), largest.end());
-  return largest;
-}
-
 }  // namespace
 
 std::optional<core::Pose2> findStartPose(const Plan& plan, double clearance_m) {
   // A hair more than asked for, so that the pose keeps its clearance after rounding to metres and back.
   const double radius = clearance_m / plan.resolution_m + 1e-6;
   if (!(radius >= 0)) return std::nullopt;
-  const std::vector<size_t> region = largestRegion(plan, admissibleCells(plan, radius));
+  const std::vector<size_t> region = largestRegion(plan.columns, admissibleCells(plan, radius));
   if (region.empty()) return std::nullopt;
 
   std::int64_t sum_columns = 0, sum_rows = 0;

@@ -118,7 +118,7 @@ class RawObjects {
 
 inline mrpt::obs::CObservation2DRangeScan rawScan(double time_s, const std::string& label, int beams = 5) {
   mrpt::obs::CObservation2DRangeScan scan;
-  if (time_s > 0) scan.timestamp = mrptTime(time_s);
+  scan.timestamp = time_s > 0 ? mrptTime(time_s) : mrpt::Clock::time_point();
   scan.sensorLabel = label;
   scan.aperture = 1.0F;
   scan.maxRange = 10;
@@ -132,7 +132,7 @@ inline mrpt::obs::CObservation2DRangeScan rawScan(double time_s, const std::stri
 
 inline mrpt::obs::CObservationOdometry rawOdometry(double time_s, double x_m) {
   mrpt::obs::CObservationOdometry odometry;
-  if (time_s > 0) odometry.timestamp = mrptTime(time_s);
+  odometry.timestamp = time_s > 0 ? mrptTime(time_s) : mrpt::Clock::time_point();
   odometry.sensorLabel = "ODOMETRY";
   odometry.odometry = mrpt::poses::CPose2D(x_m, 0, 0);
   return odometry;
@@ -140,7 +140,7 @@ inline mrpt::obs::CObservationOdometry rawOdometry(double time_s, double x_m) {
 
 inline mrpt::obs::CActionRobotMovement2D wheelAction(double time_s, double x_m) {
   mrpt::obs::CActionRobotMovement2D action;
-  if (time_s > 0) action.timestamp = mrptTime(time_s);
+  action.timestamp = time_s > 0 ? mrptTime(time_s) : mrpt::Clock::time_point();
   action.computeFromOdometry(mrpt::poses::CPose2D(x_m, 0, 0), {});
   return action;
 }

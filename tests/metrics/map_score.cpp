@@ -150,12 +150,12 @@ TEST(SeenCells, EndWhereTheReferenceRayEnds) {
     ASSERT_EQ(wall != seen.wall.end(), std::isfinite(range_m));
     if (wall == seen.wall.end()) continue;
     ++hits;
-    const auto cell = wall - seen.wall.begin();
+    const auto cell = wall - seen.wall.begin(), column = cell % 53, row = cell / 53;
     const auto hit =
         world::worldToCells(plan, {p.x + range_m * std::cos(angle), p.y + range_m * std::sin(angle)});
     // The hit lies on the face of the marked cell: within it but for rounding.
-    EXPECT_NEAR(hit.x, double(cell % 53) + 0.5, 0.5 + kExact);
-    EXPECT_NEAR(hit.y, double(cell / 53) + 0.5, 0.5 + kExact);
+    EXPECT_NEAR(hit.x, double(column) + 0.5, 0.5 + kExact);
+    EXPECT_NEAR(hit.y, double(row) + 0.5, 0.5 + kExact);
   }
   EXPECT_GT(hits, 1000);
 }

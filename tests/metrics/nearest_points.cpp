@@ -20,6 +20,7 @@ TEST(NearestPoints, EqualsTheBruteForceSearchBitForBit) {
   core::RandomStream random(3, "points");
   for (const int count : {1, 2, 3, 10, 500}) {
     std::vector<core::Point2> points;
+    points.reserve(static_cast<size_t>(count));
     // On a coarse lattice, so that equal coordinates and equal points are common.
     for (int i = 0; i < count; ++i) points.push_back({double(random.below(20)), double(random.below(20))});
     const NearestPoints nearest(points);

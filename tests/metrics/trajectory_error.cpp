@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/core/files.h"
 #include "libslam/core/random.h"
+#include "libslam/testing/temp_folder.h"
 
 namespace slam::metrics {
 namespace {
@@ -309,6 +313,43 @@ TEST(PoseAt, TakesStampsWithinAMillisecondAsTheSame) {
   EXPECT_FALSE(poseAt(trajectory, 1.7e9 + 1.002, pose));
   EXPECT_FALSE(poseAt(trajectory, kNaN, pose));
   EXPECT_FALSE(poseAt({}, 0, pose));
+}
+
+/// Stamp, x, y and the angle, however the file states it.
+Trajectory readPoses(const std::string& text, bool angle_is_quaternion) {
+  Trajectory poses;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream fields(line);
+    double t = 0, x = 0, y = 0, z = 0, qx = 0, qy = 0, a = 0, b = 0;
+    fields >> t >> x >> y;
+    if (angle_is_quaternion)
+      fields >> z >> qx >> qy >> a >> b;
+    else
+      fields >> a;
+    if (fields) poses.push_back({t, {x, y, angle_is_quaternion ? 2 * std::atan2(a, b) : a}});
+  }
+  return poses;
+}
+
+TEST(TrajectoryError, OfTheRingOfficesOdometryIsWhatItsMakerPublished) {
+  const auto data = testing::realDataFolder(RASTERSLAM_SOURCE_DIR);
+  if (data.empty() || !testing::programExists("xz")) GTEST_SKIP() << "needs the folder of real data and xz";
+  for (const auto& [name, ate_rmse_m] : {std::pair{"ring_A", 1.98}, {"ring_B", 3.25}}) {
+    const std::string base = data + "/sim/" + name;
+    if (!std::filesystem::exists(base + ".clf.xz")) GTEST_SKIP() << base << ".clf.xz is not there";
+    // The line's fields: 9 of the head (the last one counts the ranges), ranges, count of remissions,
+    // remissions, then the laser's pose; the stamp is the last but two.
+    const auto odometry =
+        testing::runCommand("xz -dc '" + base +
+                            ".clf.xz' | awk '$1 == \"ROBOTLASER1\" { i = 10 + $9; j = i + $i + 1; "
+                            "print $(NF - 2), $j, $(j + 1), $(j + 2) }'");
+    const auto truth = readPoses(core::readTextFile(base + ".truth.tum"), true);
+    const auto e = trajectoryError(truth, readPoses(odometry.out, false));
+    EXPECT_EQ(e.position_m.count, 2082U);
+    EXPECT_EQ(e.unmatched, 0U);
+    EXPECT_NEAR(e.position_m.rmse, ate_rmse_m, 0.005);  // published with two decimals
+  }
 }
 
 }  // namespace

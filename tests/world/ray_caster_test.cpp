@@ -123,6 +123,14 @@ TEST(RayCaster, LetsItsRuleDecideARayThroughACorner) {
   EXPECT_NEAR(castRay(drawnPlan({"...", ".#.", "..."}), {0.5, 1.5}, kPi / 4, 0), std::sqrt(0.5), 1e-15);
 }
 
+TEST(RayCaster, EntersTheUpperNeighbourWhereTheRowIsReachedExactlyAtAColumn) {
+  // Slope 1/2 from (0.5, 0.75): through the corner (1, 1) exactly, by way of (0, 1) and not of (1, 0).
+  const core::Point2 direction{2 / std::sqrt(5.0), 1 / std::sqrt(5.0)};
+  EXPECT_NEAR(castRayInCells(drawnPlan({"#..", "..."}), {0.5, 0.75}, direction), 0.25 * std::sqrt(5.0),
+              1e-15);
+  EXPECT_EQ(castRayInCells(drawnPlan({"...", ".##"}), {0.5, 0.75}, direction), kInfinity);
+}
+
 TEST(RayCaster, CountsAnOriginOnAGridLineToTheCellAhead) {
   const Plan plan = drawnPlan({"..#.."});
   EXPECT_EQ(castRayInCells(plan, {2, 0.5}, {1, 0}), 0);
@@ -262,13 +270,10 @@ TEST(RayCaster, EndsEveryAxisAlignedRayOnAGridLine) {
 }
 
 TEST(RayCaster, KeepsTheHitInItsColumnOnAnAlmostParallelRay) {
-  // One step of rounding below the line y = 6 and a slope of 6e-17, as cos(pi/2) has: where exactly such a
-  // ray meets the line is beyond doubles, but the answer must lie in the plan and not before the ray's start.
-  const Plan plan = drawnPlan({"############", "............", "............"}, 1);
-  for (const double below : {std::nextafter(2.0, 0.0), 2 - 1e-15, 2 - 1e-14}) {
-    const double range = castRayInCells(plan, {0.5, below}, {1, 6e-17});
-    EXPECT_TRUE(range == kInfinity || (range >= 0 && range <= 11.5)) << range;
-  }
+  // One rounding step below the wall y = 2, with the slope of cos(pi/2): row(3) rounds to 2, so the walk
+  // enters the wall in column 2, while the line through the same numbers meets y = 2 only at x = 4.2.
+  const Plan plan = drawnPlan({"############", "............", "............"});
+  EXPECT_EQ(castRayInCells(plan, {0.5, std::nextafter(2.0, 0.0)}, {1, 6e-17}), 2.5);
 }
 
 TEST(RayCaster, TurnsAndShiftsWithThePlan) {

@@ -1,0 +1,87 @@
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "libslam/core/random.h"
+#include "libslam/world/plan.h"
+
+namespace slam::world {
+
+/// Cells x0 .. x1-1 by y0 .. y1-1. All drawing is in whole cells of 0.05 m, y up.
+struct Rect {
+  int x0, y0, x1, y1;
+  int width() const { return x1 - x0; }
+  int height() const { return y1 - y0; }
+};
+
+enum class Side { kWest, kEast, kSouth, kNorth };
+
+/// How a piece of furniture looks at the height of a lidar.
+enum class Shape {
+  kSolid,  ///< a cupboard, a bed
+  kLegs,   ///< a table: four legs of 2 x 2 cells in the corners
+  kDisc,   ///< a plant, a chair's foot
+  kDesk    ///< drawers, a chair, a panel; at most 28 x 14, else a robot would fit in beside the chair
+};
+
+/// Draws a building: first carve() all free space, then raiseWalls(), then furnish. What is not carved and
+/// not near free space stays unknown.
+class Canvas {
+ public:
+  /// Room for walls and a rim of unknown cells is added all round: rooms may use 0 .. width by 0 .. height
+  /// and niches a few cells more.
+  Canvas(int width, int height);
+
+  void carve(const Rect& rect);
+  /// Every cell that is not free and within `thickness` cells of a free one becomes a wall, so the building
+  /// is enclosed whatever was carved.
+  void raiseWalls(int thickness);
+  /// Hollows a raised wall out where free space lies before it, as windows do; furniture keeps its wall.
+  /// REQUIRES depth + 2 <= the wall's thickness, so that a wall remains.
+  void recess(const Rect& room, Side wall, int along, int length, int depth);
+  /// Whole rectangle or disc, whatever it covers: for pillars and the like.
+  void fill(const Rect& rect);
+  void fillDisc(const Rect& bounds);
+
+  /// True where a piece leaves every way open: each of its sides is either flush with something solid all
+  /// along, or has kPassage free cells before it; not both of two opposite sides are flush.
+  bool leavesWaysOpen(const Rect& piece) const;
+  /// Draws a piece where it leaves every way open; else returns false and draws nothing.
+  bool place(const Rect& piece, Shape shape = Shape::kSolid, Side back = Side::kSouth);
+  /// The same, flush with a wall of the room, `along` cells from its west or south end.
+  bool placeAt(const Rect& room, Side wall, int along, int length, int depth, Shape shape = Shape::kSolid);
+  /// The same at a random place along that wall; gives up after some tries.
+  bool placeAlong(core::RandomStream& random, const Rect& room, Side wall, int length, int depth,
+                  Shape shape = Shape::kSolid);
+  /// Anywhere in the room, free all round.
+  bool placeInside(core::RandomStream& random, const Rect& room, int width, int height, Shape shape);
+
+  /// The drawing, in which free pockets that nothing can enter (behind a plant in a corner) are filled.
+  Plan plan(const std::string& name) const;
+
+  /// Free way beside furniture, cells: a robot of 0.2 m radius passes with room to spare.
+  static constexpr int kPassage = 12;
+
+ private:
+  static constexpr int kRim = 16;
+  Cell& at(int x, int y) { return plan_.cells[static_cast<size_t>(y + kRim) * plan_.columns + (x + kRim)]; }
+  Cell at(int x, int y) const { return plan_.at(x + kRim, y + kRim); }
+  bool isFree(int x, int y) const { return plan_.contains(x + kRim, y + kRim) && at(x, y) == Cell::kFree; }
+  bool allFree(const Rect& rect) const;
+  bool noneFree(const Rect& rect) const;
+  void draw(const Rect& piece, Shape shape, Side back);
+
+  Plan plan_;
+};
+
+/// A whole number from low to high, both included.
+int pick(core::RandomStream& random, int low, int high);
+Side pickSide(core::RandomStream& random);
+
+/// Cuts `total` cells into rooms with walls of `wall` cells between; [begin, end) of each. Every room has at
+/// least `least` cells, and at most `most` or what cannot be cut once more. REQUIRES total >= least.
+std::vector<std::pair<int, int>> partition(core::RandomStream& random, int total, int least, int most,
+                                           int wall);
+
+}  // namespace slam::world

@@ -1,0 +1,306 @@
+#include "libslam/mapping/map_builder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mrpt/io/CFileGZInputStream.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/random/RandomGenerators.h>
+#include <mrpt/serialization/CArchive.h>
+#include <mrpt/slam/CMetricMapBuilder.h>
+
+#include <filesystem>
+#include <thread>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/mapping/mrpt_compat.h"
+#include "libslam/testing/temp_folder.h"
+#include "tests/mapping/small_room.h"
+
+namespace slam::mapping {
+namespace {
+
+const std::string kMethods = std::string(RASTERSLAM_SOURCE_DIR) + "/configs/methods";
+
+MapBuilder makeMethod(const std::string& name, std::uint64_t seed = 1,
+                      const std::vector<std::string>& settings = {}) {
+  auto ini = loadMethodConfig(kMethods, name);
+  for (const auto& setting : settings) ini.setFromArgument(setting, "test");
+  return makeMapBuilder(ini, name, seed);
+}
+
+core::Trajectory runDrive(MapBuilder& method, const test::Drive& drive) {
+  core::Trajectory estimate;
+  for (const auto& entry : drive.entries)
+    estimate.push_back(
+        {entry.scan.time_s, processScan(method, entry.scan, entry.T_previous_robot, entry.has_odometry)});
+  return estimate;
+}
+
+/// A run that is the same to the last bit.
+std::string fingerprint(const core::Trajectory& estimate) {
+  return core::sha256(
+      {reinterpret_cast<const char*>(estimate.data()), estimate.size() * sizeof(estimate[0])});
+}
+
+class EveryMethod : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(EveryMethod, StartsAtTheIdentityAndGivesFinitePoses) {
+  auto method = makeMethod(GetParam());
+  auto drive = test::driveThroughRoom(5);
+  // What the wheels did before the first scan is nobody's business.
+  drive.entries[0].T_previous_robot = {100, 100, 1};
+  const auto estimate = runDrive(method, drive);
+  // MRPT's particle filter spreads even the first pose, with some millimetres and tenths of a degree.
+  const bool spreads = method.type == "rbpf";
+  EXPECT_NEAR(core::distance(core::position(estimate[0].pose), {}), 0, spreads ? 0.005 : 1e-9);
+  EXPECT_NEAR(estimate[0].pose.phi, 0, spreads ? core::degToRad(0.3) : 1e-9);
+  for (const auto& stamped : estimate) EXPECT_TRUE(core::isFinite(stamped.pose));
+}
+
+TEST_P(EveryMethod, GivesTheSameBytesForTheSameSeedWhateverElseUsesTheGenerator) {
+  const auto drive = test::driveThroughRoom(30);
+  const testing::TempFolder first_folder, second_folder;
+  auto first = makeMethod(GetParam(), 7);
+  const auto first_path = runDrive(first, drive);
+  saveMaps(first, first_path, first_folder.path());
+
+  // Another thread, whose generator has been seeded and half used by somebody else.
+  core::Trajectory second_path;
+  std::thread([&] {
+    mrpt::random::getRandomGenerator().randomize(99);
+    mrpt::random::getRandomGenerator().drawGaussian1D_normalized();
+    auto second = makeMethod(GetParam(), 7);
+    second_path = runDrive(second, drive);
+    saveMaps(second, second_path, second_folder.path());
+  }).join();
+
+  EXPECT_EQ(fingerprint(first_path), fingerprint(second_path));
+  for (const char* file : {"map.yaml", "map.png", "map.gridmap.gz", "map.simplemap", "map.3Dscene"})
+    EXPECT_EQ(core::fileSha256(first_folder / file), core::fileSha256(second_folder / file)) << file;
+}
+
+TEST_P(EveryMethod, PrintsNothing) {
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  {
+    auto method = makeMethod(GetParam());
+    auto drive = test::driveThroughRoom(20);
+    // Things that make MRPT talk: a scan that fits nothing, and a clock that runs back.
+    for (auto& range_m : drive.entries[10].scan.ranges_m) range_m = 0.5F;
+    drive.entries[15].scan.time_s -= 10;
+    runDrive(method, drive);
+  }
+  std::fflush(nullptr);
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod,
+                         ::testing::Values("naive", "naive_correlation", "naive_wheel", "icp", "rbpf",
+                                           "rbpf_exact"),
+                         [](const auto& method) { return std::string(method.param); });
+
+TEST(MapBuilder, MatchersBeatTheirOdometryInTheSmallRoom) {
+  const auto drive = test::driveThroughRoom();
+  auto wheel = makeMethod("naive_wheel");
+  const auto& truth = drive.truth.back();
+  const double wheel_error_rad =
+      std::abs(core::angleDifference(runDrive(wheel, drive).back().pose.phi, truth.phi));
+  // Exact scans, cells and points 5 cm apart: about a cell, and a cell seen at 4 m. The filter corrects every
+  // 10 degrees only, in which the odometry errs by 0.3, and gives the mean of 20 particles.
+  const std::map<std::string, double> tolerance_deg = {{"icp", 0.7}, {"rbpf_exact", 1.5}};
+  for (const auto& [name, tolerance] : tolerance_deg) {
+    auto method = makeMethod(name);
+    const auto pose = runDrive(method, drive).back().pose;
+    EXPECT_LT(core::distance(core::position(pose), core::position(truth)), 0.06) << name;
+    EXPECT_LT(std::abs(core::angleDifference(pose.phi, truth.phi)), core::degToRad(tolerance)) << name;
+    EXPECT_LT(std::abs(core::angleDifference(pose.phi, truth.phi)), wheel_error_rad) << name;
+  }
+}
+
+TEST(MapBuilder, WheelOdometryIsUsedFromTheFirstStepOfAnOldLog) {
+  // The scans see nothing, so that nothing but the odometry can move the pose.
+  auto drive = test::driveThroughRoom(6);
+  core::Pose2 T_odom_robot;
+  auto method = makeMethod("icp");
+  core::Pose2 pose;
+  for (auto& entry : drive.entries) {
+    entry.scan.time_s -= 1.5e9;  // 1973
+    entry.scan.ranges_m.assign(entry.scan.ranges_m.size(), robot::kNoReturn);
+    T_odom_robot = T_odom_robot * entry.T_previous_robot;
+    pose = processScan(method, entry.scan, entry.T_previous_robot, true);
+  }
+  EXPECT_NEAR(core::distance(core::position(pose), core::position(T_odom_robot)), 0, 1e-6);
+}
+
+TEST(MapBuilder, WithoutOdometryTheWheelMethodFallsBackToTheScans) {
+  auto drive = test::driveThroughRoom(24);
+  auto correlation = makeMethod("naive_correlation");
+  const auto expected = runDrive(correlation, drive);
+  for (auto& entry : drive.entries) entry.has_odometry = false, entry.T_previous_robot = {};
+  auto wheel = makeMethod("naive_wheel");
+  EXPECT_EQ(fingerprint(runDrive(wheel, drive)), fingerprint(expected));
+}
+
+TEST(MapBuilder, OneStepWithoutOdometryTakesThatStepFromTheScans) {
+  auto drive = test::driveThroughRoom(12);
+  auto all = makeMethod("naive_wheel");
+  const auto with_wheels = runDrive(all, drive);
+  drive.entries[7].has_odometry = false;
+  drive.entries[7].T_previous_robot = {};
+  auto gap = makeMethod("naive_wheel");
+  const auto with_gap = runDrive(gap, drive);
+  EXPECT_EQ(with_gap[6].pose.x, with_wheels[6].pose.x);
+  const auto step = core::between(with_gap[6].pose, with_gap[7].pose);
+  const auto truth = core::between(drive.truth[6], drive.truth[7]);
+  // Nearer to the truth than the wheels, which turn 3 % too far; a centimetre for the scan odometry.
+  EXPECT_LT(core::distance(core::position(step), core::position(truth)), 0.01);
+  EXPECT_LT(std::abs(core::angleDifference(step.phi, truth.phi)), core::degToRad(0.3));
+}
+
+TEST(MapBuilder, AMapThatWouldGrowWithoutBoundIsRefusedBeforeItIsMade) {
+  for (const char* name : {"naive_wheel", "icp", "rbpf", "rbpf_exact"}) {
+    auto method = makeMethod(name);
+    const auto drive = test::driveThroughRoom(3);
+    runDrive(method, drive);
+    try {
+      processScan(method, drive.entries[2].scan, {1e7, 1e7, 0}, true);
+      FAIL() << name << ": a map of ten thousand kilometres was made";
+    } catch (const core::MethodError& error) {
+      EXPECT_THAT(error.what(),
+                  ::testing::StartsWith("method " + std::string(name) + ", scan 4: the map would "));
+    }
+  }
+}
+
+TEST(MapBuilder, DotsTooFarAwayAreRefusedToo) {
+  auto method = makeMethod("naive");
+  auto scan = test::scanRoom({}, 1.6e9);
+  scan.max_range_m = 4e6;
+  scan.ranges_m[90] = 3e6F;
+  EXPECT_THROW(processScan(method, scan, {}, true), core::MethodError);
+}
+
+TEST(MapBuilder, AMotionThatIsNotFiniteIsAnErrorOfTheMethod) {
+  auto method = makeMethod("rbpf");
+  const auto drive = test::driveThroughRoom(2);
+  processScan(method, drive.entries[0].scan, {}, true);
+  try {
+    processScan(method, drive.entries[1].scan, {NAN, 0, 0}, true);
+    FAIL();
+  } catch (const core::MethodError& error) {
+    EXPECT_STREQ(error.what(), "method rbpf, scan 2: the odometry is not finite");
+  }
+}
+
+TEST(MapBuilder, TheParticlesShareTheLimitOfTheMap) {
+  // Some 20 x 20 m at 0.07 m are 80 thousand cells: enough for one particle, too much for twenty.
+  auto method = makeMethod("rbpf", 1, {"mapping.max_map_cells=500000", "mapping.resolution_m=0.07"});
+  const auto drive = test::driveThroughRoom(2);
+  try {
+    processScan(method, drive.entries[0].scan, {}, true);
+    FAIL();
+  } catch (const core::MethodError& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("allowed are 0.5 million ([mapping] max_map_cells)"));
+  }
+  auto one = makeMethod("rbpf", 1,
+                        {"mapping.max_map_cells=500000", "particles.count=1", "mapping.resolution_m=0.07"});
+  EXPECT_NO_THROW(processScan(one, drive.entries[0].scan, {}, true));
+}
+
+TEST(MapBuilder, DotsAreCertainAndEverythingElseIsUnknown) {
+  auto method = makeMethod("naive");
+  const auto drive = test::driveThroughRoom(1);
+  runDrive(method, drive);
+  const auto map = currentMap(method);
+  ASSERT_EQ(map.occupancy.size(), static_cast<size_t>(map.columns) * static_cast<size_t>(map.rows));
+  EXPECT_EQ(map.resolution_m, 0.05);
+  for (const float p : map.occupancy) EXPECT_TRUE(p == 1.0F || p == 0.5F);
+  // Straight ahead of the first pose.
+  const double range_m = drive.entries[0].scan.ranges_m[90];
+  const int column = static_cast<int>((range_m - map.x_min_m) / map.resolution_m);
+  const int row = static_cast<int>((0 - map.y_min_m) / map.resolution_m);
+  float nearby = 0;  // the return lies on the line between two rows
+  for (int r = row - 1; r <= row; ++r)
+    nearby = std::max(nearby, map.occupancy[static_cast<size_t>(r) * static_cast<size_t>(map.columns) +
+                                            static_cast<size_t>(column)]);
+  EXPECT_EQ(nearby, 1.0F);
+}
+
+TEST(MapFiles, TheRosMapHasTheMapsCellsWithTheTopRowFirst) {
+  const testing::TempFolder folder;
+  auto method = makeMethod("naive_wheel");
+  const auto estimate = runDrive(method, test::driveThroughRoom(20));
+  saveMaps(method, estimate, folder.path());
+  const auto map = currentMap(method);
+  // MRPT's own reader of ROS maps turns the rows back; it keeps only occupied, free and unknown.
+  mrpt::maps::COccupancyGridMap2D ros(0, 1, 0, 1, 0.5F);
+  ASSERT_TRUE(ros.loadFromROSMapServerYAML(folder / "map.yaml"));
+  ASSERT_EQ(static_cast<int>(ros.getSizeX()), map.columns);
+  ASSERT_EQ(static_cast<int>(ros.getSizeY()), map.rows);
+  EXPECT_NEAR(ros.getXMin(), map.x_min_m, 1e-4);
+  EXPECT_NEAR(ros.getYMin(), map.y_min_m, 1e-4);
+  int occupied = 0, free = 0, wrong = 0;
+  for (int row = 0; row < map.rows; ++row)
+    for (int column = 0; column < map.columns; ++column) {
+      const float p = map.occupancy[static_cast<size_t>(row) * static_cast<size_t>(map.columns) +
+                                    static_cast<size_t>(column)];
+      const float free_in_file = ros.getCell(column, row);
+      if (p > kOccupiedAbove) ++occupied, wrong += free_in_file > 0.3F ? 1 : 0;
+      if (p < kFreeBelow) ++free, wrong += free_in_file < 0.7F ? 1 : 0;
+    }
+  EXPECT_GT(occupied, 200);
+  EXPECT_GT(free, 5000);
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST(MapFiles, TheGridFileIsAStockGridWithTheSameCells) {
+  const testing::TempFolder folder;
+  auto method = makeMethod("rbpf_exact");
+  const auto estimate = runDrive(method, test::driveThroughRoom(10));
+  saveMaps(method, estimate, folder.path());
+  mrpt::io::CFileGZInputStream file(folder / "map.gridmap.gz");
+  const auto object = mrpt::serialization::archiveFrom(file).ReadObject();
+  ASSERT_STREQ(object->GetRuntimeClass()->className, "mrpt::maps::COccupancyGridMap2D");
+  const auto& grid = dynamic_cast<const mrpt::maps::COccupancyGridMap2D&>(*object);
+  const auto& maps = compat::asReference(method.builder->getCurrentlyBuiltMetricMap());
+  EXPECT_EQ(grid.getRawMap(), maps.mapByClass<mrpt::maps::COccupancyGridMap2D>()->getRawMap());
+}
+
+TEST(MapFiles, TheSimpleMapHoldsTheKeyFrames) {
+  const testing::TempFolder folder;
+  auto method = makeMethod("icp");
+  const auto estimate = runDrive(method, test::driveThroughRoom(20));
+  saveMaps(method, estimate, folder.path());
+  mrpt::maps::CSimpleMap key_frames;
+  ASSERT_TRUE(key_frames.loadFromFile(folder / "map.simplemap"));
+  EXPECT_EQ(key_frames.size(), method.builder->getCurrentlyBuiltMapSize());
+  EXPECT_GE(key_frames.size(), 2U);
+}
+
+TEST(MapFiles, TheSceneHasItsNamedLayers) {
+  const testing::TempFolder folder;
+  auto method = makeMethod("icp");
+  const auto estimate = runDrive(method, test::driveThroughRoom(20));
+  saveMaps(method, estimate, folder.path());
+  compat::Scene scene;
+  ASSERT_TRUE(scene.loadFromFile(folder / "map.3Dscene"));
+  for (const char* layer : {"ground, 1 m", "occupancy grid", "obstacle points", "path", "robot"})
+    EXPECT_TRUE(scene.getByName(layer)) << layer;
+}
+
+TEST(MapFiles, AFolderThatCannotBeWrittenIsAnIoError) {
+  auto method = makeMethod("naive");
+  const auto estimate = runDrive(method, test::driveThroughRoom(2));
+  try {
+    saveMaps(method, estimate, "/nowhere/at/all");
+    FAIL();
+  } catch (const core::IoError& error) {
+    EXPECT_THAT(error.what(), ::testing::StartsWith("/nowhere/at/all/map"));
+  }
+}
+
+}  // namespace
+}  // namespace slam::mapping

@@ -1,0 +1,165 @@
+// MRPT's own programs, with our configurations, plugin and files.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mrpt/opengl/CCamera.h>
+#include <mrpt/opengl/CFBORender.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "libslam/core/files.h"
+#include "libslam/logs/log_writer.h"
+#include "libslam/mapping/map_builder.h"
+#include "libslam/mapping/mrpt_compat.h"
+#include "libslam/testing/temp_folder.h"
+#include "tests/mapping/small_room.h"
+
+namespace slam::mapping {
+namespace {
+
+const std::string kSource = RASTERSLAM_SOURCE_DIR, kBinary = RASTERSLAM_BINARY_DIR;
+
+std::string writeLog(const testing::TempFolder& folder, const test::Drive& drive) {
+  const std::string path = folder / "drive.rawlog";
+  logs::LogWriter writer(path, logs::RawlogForm::kActionFrame);
+  for (const auto& entry : drive.entries) writer.write(entry);
+  writer.close();
+  return path;
+}
+
+testing::CommandResult runIn(const testing::TempFolder& folder, const std::string& command) {
+  return testing::runCommand("cd '" + folder.path() + "' && env -u DISPLAY " + command);
+}
+
+/// The numbers of the last line of a file that holds numbers.
+std::vector<double> lastLine(const std::string& path) {
+  std::istringstream lines(core::readTextFile(path));
+  std::string line, last;
+  while (std::getline(lines, line))
+    if (line.find_first_of("0123456789") != std::string::npos) last = line;
+  std::istringstream numbers(last);
+  std::vector<double> values;
+  for (double value = 0; numbers >> value;) values.push_back(value);
+  return values;
+}
+
+core::Pose2 lastPoseOfIcpSlam(const std::string& log_folder) {
+  const auto line = lastLine(log_folder + "/log_estimated_path.txt");  // step x y yaw
+  return line.size() == 4 ? core::Pose2{line[1], line[2], line[3]} : core::Pose2{NAN, NAN, NAN};
+}
+
+core::Pose2 lastPoseOfRbpfSlam(const std::string& log_folder) {
+  const auto line = lastLine(log_folder + "/log_estimated_path.txt");  // step x y z yaw pitch roll time
+  return line.size() >= 5 ? core::Pose2{line[1], line[2], line[4]} : core::Pose2{NAN, NAN, NAN};
+}
+
+void expectNear(const core::Pose2& pose, const core::Pose2& truth, double distance_m, double angle_deg) {
+  EXPECT_LT(core::distance(core::position(pose), core::position(truth)), distance_m);
+  EXPECT_LT(std::abs(core::angleDifference(pose.phi, truth.phi)), core::degToRad(angle_deg));
+}
+
+TEST(StockPrograms, IcpSlamRunsOurConfigurationAndComesToTheSamePoseAsWe) {
+  if (!testing::programExists("icp-slam"))
+    GTEST_SKIP() << "icp-slam (Debian package mrpt-apps) is not installed";
+  const testing::TempFolder folder;
+  const auto drive = test::driveThroughRoom();
+  const auto log = writeLog(folder, drive);
+  const auto run = runIn(folder, "icp-slam '" + kSource + "/configs/mrpt/icp-slam.ini' '" + log + "'");
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  const auto pose = lastPoseOfIcpSlam(folder / "LOG_rasterslam_icp-slam");
+
+  auto method = makeMapBuilder(loadMethodConfig(kSource + "/configs/methods", "icp"), "icp", 1);
+  core::Pose2 ours;
+  for (const auto& entry : drive.entries)
+    ours = processScan(method, entry.scan, entry.T_previous_robot, entry.has_odometry);
+  // The program writes 4 decimals; the log's odometry is in single precision.
+  expectNear(pose, ours, 1e-3, 0.05);
+  expectNear(pose, drive.truth.back(), 0.06, 0.7);
+}
+
+TEST(StockPrograms, RbpfSlamRunsOurConfigurationAndWithThePluginOurGrid) {
+  if (!testing::programExists("rbpf-slam"))
+    GTEST_SKIP() << "rbpf-slam (Debian package mrpt-apps) is not installed";
+  const testing::TempFolder folder;
+  const auto drive = test::driveThroughRoom();
+  const auto log = writeLog(folder, drive);
+  const std::string log_folder = folder / "LOG_rasterslam_rbpf-slam";
+
+  const auto stock = runIn(folder, "rbpf-slam '" + kSource + "/configs/mrpt/rbpf-slam.ini' '" + log + "'");
+  ASSERT_EQ(stock.exit_code, 0) << stock.out << stock.err;
+  const auto stock_pose = lastPoseOfRbpfSlam(log_folder);
+  EXPECT_TRUE(core::isFinite(stock_pose));
+
+  const std::string exact_run = "rbpf-slam '" + kSource + "/configs/mrpt/rbpf-slam_exact.ini' '" + log + "'";
+  const auto exact = runIn(folder, "LD_PRELOAD='" + kBinary + "/librasterslam-mrpt.so' " + exact_run);
+  ASSERT_EQ(exact.exit_code, 0) << exact.out << exact.err;
+  const auto exact_pose = lastPoseOfRbpfSlam(log_folder);
+  expectNear(exact_pose, drive.truth.back(), 0.1, 2);
+  EXPECT_NE(exact_pose.phi, stock_pose.phi);
+}
+
+class SavedRun : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    auto method = makeMapBuilder(loadMethodConfig(kSource + "/configs/methods", "icp"), "icp", 1);
+    core::Trajectory estimate;
+    for (const auto& entry : test::driveThroughRoom(30).entries)
+      estimate.push_back(
+          {entry.scan.time_s, processScan(method, entry.scan, entry.T_previous_robot, entry.has_odometry)});
+    saveMaps(method, estimate, folder_.path());
+  }
+  testing::TempFolder folder_;
+};
+
+TEST_F(SavedRun, TheSimpleMapIsReadByObservations2map) {
+  if (!testing::programExists("observations2map"))
+    GTEST_SKIP() << "observations2map (Debian package mrpt-apps) is not installed";
+  std::ofstream(folder_ / "map.ini") << "[map]\noccupancyGrid_count = 1\n"
+                                        "[map_occupancyGrid_00_creationOpts]\nresolution = 0.05\n";
+  const auto run = runIn(folder_, "observations2map map.ini map.simplemap out -s map");
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  bool found = false;
+  for (const auto& file : std::filesystem::directory_iterator(folder_.path()))
+    found = found || file.path().filename().string().find("COccupancyGridMap2D") != std::string::npos;
+  EXPECT_TRUE(found) << run.out;
+}
+
+TEST_F(SavedRun, TheSceneRendersOffScreen) {
+  setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
+  unsetenv("DISPLAY");
+  compat::Scene scene;
+  ASSERT_TRUE(scene.loadFromFile(folder_ / "map.3Dscene"));
+  mrpt::img::CImage picture;
+  try {
+    mrpt::opengl::CFBORender renderer(300, 300);
+    mrpt::opengl::CCamera camera;
+    camera.setPointingAt(2.0F, 0.0F, 0.0F);
+    camera.setZoomDistance(20);
+    camera.setAzimuthDegrees(-90);
+    camera.setElevationDegrees(89.9F);
+    camera.setOrthogonal(true);
+    renderer.setCamera(scene, camera);
+    renderer.render_RGB(scene, picture);
+  } catch (const std::exception& error) {
+    GTEST_SKIP() << "no off-screen rendering here: " << std::string(error.what()).substr(0, 120);
+  }
+  ASSERT_TRUE(picture.saveToFile(folder_ / "scene.png"));
+  EXPECT_GT(std::filesystem::file_size(folder_ / "scene.png"), 1000U);
+  // Free cells are white, the walls' points red, the path blue.
+  int red = 0, blue = 0, white = 0;
+  for (unsigned y = 0; y < 300; ++y)
+    for (unsigned x = 0; x < 300; ++x) {
+      const auto* pixel = picture.ptr<std::uint8_t>(x, y);  // blue, green, red
+      if (pixel[2] > 150 && pixel[0] < 100) ++red;
+      if (pixel[0] > 150 && pixel[2] < 100) ++blue;
+      if (pixel[0] > 200 && pixel[1] > 200 && pixel[2] > 200) ++white;
+    }
+  EXPECT_GT(red, 100);
+  EXPECT_GT(blue, 20);
+  EXPECT_GT(white, 2000);
+}
+
+}  // namespace
+}  // namespace slam::mapping

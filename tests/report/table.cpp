@@ -1,0 +1,149 @@
+#include "libslam/report/table.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "libslam/core/error.h"
+
+namespace slam::report {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Table comparison() {
+  return {"Office",
+          {{"method", "Method", 0}, {"ate_rmse_m", "ATE rmse (m)", 3}, {"time_ms", "ms per scan", 1}},
+          {{"naive", 3.1, 0.04}, {"icp", 0.1499999, 12.25}, {"rbpf", kNaN, "lost"}},
+          {"No truth: - ."}};
+}
+
+TEST(Table, AsTextAlignsDigitsUnderEachOther) {
+  EXPECT_EQ(toText(comparison()),
+            "Office\n"
+            "\n"
+            "Method  ATE rmse (m)  ms per scan\n"
+            "------  ------------  -----------\n"
+            "naive          3.100          0.0\n"
+            "icp            0.150         12.2\n"
+            "rbpf               -         lost\n"
+            "\n"
+            "No truth: - .\n");
+}
+
+TEST(Table, AsMarkdownIsATableWithNumbersRight) {
+  EXPECT_EQ(toMarkdown(comparison()),
+            "**Office**\n"
+            "\n"
+            "| Method | ATE rmse (m) | ms per scan |\n"
+            "| --- | ---: | ---: |\n"
+            "| naive | 3.100 | 0.0 |\n"
+            "| icp | 0.150 | 12.2 |\n"
+            "| rbpf | - | lost |\n"
+            "\n"
+            "No truth: - .\n");
+}
+
+TEST(Table, AsCsvKeepsEveryDigit) {
+  EXPECT_EQ(toCsv(comparison()),
+            "method,ate_rmse_m,time_ms\r\n"
+            "naive,3.1,0.04\r\n"
+            "icp,0.1499999,12.25\r\n"
+            "rbpf,,lost\r\n");
+}
+
+TEST(Table, AsJsonKeepsTheOrderOfColumnsAndWritesNaNAsNull) {
+  const auto text = toJson(comparison());
+  const auto json = nlohmann::ordered_json::parse(text);
+  EXPECT_EQ(json["caption"], "Office");
+  EXPECT_EQ(json["columns"][1]["key"], "ate_rmse_m");
+  EXPECT_EQ(json["columns"][1]["title"], "ATE rmse (m)");
+  EXPECT_EQ(json["rows"][1]["ate_rmse_m"], 0.1499999);
+  EXPECT_TRUE(json["rows"][2]["ate_rmse_m"].is_null());
+  EXPECT_EQ(json["rows"][2]["time_ms"], "lost");
+  EXPECT_EQ(json["notes"][0], "No truth: - .");
+  EXPECT_EQ(json["rows"][0].begin().key(), "method");
+  EXPECT_EQ(text.back(), '\n');
+}
+
+TEST(Table, EscapesWhatEachFormatWouldMisread) {
+  const Table odd = {"", {{"a,b", "a|b"}}, {{"x|y"}, {"say \"hi\", you"}, {"two\nlines"}}, {}};
+  EXPECT_EQ(toMarkdown(odd),
+            "| a\\|b |\n"
+            "| --- |\n"
+            "| x\\|y |\n"
+            "| say \"hi\", you |\n"
+            "| two lines |\n");
+  EXPECT_EQ(toCsv(odd),
+            "\"a,b\"\r\n"
+            "x|y\r\n"
+            "\"say \"\"hi\"\", you\"\r\n"
+            "\"two\nlines\"\r\n");
+  EXPECT_EQ(nlohmann::json::parse(toJson(odd))["rows"][2]["a,b"], "two\nlines");
+  EXPECT_EQ(nlohmann::json::parse(toJson({"caf\xE9", {}, {}, {}}))["caption"],
+            "caf\xEF\xBF\xBD");  // not UTF-8
+}
+
+TEST(Table, CountsLettersNotBytes) {
+  EXPECT_EQ(toText({"", {{"log", "Log"}, {"n", "n", 0}}, {{"Málaga", 1.0}, {"Intel", 22.0}}, {}}),
+            "Log      n\n"
+            "------  --\n"
+            "Málaga   1\n"
+            "Intel   22\n");
+}
+
+Table withErrorColumns(int count) {
+  Table table{"", {{"m", "Method"}}, {{"icp"}}, {}};
+  for (int i = 0; i < count; ++i) {
+    table.columns.push_back({"k" + std::to_string(i), "position error", 3});
+    table.rows[0].emplace_back(double(i));
+  }
+  return table;
+}
+
+TEST(Table, BreaksTitlesWhereItWouldBeWiderThanATerminal) {
+  EXPECT_EQ(toText(withErrorColumns(6)),
+            "        position  position  position  position  position  position\n"
+            "Method     error     error     error     error     error     error\n"
+            "------  --------  --------  --------  --------  --------  --------\n"
+            "icp        0.000     1.000     2.000     3.000     4.000     5.000\n");
+  EXPECT_EQ(toText(withErrorColumns(1)),
+            "Method  position error\n"
+            "------  --------------\n"
+            "icp              0.000\n");
+  EXPECT_EQ(toText({"", {{"m", "Method"}}, {}, {std::string(78, 'x') + " and more"}}),
+            "Method\n------\n\n" + std::string(78, 'x') + "\nand more\n");
+}
+
+TEST(Table, ShowsNoNegativeZeroAndNamesInfinity) {
+  const Table table{"", {{"v", "v", 2}}, {{-0.001}, {-0.01}, {double(INFINITY)}, {-double(INFINITY)}}, {}};
+  EXPECT_EQ(toText(table), "    v\n-----\n 0.00\n-0.01\n  inf\n -inf\n");
+  EXPECT_EQ(toCsv(table), "v\r\n-0.001\r\n-0.01\r\ninf\r\n-inf\r\n");
+  EXPECT_TRUE(nlohmann::json::parse(toJson(table))["rows"][2]["v"].is_null());
+}
+
+TEST(Table, WithoutRowsHasItsTitlesOnly) {
+  const Table none{"", {{"a", "A"}, {"b", "B"}}, {}, {}};
+  EXPECT_EQ(toText(none), "A  B\n-  -\n");
+  EXPECT_EQ(toCsv(none), "a,b\r\n");
+  EXPECT_EQ(nlohmann::json::parse(toJson(none))["rows"].size(), 0U);
+}
+
+TEST(Table, RefusesARaggedRowAndAKeyTwice) {
+  auto ragged = comparison();
+  ragged.rows[1] = {"icp", 0.15};
+  const Table twice{"", {{"a", "A"}, {"a", "B"}}, {}, {}};
+  for (const auto format : {toText, toMarkdown, toCsv, toJson}) {
+    EXPECT_THROW(format(ragged), core::ContractError);
+    EXPECT_THROW(format(twice), core::ContractError);
+  }
+  try {
+    toText(ragged);
+  } catch (const core::ContractError& e) {
+    EXPECT_STREQ(e.what(), "table 'Office': row 1 has 2 cells, expected 3");
+  }
+}
+
+}  // namespace
+}  // namespace slam::report
