@@ -30,7 +30,8 @@ std::vector<Entry> entriesOf(const std::string& what) {
     for (const auto& name : run::namesInFolder(folder, ".ini"))
       entries.emplace_back(name, firstComment(folder + "/" + name + ".ini"));
   } else if (what == "strategies") {
-    for (const auto& name : navigate::strategyNames()) entries.emplace_back(name, "");
+    for (const auto& name : navigate::strategyNames())
+      entries.emplace_back(name, navigate::strategyMeaning(name));
   } else if (what == "worlds") {
     for (const auto& name : run::namesInFolder(run::worldsFolder(), ".yaml")) {
       const auto plan = world::loadPlan(run::worldsFolder() + "/" + name + ".yaml");

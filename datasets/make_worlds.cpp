@@ -1,6 +1,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <string>
 
@@ -15,8 +16,10 @@ int main(int argc, char** argv) {
   try {
     const std::string folder = argc > 1 ? argv[1] : ".";
     const std::uint64_t seed = argc > 2 ? std::stoull(argv[2]) : 1;
-    for (const auto& name : slam::world::buildingNames())
-      slam::world::savePlan(slam::world::makeBuilding(name, seed), folder + "/" + name + ".yaml");
+    for (const auto& name : slam::world::buildingNames()) {
+      const auto yaml = std::filesystem::path(folder) / (name + ".yaml");
+      slam::world::savePlan(slam::world::makeBuilding(name, seed), yaml.string());
+    }
     return static_cast<int>(ExitCode::kOk);
   } catch (const std::exception& e) {
     std::cerr << "make_worlds: " << e.what() << "\n";

@@ -5,18 +5,24 @@
 
 namespace slam::logs {
 
-/// TUM: `time x y z qx qy qz qw` per line, `#` comments. Written with 6 decimals of a second and 9 of metres.
-/// Reading: z, roll and pitch are dropped; errors (InputError) with file:line: too few numbers, nan,
-/// quaternion of length 0, stamps that run back, no pose at all.
+/// Trajectories as text. Readers pass over blank lines and lines that start with # or %; they take equal stamps
+/// but none that runs back, and know no locale. Errors (InputError with file:line): too few or too many
+/// numbers, a number that is malformed or not finite, stamps that run back, a quaternion of length 0; no pose
+/// at all; and those of core::readTextFile.
+/// Writers give the same bytes for the same poses and leave a whole file or none. REQUIRES at least one pose,
+/// finite numbers, stamps that do not run back (ContractError). Errors: IoError with the path.
+
+/// TUM: `time x y z qx qy qz qw` per line. Written with 6 decimals of a second and 9 of metres, below a comment
+/// that names the columns. Reading drops z, roll and pitch (heading as yaw of z, y', x'').
 void writeTum(const core::Trajectory& trajectory, const std::string& path);
 core::Trajectory readTum(const std::string& path);
 
-/// MRPT's convention beside a rawlog, NAME.rawlog.GT.txt: `time x y phi` per line, relative to the start
-/// pose.
+/// MRPT's convention beside a rawlog, NAME.rawlog.GT.txt: `time x y phi` per line, relative to the start pose,
+/// 6 decimals, no comment.
 void writeMrptGroundTruth(const core::Trajectory& truth, const std::string& path);
 core::Trajectory readMrptGroundTruth(const std::string& path);
 
-/// By content: four numbers a line is MRPT's, eight is TUM.
+/// By content: four numbers in the first line of numbers is MRPT's, eight is TUM.
 core::Trajectory readTrajectory(const std::string& path);
 
 }  // namespace slam::logs

@@ -46,7 +46,8 @@ struct Driver::State {
 
   /// How far the disc may go straight along direction_rad by this scan.
   double reach(const robot::Scan& scan, double direction_rad) const {
-    const double margin_m = 0.02 + 3 * scan.range_sigma_m;
+    // The nearest of many noisy readings already lies some standard deviations before the wall.
+    const double margin_m = 0.02 + scan.range_sigma_m;
     return freeTravel(robot::scanPoints(scan), direction_rad, robot::circumscribedRadius(robot) + margin_m);
   }
   robot::Command straight(double distance_m) const { return {distance_m / period_s, 0, period_s}; }

@@ -16,9 +16,13 @@ std::unique_ptr<Strategy> make(const StrategyOptions& options, core::RandomStrea
 
 struct Entry {
   const char* name;
+  const char* meaning;
   Maker maker;
 };
-constexpr Entry kStrategies[] = {{"longest_ray", make<LongestRay>}, {"quadrant", make<Quadrant>}};
+constexpr Entry kStrategies[] = {
+    {"longest_ray", "drive along the longest ray; soon shuttles along the longest diagonal",
+     make<LongestRay>},
+    {"quadrant", "the longest ray of the quadrants that do not lead back the way it came", make<Quadrant>}};
 
 }  // namespace
 
@@ -45,6 +49,12 @@ std::vector<std::string> strategyNames() {
   std::vector<std::string> names;
   for (const auto& entry : kStrategies) names.push_back(entry.name);
   return names;
+}
+
+std::string strategyMeaning(const std::string& name) {
+  for (const auto& entry : kStrategies)
+    if (name == entry.name) return entry.meaning;
+  throw core::ContractError("strategyMeaning: no strategy '" + name + "'");
 }
 
 std::unique_ptr<Strategy> makeStrategy(const StrategyOptions& options, core::RandomStream random) {

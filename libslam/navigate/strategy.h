@@ -51,14 +51,16 @@ struct StrategyOptions {
 /// Errors: unknown name, divisor_max below divisor_min (InputError).
 std::unique_ptr<Strategy> makeStrategy(const StrategyOptions& options, core::RandomStream random);
 std::vector<std::string> strategyNames();
+/// One line for lists. REQUIRES a name of strategyNames() (ContractError).
+std::string strategyMeaning(const std::string& name);
 
 /// Turns decisions into commands of one scan period each, looks at every scan, and stops early when the way
 /// ahead is blocked. Asks the strategy again when the current decision is carried out or given up.
 ///
 /// A command is a turn in place or a straight drive, within the robot's limits. The drive stops when CanMove
 /// reports the way blocked, and never goes farther in one period than the disc around the footprint can be
-/// shifted before it comes near to a return of the newest scan (a margin of 2 cm and three standard
-/// deviations of the range). When nothing was driven before the stop, it goes back by back_off_m where the
+/// shifted before it comes near to a return of the newest scan (a margin of 2 cm and one standard deviation
+/// of the range). When nothing was driven before the stop, it goes back by back_off_m where the
 /// rear is free. After `patience` decisions without progress it turns to a random direction in which the disc
 /// can leave, where only the disc has to fit. The same scans, poses and random stream give the same commands.
 class Driver {

@@ -60,14 +60,15 @@ class Matcher {
       const double u = beamAt(q);
       if (!inView(u) || range <= 0) continue;
       ++pairs.compared;
-      const long j = partner(q, u, range, gate_m);
+      const LocalLine& own = moving_.lines[i];
+      const core::Point2 normal{c * own.normal.x - s * own.normal.y, s * own.normal.x + c * own.normal.y};
+      const long j = partner(q, own.valid ? &normal : nullptr, u, range, gate_m);
       if (j < 0) continue;
       const LocalLine& line = reference_.lines[static_cast<size_t>(j)];
       const core::Point2& r = reference_.points[static_cast<size_t>(j)];
       const core::Point2 d{q.x - r.x, q.y - r.y};
       const double along = -line.normal.y * d.x + line.normal.x * d.y;
       if (along < line.low_m - kEndMargin_m || along > line.high_m + kEndMargin_m) continue;
-      if (!normalsAgree(moving_.lines[i], line, c, s)) continue;
       const double residual = line.normal.x * d.x + line.normal.y * d.y;
       if (std::abs(residual) > gate_m) continue;
       // Range noise acts along the beam; across the line only its share by the angle of incidence is seen.
@@ -99,7 +100,8 @@ class Matcher {
   /// The partner of a point: the return nearest to it tells the surface, and on that surface the return
   /// beside it along the wall is taken. Taking the nearest itself would pick, of all returns within the
   /// noise, the one with the most agreeable error.
-  long partner(const core::Point2& q, double u, double range, double gate_m) const {
+  long partner(const core::Point2& q, const core::Point2* own_normal, double u, double range,
+               double gate_m) const {
     const long centre = std::lround(u);
     const long reach =
         std::clamp(static_cast<long>(std::ceil(gate_m / (range * reference_.step_rad))), 1L, kReach);
@@ -107,19 +109,19 @@ class Matcher {
     double least = kFar;
     long nearest = -1;
     for (long k = centre - reach; k <= centre + reach; ++k) {
-      const long j = lineAt(k);
+      const long j = lineAt(k, own_normal);
       if (j < 0) continue;
       const core::Point2& r = reference_.points[static_cast<size_t>(j)];
       const double distance = (q.x - r.x) * (q.x - r.x) + (q.y - r.y) * (q.y - r.y);
       if (distance < least) nearest = j, least = distance;
     }
     if (nearest < 0) return -1;
-    const core::Point2 normal = reference_.lines[static_cast<size_t>(nearest)].normal;
-    const core::Point2 on = reference_.points[static_cast<size_t>(nearest)];
+    const core::Point2& normal = reference_.lines[static_cast<size_t>(nearest)].normal;
+    const core::Point2& on = reference_.points[static_cast<size_t>(nearest)];
     long beside = nearest;
     least = kFar;
     for (long k = centre - reach; k <= centre + reach; ++k) {
-      const long j = lineAt(k);
+      const long j = lineAt(k, own_normal);
       if (j < 0) continue;
       const core::Point2& r = reference_.points[static_cast<size_t>(j)];
       const double off = normal.x * (r.x - on.x) + normal.y * (r.y - on.y);
@@ -129,20 +131,19 @@ class Matcher {
     return beside;
   }
 
-  /// The beam, once round the circle where there is one; -1 where there is no beam or no line.
-  long lineAt(long beam) const {
+  /// The beam, once round the circle where there is one; -1 where there is no beam, no line, or one that
+  /// faces elsewhere than the point's own line (a door post is not matched with the wall that it stands in).
+  long lineAt(long beam, const core::Point2* own_normal) const {
     const long n = static_cast<long>(reference_.points.size());
     if (beam < 0 || beam >= n) {
       if (!reference_.full_circle) return -1;
-      beam = (beam + n) % n;
+      beam = (beam % n + n) % n;
     }
-    return beam >= 0 && reference_.lines[static_cast<size_t>(beam)].valid ? beam : -1;
-  }
-
-  static bool normalsAgree(const LocalLine& moving, const LocalLine& reference, double c, double s) {
-    if (!moving.valid) return true;
-    const double x = c * moving.normal.x - s * moving.normal.y, y = s * moving.normal.x + c * moving.normal.y;
-    return std::abs(x * reference.normal.x + y * reference.normal.y) > kNormalAgreement;
+    const LocalLine& line = reference_.lines[static_cast<size_t>(beam)];
+    if (!line.valid) return -1;
+    if (!own_normal) return beam;
+    const double cosine = own_normal->x * line.normal.x + own_normal->y * line.normal.y;
+    return std::abs(cosine) > kNormalAgreement ? beam : -1;
   }
 
   const ScanLines& reference_;

@@ -258,7 +258,6 @@ void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, cons
   Window truth = windowOf(plan, plan.T_world_plan), estimates;
   for (const auto& path : paths) (path.is_truth ? truth : estimates).include(windowOf(path.path));
   PathColours colours;
-  for (const auto& path : paths) colours.of(path);  // the order of the paths gives the colours
   MapSheet sheet(usable(withEstimates(truth, estimates)), title, legendOf(paths, colours));
   auto& canvas = sheet.canvas();
   canvas.clipTo(sheet.view().box);

@@ -60,15 +60,23 @@ core::InputError malformed(const std::string& where, const std::string& found, c
   return core::InputError(where + ": found '" + found + "', expected " + expected);
 }
 
+core::InputError unknownKey(const std::string& where, const std::string& key) {
+  return core::InputError(where + ": unknown key '" + key + "'" + core::didYouMean(key, knownKeys()));
+}
+
+core::InputError givenTwice(const std::string& where, const std::string& key, const std::string& first) {
+  return core::InputError(where + ": key '" + key + "' is given twice, first at " + first);
+}
+
 std::string unquoted(const std::string& text, const std::string& where) {
   if (text.empty() || (text.front() != '"' && text.front() != '\'')) return text;
   const char quote = text.front();
   std::string result;
   for (size_t i = 1; i < text.size(); ++i) {
     const bool has_next = i + 1 < text.size();
-    if (quote == '"' && text[i] == '\\' && has_next)
-      result += text[++i];
-    else if (quote == '\'' && text[i] == '\'' && has_next && text[i + 1] == '\'')
+    const bool escapes = quote == '"' && text[i] == '\\' && has_next;
+    const bool is_doubled = quote == '\'' && text[i] == quote && has_next && text[i + 1] == quote;
+    if (escapes || is_doubled)
       result += text[++i];
     else if (text[i] != quote)
       result += text[i];
@@ -119,9 +127,9 @@ Entries parse(const std::string& text, const std::string& path) {
     const std::string key = unquoted(trimmed(content.substr(0, colon)), where);
     const std::string value = trimmed(content.substr(colon + 1));
     if (std::find(knownKeys().begin(), knownKeys().end(), key) == knownKeys().end())
-      throw core::InputError(where + ": unknown key '" + key + "'" + core::didYouMean(key, knownKeys()));
+      throw unknownKey(where, key);
     if (const auto it = entries.find(key); it != entries.end())
-      throw core::InputError(where + ": key '" + key + "' is given twice, first at " + it->second.where);
+      throw givenTwice(where, key, it->second.where);
     Entry& entry = entries[key];
     entry.where = where;
     entry.is_list = !value.empty() && value.front() == '[';

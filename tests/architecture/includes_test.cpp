@@ -26,7 +26,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"odometry", {"core", "robot"}},
     {"mapping", {"core", "robot", "odometry"}},
     // both
-    {"run", {"core", "robot", "logs", "world", "sim", "metrics", "report", "navigate", "odometry", "mapping"}},
+    {"run",
+     {"core", "robot", "logs", "world", "sim", "metrics", "report", "navigate", "odometry", "mapping"}},
     {"testing", {"core", "robot", "world"}},
 };
 
@@ -46,7 +47,9 @@ std::string read(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-bool isSource(const fs::path& path) { return path.extension() == ".h" || path.extension() == ".cpp"; }
+bool isSource(const fs::path& path) {
+  return path.extension() == ".h" || path.extension() == ".cpp";
+}
 
 TEST(Includes, EveryRoomKeepsToTheTable) {
   int files = 0;
@@ -69,7 +72,8 @@ TEST(Includes, TheTableHoldsTheTruthWall) {
 }
 
 TEST(Includes, AViolationIsSeen) {
-  EXPECT_EQ(problemsOf("x.cpp", "mapping", "#include \"libslam/world/plan.h\"\n"), "x.cpp includes room world\n");
+  EXPECT_EQ(problemsOf("x.cpp", "mapping", "#include \"libslam/world/plan.h\"\n"),
+            "x.cpp includes room world\n");
   EXPECT_EQ(problemsOf("x.cpp", "mapping", "#include \"libslam/core/pose2.h\"\n"), "");
 }
 
@@ -85,7 +89,8 @@ TEST(Includes, RoomsLinkOnlyWhatTheyMayInclude) {
       std::istringstream words(match[1]);
       for (std::string word; words >> word;) linked.insert(word);
     }
-    for (std::sregex_iterator it(text.begin(), text.end(), kAlias), end; it != end; ++it) linked.insert((*it)[1]);
+    for (std::sregex_iterator it(text.begin(), text.end(), kAlias), end; it != end; ++it)
+      linked.insert((*it)[1]);
     for (const auto& other : linked)
       EXPECT_TRUE(other == room || allowed.count(other)) << room << " links " << other;
   }

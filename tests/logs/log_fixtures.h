@@ -9,6 +9,7 @@
 #include <zlib.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -86,6 +87,8 @@ inline std::string readBytes(const std::string& path) {
 }
 
 inline void writeBytes(const std::string& bytes, const std::string& path) {
+  // Some file systems wait for the disk when an old file is cut to nothing and filled again.
+  std::filesystem::remove(path);
   std::ofstream(path, std::ios::binary) << bytes;
 }
 

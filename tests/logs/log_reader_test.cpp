@@ -417,7 +417,7 @@ TEST(LogReader, NoticesEveryFlippedBitThatChangesTheContentBeforeItsFirstEntry) 
 TEST(LogReader, ReportsAChecksumThatDoesNotMatch) {
   const testing::TempFolder folder;
   for (const auto form : {RawlogForm::kActionFrame, RawlogForm::kObservationOnly}) {
-    writeLog(sampleEntries(400), folder / "a.rawlog", form);
+    writeLog(sampleEntries(2000), folder / "a.rawlog", form);
     auto bytes = readBytes(folder / "a.rawlog");
     const auto size = std::to_string(bytes.size());
     bytes[bytes.size() - 8] ^= 1;  // RFC 1952, 2.3.1: the last 8 bytes are checksum and length
@@ -425,7 +425,7 @@ TEST(LogReader, ReportsAChecksumThatDoesNotMatch) {
     EXPECT_EQ(readOutcome(folder / "a.rawlog").error,
               folder / "a.rawlog" + ": corrupt: the gzip checksum at byte " +
                   std::to_string(bytes.size() - 4) + " of " + size +
-                  " does not match, so one of its about 800 entries is wrong");
+                  " does not match, so one of its about 4000 entries is wrong");
   }
 }
 

@@ -116,15 +116,19 @@ TEST(SeenCells, FromNowhereAreNone) {
   for (const auto& pose : {core::Pose2{-1, 0.5, 0}, {0.55, 1e300, 0}, {0.05, 0.05, 0}, {kNaN, 0.3, 0}})
     EXPECT_EQ(picture(allRound(kRoom, {{0, pose}})), none);
   EXPECT_EQ(picture(allRound(kRoom, {})), none);
+  // And such a pose does not keep the next one from seeing.
+  const core::Trajectory lost_at_first = {{0, {kNaN, 0, 0}}, {1, {0.75, 0.65, 0}}, {2, {0.25, 0.25, 0}}};
+  EXPECT_EQ(picture(allRound(kRoom, lost_at_first)),
+            picture(allRound(kRoom, {lost_at_first.begin() + 1, lost_at_first.end()})));
 }
 
 TEST(SeenCells, LeaveOutPosesTooCloseToTheLastOneUsed) {
   // One beam; each pose adds the column in front of it, unless it is left out.
   const Plan open = drawn(std::vector<std::string>(3, std::string(12, '.')));
   core::Trajectory truth;
-  for (const double x : {0.05, 0.14, 0.26, 0.35, 0.45}) truth.push_back({10 * x, {x, 0.05, kPi / 2}});
-  // 0.14 is within 0.1 m of 0.05, 0.35 of 0.26; the last one always counts.
-  EXPECT_EQ(picture(seenCells(open, truth, {}, 0, 0.1, 1, kNoLimit)).front(), ". . .       ");
+  for (const double x : {0.05, 0.14, 0.26, 0.34}) truth.push_back({10 * x, {x, 0.05, kPi / 2}});
+  // 0.14 is within 0.1 m of 0.05; so is 0.34 of 0.26, but the last one always counts.
+  EXPECT_EQ(picture(seenCells(open, truth, {}, 0, 0.1, 1, kNoLimit)).front(), ". ..        ");
   for (const double turn_rad : {0.085, 0.09}) {  // 5 degrees are 0.0873 rad
     const core::Trajectory turning = {
         {0, {0.05, 0.05, 0}}, {1, {0.05, 0.05, turn_rad}}, {2, {0.05, 0.05, 0}}};
@@ -236,6 +240,22 @@ TEST(MapScore, PunishesFreeSpaceClaimedBehindAWall) {
   EXPECT_EQ(honest.free_iou, 1);
   // Free in truth, but nobody could know.
   EXPECT_EQ(scoreMap(two_rooms, seen, two_rooms, {}, 0.1).free_iou, 0.5);
+}
+
+TEST(MapScore, CountsFreeSpaceBeyondThePlanOnEverySide) {
+  const Plan open = drawn({"...", "...", "..."});
+  const auto seen = allRound(open, {{0, {0.15, 0.15, 0}}});
+  for (const auto& T_world_map : {core::Pose2{0.1, 0, 0}, {-0.1, 0, 0}, {0, 0.1, 0}, {0, -0.1, 0}})
+    EXPECT_EQ(scoreMap(open, seen, open, T_world_map, 0.1).free_iou, 6.0 / 12);
+}
+
+TEST(MapScore, OfWallsThatAreAllWrongIsZeroNotNaN) {
+  const Plan plan = drawn({"####", "....", "...."});
+  const auto s =
+      scoreMap(plan, allRound(plan, {{0, {0.25, 0.05, 0}}}), drawn({"....", "....", "####"}), {}, 0.1);
+  EXPECT_EQ(s.occupied_precision, 0);
+  EXPECT_EQ(s.occupied_recall, 0);
+  EXPECT_EQ(s.occupied_f1, 0);
 }
 
 TEST(MapScore, PunishesWallsInsideABlockAndOnItsFarSide) {

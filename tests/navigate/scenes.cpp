@@ -8,6 +8,9 @@ namespace {
 using world::Cell;
 using world::Plan;
 
+// Marking costs more than simulating, and a robot moves little between two scans.
+constexpr int kMarkedScan = 5;
+
 size_t index(const Plan& plan, int column, int row) {
   return static_cast<size_t>(row) * plan.columns + column;
 }
@@ -35,12 +38,13 @@ std::vector<char> connectedFloor(const Plan& plan, const core::Point2& p_world) 
 void markSeen(const Plan& plan, const core::Pose2& T_world_robot, const robot::Scan& scan,
               std::vector<char>& seen) {
   const core::Pose2 T_world_lidar = T_world_robot * scan.T_robot_lidar;
+  const auto origin = world::worldToCells(plan, core::position(T_world_lidar));
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
     if (!robot::isReturn(scan.ranges_m[i])) continue;
-    const double angle = T_world_lidar.phi + scan.angle(i), c = std::cos(angle), s = std::sin(angle);
-    for (double r = 0; r < scan.ranges_m[i]; r += plan.resolution_m / 2) {
-      const auto p = world::worldToCells(plan, {T_world_lidar.x + r * c, T_world_lidar.y + r * s});
-      const int column = static_cast<int>(p.x), row = static_cast<int>(p.y);
+    const double angle = T_world_lidar.phi + scan.angle(i) - plan.T_world_plan.phi;
+    const double c = std::cos(angle), s = std::sin(angle), end = scan.ranges_m[i] / plan.resolution_m;
+    for (double r = 0; r < end; r += 0.5) {
+      const int column = static_cast<int>(origin.x + r * c), row = static_cast<int>(origin.y + r * s);
       if (plan.contains(column, row)) seen[index(plan, column, row)] = 1;
     }
   }
@@ -110,7 +114,7 @@ Exploration explore(const Plan& plan, const core::Pose2& start, const StrategyOp
   const int periods = static_cast<int>(std::lround(duration_s / period_s));
   for (int i = 0; i < periods; ++i) {
     result.truth.push_back(simulator.truth());
-    markSeen(plan, simulator.truth(), sensed.scan, seen);
+    if (i % kMarkedScan == 0) markSeen(plan, simulator.truth(), sensed.scan, seen);
     if (i == periods / 2) result.seen_share_half = share(seen, floor);
     const auto command = driver.next(sensed.scan, sensed.T_odom_robot, sensed.collided);
     const std::string& reason = driver.currentDecision().reason;

@@ -87,8 +87,12 @@ TEST(Pictures, HaveTheSameBytesForTheSameInput) {
 
 TEST(DrawPlan, ShowsWallsFreeSpaceAndPathsInTheirPlaces) {
   const TempFolder folder;
+  auto plan = room();
+  for (int row = 66; row < 72; ++row)  // a pillar at (6, 3.45)
+    for (int column = 117; column < 123; ++column)
+      plan.cells[static_cast<size_t>(row) * 160 + column] = Cell::kOccupied;
   drawPlan(
-      room(),
+      plan,
       {{straight(1, 7, 3), "first"}, {straight(1, 7, 1), "true path", true}, {straight(1, 7, 2), "second"}},
       "Room", folder / "plan.png");
   const auto image = load(folder / "plan.png");
@@ -104,6 +108,8 @@ TEST(DrawPlan, ShowsWallsFreeSpaceAndPathsInTheirPlaces) {
   };
   EXPECT_TRUE(isColour(at(0.1, 2), kWall));
   EXPECT_TRUE(isColour(at(4, 3.9), kWall));
+  EXPECT_TRUE(isColour(at(6, 3.45), kWall));
+  EXPECT_TRUE(isColour(at(6, 0.55), kFree));
   EXPECT_TRUE(isColour(at(4, 2.5), kFree));
   EXPECT_TRUE(isColour(at(4, 3), lineColours()[0]));
   EXPECT_TRUE(isColour(at(4, 2), lineColours()[1]));
@@ -143,7 +149,20 @@ TEST(DrawPlan, SurvivesPathsThatAreEmptyShortNotFiniteOrFarAway) {
       "A title that is far longer than the picture is wide, so that it has to be cut somewhere near its end, "
       "ü",
       folder / "plan.png");
-  EXPECT_GT(countOf(load(folder / "plan.png"), lineColours()[2]), 200);
+  const auto image = load(folder / "plan.png");
+  EXPECT_GT(countOf(image, lineColours()[2]), 200);
+  EXPECT_GT(extentOf(image, kWall).width, 1000);  // the far path is cut: the room still fills the picture
+}
+
+TEST(DrawPlan, BreaksAPathWhereAPoseIsNotFinite) {
+  const TempFolder folder;
+  auto broken = straight(1, 7, 2);
+  for (size_t i = 5; i < 15; ++i) broken[i].pose.y = std::nan("");
+  drawPlan(room(), {{straight(1, 7, 2), "whole"}}, "", folder / "whole.png");
+  drawPlan(room(), {{broken, "broken"}}, "", folder / "broken.png");
+  const double whole = countOf(load(folder / "whole.png"), lineColours()[0]);
+  // 9 of 20 segments remain, and the sample in the legend.
+  EXPECT_NEAR(countOf(load(folder / "broken.png"), lineColours()[0]) / whole, 9.0 / 20, 0.07);
 }
 
 TEST(DrawPlan, KeepsThinWallsOfALargePlan) {
@@ -217,7 +236,9 @@ TEST(DrawPanels, IsNotShrunkByOneMapThatWentAstray) {
                folder / name);
     return countOf(load(folder / name), kWall);
   };
-  EXPECT_GT(with(1000, "astray.png"), with(0, "good.png") / 2);
+  const int good = with(0, "good.png");
+  EXPECT_GT(with(1000, "right.png"), good / 2);
+  EXPECT_GT(with(-1000, "left.png"), good / 2);
 }
 
 TEST(DrawPanels, RefusesNoneAndMoreThanEight) {

@@ -123,6 +123,11 @@ TEST(Table, ShowsNoNegativeZeroAndNamesInfinity) {
   EXPECT_TRUE(nlohmann::json::parse(toJson(table))["rows"][2]["v"].is_null());
 }
 
+TEST(Table, LeavesNoBlanksAtTheEndsOfLines) {
+  EXPECT_EQ(toText({"", {{"a", "A"}, {"b", "B"}}, {{"x", "long"}, {"y", "s"}}, {}}),
+            "A  B\n-  ----\nx  long\ny  s\n");
+}
+
 TEST(Table, WithoutRowsHasItsTitlesOnly) {
   const Table none{"", {{"a", "A"}, {"b", "B"}}, {}, {}};
   EXPECT_EQ(toText(none), "A  B\n-  -\n");

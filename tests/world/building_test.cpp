@@ -124,8 +124,8 @@ TEST_P(Buildings, LetTheRobotReachEveryPlace) {
     std::vector<char> admissible(plan.cells.size());
     for (size_t i = 0; i < plan.cells.size(); ++i) {
       if (plan.cells[i] != Cell::kFree) continue;
-      const core::Point2 centre{static_cast<double>(i % plan.columns) + 0.5,
-                                static_cast<double>(i / plan.columns) + 0.5};
+      const int column = static_cast<int>(i % plan.columns), row = static_cast<int>(i / plan.columns);
+      const core::Point2 centre{column + 0.5, row + 0.5};
       admissible[i] = !discCollides(plan, cellsToWorld(plan, centre), kRobotRadius_m);
     }
     EXPECT_EQ(unreachable(plan, [&](size_t i) { return admissible[i] != 0; }), 0) << "seed " << seed;

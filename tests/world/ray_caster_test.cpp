@@ -85,7 +85,8 @@ bool passesCorner(const Ray& ray, double length, double tolerance) {
   const double du = x_major ? ray.direction.x : ray.direction.y;
   const double dv = x_major ? ray.direction.y : ray.direction.x;
   const double end = ou + du * (length + 2);
-  for (double u = std::floor(std::min(ou, end)); u <= std::max(ou, end); ++u) {
+  const int last = static_cast<int>(std::ceil(std::max(ou, end)));
+  for (int u = static_cast<int>(std::floor(std::min(ou, end))); u <= last; ++u) {
     const double v = ov + (u - ou) / du * dv;
     if (std::abs(v - std::round(v)) < tolerance) return true;
   }

@@ -173,7 +173,7 @@ Plan Canvas::plan(const std::string& name) const {
 }
 
 int pick(core::RandomStream& random, int low, int high) {
-  return low + static_cast<int>(random.below(static_cast<std::uint64_t>(high - low + 1)));
+  return low + static_cast<int>(random.below(static_cast<std::uint64_t>(high) - low + 1));
 }
 
 Side pickSide(core::RandomStream& random) {

@@ -28,7 +28,7 @@ void openBetween(Canvas& canvas, int column, int row, int dx, int dy) {
 
 /// A tree of passages by depth-first search with random turns.
 void carveTree(Canvas& canvas, core::RandomStream& random) {
-  std::vector<bool> visited(kSide * kSide, false);
+  std::vector<bool> visited(size_t{kSide} * kSide, false);
   std::vector<int> path{0};
   visited[0] = true;
   while (!path.empty()) {
