@@ -7,6 +7,7 @@
 #include "libslam/core/ini.h"
 #include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/gridmap/occupancy_raster.h"
 #include "libslam/robot/scan.h"
 
 namespace mrpt::slam {
@@ -65,19 +66,8 @@ core::IniFile loadMethodConfig(const std::string& methods_folder, const std::str
 core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core::Pose2& T_previous_robot,
                         bool has_odometry);
 
-/// The map as probabilities on a raster, whatever the method holds inside: for pictures, the ROS map and the
-/// scores.
-struct OccupancyRaster {
-  int columns = 0, rows = 0;
-  double resolution_m = 0.05;
-  double x_min_m = 0, y_min_m = 0;  ///< lower left corner in the map frame
-  std::vector<float> occupancy;     ///< row-major from the bottom, 0 free .. 1 occupied, exactly 0.5 unknown
-};
-OccupancyRaster currentMap(const MapBuilder& method);
-
-/// Above and below these a cell is drawn occupied and free in map.png, between them unknown. One ray with the
-/// default certainty (0.65) decides a cell.
-inline constexpr float kOccupiedAbove = 0.6F, kFreeBelow = 0.4F;
+/// The map as it is now.
+gridmap::OccupancyRaster currentMap(const MapBuilder& method);
 
 /// Writes map.yaml + map.png (ROS map_server, trinary), map.gridmap.gz (a plain COccupancyGridMap2D),
 /// map.simplemap and map.3Dscene (stock MRPT classes only) into an existing folder. `estimate` is drawn as

@@ -72,15 +72,15 @@ void writeObject(const mrpt::serialization::CSerializable& object, const std::st
 }
 
 /// ROS's picture of the map: the top row first, 0 occupied, 254 free, 205 unknown (map_server's own values).
-void writeRosMap(const OccupancyRaster& map, const std::string& folder) {
+void writeRosMap(const gridmap::OccupancyRaster& map, const std::string& folder) {
   cv::Mat picture(map.rows, map.columns, CV_8UC1);
   for (int row = 0; row < map.rows; ++row) {
     auto* pixels = picture.ptr<std::uint8_t>(map.rows - 1 - row);
     const float* cells = map.occupancy.data() + static_cast<size_t>(row) * static_cast<size_t>(map.columns);
     for (int column = 0; column < map.columns; ++column) {
       std::uint8_t gray = 205;
-      if (cells[column] > kOccupiedAbove) gray = 0;
-      if (cells[column] < kFreeBelow) gray = 254;
+      if (cells[column] > gridmap::kOccupiedAbove) gray = 0;
+      if (cells[column] < gridmap::kFreeBelow) gray = 254;
       pixels[column] = gray;
     }
   }
@@ -114,7 +114,7 @@ viz::CPointCloud::Ptr pointsLayer(const MapBuilder& method) {
     return layer;
   }
   const auto grid = gridOf(method);
-  const auto occupied = COccupancyGridMap2D::p2l(1.0F - kOccupiedAbove);
+  const auto occupied = COccupancyGridMap2D::p2l(1.0F - gridmap::kOccupiedAbove);
   for (size_t i = 0; i < grid->getRawMap().size(); ++i)
     if (grid->getRawMap()[i] < occupied)
       layer->insertPoint(grid->idx2x(i % grid->getSizeX()), grid->idx2y(i / grid->getSizeX()),
@@ -162,9 +162,9 @@ void writeScene(const MapBuilder& method, const core::Trajectory& path, const st
 
 }  // namespace
 
-OccupancyRaster currentMap(const MapBuilder& method) {
+gridmap::OccupancyRaster currentMap(const MapBuilder& method) {
   const auto grid = gridOf(method);
-  OccupancyRaster map;
+  gridmap::OccupancyRaster map;
   map.columns = static_cast<int>(grid->getSizeX());
   map.rows = static_cast<int>(grid->getSizeY());
   // The grid has it as a float; 0.05 is meant, not 0.05000000074505806.
