@@ -252,8 +252,8 @@ TEST(MapFiles, TheRosMapHasTheMapsCellsWithTheTopRowFirst) {
       const float p = map.occupancy[static_cast<size_t>(row) * static_cast<size_t>(map.columns) +
                                     static_cast<size_t>(column)];
       const float free_in_file = ros.getCell(column, row);
-      if (p > kOccupiedAbove) ++occupied, wrong += free_in_file > 0.3F ? 1 : 0;
-      if (p < kFreeBelow) ++free, wrong += free_in_file < 0.7F ? 1 : 0;
+      if (p > gridmap::kOccupiedAbove) ++occupied, wrong += free_in_file > 0.3F ? 1 : 0;
+      if (p < gridmap::kFreeBelow) ++free, wrong += free_in_file < 0.7F ? 1 : 0;
     }
   EXPECT_GT(occupied, 200);
   EXPECT_GT(free, 5000);
