@@ -41,9 +41,12 @@ logs::LogEntry toLogEntry(const sim::Sensed& sensed) {
   return {sensed.scan, sensed.T_odom_robot, sensed.T_previous_robot, true};
 }
 
+bool isTurn(const robot::Command& command) {
+  return command.speed_mps == 0 && command.turn_rate_radps != 0;
+}
+
 sim::Operation toOperation(const robot::Command& command, const odometry::ScanMotion& motion) {
-  const bool turned = command.speed_mps == 0 && command.turn_rate_radps != 0;
-  if (turned) return {'t', motion.turn_reading_rad, 0.0};
+  if (isTurn(command)) return {'t', motion.turn_reading_rad, 0.0};
   return {'m', motion.rear_reading_m, motion.front_reading_m};
 }
 
@@ -107,7 +110,8 @@ Recording record(const world::Plan& plan, const RecordConfig& config, std::uint6
     const robot::Command command = driver.next(sensed.scan, sensed.T_odom_robot, sensed.collided);
     if (driver.finished()) break;
     sensed = simulator.step(command);
-    operations.push_back(toOperation(command, scan_odometry->update(sensed.scan)));
+    const auto kind = isTurn(command) ? odometry::MotionKind::kTurn : odometry::MotionKind::kMove;
+    operations.push_back(toOperation(command, scan_odometry->update(sensed.scan, kind)));
   }
   progress.end();
 
