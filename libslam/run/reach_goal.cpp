@@ -138,6 +138,13 @@ double markSize(const world::Plan& plan) {
   return 0.012 * plan.resolution_m * std::max(plan.columns, plan.rows);
 }
 
+/// The steps of one manoeuvre share a colour: the palette has eight.
+std::string manoeuvreOf(const std::string& state) {
+  for (const std::string manoeuvre : {"AVOID", "OPEN", "STUCK"})
+    if (state.compare(0, manoeuvre.size(), manoeuvre) == 0) return manoeuvre;
+  return state;
+}
+
 /// The true path cut where the state changes, each piece under its state's name.
 std::vector<report::DrawnPath> piecesByState(const GoalRun& run) {
   std::vector<report::DrawnPath> pieces;
@@ -146,7 +153,7 @@ std::vector<report::DrawnPath> piecesByState(const GoalRun& run) {
     const double time_s = run.truth[i].time_s - run.truth.front().time_s;
     while (next < run.changes.size() && run.changes[next].time_s <= time_s + 1e-9) {
       if (!pieces.empty()) pieces.back().path.push_back(run.truth[i]);
-      pieces.push_back({{}, run.changes[next++].to});
+      pieces.push_back({{}, manoeuvreOf(run.changes[next++].to)});
     }
     if (!pieces.empty()) pieces.back().path.push_back(run.truth[i]);
   }
