@@ -47,6 +47,7 @@ int main(int argc, char** argv) {
   slam::apps::addEval(app, context);
   slam::apps::addCompare(app, context);
   slam::apps::addInfo(app, context);
+  slam::apps::addPlot(app, context);
   slam::apps::addList(app, context);
   try {
     app.parse(argc, argv);
