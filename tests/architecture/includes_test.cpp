@@ -29,6 +29,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     // both
     {"run",
      {"core", "robot", "logs", "world", "sim", "metrics", "report", "navigate", "odometry", "mapping"}},
+    {"plugin", {"core", "robot", "logs", "world", "sim", "navigate", "run"}},
     {"testing", {"core", "robot", "world"}},
 };
 
