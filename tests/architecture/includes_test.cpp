@@ -30,6 +30,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     // both
     {"run",
      {"core", "robot", "logs", "world", "sim", "metrics", "report", "navigate", "obstacles", "odometry", "mapping"}},
+    {"plugin", {"core", "robot", "logs", "world", "sim", "navigate", "run"}},
     {"testing", {"core", "robot", "world"}},
 };
 
