@@ -20,7 +20,7 @@ constexpr double kSmallestScale_m = 1e-3;  // keeps noise-free scans from dividi
 constexpr double kCostCut_m = 0.10;        // a residual of this size costs as much as no match
 constexpr double kNormalAgreement = 0.7;   // cosine; surfaces turned more than 45 degrees are not the same
 constexpr double kEndMargin_m = 0.05;      // a point may lie this far beyond the end of its line
-constexpr double kStill_m = 1e-5, kStill_rad = 1e-6;  // far below any range noise
+constexpr double kStill_m = 1e-4, kStill_rad = 3e-5;  // what is left after such a step is far below any noise
 constexpr double kNarrowing = 0.7;                    // of the first scale and the gate, per iteration
 /// Least share of the range noise that is believed to be left across a grazed line: walls are not ideal.
 constexpr double kGrazing = 0.5;
@@ -149,7 +149,7 @@ class Matcher {
     for (const long way : {-1L, 1L}) {
       for (long k = 1; k <= kReach; ++k) {
         const long j = lineAt(nearest + way * k, own_normal);
-        if (j < 0) break;
+        if (j < 0) continue;
         const core::Point2& r = reference_.points[static_cast<size_t>(j)];
         if (std::abs(normal.x * (r.x - on.x) + normal.y * (r.y - on.y)) >= same_surface) break;
         const double distance = along(r);
