@@ -20,8 +20,6 @@ constexpr double kSmallestScale_m = 1e-3;  // keeps noise-free scans from dividi
 constexpr double kCostCut_m = 0.10;        // a residual of this size costs as much as no match
 constexpr double kNormalAgreement = 0.7;   // cosine; surfaces turned more than 45 degrees are not the same
 constexpr double kEndMargin_m = 0.05;      // a point may lie this far beyond the end of its line
-constexpr double kStill_m = 1e-4, kStill_rad = 3e-5;  // what is left after such a step is far below any noise
-constexpr double kNarrowing = 0.7;                    // of the first scale and the gate, per iteration
 /// Least share of the range noise that is believed to be left across a grazed line: walls are not ideal.
 constexpr double kGrazing = 0.5;
 constexpr double kCurved_rad = 0.02;  // error of a normal besides noise: bent walls, lines grown to one side
@@ -316,10 +314,10 @@ PlanarFit fitPlanarMotion(const ScanLines& reference, const ScanLines& moving, c
     fit.T_reference_moving.x += step[0];
     fit.T_reference_moving.y += step[1];
     fit.T_reference_moving.phi = core::wrapToPi(fit.T_reference_moving.phi + step[2]);
-    gate = std::max({kNarrowing * gate, 6 * noise, 0.05});
+    gate = std::max({options.narrowing * gate, 6 * noise, 0.05});
     const bool narrow = widened <= noise;
-    widened *= kNarrowing;
-    if (narrow && std::abs(step[0]) + std::abs(step[1]) < kStill_m && std::abs(step[2]) < kStill_rad) break;
+    widened *= options.narrowing;
+    if (narrow && std::abs(step[0]) + std::abs(step[1]) < options.still_m && std::abs(step[2]) < options.still_rad) break;
   }
   return fit;
 }

@@ -13,7 +13,7 @@ namespace {
 constexpr size_t kCoarseBeams = 90;
 constexpr int kCoarseIterations = 8;
 constexpr int kFineIterations = 8;
-constexpr double kFineScale_m = 0.03, kFineGate_m = 0.2;
+constexpr double kFineScale_m = 0.02, kFineGate_m = 0.2;
 constexpr size_t kCandidates = 3;
 constexpr double kFewestMatched = 0.3;  // share of the compared returns
 /// A fit from the predicted motion with at most this cost is not doubted.
@@ -47,7 +47,7 @@ class PlicpOdometry : public ScanOdometry {
   };
 
   ScanMotion estimate(const Frame& before, const Frame& after) {
-    PlanarFit fit = coarseFit(before, after, T_step_);
+    PlanarFit fit = predictedFit(before, after);
     if (!believable(fit) || fit.cost > kConvincingCost) fit = search(before, after, fit);
     if (believable(fit)) fit = fineFit(before, after, fit.T_reference_moving);
     if (!believable(fit)) {
@@ -70,10 +70,18 @@ class PlicpOdometry : public ScanOdometry {
     return best;
   }
 
+  /// Few beams and a fast descent, as the prediction is seldom off by more than a decimetre.
+  PlanarFit predictedFit(const Frame& before, const Frame& after) const {
+    PlanarFitOptions options = coarseOptions(after);
+    options.first_scale_m = 0.1;
+    options.gate_m = 0.5;
+    options.narrowing = 0.5;
+    options.still_m = 1e-3, options.still_rad = 3e-4;
+    return fitPlanarMotion(before.lines, after.lines, T_step_, options);
+  }
+
   PlanarFit coarseFit(const Frame& before, const Frame& after, const core::Pose2& guess) const {
-    PlanarFitOptions options = fitOptions();
-    options.stride = static_cast<int>(std::max<size_t>(1, after.lines.points.size() / kCoarseBeams));
-    options.max_iterations = kCoarseIterations;
+    PlanarFitOptions options = coarseOptions(after);
     options.gate_m = std::max(0.5 * options_.max_move_m, 0.1);
     return fitPlanarMotion(before.lines, after.lines, guess, options);
   }
@@ -83,7 +91,16 @@ class PlicpOdometry : public ScanOdometry {
     options.first_scale_m = kFineScale_m;
     options.gate_m = kFineGate_m;
     options.max_iterations = kFineIterations;
+    options.narrowing = 0.5;
+    options.still_m = 5e-4, options.still_rad = 2e-4;
     return fitPlanarMotion(before.lines, after.lines, guess, options);
+  }
+
+  PlanarFitOptions coarseOptions(const Frame& after) const {
+    PlanarFitOptions options = fitOptions();
+    options.stride = static_cast<int>(std::max<size_t>(1, after.lines.points.size() / kCoarseBeams));
+    options.max_iterations = kCoarseIterations;
+    return options;
   }
 
   PlanarFitOptions fitOptions() const {
