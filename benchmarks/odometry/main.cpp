@@ -96,13 +96,15 @@ std::vector<NamedLog> logs(const Arguments& a) {
   for (const char* world : {"flat", "office_loop", "pillar_hall", "maze", "corridor"})
     all.push_back({std::string("sim ") + world, "", [=] { return simulate(world, a.scans); }});
   for (const char* ring : {"ring_A", "ring_B"})
-    all.push_back({ring, a.data + "/sim/" + ring + ".clf.xz", [=] { return readRing(a.data, ring, a.scans); }});
+    all.push_back(
+        {ring, a.data + "/sim/" + ring + ".clf.xz", [=] { return readRing(a.data, ring, a.scans); }});
   const double right = core::degToRad(-90);
   // Steps, no-returns and mounting: the logs' PARAM lines, and the readings themselves.
   const CarmenFormat intel{right, core::degToRad(1), 80, 0, 0.01};
   const CarmenFormat fr079{right, core::degToRad(0.5), 80, -0.04, 0.01};
   const CarmenFormat killian{right, core::degToRad(1), 50.9, 0, 0.015};
-  const auto real = [&](const char* name, const char* unpack, const std::string& file, const CarmenFormat& f) {
+  const auto real = [&](const char* name, const char* unpack, const std::string& file,
+                        const CarmenFormat& f) {
     all.push_back({name, a.data + "/logs/" + name + "/" + file,
                    [=] { return readReal(a.data, name, unpack, file, f, a.scans); }});
   };
@@ -123,13 +125,20 @@ IcpSettings icpSettings(const Arguments& a) {
     const size_t equals = text.find('=');
     const std::string key = text.substr(0, equals);
     const double value = std::atof(text.substr(equals + 1).c_str());
-    if (key == "threshold_m") s.threshold_m = value;
-    else if (key == "threshold_deg") s.threshold_deg = value;
-    else if (key == "smallest_threshold_m") s.smallest_threshold_m = value;
-    else if (key == "shrink") s.shrink = value;
-    else if (key == "point_distance_m") s.point_distance_m = value;
-    else if (key == "constant_velocity") s.constant_velocity = value != 0;
-    else throw core::InputError("--icp " + text + ": unknown setting");
+    if (key == "threshold_m")
+      s.threshold_m = value;
+    else if (key == "threshold_deg")
+      s.threshold_deg = value;
+    else if (key == "smallest_threshold_m")
+      s.smallest_threshold_m = value;
+    else if (key == "shrink")
+      s.shrink = value;
+    else if (key == "point_distance_m")
+      s.point_distance_m = value;
+    else if (key == "constant_velocity")
+      s.constant_velocity = value != 0;
+    else
+      throw core::InputError("--icp " + text + ": unknown setting");
   }
   return s;
 }
@@ -160,9 +169,11 @@ report::Table emptyTable() {
                    {"flagged", "flagged steps", 0},
                    {"median_us", "us per pair", 0}};
   table.notes = {
-      "drift: errors over stretches of 1 m (with truth) or over relations at most 5 s apart, summed, over the "
+      "drift: errors over stretches of 1 m (with truth) or over relations at most 5 s apart, summed, over "
+      "the "
       "metres driven or radians turned in them; medians: error of one stretch",
-      "wrong: steps (with truth) or related pairs (intel, fr079, mit-killian) off by more than 0.1 m; flagged: "
+      "wrong: steps (with truth) or related pairs (intel, fr079, mit-killian) off by more than 0.1 m; "
+      "flagged: "
       "steps that the method itself calls unreliable",
       "us per pair: thread CPU time of one update, median"};
   return table;
@@ -174,14 +185,22 @@ Arguments parse(int argc, char** argv) {
     const std::string key = argv[i];
     if (i + 1 >= argc) throw core::InputError(key + ": expected a value");
     const std::string value = argv[++i];
-    if (key == "--data") a.data = value;
-    else if (key == "--csv") a.csv = value;
-    else if (key == "--json") a.json = value;
-    else if (key == "--log") a.log = value;
-    else if (key == "--method") a.method = value;
-    else if (key == "--icp") a.icp.push_back(value);
-    else if (key == "--scans") a.scans = std::strtoul(value.c_str(), nullptr, 10);
-    else throw core::InputError(key + ": unknown option");
+    if (key == "--data")
+      a.data = value;
+    else if (key == "--csv")
+      a.csv = value;
+    else if (key == "--json")
+      a.json = value;
+    else if (key == "--log")
+      a.log = value;
+    else if (key == "--method")
+      a.method = value;
+    else if (key == "--icp")
+      a.icp.push_back(value);
+    else if (key == "--scans")
+      a.scans = std::strtoul(value.c_str(), nullptr, 10);
+    else
+      throw core::InputError(key + ": unknown option");
   }
   return a;
 }

@@ -38,8 +38,8 @@ class MrptIcp : public slam::odometry::ScanOdometry {
     motion.covariance = {1e-4, 0, 0, 0, 1e-4, 0, 0, 0, 1e-4};
     if (reference_) {
       mrpt::slam::CICP::TReturnInfo info;
-      const auto pdf = icp_.Align(reference_.get(), points.get(),
-                                  mrpt::poses::CPose2D(slam::robot::toMrpt(guess_)), info);
+      const auto pdf =
+          icp_.Align(reference_.get(), points.get(), mrpt::poses::CPose2D(slam::robot::toMrpt(guess_)), info);
       motion.T_previous_current = slam::robot::fromMrpt(pdf->getMeanVal().asTPose());
       motion.reliable = info.goodness > 0.5f;
       if (settings_.constant_velocity) guess_ = motion.T_previous_current;

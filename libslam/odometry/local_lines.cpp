@@ -6,7 +6,7 @@
 namespace slam::odometry {
 namespace {
 
-constexpr long kReach = 20;                  // beams to each side
+constexpr long kReach = 20;                 // beams to each side
 constexpr double kLongest_m = 1.5;          // a longer line gains nothing and begins to bridge bends
 constexpr double kSmallestSpread_m = 0.01;  // walls are not straighter than this, nor drawn finer
 constexpr double kSteepest = 8;             // two beams on one surface seen at up to about 83 degrees
@@ -35,34 +35,13 @@ struct Moments {
   }
 };
 
-/// Range noise seen in the scan itself. A straight wall at distance d and bearing a has the inverse ranges
-/// cos(angle - a) / d, a sinusoid of the angle, so that u[i-1] - 2 cos(step) u[i] + u[i+1] is 0 on any wall,
-/// however steeply seen; what is left is noise, which dr = -r^2 du takes to metres. The median over all beams
-/// ignores corners and edges.
-double estimateNoise(const robot::Scan& scan) {
-  const double c = 2 * std::cos(scan.step_rad);
-  const double gain = std::sqrt(2 + c * c);
-  std::vector<double> noise;
-  noise.reserve(scan.ranges_m.size());
-  for (size_t i = 1; i + 1 < scan.ranges_m.size(); ++i) {
-    const double left = scan.ranges_m[i - 1], middle = scan.ranges_m[i], right = scan.ranges_m[i + 1];
-    if (!robot::isReturn(scan.ranges_m[i - 1]) || !robot::isReturn(scan.ranges_m[i]) ||
-        !robot::isReturn(scan.ranges_m[i + 1]))
-      continue;
-    noise.push_back(middle * middle * std::abs(1 / left - c / middle + 1 / right) / gain);
-  }
-  if (noise.empty()) return 0;
-  const auto median = noise.begin() + static_cast<long>(noise.size() / 2);
-  std::nth_element(noise.begin(), median, noise.end());
-  return 1.4826 * *median;  // median of the size to standard deviation, for a normal distribution
-}
-
 /// Grows lines in a scan laid out flat: a full circle is continued by kReach beams at both ends, and running
 /// sums over it give the moments of any run of beams at once.
 class LineGrower {
  public:
   LineGrower(const robot::Scan& scan, const ScanLines& model)
-      : model_(model), pad_(model.full_circle ? std::min<long>(kReach, static_cast<long>(model.points.size())) : 0) {
+      : model_(model),
+        pad_(model.full_circle ? std::min<long>(kReach, static_cast<long>(model.points.size())) : 0) {
     const double sigma = std::max(1.5 * model.sigma_m, kSmallestSpread_m);
     largest_spread_ = sigma * sigma;
     const long n = static_cast<long>(model.points.size());
@@ -117,8 +96,7 @@ class LineGrower {
   /// A run may be taken for one line. Far walls have their beams far apart: a few points may always stretch
   /// further.
   bool good(long first, long last) const {
-    if (last - first >= kFewPoints &&
-        squaredDistance(point(first), point(last)) > kLongest_m * kLongest_m)
+    if (last - first >= kFewPoints && squaredDistance(point(first), point(last)) > kLongest_m * kLongest_m)
       return false;
     return moments(first, last).straight(largest_spread_);
   }
@@ -182,8 +160,32 @@ class LineGrower {
   std::vector<char> joined_;   // with the next beam
 };
 
-/// Unit vectors along the beams: sine and cosine anew at every 32nd, between them by rotation, which is good
-/// to 1e-14.
+}  // namespace
+
+// A straight wall at distance d and bearing a has the inverse ranges
+// cos(angle - a) / d, a sinusoid of the angle, so that u[i-1] - 2 cos(step) u[i] + u[i+1] is 0 on any wall,
+// however steeply seen; what is left is noise, which dr = -r^2 du takes to metres. The median over all beams
+// ignores corners and edges.
+double estimateNoise(const robot::Scan& scan) {
+  const double c = 2 * std::cos(scan.step_rad);
+  const double gain = std::sqrt(2 + c * c);
+  std::vector<double> noise;
+  noise.reserve(scan.ranges_m.size());
+  for (size_t i = 1; i + 1 < scan.ranges_m.size(); ++i) {
+    const double left = scan.ranges_m[i - 1], middle = scan.ranges_m[i], right = scan.ranges_m[i + 1];
+    if (!robot::isReturn(scan.ranges_m[i - 1]) || !robot::isReturn(scan.ranges_m[i]) ||
+        !robot::isReturn(scan.ranges_m[i + 1]))
+      continue;
+    noise.push_back(middle * middle * std::abs(1 / left - c / middle + 1 / right) / gain);
+  }
+  if (noise.empty()) return 0;
+  const auto median = noise.begin() + static_cast<long>(noise.size() / 2);
+  std::nth_element(noise.begin(), median, noise.end());
+  return 1.4826 * *median;  // median of the size to standard deviation, for a normal distribution
+}
+
+// Sine and cosine anew at every 32nd, between them by rotation, which is good
+// to 1e-14.
 std::vector<core::Point2> beamDirections(const robot::Scan& scan) {
   std::vector<core::Point2> directions(scan.ranges_m.size());
   const double c = std::cos(scan.step_rad), s = std::sin(scan.step_rad);
@@ -197,8 +199,6 @@ std::vector<core::Point2> beamDirections(const robot::Scan& scan) {
   }
   return directions;
 }
-
-}  // namespace
 
 ScanLines findLocalLines(const robot::Scan& scan) {
   const size_t n = scan.ranges_m.size();

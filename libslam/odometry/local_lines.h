@@ -30,4 +30,11 @@ struct ScanLines {
 /// spread of any run of beams at once, so the cost is about that of the beams.
 ScanLines findLocalLines(const robot::Scan& scan);
 
+/// Standard deviation of the ranges, as seen in the scan itself: the median departure of three neighbouring
+/// beams from a straight wall. 0 without three neighbouring returns.
+double estimateNoise(const robot::Scan& scan);
+
+/// Unit vectors along the beams, lidar frame.
+std::vector<core::Point2> beamDirections(const robot::Scan& scan);
+
 }  // namespace slam::odometry

@@ -1,25 +1,19 @@
 #include "libslam/odometry/planar_fit.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "libslam/odometry/normal_equations.h"
+
 namespace slam::odometry {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using Basis = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3>;
 
-/// Holland and Welsch, "Robust regression using iteratively reweighted least-squares" (1977): this multiple
-/// of the noise gives Cauchy's weights 95 % efficiency under Gaussian noise.
-constexpr double kCauchy = 2.385;
-constexpr double kMadToSigma = 1.4826;     // of a normal distribution
-constexpr double kSmallestScale_m = 1e-3;  // keeps noise-free scans from dividing by zero
-constexpr double kCostCut_m = 0.10;        // a residual of this size costs as much as no match
-constexpr double kNormalAgreement = 0.7;   // cosine; surfaces turned more than 45 degrees are not the same
-constexpr double kEndMargin_m = 0.05;      // a point may lie this far beyond the end of its line
+constexpr double kCostCut_m = 0.10;       // a residual of this size costs as much as no match
+constexpr double kNormalAgreement = 0.7;  // cosine; surfaces turned more than 45 degrees are not the same
+constexpr double kEndMargin_m = 0.05;     // a point may lie this far beyond the end of its line
 /// Least share of the range noise that is believed to be left across a grazed line: walls are not ideal.
 constexpr double kGrazing = 0.5;
 constexpr double kCurved_rad = 0.02;  // error of a normal besides noise: bent walls, lines grown to one side
@@ -27,10 +21,6 @@ constexpr double kChord = 0.9;        // least chord over angle, up to 8 beams o
 constexpr long kReach = 8;            // beams to each side in which a partner is looked for
 constexpr double kSameSurface = 5;    // times the noise
 constexpr int kFewestPairs = 6;
-/// A direction counts as determined when at least this share of its information is not feigned.
-constexpr double kGenuineShare = 0.3;
-constexpr double kLargestStd = 0.05;  // metres (or radians): worse than this is no measurement
-
 struct Pair {
   double jacobian[3];          // of the residual by (x, y, phi)
   double turn_by_normal_turn;  // of jacobian[2] by the direction of the normal; the others are -j[1] and j[0]
@@ -59,7 +49,8 @@ class Matcher {
       const core::Point2 arm{c * p.x - s * p.y, s * p.x + c * p.y};  // from the lidar, turned
       const core::Point2 q{T.x + arm.x, T.y + arm.y};
       const double range = std::sqrt(q.x * q.x + q.y * q.y);
-      const double u = beamAt(moving_.first_angle_rad + static_cast<double>(i) * moving_.step_rad + T.phi, arm, q);
+      const double u =
+          beamAt(moving_.first_angle_rad + static_cast<double>(i) * moving_.step_rad + T.phi, arm, q);
       if (!inView(u) || range <= 0) continue;
       ++pairs_.compared;
       const LocalLine& own = moving_.lines[i];
@@ -179,41 +170,10 @@ class Matcher {
   Pairs pairs_;
 };
 
-double robustScale(const std::vector<Pair>& pairs, std::vector<double>& size) {
-  size.resize(pairs.size());
-  std::transform(pairs.begin(), pairs.end(), size.begin(),
-                 [](const Pair& p) { return std::abs(p.residual_m); });
-  const auto middle = size.begin() + static_cast<long>(size.size() / 2);
-  std::nth_element(size.begin(), middle, size.end());
-  return std::max(kMadToSigma * *middle, kSmallestScale_m);
-}
-
-/// Sum of weighted outer products of 3-vectors, upper half.
-struct Outer {
-  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-  void add(double w, double x, double y, double z) {
-    const double wx = w * x, wy = w * y;
-    xx += wx * x, xy += wx * y, xz += wx * z, yy += wy * y, yz += wy * z, zz += w * z * z;
-  }
-  Matrix3d matrix() const {
-    Matrix3d m;
-    m << xx, xy, xz, xy, yy, yz, xz, yz, zz;
-    return m;
-  }
-};
-
-/// The normal equations of the weighted fit.
-struct Equations {
-  Matrix3d information;  // sum of w J J^T
-  Matrix3d feigned;      // what noise of the normals adds to it on average
-  Vector3d gradient;
-  int inliers = 0;
-};
-
-Equations normalEquations(const std::vector<Pair>& pairs, double scale_m, double noise_m) {
-  Outer information, feigned;
+NormalEquations normalEquations(const std::vector<Pair>& pairs, double scale_m, double noise_m) {
+  OuterSum information, feigned;
   double gx = 0, gy = 0, gz = 0;
-  Equations eq;
+  NormalEquations eq;
   const double per_c = 1 / (kCauchy * scale_m);
   for (const Pair& p : pairs) {
     const double ratio = p.residual_m * per_c;
@@ -232,39 +192,6 @@ Equations normalEquations(const std::vector<Pair>& pairs, double scale_m, double
   return eq;
 }
 
-/// Genuine information along orthogonal directions, and those of them that have any.
-struct Directions {
-  Matrix3d axes;
-  Vector3d genuine;
-  Basis determined;
-};
-
-Directions analyse(const Equations& eq, double noise_m) {
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(eq.information - eq.feigned);
-  Directions d{solver.eigenvectors(), solver.eigenvalues().cwiseMax(0.0), Basis(3, 0)};
-  for (int k = 0; k < 3; ++k) {
-    const Vector3d axis = d.axes.col(k);
-    const double whole = axis.dot(eq.information * axis);
-    const double weakest = 2 * noise_m * noise_m / (kLargestStd * kLargestStd);
-    if (d.genuine[k] <= std::max(kGenuineShare * whole, weakest)) {
-      d.genuine[k] = 0;
-      continue;
-    }
-    d.determined.conservativeResize(3, d.determined.cols() + 1);
-    d.determined.rightCols<1>() = axis;
-  }
-  return d;
-}
-
-/// The Gauss-Newton step within the determined directions (as Zhang, Kaess and Singh, "On degeneracy of
-/// optimization-based state estimation problems", ICRA 2016).
-Vector3d newtonStep(const Equations& eq, const Basis& basis) {
-  if (basis.cols() == 0) return Vector3d::Zero();
-  const Eigen::MatrixXd information = basis.transpose() * eq.information * basis;
-  const Eigen::VectorXd gradient = basis.transpose() * eq.gradient;
-  return -basis * information.ldlt().solve(gradient);
-}
-
 double meanCost(const Pairs& pairs) {
   double cost = 0;
   for (const Pair& p : pairs.matched)
@@ -273,24 +200,17 @@ double meanCost(const Pairs& pairs) {
   return pairs.compared > 0 ? cost / pairs.compared : 1;
 }
 
-void storeCovariance(const Matrix3d& covariance, std::array<double, 9>& out) {
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column)
-      out[static_cast<size_t>(3 * row + column)] = (covariance(row, column) + covariance(column, row)) / 2;
-}
-
 }  // namespace
 
 PlanarFit fitPlanarMotion(const ScanLines& reference, const ScanLines& moving, const core::Pose2& guess,
                           const PlanarFitOptions& options) {
   Matcher matcher(reference, moving);
   std::vector<double> sizes;
-  const Vector3d prior(1 / (options.max_move_m * options.max_move_m),
-                       1 / (options.max_move_m * options.max_move_m),
-                       1 / (options.max_turn_rad * options.max_turn_rad));
+  sizes.reserve(moving.points.size());
   PlanarFit fit;
   fit.T_reference_moving = guess;
-  fit.covariance = {1 / prior[0], 0, 0, 0, 1 / prior[1], 0, 0, 0, 1 / prior[2]};
+  const double move = options.max_move_m * options.max_move_m;
+  fit.covariance = {move, 0, 0, 0, move, 0, 0, 0, options.max_turn_rad * options.max_turn_rad};
   // The noise of the ranges themselves, not of the residuals: far from the solution those say nothing of it.
   const double range_noise = std::max(reference.sigma_m, moving.sigma_m);
   double gate = options.gate_m, widened = options.first_scale_m;
@@ -300,24 +220,25 @@ PlanarFit fitPlanarMotion(const ScanLines& reference, const ScanLines& moving, c
     fit.matched = static_cast<int>(pairs.matched.size());
     fit.cost = meanCost(pairs);
     if (fit.matched < kFewestPairs) return fit;
-    const double noise = robustScale(pairs.matched, sizes);
+    sizes.clear();
+    for (const Pair& p : pairs.matched) sizes.push_back(std::abs(p.residual_m));
+    const double noise = robustScale(sizes);
     const double scale = std::max(noise, widened);
-    const Equations eq = normalEquations(pairs.matched, scale, range_noise);
+    const NormalEquations eq = normalEquations(pairs.matched, scale, range_noise);
     fit.matched = eq.inliers;
     const Directions directions = analyse(eq, range_noise);
     fit.degenerate = directions.determined.cols() < 3;
     const Vector3d step = newtonStep(eq, directions.determined);
-    Matrix3d information =
-        directions.axes * (directions.genuine / (noise * noise)).asDiagonal() * directions.axes.transpose();
-    information.diagonal() += prior;
-    storeCovariance(information.inverse(), fit.covariance);
+    fit.covariance = motionCovariance(directions, noise, options.max_move_m, options.max_turn_rad);
     fit.T_reference_moving.x += step[0];
     fit.T_reference_moving.y += step[1];
     fit.T_reference_moving.phi = core::wrapToPi(fit.T_reference_moving.phi + step[2]);
     gate = std::max({options.narrowing * gate, 6 * noise, 0.05});
     const bool narrow = widened <= noise;
     widened *= options.narrowing;
-    if (narrow && std::abs(step[0]) + std::abs(step[1]) < options.still_m && std::abs(step[2]) < options.still_rad) break;
+    if (narrow && std::abs(step[0]) + std::abs(step[1]) < options.still_m &&
+        std::abs(step[2]) < options.still_rad)
+      break;
   }
   return fit;
 }

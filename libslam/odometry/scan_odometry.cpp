@@ -15,7 +15,8 @@ const core::ParameterTable<ScanOdometryOptions>& ScanOdometryOptions::table() {
   static const core::ParameterTable<ScanOdometryOptions> rows(
       "scan_odometry",
       {{"method", &ScanOdometryOptions::method, "correlation", scanOdometryNames(),
-        "argmax: the longest range and two readings; the others all beams, with covariance: correlation searches "
+        "argmax: the longest range and two readings; the others all beams, with covariance: correlation "
+        "searches "
         "every turn, range_flow follows the gradients of the ranges, plicp goes on from the step before"},
        {"max_turn_deg", &ScanOdometryOptions::max_turn_rad, 60.0, 1.0, 180.0,
         "largest turn between two scans that is searched for"},
