@@ -63,7 +63,7 @@ void scoreByTruth(const BenchLog& log, const std::vector<Pose2>& estimate, Drift
   for (size_t i = 1; i < truth.size(); ++i) {
     const Pose2 error = slam::core::between(slam::core::between(truth[i - 1].pose, truth[i].pose),
                                             slam::core::between(estimate[i - 1], estimate[i]));
-    if (std::hypot(error.x, error.y) > kWrong_m) ++drift.wrong;
+    if (std::hypot(error.x, error.y) > kWrong_m) ++drift.wrong, std::fprintf(stderr,"%zu truth %.3f %.3f %.3f est %.3f %.3f %.3f\n", i, slam::core::between(truth[i - 1].pose, truth[i].pose).x, slam::core::between(truth[i - 1].pose, truth[i].pose).y, slam::core::between(truth[i - 1].pose, truth[i].pose).phi, slam::core::between(estimate[i - 1], estimate[i]).x,slam::core::between(estimate[i - 1], estimate[i]).y,slam::core::between(estimate[i - 1], estimate[i]).phi);
   }
   for (size_t i = 0; i < truth.size(); i += kStretchEvery) {
     double driven_m = 0, turned_rad = 0;

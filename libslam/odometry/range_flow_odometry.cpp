@@ -18,6 +18,7 @@ constexpr double kSteepest = 8;          // neighbours on one surface seen at up
 constexpr double kGradientSpan_m = 0.2;  // to each side; a shorter one would differentiate noise
 constexpr size_t kGradientReach = 8;     // beams
 constexpr double kGrazing = 0.5;         // as for point-to-line residuals
+constexpr double kStraight = 3;          // times the noise: a larger bend is a corner
 constexpr int kFewestRows = 6;
 constexpr double kCostCut_m = 0.10;       // a residual of this size costs as much as no overlap
 constexpr double kConvincingCost = 0.25;  // a flow from the predicted motion with at most this is not doubted
@@ -147,14 +148,16 @@ struct Row {
 /// Derivative of the inverse range by the angle at one beam: from the beams `reach` before and behind it, or
 /// from one of them where the other is on another surface. Exact on straight walls: p(a + h) = p(a) cos h +
 /// p'(a) sin h. False where neither side is there.
-bool inverseGradient(const std::vector<double>& p, size_t i, size_t reach, double tolerance, double cos_h,
-                     double sin_h, double& gradient, double& noise_gain) {
+bool inverseGradient(const std::vector<double>& p, size_t i, size_t reach, double tolerance,
+                     double straight_m, double cos_h, double sin_h, double& gradient, double& noise_gain) {
   const auto usable = [&](size_t k) {
     return p[k] != 0 && std::abs(p[k] - p[i]) < tolerance * std::min(p[i], p[k]);
   };
   const bool left = i >= reach && usable(i - reach), right = i + reach < p.size() && usable(i + reach);
   if (left && right) {
-    // A corner or an edge between the two is no surface to take a gradient of.
+    // Over a corner there is no one gradient. The middle beam's departure from the wall through the others:
+    const double departure = std::abs(p[i] - (p[i + reach] + p[i - reach]) / (2 * cos_h)) / (p[i] * p[i]);
+    if (departure > straight_m) return false;
     gradient = (p[i + reach] - p[i - reach]) / (2 * sin_h);
     noise_gain = 0.5 / (sin_h * sin_h);
   } else if (right) {
@@ -193,7 +196,7 @@ void constraints(const Level& reference, const std::vector<double>& warped, doub
         std::clamp<size_t>(static_cast<size_t>(kGradientSpan_m * p / reference.step_rad), 1, kGradientReach);
     double gradient = 0, gain = 0;
     const double tolerance = kSteepest * static_cast<double>(reach) * reference.step_rad + 4 * sigma_m * p;
-    if (!inverseGradient(mean, i, reach, tolerance, cos_h[reach], sin_h[reach], gradient, gain)) continue;
+    if (!inverseGradient(mean, i, reach, tolerance, kStraight * sigma_m, cos_h[reach], sin_h[reach], gradient, gain)) continue;
     const double r = 1 / p, g = -gradient * r;
     const core::Point2& d = reference.directions[i];
     const double incidence = 1 / std::sqrt(1 + g * g);
@@ -270,7 +273,7 @@ class FlowSolver {
       noise = residualScale(velocity);
       const NormalEquations eq = normalEquations(rows_, velocity, noise);
       flow.inliers = eq.inliers;
-      directions = analyse(eq, sigma);
+      directions = analyse(eq, std::max(sigma, noise));
       velocity = newtonStep(eq, directions.determined);
     }
     flow.degenerate = directions.determined.cols() < 3;
