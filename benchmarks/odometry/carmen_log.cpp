@@ -12,6 +12,7 @@ namespace odometry_bench {
 namespace {
 
 using slam::core::InputError;
+using slam::core::Pose2;
 using slam::robot::Scan;
 
 /// Numbers and words of one line, in order.
@@ -48,7 +49,12 @@ void readRanges(Words& words, size_t count, double no_return_m, Scan& scan) {
   }
 }
 
-Scan readFlaser(Words& words, const CarmenFormat& format) {
+Pose2 readPose(Words& words) {
+  const double x = words.number(), y = words.number();
+  return {x, y, words.number()};
+}
+
+Scan readFlaser(Words& words, const CarmenFormat& format, Pose2& wheels) {
   Scan scan;
   scan.first_angle_rad = format.first_angle_rad;
   scan.step_rad = format.step_rad;
@@ -56,12 +62,13 @@ Scan readFlaser(Words& words, const CarmenFormat& format) {
   scan.range_sigma_m = format.sigma_m;
   scan.T_robot_lidar.x = format.lidar_x_m;
   readRanges(words, static_cast<size_t>(words.number()), format.no_return_m, scan);
-  words.skip(6);  // two poses
+  readPose(words);  // of the laser
+  wheels = readPose(words);
   scan.time_s = words.number();
   return scan;
 }
 
-Scan readRobotLaser(Words& words) {
+Scan readRobotLaser(Words& words, Pose2& wheels) {
   Scan scan;
   words.skip(1);  // laser type
   scan.first_angle_rad = words.number();
@@ -72,31 +79,34 @@ Scan readRobotLaser(Words& words) {
   words.skip(1);  // remission mode
   readRanges(words, static_cast<size_t>(words.number()), scan.max_range_m + 1e-6, scan);
   words.skip(static_cast<int>(words.number()));  // remissions
-  words.skip(3 + 3 + 5);                         // two poses, speeds, safety distances
+  readPose(words);                               // of the laser
+  wheels = readPose(words);
+  words.skip(5);  // speeds and safety distances
   scan.time_s = words.number();
   return scan;
 }
 
 }  // namespace
 
-std::vector<Scan> readCarmen(const std::string& unpack, const std::string& path, const CarmenFormat& format,
-                             size_t most_scans) {
+void readCarmen(const std::string& unpack, const std::string& path, const CarmenFormat& format,
+                size_t most_scans, BenchLog& log) {
   const std::string command = unpack + " '" + path + "'";
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
   if (!pipe) throw InputError("cannot run " + command);
-  std::vector<Scan> scans;
   std::string line;
   size_t number = 0;
-  for (int c = 0; scans.size() < most_scans && c != EOF;) {
+  for (int c = 0; log.scans.size() < most_scans && c != EOF;) {
     line.clear();
     while ((c = std::fgetc(pipe.get())) != EOF && c != '\n') line += static_cast<char>(c);
     ++number;
     if (line.rfind("FLASER ", 0) != 0 && line.rfind("ROBOTLASER1 ", 0) != 0) continue;
     Words words(line, path + ", line " + std::to_string(number));
-    scans.push_back(words.word() == "FLASER" ? readFlaser(words, format) : readRobotLaser(words));
+    Pose2 wheels;
+    log.scans.push_back(words.word() == "FLASER" ? readFlaser(words, format, wheels)
+                                                 : readRobotLaser(words, wheels));
+    log.wheels.push_back(wheels);
   }
-  if (scans.empty()) throw InputError(path + ": no scans");
-  return scans;
+  if (log.scans.empty()) throw InputError(path + ": no scans");
 }
 
 std::vector<Relation> readRelations(const std::string& path) {

@@ -19,6 +19,7 @@ struct BenchLog {
   std::vector<slam::robot::Scan> scans;
   slam::core::Trajectory truth;  ///< of the robot, one pose per scan, or empty
   std::vector<Relation> relations;
+  std::vector<slam::core::Pose2> wheels;  ///< wheel odometry, one pose per scan: only to say how far it drove
 };
 
 /// What a CARMEN log does not say.
@@ -29,10 +30,11 @@ struct CarmenFormat {
   double sigma_m = 0.01;
 };
 
-/// Reads FLASER and ROBOTLASER1 lines in file order, at most `most_scans`, through `command` (bzcat or xzcat).
-/// Throws InputError on a line that is shorter than its own count of readings, or when nothing came.
-std::vector<slam::robot::Scan> readCarmen(const std::string& unpack, const std::string& path,
-                                          const CarmenFormat& format, size_t most_scans);
+/// Reads scans and wheel odometry of FLASER and ROBOTLASER1 lines in file order, at most `most_scans`, through
+/// `unpack` (bzcat or xzcat). InputError on a line that is shorter than its own count of readings, or when
+/// nothing came.
+void readCarmen(const std::string& unpack, const std::string& path, const CarmenFormat& format,
+                size_t most_scans, BenchLog& log);
 /// `t1 t2 x y z roll pitch yaw` per line.
 std::vector<Relation> readRelations(const std::string& path);
 /// TUM: `t x y z qx qy qz qw` per line.

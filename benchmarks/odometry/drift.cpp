@@ -11,9 +11,9 @@ namespace {
 using slam::core::Pose2;
 using slam::core::Trajectory;
 
-constexpr double kStretch_m = 1.0;
+constexpr double kStretch_m = 1.0, kLongStretch_m = 10;
 constexpr size_t kStretchEvery = 10;  // scans
-constexpr double kLongestRelation_s = 5;
+constexpr double kShortRelation_s = 5, kLongRelation_s = 300;
 constexpr double kWrong_m = 0.1;
 
 double threadSeconds() {
@@ -41,11 +41,15 @@ class Score {
     turned_rad_ += turned_rad;
     return translations_.back();
   }
-  void store(Drift& drift) const {
-    double metres = 0, radians = 0;
+  double perMetre() const {
+    double metres = 0;
     for (const double e : translations_) metres += e;
+    return driven_m_ > 0 ? metres / driven_m_ : std::nan("");
+  }
+  void store(Drift& drift) const {
+    double radians = 0;
     for (const double e : rotations_) radians += e;
-    drift.per_metre = driven_m_ > 0 ? metres / driven_m_ : std::nan("");
+    drift.per_metre = perMetre();
     drift.per_radian = turned_rad_ > 0 ? radians / turned_rad_ : std::nan("");
     drift.median_m = median(translations_);
     drift.median_rad = median(rotations_);
@@ -57,43 +61,56 @@ class Score {
   double driven_m_ = 0, turned_rad_ = 0;
 };
 
-void scoreByTruth(const BenchLog& log, const std::vector<Pose2>& estimate, Drift& drift) {
-  const Trajectory& truth = log.truth;
+/// Stretches of the true path of the given length.
+Score scoreStretches(const Trajectory& truth, const std::vector<Pose2>& estimate, double length_m) {
   Score score;
-  for (size_t i = 1; i < truth.size(); ++i) {
-    const Pose2 error = slam::core::between(slam::core::between(truth[i - 1].pose, truth[i].pose),
-                                            slam::core::between(estimate[i - 1], estimate[i]));
-    if (std::hypot(error.x, error.y) > kWrong_m) ++drift.wrong, std::fprintf(stderr,"%zu truth %.3f %.3f %.3f est %.3f %.3f %.3f\n", i, slam::core::between(truth[i - 1].pose, truth[i].pose).x, slam::core::between(truth[i - 1].pose, truth[i].pose).y, slam::core::between(truth[i - 1].pose, truth[i].pose).phi, slam::core::between(estimate[i - 1], estimate[i]).x,slam::core::between(estimate[i - 1], estimate[i]).y,slam::core::between(estimate[i - 1], estimate[i]).phi);
-  }
   for (size_t i = 0; i < truth.size(); i += kStretchEvery) {
     double driven_m = 0, turned_rad = 0;
     for (size_t j = i + 1; j < truth.size(); ++j) {
       driven_m += slam::core::distance(truth[j - 1].pose, truth[j].pose);
       turned_rad += std::abs(slam::core::angleDifference(truth[j].pose.phi, truth[j - 1].pose.phi));
-      if (driven_m < kStretch_m) continue;
+      if (driven_m < length_m) continue;
       score.add(slam::core::between(truth[i].pose, truth[j].pose),
                 slam::core::between(estimate[i], estimate[j]), driven_m, turned_rad);
       break;
     }
   }
-  score.store(drift);
+  return score;
+}
+
+void scoreByTruth(const Trajectory& truth, const std::vector<Pose2>& estimate, Drift& drift) {
+  for (size_t i = 1; i < truth.size(); ++i) {
+    const Pose2 error = slam::core::between(slam::core::between(truth[i - 1].pose, truth[i].pose),
+                                            slam::core::between(estimate[i - 1], estimate[i]));
+    if (std::hypot(error.x, error.y) > kWrong_m) ++drift.wrong;
+  }
+  scoreStretches(truth, estimate, kStretch_m).store(drift);
+  drift.long_per_metre = scoreStretches(truth, estimate, kLongStretch_m).perMetre();
 }
 
 void scoreByRelations(const BenchLog& log, const std::vector<Pose2>& estimate, Drift& drift) {
   std::map<long long, size_t> scan_at;  // stamps to the microsecond, as the files print them
   const auto key = [](double time_s) { return std::llround(time_s * 1e6); };
-  for (size_t i = 0; i < log.scans.size(); ++i) scan_at.emplace(key(log.scans[i].time_s), i);
-  Score score;
+  std::vector<double> driven_m = {0};
+  for (size_t i = 0; i < log.scans.size(); ++i) {
+    scan_at.emplace(key(log.scans[i].time_s), i);
+    if (i > 0) driven_m.push_back(driven_m.back() + slam::core::distance(log.wheels[i - 1], log.wheels[i]));
+  }
+  Score near, far;
   for (const Relation& relation : log.relations) {
     const auto from = scan_at.find(key(relation.from_s)), to = scan_at.find(key(relation.to_s));
     const double gap_s = relation.to_s - relation.from_s;
-    if (gap_s <= 0 || gap_s > kLongestRelation_s || from == scan_at.end() || to == scan_at.end()) continue;
+    if (gap_s <= 0 || gap_s > kLongRelation_s || from == scan_at.end() || to == scan_at.end()) continue;
     const Pose2& T = relation.T_from_to;
-    const double error = score.add(T, slam::core::between(estimate[from->second], estimate[to->second]),
-                                   std::hypot(T.x, T.y), std::abs(T.phi));
-    if (error > kWrong_m) ++drift.wrong;
+    const Pose2 estimated = slam::core::between(estimate[from->second], estimate[to->second]);
+    if (gap_s > kShortRelation_s) {
+      far.add(T, estimated, driven_m[to->second] - driven_m[from->second], std::abs(T.phi));
+    } else if (near.add(T, estimated, std::hypot(T.x, T.y), std::abs(T.phi)) > kWrong_m) {
+      ++drift.wrong;
+    }
   }
-  score.store(drift);
+  near.store(drift);
+  drift.long_per_metre = far.perMetre();
 }
 
 }  // namespace
@@ -113,7 +130,7 @@ Drift measureDrift(const BenchLog& log, slam::odometry::ScanOdometry& odometry) 
   }
   drift.median_us = median(times_us);
   if (!log.truth.empty())
-    scoreByTruth(log, estimate, drift);
+    scoreByTruth(log.truth, estimate, drift);
   else
     scoreByRelations(log, estimate, drift);
   return drift;
