@@ -10,11 +10,16 @@
 namespace slam::odometry {
 namespace {
 
-constexpr size_t kFewestBeams = 40;      // of the coarsest level
-constexpr size_t kMostLevels = 5;        // as in the paper
-constexpr int kWarps = 2;                // at the finest level; one at the others
-constexpr int kReweightings = 3;         // per warp
-constexpr double kSteepest = 8;          // neighbours on one surface seen at up to about 83 degrees
+constexpr size_t kFewestBeams = 40;  // of the coarsest level
+constexpr size_t kMostLevels = 5;    // as in the paper
+constexpr int kWarps = 2;            // at the finest level; one at the others
+constexpr int kReweightings = 3;     // per warp
+constexpr double kSteepest = 8;      // neighbours on one surface seen at up to about 83 degrees
+/// Scale of the weights at the coarsest level where the noise alone left a direction undetermined, and what
+/// it narrows by from level to level. Along a corridor only a few beams tell the motion, and from a wrong
+/// start they look like outliers among walls that fit anyhow; but a wide scale lets true outliers in as well,
+/// so it is the second try and has to explain the ranges clearly better.
+constexpr double kWideScale_m = 0.2, kNarrowing = 0.5, kClearlyBetter = 0.8;
 constexpr double kGradientSpan_m = 0.2;  // to each side; a shorter one would differentiate noise
 constexpr size_t kGradientReach = 8;     // beams
 constexpr double kGrazing = 0.5;         // as for point-to-line residuals
@@ -196,7 +201,9 @@ void constraints(const Level& reference, const std::vector<double>& warped, doub
         std::clamp<size_t>(static_cast<size_t>(kGradientSpan_m * p / reference.step_rad), 1, kGradientReach);
     double gradient = 0, gain = 0;
     const double tolerance = kSteepest * static_cast<double>(reach) * reference.step_rad + 4 * sigma_m * p;
-    if (!inverseGradient(mean, i, reach, tolerance, kStraight * sigma_m, cos_h[reach], sin_h[reach], gradient, gain)) continue;
+    if (!inverseGradient(mean, i, reach, tolerance, kStraight * sigma_m, cos_h[reach], sin_h[reach], gradient,
+                         gain))
+      continue;
     const double r = 1 / p, g = -gradient * r;
     const core::Point2& d = reference.directions[i];
     const double incidence = 1 / std::sqrt(1 + g * g);
@@ -249,18 +256,20 @@ class FlowSolver {
       : reference_(reference), moving_(moving), options_(options) {}
 
   /// Coarse to fine from a guess.
-  Flow solve(const core::Pose2& guess, size_t finest) {
+  Flow solve(const core::Pose2& guess, double first_scale_m = 0) {
     Flow flow;
     flow.T_reference_moving = guess;
     const size_t levels = std::min(reference_.levels.size(), moving_.levels.size());
-    for (size_t k = levels; k-- > std::min(finest, levels - 1);)
+    double widened = first_scale_m;
+    for (size_t k = levels; k-- > 0; widened *= kNarrowing)
       for (int i = 0; i < (k == 0 ? kWarps : 1); ++i)
-        if (!refine(reference_.levels[k], moving_.levels[k], flow)) return Flow{guess, {}, 0, 0, 1, true};
+        if (!refine(reference_.levels[k], moving_.levels[k], k == 0 ? 0 : widened, flow))
+          return Flow{guess, {}, 0, 0, 1, true};
     return flow;
   }
 
  private:
-  bool refine(const Level& reference, const Level& moving, Flow& flow) {
+  bool refine(const Level& reference, const Level& moving, double least_scale_m, Flow& flow) {
     const double sigma = std::max(reference_.sigma_m, moving_.sigma_m);
     warp(moving, flow.T_reference_moving, reference, sigma, warped_);
     constraints(reference, warped_, sigma, rows_, mean_);
@@ -271,7 +280,7 @@ class FlowSolver {
     double noise = 0;
     for (int i = 0; i < kReweightings; ++i) {
       noise = residualScale(velocity);
-      const NormalEquations eq = normalEquations(rows_, velocity, noise);
+      const NormalEquations eq = normalEquations(rows_, velocity, std::max(noise, least_scale_m));
       flow.inliers = eq.inliers;
       directions = analyse(eq, std::max(sigma, noise));
       velocity = newtonStep(eq, directions.determined);
@@ -337,10 +346,14 @@ class RangeFlowOdometry : public ScanOdometry {
 
   ScanMotion estimate(const Frame& before, const Frame& after) {
     FlowSolver solver(before.pyramid, after.pyramid, options_);
-    Flow flow = solver.solve(T_step_, 0);
+    Flow flow = solver.solve(T_step_);
+    if (flow.degenerate) {
+      const Flow wide = solver.solve(T_step_, kWideScale_m);
+      if (believable(wide) && !wide.degenerate && wide.cost < kClearlyBetter * flow.cost) flow = wide;
+    }
     if (!believable(flow) || flow.cost > kConvincingCost)
       for (const auto& peak : correlateProfiles(before.scan, after.scan, options_.max_turn_rad, 2)) {
-        const Flow other = solver.solve({0, 0, peak.turn_rad}, 0);
+        const Flow other = solver.solve({0, 0, peak.turn_rad});
         if (believable(other) && (!believable(flow) || other.cost < flow.cost)) flow = other;
       }
     if (!believable(flow)) {
