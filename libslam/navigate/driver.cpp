@@ -182,6 +182,14 @@ robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_odom_r
   return state.stand();
 }
 
+bool Driver::wantsMap() const {
+  return state_->strategy->needsMap() && !finished() && state_->phase == Phase::kDeciding;
+}
+
+void Driver::setMap(const gridmap::OccupancyRaster& map) {
+  state_->strategy->seeMap(map);
+}
+
 bool Driver::finished() const {
   return state_->decision.finished;
 }

@@ -6,6 +6,7 @@
 #include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/random.h"
+#include "libslam/gridmap/occupancy_raster.h"
 #include "libslam/robot/drive.h"
 #include "libslam/robot/scan.h"
 
@@ -19,21 +20,34 @@ enum class FreeWays { kBoth = 0, kFrontOnly = 1, kRearOnly = 2, kNone = 3 };
 /// lidar does not see that sector: when its readings (lost ones do not count) cover less than half of it.
 FreeWays canMove(const robot::Scan& scan, double clearance_m);
 
-/// What a strategy decides: turn by turn_rad, then drive distance_m, and why.
+/// What a strategy decides and why. Without a path: turn by turn_rad, then drive distance_m. With a path: drive
+/// along its waypoints; turn and distance are then not used.
 struct Decision {
   double turn_rad = 0;
-  double distance_m = 0;                   ///< 0: only turn
-  bool finished = false;                   ///< nothing left to explore
-  double score = 0;                        ///< of the choice, in the strategy's own measure
-  std::string reason;                      ///< "longest ray 7.31 m at 42 deg"
-  std::vector<core::Point2> alternatives;  ///< ends of the other candidates, robot frame
+  double distance_m = 0;  ///< 0: only turn
+  bool finished = false;  ///< nothing left to explore; `reason` says what remains out of reach
+  double score = 0;       ///< of the choice, in the strategy's own measure
+  std::string reason;     ///< "longest ray 7.31 m at 42 deg"
+  /// Where the other candidates are: in the map frame when the strategy needs a map, else in the robot frame.
+  std::vector<core::Point2> alternatives;
+  std::vector<core::Point2>
+      path;           ///< map frame, from the first waypoint after the robot to the goal; or empty
+  core::Point2 goal;  ///< map frame, path.back(); meaningless without a path
 };
 
-/// Where to go next. Sees the newest scan and the odometry pose, never the truth.
+/// Where to go next. Sees the newest scan, the estimated pose and, where it needs one, the map that the robot
+/// has built; never the truth.
 class Strategy {
  public:
   virtual ~Strategy() = default;
-  virtual Decision decide(const robot::Scan& scan, const core::Pose2& T_odom_robot) = 0;
+  /// T_map_robot: the robot in the frame of the map that seeMap() gave; without a map any frame that stays put,
+  /// such as odometry's.
+  virtual Decision decide(const robot::Scan& scan, const core::Pose2& T_map_robot) = 0;
+
+  /// True when decide() works on the map. It then throws ContractError when seeMap() was never called.
+  virtual bool needsMap() const { return false; }
+  /// The newest map; the reference is not kept.
+  virtual void seeMap(const gridmap::OccupancyRaster& /*map*/) {}
 };
 
 /// Section [strategy].
@@ -69,8 +83,15 @@ class Driver {
   Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& options, const robot::RobotOptions& robot,
          double period_s, core::RandomStream random);
   ~Driver();
-  /// The command for the next period. `collided`: the last command ended in a collision.
-  robot::Command next(const robot::Scan& scan, const core::Pose2& T_odom_robot, bool collided);
+  /// True when the strategy needs a map and next() will decide, or has to check the path that it follows: call
+  /// setMap() before next() then. Always false for strategies without a map.
+  bool wantsMap() const;
+  /// The newest map, for the next call of next(); the reference is not kept. May be called more often.
+  void setMap(const gridmap::OccupancyRaster& map);
+  /// The command for the next period. `collided`: the last command ended in a collision. T_map_robot: the
+  /// robot in the frame of the map; without a map in odometry's frame. Errors: the strategy needs a map and
+  /// setMap() was never called (ContractError).
+  robot::Command next(const robot::Scan& scan, const core::Pose2& T_map_robot, bool collided);
   bool finished() const;
   const Decision& currentDecision() const;
 
