@@ -25,6 +25,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"gridmap", {"core"}},
     {"obstacles", {"core", "robot"}},
     {"navigate", {"core", "robot", "gridmap"}},
+    {"mrptnav", {"core", "robot", "navigate"}},
     {"odometry", {"core", "robot"}},
     {"mapping", {"core", "robot", "gridmap", "odometry"}},
     // both
