@@ -15,6 +15,21 @@
 namespace slam::run {
 namespace {
 
+logs::LogEntry toLogEntry(const sim::Sensed& sensed) {
+  return {sensed.scan, sensed.T_odom_robot, sensed.T_previous_robot, true};
+}
+
+bool isTurn(const robot::Command& command) {
+  return command.speed_mps == 0 && command.turn_rate_radps != 0;
+}
+
+sim::Operation toOperation(const robot::Command& command, const odometry::ScanMotion& motion) {
+  if (isTurn(command)) return {'t', motion.turn_reading_rad, 0.0};
+  return {'m', motion.rear_reading_m, motion.front_reading_m};
+}
+
+}  // namespace
+
 core::Pose2 startPose(const world::Plan& plan, const RecordConfig& config) {
   const double clearance_m = robot::circumscribedRadius(config.robot) + config.strategy.stop_clearance_m;
   if (config.simulation.start == "auto") {
@@ -36,21 +51,6 @@ core::Pose2 startPose(const world::Plan& plan, const RecordConfig& config) {
                            "', expected auto or x_m y_m yaw_deg");
   return {numbers[0], numbers[1], core::wrapToPi(core::degToRad(numbers[2]))};
 }
-
-logs::LogEntry toLogEntry(const sim::Sensed& sensed) {
-  return {sensed.scan, sensed.T_odom_robot, sensed.T_previous_robot, true};
-}
-
-bool isTurn(const robot::Command& command) {
-  return command.speed_mps == 0 && command.turn_rate_radps != 0;
-}
-
-sim::Operation toOperation(const robot::Command& command, const odometry::ScanMotion& motion) {
-  if (isTurn(command)) return {'t', motion.turn_reading_rad, 0.0};
-  return {'m', motion.rear_reading_m, motion.front_reading_m};
-}
-
-}  // namespace
 
 const core::ParameterTable<SimulationOptions>& SimulationOptions::table() {
   using O = SimulationOptions;
