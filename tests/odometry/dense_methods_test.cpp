@@ -195,5 +195,37 @@ TEST_P(DenseMethod, AnUnexpectedTurnIsFoundByTheProfiles) {
   EXPECT_NEAR(motion.T_previous_current.x, 0, 0.01);
 }
 
+TEST(RangeFlowOdometry, ErrorsDoNotAddUpWhileTheRobotStaysNearOneScan) {
+  Lidar lidar;
+  lidar.beams = 361, lidar.fov_rad = kPi, lidar.sigma_m = 0.02;
+  core::RandomStream random(9, "lidar");
+  double of_steps = 0, of_chains = 0, consistency = 0;
+  constexpr int kRuns = 12, kSteps = 15;
+  for (int run = 0; run < kRuns; ++run) {
+    const auto odometry = scenes::make("range_flow");
+    Pose2 pose{random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(-kPi, kPi)};
+    const Pose2 step{0.02, 0, 0.01};
+    odometry->update(look(oddRoom(), pose, lidar, &random));
+    Pose2 chain;
+    for (int i = 0; i < kSteps; ++i) {
+      pose = pose * step;
+      const auto motion = odometry->update(look(oddRoom(), pose, lidar, &random));
+      const Pose2 error = core::between(step, motion.T_previous_current);
+      of_steps += (error.x * error.x + error.y * error.y) / kSteps;
+      consistency += scenes::normalisedSquare(motion.covariance, {error.x, error.y, error.phi}) / kSteps;
+      chain = chain * motion.T_previous_current;
+    }
+    Pose2 truth;
+    for (int i = 0; i < kSteps; ++i) truth = truth * step;
+    of_chains += std::pow(core::distance(truth, chain), 2);
+  }
+  // 15 independent errors would give a ratio of 3.9 and more, with the headings; against one scan it is near
+  // 1, and 12 chains leave a fifth of uncertainty.
+  EXPECT_LT(std::sqrt(of_chains / of_steps), 2);
+  // 3 when perfect. Two errors in each step share the noise of the reference scan, so it may be smaller.
+  EXPECT_GT(consistency / kRuns, 0.7);
+  EXPECT_LT(consistency / kRuns, 6.0);
+}
+
 }  // namespace
 }  // namespace slam::odometry
