@@ -325,7 +325,8 @@ class FlowSolver {
 /// Cauchy weights, coarse to fine with warping, and in weakly determined directions the velocity of the step
 /// before (the paper blends by eigenvalue, here a direction is determined or not). Where we differ: inverse
 /// ranges, whose differences are exact on walls; gradients over at least the span that noise leaves standing;
-/// one reference scan for as long as the robot stays near it; and a large turn, which no flow can follow, is first taken out by the correlation of the range profiles.
+/// one reference scan for as long as the robot stays near it; and a large turn, which no flow can follow, is
+/// first taken out by the correlation of the range profiles.
 class RangeFlowOdometry : public ScanOdometry {
  public:
   explicit RangeFlowOdometry(const ScanOdometryOptions& options) : options_(options) {}
