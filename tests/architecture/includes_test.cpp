@@ -25,11 +25,13 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"gridmap", {"core"}},
     {"obstacles", {"core", "robot"}},
     {"navigate", {"core", "robot", "gridmap"}},
+    {"mrptnav", {"core", "robot", "navigate"}},
     {"odometry", {"core", "robot"}},
     {"mapping", {"core", "robot", "gridmap", "odometry"}},
     // both
     {"run",
-     {"core", "robot", "logs", "world", "sim", "metrics", "report", "navigate", "obstacles", "odometry", "mapping"}},
+     {"core", "robot", "logs", "world", "sim", "metrics", "report", "navigate", "obstacles", "odometry",
+      "mapping"}},
     {"plugin", {"core", "robot", "logs", "world", "sim", "navigate", "run"}},
     {"testing", {"core", "robot", "world"}},
 };
