@@ -199,8 +199,8 @@ void constraints(const Level& reference, const std::vector<double>& warped, doub
   for (size_t i = 0; i < n; ++i) {
     if (mean[i] == 0) continue;
     const double p = mean[i];
-    const size_t reach =
-        std::clamp<size_t>(static_cast<size_t>(kGradientSpan_m * p / reference.step_rad), 1, kGradientReach);
+    const double beams = std::min(kGradientSpan_m * p / reference.step_rad, double(kGradientReach));
+    const size_t reach = std::max<size_t>(static_cast<size_t>(beams), 1);
     double gradient = 0, gain = 0;
     const double tolerance = kSteepest * static_cast<double>(reach) * reference.step_rad + 4 * sigma_m * p;
     if (!inverseGradient(mean, i, reach, tolerance, kStraight * sigma_m, cos_h[reach], sin_h[reach], gradient,
