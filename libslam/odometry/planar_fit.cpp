@@ -104,7 +104,8 @@ class Matcher {
     // Whole beams below and above, and how far off the one above is; u is never negative.
     const long below = static_cast<long>(u);
     const double fraction = u - static_cast<double>(below), per_beam = kChord * range * reference_.step_rad;
-    const long reach = std::clamp(static_cast<long>(gate_m / (range * reference_.step_rad)) + 1, 1L, kReach);
+    const double beams = std::min(gate_m / (range * reference_.step_rad), static_cast<double>(kReach));
+    const long reach = std::clamp(static_cast<long>(beams) + 1, 1L, kReach);
     double least = std::numeric_limits<double>::infinity();
     long nearest = -1;
     // Outwards, as long as a beam may still hold something nearer than the nearest so far: beam k passes q

@@ -16,7 +16,7 @@ constexpr int kWarps = 2;            // at the finest level; one at the others
 constexpr int kReweightings = 3;     // per warp
 constexpr double kSteepest = 8;      // neighbours on one surface seen at up to about 83 degrees
 /// A scan serves as reference until the robot is this far from it.
-constexpr double kReferenceReach_m = 0.25, kReferenceReach_rad = 10 * core::kPi / 180;
+constexpr double kReferenceReach_m = 0.4, kReferenceReach_rad = 15 * core::kPi / 180;
 /// Scale of the weights at the coarsest level where the noise alone left a direction undetermined, and what
 /// it narrows by from level to level. Along a corridor only a few beams tell the motion, and from a wrong
 /// start they look like outliers among walls that fit anyhow; but a wide scale lets true outliers in as well,
@@ -199,8 +199,8 @@ void constraints(const Level& reference, const std::vector<double>& warped, doub
   for (size_t i = 0; i < n; ++i) {
     if (mean[i] == 0) continue;
     const double p = mean[i];
-    const size_t reach =
-        std::clamp<size_t>(static_cast<size_t>(kGradientSpan_m * p / reference.step_rad), 1, kGradientReach);
+    const double beams = std::min(kGradientSpan_m * p / reference.step_rad, double(kGradientReach));
+    const size_t reach = std::max<size_t>(static_cast<size_t>(beams), 1);
     double gradient = 0, gain = 0;
     const double tolerance = kSteepest * static_cast<double>(reach) * reference.step_rad + 4 * sigma_m * p;
     if (!inverseGradient(mean, i, reach, tolerance, kStraight * sigma_m, cos_h[reach], sin_h[reach], gradient,
@@ -325,7 +325,8 @@ class FlowSolver {
 /// Cauchy weights, coarse to fine with warping, and in weakly determined directions the velocity of the step
 /// before (the paper blends by eigenvalue, here a direction is determined or not). Where we differ: inverse
 /// ranges, whose differences are exact on walls; gradients over at least the span that noise leaves standing;
-/// and a large turn, which no flow can follow, is first taken out by the correlation of the range profiles.
+/// one reference scan for as long as the robot stays near it; and a large turn, which no flow can follow, is
+/// first taken out by the correlation of the range profiles.
 class RangeFlowOdometry : public ScanOdometry {
  public:
   explicit RangeFlowOdometry(const ScanOdometryOptions& options) : options_(options) {}

@@ -98,6 +98,20 @@ TEST_P(ScanOdometryContract, SurvivesAChangeOfLidar) {
   }
 }
 
+TEST_P(ScanOdometryContract, SurvivesReadingsThatNoLidarGives) {
+  for (const float odd : {1e-38f, 1e-6f, 1e9f, 3e38f}) {
+    auto scan = look(oddRoom(), {}, {});
+    for (size_t i = 0; i < scan.ranges_m.size(); i += 3) scan.ranges_m[i] = odd;
+    odometry_->reset();
+    odometry_->update(scan);
+    for (const auto& next : {scan, look(oddRoom(), {0.1, 0, 0}, {})}) {
+      const ScanMotion motion = odometry_->update(next);
+      EXPECT_TRUE(core::isFinite(motion.T_previous_current)) << odd;
+      EXPECT_TRUE(isPositiveDefinite(motion.covariance)) << odd;
+    }
+  }
+}
+
 TEST_P(ScanOdometryContract, TwoBeamsAreTakenFewerAreTheCallersBug) {
   auto scan = look(oddRoom(), {}, {});
   scan.ranges_m.resize(2);
