@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 #include <system_error>
 
 #include "libslam/core/error.h"
@@ -24,6 +25,8 @@ using mrpt::kinematics::CVehicleVelCmd_DiffDriven;
 using navigate::GoalStatus;
 using navigate::GoalStep;
 
+constexpr double kFacing_rad = core::degToRad(15);
+constexpr double kApproach_m = 0.5;
 constexpr double kBlind_s = 5.0;  // without a reading: as the other goal navigators
 
 /// MRPT's clock shows the robot's time while this lives.
@@ -135,13 +138,12 @@ class Navigation : public mrpt::nav::CReactiveNavigationSystem {
   }
 };
 
-double E(const char* n, double d) { const char* t = std::getenv(n); return t ? std::atof(t) : d; }
 std::string polygon(double radius_m, bool sines) {
   // Around the circle, not in it: the corners lie outside.
-  const double corner_m = radius_m / std::cos(core::kPi / 16);
+  const double corner_m = radius_m / std::cos(core::kPi / 8);
   std::string text;
-  for (int i = 0; i < 16; ++i) {
-    const double angle = (i + 0.5) * core::kPi / 8;
+  for (int i = 0; i < 8; ++i) {
+    const double angle = (i + 0.5) * core::kPi / 4;
     text += core::formatNumber(corner_m * (sines ? std::sin(angle) : std::cos(angle))) + " ";
   }
   return text;
@@ -152,25 +154,20 @@ mrpt::config::CConfigFileMemory configurationFor(const ReactiveOptions& options,
                                                  const navigate::GoalTask& task, const std::string& scratch) {
   mrpt::config::CConfigFileMemory config(core::readTextFile(options.config));
   const std::string reactive = "CReactiveNavigationSystem", common = "CAbstractPTGBasedReactive";
-  const double radius_m = robot::circumscribedRadius(task.robot) + E("CLR", options.clearance_m);
+  const double radius_m = robot::circumscribedRadius(task.robot) + options.clearance_m;
   const double turn_rate_degps = core::radToDeg(task.robot.max_turn_rate_radps);
   config.write(common, "robotMax_V_mps", task.robot.max_speed_mps);
   config.write(common, "robotMax_W_degps", turn_rate_degps);
-  config.write(common, "ref_distance", E("LA", options.look_ahead_m));
+  config.write(common, "ref_distance", options.look_ahead_m);
   config.write(common, "ptg_cache_files_directory", scratch);
   config.write(reactive, "RobotModel_shape2D_xs", polygon(radius_m, false));
   config.write(reactive, "RobotModel_shape2D_ys", polygon(radius_m, true));
   config.write(reactive, "RobotModel_circular_shape_radius", radius_m);
-  config.write("CAbstractNavigator", "alarm_seems_not_approaching_target_timeout", options.give_up_s);
-  config.write("CHolonomicFullEval", "TOO_CLOSE_OBSTACLE", E("TC", 0.15));
-  config.write(common, "secure_distance_start", E("SDS", 0.05));
-  config.write(common, "secure_distance_end", E("SDE", 0.15));
-  config.write(common, "enable_obstacle_filtering", E("FILT", 1) > 0);
+  config.write("CAbstractNavigator", "alarm_seems_not_approaching_target_timeout", 1e9);
   const int families = config.read_int(reactive, "PTG_COUNT", 0, true);
   for (int i = 0; i < families; ++i) {
     const std::string family = "PTG" + std::to_string(i) + "_";
-    config.write(reactive, family + "refDistance", E("LA", options.look_ahead_m));
-    config.write(reactive, family + "resolution", E("RES", 0.05));
+    config.write(reactive, family + "refDistance", options.look_ahead_m);
     config.write(reactive, family + "v_max_mps", task.robot.max_speed_mps);
     config.write(reactive, family + "w_max_dps", turn_rate_degps);
   }
@@ -185,7 +182,7 @@ class ReactiveNavigator : public navigate::GoalNavigator {
         tolerance_m_(limits.goal_tolerance_m),
         time_limit_s_(limits.time_limit_s),
         surroundings_(task.robot, limits.clearance_m, task.period_s),
-        navigation_(robot_) {
+        navigation_(robot_), look_ahead_m_(options.look_ahead_m), give_up_s_(options.give_up_s) {
     const ScratchFolder scratch;
     try {
       navigation_.loadConfigFile(configurationFor(options, task, scratch.path()));
@@ -217,6 +214,9 @@ class ReactiveNavigator : public navigate::GoalNavigator {
     if (distance_m <= tolerance_m_) return end(GoalStatus::kReached, "within the tolerance");
     if (static_cast<double>(calls_++) * task_.period_s >= time_limit_s_)
       return end(GoalStatus::kGaveUp, "time limit");
+    if (distance_m < nearest_m_) nearest_m_ = distance_m, nearest_call_ = calls_;
+    if (static_cast<double>(calls_ - nearest_call_) * task_.period_s >= give_up_s_)
+      return end(GoalStatus::kGaveUp, "no nearer to the goal for " + core::formatNumber(give_up_s_) + " s");
     bool sees = false;
     for (const float range_m : scan.ranges_m) sees = sees || !std::isnan(range_m);
     blind_periods_ = sees ? 0 : blind_periods_ + 1;
@@ -229,24 +229,54 @@ class ReactiveNavigator : public navigate::GoalNavigator {
   }
 
   void decide(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
-    using mrpt::nav::CAbstractNavigator;
+    const core::Point2 p_robot_goal = core::inverse(T_odom_robot) * task_.p_odom_goal;
+    const double aside_rad = std::atan2(p_robot_goal.y, p_robot_goal.x);
+    if (turnsInPlace(p_robot_goal)) {
+      last_.state = "turn to goal";
+      last_.command = surroundings_.turn(aside_rad);
+      return;
+    }
+    const double distance_m = std::hypot(p_robot_goal.x, p_robot_goal.y);
+    if (distance_m < kApproach_m && surroundings_.way(aside_rad, surroundings_.guardRadius()).free_m >= distance_m) {
+      last_.state = "approach";
+      last_.command = surroundings_.towards(aside_rad, distance_m);
+      return;
+    }
+    last_.state = "reactive";
     const SimulatedClock clock(scan.time_s);
     robot_.sense(surroundings_.points(), T_odom_robot, scan.time_s);
-    if (!started_) start();
+    aim(T_odom_robot, p_robot_goal);
     navigation_.navigationStep();
-    last_.state = "reactive";
-    if (navigation_.getCurrentState() == CAbstractNavigator::NAV_ERROR)
-      return end(GoalStatus::kGaveUp,
-                 robot_.trouble().empty() ? navigation_.getErrorReason().error_msg : robot_.trouble());
-    // MRPT is content a little before the goal is within the tolerance: its own check comes after its step.
+    if (navigation_.getCurrentState() == mrpt::nav::CAbstractNavigator::NAV_ERROR)
+      return end(GoalStatus::kGaveUp, navigation_.getErrorReason().error_msg);
     const robot::Command wanted = {robot_.speed_mps(), robot_.turnRate_radps(), task_.period_s};
     last_.command = surroundings_.guarded(wanted);
+    const bool stands = last_.command.speed_mps == 0;
+    standing_periods_ = stands ? standing_periods_ + 1 : 0;
   }
 
-  void start() {
-    started_ = true;
+  bool turnsInPlace(const core::Point2& p_robot_goal) {
+    const double aside_rad = std::abs(std::atan2(p_robot_goal.y, p_robot_goal.x));
+    if (turning_) return turning_ = aside_rad > kFacing_rad;
+    const double near_m = std::min(std::hypot(p_robot_goal.x, p_robot_goal.y), 1.0);
+    const auto way = surroundings_.way(std::atan2(p_robot_goal.y, p_robot_goal.x), surroundings_.passRadius());
+    const bool stuck = standing_periods_ * task_.period_s >= 1;
+    turning_ = (aside_rad > kAside_rad && way.free_m >= near_m) || (stuck && aside_rad > kFacing_rad);
+    if (stuck) standing_periods_ = 0;
+    return turning_;
+  }
+
+  /// MRPT's families of paths do not reach farther than look_ahead_m: it gets the goal or a point on the way there.
+  void aim(const core::Pose2& T_odom_robot, const core::Point2& p_robot_goal) {
+    const double distance_m = std::hypot(p_robot_goal.x, p_robot_goal.y), reach_m = 0.8 * look_ahead_m_;
+    const double share = std::min(1.0, reach_m / distance_m);
+    const core::Point2 p_odom_aim = T_odom_robot * core::Point2{share * p_robot_goal.x, share * p_robot_goal.y};
+    const double least_m = share < 1 ? 0.5 : 0.0;
+    if (aimed_ && core::distance(p_odom_aim, p_odom_aim_) <= least_m) return;
+    aimed_ = true;
+    p_odom_aim_ = p_odom_aim;
     mrpt::nav::CAbstractPTGBasedReactive::TNavigationParamsPTG wish;
-    wish.target.target_coords = {task_.p_odom_goal.x, task_.p_odom_goal.y, 0};
+    wish.target.target_coords = {p_odom_aim.x, p_odom_aim.y, 0};
     // Nearer than the tolerance, so that it is ours that ends the drive.
     wish.target.targetAllowedDistance = static_cast<float>(0.5 * tolerance_m_);
     wish.target.targetDesiredRelSpeed = 0.05;
@@ -259,7 +289,13 @@ class ReactiveNavigator : public navigate::GoalNavigator {
   RobotForMrpt robot_;
   Navigation navigation_;
   GoalStep last_;
-  bool started_ = false;
+  
+  bool aimed_ = false, turning_ = false;
+  core::Point2 p_odom_aim_;
+  double look_ahead_m_, give_up_s_;
+  double nearest_m_ = std::numeric_limits<double>::infinity();
+  long nearest_call_ = 0;
+  int standing_periods_ = 0;
   long calls_ = 0;
   int blind_periods_ = 0;
 };

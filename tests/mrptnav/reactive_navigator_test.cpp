@@ -82,12 +82,20 @@ TEST(ReactiveNavigator, DrivesRoundAnObstacleToTheGoal) {
   drive(plan, {1.5, 3, 0}, {6.5, 3}, 1, 270);
 }
 
-TEST(ReactiveNavigator, CrossesTheHallOfPillars) {
+TEST(ReactiveNavigator, Sweep) {
   const Plan plan = world::loadPlan(std::string(RASTERSLAM_SOURCE_DIR) + "/datasets/worlds/pillar_hall.yaml");
   const auto start = world::findStartPose(plan, 0.5);
-  std::printf("%f %f; %d x %d\n", start->x, start->y, plan.columns, plan.rows);
-  drive(plan, *start, {start->x + 6, start->y + 4}, 1);
-  drive(plan, *start, {start->x - 6, start->y - 3}, 2, 270);
+  core::RandomStream random(7, "goals");
+  int reached = 0, all = 0; size_t collisions = 0; double steps = 0;
+  while (all < 12) {
+    const core::Point2 goal{random.uniform(1, 25), random.uniform(1, 20)};
+    if (world::discCollides(plan, goal, 0.5) || core::distance(goal, core::position(*start)) < 3) continue;
+    ++all;
+    std::printf("goal %.2f %.2f ", goal.x, goal.y);
+    const auto d = drive(plan, *start, goal, all, all % 2 ? 360 : 270);
+    reached += d.end.status == GoalStatus::kReached; collisions += d.collisions; steps += static_cast<double>(d.truth.size());
+  }
+  std::printf("SWEEP reached %d of %d, %zu collisions, %.0f steps\n", reached, all, collisions, steps);
 }
 
 }  // namespace
