@@ -31,6 +31,7 @@ void addSimulate(CLI::App& app, Context& context);
 void addRun(CLI::App& app, Context& context);
 void addEval(CLI::App& app, Context& context);
 void addCompare(CLI::App& app, Context& context);
+void addNavigate(CLI::App& app, Context& context);
 void addInfo(CLI::App& app, Context& context);
 void addList(CLI::App& app, Context& context);
 

@@ -18,7 +18,8 @@ namespace slam::navigate {
 /// and on. Back where the boundary was met without that: the goal cannot be reached.
 ///
 /// Where we differ: the nearest distance on the followed boundary is that of places driven, not of all places
-/// sensed, and leaving needs 0.15 m of progress, against noise.
+/// sensed, and leaving needs 0.2 m of progress (and 0.2 m
+/// more after every way that proved blocked), against noise.
 class TangentBug : public GuardedNavigator {
  public:
   TangentBug(const NavigateOptions& options, const GoalTask& task);
@@ -39,17 +40,18 @@ class TangentBug : public GuardedNavigator {
   void look(const robot::Scan& scan);
   std::vector<Node> nodes(const core::Pose2& T_odom_robot) const;
   std::optional<core::Point2> visiblePlaceNearerThan(double goal_m, const core::Pose2& T_odom_robot) const;
+  std::optional<core::Point2> chooseNode(const std::vector<Node>& all, const core::Pose2& T_odom_robot) const;
   bool isSeen(const robot::Scan& scan, double direction_rad) const;
 
   State state_ = State::kToGoal;
   std::string reason_ = "start";
   std::vector<double> free_m_;  ///< per degree from straight back: how far the disc can go, at most to the
-                                ///< sensor's range; 0 where the lidar does not look
+                                ///< sensor's range; NaN where the lidar does not look
   double range_m_ = 0;
   BoundaryFollower follower_;
   std::optional<core::Point2> p_odom_heading_to_;
   core::Point2 p_odom_place_;
-  double nearest_goal_m_ = 0;
+  double nearest_goal_m_ = 0, needed_progress_m_ = 0;
 };
 
 }  // namespace slam::navigate

@@ -12,11 +12,13 @@
 #include "libslam/run/evaluate.h"
 #include "libslam/run/record.h"
 #include "libslam/run/resources.h"
+#include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::run {
 namespace {
 namespace fs = std::filesystem;
+using slam::testing::errorOf;
 using ::testing::HasSubstr;
 
 /// Asks to stop at the n-th report.
@@ -40,15 +42,6 @@ RecordConfig shortRecording(double duration_s) {
 
 world::Plan flat() {
   return world::loadPlan(resolvePlan("flat"));
-}
-
-std::string errorOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(Record, AnInterruptLeavesNothing) {
