@@ -33,6 +33,7 @@ void addEval(CLI::App& app, Context& context);
 void addCompare(CLI::App& app, Context& context);
 void addNavigate(CLI::App& app, Context& context);
 void addInfo(CLI::App& app, Context& context);
+void addPlot(CLI::App& app, Context& context);
 void addList(CLI::App& app, Context& context);
 
 // Options that mean the same wherever they appear.

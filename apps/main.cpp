@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
   slam::apps::addCompare(app, context);
   slam::apps::addNavigate(app, context);
   slam::apps::addInfo(app, context);
+  slam::apps::addPlot(app, context);
   slam::apps::addList(app, context);
   try {
     app.parse(argc, argv);

@@ -171,6 +171,12 @@ void LegendStrip::draw(Canvas& canvas, Pixel upper_left) const {
       case LegendEntry::Kind::kStart:
         drawStart(canvas, middle);
         break;
+      case LegendEntry::Kind::kDot:
+        canvas.disc(middle, 5, entry.colour);
+        break;
+      case LegendEntry::Kind::kRing:
+        canvas.circle(middle, 7, entry.colour, 1);
+        break;
     }
     canvas.text({at.x + kSample + kGapAfterSample, at.y + 6}, entry.label, kTextSize, kInk);
   }

@@ -79,7 +79,7 @@ void drawStart(Canvas& canvas, Pixel at);
 
 /// A row of the legend: a sample and what it means.
 struct LegendEntry {
-  enum class Kind { kLine, kBroadLine, kBox, kStart } kind;
+  enum class Kind { kLine, kBroadLine, kBox, kStart, kDot, kRing } kind;
   Colour colour;
   std::string label;
 };
