@@ -71,7 +71,7 @@ TEST(Includes, EveryRoomKeepsToTheTable) {
 }
 
 TEST(Includes, TheTableHoldsTheTruthWall) {
-  for (const std::string robot_side : {"obstacles", "navigate", "odometry", "mapping"})
+  for (const std::string robot_side : {"obstacles", "navigate", "mrptnav", "odometry", "mapping"})
     for (const std::string truth_side : {"world", "sim", "metrics", "report", "run", "logs"})
       EXPECT_FALSE(kMayInclude.at(robot_side).count(truth_side)) << robot_side << " reaches " << truth_side;
 }

@@ -144,11 +144,11 @@ TEST(LidarBug, KeepsTheWallsDistanceByTurning) {
 }
 
 TEST(LidarBug, BacksOffFromABumpInFrontAndAdvancesFromOneBehind) {
-  for (const int degrees : {30, 91, 150, -150, -91}) {
+  for (const int degrees : {30, 85, -85, 99, 150, -150, -99}) {
     Shown bug;
     bug.show(scanWith({}), {});
     EXPECT_EQ(bug.show(scanWith({{degrees, 0.32F}}), {}), "STUCK LEAVE") << degrees;
-    const bool in_front = std::abs(degrees) - 3 <= 92;
+    const bool in_front = std::abs(degrees) <= 92;
     EXPECT_EQ(bug.step().command.speed_mps < 0, in_front) << degrees;
     EXPECT_THAT(bug.step().reason, ::testing::HasSubstr(in_front ? "in front" : "behind"));
   }
