@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <system_error>
 
 #include "libslam/core/error.h"
@@ -33,6 +34,7 @@ constexpr double kFarAside_rad = core::degToRad(60);  // a turn in place is shor
 constexpr double kFacing_rad = core::degToRad(15);
 constexpr double kFreeAhead_m = 1.0;
 constexpr double kStuck_s = 1.0;
+constexpr double kStanding_mps = 0.02;  // less is a command that was all but cut off
 
 /// MRPT's clock shows the robot's time while this lives.
 class SimulatedClock {
@@ -202,7 +204,8 @@ class ReactiveNavigator : public navigate::GuardedNavigator {
     now_s_ += task_.period_s;
     GoalStep step = decide(T_odom_robot);
     robot_.drive(step.command);
-    standing_s_ = step.command.speed_mps == 0 ? standing_s_ + task_.period_s : 0;
+    const bool stands = std::abs(step.command.speed_mps) < kStanding_mps;
+    standing_s_ = stands ? standing_s_ + task_.period_s : 0;
     return step;
   }
 
@@ -214,8 +217,8 @@ class ReactiveNavigator : public navigate::GuardedNavigator {
               "no nearer to the goal for " + core::formatNumber(reactive_.give_up_s) + " s"};
     const double direction_rad = goalDirection(T_odom_robot), distance_m = goalDistance(T_odom_robot);
     if (turnsInPlace(T_odom_robot))
-      return {surroundings_.turn(direction_rad), GoalStatus::kMoving, "turn to goal",
-              "the goal is aside, and MRPT's paths do not turn in place"};
+      return {surroundings_.turn(core::angleDifference(*heading_odom_rad_, T_odom_robot.phi)),
+              GoalStatus::kMoving, "turn in place", "MRPT's paths do not turn in place"};
     if (distance_m < kApproach_m && freeToGoal(T_odom_robot) >= distance_m)
       return {surroundings_.towards(direction_rad, distance_m), GoalStatus::kMoving, "approach",
               "the way to the goal is free"};
@@ -240,18 +243,33 @@ class ReactiveNavigator : public navigate::GuardedNavigator {
     return now_s_ - nearest_time_s_ >= reactive_.give_up_s;
   }
 
-  /// When the goal lies far aside and the first metre of the way there is free, or when MRPT has found no path
-  /// for a second; then until the robot faces it.
+  /// Towards the goal when it lies far aside and the first metre of the way there is free; towards the free
+  /// direction nearest to it when MRPT has found no path for a second.
   bool turnsInPlace(const core::Pose2& T_odom_robot) {
-    const double aside_rad = std::abs(goalDirection(T_odom_robot));
-    if (!turning_) {
-      const bool free = freeToGoal(T_odom_robot) >= std::min(goalDistance(T_odom_robot), kFreeAhead_m);
-      const bool stuck = standing_s_ >= kStuck_s;
-      turning_ = (aside_rad > kFarAside_rad && free) || stuck;
-      if (turning_) standing_s_ = 0;
-    }
-    turning_ = turning_ && aside_rad > kFacing_rad;
-    return turning_;
+    const double aside_rad = goalDirection(T_odom_robot);
+    const double free_ahead_m = std::min(goalDistance(T_odom_robot), kFreeAhead_m);
+    if (!heading_odom_rad_ && standing_s_ >= kStuck_s)
+      heading_odom_rad_ = T_odom_robot.phi + freeDirection(aside_rad, free_ahead_m);
+    else if (!heading_odom_rad_ && std::abs(aside_rad) > kFarAside_rad &&
+             freeToGoal(T_odom_robot) >= free_ahead_m)
+      heading_odom_rad_ = T_odom_robot.phi + aside_rad;
+    if (!heading_odom_rad_) return false;
+    if (std::abs(core::angleDifference(*heading_odom_rad_, T_odom_robot.phi)) > kFacing_rad) return true;
+    heading_odom_rad_.reset();
+    standing_s_ = 0;
+    return false;
+  }
+
+  /// Robot frame. Not where it faces now, for there MRPT saw no path; straight back when nothing is free.
+  double freeDirection(double wanted_rad, double free_ahead_m) const {
+    for (int i = 0; i <= 18; ++i)
+      for (const int side : {1, -1}) {
+        const double direction_rad = core::wrapToPi(wanted_rad + side * core::degToRad(10.0 * i));
+        if (std::abs(direction_rad) < 2 * kFacing_rad) continue;
+        if (surroundings_.way(direction_rad, surroundings_.followRadius()).free_m >= free_ahead_m)
+          return direction_rad;
+      }
+    return core::kPi;
   }
 
   /// MRPT's paths end at look_ahead_m: its target is the goal or a point on the straight line there, within their
@@ -278,7 +296,8 @@ class ReactiveNavigator : public navigate::GuardedNavigator {
   double now_s_ = kEpoch_s;
   double nearest_m_ = std::numeric_limits<double>::infinity(), nearest_time_s_ = kEpoch_s;
   double standing_s_ = 0;
-  bool turning_ = false, aimed_ = false;
+  std::optional<double> heading_odom_rad_;  ///< that it turns to
+  bool aimed_ = false;
   core::Point2 p_odom_aim_;
 };
 
