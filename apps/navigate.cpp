@@ -83,7 +83,7 @@ void addNavigate(CLI::App& app, Context& context) {
       "there. 4: one missed it, gave up, or was wrong.\n"
       "Examples:\n"
       "  rasterslam navigate office_loop --goal \"3 2\" --method bug2,tangent -o out\n"
-      "  rasterslam navigate maze --start \"1.5 1.5 0\" --goal \"15 15\" --method tangent --slam icp");
+      "  rasterslam navigate maze --start \"1.45 1.45 0\" --goal \"15.9 15.9\" --method tangent --slam icp");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return navigateTo(context, *arguments); };
   });

@@ -12,6 +12,7 @@
 #include "libslam/core/files.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/navigate/surroundings.h"
 #include "libslam/report/picture.h"
 #include "libslam/run/goal_methods.h"
 #include "libslam/sim/simulator.h"
@@ -65,6 +66,14 @@ class PoseSource {
   std::optional<mapping::MapBuilder> builder_;
 };
 
+/// True when no way leads to the goal for the disc with the clearance that the methods keep.
+bool isOutOfReach(const ReachGoalRequest& request) {
+  const auto& config = request.config;
+  const navigate::Surroundings keeps(config.robot, config.navigate.clearance_m, 1 / config.lidar.rate_hz);
+  return !world::shortestPath(request.plan, core::position(request.T_world_start), request.p_world_goal,
+                              keeps.followRadius() + config.lidar.sigma_m, config.navigate.goal_tolerance_m);
+}
+
 std::string resultOf(const GoalRun& run) {
   if (run.right) return navigate::statusName(run.status);
   switch (run.status) {
@@ -77,7 +86,7 @@ std::string resultOf(const GoalRun& run) {
   }
 }
 
-report::Table tableOf(const ReachGoalRequest& request, const GoalComparison& comparison) {
+report::Table tableOf(const ReachGoalRequest& request, const GoalComparison& comparison, bool out_of_reach) {
   report::Table table;
   table.caption = "Drives from " + describe(core::position(request.T_world_start)) + " to " +
                   describe(request.p_world_goal) + " in " + request.plan.name + ", pose from " +
@@ -104,6 +113,8 @@ report::Table tableOf(const ReachGoalRequest& request, const GoalComparison& com
   table.notes.push_back(comparison.shortest_m
                             ? "Shortest: of the disc around the footprint, in the true plan."
                             : "No way of the disc around the footprint leads to the goal in the true plan.");
+  if (comparison.shortest_m && out_of_reach)
+    table.notes.push_back("With the clearance that the methods keep, no way leads there.");
   return table;
 }
 
@@ -128,6 +139,13 @@ double markSize(const world::Plan& plan) {
   return 0.012 * plan.resolution_m * std::max(plan.columns, plan.rows);
 }
 
+/// The steps of one manoeuvre share a colour: the palette has eight.
+std::string manoeuvreOf(const std::string& state) {
+  for (const std::string manoeuvre : {"AVOID", "OPEN", "STUCK"})
+    if (state.compare(0, manoeuvre.size(), manoeuvre) == 0) return manoeuvre;
+  return state;
+}
+
 /// The true path cut where the state changes, each piece under its state's name.
 std::vector<report::DrawnPath> piecesByState(const GoalRun& run) {
   std::vector<report::DrawnPath> pieces;
@@ -136,7 +154,7 @@ std::vector<report::DrawnPath> piecesByState(const GoalRun& run) {
     const double time_s = run.truth[i].time_s - run.truth.front().time_s;
     while (next < run.changes.size() && run.changes[next].time_s <= time_s + 1e-9) {
       if (!pieces.empty()) pieces.back().path.push_back(run.truth[i]);
-      pieces.push_back({{}, run.changes[next++].to});
+      pieces.push_back({{}, manoeuvreOf(run.changes[next++].to)});
     }
     if (!pieces.empty()) pieces.back().path.push_back(run.truth[i]);
   }
@@ -253,6 +271,7 @@ GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifes
           world::shortestPath(request.plan, core::position(request.T_world_start), request.p_world_goal,
                               radius_m, request.config.navigate.goal_tolerance_m))
     comparison.shortest_m = path->length_m;
+  const bool out_of_reach = isOutOfReach(request);
 
   std::vector<report::DrawnPath> paths;
   for (const auto& method : request.methods) {
@@ -261,7 +280,7 @@ GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifes
     manifest.times_s[method] =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
     run.right = (run.status == GoalStatus::kReached && run.goal_distance_m <= kArrived_m) ||
-                (run.status == GoalStatus::kUnreachable && !comparison.shortest_m);
+                (run.status == GoalStatus::kUnreachable && (!comparison.shortest_m || out_of_reach));
     comparison.wrong += !run.right;
     writeRun(request, run, output.path() + "/" + method);
     paths.push_back({run.truth, method});
@@ -269,7 +288,7 @@ GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifes
   }
   paths.push_back(goalMark(request.p_world_goal, markSize(request.plan)));
   report::drawPlan(request.plan, paths, request.plan.name, output.path() + "/paths.png");
-  comparison.table = tableOf(request, comparison);
+  comparison.table = tableOf(request, comparison, out_of_reach);
   const std::string scores = output.path() + "/scores";
   core::writeFileAtomically(scores + ".txt", report::toText(comparison.table));
   core::writeFileAtomically(scores + ".md", report::toMarkdown(comparison.table));

@@ -59,7 +59,7 @@ struct GoalRun {
   core::Trajectory truth, estimate;  ///< both in the world frame, the estimate from the true start
   std::vector<StateChange> changes;
   /// Said to be reached and truly within kArrived_m of the goal; or said to be unreachable, and no way of the
-  /// disc around the footprint leads there in the true plan.
+  /// disc around the footprint leads there in the true plan, or none with the clearance that methods keep.
   bool right = false;
 };
 inline constexpr double kArrived_m = 0.5;

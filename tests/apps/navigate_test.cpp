@@ -17,8 +17,8 @@ using ::testing::HasSubstr;
 /// A room of `columns` x 40 cells of 5 cm with walls all round.
 void writeRoom(const std::string& path, int columns = 60) {
   cv::Mat picture(40, columns, CV_8UC1, cv::Scalar(255));
-  picture.row(0) = picture.row(39) = 0;
-  picture.col(0) = picture.col(columns - 1) = 0;
+  for (cv::Mat wall : {picture.row(0), picture.row(39), picture.col(0), picture.col(columns - 1)})
+    wall.setTo(0);
   cv::imwrite(path, picture);
 }
 

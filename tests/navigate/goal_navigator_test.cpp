@@ -127,7 +127,7 @@ TEST_P(EveryNavigator, NeverCollidesInACommittedWorldWithNoise) {
     robot::LidarOptions lidar;
     lidar.beams = 181;
     NavigateOptions options;
-    options.time_limit_s = 120;
+    options.time_limit_s = 80;
     for (const double side : {-1.0, 1.0}) {
       scene.goal = {start->x + side * 6, start->y + side * 2.5};
       const auto drive = driveTo(scene, GetParam(), lidar, robot::OdometryOptions(), options, 3);
@@ -160,7 +160,7 @@ TEST_P(TextbookBug, ReachesEveryGoalThatCanBeReached) {
     for (const bool noisy : {false, true}) {
       // With noise: the lidar with a blind sector behind.
       robot::LidarOptions lidar = exactLidar();
-      if (noisy) lidar = robot::LidarOptions();
+      if (noisy) lidar = robot::LidarOptions(), lidar.beams = 271;
       const auto drive = driveTo(scene, GetParam(), lidar, exactOdometry());
       EXPECT_EQ(drive.status, GoalStatus::kReached) << name << ": " << drive.reason;
       EXPECT_LE(drive.goal_distance_m, 0.1 + 1e-9) << name;
@@ -172,7 +172,7 @@ TEST_P(TextbookBug, SaysOfEveryOtherGoalThatItCannotBeReached) {
   for (const auto& [name, scene] : unreachableScenes())
     for (const bool noisy : {false, true}) {
       robot::LidarOptions lidar = exactLidar();
-      if (noisy) lidar = robot::LidarOptions();
+      if (noisy) lidar = robot::LidarOptions(), lidar.beams = 271;
       const auto drive = driveTo(scene, GetParam(), lidar, exactOdometry());
       EXPECT_EQ(drive.status, GoalStatus::kUnreachable) << name << ": " << drive.reason;
       EXPECT_EQ(drive.collisions, 0U) << name;
