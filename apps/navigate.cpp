@@ -65,7 +65,9 @@ void addNavigate(CLI::App& app, Context& context) {
   command->add_option("--start", arguments->start, "\"x_m y_m yaw_deg\" in the world frame, or auto")
       ->capture_default_str();
   command->add_option("--goal", arguments->goal, "\"x_m y_m\" in the world frame")->required();
-  command->add_option("--method", arguments->methods, "bug1, bug2, tangent, lidar_bug; separated by commas")
+  command
+      ->add_option("--method", arguments->methods,
+                   "bug1, bug2, tangent, lidar_bug, mrpt_reactive; separated by commas")
       ->delimiter(',')
       ->capture_default_str();
   command->add_option("--slam", arguments->slam,

@@ -9,11 +9,13 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
+#include <optional>
 #include <system_error>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/navigate/surroundings.h"
+#include "libslam/navigate/guarded_navigator.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::mrptnav {
@@ -24,7 +26,15 @@ using mrpt::kinematics::CVehicleVelCmd_DiffDriven;
 using navigate::GoalStatus;
 using navigate::GoalStep;
 
-constexpr double kBlind_s = 5.0;  // without a reading: as the other goal navigators
+constexpr double kEpoch_s = 1e9;                      // MRPT takes a time of 0 for none
+constexpr double kReachShare = 0.8;                   // of look_ahead_m: paths that bend end nearer
+constexpr double kStride_m = 0.5;                     // of the target ahead
+constexpr double kApproach_m = 0.5;                   // MRPT's own default of targetAllowedDistance
+constexpr double kFarAside_rad = core::degToRad(60);  // a turn in place is shorter than MRPT's arc
+constexpr double kFacing_rad = core::degToRad(15);
+constexpr double kFreeAhead_m = 1.0;
+constexpr double kStuck_s = 1.0;
+constexpr double kStanding_mps = 0.02;  // less is a command that was all but cut off
 
 /// MRPT's clock shows the robot's time while this lives.
 class SimulatedClock {
@@ -75,9 +85,7 @@ class RobotForMrpt : public mrpt::nav::CRobot2NavInterface {
   /// What the robot does until the next look; MRPT may have asked for more.
   void drive(const robot::Command& command) { driven_ = command; }
 
-  double speed_mps() const { return speed_mps_; }
-  double turnRate_radps() const { return turn_rate_radps_; }
-  const std::string& trouble() const { return trouble_; }
+  robot::Command wanted(double period_s) const { return {speed_mps_, turn_rate_radps_, period_s}; }
 
   bool getCurrentPoseAndSpeeds(mrpt::math::TPose2D& pose, mrpt::math::TTwist2D& velocity,
                                mrpt::system::TTimeStamp& stamp, mrpt::math::TPose2D& odometry,
@@ -112,9 +120,9 @@ class RobotForMrpt : public mrpt::nav::CRobot2NavInterface {
   void sendNavigationStartEvent() override {}
   void sendNavigationEndEvent() override {}
   void sendNavigationEndDueToErrorEvent() override {}
-  void sendWaySeemsBlockedEvent() override { trouble_ = "no nearer to the goal for too long"; }
+  void sendWaySeemsBlockedEvent() override {}
   void sendApparentCollisionEvent() override {}
-  void sendCannotGetCloserToBlockedTargetEvent() override { trouble_ = "the goal is blocked"; }
+  void sendCannotGetCloserToBlockedTargetEvent() override {}
 
  private:
   mrpt::maps::CSimplePointsMap obstacles_;
@@ -122,7 +130,6 @@ class RobotForMrpt : public mrpt::nav::CRobot2NavInterface {
   robot::Command driven_;
   double time_s_ = 0;
   double speed_mps_ = 0, turn_rate_radps_ = 0;
-  std::string trouble_;
 };
 
 /// Silent, and without its stopwatch: MRPT adds the measured duration of its calls to simulated times.
@@ -135,133 +142,163 @@ class Navigation : public mrpt::nav::CReactiveNavigationSystem {
   }
 };
 
-double E(const char* n, double d) { const char* t = std::getenv(n); return t ? std::atof(t) : d; }
-std::string polygon(double radius_m, bool sines) {
-  // Around the circle, not in it: the corners lie outside.
-  const double corner_m = radius_m / std::cos(core::kPi / 16);
+/// The circle as MRPT wants shapes: coordinates of an octagon around it.
+std::string octagon(double radius_m, double (*coordinate)(double)) {
+  const double corner_m = radius_m / std::cos(core::kPi / 8);
   std::string text;
-  for (int i = 0; i < 16; ++i) {
-    const double angle = (i + 0.5) * core::kPi / 8;
-    text += core::formatNumber(corner_m * (sines ? std::sin(angle) : std::cos(angle))) + " ";
-  }
+  for (int i = 0; i < 8; ++i)
+    text += core::formatNumber(corner_m * coordinate((i + 0.5) * core::kPi / 4)) + " ";
   return text;
 }
 
 /// MRPT's file with our robot in it.
 mrpt::config::CConfigFileMemory configurationFor(const ReactiveOptions& options,
-                                                 const navigate::GoalTask& task, const std::string& scratch) {
+                                                 const navigate::GoalTask& task) {
   mrpt::config::CConfigFileMemory config(core::readTextFile(options.config));
   const std::string reactive = "CReactiveNavigationSystem", common = "CAbstractPTGBasedReactive";
-  const double radius_m = robot::circumscribedRadius(task.robot) + E("CLR", options.clearance_m);
+  const double radius_m = robot::circumscribedRadius(task.robot) + options.clearance_m;
   const double turn_rate_degps = core::radToDeg(task.robot.max_turn_rate_radps);
   config.write(common, "robotMax_V_mps", task.robot.max_speed_mps);
   config.write(common, "robotMax_W_degps", turn_rate_degps);
-  config.write(common, "ref_distance", E("LA", options.look_ahead_m));
-  config.write(common, "ptg_cache_files_directory", scratch);
-  config.write(reactive, "RobotModel_shape2D_xs", polygon(radius_m, false));
-  config.write(reactive, "RobotModel_shape2D_ys", polygon(radius_m, true));
+  config.write(common, "ref_distance", options.look_ahead_m);
+  config.write(reactive, "RobotModel_shape2D_xs", octagon(radius_m, std::cos));
+  config.write(reactive, "RobotModel_shape2D_ys", octagon(radius_m, std::sin));
   config.write(reactive, "RobotModel_circular_shape_radius", radius_m);
-  config.write("CAbstractNavigator", "alarm_seems_not_approaching_target_timeout", options.give_up_s);
-  config.write("CHolonomicFullEval", "TOO_CLOSE_OBSTACLE", E("TC", 0.15));
-  config.write(common, "secure_distance_start", E("SDS", 0.05));
-  config.write(common, "secure_distance_end", E("SDE", 0.15));
-  config.write(common, "enable_obstacle_filtering", E("FILT", 1) > 0);
-  const int families = config.read_int(reactive, "PTG_COUNT", 0, true);
+  // Its alarm starts anew with every aim that it is given; ours does not.
+  config.write("CAbstractNavigator", "alarm_seems_not_approaching_target_timeout", 1e9);
+  const int families = config.read_int(reactive, "PTG_COUNT", 0);
+  if (families < 1)
+    throw core::InputError(options.config + ": key 'PTG_COUNT' of section [" + reactive +
+                           "] is missing, expected MRPT's configuration of its reactive navigation");
   for (int i = 0; i < families; ++i) {
     const std::string family = "PTG" + std::to_string(i) + "_";
-    config.write(reactive, family + "refDistance", E("LA", options.look_ahead_m));
-    config.write(reactive, family + "resolution", E("RES", 0.05));
+    config.write(reactive, family + "refDistance", options.look_ahead_m);
     config.write(reactive, family + "v_max_mps", task.robot.max_speed_mps);
     config.write(reactive, family + "w_max_dps", turn_rate_degps);
   }
   return config;
 }
 
-class ReactiveNavigator : public navigate::GoalNavigator {
+class ReactiveNavigator : public navigate::GuardedNavigator {
  public:
-  ReactiveNavigator(const ReactiveOptions& options, const navigate::NavigateOptions& limits,
+  ReactiveNavigator(const ReactiveOptions& options, const navigate::NavigateOptions& navigate_options,
                     const navigate::GoalTask& task)
-      : task_(task),
-        tolerance_m_(limits.goal_tolerance_m),
-        time_limit_s_(limits.time_limit_s),
-        surroundings_(task.robot, limits.clearance_m, task.period_s),
-        navigation_(robot_) {
-    const ScratchFolder scratch;
+      : GuardedNavigator(navigate_options, task), reactive_(options), navigation_(robot_) {
     try {
-      navigation_.loadConfigFile(configurationFor(options, task, scratch.path()));
+      const ScratchFolder scratch;
+      navigation_.loadConfigFile(configurationFor(options, task));
       navigation_.params_abstract_ptg_navigator.ptg_cache_files_directory = scratch.path();
       navigation_.initialize();
     } catch (const core::InputError&) {
       throw;
     } catch (const std::exception& error) {
-      throw core::InputError(options.config + ": MRPT's reactive navigation refuses it: " + error.what());
+      // MRPT's errors go on with a back trace.
+      const std::string text = error.what();
+      throw core::InputError(options.config +
+                             ": MRPT's reactive navigation refuses it: " + text.substr(0, text.find('\n')));
     }
-  }
-
-  GoalStep next(const robot::Scan& scan, const core::Pose2& T_odom_robot, bool collided) override {
-    if (last_.status != GoalStatus::kMoving) return last_;
-    look(scan, T_odom_robot, collided);
-    if (last_.status == GoalStatus::kMoving) decide(scan, T_odom_robot);
-    robot_.drive(last_.command);
-    return last_;
   }
 
  private:
-  void end(GoalStatus status, const std::string& reason) {
-    last_ = {{0, 0, task_.period_s}, status, navigate::statusName(status), reason};
+  GoalStep plan(const robot::Scan& /*scan*/, const core::Pose2& T_odom_robot) override {
+    now_s_ += task_.period_s;
+    GoalStep step = decide(T_odom_robot);
+    robot_.drive(step.command);
+    const bool stands = std::abs(step.command.speed_mps) < kStanding_mps;
+    standing_s_ = stands ? standing_s_ + task_.period_s : 0;
+    return step;
   }
 
-  void look(const robot::Scan& scan, const core::Pose2& T_odom_robot, bool collided) {
-    if (!core::isFinite(T_odom_robot)) return end(GoalStatus::kGaveUp, "the pose is not finite");
-    const double distance_m = core::distance(core::position(T_odom_robot), task_.p_odom_goal);
-    if (distance_m <= tolerance_m_) return end(GoalStatus::kReached, "within the tolerance");
-    if (static_cast<double>(calls_++) * task_.period_s >= time_limit_s_)
-      return end(GoalStatus::kGaveUp, "time limit");
-    bool sees = false;
-    for (const float range_m : scan.ranges_m) sees = sees || !std::isnan(range_m);
-    blind_periods_ = sees ? 0 : blind_periods_ + 1;
-    if (blind_periods_ * task_.period_s >= kBlind_s) return end(GoalStatus::kGaveUp, "no valid reading");
-    if (collided) {
-      surroundings_.feel(T_odom_robot, last_.command.speed_mps >= 0);
-      robot_.drive({0, 0, task_.period_s});
-    }
-    surroundings_.update(scan, T_odom_robot);
+  GoalStep decide(const core::Pose2& T_odom_robot) {
+    if (comesNoNearer(T_odom_robot))
+      return {{},
+              GoalStatus::kGaveUp,
+              "gave up",
+              "no nearer to the goal for " + core::formatNumber(reactive_.give_up_s) + " s"};
+    const double direction_rad = goalDirection(T_odom_robot), distance_m = goalDistance(T_odom_robot);
+    if (turnsInPlace(T_odom_robot))
+      return {surroundings_.turn(core::angleDifference(*heading_odom_rad_, T_odom_robot.phi)),
+              GoalStatus::kMoving, "turn in place", "MRPT's paths do not turn in place"};
+    if (distance_m < kApproach_m && freeToGoal(T_odom_robot) >= distance_m)
+      return {surroundings_.towards(direction_rad, distance_m), GoalStatus::kMoving, "approach",
+              "the way to the goal is free"};
+    return react(T_odom_robot);
   }
 
-  void decide(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
-    using mrpt::nav::CAbstractNavigator;
-    const SimulatedClock clock(scan.time_s);
-    robot_.sense(surroundings_.points(), T_odom_robot, scan.time_s);
-    if (!started_) start();
+  /// One step of MRPT's navigation.
+  GoalStep react(const core::Pose2& T_odom_robot) {
+    const SimulatedClock clock(now_s_);
+    robot_.sense(surroundings_.points(), T_odom_robot, now_s_);
+    aim(T_odom_robot);
     navigation_.navigationStep();
-    last_.state = "reactive";
-    if (navigation_.getCurrentState() == CAbstractNavigator::NAV_ERROR)
-      return end(GoalStatus::kGaveUp,
-                 robot_.trouble().empty() ? navigation_.getErrorReason().error_msg : robot_.trouble());
-    // MRPT is content a little before the goal is within the tolerance: its own check comes after its step.
-    const robot::Command wanted = {robot_.speed_mps(), robot_.turnRate_radps(), task_.period_s};
-    last_.command = surroundings_.guarded(wanted);
+    if (navigation_.getCurrentState() == mrpt::nav::CAbstractNavigator::NAV_ERROR)
+      return {{}, GoalStatus::kGaveUp, "gave up", "MRPT: " + navigation_.getErrorReason().error_msg};
+    return {surroundings_.guarded(robot_.wanted(task_.period_s)), GoalStatus::kMoving, "reactive",
+            "CReactiveNavigationSystem drives"};
   }
 
-  void start() {
-    started_ = true;
+  bool comesNoNearer(const core::Pose2& T_odom_robot) {
+    const double distance_m = goalDistance(T_odom_robot);
+    if (distance_m < nearest_m_) nearest_m_ = distance_m, nearest_time_s_ = now_s_;
+    return now_s_ - nearest_time_s_ >= reactive_.give_up_s;
+  }
+
+  /// Towards the goal when it lies far aside and the first metre of the way there is free; towards the free
+  /// direction nearest to it when MRPT has found no path for a second.
+  bool turnsInPlace(const core::Pose2& T_odom_robot) {
+    const double aside_rad = goalDirection(T_odom_robot);
+    const double free_ahead_m = std::min(goalDistance(T_odom_robot), kFreeAhead_m);
+    if (!heading_odom_rad_ && standing_s_ >= kStuck_s)
+      heading_odom_rad_ = T_odom_robot.phi + freeDirection(aside_rad, free_ahead_m);
+    else if (!heading_odom_rad_ && std::abs(aside_rad) > kFarAside_rad &&
+             freeToGoal(T_odom_robot) >= free_ahead_m)
+      heading_odom_rad_ = T_odom_robot.phi + aside_rad;
+    if (!heading_odom_rad_) return false;
+    if (std::abs(core::angleDifference(*heading_odom_rad_, T_odom_robot.phi)) > kFacing_rad) return true;
+    heading_odom_rad_.reset();
+    standing_s_ = 0;
+    return false;
+  }
+
+  /// Robot frame. Not where it faces now, for there MRPT saw no path; straight back when nothing is free.
+  double freeDirection(double wanted_rad, double free_ahead_m) const {
+    for (int i = 0; i <= 18; ++i)
+      for (const int side : {1, -1}) {
+        const double direction_rad = core::wrapToPi(wanted_rad + side * core::degToRad(10.0 * i));
+        if (std::abs(direction_rad) < 2 * kFacing_rad) continue;
+        if (surroundings_.way(direction_rad, surroundings_.followRadius()).free_m >= free_ahead_m)
+          return direction_rad;
+      }
+    return core::kPi;
+  }
+
+  /// MRPT's paths end at look_ahead_m: its target is the goal or a point on the straight line there, within their
+  /// reach. A new target makes MRPT think anew, so it moves on in strides.
+  void aim(const core::Pose2& T_odom_robot) {
+    const double distance_m = goalDistance(T_odom_robot);
+    const double share = std::min(1.0, kReachShare * reactive_.look_ahead_m / distance_m);
+    const core::Point2 p_odom_aim = {T_odom_robot.x + share * (task_.p_odom_goal.x - T_odom_robot.x),
+                                     T_odom_robot.y + share * (task_.p_odom_goal.y - T_odom_robot.y)};
+    const double stride_m = share < 1 ? kStride_m : 1e-6;
+    if (aimed_ && core::distance(p_odom_aim, p_odom_aim_) <= stride_m) return;
+    aimed_ = true;
+    p_odom_aim_ = p_odom_aim;
     mrpt::nav::CAbstractPTGBasedReactive::TNavigationParamsPTG wish;
-    wish.target.target_coords = {task_.p_odom_goal.x, task_.p_odom_goal.y, 0};
-    // Nearer than the tolerance, so that it is ours that ends the drive.
-    wish.target.targetAllowedDistance = static_cast<float>(0.5 * tolerance_m_);
-    wish.target.targetDesiredRelSpeed = 0.05;
+    wish.target.target_coords = {p_odom_aim.x, p_odom_aim.y, 0};
+    // Nearer than our tolerance, which is what ends the drive.
+    wish.target.targetAllowedDistance = static_cast<float>(0.5 * options_.goal_tolerance_m);
     navigation_.navigate(&wish);
   }
 
-  navigate::GoalTask task_;
-  double tolerance_m_, time_limit_s_;
-  navigate::Surroundings surroundings_;
+  const ReactiveOptions reactive_;
   RobotForMrpt robot_;
   Navigation navigation_;
-  GoalStep last_;
-  bool started_ = false;
-  long calls_ = 0;
-  int blind_periods_ = 0;
+  double now_s_ = kEpoch_s;
+  double nearest_m_ = std::numeric_limits<double>::infinity(), nearest_time_s_ = kEpoch_s;
+  double standing_s_ = 0;
+  std::optional<double> heading_odom_rad_;  ///< that it turns to
+  bool aimed_ = false;
+  core::Point2 p_odom_aim_;
 };
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/navigate/surroundings.h"
 #include "libslam/report/picture.h"
+#include "libslam/run/goal_methods.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/world/shortest_path.h"
 
@@ -41,7 +42,7 @@ void requirePossible(const ReachGoalRequest& request) {
   if (request.methods.empty())
     throw core::InputError("--method: found nothing, expected at least one method");
   for (size_t i = 0; i < request.methods.size(); ++i) {
-    navigate::makeGoalNavigator(request.methods[i], request.config.navigate, {});
+    requireGoalMethod(request.methods[i]);
     for (size_t j = 0; j < i; ++j)
       if (request.methods[i] == request.methods[j])
         throw core::InputError("--method: '" + request.methods[i] + "' is named twice");
@@ -203,7 +204,7 @@ core::Pose2 parsePose(const std::string& text, const std::string& flag) {
 }
 
 ReachGoalConfig readReachGoalConfig(const core::IniFile& ini) {
-  core::rejectUnknownSections(ini, {"robot", "lidar", "odometry", "navigate", "lidar_bug"});
+  core::rejectUnknownSections(ini, {"robot", "lidar", "odometry", "navigate", "lidar_bug", "mrpt_reactive"});
   ReachGoalConfig config;
   auto* report = &config.parameters;
   core::readParameters(ini, robot::RobotOptions::table(), config.robot, report);
@@ -211,6 +212,7 @@ ReachGoalConfig readReachGoalConfig(const core::IniFile& ini) {
   core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
   core::readParameters(ini, navigate::NavigateOptions::table(), config.navigate, report);
   core::readParameters(ini, navigate::LidarBugOptions::table(), config.navigate.lidar_bug, report);
+  core::readParameters(ini, mrptnav::ReactiveOptions::table(), config.mrpt_reactive, report);
   return config;
 }
 
@@ -221,7 +223,7 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
                            request.seed);
   const core::Point2 p_start_goal = core::inverse(request.T_world_start) * request.p_world_goal;
   const auto navigator =
-      navigate::makeGoalNavigator(method, config.navigate, {p_start_goal, config.robot, period_s});
+      makeGoalMethod(method, config.navigate, config.mrpt_reactive, {p_start_goal, config.robot, period_s});
   PoseSource pose_source(request);
   GoalRun run;
   run.method = method;

@@ -9,6 +9,7 @@
 #include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
+#include "libslam/mrptnav/reactive_navigator.h"
 #include "libslam/navigate/goal_navigator.h"
 #include "libslam/report/table.h"
 #include "libslam/robot/lidar.h"
@@ -23,9 +24,10 @@ struct ReachGoalConfig {
   robot::LidarOptions lidar;
   robot::OdometryOptions odometry;
   navigate::NavigateOptions navigate;
+  mrptnav::ReactiveOptions mrpt_reactive;
   std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
 };
-/// Reads sections [robot] [lidar] [odometry] [navigate] [lidar_bug]; strict.
+/// Reads sections [robot] [lidar] [odometry] [navigate] [lidar_bug] [mrpt_reactive]; strict.
 ReachGoalConfig readReachGoalConfig(const core::IniFile& config);
 
 struct ReachGoalRequest {
@@ -33,7 +35,7 @@ struct ReachGoalRequest {
   core::Pose2 T_world_start;
   core::Point2 p_world_goal;
   ReachGoalConfig config;
-  std::vector<std::string> methods;  ///< names of goalNavigatorNames()
+  std::vector<std::string> methods;  ///< names of goalMethodNames()
   std::string slam;                  ///< a SLAM method whose pose is used; "" = the wheels' odometry
   std::string methods_folder;        ///< of the SLAM methods
   std::string output;                ///< folder

@@ -30,8 +30,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"mapping", {"core", "robot", "gridmap", "odometry"}},
     // both
     {"run",
-     {"core", "robot", "logs", "world", "sim", "metrics", "report", "navigate", "obstacles", "odometry",
-      "mapping"}},
+     {"core", "robot", "logs", "world", "sim", "metrics", "report", "navigate", "mrptnav", "obstacles",
+      "odometry", "mapping"}},
     {"plugin", {"core", "robot", "logs", "world", "sim", "navigate", "run"}},
     {"testing", {"core", "robot", "world"}},
 };
@@ -71,7 +71,7 @@ TEST(Includes, EveryRoomKeepsToTheTable) {
 }
 
 TEST(Includes, TheTableHoldsTheTruthWall) {
-  for (const std::string robot_side : {"obstacles", "navigate", "odometry", "mapping"})
+  for (const std::string robot_side : {"obstacles", "navigate", "mrptnav", "odometry", "mapping"})
     for (const std::string truth_side : {"world", "sim", "metrics", "report", "run", "logs"})
       EXPECT_FALSE(kMayInclude.at(robot_side).count(truth_side)) << robot_side << " reaches " << truth_side;
 }

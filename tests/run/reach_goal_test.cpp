@@ -143,5 +143,17 @@ TEST(ParsePlace, TakesNumbersOnly) {
     EXPECT_THROW(parsePlace(text, "--goal"), core::InputError) << text;
 }
 
+TEST(ReachGoal, DrivesWithMrptsNavigationWhereItIsThere) {
+  auto request = roomRequest("", false);
+  if (!mrptnav::reactiveNavigationAvailable() || !fs::exists(request.config.mrpt_reactive.config))
+    GTEST_SKIP() << "built without MRPT's module nav, or without mrpt-common's configuration";
+  request.config.mrpt_reactive.look_ahead_m = 1.5;  // MRPT's preparations cost its square
+  const auto run = driveToGoal(request, "mrpt_reactive", core::silentProgress());
+  EXPECT_EQ(run.status, navigate::GoalStatus::kReached) << run.reason;
+  EXPECT_EQ(run.collisions, 0U);
+  ASSERT_FALSE(run.changes.empty());
+  EXPECT_EQ(run.changes.front().to, "reactive");
+}
+
 }  // namespace
 }  // namespace slam::run

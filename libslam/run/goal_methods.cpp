@@ -1,0 +1,41 @@
+#include "libslam/run/goal_methods.h"
+
+#include <algorithm>
+
+#include "libslam/core/error.h"
+
+namespace slam::run {
+namespace {
+const std::string kMrptReactive = "mrpt_reactive";
+}
+
+std::vector<std::string> goalMethodNames() {
+  auto names = navigate::goalNavigatorNames();
+  if (mrptnav::reactiveNavigationAvailable()) names.push_back(kMrptReactive);
+  return names;
+}
+
+std::string goalMethodMeaning(const std::string& name) {
+  if (name == kMrptReactive) return "MRPT's own CReactiveNavigationSystem; no guarantee";
+  return navigate::goalNavigatorMeaning(name);
+}
+
+void requireGoalMethod(const std::string& name) {
+  const auto names = goalMethodNames();
+  if (std::find(names.begin(), names.end(), name) != names.end()) return;
+  std::string known;
+  for (const auto& other : names) known += (known.empty() ? "" : ", ") + other;
+  throw core::InputError("method of navigation: found '" + name + "', expected one of " + known +
+                         core::didYouMean(name, names));
+}
+
+std::unique_ptr<navigate::GoalNavigator> makeGoalMethod(const std::string& name,
+                                                        const navigate::NavigateOptions& options,
+                                                        const mrptnav::ReactiveOptions& mrpt_reactive,
+                                                        const navigate::GoalTask& task) {
+  requireGoalMethod(name);
+  if (name == kMrptReactive) return mrptnav::makeReactiveNavigator(mrpt_reactive, options, task);
+  return navigate::makeGoalNavigator(name, options, task);
+}
+
+}  // namespace slam::run
