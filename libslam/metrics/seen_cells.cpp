@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "libslam/metrics/map_score.h"
+#include "libslam/metrics/ray_walk.h"
 
 namespace slam::metrics {
 namespace {
@@ -20,52 +21,14 @@ bool worthCasting(const core::Pose2& last_used, const core::Pose2& pose) {
          std::abs(core::angleDifference(last_used.phi, pose.phi)) > kThinAngle_rad;
 }
 
-/// One axis of the plan in cells, mirrored where the ray runs down it, so that the ray grows along it: a
-/// coordinate is negated and cell k becomes cell -k - 1, both without rounding.
-struct GrowingAxis {
-  double origin, direction;
-  int begin, end;
-  std::ptrdiff_t stride, offset;  ///< cell k stands at k * stride + offset of the plan's cells
-
-  GrowingAxis(double ray_origin, double cosine, int size, std::ptrdiff_t plan_stride)
-      : origin(cosine < 0 ? -ray_origin : ray_origin),
-        direction(std::abs(cosine)),
-        begin(cosine < 0 ? -size : 0),
-        end(begin + size),
-        stride(cosine < 0 ? -plan_stride : plan_stride),
-        offset(cosine < 0 ? -plan_stride : 0) {}
-  int cellOfOrigin() const { return static_cast<int>(std::floor(origin)); }
-  bool contains(int cell) const { return cell >= begin && cell < end; }
-};
-
-/// Marks what one ray sees, by the walk of world::castRay() (its header states the arithmetic); all in cells.
-/// The origin lies in the plan.
+/// Marks what one ray sees. The origin lies in the plan; in cells.
 void markRay(const world::Plan& plan, const core::Point2& origin, double angle_in_plan,
              double max_range_cells, Marks& marks) {
-  const GrowingAxis x(origin.x, std::cos(angle_in_plan), plan.columns, 1);
-  const GrowingAxis y(origin.y, std::sin(angle_in_plan), plan.rows, plan.columns);
-  const GrowingAxis& major = x.direction >= y.direction ? x : y;
-  const GrowingAxis& minor = x.direction >= y.direction ? y : x;
-  const double slope = std::min(minor.direction / major.direction, 1 - std::ldexp(1.0, -36));
-  const auto seeAndPass = [&](int u, int v) {
-    const auto cell = static_cast<size_t>(u * major.stride + major.offset + v * minor.stride + minor.offset);
+  walkRay(plan, origin, angle_in_plan, max_range_cells, [&](size_t cell) {
     if (plan.cells[cell] == world::Cell::kOccupied) marks.wall[cell] = 1;
     if (plan.cells[cell] == world::Cell::kFree) marks.free[cell] = 1;
     return plan.cells[cell] != world::Cell::kOccupied;
-  };
-
-  int u = major.cellOfOrigin(), v = minor.cellOfOrigin();
-  if (!major.contains(u) || !minor.contains(v) || !seeAndPass(u, v)) return;
-  while (true) {
-    if (minor.origin + (u + 1 - major.origin) * slope >= v + 1) {
-      ++v;
-      if (v - minor.origin > max_range_cells * minor.direction) return;
-      if (v >= minor.end || !seeAndPass(u, v)) return;
-    }
-    ++u;
-    if (u - major.origin > max_range_cells * major.direction) return;
-    if (u >= major.end || !seeAndPass(u, v)) return;
-  }
+  });
 }
 
 }  // namespace
