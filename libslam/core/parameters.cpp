@@ -38,6 +38,9 @@ std::string expectedText(const ParameterInfo& info) {
 }  // namespace
 
 std::string formatNumber(double value) {
+  // 100000 rather than 1e+05; minus zero is left to to_chars, so that it reads back as itself.
+  if (std::abs(value) < 1e15 && value == std::floor(value) && !(value == 0 && std::signbit(value)))
+    return std::to_string(static_cast<long long>(value));
   std::array<char, 32> buffer{};
   const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
   return {buffer.data(), result.ptr};

@@ -125,7 +125,7 @@ TEST(BadInput, LogsThatAreNone) {
     frame.insert(scan);
     thin_archive << mrpt::obs::CActionCollection() << frame;
   }
-  for (const std::string command : {"info", "run icp", "compare"}) {
+  for (const std::string command : {"info", "run icp -q", "compare"}) {
     expectRefusal(folder, command + " none.rawlog", 3, "none.rawlog: no such file");
     expectRefusal(folder, command + " " + folder.path(), 3, "is a folder");
     expectRefusal(folder, command + " text.rawlog", 3, "text.rawlog");

@@ -114,6 +114,9 @@ TEST(Parameters, WhatIsPrintedReadsBackAsTheSame) {
 TEST(FormatNumber, IsShortAndExact) {
   EXPECT_EQ(formatNumber(0.1), "0.1");
   EXPECT_EQ(formatNumber(-2), "-2");
+  EXPECT_EQ(formatNumber(100000), "100000");
+  EXPECT_EQ(formatNumber(0), "0");
+  EXPECT_EQ(formatNumber(-0.0), "-0");
   double back = 0;
   ASSERT_TRUE(parseNumber(formatNumber(1.0 / 3), back));
   EXPECT_EQ(back, 1.0 / 3);

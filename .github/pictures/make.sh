@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# Makes the README's picture and the results that it quotes: ./.github/pictures/make.sh (after ./bootstrap.sh build)
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+build/release/apps/rasterslam demo --quiet -o "$out/demo" >"$out/tables.txt"
+cp "$out/demo/simulated/maps.png" .github/pictures/maps.png
+for part in simulated real; do
+  mkdir -p "benchmarks/results/demo/$part"
+  cp "$out/demo/$part"/{scores.csv,scores.txt,cost.csv} "benchmarks/results/demo/$part/"
+done
+{
+  echo "Made by: .github/pictures/make.sh (rasterslam demo, seed 1)"
+  echo "Machine: $(grep -m1 'model name' /proc/cpuinfo | cut -d: -f2- | sed 's/^ //'), $(nproc) cores; Debian $(cat /etc/debian_version); $(g++ --version | head -1)"
+} >benchmarks/results/demo/README.txt
