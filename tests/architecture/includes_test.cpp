@@ -28,7 +28,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"mapping", {"core", "robot", "gridmap", "odometry"}},
     // both
     {"run",
-     {"core", "robot", "logs", "world", "sim", "metrics", "report", "navigate", "odometry", "mapping"}},
+     {"core", "robot", "logs", "gridmap", "world", "sim", "metrics", "report", "navigate", "odometry",
+      "mapping"}},
     {"testing", {"core", "robot", "world"}},
 };
 
