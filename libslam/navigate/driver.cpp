@@ -4,6 +4,8 @@
 #include <optional>
 
 #include "libslam/core/error.h"
+#include "libslam/navigate/path_follower.h"
+#include "libslam/navigate/safe_motion.h"
 #include "libslam/navigate/strategy.h"
 #include "libslam/navigate/view.h"
 
@@ -17,7 +19,9 @@ constexpr double kSmallestTurn_rad = 1e-3;  // below what any odometry notices
 constexpr double kEscapeStep_rad = core::kPi / 36;
 constexpr int kTransitionsPerPeriod = 8;
 
-enum class Phase { kDeciding, kTurning, kDriving, kBacking };
+constexpr double kNews_m2 = 0.25;  // less new area than this may be the map's noise
+
+enum class Phase { kDeciding, kTurning, kDriving, kBacking, kFollowing };
 
 }  // namespace
 
@@ -32,50 +36,99 @@ struct Driver::State {
   Decision decision = {};
   bool escaping = false;  ///< the decision is a random free direction: only the disc has to fit
   int failures = 0;       ///< decisions in a row that led to no new place
-  std::optional<core::Pose2> T_odom_place = std::nullopt;  ///< the last new place
+  std::optional<core::Pose2> T_map_place = std::nullopt;  ///< the last new place
   double target_heading_rad = 0;
-  core::Pose2 T_odom_begin = {};  ///< where the present drive or backing began
+  core::Pose2 T_map_begin = {};  ///< where the present drive or backing began
 
-  std::optional<robot::Command> advance(const robot::Scan& scan, const core::Pose2& T_odom_robot);
-  void decide(const robot::Scan& scan, const core::Pose2& T_odom_robot);
+  PathFollower follower = {};
+  bool had_map = false;
+  bool map_is_new = false;    ///< given since the last command
+  int periods_unchecked = 0;  ///< since the path was last checked by a map
+  double known_m2 = 0;        ///< area of the newest map
+  double most_known_m2 = 0;   ///< when there was last any news
+  int barren = 0;             ///< decisions in a row without news
+
+  std::optional<robot::Command> advance(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  void decide(const robot::Scan& scan, const core::Pose2& T_map_robot);
   Decision escape(const robot::Scan& scan);
-  std::optional<robot::Command> turn(const core::Pose2& T_odom_robot);
-  std::optional<robot::Command> drive(const robot::Scan& scan, const core::Pose2& T_odom_robot);
-  std::optional<robot::Command> back(const robot::Scan& scan, const core::Pose2& T_odom_robot);
-  void endDrive(const core::Pose2& T_odom_robot);
+  std::optional<robot::Command> turn(const core::Pose2& T_map_robot);
+  std::optional<robot::Command> drive(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  std::optional<robot::Command> back(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  std::optional<robot::Command> follow(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  void endDrive(const core::Pose2& T_map_robot);
+  bool isBarren();
+  bool checkIsDue() const { return periods_unchecked * period_s >= options.recheck_s; }
 
-  /// How far the disc may go straight along direction_rad by this scan.
   double reach(const robot::Scan& scan, double direction_rad) const {
-    // The nearest of many noisy readings already lies some standard deviations before the wall.
-    const double margin_m = 0.02 + scan.range_sigma_m;
-    return freeTravel(robot::scanPoints(scan), direction_rad, robot::circumscribedRadius(robot) + margin_m);
+    return discReach(scan, direction_rad, robot);
+  }
+  /// By the rule that the strategy drives by.
+  bool frontIsFree(const robot::Scan& scan) const {
+    if (escaping) return true;
+    if (strategy->drivesByDisc()) return seesAhead(scan);
+    const FreeWays ways = canMove(scan, options.stop_clearance_m);
+    return ways == FreeWays::kBoth || ways == FreeWays::kFrontOnly;
+  }
+  bool rearIsFree(const robot::Scan& scan) const {
+    const double body_m = robot::circumscribedRadius(robot);
+    const double clearance_m =
+        strategy->drivesByDisc() ? std::min(body_m, options.stop_clearance_m) : options.stop_clearance_m;
+    const FreeWays ways = canMove(scan, clearance_m);
+    return ways == FreeWays::kBoth || ways == FreeWays::kRearOnly;
   }
   robot::Command straight(double distance_m) const { return {distance_m / period_s, 0, period_s}; }
   robot::Command stand() const { return {0, 0, period_s}; }
 };
 
 std::optional<robot::Command> Driver::State::advance(const robot::Scan& scan,
-                                                     const core::Pose2& T_odom_robot) {
+                                                     const core::Pose2& T_map_robot) {
   switch (phase) {
     case Phase::kDeciding:
-      decide(scan, T_odom_robot);
+      // Not by an old map: it does not show yet what was just driven up to.
+      if (strategy->needsMap() && !map_is_new && had_map) return stand();
+      decide(scan, T_map_robot);
       return std::nullopt;
     case Phase::kTurning:
-      return turn(T_odom_robot);
+      return turn(T_map_robot);
     case Phase::kDriving:
-      return drive(scan, T_odom_robot);
+      return drive(scan, T_map_robot);
     case Phase::kBacking:
-      return back(scan, T_odom_robot);
+      return back(scan, T_map_robot);
+    case Phase::kFollowing:
+      return follow(scan, T_map_robot);
   }
   return std::nullopt;
 }
 
-void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
-  if (!T_odom_place) T_odom_place = T_odom_robot;
+/// Counts the decisions between which the map did not grow.
+bool Driver::State::isBarren() {
+  if (known_m2 >= most_known_m2 + kNews_m2) {
+    most_known_m2 = known_m2;
+    barren = failures = 0;
+  }
+  return ++barren > options.give_up_after;
+}
+
+void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+  if (!T_map_place) T_map_place = T_map_robot;
+  if (strategy->needsMap() && isBarren()) {
+    const std::string last = decision.reason;
+    decision = {};
+    decision.finished = true;
+    decision.reason = "stuck: " + std::to_string(options.give_up_after) +
+                      " decisions in a row showed nothing new; the last: " + last;
+    return;
+  }
   escaping = failures >= options.patience;
-  decision = escaping ? escape(scan) : strategy->decide(scan, T_odom_robot);
-  target_heading_rad = core::wrapToPi(T_odom_robot.phi + decision.turn_rad);
-  T_odom_begin = T_odom_robot;
+  decision = escaping ? escape(scan) : strategy->decide(scan, T_map_robot);
+  if (!decision.path.empty()) {
+    follower = PathFollower(decision.path, decision.look_at);
+    periods_unchecked = 0;
+    phase = Phase::kFollowing;
+    return;
+  }
+  target_heading_rad = core::wrapToPi(T_map_robot.phi + decision.turn_rad);
+  T_map_begin = T_map_robot;
   phase = Phase::kTurning;
 }
 
@@ -109,8 +162,8 @@ Decision Driver::State::escape(const robot::Scan& scan) {
   return chosen;
 }
 
-std::optional<robot::Command> Driver::State::turn(const core::Pose2& T_odom_robot) {
-  const double rest_rad = core::angleDifference(target_heading_rad, T_odom_robot.phi);
+std::optional<robot::Command> Driver::State::turn(const core::Pose2& T_map_robot) {
+  const double rest_rad = core::angleDifference(target_heading_rad, T_map_robot.phi);
   const double most_rad = robot.max_turn_rate_radps * period_s;
   // The last part of a turn is not corrected again: odometry noise would keep it turning.
   if (std::abs(rest_rad) <= most_rad) phase = Phase::kDriving;
@@ -118,18 +171,16 @@ std::optional<robot::Command> Driver::State::turn(const core::Pose2& T_odom_robo
   return robot::Command{0, std::clamp(rest_rad, -most_rad, most_rad) / period_s, period_s};
 }
 
-std::optional<robot::Command> Driver::State::drive(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
-  const double driven_m = core::distance(T_odom_begin, T_odom_robot);
+std::optional<robot::Command> Driver::State::drive(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+  const double driven_m = core::distance(T_map_begin, T_map_robot);
   const double rest_m = decision.distance_m - driven_m;
   if (rest_m < kShortestDrive_m) {
-    endDrive(T_odom_robot);
+    endDrive(T_map_robot);
     return std::nullopt;
   }
-  const FreeWays ways = canMove(scan, options.stop_clearance_m);
-  const bool front_free = ways == FreeWays::kBoth || ways == FreeWays::kFrontOnly;
   const double step_m = std::min({rest_m, robot.max_speed_mps * period_s, reach(scan, 0)});
-  if ((!front_free && !escaping) || step_m < kShortestDrive_m) {
-    endDrive(T_odom_robot);
+  if (!frontIsFree(scan) || step_m < kShortestDrive_m) {
+    endDrive(T_map_robot);
     // Stopped before it moved at all: deciding again from here would decide the same.
     if (driven_m < kShortestDrive_m) phase = Phase::kBacking;
     return std::nullopt;
@@ -137,24 +188,44 @@ std::optional<robot::Command> Driver::State::drive(const robot::Scan& scan, cons
   return straight(step_m);
 }
 
-std::optional<robot::Command> Driver::State::back(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
-  const double rest_m = options.back_off_m - core::distance(T_odom_begin, T_odom_robot);
-  const FreeWays ways = canMove(scan, options.stop_clearance_m);
-  const bool rear_free = ways == FreeWays::kBoth || ways == FreeWays::kRearOnly;
+std::optional<robot::Command> Driver::State::back(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+  const double rest_m = options.back_off_m - core::distance(T_map_begin, T_map_robot);
   const double step_m = std::min({rest_m, robot.max_speed_mps * period_s, reach(scan, core::kPi)});
-  if (!rear_free || step_m < kShortestDrive_m) {
+  if (!rearIsFree(scan) || step_m < kShortestDrive_m) {
     phase = Phase::kDeciding;
     return std::nullopt;
   }
   return straight(-step_m);
 }
 
-void Driver::State::endDrive(const core::Pose2& T_odom_robot) {
+std::optional<robot::Command> Driver::State::follow(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+  if (map_is_new) {
+    periods_unchecked = 0;
+    if (!strategy->isStillGood(decision, T_map_robot, follower.waypoint())) {
+      phase = Phase::kDeciding;
+      return std::nullopt;
+    }
+  }
+  ++periods_unchecked;
+  const auto step = follower.next(scan, T_map_robot, robot, options.slow_clearance_m, period_s);
+  if (step.status == PathFollower::Status::kFollowing) return step.command;
+  const bool arrived = step.status == PathFollower::Status::kArrived;
+  strategy->tellOutcome(decision, arrived);
+  if (arrived)
+    failures = 0;
+  else
+    ++failures;
+  T_map_begin = T_map_robot;
+  phase = arrived ? Phase::kDeciding : Phase::kBacking;
+  return std::nullopt;
+}
+
+void Driver::State::endDrive(const core::Pose2& T_map_robot) {
   const bool only_turned = decision.distance_m == 0 && std::abs(decision.turn_rad) > kSmallestTurn_rad;
   // Farther than backing off leads, or backing off and coming again would count as progress for ever.
   const double new_place_m = std::max(kNewPlace_m, 2 * options.back_off_m);
-  const bool new_place = core::distance(*T_odom_place, T_odom_robot) >= new_place_m;
-  if (new_place) T_odom_place = T_odom_robot;
+  const bool new_place = core::distance(*T_map_place, T_map_robot) >= new_place_m;
+  if (new_place) T_map_place = T_map_robot;
   failures = only_turned || new_place ? 0 : failures + 1;
   phase = Phase::kDeciding;
 }
@@ -164,30 +235,46 @@ Driver::Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& option
   if (!strategy) throw core::ContractError("Driver: expected a strategy");
   if (!(period_s > 0) || !std::isfinite(period_s))
     throw core::ContractError("Driver: expected a positive period");
+  strategy->setRobot(robot);
   state_ = std::make_unique<State>(State{std::move(strategy), options, robot, period_s, random});
 }
 
 Driver::~Driver() = default;
 
-robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_odom_robot, bool collided) {
+robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_map_robot, bool collided) {
   State& state = *state_;
   if (collided) {
     // What was hit is not in the scans: leave on the side that was just driven.
     ++state.failures;
-    state.T_odom_begin = T_odom_robot;
-    state.phase = state.phase == Phase::kDriving ? Phase::kBacking : Phase::kDeciding;
+    state.T_map_begin = T_map_robot;
+    const bool ahead = state.phase == Phase::kDriving || state.phase == Phase::kFollowing;
+    if (state.phase == Phase::kFollowing) state.strategy->tellOutcome(state.decision, false);
+    state.phase = ahead ? Phase::kBacking : Phase::kDeciding;
   }
+  robot::Command command = state.stand();
   for (int i = 0; i < kTransitionsPerPeriod && !finished(); ++i)
-    if (const auto command = state.advance(scan, T_odom_robot)) return *command;
-  return state.stand();
+    if (const auto found = state.advance(scan, T_map_robot)) {
+      command = *found;
+      break;
+    }
+  state.map_is_new = false;
+  return command;
 }
 
 bool Driver::wantsMap() const {
-  return state_->strategy->needsMap() && !finished() && state_->phase == Phase::kDeciding;
+  const State& state = *state_;
+  if (!state.strategy->needsMap() || finished()) return false;
+  return state.phase == Phase::kDeciding || (state.phase == Phase::kFollowing && state.checkIsDue());
 }
 
 void Driver::setMap(const gridmap::OccupancyRaster& map) {
-  state_->strategy->seeMap(map);
+  State& state = *state_;
+  state.strategy->seeMap(map);
+  const auto known = std::count_if(map.occupancy.begin(), map.occupancy.end(), [](float p) {
+    return p < gridmap::kFreeBelow || p > gridmap::kOccupiedAbove;
+  });
+  state.known_m2 = static_cast<double>(known) * map.resolution_m * map.resolution_m;
+  state.map_is_new = state.had_map = true;
 }
 
 bool Driver::finished() const {

@@ -1,8 +1,15 @@
 #include "libslam/navigate/strategy.h"
 
+#include <type_traits>
+
 #include "libslam/core/error.h"
+#include "libslam/navigate/information_gain.h"
 #include "libslam/navigate/longest_ray.h"
+#include "libslam/navigate/nearest_frontier.h"
+#include "libslam/navigate/next_best_view.h"
 #include "libslam/navigate/quadrant.h"
+#include "libslam/navigate/random_heading.h"
+#include "libslam/navigate/wall_follow.h"
 
 namespace slam::navigate {
 namespace {
@@ -18,11 +25,28 @@ struct Entry {
   const char* name;
   const char* meaning;
   Maker maker;
+  bool needs_map;
 };
+template <class S>
+constexpr Entry entry(const char* name, const char* meaning) {
+  return {name, meaning, make<S>, std::is_base_of_v<MapStrategy, S>};
+}
+
 constexpr Entry kStrategies[] = {
-    {"longest_ray", "drive along the longest ray; soon shuttles along the longest diagonal",
-     make<LongestRay>},
-    {"quadrant", "the longest ray of the quadrants that do not lead back the way it came", make<Quadrant>}};
+    entry<LongestRay>("longest_ray", "drive along the longest ray; soon shuttles along the longest diagonal"),
+    entry<Quadrant>("quadrant", "the longest ray of the quadrants that do not lead back the way it came"),
+    entry<RandomHeading>("random_heading", "a random free direction; what any other has to beat"),
+    entry<WallFollow>("wall_follow", "keep a wall on the right hand"),
+    entry<NearestFrontier>("nearest_frontier", "on the map: drive to the nearest border of the unknown"),
+    entry<InformationGain>("information_gain",
+                           "on the map: the view that is expected to show most per metre of way"),
+    entry<NextBestView>("next_best_view", "on the map: gain against travel, with the view after it in mind")};
+
+const Entry& entryOf(const std::string& name, const char* who) {
+  for (const auto& known : kStrategies)
+    if (name == known.name) return known;
+  throw core::ContractError(std::string(who) + ": no strategy '" + name + "'");
+}
 
 }  // namespace
 
@@ -37,7 +61,27 @@ const core::ParameterTable<StrategyOptions>& StrategyOptions::table() {
         "the way is blocked when a range within 45 degrees of it is below this"},
        {"back_off_m", &O::back_off_m, 0.3, 0.01, 10.0, "how far to go back when blocked at once"},
        {"patience", &O::patience, 3, 1, 1000,
-        "decisions in a row without progress before a random free direction"}});
+        "decisions in a row without progress before a random free direction"},
+       {"wall_distance_m", &O::wall_distance_m, 0.5, 0.01, 100.0, "wall_follow: distance from the wall"},
+       {"frontier_min_m", &O::frontier_min_m, 0.3, 0.01, 10.0, "shorter frontiers do not count"},
+       {"plan_margin_m", &O::plan_margin_m, 0.05, 0.0, 10.0,
+        "a path keeps this and the disc's radius from every obstacle"},
+       {"comfort_m", &O::comfort_m, 0.65, 0.0, 5.0, "nearer to obstacles than this a path counts as longer"},
+       {"look_m", &O::look_m, 1.0, 0.0, 10.0,
+        "a frontier in a gap is in reach when the robot can drive as near to it as this"},
+       {"optimistic", &O::optimistic, false, "plan through the unknown as if it were free"},
+       {"recheck", &O::recheck, true,
+        "turn to another goal when what a goal was for has been seen on the way"},
+       {"recheck_s", &O::recheck_s, 1.0, 0.001, 1000.0, "how often a path is checked by the newest map"},
+       {"unknown_path_m", &O::unknown_path_m, 3.0, 0.01, 1000.0,
+        "how far a ray is expected to go through the unknown"},
+       {"lambda_per_m", &O::lambda_per_m, 0.2, 0.0, 100.0,
+        "next_best_view: a gain counts exp(-lambda * way)"},
+       {"horizon", &O::horizon, 2, 1, 2, "next_best_view: views ahead"},
+       {"slow_clearance_m", &O::slow_clearance_m, 0.15, 0.0, 10.0,
+        "with less than this between the disc and an obstacle a path is driven more slowly"},
+       {"give_up_after", &O::give_up_after, 20, 1, 100000,
+        "decisions in a row that show nothing new before the exploration counts as stuck"}});
   return rows;
 }
 
@@ -47,14 +91,16 @@ StrategyOptions::StrategyOptions() {
 
 std::vector<std::string> strategyNames() {
   std::vector<std::string> names;
-  for (const auto& entry : kStrategies) names.push_back(entry.name);
+  for (const auto& known : kStrategies) names.push_back(known.name);
   return names;
 }
 
 std::string strategyMeaning(const std::string& name) {
-  for (const auto& entry : kStrategies)
-    if (name == entry.name) return entry.meaning;
-  throw core::ContractError("strategyMeaning: no strategy '" + name + "'");
+  return entryOf(name, "strategyMeaning").meaning;
+}
+
+bool strategyNeedsMap(const std::string& name) {
+  return entryOf(name, "strategyNeedsMap").needs_map;
 }
 
 std::unique_ptr<Strategy> makeStrategy(const StrategyOptions& options, core::RandomStream random) {
@@ -62,8 +108,8 @@ std::unique_ptr<Strategy> makeStrategy(const StrategyOptions& options, core::Ran
     throw core::InputError("section [strategy], key 'divisor_max': found '" +
                            core::formatNumber(options.divisor_max) + "', expected at least divisor_min, " +
                            core::formatNumber(options.divisor_min));
-  for (const auto& entry : kStrategies)
-    if (options.name == entry.name) return entry.maker(options, random);
+  for (const auto& known : kStrategies)
+    if (options.name == known.name) return known.maker(options, random);
   throw core::InputError("section [strategy], key 'name': found '" + options.name + "', expected a strategy" +
                          core::didYouMean(options.name, strategyNames()));
 }

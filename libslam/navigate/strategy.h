@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,7 @@ struct Decision {
   std::vector<core::Point2>
       path;           ///< map frame, from the first waypoint after the robot to the goal; or empty
   core::Point2 goal;  ///< map frame, path.back(); meaningless without a path
+  std::optional<core::Point2> look_at;  ///< map frame: at the goal, turn until the lidar covers this
 };
 
 /// Where to go next. Sees the newest scan, the estimated pose and, where it needs one, the map that the robot
@@ -48,16 +50,42 @@ class Strategy {
   virtual bool needsMap() const { return false; }
   /// The newest map; the reference is not kept.
   virtual void seeMap(const gridmap::OccupancyRaster& /*map*/) {}
+  /// Whose ways are to be planned. A strategy that is not told assumes the default robot.
+  virtual void setRobot(const robot::RobotOptions& /*robot*/) {}
+  /// True when the way is safe where the disc around the footprint fits, instead of by canMove(): its sectors
+  /// of 90 degrees let nobody through a door who does not stand right before it.
+  virtual bool drivesByDisc() const { return false; }
+  /// Whether to go on with a decision that has a path, by the newest map: the path is free from the robot by
+  /// way of path[next_waypoint] to the goal, and the goal still worth going to.
+  virtual bool isStillGood(const Decision& /*decision*/, const core::Pose2& /*T_map_robot*/,
+                           std::size_t /*next_waypoint*/) {
+    return true;
+  }
+  /// How a decision with a path ended: at its goal, or short of it because the way was blocked.
+  virtual void tellOutcome(const Decision& /*decision*/, bool /*reached*/) {}
 };
 
 /// Section [strategy].
 struct StrategyOptions {
-  std::string name;  ///< longest_ray | quadrant
+  std::string name;  ///< see strategyNames()
   double divisor_min,
       divisor_max;  ///< drive (longest ray / u), u uniform in between; the founding document: 0.1 .. 2.0
   double stop_clearance_m;  ///< w of CanMove
   double back_off_m;        ///< how far to go back when the way ahead is blocked at once
   int patience;             ///< decisions in a row without progress before a random free direction
+  double wall_distance_m;   ///< of wall_follow
+  double frontier_min_m;    ///< shorter frontiers do not count
+  double plan_margin_m;     ///< a path keeps this and the disc's radius from every obstacle
+  double comfort_m;         ///< nearer to obstacles than this a path counts as longer
+  double look_m;            ///< how far beyond where it can drive the robot can look into a gap
+  bool optimistic;          ///< plan through the unknown as if it were free
+  bool recheck;             ///< give up a goal on the way when what it was for has been seen
+  double recheck_s;         ///< how often a path is checked by the newest map
+  double unknown_path_m;    ///< how far a ray is expected to go through the unknown
+  double lambda_per_m;      ///< next_best_view: how fast a gain loses worth with the way
+  int horizon;              ///< next_best_view: views ahead, 1 or 2
+  double slow_clearance_m;  ///< nearer to obstacles than this a path is driven more slowly
+  int give_up_after;        ///< decisions in a row that show nothing new before the strategy is stuck
   StrategyOptions();
   static const core::ParameterTable<StrategyOptions>& table();
 };
@@ -67,16 +95,22 @@ std::unique_ptr<Strategy> makeStrategy(const StrategyOptions& options, core::Ran
 std::vector<std::string> strategyNames();
 /// One line for lists. REQUIRES a name of strategyNames() (ContractError).
 std::string strategyMeaning(const std::string& name);
+/// Whether it works on the map. REQUIRES a name of strategyNames() (ContractError).
+bool strategyNeedsMap(const std::string& name);
 
 /// Turns decisions into commands of one scan period each, looks at every scan, and stops early when the way
 /// ahead is blocked. Asks the strategy again when the current decision is carried out or given up.
 ///
 /// A command is a turn in place or a straight drive, within the robot's limits. The drive stops when CanMove
-/// reports the way blocked, and never goes farther in one period than the disc around the footprint can be
-/// shifted before it comes near to a return of the newest scan (a margin of 2 cm and one standard deviation
-/// of the range). When nothing was driven before the stop, it goes back by back_off_m where the
-/// rear is free. After `patience` decisions without progress it turns to a random direction in which the disc
-/// can leave, where only the disc has to fit. The same scans, poses and random stream give the same commands.
+/// reports the way blocked (unless the strategy drives by the disc), and never goes farther in one period than
+/// the disc around the footprint can be shifted before it comes near to a return of the newest scan (a margin
+/// of 2 cm and one standard deviation of the range). When nothing was driven before the stop, it goes back by
+/// back_off_m where the rear is free. After `patience` decisions without progress it turns to a random direction
+/// in which the disc can leave, where only the disc has to fit.
+///
+/// A decision with a path is followed (see PathFollower) and checked by the newest map every recheck_s. The
+/// exploration ends when the strategy says so, and as "stuck" after give_up_after decisions in a row between
+/// which the map did not grow. The same scans, poses, maps and random stream give the same commands.
 class Driver {
  public:
   /// Errors: period_s not positive, no strategy (ContractError).

@@ -126,4 +126,70 @@ Exploration explore(const Plan& plan, const core::Pose2& start, const StrategyOp
   return result;
 }
 
+PerfectMap::PerfectMap(const Plan& plan) : plan_(plan) {
+  raster_.columns = plan.columns, raster_.rows = plan.rows;
+  raster_.resolution_m = plan.resolution_m;
+  raster_.x_min_m = plan.T_world_plan.x, raster_.y_min_m = plan.T_world_plan.y;
+  raster_.occupancy.assign(plan.cells.size(), 0.5F);
+}
+
+void PerfectMap::insert(const core::Pose2& T_world_robot, const robot::Scan& scan) {
+  const core::Pose2 T_world_lidar = T_world_robot * scan.T_robot_lidar;
+  const auto origin = world::worldToCells(plan_, core::position(T_world_lidar));
+  const double end = scan.max_range_m / plan_.resolution_m;
+  for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const double angle = T_world_lidar.phi + scan.angle(i) - plan_.T_world_plan.phi;
+    const double c = std::cos(angle), s = std::sin(angle);
+    for (double r = 0; r < end; r += 0.5) {
+      const int column = static_cast<int>(origin.x + r * c), row = static_cast<int>(origin.y + r * s);
+      if (!plan_.contains(column, row)) break;
+      const bool is_free = plan_.at(column, row) != Cell::kOccupied;
+      raster_.occupancy[index(plan_, column, row)] = is_free ? 0.02F : 0.98F;
+      if (!is_free) break;
+    }
+  }
+}
+
+double PerfectMap::seenShare(const core::Point2& p_world) const {
+  std::vector<char> seen(plan_.cells.size());
+  for (size_t i = 0; i < seen.size(); ++i) seen[i] = raster_.occupancy[i] < 0.5F;
+  return share(seen, connectedFloor(plan_, p_world));
+}
+
+MapExploration exploreOnMap(const Plan& plan, const core::Pose2& start, const StrategyOptions& options,
+                            const robot::LidarOptions& lidar, std::uint64_t seed, double limit_s) {
+  const robot::RobotOptions robot;
+  const double period_s = 1 / lidar.rate_hz;
+  sim::Simulator simulator(plan, robot, lidar, {}, start, seed, 0.0);
+  Driver driver(makeStrategy(options, {seed, "strategy"}), options, robot, period_s, {seed, "driver"});
+  PerfectMap map(plan);
+  MapExploration result;
+  sim::Sensed sensed = simulator.sense();
+  double checked_m = -1;
+  while (true) {
+    map.insert(simulator.truth(), sensed.scan);
+    result.truth.push_back(simulator.truth());
+    if (result.path_99_m < 0 && result.path_m > checked_m + 0.25) {
+      checked_m = result.path_m;
+      const double seen = map.seenShare(core::position(start));
+      if (seen >= 0.9 && result.path_90_m < 0) result.path_90_m = result.path_m;
+      if (seen >= 0.99) result.path_99_m = result.path_m;
+    }
+    if (driver.finished() || simulator.time_s() >= limit_s) break;
+    if (driver.wantsMap()) driver.setMap(map.raster());
+    const auto command = driver.next(sensed.scan, simulator.truth(), sensed.collided);
+    const Decision& decision = driver.currentDecision();
+    if (result.decisions.empty() || result.decisions.back().reason != decision.reason)
+      result.decisions.push_back(decision);
+    sensed = simulator.step(command);
+    result.path_m += core::distance(result.truth.back(), simulator.truth());
+  }
+  result.finished = driver.finished();
+  result.end = driver.currentDecision().reason;
+  result.collisions = simulator.collisions().size();
+  result.time_s = simulator.time_s();
+  result.seen_share = map.seenShare(core::position(start));
+  return result;
+}
+
 }  // namespace slam::navigate::scenes

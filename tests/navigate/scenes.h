@@ -19,6 +19,21 @@ world::Plan flat();
 /// A full circle of one-degree beams, 12 m, 1 cm noise.
 robot::LidarOptions circleLidar();
 
+/// What perfect mapping makes of a drive: every cell that a ray has passed or hit, as it is in the plan.
+class PerfectMap {
+ public:
+  explicit PerfectMap(const world::Plan& plan);
+  void insert(const core::Pose2& T_world_robot, const robot::Scan& scan);
+  /// The map frame is the world.
+  const gridmap::OccupancyRaster& raster() const { return raster_; }
+  /// Share of the cells of the plan's floor that are connected with p_world.
+  double seenShare(const core::Point2& p_world) const;
+
+ private:
+  const world::Plan& plan_;
+  gridmap::OccupancyRaster raster_;
+};
+
 /// What a robot did and saw in a plan.
 struct Exploration {
   std::vector<core::Pose2> truth;  ///< one per period, the start first
@@ -31,5 +46,19 @@ struct Exploration {
 /// Drives for duration_s with noise on lidar and odometry.
 Exploration explore(const world::Plan& plan, const core::Pose2& start, const StrategyOptions& options,
                     const robot::LidarOptions& lidar, std::uint64_t seed, double duration_s);
+
+/// An exploration on a perfect map and with the true pose, with noise on the lidar that the driver sees.
+struct MapExploration {
+  bool finished = false;
+  std::string end;  ///< the last decision's reason
+  size_t collisions = 0;
+  double time_s = 0, path_m = 0;
+  double seen_share = 0;
+  double path_90_m = -1, path_99_m = -1;  ///< driven when that share was seen; -1 = never
+  std::vector<core::Pose2> truth;
+  std::vector<Decision> decisions;
+};
+MapExploration exploreOnMap(const world::Plan& plan, const core::Pose2& start, const StrategyOptions& options,
+                            const robot::LidarOptions& lidar, std::uint64_t seed, double limit_s);
 
 }  // namespace slam::navigate::scenes

@@ -1,0 +1,95 @@
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "libslam/navigate/expected_gain.h"
+#include "libslam/navigate/free_space.h"
+#include "libslam/navigate/frontier.h"
+#include "libslam/navigate/path_planner.h"
+#include "libslam/navigate/strategy.h"
+
+namespace slam::navigate {
+
+/// A place to look from.
+struct Viewpoint {
+  PathPlanner::Node node = 0;
+  core::Point2 p_map;
+  std::vector<PathPlanner::Node> way;  ///< from the robot
+  double length_m = 0;                 ///< of the way
+  double cost_m = 0;                   ///< of the way, in metres of comfortable driving
+  std::size_t frontier = 0;            ///< which of Scene::frontiers it is for
+  bool at_frontier = true;             ///< as near to the frontier as the robot can; else on the way there
+};
+
+/// What a map strategy chooses from.
+struct Scene {
+  const FreeSpace& space;
+  const PathPlanner& planner;
+  const std::vector<Frontier>& frontiers;    ///< those in reach that have not been given up
+  const std::vector<Viewpoint>& viewpoints;  ///< by cost, never empty
+  LidarView view;
+  core::Pose2 T_map_robot;
+};
+
+/// What the strategies on the map have in common: read the map, plan the ways, find the frontiers in reach and
+/// the viewpoints for them, follow up how it went, and know when nothing is left. The frontier's one file
+/// each only say which viewpoint is the best.
+///
+/// Finished when no frontier of frontier_min_m is left that the robot can drive up to (or at most look_m
+/// short of it, through gaps that it can look but not drive through) and that has not been given up; `reason`
+/// says what remains. A frontier is given up where a look from its viewpoint left it standing; a goal that
+/// could not be reached is left alone for some decisions, and given up the second time.
+class MapStrategy : public Strategy {
+ public:
+  explicit MapStrategy(const StrategyOptions& options) : options_(options) {}
+  Decision decide(const robot::Scan& scan, const core::Pose2& T_map_robot) final;
+  bool needsMap() const final { return true; }
+  bool drivesByDisc() const final { return true; }
+  void seeMap(const gridmap::OccupancyRaster& map) final;
+  void setRobot(const robot::RobotOptions& robot) final { robot_ = robot; }
+  bool isStillGood(const Decision& decision, const core::Pose2& T_map_robot,
+                   std::size_t next_waypoint) override;
+  void tellOutcome(const Decision& decision, bool reached) final;
+
+ protected:
+  struct Choice {
+    std::size_t viewpoint = 0;
+    double score = 0;
+    std::string reason;
+    std::optional<double>
+        look_rad;  ///< heading to look along at the goal, map frame; nothing: at the frontier
+  };
+  virtual Choice choose(const Scene& scene) = 0;
+  /// Also look from places short of the frontiers.
+  virtual bool wantsStandoffs() const { return true; }
+
+  const StrategyOptions& options() const { return options_; }
+
+ private:
+  using Place = std::pair<int, int>;
+  Place placeOf(const core::Point2& p_map) const;
+  bool isGivenUp(const core::Point2& p_map) const;
+  std::vector<Frontier> openFrontiers(const PathPlanner& planner, std::size_t min_cells);
+  std::vector<Viewpoint> viewpointsFor(const PathPlanner& planner, const std::vector<Frontier>& frontiers);
+  bool isSpent(const core::Point2& p_map) const;
+  Decision finishedDecision() const;
+
+  StrategyOptions options_;
+  robot::RobotOptions robot_;
+  std::optional<FreeSpace> space_;
+  std::vector<core::Point2> target_;  ///< the frontier cells that the present goal is for
+  std::map<Place, int> given_up_;     ///< frontier places
+  std::vector<core::Point2> spent_;   ///< viewpoints that have been looked from
+  struct Failure {
+    core::Point2 goal;
+    int until;  ///< decision
+  };
+  std::vector<Failure> failures_;
+  int decisions_ = 0;
+  std::size_t out_of_reach_ = 0, abandoned_ = 0;  ///< frontiers, at the newest decision
+};
+
+}  // namespace slam::navigate
