@@ -48,8 +48,8 @@ int compareMethods(const Context& context, const Arguments& arguments) {
   ConsoleProgress progress(context.quiet);
   const auto comparison = run::compare(request, context.manifest(), progress);
   if (context.json)
-    std::cout << nlohmann::ordered_json{{"scores",
-                                         nlohmann::ordered_json::parse(report::toJson(comparison.accuracy))},
+    std::cout << nlohmann::ordered_json{{"scores", nlohmann::ordered_json::parse(
+                                                       report::toJson(comparison.full_accuracy))},
                                         {"cost",
                                          nlohmann::ordered_json::parse(report::toJson(comparison.cost))}}
                      .dump(2)

@@ -27,8 +27,9 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
   if (truth && evaluation.trajectory.position_m.count == 0)
     throw core::InputError(arguments.truth + ": no stamp in common with " + arguments.folder +
                            "/trajectory.tum, expected the truth of the same log");
+  const auto detail = context.json ? run::Detail::kFull : run::Detail::kShort;
   const auto table =
-      truth ? run::accuracyTable({evaluation}, *truth) : run::agreementTable({evaluation}, {run_folder});
+      truth ? run::accuracyTable({evaluation}, *truth, detail) : run::agreementTable({evaluation});
   const auto cost = run::costTable({evaluation});
   if (context.json) {
     std::cout << nlohmann::ordered_json{{"scores", nlohmann::ordered_json::parse(report::toJson(table))},

@@ -2,6 +2,7 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "apps/commands.h"
 #include "libslam/core/files.h"
@@ -15,12 +16,32 @@ namespace {
 
 using Entry = std::pair<std::string, std::string>;  // name, meaning
 
-/// The first comment line of an .ini says what it is.
-std::string firstComment(const std::string& path) {
-  const std::string text = core::readTextFile(path);
-  if (text.empty() || (text[0] != '#' && text[0] != ';')) return "";
-  const size_t start = text.find_first_not_of("#; ");
-  return text.substr(start, text.find('\n') - start);
+/// The first sentence of the comment that an .ini begins with says what it is.
+std::string firstSentence(const std::string& path) {
+  std::istringstream lines(core::readTextFile(path));
+  std::string sentence;
+  for (std::string line; std::getline(lines, line);) {
+    const size_t start = line.find_first_not_of("#; ");
+    if (line.empty() || (line[0] != '#' && line[0] != ';') || start == std::string::npos) break;
+    sentence += (sentence.empty() ? "" : " ") + line.substr(start);
+    const size_t stop = sentence.find(". ");
+    if (stop != std::string::npos || sentence.back() == '.') return sentence.substr(0, stop);
+  }
+  return sentence;
+}
+
+/// Words folded so that no line is wider than `width`, all but the first indented.
+std::string folded(const std::string& text, size_t indent, size_t width) {
+  std::istringstream words(text);
+  std::string result, line;
+  for (std::string word; words >> word;) {
+    if (!line.empty() && indent + line.size() + 1 + word.size() > width) {
+      result += line + "\n" + std::string(indent, ' ');
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return result + line;
 }
 
 std::vector<Entry> entriesOf(const std::string& what) {
@@ -28,7 +49,7 @@ std::vector<Entry> entriesOf(const std::string& what) {
   if (what == "methods" || what == "lidars") {
     const std::string folder = run::configsFolder() + "/" + what;
     for (const auto& name : run::namesInFolder(folder, ".ini"))
-      entries.emplace_back(name, firstComment(folder + "/" + name + ".ini"));
+      entries.emplace_back(name, firstSentence(folder + "/" + name + ".ini"));
   } else if (what == "strategies") {
     for (const auto& name : navigate::strategyNames())
       entries.emplace_back(name, navigate::strategyMeaning(name));
@@ -54,7 +75,8 @@ int list(const Context& context, const std::string& what) {
     std::cout << json.dump(2) << "\n";
     return 0;
   }
-  for (const auto& [name, meaning] : entries) std::printf("%-20s %s\n", name.c_str(), meaning.c_str());
+  for (const auto& [name, meaning] : entries)
+    std::printf("%-20s %s\n", name.c_str(), folded(meaning, 21, 80).c_str());
   return 0;
 }
 

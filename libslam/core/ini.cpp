@@ -8,13 +8,6 @@
 namespace slam::core {
 namespace {
 
-std::string trimmed(const std::string& text) {
-  const char* kBlank = " \t\r\n";
-  const auto first = text.find_first_not_of(kBlank);
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
 std::string withoutComment(const std::string& line) {
   for (size_t i = 0; i < line.size(); ++i) {
     const bool marks = line[i] == '#' || line[i] == ';';
@@ -24,6 +17,13 @@ std::string withoutComment(const std::string& line) {
 }
 
 }  // namespace
+
+std::string trimmed(const std::string& text) {
+  const char* kBlank = " \t\r\n";
+  const auto first = text.find_first_not_of(kBlank);
+  if (first == std::string::npos) return "";
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
 
 IniFile IniFile::load(const std::string& path) {
   return parse(readTextFile(path), path);

@@ -41,4 +41,7 @@ class IniFile {
   std::map<std::string, std::map<std::string, Entry>> sections_;
 };
 
+/// Without the blanks, tabs and line ends at both ends.
+std::string trimmed(const std::string& text);
+
 }  // namespace slam::core

@@ -153,13 +153,6 @@ void drawPictures(const std::vector<RunFolder>& runs, const std::vector<Evaluati
   if (const auto entry = log.next()) report::drawScan(entry->scan, output + "/scan.png");
 }
 
-void writeTable(const report::Table& table, const std::string& stem) {
-  core::writeFileAtomically(stem + ".txt", report::toText(table));
-  core::writeFileAtomically(stem + ".md", report::toMarkdown(table));
-  core::writeFileAtomically(stem + ".csv", report::toCsv(table));
-  core::writeFileAtomically(stem + ".json", report::toJson(table));
-}
-
 /// An output folder is new, or ours to replace, or ours to go on with.
 void prepareOutput(const CompareRequest& request) {
   const std::string manifest = request.output + "/manifest.json";
@@ -242,17 +235,24 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
                                                        : evaluate(*run, truth));
     comparison.failed += run == runs.end() ? 1 : 0;
   }
-  comparison.accuracy =
-      truth ? accuracyTable(comparison.evaluations, *truth) : agreementTable(comparison.evaluations, runs);
+  setAgreement(runs, comparison.evaluations);
+  comparison.accuracy = truth ? accuracyTable(comparison.evaluations, *truth, Detail::kShort)
+                              : agreementTable(comparison.evaluations);
+  comparison.full_accuracy =
+      truth ? accuracyTable(comparison.evaluations, *truth, Detail::kFull) : comparison.accuracy;
   if (!runs.empty()) {
     const std::string steps = runs.front().manifest.results.at("steps_without_odometry");
     if (steps != "0")
-      comparison.accuracy.notes.push_back(steps +
-                                          " steps of the log come without odometry; methods that want the " +
-                                          "wheels get increments estimated from the scans there.");
+      for (auto* table : {&comparison.accuracy, &comparison.full_accuracy})
+        table->notes.push_back(steps + " steps of the log come without odometry; methods that want the " +
+                               "wheels get increments estimated from the scans there.");
   }
   comparison.cost = costTable(comparison.evaluations);
-  writeTable(comparison.accuracy, request.output + "/scores");
+  const std::string scores = request.output + "/scores";
+  core::writeFileAtomically(scores + ".txt", report::toText(comparison.accuracy));
+  core::writeFileAtomically(scores + ".md", report::toMarkdown(comparison.accuracy));
+  core::writeFileAtomically(scores + ".csv", report::toCsv(comparison.full_accuracy));
+  core::writeFileAtomically(scores + ".json", report::toJson(comparison.full_accuracy));
   core::writeFileAtomically(request.output + "/cost.csv", report::toCsv(comparison.cost));
   core::writeFileAtomically(request.output + "/cost.json", report::toJson(comparison.cost));
   drawPictures(runs, comparison.evaluations, truth, comparison.log_path, request.output);

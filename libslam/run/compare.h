@@ -37,7 +37,9 @@ struct CompareRequest {
 struct Comparison {
   std::vector<Evaluation> evaluations;  ///< in the order of the request
   bool has_truth = false;
-  report::Table accuracy, cost;
+  report::Table accuracy;       ///< what fits 80 columns
+  report::Table full_accuracy;  ///< all figures
+  report::Table cost;
   std::string log_path;
   int failed = 0, reused = 0;
 };
@@ -45,7 +47,8 @@ struct Comparison {
 /// Simulates if asked, runs every method on the same log, scores, draws, and writes into `output`:
 ///   log/run.rawlog (and its truth)   when simulated
 ///   METHOD/                          one buildMap() folder per method, with difference.png where a plan is known
-///   scores.txt .md .csv .json        accuracy: the same bytes for the same seed, any number of threads
+///   scores.txt .md                   accuracy, the main figures
+///   scores.csv .json                 accuracy, all figures; like the two above the same bytes for the same seed, any number of threads
 ///   cost.csv .json                   time and memory: differ from run to run
 ///   maps.png paths.png scan.png      pictures
 ///   manifest.json                    how to make it again

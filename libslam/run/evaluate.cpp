@@ -41,13 +41,6 @@ double agreementWithOthers(const std::vector<RunFolder>& runs, size_t index) {
   return errors.size() % 2 ? errors[half] : (errors[half - 1] + errors[half]) / 2;
 }
 
-void noteFailures(const std::vector<Evaluation>& evaluations, report::Table& table) {
-  for (const auto& e : evaluations)
-    if (!e.failure.empty()) table.notes.push_back(e.method + " failed: " + e.failure);
-}
-
-const char* const kSingleRun = "One run with one seed: small differences between rows may be chance.";
-
 }  // namespace
 
 RunFolder loadRun(const std::string& folder) {
@@ -89,7 +82,7 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
   e.per_metre = e.per_second = {kNoStatistics, kNoStatistics};
   e.map = {kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
   e.cost = {kNan, kNan, kNan, kNan};
-  e.path_length_m = e.map_mean_entropy_bits = e.map_occupied_share = kNan;
+  e.path_length_m = e.map_mean_entropy_bits = e.map_occupied_share = e.agreement_m = kNan;
   e.end_pose = {kNan, kNan, kNan};
   return e;
 }
@@ -112,109 +105,127 @@ Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth) {
 }
 
 const std::vector<MetricInfo>& metricInfos() {
+  using E = Evaluation;
   static const std::vector<MetricInfo> infos = {
       {"ate_rmse_m", "ATE rmse m",
-       "absolute trajectory error: position after SE(2) least-squares alignment, no scale"},
-      {"ate_max_m", "max m", "largest such error"},
-      {"heading_rmse_deg", "head. deg", "root mean square heading error after the same alignment"},
-      {"rpe_1m_m", "RPE m/m", "relative pose error over 1 m of true path, translation, rmse"},
-      {"rpe_1m_deg", "RPE deg/m", "the same, rotation"},
-      {"rpe_1s_m", "RPE m/s", "relative pose error over 1 s, translation, rmse"},
+       "absolute trajectory error: position after SE(2) least-squares alignment, no scale", 3,
+       [](const E& e) { return e.trajectory.position_m.rmse; }},
+      {"ate_max_m", "max m", "largest such error", 3, [](const E& e) { return e.trajectory.position_m.max; }},
+      {"heading_rmse_deg", "head. deg", "root mean square heading error after the same alignment", 2,
+       [](const E& e) { return core::radToDeg(e.trajectory.heading_rad.rmse); }},
+      {"rpe_1m_m", "RPE m/m", "relative pose error over 1 m of true path, translation, rmse", 3,
+       [](const E& e) { return e.per_metre.translation_m.rmse; }},
+      {"rpe_1m_deg", "RPE deg/m", "relative pose error over 1 m of true path, rotation, rmse", 2,
+       [](const E& e) { return core::radToDeg(e.per_metre.rotation_rad.rmse); }},
+      {"rpe_1s_m", "RPE m/s", "relative pose error over 1 s, translation, rmse", 3,
+       [](const E& e) { return e.per_second.translation_m.rmse; }},
+      {"rpe_1s_deg", "RPE deg/s", "relative pose error over 1 s, rotation, rmse", 2,
+       [](const E& e) { return core::radToDeg(e.per_second.rotation_rad.rmse); }},
       {"wall_f1", "wall F1",
-       "estimated against true walls within 0.10 m: harmonic mean of precision and recall"},
-      {"wall_precision", "wall prec.", "share of estimated walls that lie within 0.10 m of a true one"},
+       "estimated against true walls within 0.10 m: harmonic mean of precision and recall", 3,
+       [](const E& e) { return e.map.occupied_f1; }},
+      {"wall_precision", "wall prec.", "share of the estimated walls within 0.10 m of a true one", 3,
+       [](const E& e) { return e.map.occupied_precision; }},
       {"wall_recall", "wall rec.",
-       "share of the true walls that could be seen that were found within 0.10 m"},
+       "share of the true walls that could be seen within 0.10 m of an estimated one", 3,
+       [](const E& e) { return e.map.occupied_recall; }},
       {"free_iou", "free IoU",
-       "free space: intersection over union with the true free space that could be seen"},
-      {"wall_p50_m", "wall p50", "median distance from estimated walls to the nearest true wall"},
-      {"wall_p95_m", "wall p95", "95th percentile of the same"},
-      {"missed_p50_m", "missed p50",
-       "median distance from true walls that could be seen to the nearest estimated one"},
-      {"missed_p95_m", "missed p95", "95th percentile of the same"},
-      {"path_length_m", "path m", "length of the estimated path"},
-      {"map_entropy_bits", "entropy", "mean entropy of the map's known cells: small is sharp"},
+       "free space: intersection over union with the true free space that could be seen", 3,
+       [](const E& e) { return e.map.free_iou; }},
+      {"wall_p50_m", "wall p50 m", "median distance from estimated walls to the nearest true wall", 3,
+       [](const E& e) { return e.map.wall_to_truth_p50_m; }},
+      {"wall_p95_m", "wall p95 m", "95th percentile of the same", 3,
+       [](const E& e) { return e.map.wall_to_truth_p95_m; }},
+      {"missed_p50_m", "missed p50 m",
+       "median distance from true walls that could be seen to the nearest estimated one", 3,
+       [](const E& e) { return e.map.truth_to_wall_p50_m; }},
+      {"missed_p95_m", "missed p95 m", "95th percentile of the same", 3,
+       [](const E& e) { return e.map.truth_to_wall_p95_m; }},
+      {"known_share", "known", "share of the region that could be seen of which the map claims to know", 3,
+       [](const E& e) { return e.map.known_share; }},
+      {"path_length_m", "path m", "length of the estimated path", 2,
+       [](const E& e) { return e.path_length_m; }},
+      {"end_x_m", "end x m", "last estimated pose, map frame", 2, [](const E& e) { return e.end_pose.x; }},
+      {"end_y_m", "end y m", "last estimated pose, map frame", 2, [](const E& e) { return e.end_pose.y; }},
+      {"end_yaw_deg", "end yaw deg", "last estimated pose, map frame", 1,
+       [](const E& e) { return core::radToDeg(e.end_pose.phi); }},
+      {"agreement_m", "agree m", "median over the other methods of the ATE between their path and this one",
+       3, [](const E& e) { return e.agreement_m; }},
+      {"map_entropy_bits", "entropy", "mean entropy of the map's known cells: small is sharp", 4,
+       [](const E& e) { return e.map_mean_entropy_bits; }},
       {"occupied_share", "occupied",
-       "share of occupied among the known cells (Filatov et al. 2017): double walls raise it"},
-      {"agreement_m", "agree m", "median over the other methods of the ATE between their path and this one"},
-      {"ms_per_scan", "ms/scan", "CPU time per scan, one thread, without reading the log"},
-      {"p99_ms", "p99 ms", "99th percentile of the same"},
-      {"real_time_factor", "x real time", "robot's time over computing time"},
-      {"peak_memory_mb", "MB", "peak memory over the process's size before the run"},
+       "share of occupied among the known cells (Filatov et al. 2017): double walls raise it", 4,
+       [](const E& e) { return e.map_occupied_share; }},
+      {"ms_per_scan", "ms/scan", "CPU time per scan, one thread, without reading the log", 3,
+       [](const E& e) { return e.cost.mean_ms_per_scan; }},
+      {"p99_ms", "p99 ms", "99th percentile of the same", 3,
+       [](const E& e) { return e.cost.p99_ms_per_scan; }},
+      {"real_time_factor", "x real time", "robot's time over computing time", 0,
+       [](const E& e) { return e.cost.real_time_factor; }},
+      {"peak_memory_mb", "MB", "peak memory over the process's size before the run", 1,
+       [](const E& e) { return e.cost.peak_memory_mb; }},
   };
   return infos;
 }
 
 namespace {
 
-report::Column column(const std::string& key, int decimals) {
-  for (const auto& info : metricInfos())
-    if (info.key == key) return {key, info.title, decimals};
-  throw core::ContractError("no metric '" + key + "'");
+report::Table tableOf(const std::string& caption, const std::vector<std::string>& keys,
+                      const std::vector<Evaluation>& evaluations) {
+  report::Table table;
+  table.caption = caption;
+  table.columns = {{"method", "method", 0}};
+  for (const auto& e : evaluations) table.rows.push_back({e.method});
+  for (const auto& key : keys) {
+    const auto& infos = metricInfos();
+    const auto info =
+        std::find_if(infos.begin(), infos.end(), [&](const MetricInfo& i) { return i.key == key; });
+    if (info == infos.end()) throw core::ContractError("no metric '" + key + "'");
+    table.columns.push_back({key, info->title, info->decimals});
+    for (size_t i = 0; i < evaluations.size(); ++i) table.rows[i].emplace_back(info->of(evaluations[i]));
+  }
+  return table;
+}
+
+/// What every table of results owes its reader.
+report::Table withNotes(report::Table table, const std::vector<Evaluation>& evaluations) {
+  table.notes.emplace_back("One run with one seed: small differences between rows may be chance.");
+  for (const auto& e : evaluations)
+    if (!e.failure.empty()) table.notes.push_back(e.method + " failed: " + e.failure);
+  return table;
 }
 
 }  // namespace
 
-report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Truth& truth) {
-  report::Table table;
-  table.caption = "Accuracy against the truth";
-  table.columns = {{"method", "method", 0},       column("ate_rmse_m", 3), column("ate_max_m", 3),
-                   column("heading_rmse_deg", 2), column("rpe_1m_m", 3),   column("rpe_1m_deg", 2)};
-  if (truth.plan) {
-    for (const char* key : {"wall_f1", "free_iou", "wall_p50_m", "wall_p95_m"})
-      table.columns.push_back(column(key, 3));
-  }
-  for (const auto& e : evaluations) {
-    std::vector<report::CellValue> row = {e.method,
-                                          e.trajectory.position_m.rmse,
-                                          e.trajectory.position_m.max,
-                                          core::radToDeg(e.trajectory.heading_rad.rmse),
-                                          e.per_metre.translation_m.rmse,
-                                          core::radToDeg(e.per_metre.rotation_rad.rmse)};
-    if (truth.plan)
-      for (const double value :
-           {e.map.occupied_f1, e.map.free_iou, e.map.wall_to_truth_p50_m, e.map.wall_to_truth_p95_m})
-        row.emplace_back(value);
-    table.rows.push_back(std::move(row));
-  }
-  table.notes.emplace_back(kSingleRun);
-  noteFailures(evaluations, table);
-  return table;
+report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Truth& truth, Detail detail) {
+  std::vector<std::string> keys = {"ate_rmse_m", "ate_max_m", "heading_rmse_deg", "rpe_1m_m", "rpe_1m_deg"};
+  const auto add = [&](std::initializer_list<const char*> more) {
+    keys.insert(keys.end(), more.begin(), more.end());
+  };
+  if (detail == Detail::kFull) add({"rpe_1s_m", "rpe_1s_deg", "path_length_m"});
+  if (truth.plan) add({"wall_f1", "free_iou", "wall_p50_m", "wall_p95_m"});
+  if (truth.plan && detail == Detail::kFull)
+    add({"wall_precision", "wall_recall", "missed_p50_m", "missed_p95_m", "known_share"});
+  return withNotes(tableOf("Accuracy against the truth", keys, evaluations), evaluations);
 }
 
-report::Table agreementTable(const std::vector<Evaluation>& evaluations, const std::vector<RunFolder>& runs) {
-  report::Table table;
-  table.caption = "No truth is known for this log: what can be said without it";
-  table.columns = {{"method", "method", 0},           column("path_length_m", 2),
-                   {"end_x_m", "end x m", 2},         {"end_y_m", "end y m", 2},
-                   {"end_yaw_deg", "end yaw deg", 1}, column("agreement_m", 3),
-                   column("map_entropy_bits", 4),     column("occupied_share", 4)};
-  for (const auto& e : evaluations) {
-    const auto run =
-        std::find_if(runs.begin(), runs.end(), [&](const RunFolder& r) { return r.method == e.method; });
-    const double agreement =
-        run == runs.end() ? kNan : agreementWithOthers(runs, static_cast<size_t>(run - runs.begin()));
-    table.rows.push_back({e.method, e.path_length_m, e.end_pose.x, e.end_pose.y,
-                          core::radToDeg(e.end_pose.phi), agreement, e.map_mean_entropy_bits,
-                          e.map_occupied_share});
-  }
-  table.notes.emplace_back(kSingleRun);
-  noteFailures(evaluations, table);
-  return table;
+report::Table agreementTable(const std::vector<Evaluation>& evaluations) {
+  return withNotes(tableOf("No truth is known for this log: what can be said without it",
+                           {"path_length_m", "end_x_m", "end_y_m", "end_yaw_deg", "agreement_m",
+                            "map_entropy_bits", "occupied_share"},
+                           evaluations),
+                   evaluations);
 }
 
 report::Table costTable(const std::vector<Evaluation>& evaluations) {
-  report::Table table;
-  table.caption = "Cost on this machine";
-  table.columns = {{"method", "method", 0},
-                   column("ms_per_scan", 3),
-                   column("p99_ms", 3),
-                   column("real_time_factor", 0),
-                   column("peak_memory_mb", 1)};
-  for (const auto& e : evaluations)
-    table.rows.push_back({e.method, e.cost.mean_ms_per_scan, e.cost.p99_ms_per_scan, e.cost.real_time_factor,
-                          e.cost.peak_memory_mb});
-  return table;
+  return tableOf("Cost on this machine", {"ms_per_scan", "p99_ms", "real_time_factor", "peak_memory_mb"},
+                 evaluations);
+}
+
+void setAgreement(const std::vector<RunFolder>& runs, std::vector<Evaluation>& evaluations) {
+  for (auto& e : evaluations)
+    for (size_t i = 0; i < runs.size(); ++i)
+      if (runs[i].method == e.method) e.agreement_m = agreementWithOthers(runs, i);
 }
 
 }  // namespace slam::run

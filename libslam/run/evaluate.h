@@ -42,6 +42,7 @@ struct Evaluation {
   double path_length_m = 0;
   core::Pose2 end_pose;  ///< T_map_robot at the last scan
   double map_mean_entropy_bits, map_occupied_share;
+  double agreement_m;  ///< see setAgreement()
 };
 Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth);
 /// Every figure NaN: the row of a method that failed.
@@ -50,16 +51,25 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why);
 /// How far from a wall an estimated wall may lie and still count as found.
 inline constexpr double kWallTolerance_m = 0.10;
 
-/// Accuracy of several runs against the truth: one row each. The same bytes on every machine.
-report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Truth& truth);
+/// What tables show: the figures that fit 80 columns, or all of them (for CSV and JSON).
+enum class Detail { kShort, kFull };
+
+/// Accuracy of several runs against the truth: one row each. The same bytes for the same seed.
+report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Truth& truth, Detail detail);
 /// What can be said without truth: length, end pose, sharpness of the map, agreement with the other methods.
-report::Table agreementTable(const std::vector<Evaluation>& evaluations, const std::vector<RunFolder>& runs);
+report::Table agreementTable(const std::vector<Evaluation>& evaluations);
 /// Time and memory; differs from run to run.
 report::Table costTable(const std::vector<Evaluation>& evaluations);
 
-/// Names and one-line meanings of the columns above: `rasterslam list metrics`.
+/// Sets agreement_m of each: the median over the other runs of the ATE between the two estimates. runs[i] belongs to
+/// evaluations[i] where their methods are equal; a failed method has none.
+void setAgreement(const std::vector<RunFolder>& runs, std::vector<Evaluation>& evaluations);
+
+/// One metric: the row that feeds every table and `rasterslam list metrics`.
 struct MetricInfo {
   std::string key, title, meaning;
+  int decimals;
+  double (*of)(const Evaluation&);
 };
 const std::vector<MetricInfo>& metricInfos();
 

@@ -10,6 +10,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/ini.h"
 #include "libslam/core/parameters.h"
 
 namespace slam::world {
@@ -27,13 +28,6 @@ struct Entry {
   std::string where;  ///< "map.yaml:3"
 };
 using Entries = std::map<std::string, Entry>;
-
-std::string trimmed(const std::string& text) {
-  const char* kBlank = " \t\r\n";
-  const auto first = text.find_first_not_of(kBlank);
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
 
 /// Cuts at a # that begins the line or follows white space, outside quotes.
 std::string withoutComment(const std::string& line) {
@@ -92,7 +86,7 @@ std::vector<std::string> listItems(const std::string& text, const std::string& w
   if (text.back() != ']') throw malformed(where, text, "a list [a, b, c] on one line");
   std::vector<std::string> items;
   std::istringstream fields(text.substr(1, text.size() - 2));
-  for (std::string item; std::getline(fields, item, ',');) items.push_back(trimmed(item));
+  for (std::string item; std::getline(fields, item, ',');) items.push_back(core::trimmed(item));
   return items;
 }
 
@@ -113,10 +107,10 @@ Entries parse(const std::string& text, const std::string& path) {
   for (int number = 1; std::getline(lines, line); ++number) {
     const std::string where = path + ":" + std::to_string(number);
     const std::string bare = withoutComment(line);
-    const std::string content = trimmed(bare);
+    const std::string content = core::trimmed(bare);
     if (content.empty() || content == "---" || content == "...") continue;
     if (open_list && content.rfind("- ", 0) == 0) {
-      open_list->values.push_back(trimmed(content.substr(2)));
+      open_list->values.push_back(core::trimmed(content.substr(2)));
       open_list->is_list = true;
       continue;
     }
@@ -124,8 +118,8 @@ Entries parse(const std::string& text, const std::string& path) {
     const auto colon = findColon(content);
     if (colon == std::string::npos || colon == 0 || bare.front() == ' ' || bare.front() == '\t')
       throw malformed(where, content, "key: value");
-    const std::string key = unquoted(trimmed(content.substr(0, colon)), where);
-    const std::string value = trimmed(content.substr(colon + 1));
+    const std::string key = unquoted(core::trimmed(content.substr(0, colon)), where);
+    const std::string value = core::trimmed(content.substr(colon + 1));
     if (std::find(knownKeys().begin(), knownKeys().end(), key) == knownKeys().end())
       throw unknownKey(where, key);
     if (const auto it = entries.find(key); it != entries.end())

@@ -8,21 +8,14 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/manifest.h"
+#include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::core {
 namespace {
 namespace fs = std::filesystem;
+using slam::testing::errorOf;
 using ::testing::HasSubstr;
-
-std::string errorOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "no error";
-}
 
 TEST(Files, SaysWhyAFileCannotBeRead) {
   const testing::TempFolder folder;

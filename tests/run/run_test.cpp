@@ -12,11 +12,13 @@
 #include "libslam/run/evaluate.h"
 #include "libslam/run/record.h"
 #include "libslam/run/resources.h"
+#include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::run {
 namespace {
 namespace fs = std::filesystem;
+using slam::testing::errorOf;
 using ::testing::HasSubstr;
 
 /// Asks to stop at the n-th report.
@@ -40,15 +42,6 @@ RecordConfig shortRecording(double duration_s) {
 
 world::Plan flat() {
   return world::loadPlan(resolvePlan("flat"));
-}
-
-std::string errorOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(Record, AnInterruptLeavesNothing) {
@@ -79,10 +72,14 @@ TEST(Record, TheTruthHasOnePoseForEveryScanAndStartsWhereAsked) {
 TEST(Record, HasGoldenBytes) {
   const testing::TempFolder folder;
   record(flat(), shortRecording(30), 1, folder / "run.rawlog", {}, core::silentProgress());
-  EXPECT_EQ(core::fileSha256(folder / "run.rawlog"), "b8048fb57c423525c8743e9cec4f247392408ad17839b83c850aaf12391a449a");
-  EXPECT_EQ(core::fileSha256(folder / "run.gt.tum"), "a93638bc38535140d572f7c2786ebdc053e793376c88ce31e38614ee341ab9ae");
+  EXPECT_EQ(core::fileSha256(folder / "run.rawlog"),
+            "b8048fb57c423525c8743e9cec4f247392408ad17839b83c850aaf12391a449a");
+  EXPECT_EQ(core::fileSha256(folder / "run.gt.tum"),
+            "a93638bc38535140d572f7c2786ebdc053e793376c88ce31e38614ee341ab9ae");
   for (const auto& [method, golden] : std::map<std::string, std::string>{
-           {"naive", "cc5876bb6cb6b828d9d87131ccbdc3a277967fb8edd30d9ffebab8a053a16818"}, {"icp", "02179186ceab70fb37a3fa7e4bc49d31a4dea19c516e43aae1033d24808a0052"}, {"rbpf_exact", "56e937022ab6afc9ce1c49c8aeb61aede6c3f0fe9a8f241309387c460cc96464"}}) {
+           {"naive", "cc5876bb6cb6b828d9d87131ccbdc3a277967fb8edd30d9ffebab8a053a16818"},
+           {"icp", "02179186ceab70fb37a3fa7e4bc49d31a4dea19c516e43aae1033d24808a0052"},
+           {"rbpf_exact", "56e937022ab6afc9ce1c49c8aeb61aede6c3f0fe9a8f241309387c460cc96464"}}) {
     const auto config = mapping::loadMethodConfig(configsFolder() + "/methods", method);
     buildMap(folder / "run.rawlog", config, method, 1, folder / method, false, {}, core::silentProgress());
     EXPECT_EQ(core::sha256(core::fileSha256(folder / (method + "/trajectory.tum")) +
@@ -106,7 +103,7 @@ TEST(BuildMap, AnInterruptLeavesNothing) {
 TEST(Evaluate, AFailedMethodHasARowOfNothing) {
   Truth truth;
   truth.plan = world::Plan{};
-  const auto table = accuracyTable({failedEvaluation("icp", "diverged at scan 3")}, truth);
+  const auto table = accuracyTable({failedEvaluation("icp", "diverged at scan 3")}, truth, Detail::kFull);
   ASSERT_EQ(table.rows.size(), 1U);
   for (size_t i = 1; i < table.columns.size(); ++i)
     EXPECT_TRUE(std::isnan(std::get<double>(table.rows[0][i])));
