@@ -14,6 +14,7 @@
 #include "libslam/run/build_map.h"
 #include "libslam/run/cpu_time.h"
 #include "libslam/run/recorder.h"
+#include "libslam/run/return_to_start.h"
 
 namespace slam::run {
 namespace {
@@ -21,6 +22,7 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kNewArea_m2 = 0.1;  // less is the odd cell in a corner, as in metrics::kNewArea_m2pm
 constexpr double kNewPlace_m = 1.0;
+constexpr int kReturnDecisions = 50;  // a way back through a known map takes a few
 
 /// Where the robot believes to be, and the map that it makes of it.
 class Localiser {
@@ -50,32 +52,9 @@ class Localiser {
   std::optional<core::Pose2> last_truth_;
 };
 
-/// How often a strategy decided and how long it took.
+/// CPU time of the periods in which the robot decided, the map's reading included.
 struct DecisionCost {
-  std::size_t count = 0;
   double total_ms = 0, max_ms = 0;
-};
-
-/// Hands everything on to a strategy and looks at the clock.
-class TimedStrategy : public navigate::Strategy {
- public:
-  TimedStrategy(std::unique_ptr<navigate::Strategy> strategy, DecisionCost& cost)
-      : strategy_(std::move(strategy)), cost_(cost) {}
-  navigate::Decision decide(const robot::Scan& scan, const core::Pose2& T_map_robot) override {
-    const double before_s = threadCpuSeconds();
-    auto decision = strategy_->decide(scan, T_map_robot);
-    const double ms = (threadCpuSeconds() - before_s) * 1000;
-    ++cost_.count;
-    cost_.total_ms += ms;
-    cost_.max_ms = std::max(cost_.max_ms, ms);
-    return decision;
-  }
-  bool needsMap() const override { return strategy_->needsMap(); }
-  void seeMap(const gridmap::OccupancyRaster& map) override { strategy_->seeMap(map); }
-
- private:
-  std::unique_ptr<navigate::Strategy> strategy_;
-  DecisionCost& cost_;
 };
 
 /// A decision when it was taken.
@@ -92,10 +71,15 @@ core::Point2 goalInMap(const DecisionEntry& entry) {
          core::Point2{d.distance_m * std::cos(d.turn_rad), d.distance_m * std::sin(d.turn_rad)};
 }
 
+bool areSame(const std::vector<core::Point2>& a, const std::vector<core::Point2>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const core::Point2& p, const core::Point2& q) { return p.x == q.x && p.y == q.y; });
+}
+
 bool isSame(const navigate::Decision& a, const navigate::Decision& b) {
   return a.turn_rad == b.turn_rad && a.distance_m == b.distance_m && a.score == b.score &&
-         a.finished == b.finished && a.reason == b.reason && a.path.size() == b.path.size() &&
-         a.goal.x == b.goal.x && a.goal.y == b.goal.y;
+         a.finished == b.finished && a.reason == b.reason && areSame(a.path, b.path) &&
+         areSame(a.alternatives, b.alternatives);
 }
 
 /// Ends what leads nowhere, by the truth.
@@ -114,13 +98,16 @@ class Referee {
     }
     if (options_.stuck_s > 0 && time_s - std::max(placed_at_s_, explored_at_s_) >= options_.stuck_s)
       return ExplorationEnd::kStuck;
-    if (options_.give_up_s > 0 && time_s - explored_at_s_ >= options_.give_up_s)
+    if (!returning_ && options_.give_up_s > 0 && time_s - explored_at_s_ >= options_.give_up_s)
       return ExplorationEnd::kGaveUp;
     return std::nullopt;
   }
+  /// From now on new area is not asked for.
+  void watchReturn() { returning_ = true; }
 
  private:
   ExplorationOptions options_;
+  bool returning_ = false;
   std::optional<core::Pose2> place_;
   double placed_at_s_ = 0, explored_at_s_ = 0, explored_m2_ = 0;
 };
@@ -197,7 +184,8 @@ class Loop {
     sim::Sensed sensed = simulator_.sense();
     if (recorder_) recorder_->begin(simulator_, sensed);
     while (true) {
-      const double elapsed_s = simulator_.time_s() - start_time_s;
+      // The clock counts nanoseconds, but since the epoch a double is good for a quarter of a microsecond.
+      const double elapsed_s = std::round((simulator_.time_s() - start_time_s) * 1e6) / 1e6;
       progress.update(duration_s > 0 ? elapsed_s / duration_s : 1, elapsed_s);
       const core::Pose2 T_map_robot = localiser_.update(sensed, simulator_.truth());
       look(sensed, T_map_robot, elapsed_s);
@@ -205,25 +193,37 @@ class Loop {
       if (const auto verdict = referee_.judge(elapsed_s, coverage_.area_m2(), simulator_.truth()))
         return end(*verdict);
       const robot::Command command = decide(sensed, T_map_robot, elapsed_s);
-      goals_.push_back(decisions_.empty() ? core::Point2{kNaN, kNaN} : goalInMap(decisions_.back()));
-      if (driver_.finished()) return end(ExplorationEnd::kFinished);
+      goals_.push_back(goalInMap(decisions_.back()));
+      if (driver_->finished()) {
+        end(ExplorationEnd::kFinished);
+        if (returning_ || !config_.exploration.return_to_start) return;
+        returning_ = true;
+        driver_ = makeReturnDriver();
+        referee_.watchReturn();
+      }
       sensed = simulator_.step(command);
       if (recorder_) recorder_->add(command, simulator_, sensed);
     }
   }
 
-  LoopResult result();
+  LoopResult result() const;
   void writeFiles(LoopResult& result, core::Manifest manifest);
 
  private:
   double period_s() const { return 1 / config_.record.lidar.rate_hz; }
 
-  navigate::Driver makeDriver() {
+  std::unique_ptr<navigate::Driver> makeDriver() const {
     const auto& record = config_.record;
-    return navigate::Driver(
-        std::make_unique<TimedStrategy>(
-            navigate::makeStrategy(record.strategy, core::RandomStream(seed_, "strategy")), decision_cost_),
-        record.strategy, record.robot, period_s(), core::RandomStream(seed_, "driver"));
+    auto strategy = navigate::makeStrategy(record.strategy, core::RandomStream(seed_, "strategy"));
+    return std::make_unique<navigate::Driver>(std::move(strategy), record.strategy, record.robot, period_s(),
+                                              core::RandomStream(seed_, "driver"));
+  }
+  std::unique_ptr<navigate::Driver> makeReturnDriver() const {
+    auto options = config_.record.strategy;
+    options.give_up_after = kReturnDecisions;  // the map does not grow on the way back
+    return std::make_unique<navigate::Driver>(std::make_unique<ReturnToStart>(options, config_.record.robot),
+                                              options, config_.record.robot, period_s(),
+                                              core::RandomStream(seed_, "return"));
   }
 
   /// What the truth has to say about the new scan.
@@ -243,17 +243,29 @@ class Loop {
   }
 
   robot::Command decide(const sim::Sensed& sensed, const core::Pose2& T_map_robot, double elapsed_s) {
-    const std::size_t count_before = decision_cost_.count;
-    if (driver_.wantsMap()) driver_.setMap(localiser_.map());
-    const auto command = driver_.next(sensed.scan, T_map_robot, sensed.collided);
-    const auto& decision = driver_.currentDecision();
-    const bool is_new = decision_cost_.count != count_before ||
-                        (!decisions_.empty() && !isSame(decision, decisions_.back().decision));
-    if (is_new) decisions_.push_back({elapsed_s, T_map_robot, simulator_.truth(), decision});
+    const double before_s = threadCpuSeconds();
+    if (driver_->wantsMap()) {
+      const auto map = localiser_.map();
+      driver_->setMap(map);
+    }
+    const auto command = driver_->next(sensed.scan, T_map_robot, sensed.collided);
+    const auto& decision = driver_->currentDecision();
+    if (decisions_.empty() || !isSame(decision, decisions_.back().decision)) {
+      decisions_.push_back({elapsed_s, T_map_robot, simulator_.truth(), decision});
+      const double ms = (threadCpuSeconds() - before_s) * 1000;
+      decision_cost_.total_ms += ms;
+      decision_cost_.max_ms = std::max(decision_cost_.max_ms, ms);
+    }
     return command;
   }
 
-  void end(ExplorationEnd end) { end_ = end; }
+  /// The first end counts: what happens on the way back is no part of the exploration.
+  void end(ExplorationEnd end) {
+    if (end_ != ExplorationEnd::kFailed) return;
+    end_ = end;
+    if (end == ExplorationEnd::kFinished) end_detail_ = driver_->currentDecision().reason;
+    explored_scans_ = curve_.size();
+  }
   report::Table explorationTable() const;
   report::Table decisionTable() const;
 
@@ -267,7 +279,7 @@ class Loop {
   sim::Simulator simulator_;
   Localiser localiser_;
   DecisionCost decision_cost_;
-  navigate::Driver driver_;
+  std::unique_ptr<navigate::Driver> driver_;
   metrics::Coverage coverage_;
   Referee referee_;
   NearMisses near_misses_;
@@ -280,10 +292,13 @@ class Loop {
   std::vector<DecisionEntry> decisions_;
   double path_m_ = 0;
   bool saw_something_ = false;
+  bool returning_ = false;
   ExplorationEnd end_ = ExplorationEnd::kFailed;
+  std::string end_detail_;
+  std::size_t explored_scans_ = 0;  ///< what follows is the way back
 };
 
-LoopResult Loop::result() {
+LoopResult Loop::result() const {
   LoopResult result;
   Exploration& e = result.exploration;
   const auto& area = coverage_.explorable();
@@ -291,17 +306,18 @@ LoopResult Loop::result() {
   e.slam = method_.name;
   e.seed = seed_;
   e.end = end_;
-  if (end_ == ExplorationEnd::kFinished) e.end_detail = driver_.currentDecision().reason;
-  e.figures = metrics::explorationFigures(curve_, area.area_m2);
+  e.end_detail = end_detail_;
+  result.curve.assign(curve_.begin(), curve_.begin() + static_cast<std::ptrdiff_t>(explored_scans_));
+  e.figures = metrics::explorationFigures(result.curve, area.area_m2);
   e.explorable_m2 = area.area_m2;
   e.explorable_share = area.share_of_free;
   e.collisions = static_cast<double>(simulator_.collisions().size());
   e.near_misses = near_misses_.count();
   e.decisions = static_cast<double>(decisions_.size());
-  e.return_distance_m = kNaN;
+  e.return_distance_m = returning_ ? core::distance(simulator_.truth(), start_) : kNaN;
   e.decision_mean_ms =
-      decision_cost_.count == 0 ? kNaN : decision_cost_.total_ms / static_cast<double>(decision_cost_.count);
-  e.decision_max_ms = decision_cost_.count == 0 ? kNaN : decision_cost_.max_ms;
+      decisions_.empty() ? kNaN : decision_cost_.total_ms / static_cast<double>(decisions_.size());
+  e.decision_max_ms = decisions_.empty() ? kNaN : decision_cost_.max_ms;
 
   const auto raster = localiser_.map();
   const auto sharpness = metrics::mapSharpness(raster.occupancy);
@@ -317,7 +333,6 @@ LoopResult Loop::result() {
   truth.seen = coverage_.seen();
   e.evaluation = evaluate(run, truth);
 
-  result.curve = curve_;
   result.plan_is_open = opensToTheEdge(area);
   result.saw_nothing = !saw_something_;
   return result;

@@ -73,9 +73,10 @@ struct Exploration {
   /// then rises above kNearMissOver_m.
   double near_misses = 0;
   double decisions = 0;
-  double return_distance_m = 0;  ///< true distance to the start after returning; NaN without
+  double return_distance_m = 0;  ///< true distance to the start after returning; NaN without. The way back
+                                 ///< counts for collisions, near misses, decisions, map and ATE only
   Evaluation evaluation;         ///< map and path at the end
-  double decision_mean_ms = 0, decision_max_ms = 0;  ///< CPU time of Strategy::decide
+  double decision_mean_ms = 0, decision_max_ms = 0;  ///< CPU time
 };
 inline constexpr double kNearMiss_m = 0.05, kNearMissOver_m = 0.10;
 
