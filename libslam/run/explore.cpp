@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kCutOffBelow = 0.9;  // share of the free area; corners out of sight are less than a tenth
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 LoopMethod loadMethod(const ExploreRequest& request) {
@@ -302,9 +303,9 @@ void addNotes(const std::vector<Job>& jobs, const ExploreRequest& request, const
   for (const auto& job : jobs) {
     const auto& e = job.result.exploration;
     std::vector<std::string> about;
-    if (e.explorable_share < 0.5)
+    if (e.explorable_share < kCutOffBelow)
       about.push_back("From the start only " + fixed(100 * e.explorable_share, 0) +
-                      " % of the plan's free area can be explored: the start is cut off from the rest.");
+                      " % of the plan's free area can be explored: the rest is cut off from it.");
     if (job.result.plan_is_open)
       about.emplace_back(
           "The plan is open: free space reaches the picture's edge, which stops the robot and gives no "
