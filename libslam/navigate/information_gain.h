@@ -13,7 +13,7 @@ class InformationGain : public MapStrategy {
   InformationGain(const StrategyOptions& options, core::RandomStream) : MapStrategy(options) {}
 
  private:
-  Choice choose(const Scene& scene) override;
+  std::optional<Choice> choose(const Scene& scene) override;
 };
 
 }  // namespace slam::navigate

@@ -161,13 +161,14 @@ Decision MapStrategy::decide(const robot::Scan& scan, const core::Pose2& T_map_r
       if (failure.until != std::numeric_limits<int>::max()) failure.until = decisions_;
     viewpoints = viewpointsFor(planner, frontiers);
   }
-  if (viewpoints.empty()) {
+  std::optional<Choice> chosen_one;
+  if (!viewpoints.empty())
+    chosen_one = choose({*space_, planner, frontiers, viewpoints, lidarView(scan), T_map_robot});
+  if (!chosen_one) {
     abandoned_ += frontiers.size();
     return finishedDecision();
   }
-
-  const Scene scene{*space_, planner, frontiers, viewpoints, lidarView(scan), T_map_robot};
-  const Choice choice = choose(scene);
+  const Choice& choice = *chosen_one;
   const Viewpoint& chosen = viewpoints[choice.viewpoint];
   Decision decision;
   decision.score = choice.score;

@@ -62,7 +62,8 @@ class MapStrategy : public Strategy {
     std::optional<double>
         look_rad;  ///< heading to look along at the goal, map frame; nothing: at the frontier
   };
-  virtual Choice choose(const Scene& scene) = 0;
+  /// Nothing when no viewpoint is worth going to: then the exploration is finished.
+  virtual std::optional<Choice> choose(const Scene& scene) = 0;
   /// Also look from places short of the frontiers.
   virtual bool wantsStandoffs() const { return true; }
 

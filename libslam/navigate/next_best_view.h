@@ -12,7 +12,7 @@ class NextBestView : public MapStrategy {
   NextBestView(const StrategyOptions& options, core::RandomStream) : MapStrategy(options) {}
 
  private:
-  Choice choose(const Scene& scene) override;
+  std::optional<Choice> choose(const Scene& scene) override;
 };
 
 }  // namespace slam::navigate

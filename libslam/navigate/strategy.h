@@ -82,6 +82,7 @@ struct StrategyOptions {
   bool recheck;             ///< give up a goal on the way when what it was for has been seen
   double recheck_s;         ///< how often a path is checked by the newest map
   double unknown_path_m;    ///< how far a ray is expected to go through the unknown
+  double gain_min_m2;       ///< a view that is expected to show less is not worth the way
   double lambda_per_m;      ///< next_best_view: how fast a gain loses worth with the way
   int horizon;              ///< next_best_view: views ahead, 1 or 2
   double slow_clearance_m;  ///< nearer to obstacles than this a path is driven more slowly

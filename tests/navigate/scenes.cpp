@@ -126,6 +126,13 @@ Exploration explore(const Plan& plan, const core::Pose2& start, const StrategyOp
   return result;
 }
 
+std::vector<std::string> maplessStrategies() {
+  std::vector<std::string> names;
+  for (const auto& name : strategyNames())
+    if (!strategyNeedsMap(name)) names.push_back(name);
+  return names;
+}
+
 PerfectMap::PerfectMap(const Plan& plan) : plan_(plan) {
   raster_.columns = plan.columns, raster_.rows = plan.rows;
   raster_.resolution_m = plan.resolution_m;

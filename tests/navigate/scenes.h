@@ -34,6 +34,9 @@ class PerfectMap {
   gridmap::OccupancyRaster raster_;
 };
 
+/// The strategies that go by the scan alone.
+std::vector<std::string> maplessStrategies();
+
 /// What a robot did and saw in a plan.
 struct Exploration {
   std::vector<core::Pose2> truth;  ///< one per period, the start first

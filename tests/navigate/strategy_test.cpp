@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <set>
 
 #include "libslam/core/error.h"
 #include "tests/navigate/scenes.h"
@@ -32,7 +33,9 @@ std::unique_ptr<Strategy> make(const std::string& name, double divisor = 1, std:
 }
 
 TEST(Strategies, AreMadeByNameAndSayWhichOnesThereAre) {
-  EXPECT_THAT(strategyNames(), testing::ElementsAre("longest_ray", "quadrant"));
+  EXPECT_THAT(strategyNames(),
+              testing::ElementsAre("longest_ray", "quadrant", "random_heading", "wall_follow",
+                                   "nearest_frontier", "information_gain", "next_best_view"));
   for (const auto& name : strategyNames()) EXPECT_TRUE(make(name)) << name;
   try {
     make("quadrants");
@@ -56,8 +59,16 @@ TEST(Strategies, RefuseDivisorsInTheWrongOrder) {
   }
 }
 
+TEST(Strategies, SayWhatTheyAreFor) {
+  for (const auto& name : strategyNames()) EXPECT_GT(strategyMeaning(name).size(), 15u) << name;
+  EXPECT_FALSE(strategyNeedsMap("wall_follow"));
+  EXPECT_TRUE(strategyNeedsMap("next_best_view"));
+  EXPECT_THROW(strategyMeaning("quadrants"), core::ContractError);
+  EXPECT_THROW(strategyNeedsMap("quadrants"), core::ContractError);
+}
+
 TEST(Strategies, StandStillWithoutAnyReading) {
-  for (const auto& name : strategyNames()) {
+  for (const auto& name : scenes::maplessStrategies()) {
     auto scan = circle({});
     std::fill(scan.ranges_m.begin(), scan.ranges_m.end(), robot::kLostReading);
     const auto decision = make(name)->decide(scan, {});
@@ -168,6 +179,40 @@ TEST(Quadrant, TurningTheWorldTurnsTheDecision) {
     const double turned_deg = radToDeg(make("quadrant")->decide(circle(turned), {}).turn_rad);
     EXPECT_NEAR(core::angleDifference(degToRad(turned_deg), degToRad(turn_deg + quarter)), 0, 1e-9);
   }
+}
+
+TEST(RandomHeading, TakesAnyFreeDirectionAndNoBlockedOne) {
+  StrategyOptions options;
+  options.name = "random_heading";
+  options.stop_clearance_m = 1.5;
+  const auto strategy = makeStrategy(options, {1, "strategy"});
+  std::set<int> directions;
+  for (int i = 0; i < 200; ++i)
+    directions.insert(static_cast<int>(
+        std::lround(radToDeg(strategy->decide(circle({{-170, 3}, {5, 2}, {90, 4}}), {}).turn_rad))));
+  EXPECT_THAT(directions, testing::ElementsAre(-170, 5, 90));
+}
+
+TEST(RandomHeading, TurnsRoundByAQuarterAtLeastWhereNothingIsFree) {
+  StrategyOptions options;
+  options.name = "random_heading";
+  options.stop_clearance_m = 1.5;
+  const auto strategy = makeStrategy(options, {1, "strategy"});
+  for (int i = 0; i < 20; ++i) {
+    const auto decision = strategy->decide(circle({}), {});
+    EXPECT_GE(std::abs(decision.turn_rad), core::kPi / 2);
+    EXPECT_EQ(decision.distance_m, 0);
+  }
+}
+
+TEST(WallFollow, DrivesToTheNearestThingFirst) {
+  auto scan = circle({});
+  std::fill(scan.ranges_m.begin(), scan.ranges_m.end(), 6.0F);
+  scan.ranges_m[180 + 40] = 2.5F;
+  const auto decision = make("wall_follow")->decide(scan, {});
+  EXPECT_NEAR(radToDeg(decision.turn_rad), 40, 1e-6);
+  EXPECT_NEAR(decision.distance_m, 2.0, 1e-6);  // and stops half a metre before it
+  EXPECT_EQ(decision.reason, "no wall yet: towards the nearest thing, 2.50 m away");
 }
 
 }  // namespace

@@ -1,0 +1,201 @@
+#include "libslam/navigate/map_strategy.h"
+
+#include <gmock/gmock.h>
+
+#include "libslam/core/error.h"
+#include "libslam/world/building.h"
+#include "tests/navigate/drawn_map.h"
+#include "tests/navigate/scenes.h"
+
+namespace slam::navigate {
+namespace {
+
+std::vector<std::string> mapStrategies() {
+  std::vector<std::string> names;
+  for (const auto& name : strategyNames())
+    if (strategyNeedsMap(name)) names.push_back(name);
+  return names;
+}
+
+StrategyOptions named(const std::string& name) {
+  StrategyOptions options;
+  options.name = name;
+  return options;
+}
+
+/// The geometry is all that a map strategy takes from a scan.
+robot::Scan circleScan() {
+  robot::Scan scan;
+  scan.first_angle_rad = -core::kPi;
+  scan.step_rad = core::degToRad(1);
+  scan.max_range_m = 10;
+  scan.ranges_m.assign(360, 3.0F);
+  return scan;
+}
+
+Decision decideOn(const std::string& name, const gridmap::OccupancyRaster& map, const core::Pose2& pose,
+                  const StrategyOptions& options = {}) {
+  auto all = options;
+  all.name = name;
+  const auto strategy = makeStrategy(all, {1, "strategy"});
+  strategy->seeMap(map);
+  return strategy->decide(circleScan(), pose);
+}
+
+// Characters are 0.4 m large. A closet behind the left door, near, and a hall behind the right one, farther.
+const std::vector<std::string> kClosetAndHall = {"##################",  //
+                                                 "########?????????#",  //
+                                                 "########?????????#",  //
+                                                 "########?????????#",  //
+                                                 "#??#####?????????#",  //
+                                                 "#??#####?????????#",  //
+                                                 "#..#########..####",  //
+                                                 "#................#",  //
+                                                 "#................#",  //
+                                                 "##################"};
+const core::Pose2 kBetween{2.5, 0.8, 0};
+
+TEST(MapStrategies, SayClearlyThatTheyNeedAMap) {
+  EXPECT_THAT(mapStrategies(),
+              testing::ElementsAre("nearest_frontier", "information_gain", "next_best_view"));
+  for (const auto& name : mapStrategies()) {
+    try {
+      makeStrategy(named(name), {1, "strategy"})->decide(circleScan(), {});
+      FAIL() << name;
+    } catch (const core::ContractError& error) {
+      EXPECT_EQ(error.what(), "strategy '" + name + "' works on the map: give it one first, seeMap()");
+    }
+  }
+}
+
+TEST(MapStrategies, FinishInAClosedRoomAndSayWhatIsLeft) {
+  // A pocket with a frontier of its own behind the wall, which nobody can drive to.
+  const auto map = enlarged({"##########", "#....#...?", "#....#...?", "#....#...?", "##########"}, 8, 0.05);
+  for (const auto& name : mapStrategies()) {
+    const auto decision = decideOn(name, map, {1, 1, 0});
+    EXPECT_TRUE(decision.finished) << name;
+    EXPECT_EQ(decision.reason,
+              "explored: no frontier of 0.30 m left in reach; out of reach 1, given up after a look 0");
+    EXPECT_TRUE(decision.path.empty());
+  }
+}
+
+TEST(MapStrategies, GiveAPathThatKeepsItsDistanceAndEndsAtTheGoal) {
+  const auto map = enlarged(kClosetAndHall, 8, 0.05);
+  const auto space = readFreeSpace(map);
+  const auto clearance = squaredClearance(space, kOccupiedCell | kUnknownCell, 20);
+  for (const auto& name : mapStrategies()) {
+    const auto decision = decideOn(name, map, kBetween);
+    ASSERT_FALSE(decision.path.empty()) << name;
+    EXPECT_EQ(decision.path.back().x, decision.goal.x);
+    EXPECT_TRUE(decision.look_at) << name;
+    EXPECT_FALSE(decision.alternatives.empty()) << name;
+    core::Point2 from = core::position(kBetween);
+    for (const auto& to : decision.path) {
+      for (double s = 0; s <= 1; s += 0.02) {
+        const core::Point2 p{from.x + s * (to.x - from.x), from.y + s * (to.y - from.y)};
+        const auto d = clearance[space.index(space.columnOf(p.x), space.rowOf(p.y))];
+        // A cell's diagonal less than the radius and margin: the samples are not the cells' centres.
+        EXPECT_GE(std::sqrt(d) * 0.05, 0.333 - 0.071) << name;
+      }
+      from = to;
+    }
+  }
+}
+
+TEST(NearestFrontier, TakesTheNearOneAndInformationGainTheLargeOne) {
+  const auto map = enlarged(kClosetAndHall, 8, 0.05);
+  const auto nearest = decideOn("nearest_frontier", map, kBetween);
+  EXPECT_LT(nearest.goal.x, 1.6);
+  EXPECT_THAT(nearest.reason, testing::StartsWith("nearest of 2 frontiers: "));
+  for (const std::string name : {"information_gain", "next_best_view"}) {
+    const auto decision = decideOn(name, map, kBetween);
+    EXPECT_GT(decision.goal.x, 3.6) << name << ": " << decision.reason;
+    EXPECT_GT(decision.score, 0);
+  }
+}
+
+TEST(InformationGain, TakesTheNearerOfTwoEqualViews) {
+  const auto map = enlarged({"##########", "?........?", "?........?", "?........?", "##########"}, 8, 0.05);
+  for (const std::string name : {"information_gain", "nearest_frontier"}) {
+    EXPECT_LT(decideOn(name, map, {1.4, 1.0, 0}).goal.x, 2) << name;
+    EXPECT_GT(decideOn(name, map, {2.6, 1.0, 0}).goal.x, 2) << name;
+  }
+}
+
+TEST(MapStrategies, GiveUpAFrontierThatALookLeavesStanding) {
+  const auto map = enlarged({"#######", "?.....#", "?.....#", "?.....#", "#######"}, 8, 0.05);
+  for (const auto& name : mapStrategies()) {
+    const auto strategy = makeStrategy(named(name), {1, "strategy"});
+    int decisions = 0;
+    while (decisions < 20) {
+      strategy->seeMap(map);  // which never changes
+      const auto decision = strategy->decide(circleScan(), {1.4, 1, 0});
+      if (decision.finished) break;
+      strategy->tellOutcome(decision, true);
+      ++decisions;
+    }
+    EXPECT_GE(decisions, 1) << name;
+    EXPECT_LT(decisions, 15) << name;
+  }
+}
+
+TEST(MapStrategies, TryAGoalThatFailedOnceMoreAndThenGiveItUp) {
+  const auto map = enlarged({"#######", "?.....#", "?.....#", "#######"}, 8, 0.05);
+  const auto strategy = makeStrategy(named("nearest_frontier"), {1, "strategy"});
+  strategy->seeMap(map);
+  for (int i = 0; i < 2; ++i) {
+    const auto decision = strategy->decide(circleScan(), {1.4, 0.8, 0});
+    ASSERT_FALSE(decision.finished) << i;
+    strategy->tellOutcome(decision, false);
+  }
+  EXPECT_TRUE(strategy->decide(circleScan(), {1.4, 0.8, 0}).finished);
+}
+
+TEST(MapStrategies, DropAGoalThatHasBeenSeenAndAPathThatIsBlocked) {
+  auto map = enlarged({"##########", "#........?", "#........?", "#........?", "##########"}, 8, 0.05);
+  const core::Pose2 pose{1, 1, 0};
+  const auto strategy = makeStrategy(named("nearest_frontier"), {1, "strategy"});
+  strategy->seeMap(map);
+  const auto decision = strategy->decide(circleScan(), pose);
+  EXPECT_TRUE(strategy->isStillGood(decision, pose, 0));
+  strategy->seeMap(enlarged({"##########", "#...#....?", "#...#....?", "#...#....?", "##########"}, 8, 0.05));
+  EXPECT_FALSE(strategy->isStillGood(decision, pose, 0));  // a wall across the path
+  strategy->seeMap(enlarged({"##########", "#.........", "#.........", "#.........", "##########"}, 8, 0.05));
+  EXPECT_FALSE(strategy->isStillGood(decision, pose, 0));  // nothing unknown where it leads
+  strategy->seeMap(map);
+  EXPECT_TRUE(strategy->isStillGood(decision, pose, 0));
+}
+
+/// The whole loop with the simulator: noise on the lidar, walls to keep away from, doors to pass.
+TEST(MapExploration, SeesTheFlatAndTheMazeWholeWithoutACollision) {
+  for (const std::string world : {"flat", "maze"}) {
+    const auto plan = world::makeBuilding(world, 1);
+    const auto start = world::findStartPose(plan, 0.35);
+    for (const auto& name : mapStrategies()) {
+      const auto run = scenes::exploreOnMap(plan, *start, named(name), scenes::circleLidar(), 1, 1500);
+      EXPECT_TRUE(run.finished) << world << ", " << name;
+      EXPECT_THAT(run.end, testing::StartsWith("explored: ")) << world << ", " << name;
+      EXPECT_EQ(run.collisions, 0u) << world << ", " << name;
+      EXPECT_GE(run.seen_share, 0.99) << world << ", " << name;
+    }
+  }
+}
+
+TEST(MapExploration, TheSameSeedTakesTheSameWay) {
+  const auto plan = scenes::flat();
+  for (const auto& name : mapStrategies()) {
+    const auto way = [&](std::uint64_t seed) {
+      return scenes::exploreOnMap(plan, {6, 4, 0}, named(name), scenes::circleLidar(), seed, 20).truth;
+    };
+    const auto once = way(1), again = way(1);
+    ASSERT_EQ(once.size(), again.size());
+    for (size_t i = 0; i < once.size(); ++i) {
+      ASSERT_EQ(once[i].x, again[i].x) << name;
+      ASSERT_EQ(once[i].phi, again[i].phi) << name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace slam::navigate
