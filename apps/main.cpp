@@ -47,7 +47,9 @@ int main(int argc, char** argv) {
   slam::apps::addRun(app, context);
   slam::apps::addEval(app, context);
   slam::apps::addCompare(app, context);
+  slam::apps::addNavigate(app, context);
   slam::apps::addInfo(app, context);
+  slam::apps::addPlot(app, context);
   slam::apps::addList(app, context);
   try {
     app.parse(argc, argv);

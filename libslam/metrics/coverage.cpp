@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/metrics/ray_walk.h"
+#include "libslam/world/ray_walk.h"
 
 namespace slam::metrics {
 namespace {
@@ -69,6 +69,19 @@ std::vector<unsigned char> reachableCells(const world::Plan& plan, const core::P
   return reachable;
 }
 
+/// Calls see(index of Plan::cells) for every cell that a ray enters within its range, the wall that ends it
+/// included, until it answers false.
+template <class See>
+void walkCells(const world::Plan& plan, const core::Point2& origin, double angle_in_plan,
+               double max_range_cells, See see) {
+  const core::Point2 direction{std::cos(angle_in_plan), std::sin(angle_in_plan)};
+  world::walkRay(
+      plan, origin, direction, max_range_cells, [&](const world::Cell* cell, const world::RayEntry& entry) {
+        return entry.isWithin(max_range_cells) && see(static_cast<size_t>(cell - plan.cells.data())) &&
+               *cell != world::Cell::kOccupied;
+      });
+}
+
 bool seesReachable(const world::Plan& plan, const std::vector<unsigned char>& reachable,
                    const core::Point2& centre, double max_range_cells) {
   // In steps of about the golden angle the first few rays already look all round; most cells need no more.
@@ -78,8 +91,7 @@ bool seesReachable(const world::Plan& plan, const std::vector<unsigned char>& re
   bool found = false;
   int ray = 0;
   for (int i = 0; i < kSightRays && !found; ++i, ray = (ray + kStride) % kSightRays)
-    walkRay(plan, centre, ray * (2 * core::kPi / kSightRays), max_range_cells, [&](size_t cell) {
-      if (plan.cells[cell] == world::Cell::kOccupied) return false;
+    walkCells(plan, centre, ray * (2 * core::kPi / kSightRays), max_range_cells, [&](size_t cell) {
       found = found || reachable[cell];
       return !found;
     });
@@ -157,13 +169,12 @@ std::size_t Coverage::look(const core::Pose2& T_world_lidar, double first_angle_
   const size_t before = explored_;
   for (int beam = 0; beam < beams; ++beam) {
     const double angle_rad = T_world_lidar.phi + first_angle_rad + beam * step_rad - plan_.T_world_plan.phi;
-    walkRay(plan_, origin, angle_rad, max_range_cells, [this](size_t cell) {
-      const bool is_wall = plan_.cells[cell] == world::Cell::kOccupied;
+    walkCells(plan_, origin, angle_rad, max_range_cells, [this](size_t cell) {
       if (seen_[cell] == 0 && plan_.cells[cell] != world::Cell::kUnknown) {
-        seen_[cell] = is_wall ? kSeenWall : kSeenFree;
+        seen_[cell] = plan_.cells[cell] == world::Cell::kOccupied ? kSeenWall : kSeenFree;
         explored_ += area_.explorable[cell];
       }
-      return !is_wall;
+      return true;
     });
   }
   return explored_ - before;

@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "libslam/metrics/map_score.h"
-#include "libslam/metrics/ray_walk.h"
+#include "libslam/world/ray_walk.h"
 
 namespace slam::metrics {
 namespace {
@@ -21,14 +22,19 @@ bool worthCasting(const core::Pose2& last_used, const core::Pose2& pose) {
          std::abs(core::angleDifference(last_used.phi, pose.phi)) > kThinAngle_rad;
 }
 
-/// Marks what one ray sees. The origin lies in the plan; in cells.
+/// Marks what one ray sees; all in cells.
 void markRay(const world::Plan& plan, const core::Point2& origin, double angle_in_plan,
              double max_range_cells, Marks& marks) {
-  walkRay(plan, origin, angle_in_plan, max_range_cells, [&](size_t cell) {
-    if (plan.cells[cell] == world::Cell::kOccupied) marks.wall[cell] = 1;
-    if (plan.cells[cell] == world::Cell::kFree) marks.free[cell] = 1;
-    return plan.cells[cell] != world::Cell::kOccupied;
-  });
+  const core::Point2 direction{std::cos(angle_in_plan), std::sin(angle_in_plan)};
+  const world::Cell* cells = plan.cells.data();
+  unsigned char *walls = marks.wall.data(), *free = marks.free.data();
+  world::walkRay(plan, origin, direction, max_range_cells,
+                 [=](const world::Cell* cell, const world::RayEntry& entry) {
+                   if (!entry.isWithin(max_range_cells)) return false;
+                   if (*cell == world::Cell::kOccupied) walls[cell - cells] = 1;
+                   if (*cell == world::Cell::kFree) free[cell - cells] = 1;
+                   return *cell != world::Cell::kOccupied;
+                 });
 }
 
 }  // namespace
@@ -47,7 +53,7 @@ SeenMask seenCells(const world::Plan& plan, const core::Trajectory& truth, const
     last_used = &stamped.pose;
     const auto T_world_lidar = stamped.pose * T_robot_lidar;
     const auto origin = world::worldToCells(plan, core::position(T_world_lidar));
-    // Not !contains(int, int): a coordinate far outside would overflow the conversion.
+    // Before the conversion to int, which a coordinate far outside would overflow.
     if (!(origin.x >= 0 && origin.y >= 0 && origin.x < plan.columns && origin.y < plan.rows)) continue;
     if (plan.at(static_cast<int>(origin.x), static_cast<int>(origin.y)) == world::Cell::kOccupied) continue;
     for (int beam = 0; beam < beams; ++beam)

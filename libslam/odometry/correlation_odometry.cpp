@@ -17,31 +17,8 @@ constexpr int kFineIterations = 15;
 constexpr double kFineScale_m = 0.05, kFineGate_m = 0.3;
 constexpr double kLikelyTurn_rad = 0.05;  // about 3 degrees: nearer to this than to a candidate, try none
 constexpr double kFewestMatched = 0.3;    // share of the compared returns
-constexpr double kLargestError_m = 0.1;   // standard deviation above which a position is a guess
-constexpr double kLargestError_rad = 0.05;
 /// Two different turns that fit about equally well: neither can be trusted.
 constexpr double kAmbiguousCost = 0.02, kSameTurn_rad = 0.05;
-
-using Covariance = std::array<double, 9>;
-
-/// The motion of the robot from that of the lidar on it, T_robot_lidar * T_lidar * T_robot_lidar^-1, and the
-/// covariance to first order.
-void toRobotFrame(const core::Pose2& mount, const core::Pose2& T_lidar, const Covariance& lidar,
-                  ScanMotion& motion) {
-  motion.T_previous_current = mount * T_lidar * core::inverse(mount);
-  // t_robot = l + R(mount) t_lidar - R(phi) l: its derivative by t_lidar is R(mount), by phi -R'(phi) l.
-  const double cm = std::cos(mount.phi), sm = std::sin(mount.phi);
-  const double c = std::cos(T_lidar.phi), s = std::sin(T_lidar.phi);
-  const double J[3][3] = {
-      {cm, -sm, s * mount.x + c * mount.y}, {sm, cm, -c * mount.x + s * mount.y}, {0, 0, 1}};
-  for (size_t row = 0; row < 3; ++row)
-    for (size_t column = row; column < 3; ++column) {
-      double sum = 0;
-      for (size_t i = 0; i < 3; ++i)
-        for (size_t k = 0; k < 3; ++k) sum += J[row][i] * lidar[3 * i + k] * J[column][k];
-      motion.covariance[3 * row + column] = motion.covariance[3 * column + row] = sum;
-    }
-}
 
 /// The improved method: the turn from the correlation of the range profiles, then a full planar motion fitted
 /// to all beams, started from each of the best few turns; the best fit counts.
@@ -76,12 +53,8 @@ class CorrelationOdometry : public ScanOdometry {
                      [](const PlanarFit& a, const PlanarFit& b) { return a.cost < b.cost; });
     const PlanarFit fit = fineFit(before, after, fits[0].T_reference_moving);
     if (!believable(fit)) return unknownMotion(options_);
-    ScanMotion motion;
-    toRobotFrame(after.scan.T_robot_lidar, fit.T_reference_moving, fit.covariance, motion);
-    motion.reliable = !ambiguous(fits) && trustworthy(fit);
-    motion.turn_reading_rad = motion.T_previous_current.phi;
-    motion.front_reading_m = motion.T_previous_current.x;
-    motion.rear_reading_m = -motion.T_previous_current.x;
+    ScanMotion motion = robotMotion(after.scan.T_robot_lidar, fit.T_reference_moving, fit.covariance);
+    motion.reliable = !ambiguous(fits) && !fit.degenerate && isMeasurement(fit.covariance);
     return motion;
   }
 
@@ -123,13 +96,6 @@ class CorrelationOdometry : public ScanOdometry {
     const auto& T = fit.T_reference_moving;
     return fit.matched > 0 && fit.matched >= kFewestMatched * fit.compared &&
            std::hypot(T.x, T.y) <= options_.max_move_m && std::abs(T.phi) <= options_.max_turn_rad;
-  }
-
-  static bool trustworthy(const PlanarFit& fit) {
-    const auto& c = fit.covariance;
-    const double largest = (c[0] + c[4]) / 2 + std::hypot((c[0] - c[4]) / 2, c[1]);
-    return !fit.degenerate && largest < kLargestError_m * kLargestError_m &&
-           c[8] < kLargestError_rad * kLargestError_rad;
   }
 
   static bool ambiguous(const std::vector<PlanarFit>& fits) {

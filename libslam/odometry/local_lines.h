@@ -25,8 +25,16 @@ struct ScanLines {
   std::vector<LocalLine> lines;
 };
 
-/// Grows each line from its return beam by beam to both sides, as long as the beams stay on one surface and
-/// the spread about the line stays within the noise. Cost: beams times the longest line (40 beams).
+/// Grows each line from its return beam by beam to both sides (up to 20 beams each, 1.5 m in all), as long as
+/// the beams stay on one surface and the spread about the line stays within the noise. Running sums give the
+/// spread of any run of beams at once, so the cost is about that of the beams.
 ScanLines findLocalLines(const robot::Scan& scan);
+
+/// Standard deviation of the ranges, as seen in the scan itself: the median departure of three neighbouring
+/// beams from a straight wall. 0 without three neighbouring returns.
+double estimateNoise(const robot::Scan& scan);
+
+/// Unit vectors along the beams, lidar frame.
+std::vector<core::Point2> beamDirections(const robot::Scan& scan);
 
 }  // namespace slam::odometry

@@ -1,40 +1,29 @@
 #include "libslam/odometry/planar_fit.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "libslam/odometry/normal_equations.h"
+
 namespace slam::odometry {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using Basis = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3>;
 
-/// Holland and Welsch, "Robust regression using iteratively reweighted least-squares" (1977): this multiple
-/// of the noise gives Cauchy's weights 95 % efficiency under Gaussian noise.
-constexpr double kCauchy = 2.385;
-constexpr double kMadToSigma = 1.4826;     // of a normal distribution
-constexpr double kSmallestScale_m = 1e-3;  // keeps noise-free scans from dividing by zero
-constexpr double kCostCut_m = 0.10;        // a residual of this size costs as much as no match
-constexpr double kNormalAgreement = 0.7;   // cosine; surfaces turned more than 45 degrees are not the same
-constexpr double kEndMargin_m = 0.05;      // a point may lie this far beyond the end of its line
-constexpr double kStill_m = 1e-5, kStill_rad = 1e-6;  // far below any range noise
-constexpr double kNarrowing = 0.7;                    // of the first scale and the gate, per iteration
+constexpr double kCostCut_m = 0.10;       // a residual of this size costs as much as no match
+constexpr double kNormalAgreement = 0.7;  // cosine; surfaces turned more than 45 degrees are not the same
+constexpr double kEndMargin_m = 0.05;     // a point may lie this far beyond the end of its line
 /// Least share of the range noise that is believed to be left across a grazed line: walls are not ideal.
 constexpr double kGrazing = 0.5;
 constexpr double kCurved_rad = 0.02;  // error of a normal besides noise: bent walls, lines grown to one side
+constexpr double kChord = 0.9;        // least chord over angle, up to 8 beams of 5 degrees
 constexpr long kReach = 8;            // beams to each side in which a partner is looked for
 constexpr double kSameSurface = 5;    // times the noise
 constexpr int kFewestPairs = 6;
-/// A direction counts as determined when at least this share of its information is not feigned.
-constexpr double kGenuineShare = 0.3;
-constexpr double kLargestStd = 0.05;  // metres (or radians): worse than this is no measurement
-
 struct Pair {
-  Vector3d jacobian;        // of the residual by (x, y, phi)
-  Vector3d by_normal_turn;  // of the jacobian by the direction of the normal
+  double jacobian[3];          // of the residual by (x, y, phi)
+  double turn_by_normal_turn;  // of jacobian[2] by the direction of the normal; the others are -j[1] and j[0]
   double residual_m;
   double normal_variance;  // rad^2 per m^2
 };
@@ -46,20 +35,24 @@ struct Pairs {
 
 class Matcher {
  public:
-  Matcher(const ScanLines& reference, const ScanLines& moving) : reference_(reference), moving_(moving) {}
+  Matcher(const ScanLines& reference, const ScanLines& moving) : reference_(reference), moving_(moving) {
+    pairs_.matched.reserve(moving.points.size());
+  }
 
-  Pairs match(const core::Pose2& T, int stride, double gate_m) const {
+  const Pairs& match(const core::Pose2& T, int stride, double gate_m) {
     const double c = std::cos(T.phi), s = std::sin(T.phi);
-    Pairs pairs;
+    pairs_.matched.clear();
+    pairs_.compared = 0;
     for (size_t i = 0; i < moving_.points.size(); i += static_cast<size_t>(stride)) {
       if (!moving_.is_return[i]) continue;
       const core::Point2& p = moving_.points[i];
       const core::Point2 arm{c * p.x - s * p.y, s * p.x + c * p.y};  // from the lidar, turned
       const core::Point2 q{T.x + arm.x, T.y + arm.y};
       const double range = std::sqrt(q.x * q.x + q.y * q.y);
-      const double u = beamAt(q);
+      const double u =
+          beamAt(moving_.first_angle_rad + static_cast<double>(i) * moving_.step_rad + T.phi, arm, q);
       if (!inView(u) || range <= 0) continue;
-      ++pairs.compared;
+      ++pairs_.compared;
       const LocalLine& own = moving_.lines[i];
       const core::Point2 normal{c * own.normal.x - s * own.normal.y, s * own.normal.x + c * own.normal.y};
       const long j = partner(q, own.valid ? &normal : nullptr, u, range, gate_m);
@@ -72,21 +65,27 @@ class Matcher {
       const double residual = line.normal.x * d.x + line.normal.y * d.y;
       if (std::abs(residual) > gate_m) continue;
       // Range noise acts along the beam; across the line only its share by the angle of incidence is seen.
-      const double incidence = std::abs(line.normal.x * q.x + line.normal.y * q.y) / range;
-      const double w = 1 / std::max(incidence, kGrazing);
+      const double incidence = std::abs(line.normal.x * q.x + line.normal.y * q.y);
+      const double w = range / std::max(incidence, kGrazing * range);
       const core::Point2 swing{-arm.y, arm.x};
-      const Vector3d jacobian(line.normal.x, line.normal.y,
-                              line.normal.x * swing.x + line.normal.y * swing.y);
-      const Vector3d by_normal_turn(-line.normal.y, line.normal.x,
-                                    -line.normal.y * swing.x + line.normal.x * swing.y);
-      pairs.matched.push_back({w * jacobian, w * by_normal_turn, w * residual, line.normal_variance_per_m2});
+      const double jx = w * line.normal.x, jy = w * line.normal.y;
+      pairs_.matched.push_back({{jx, jy, jx * swing.x + jy * swing.y},
+                                -jy * swing.x + jx * swing.y,
+                                w * residual,
+                                line.normal_variance_per_m2});
     }
-    return pairs;
+    return pairs_;
   }
 
  private:
-  double beamAt(const core::Point2& q) const {
-    double offset = std::atan2(q.y, q.x) - reference_.first_angle_rad;
+  /// The reference's beam, with its fraction, that points to q. The bearing of q differs from that of the
+  /// turned arm by the parallax only, so a short series does for the arc tangent: wrong by less than 0.2 t^5,
+  /// a hundredth of a degree at most, and only a search starts from it.
+  double beamAt(double arm_angle, const core::Point2& arm, const core::Point2& q) const {
+    const double across = arm.x * q.y - arm.y * q.x, ahead = arm.x * q.x + arm.y * q.y;
+    const double t = across / ahead;
+    const double parallax = ahead > 0 && std::abs(t) < 0.25 ? t * (1 - t * t / 3) : std::atan2(across, ahead);
+    double offset = arm_angle + parallax - reference_.first_angle_rad;
     offset -= 2 * core::kPi * std::floor(offset / (2 * core::kPi));
     return offset / reference_.step_rad;
   }
@@ -102,33 +101,53 @@ class Matcher {
   /// noise, the one with the most agreeable error.
   long partner(const core::Point2& q, const core::Point2* own_normal, double u, double range,
                double gate_m) const {
-    const long centre = std::lround(u);
-    const long reach =
-        std::clamp(static_cast<long>(std::ceil(gate_m / (range * reference_.step_rad))), 1L, kReach);
-    constexpr double kFar = std::numeric_limits<double>::infinity();
-    double least = kFar;
+    // Whole beams below and above, and how far off the one above is; u is never negative.
+    const long below = static_cast<long>(u);
+    const double fraction = u - static_cast<double>(below), per_beam = kChord * range * reference_.step_rad;
+    const long reach = std::clamp(static_cast<long>(gate_m / (range * reference_.step_rad)) + 1, 1L, kReach);
+    double least = std::numeric_limits<double>::infinity();
     long nearest = -1;
-    for (long k = centre - reach; k <= centre + reach; ++k) {
-      const long j = lineAt(k, own_normal);
-      if (j < 0) continue;
-      const core::Point2& r = reference_.points[static_cast<size_t>(j)];
-      const double distance = (q.x - r.x) * (q.x - r.x) + (q.y - r.y) * (q.y - r.y);
-      if (distance < least) nearest = j, least = distance;
+    // Outwards, as long as a beam may still hold something nearer than the nearest so far: beam k passes q
+    // at no less than the chord of the angle between them (the early stop of Censi's search).
+    for (long k = 0; k <= reach; ++k) {
+      const double near = per_beam * (static_cast<double>(k) + std::min(fraction, 1 - fraction));
+      if (near * near > least) break;
+      for (const long beam : {below - k, below + 1 + k}) {
+        const long j = lineAt(beam, own_normal);
+        if (j < 0) continue;
+        const core::Point2& r = reference_.points[static_cast<size_t>(j)];
+        const double distance = (q.x - r.x) * (q.x - r.x) + (q.y - r.y) * (q.y - r.y);
+        if (distance < least) nearest = beam, least = distance;
+      }
     }
     if (nearest < 0) return -1;
-    const core::Point2& normal = reference_.lines[static_cast<size_t>(nearest)].normal;
-    const core::Point2& on = reference_.points[static_cast<size_t>(nearest)];
-    long beside = nearest;
-    least = kFar;
-    for (long k = centre - reach; k <= centre + reach; ++k) {
-      const long j = lineAt(k, own_normal);
-      if (j < 0) continue;
-      const core::Point2& r = reference_.points[static_cast<size_t>(j)];
-      const double off = normal.x * (r.x - on.x) + normal.y * (r.y - on.y);
-      const double along = std::abs(-normal.y * (q.x - r.x) + normal.x * (q.y - r.y));
-      if (std::abs(off) < kSameSurface * reference_.sigma_m && along < least) beside = j, least = along;
+    return beside(q, own_normal, nearest);
+  }
+
+  /// From a return walks along its surface while that leads nearer to the foot of q.
+  long beside(const core::Point2& q, const core::Point2* own_normal, long nearest) const {
+    const long start = lineAt(nearest, own_normal);
+    const core::Point2& normal = reference_.lines[static_cast<size_t>(start)].normal;
+    const core::Point2& on = reference_.points[static_cast<size_t>(start)];
+    const auto along = [&](const core::Point2& r) {
+      return std::abs(-normal.y * (q.x - r.x) + normal.x * (q.y - r.y));
+    };
+    const double same_surface = kSameSurface * reference_.sigma_m;
+    long best = start;
+    double least = along(on);
+    for (const long way : {-1L, 1L}) {
+      for (long k = 1; k <= kReach; ++k) {
+        const long j = lineAt(nearest + way * k, own_normal);
+        if (j < 0) continue;
+        const core::Point2& r = reference_.points[static_cast<size_t>(j)];
+        if (std::abs(normal.x * (r.x - on.x) + normal.y * (r.y - on.y)) >= same_surface) break;
+        const double distance = along(r);
+        if (distance >= least) break;
+        best = j, least = distance;
+      }
+      if (best != start) break;
     }
-    return beside;
+    return best;
   }
 
   /// The beam, once round the circle where there is one; -1 where there is no beam, no line, or one that
@@ -148,71 +167,29 @@ class Matcher {
 
   const ScanLines& reference_;
   const ScanLines& moving_;
+  Pairs pairs_;
 };
 
-double robustScale(const std::vector<Pair>& pairs) {
-  std::vector<double> size(pairs.size());
-  std::transform(pairs.begin(), pairs.end(), size.begin(),
-                 [](const Pair& p) { return std::abs(p.residual_m); });
-  const auto middle = size.begin() + static_cast<long>(size.size() / 2);
-  std::nth_element(size.begin(), middle, size.end());
-  return std::max(kMadToSigma * *middle, kSmallestScale_m);
-}
-
-/// The normal equations of the weighted fit.
-struct Equations {
-  Matrix3d information = Matrix3d::Zero();  // sum of w J J^T
-  Matrix3d feigned = Matrix3d::Zero();      // what noise of the normals adds to it on average
-  Vector3d gradient = Vector3d::Zero();
-  int inliers = 0;
-};
-
-Equations normalEquations(const std::vector<Pair>& pairs, double scale_m, double noise_m) {
-  Equations eq;
-  const double c = kCauchy * scale_m;
+NormalEquations normalEquations(const std::vector<Pair>& pairs, double scale_m, double noise_m) {
+  OuterSum information, feigned;
+  double gx = 0, gy = 0, gz = 0;
+  NormalEquations eq;
+  const double per_c = 1 / (kCauchy * scale_m);
   for (const Pair& p : pairs) {
-    const double ratio = p.residual_m / c;
+    const double ratio = p.residual_m * per_c;
     const double w = 1 / (1 + ratio * ratio);
-    eq.information += w * p.jacobian * p.jacobian.transpose();
-    eq.gradient += w * p.residual_m * p.jacobian;
+    const double(&j)[3] = p.jacobian;
+    information.add(w, j[0], j[1], j[2]);
+    const double wr = w * p.residual_m;
+    gx += wr * j[0], gy += wr * j[1], gz += wr * j[2];
     const double normal_variance = p.normal_variance * noise_m * noise_m + kCurved_rad * kCurved_rad;
-    eq.feigned += w * normal_variance * p.by_normal_turn * p.by_normal_turn.transpose();
+    feigned.add(w * normal_variance, -j[1], j[0], p.turn_by_normal_turn);
     if (std::abs(ratio) < 1) ++eq.inliers;
   }
+  eq.information = information.matrix();
+  eq.feigned = feigned.matrix();
+  eq.gradient = {gx, gy, gz};
   return eq;
-}
-
-/// Genuine information along orthogonal directions, and those of them that have any.
-struct Directions {
-  Matrix3d axes;
-  Vector3d genuine;
-  Basis determined;
-};
-
-Directions analyse(const Equations& eq, double noise_m) {
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(eq.information - eq.feigned);
-  Directions d{solver.eigenvectors(), solver.eigenvalues().cwiseMax(0.0), Basis(3, 0)};
-  for (int k = 0; k < 3; ++k) {
-    const Vector3d axis = d.axes.col(k);
-    const double whole = axis.dot(eq.information * axis);
-    const double weakest = 2 * noise_m * noise_m / (kLargestStd * kLargestStd);
-    if (d.genuine[k] <= std::max(kGenuineShare * whole, weakest)) {
-      d.genuine[k] = 0;
-      continue;
-    }
-    d.determined.conservativeResize(3, d.determined.cols() + 1);
-    d.determined.rightCols<1>() = axis;
-  }
-  return d;
-}
-
-/// The Gauss-Newton step within the determined directions (as Zhang, Kaess and Singh, "On degeneracy of
-/// optimization-based state estimation problems", ICRA 2016).
-Vector3d newtonStep(const Equations& eq, const Basis& basis) {
-  if (basis.cols() == 0) return Vector3d::Zero();
-  const Eigen::MatrixXd information = basis.transpose() * eq.information * basis;
-  const Eigen::VectorXd gradient = basis.transpose() * eq.gradient;
-  return -basis * information.ldlt().solve(gradient);
 }
 
 double meanCost(const Pairs& pairs) {
@@ -223,50 +200,45 @@ double meanCost(const Pairs& pairs) {
   return pairs.compared > 0 ? cost / pairs.compared : 1;
 }
 
-void storeCovariance(const Matrix3d& covariance, std::array<double, 9>& out) {
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column)
-      out[static_cast<size_t>(3 * row + column)] = (covariance(row, column) + covariance(column, row)) / 2;
-}
-
 }  // namespace
 
 PlanarFit fitPlanarMotion(const ScanLines& reference, const ScanLines& moving, const core::Pose2& guess,
                           const PlanarFitOptions& options) {
-  const Matcher matcher(reference, moving);
-  const Vector3d prior(1 / (options.max_move_m * options.max_move_m),
-                       1 / (options.max_move_m * options.max_move_m),
-                       1 / (options.max_turn_rad * options.max_turn_rad));
+  Matcher matcher(reference, moving);
+  std::vector<double> sizes;
+  sizes.reserve(moving.points.size());
   PlanarFit fit;
   fit.T_reference_moving = guess;
-  fit.covariance = {1 / prior[0], 0, 0, 0, 1 / prior[1], 0, 0, 0, 1 / prior[2]};
+  const double move = options.max_move_m * options.max_move_m;
+  fit.covariance = {move, 0, 0, 0, move, 0, 0, 0, options.max_turn_rad * options.max_turn_rad};
   // The noise of the ranges themselves, not of the residuals: far from the solution those say nothing of it.
   const double range_noise = std::max(reference.sigma_m, moving.sigma_m);
   double gate = options.gate_m, widened = options.first_scale_m;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-    const Pairs pairs = matcher.match(fit.T_reference_moving, options.stride, gate);
+    const Pairs& pairs = matcher.match(fit.T_reference_moving, options.stride, gate);
     fit.compared = pairs.compared;
     fit.matched = static_cast<int>(pairs.matched.size());
     fit.cost = meanCost(pairs);
     if (fit.matched < kFewestPairs) return fit;
-    const double noise = robustScale(pairs.matched);
+    sizes.clear();
+    for (const Pair& p : pairs.matched) sizes.push_back(std::abs(p.residual_m));
+    const double noise = robustScale(sizes);
     const double scale = std::max(noise, widened);
-    const Equations eq = normalEquations(pairs.matched, scale, range_noise);
+    const NormalEquations eq = normalEquations(pairs.matched, scale, range_noise);
     fit.matched = eq.inliers;
     const Directions directions = analyse(eq, range_noise);
     fit.degenerate = directions.determined.cols() < 3;
     const Vector3d step = newtonStep(eq, directions.determined);
-    Matrix3d information =
-        directions.axes * (directions.genuine / (noise * noise)).asDiagonal() * directions.axes.transpose();
-    information.diagonal() += prior;
-    storeCovariance(information.inverse(), fit.covariance);
+    fit.covariance = motionCovariance(directions, noise, options.max_move_m, options.max_turn_rad);
     fit.T_reference_moving.x += step[0];
     fit.T_reference_moving.y += step[1];
     fit.T_reference_moving.phi = core::wrapToPi(fit.T_reference_moving.phi + step[2]);
-    gate = std::max({kNarrowing * gate, 6 * noise, 0.05});
+    gate = std::max({options.narrowing * gate, 6 * noise, 0.05});
     const bool narrow = widened <= noise;
-    widened *= kNarrowing;
-    if (narrow && std::abs(step[0]) + std::abs(step[1]) < kStill_m && std::abs(step[2]) < kStill_rad) break;
+    widened *= options.narrowing;
+    if (narrow && std::abs(step[0]) + std::abs(step[1]) < options.still_m &&
+        std::abs(step[2]) < options.still_rad)
+      break;
   }
   return fit;
 }

@@ -12,6 +12,10 @@ struct PlanarFitOptions {
   /// along a corridor only a few door posts tell the motion, and from a wrong start they look like outliers
   /// among walls that fit anyhow.
   double first_scale_m = 0.2, gate_m = 1;
+  double narrowing = 0.7;  ///< factor on both per iteration
+  /// A smaller step ends the fit, once the scale has come down to the noise. What is left after it is a small
+  /// share of it.
+  double still_m = 1e-4, still_rad = 3e-5;
   double max_move_m = 1;    ///< standard deviation of a direction that the scans do not determine
   double max_turn_rad = 1;  ///< the same for the turn
 };

@@ -15,7 +15,9 @@ const core::ParameterTable<ScanOdometryOptions>& ScanOdometryOptions::table() {
   static const core::ParameterTable<ScanOdometryOptions> rows(
       "scan_odometry",
       {{"method", &ScanOdometryOptions::method, "correlation", scanOdometryNames(),
-        "argmax: the longest range and two readings; correlation: all beams, with covariance"},
+        "argmax: the longest range and two readings; the others all beams, with covariance: correlation "
+        "searches "
+        "every turn, range_flow follows the gradients of the ranges, plicp goes on from the step before"},
        {"max_turn_deg", &ScanOdometryOptions::max_turn_rad, 60.0, 1.0, 180.0,
         "largest turn between two scans that is searched for"},
        {"max_move_m", &ScanOdometryOptions::max_move_m, 2.0, 0.01, 100.0,
@@ -24,20 +26,50 @@ const core::ParameterTable<ScanOdometryOptions>& ScanOdometryOptions::table() {
 }
 
 std::vector<std::string> scanOdometryNames() {
-  return {"argmax", "correlation"};
+  return {"argmax", "correlation", "range_flow", "plicp"};
 }
 
 std::unique_ptr<ScanOdometry> makeScanOdometry(const ScanOdometryOptions& options) {
   if (options.method == "argmax") return makeArgmaxOdometry(options);
   if (options.method == "correlation") return makeCorrelationOdometry(options);
+  if (options.method == "range_flow") return makeRangeFlowOdometry(options);
+  if (options.method == "plicp") return makePlicpOdometry(options);
   throw core::InputError("[scan_odometry] method: found '" + options.method +
-                         "', expected argmax or correlation" +
+                         "', expected argmax, correlation, range_flow or plicp" +
                          core::didYouMean(options.method, scanOdometryNames()));
 }
 
 void requireUsable(const robot::Scan& scan) {
   if (scan.ranges_m.size() < 2 || !std::isfinite(scan.step_rad) || scan.step_rad <= 0)
     throw core::ContractError("scan odometry needs scans of at least 2 beams with a positive step");
+}
+
+ScanMotion robotMotion(const core::Pose2& mount, const core::Pose2& T_lidar,
+                       const std::array<double, 9>& lidar) {
+  ScanMotion motion;
+  motion.T_previous_current = mount * T_lidar * core::inverse(mount);
+  // t_robot = l + R(mount) t_lidar - R(phi) l: its derivative by t_lidar is R(mount), by phi -R'(phi) l.
+  const double cm = std::cos(mount.phi), sm = std::sin(mount.phi);
+  const double c = std::cos(T_lidar.phi), s = std::sin(T_lidar.phi);
+  const double J[3][3] = {
+      {cm, -sm, s * mount.x + c * mount.y}, {sm, cm, -c * mount.x + s * mount.y}, {0, 0, 1}};
+  for (size_t row = 0; row < 3; ++row)
+    for (size_t column = row; column < 3; ++column) {
+      double sum = 0;
+      for (size_t i = 0; i < 3; ++i)
+        for (size_t k = 0; k < 3; ++k) sum += J[row][i] * lidar[3 * i + k] * J[column][k];
+      motion.covariance[3 * row + column] = motion.covariance[3 * column + row] = sum;
+    }
+  motion.turn_reading_rad = motion.T_previous_current.phi;
+  motion.front_reading_m = motion.T_previous_current.x;
+  motion.rear_reading_m = -motion.T_previous_current.x;
+  return motion;
+}
+
+bool isMeasurement(const std::array<double, 9>& c) {
+  constexpr double kLargestError_m = 0.1, kLargestError_rad = 0.05;
+  const double largest = (c[0] + c[4]) / 2 + std::hypot((c[0] - c[4]) / 2, c[1]);
+  return largest < kLargestError_m * kLargestError_m && c[8] < kLargestError_rad * kLargestError_rad;
 }
 
 ScanMotion noMotionYet() {

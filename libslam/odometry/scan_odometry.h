@@ -31,7 +31,7 @@ enum class MotionKind { kUnknown, kMove, kTurn };
 
 /// Section [scan_odometry].
 struct ScanOdometryOptions {
-  std::string method;   ///< argmax | correlation
+  std::string method;   ///< argmax | correlation | range_flow | plicp
   double max_turn_rad;  ///< search range between two scans (correlation); what a guess may be wrong by (both)
   double max_move_m;    ///< the same for the translation
   ScanOdometryOptions();

@@ -126,11 +126,6 @@ void drawStart(Canvas& canvas, Pixel at) {
   canvas.disc(at, 3.5, {255, 255, 255});
 }
 
-void drawMark(Canvas& canvas, Pixel at, Colour colour) {
-  canvas.disc(at, 5, kInk);
-  canvas.disc(at, 4, colour);
-}
-
 LegendStrip::LegendStrip(std::vector<LegendEntry> entries, double width, double pixels_per_metre)
     : entries_(std::move(entries)),
       width_(width),
@@ -176,8 +171,11 @@ void LegendStrip::draw(Canvas& canvas, Pixel upper_left) const {
       case LegendEntry::Kind::kStart:
         drawStart(canvas, middle);
         break;
-      case LegendEntry::Kind::kMark:
-        drawMark(canvas, middle, entry.colour);
+      case LegendEntry::Kind::kDot:
+        canvas.disc(middle, 5, entry.colour);
+        break;
+      case LegendEntry::Kind::kRing:
+        canvas.circle(middle, 7, entry.colour, 1);
         break;
     }
     canvas.text({at.x + kSample + kGapAfterSample, at.y + 6}, entry.label, kTextSize, kInk);

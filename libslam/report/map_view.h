@@ -76,12 +76,10 @@ void drawPath(Canvas& canvas, const MapView& view, const core::Trajectory& path,
               double line_width);
 /// A ring where the path begins.
 void drawStart(Canvas& canvas, Pixel at);
-/// A small dot with a dark rim.
-void drawMark(Canvas& canvas, Pixel at, Colour colour);
 
 /// A row of the legend: a sample and what it means.
 struct LegendEntry {
-  enum class Kind { kLine, kBroadLine, kBox, kStart, kMark } kind;
+  enum class Kind { kLine, kBroadLine, kBox, kStart, kDot, kRing } kind;
   Colour colour;
   std::string label;
 };

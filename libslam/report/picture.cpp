@@ -117,7 +117,14 @@ class MapSheet {
 };
 
 /// Labels of the difference, see LabelRaster. Of the true plan:
-enum TrueLabel : unsigned char { kTrueUnknown, kTrueFree, kInsideWall, kAgreedFace, kMissedFace };
+enum TrueLabel : unsigned char {
+  kTrueUnknown,
+  kTrueFree,
+  kInsideWall,
+  kUnseenFace,
+  kAgreedFace,
+  kMissedFace
+};
 /// And of the map:
 enum MapLabel : unsigned char { kMapUnknown, kMapFree, kAgreedWall, kWrongWall };
 
@@ -144,13 +151,15 @@ std::vector<core::Point2> wallCentres(const world::Plan& raster, const core::Pos
   return centres;
 }
 
-LabelRaster labelTruth(const world::Plan& plan, const metrics::NearestPoints& map_walls, double tolerance_m) {
+LabelRaster labelTruth(const world::Plan& plan, const metrics::NearestPoints& map_walls, double tolerance_m,
+                       const metrics::SeenMask* seen) {
   return LabelRaster(plan, plan.T_world_plan, [&](int column, int row) {
     const auto cell = plan.at(column, row);
     if (cell != world::Cell::kOccupied) return cell == world::Cell::kFree ? kTrueFree : kTrueUnknown;
     if (!isFace(plan, column, row)) return kInsideWall;
     const double distance_m = map_walls.distance(centre(plan, plan.T_world_plan, column, row));
-    return distance_m <= tolerance_m ? kAgreedFace : kMissedFace;
+    if (distance_m <= tolerance_m) return kAgreedFace;
+    return !seen || seen->wall[static_cast<size_t>(row) * plan.columns + column] ? kMissedFace : kUnseenFace;
   });
 }
 
@@ -164,13 +173,15 @@ LabelRaster labelMap(const world::Plan& map, const core::Pose2& T_world_raster,
   });
 }
 
-constexpr Colour kSolid{190, 190, 190}, kClaimedFree{250, 222, 200}, kMissed = kBlue, kWrong = kVermillion;
+constexpr Colour kSolid{190, 190, 190}, kUnseen{160, 168, 176}, kClaimedFree{250, 222, 200},
+    kMissed = kBlue, kWrong = kVermillion;
 
 Colour differenceColour(unsigned char truth, unsigned char map) {
   if (map == kWrongWall) return kWrong;
   if (truth == kMissedFace) return kMissed;
   if (map == kAgreedWall || truth == kAgreedFace) return kWall;
   if (map == kMapFree) return truth == kTrueFree ? kFree : kClaimedFree;
+  if (truth == kUnseenFace) return kUnseen;
   return truth == kInsideWall ? kSolid : kUnknown;
 }
 
@@ -259,39 +270,43 @@ void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, cons
   for (const auto& path : paths) (path.is_truth ? truth : estimates).include(windowOf(path.path));
   PathColours colours;
   auto legend = legendOf(paths, colours);
-  if (!marks.places.empty()) legend.push_back({LegendEntry::Kind::kMark, kOrange, marks.label});
+  if (!marks.places.empty()) legend.push_back({LegendEntry::Kind::kDot, kOrange, marks.label});
   MapSheet sheet(usable(withEstimates(truth, estimates)), title, legend);
   auto& canvas = sheet.canvas();
   canvas.clipTo(sheet.view().box);
   drawRaster(canvas, sheet.view(), plan, plan.T_world_plan);
   drawPaths(canvas, sheet.view(), paths, colours, kPlanLines);
-  for (const auto& place : marks.places) drawMark(canvas, sheet.view().toPixel(place), kOrange);
+  for (const auto& place : marks.places) canvas.disc(sheet.view().toPixel(place), 5, kOrange);
   canvas.liftClip();
   canvas.frame(sheet.view().box, kFrame, 1);
   canvas.savePng(png_path);
 }
 
 void drawDifference(const world::Plan& plan, const world::Plan& map, const core::Pose2& T_world_map,
-                    const std::string& title, const std::string& png_path) {
+                    const std::string& title, const std::string& png_path, const metrics::SeenMask* seen) {
+  if (seen && (seen->columns != plan.columns || seen->rows != plan.rows))
+    throw core::ContractError("drawDifference: the mask is not of the plan's size");
   const double tolerance_m = 2 * std::max(plan.resolution_m, map.resolution_m);
   const auto T_world_raster = T_world_map * map.T_world_plan;
   const bool placed = core::isFinite(T_world_raster);
   const metrics::NearestPoints true_walls(wallCentres(plan, plan.T_world_plan));
   const metrics::NearestPoints map_walls(placed ? wallCentres(map, T_world_raster)
                                                 : std::vector<core::Point2>{});
-  const auto truth_labels = labelTruth(plan, map_walls, tolerance_m);
+  const auto truth_labels = labelTruth(plan, map_walls, tolerance_m, seen);
   const auto map_labels = placed ? labelMap(map, T_world_raster, true_walls, tolerance_m) : LabelRaster{};
 
   const auto window = usable(
       withEstimates(windowOf(plan, plan.T_world_plan), placed ? windowOf(map, T_world_raster) : Window{}));
   using Kind = LegendEntry::Kind;
-  MapSheet sheet(window, title,
-                 {{Kind::kBox, kWall, "wall in both (within " + stepLabel(tolerance_m) + " m)"},
-                  {Kind::kBox, kWrong, "wall in the map only"},
-                  {Kind::kBox, kMissed, "wall in the truth only"},
-                  {Kind::kBox, kClaimedFree, "free in the map only"},
-                  {Kind::kBox, kFree, "free in both"},
-                  {Kind::kBox, kUnknown, "not mapped"}});
+  std::vector<LegendEntry> legend = {
+      {Kind::kBox, kWall, "wall in both (within " + stepLabel(tolerance_m) + " m)"},
+      {Kind::kBox, kWrong, "wall in the map only"},
+      {Kind::kBox, kMissed, "wall in the truth only"}};
+  if (seen) legend.push_back({Kind::kBox, kUnseen, "wall never in view"});
+  legend.insert(legend.end(), {{Kind::kBox, kClaimedFree, "free in the map only"},
+                               {Kind::kBox, kFree, "free in both"},
+                               {Kind::kBox, kUnknown, "not mapped"}});
+  MapSheet sheet(window, title, legend);
   const auto& view = sheet.view();
   const double side_m = 1 / (view.pixelsPerMetre() * Canvas::kSubpixels);
   sheet.canvas().paint(view.box, [&](Pixel pixel) {

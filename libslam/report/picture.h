@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/metrics/map_score.h"
 #include "libslam/robot/scan.h"
 #include "libslam/world/plan.h"
 
@@ -36,10 +37,13 @@ void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, cons
 /// An estimated map over the true plan. A wall cell of one agrees when the other has a wall within two cells
 /// (of the coarser raster; the legend states it in metres); agreeing walls are dark, walls of the map alone
 /// one colour, walls of the truth alone another. Of the truth only wall cells that touch free space can be
-/// missed, whether the robot was there or not; the inside of a block is plain. T_world_map not finite: the
-/// truth alone.
+/// missed; the inside of a block is plain. With `seen` (what the robot could see) walls that were never in its
+/// view are no longer missed but pale, under a name of their own; without it every wall can be missed, whether
+/// the robot was there or not. T_world_map not finite: the truth alone. REQUIRES a mask of the plan's size
+/// (ContractError).
 void drawDifference(const world::Plan& plan, const world::Plan& map, const core::Pose2& T_world_map,
-                    const std::string& title, const std::string& png_path);
+                    const std::string& title, const std::string& png_path,
+                    const metrics::SeenMask* seen = nullptr);
 
 /// One map per method, all in the same window of the world at the same scale, in the grid that shows them
 /// largest: the picture of a comparison. The window holds what half of the maps reach, so that one that has

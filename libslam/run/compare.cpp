@@ -143,7 +143,8 @@ void drawPictures(const std::vector<RunFolder>& runs, const std::vector<Evaluati
     paths.push_back(panel.paths.back());
     panels.push_back(std::move(panel));
     if (truth && truth->plan)
-      report::drawDifference(*truth->plan, run.map, T_world_map, run.method, run.path + "/difference.png");
+      report::drawDifference(*truth->plan, run.map, T_world_map, run.method, run.path + "/difference.png",
+                             truth->seen ? &*truth->seen : nullptr);
   }
   if (panels.empty()) return;
   report::drawPanels(panels, output + "/maps.png");

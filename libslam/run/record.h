@@ -40,6 +40,10 @@ struct RecordConfig {
 RecordConfig readRecordConfig(const core::IniFile& config,
                               const std::vector<std::string>& other_sections = {});
 
+/// Where the robot starts, world frame: as [simulation] start says; "auto" is a free place in the middle, with the
+/// strategy's clearance where there is one. Errors: no free place, malformed text (InputError).
+core::Pose2 startPose(const world::Plan& plan, const RecordConfig& config);
+
 /// What came out of a recording.
 struct Recording {
   core::Trajectory truth;

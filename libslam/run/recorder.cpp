@@ -2,9 +2,7 @@
 
 #include <chrono>
 #include <filesystem>
-#include <sstream>
 
-#include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
@@ -103,28 +101,6 @@ Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, 
       std::chrono::duration<double>(std::chrono::steady_clock::now() - state.wall_start).count();
   core::writeManifest(manifest, stem + ".manifest.json");
   return recording;
-}
-
-core::Pose2 startPose(const world::Plan& plan, const RecordConfig& config) {
-  const double clearance_m = robot::circumscribedRadius(config.robot) + config.strategy.stop_clearance_m;
-  if (config.simulation.start == "auto") {
-    if (const auto pose = world::findStartPose(plan, clearance_m)) return *pose;
-    if (const auto pose = world::findStartPose(plan, robot::circumscribedRadius(config.robot))) return *pose;
-    throw core::InputError(plan.name + ": no free place for a robot of side " +
-                           core::formatNumber(config.robot.side_m) + " m");
-  }
-  std::istringstream words(config.simulation.start);
-  std::string word;
-  std::vector<double> numbers;
-  for (double number = 0; words >> word;) {
-    if (!core::parseNumber(word, number)) break;
-    numbers.push_back(number);
-    word.clear();
-  }
-  if (numbers.size() != 3 || !word.empty())
-    throw core::InputError("section [simulation], key 'start': found '" + config.simulation.start +
-                           "', expected auto or x_m y_m yaw_deg");
-  return {numbers[0], numbers[1], core::wrapToPi(core::degToRad(numbers[2]))};
 }
 
 }  // namespace slam::run

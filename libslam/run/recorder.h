@@ -25,8 +25,4 @@ class Recorder {
   std::unique_ptr<State> state_;
 };
 
-/// Where [simulation] start says; for `auto` a place with as much clearance as the driver likes, else one
-/// where the robot just fits. InputError when there is none or the text is none.
-core::Pose2 startPose(const world::Plan& plan, const RecordConfig& config);
-
 }  // namespace slam::run

@@ -32,6 +32,13 @@ Operation parseLine(const std::string& line, const std::string& where) {
   return operation;
 }
 
+/// How far a move went, by its two readings.
+double stepOf(const Operation& move) {
+  const double rear_m = move.first, front_m = move.second;
+  if (rear_m == 0) return front_m;
+  return front_m == 0 ? -rear_m : (front_m - rear_m) / 2;
+}
+
 }  // namespace
 
 std::string formatOperations(const std::vector<Operation>& operations) {
@@ -60,6 +67,16 @@ std::vector<Operation> parseOperations(const std::string& text, const std::strin
     begin = end + 1;
   }
   return operations;
+}
+
+core::Trajectory replayOperations(const std::vector<Operation>& operations) {
+  core::Trajectory path = {{0, {}}};
+  for (const auto& operation : operations) {
+    const core::Pose2 T_previous_robot =
+        operation.kind == 't' ? core::Pose2{0, 0, operation.first} : core::Pose2{stepOf(operation), 0, 0};
+    path.push_back({static_cast<double>(path.size()), path.back().pose * T_previous_robot});
+  }
+  return path;
 }
 
 }  // namespace slam::sim

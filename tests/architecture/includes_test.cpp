@@ -23,13 +23,16 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"report", {"core", "robot", "world", "metrics"}},
     // the robot's side
     {"gridmap", {"core"}},
+    {"obstacles", {"core", "robot"}},
     {"navigate", {"core", "robot", "gridmap"}},
+    {"mrptnav", {"core", "robot", "navigate"}},
     {"odometry", {"core", "robot"}},
     {"mapping", {"core", "robot", "gridmap", "odometry"}},
     // both
     {"run",
-     {"core", "robot", "logs", "gridmap", "world", "sim", "metrics", "report", "navigate", "odometry",
-      "mapping"}},
+     {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "report", "navigate", "obstacles",
+      "odometry", "mapping"}},
+    {"plugin", {"core", "robot", "logs", "world", "sim", "navigate", "run"}},
     {"testing", {"core", "robot", "world"}},
 };
 
@@ -68,7 +71,7 @@ TEST(Includes, EveryRoomKeepsToTheTable) {
 }
 
 TEST(Includes, TheTableHoldsTheTruthWall) {
-  for (const std::string robot_side : {"navigate", "odometry", "mapping"})
+  for (const std::string robot_side : {"obstacles", "navigate", "odometry", "mapping"})
     for (const std::string truth_side : {"world", "sim", "metrics", "report", "run", "logs"})
       EXPECT_FALSE(kMayInclude.at(robot_side).count(truth_side)) << robot_side << " reaches " << truth_side;
 }

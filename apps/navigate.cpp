@@ -1,0 +1,87 @@
+#include <iostream>
+#include <memory>
+
+#include "apps/commands.h"
+#include "apps/console.h"
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/run/reach_goal.h"
+#include "libslam/run/resources.h"
+
+namespace slam::apps {
+namespace {
+
+struct Arguments {
+  std::string plan, start = "auto", goal, slam;
+  std::vector<std::string> methods = {"bug1", "bug2", "tangent", "lidar_bug"};
+  SimulationFlags flags;
+};
+
+core::Pose2 startIn(const world::Plan& plan, const run::ReachGoalConfig& config, const std::string& text) {
+  if (text != "auto") return run::parsePose(text, "--start");
+  if (const auto pose = world::findStartPose(plan, robot::circumscribedRadius(config.robot))) return *pose;
+  throw core::InputError(plan.name + ": no free place for a robot of side " +
+                         core::formatNumber(config.robot.side_m) + " m");
+}
+
+int navigateTo(const Context& context, const Arguments& arguments) {
+  run::ReachGoalRequest request;
+  request.config = run::readReachGoalConfig(simulationConfig(context, arguments.flags));
+  if (context.print_config) {
+    printParameters(request.config.parameters, context.json);
+    return 0;
+  }
+  request.p_world_goal = run::parsePlace(arguments.goal, "--goal");
+  const std::string plan_path = run::resolvePlan(arguments.plan);
+  request.plan = world::loadPlan(plan_path);
+  request.T_world_start = startIn(request.plan, request.config, arguments.start);
+  request.methods = arguments.methods;
+  request.slam = arguments.slam;
+  request.methods_folder = run::configsFolder() + "/methods";
+  request.output = context.output.empty() ? "navigation" : context.output;
+  request.seed = context.seed;
+  request.overwrite = context.overwrite;
+  auto manifest = context.manifest();
+  manifest.inputs[plan_path] = core::fileSha256(plan_path);
+  ConsoleProgress progress(context.quiet);
+  const auto comparison = run::reachGoal(request, manifest, progress);
+  if (context.json)
+    std::cout << report::toJson(comparison.table) << "\n";
+  else
+    std::cout << report::toText(comparison.table) << "\npaths, states, pictures: " << request.output << "\n";
+  return static_cast<int>(comparison.wrong ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);
+}
+
+}  // namespace
+
+void addNavigate(CLI::App& app, Context& context) {
+  auto* command = app.add_subcommand("navigate", "drive to a goal without a map; prints a table");
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("plan", arguments->plan, "bmp, png, pgm, jpg, a ROS map yaml, or a world by name")
+      ->required();
+  command->add_option("--start", arguments->start, "\"x_m y_m yaw_deg\" in the world frame, or auto")
+      ->capture_default_str();
+  command->add_option("--goal", arguments->goal, "\"x_m y_m\" in the world frame")->required();
+  command->add_option("--method", arguments->methods, "bug1, bug2, tangent, lidar_bug; separated by commas")
+      ->delimiter(',')
+      ->capture_default_str();
+  command->add_option("--slam", arguments->slam,
+                      "take the pose from a SLAM method (see 'rasterslam list methods'), not from odometry");
+  command->add_option("--lidar", arguments->flags.lidar,
+                      "a lidar by name (see 'rasterslam list lidars') or an .ini file");
+  addOutput(command, context, "folder to write (default navigation)");
+  addSeed(command, context);
+  addConfig(command, context);
+  addJson(command, context);
+  command->footer(
+      "Exit code 0: every method reached the goal (truly, within 0.5 m), or said rightly that no way leads\n"
+      "there. 4: one missed it, gave up, or was wrong.\n"
+      "Examples:\n"
+      "  rasterslam navigate office_loop --goal \"3 2\" --method bug2,tangent -o out\n"
+      "  rasterslam navigate maze --start \"1.5 1.5 0\" --goal \"15 15\" --method tangent --slam icp");
+  command->callback([&context, arguments] {
+    context.action = [&context, arguments] { return navigateTo(context, *arguments); };
+  });
+}
+
+}  // namespace slam::apps

@@ -1,0 +1,197 @@
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "apps/commands.h"
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/logs/log_reader.h"
+#include "libslam/logs/trajectory_io.h"
+#include "libslam/report/picture.h"
+#include "libslam/run/compare.h"
+#include "libslam/run/resources.h"
+#include "libslam/run/turn_away.h"
+#include "libslam/sim/operation_log.h"
+#include "libslam/world/plan.h"
+
+namespace slam::apps {
+namespace {
+
+/// Where the picture goes; refused before any work is done.
+std::string picturePath(const Context& context, const std::string& default_name) {
+  const std::string path = context.output.empty() ? default_name : context.output;
+  core::refuseToOverwrite(path, context.overwrite);
+  return path;
+}
+
+void say(const Context& context, const nlohmann::ordered_json& facts, const std::string& line) {
+  if (context.json)
+    std::cout << facts.dump(2) << "\n";
+  else
+    std::printf("%s\n", line.c_str());
+}
+
+// --- plot scan
+
+struct ScanArguments {
+  std::string log;
+  int index = 0;
+};
+
+robot::Scan scanAt(const std::string& log_path, int index) {
+  logs::LogReader log(log_path);
+  int count = 0;
+  while (const auto entry = log.next())
+    if (count++ == index) return entry->scan;
+  if (count == 0) throw core::InputError(log_path + ": holds 0 laser scans, expected at least 1");
+  throw core::InputError(log_path + ": --index: found " + std::to_string(index) + ", expected 0 to " +
+                         std::to_string(count - 1));
+}
+
+int plotScan(const Context& context, const ScanArguments& arguments) {
+  const std::string path = picturePath(context, "scan.png");
+  const auto scan = scanAt(arguments.log, arguments.index);
+  report::drawScan(scan, path);
+  say(context,
+      {{"file", path}, {"index", arguments.index}, {"time_s", scan.time_s}, {"beams", scan.ranges_m.size()}},
+      path);
+  return 0;
+}
+
+void addPlotScan(CLI::App& plot, Context& context) {
+  auto* command = plot.add_subcommand("scan", "one scan of a log: range over angle, and from above");
+  auto arguments = std::make_shared<ScanArguments>();
+  command->add_option("log", arguments->log, "an MRPT rawlog")->required();
+  command->add_option("--index", arguments->index, "which scan, the first is 0")->capture_default_str();
+  addOutput(command, context, "the picture to write (default scan.png)");
+  addJson(command, context);
+  command->footer("Example:\n  rasterslam plot scan run.rawlog --index 20 -o scan.png");
+  command->callback([&context, arguments] {
+    context.action = [&context, arguments] { return plotScan(context, *arguments); };
+  });
+}
+
+// --- plot operations
+
+struct OperationsArguments {
+  std::string file, truth, plan;
+};
+
+/// "a/run.operations.txt" -> "a/run.rawlog": the log that it was written beside; "" for another name.
+std::string logBeside(const std::string& operations_path) {
+  const std::string suffix = ".operations.txt";
+  const bool ends_so =
+      operations_path.size() > suffix.size() &&
+      operations_path.compare(operations_path.size() - suffix.size(), suffix.size(), suffix) == 0;
+  return ends_so ? operations_path.substr(0, operations_path.size() - suffix.size()) + ".rawlog" : "";
+}
+
+int plotOperations(const Context& context, const OperationsArguments& arguments) {
+  const std::string path = picturePath(context, "operations.png");
+  const auto operations = sim::parseOperations(core::readTextFile(arguments.file), arguments.file);
+  auto replayed = sim::replayOperations(operations);
+  const double length_m = core::pathLength(replayed);
+  const core::Pose2 end = replayed.back().pose;
+
+  const std::string log = logBeside(arguments.file);
+  std::string truth_path = arguments.truth, plan_path = arguments.plan;
+  if (truth_path.empty() && !log.empty()) truth_path = run::findTruth(log);
+  if (plan_path.empty() && !log.empty() && !truth_path.empty()) plan_path = run::findPlan(log);
+  if (!plan_path.empty() && truth_path.empty())
+    throw core::InputError("--plan needs --truth: the operation log does not say where the robot began");
+
+  world::Plan plan;
+  std::vector<report::DrawnPath> paths;
+  if (!truth_path.empty()) {
+    const auto truth = logs::readTum(truth_path);
+    for (auto& stamped : replayed) stamped.pose = truth.front().pose * stamped.pose;
+    paths.push_back({truth, "truth", true});
+  }
+  if (!plan_path.empty()) plan = world::loadPlan(run::resolvePlan(plan_path));
+  paths.push_back({replayed, "operations replayed", false});
+  report::drawPlan(plan, paths, "Dead reckoning of " + arguments.file, path);
+  char line[160];
+  std::snprintf(line, sizeof line, "%zu operations, path %.2f m, end at x %.2f m, y %.2f m, yaw %.1f deg\n  ",
+                operations.size(), length_m, end.x, end.y, core::radToDeg(end.phi));
+  say(context,
+      {{"file", path},
+       {"operations", operations.size()},
+       {"path_length_m", length_m},
+       {"end_pose", {end.x, end.y, end.phi}},
+       {"truth", truth_path},
+       {"plan", plan_path}},
+      line + path);
+  return 0;
+}
+
+void addPlotOperations(CLI::App& plot, Context& context) {
+  auto* command = plot.add_subcommand("operations", "replay an operation log: the founding dead reckoning");
+  auto arguments = std::make_shared<OperationsArguments>();
+  command->add_option("file", arguments->file, "what 'rasterslam simulate' wrote: run.operations.txt")
+      ->required();
+  command->add_option("--truth", arguments->truth, "true path, TUM (default: the one beside the file)");
+  command->add_option("--plan", arguments->plan,
+                      "true plan (default: the one that the log was simulated in)");
+  addOutput(command, context, "the picture to write (default operations.png)");
+  addJson(command, context);
+  command->footer("Example:\n  rasterslam plot operations run.operations.txt -o operations.png");
+  command->callback([&context, arguments] {
+    context.action = [&context, arguments] { return plotOperations(context, *arguments); };
+  });
+}
+
+// --- plot obstacles
+
+int plotObstacles(const Context& context, const std::string& sensor) {
+  core::IniFile ini;
+  if (!context.config.empty()) ini = core::IniFile::load(context.config);
+  for (const auto& setting : context.settings) ini.setFromArgument(setting, "--set");
+  if (!sensor.empty()) ini.set("turn_away", "sensor", sensor, "--sensor");
+  const auto config = run::readTurnAwayConfig(ini);
+  if (context.print_config) {
+    printParameters(config.parameters, context.json);
+    return 0;
+  }
+  const std::string path = picturePath(context, "obstacles.png");
+  const auto moments = run::turnAway(config);
+  run::drawTurnAway(moments, config, path);
+  auto list = nlohmann::ordered_json::array();
+  for (const auto& moment : moments)
+    list.push_back(
+        {{"moment", moment.what}, {"seen", moment.seen.size()}, {"remembered", moment.remembered.size()}});
+  say(context, {{"file", path}, {"moments", list}}, path);
+  return 0;
+}
+
+void addPlotObstacles(CLI::App& plot, Context& context) {
+  auto* command = plot.add_subcommand(
+      "obstacles", "the local obstacle map's experiment: turn away from obstacles and remember them");
+  auto sensor = std::make_shared<std::string>();
+  command->add_option("--sensor", *sensor, "camera or lidar");
+  addOutput(command, context, "the picture to write (default obstacles.png)");
+  addConfig(command, context);
+  addJson(command, context);
+  command->footer(
+      "Examples:\n"
+      "  rasterslam plot obstacles -o obstacles.png\n"
+      "  rasterslam plot obstacles --sensor lidar --set sector.width_deg=90\n"
+      "  rasterslam plot obstacles --set camera.area=original --set camera.pitch_deg=40");
+  command->callback([&context, sensor] {
+    context.action = [&context, sensor] { return plotObstacles(context, *sensor); };
+  });
+}
+
+}  // namespace
+
+void addPlot(CLI::App& app, Context& context) {
+  auto* command =
+      app.add_subcommand("plot", "draw one thing: a scan, an operation log, the local obstacle map");
+  command->require_subcommand(1);
+  addPlotScan(*command, context);
+  addPlotOperations(*command, context);
+  addPlotObstacles(*command, context);
+}
+
+}  // namespace slam::apps

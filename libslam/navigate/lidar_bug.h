@@ -1,0 +1,109 @@
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "libslam/navigate/guarded_navigator.h"
+
+namespace slam::navigate {
+
+/// The founding goal navigation: a state machine on five strategic directions of the lidar. Its diagram, made
+/// from the table of transitions, is in lidar_bug.md. It has no guarantee: it can circle in a trap until the
+/// time limit.
+///
+/// Where we differ. The original's robot fits into its stop radius of 0.22 m; where the circle around ours
+/// does not, the stop radius is the distance at which the guard of every command would stop it, and 3 cm.
+/// What the description leaves open (distances, how far to turn) are rows of [lidar_bug].
+enum class LidarBugState {
+  kTurnToGoal,
+  kDriveForward,
+  kDriveAtGoal,
+  kAvoidTurn,
+  kAvoidDrive,
+  kWallFollow,
+  kOpenTurn,
+  kOpenDrive,
+  kStuckLeave,
+  kStuckTurn,
+  kStuckReturn,
+  kStuckClear,
+  kReached,
+  kGaveUp
+};
+inline constexpr int kLidarBugStates = 14;
+const char* lidarBugStateName(LidarBugState state);     ///< "WALL FOLLOW"
+const char* lidarBugStateMeaning(LidarBugState state);  ///< what it does
+
+enum class LidarBugEvent {
+  kFacingGoal,
+  kOffCourse,
+  kGoalNear,
+  kGoalFar,
+  kObstacleInRange,
+  kFrontClear,
+  kDrivenOn,
+  kSidesOpen,
+  kBump,
+  kManyBumps,
+  kMovedAway,
+  kTurnedAway,
+  kReturned,
+  kNoClearFront,
+  kGoalReached,
+  kEnded
+};
+const char* lidarBugEventName(LidarBugEvent event);  ///< "obstacle in range"
+
+struct LidarBugTransition {
+  LidarBugState from;
+  LidarBugEvent event;
+  LidarBugState to;
+};
+/// Every transition that the machine can make, one row per state and event.
+const std::vector<LidarBugTransition>& lidarBugTransitions();
+/// The same as a document with a Mermaid diagram: the content of lidar_bug.md.
+std::string lidarBugDiagram();
+
+/// The five strategic directions of the founding scan of 275 readings (indices 0, 28, 68, 207, 247), as
+/// angles in (-pi, pi], counter-clockwise positive: ahead, left ahead, left, right, right ahead.
+std::array<double, 5> strategicDirections();
+enum StrategicDirection { kAhead = 0, kLeftAhead = 1, kLeft = 2, kRight = 3, kRightAhead = 4 };
+
+class LidarBug : public GuardedNavigator {
+ public:
+  LidarBug(const NavigateOptions& options, const GoalTask& task);
+
+ private:
+  GoalStep plan(const robot::Scan& scan, const core::Pose2& T_odom_robot) override;
+  std::string endState(GoalStatus status) const override;
+
+  void look(const robot::Scan& scan, const core::Pose2& T_odom_robot);
+  void fire(LidarBugEvent event, const core::Pose2& T_odom_robot, const std::string& detail);
+  /// One look at the present state: true when it was left.
+  bool decide(const core::Pose2& T_odom_robot);
+  bool decideDriving(const core::Pose2& T_odom_robot);
+  bool decideTurning(const core::Pose2& T_odom_robot);
+  bool decideStuck(const core::Pose2& T_odom_robot);
+  robot::Command act(const core::Pose2& T_odom_robot) const;
+  robot::Command followWall() const;
+
+  double stopRadius() const;
+  bool frontClear(double limit_m) const;
+  bool obstacleInRange() const;
+  bool isDriving() const;
+  double travelled(const core::Pose2& T_odom_robot) const;
+  double chooseTurn() const;
+
+  LidarBugState state_ = LidarBugState::kTurnToGoal;
+  std::string reason_ = "start";
+  std::array<double, 5> readings_m_{};              ///< of the strategic directions; +infinity: nothing there
+  std::array<core::Point2, 5> p_odom_projected_{};  ///< places reached by moving that way
+  double bump_bearing_rad_ = 0, bump_range_m_ = 0;  ///< of the nearest reading
+  bool bump_in_front_ = true;
+  int bumps_in_a_row_ = 0;
+  core::Pose2 T_odom_bump_;
+  core::Pose2 T_odom_remembered_;  ///< where the present state began
+  double turn_sign_ = 1, turned_rad_ = 0, last_heading_rad_ = 0;
+};
+
+}  // namespace slam::navigate

@@ -1,0 +1,386 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "libslam/odometry/local_lines.h"
+#include "libslam/odometry/methods.h"
+#include "libslam/odometry/normal_equations.h"
+#include "libslam/odometry/profile_correlation.h"
+
+namespace slam::odometry {
+namespace {
+
+constexpr size_t kFewestBeams = 40;  // of the coarsest level
+constexpr size_t kMostLevels = 5;    // as in the paper
+constexpr int kWarps = 2;            // at the finest level; one at the others
+constexpr int kReweightings = 3;     // per warp
+constexpr double kSteepest = 8;      // neighbours on one surface seen at up to about 83 degrees
+/// Scale of the weights at the coarsest level where the noise alone left a direction undetermined, and what
+/// it narrows by from level to level. Along a corridor only a few beams tell the motion, and from a wrong
+/// start they look like outliers among walls that fit anyhow; but a wide scale lets true outliers in as well,
+/// so it is the second try and has to explain the ranges clearly better.
+constexpr double kWideScale_m = 0.2, kNarrowing = 0.5, kClearlyBetter = 0.8;
+constexpr double kGradientSpan_m = 0.2;  // to each side; a shorter one would differentiate noise
+constexpr size_t kGradientReach = 8;     // beams
+constexpr double kGrazing = 0.5;         // as for point-to-line residuals
+constexpr double kStraight = 3;          // times the noise: a larger bend is a corner
+constexpr int kFewestRows = 6;
+constexpr double kCostCut_m = 0.10;       // a residual of this size costs as much as no overlap
+constexpr double kConvincingCost = 0.25;  // a flow from the predicted motion with at most this is not doubted
+constexpr double kFewestInliers = 0.3;    // share of the rows
+
+/// A scan on equidistant beams as inverse ranges, 0 where nothing is known. Along a straight wall the inverse
+/// range is a sinusoid of the angle, so interpolation and differences are exact on walls.
+struct Level {
+  double first_angle_rad = 0, step_rad = 0;
+  bool full_circle = false;
+  std::vector<core::Point2> directions;
+  std::vector<double> inverse_range;
+
+  size_t size() const { return inverse_range.size(); }
+};
+
+/// A scan at all resolutions, finest first.
+struct Pyramid {
+  std::vector<Level> levels;
+  double sigma_m = 0;
+};
+
+Level finestLevel(const robot::Scan& scan) {
+  Level level{scan.first_angle_rad, scan.step_rad, scan.isFullCircle(), beamDirections(scan), {}};
+  level.inverse_range.assign(scan.ranges_m.size(), 0.0);
+  for (size_t i = 0; i < scan.ranges_m.size(); ++i)
+    if (robot::isReturn(scan.ranges_m[i])) level.inverse_range[i] = 1 / static_cast<double>(scan.ranges_m[i]);
+  return level;
+}
+
+bool sameSurface(double a, double b, double step_rad, double sigma_m) {
+  if (a == 0 || b == 0) return false;
+  // |1/a - 1/b| against the gap of two steep beams, times a b.
+  return std::abs(a - b) < kSteepest * step_rad * std::min(a, b) + 4 * sigma_m * a * b;
+}
+
+/// Every other beam, smoothed with its neighbours by 1 2 1 where they lie on its surface (the paper filters
+/// bilaterally for the same reason: a mean over an edge is a point in the air).
+Level halve(const Level& fine, double sigma_m) {
+  const size_t n = fine.size();
+  Level coarse;
+  coarse.first_angle_rad = fine.first_angle_rad;
+  coarse.step_rad = 2 * fine.step_rad;
+  coarse.full_circle = fine.full_circle && n % 2 == 0;
+  for (size_t i = 0; i < n; i += 2) {
+    const double middle = fine.inverse_range[i];
+    double sum = 2 * middle, weight = 2;
+    const auto take = [&](size_t k) {
+      if (!sameSurface(middle, fine.inverse_range[k], fine.step_rad, sigma_m)) return;
+      sum += fine.inverse_range[k];
+      weight += 1;
+    };
+    // Both or none: one alone would shift the beam along a slanted wall.
+    if (i > 0 && i + 1 < n && sameSurface(fine.inverse_range[i - 1], middle, fine.step_rad, sigma_m) &&
+        sameSurface(middle, fine.inverse_range[i + 1], fine.step_rad, sigma_m)) {
+      take(i - 1);
+      take(i + 1);
+    }
+    coarse.inverse_range.push_back(sum / weight);
+    coarse.directions.push_back(fine.directions[i]);
+  }
+  return coarse;
+}
+
+Pyramid makePyramid(const robot::Scan& scan) {
+  Pyramid pyramid;
+  // What a sensor states may be several times too small.
+  pyramid.sigma_m = std::clamp(std::max(scan.range_sigma_m, estimateNoise(scan)), 0.002, 0.1);
+  pyramid.levels.push_back(finestLevel(scan));
+  while (pyramid.levels.size() < kMostLevels && pyramid.levels.back().size() >= 2 * kFewestBeams)
+    pyramid.levels.push_back(halve(pyramid.levels.back(), pyramid.sigma_m));
+  return pyramid;
+}
+
+/// The level as it would look from T_reference_moving^-1 of where it was taken, on the beams of `reference`:
+/// the paper's warping. Between neighbours on one surface the inverse range is interpolated; of two surfaces
+/// on one beam the nearer one is seen.
+void warp(const Level& moving, const core::Pose2& T, const Level& reference, double sigma_m,
+          std::vector<double>& warped) {
+  const long n = static_cast<long>(reference.size());
+  warped.assign(static_cast<size_t>(n), 0.0);
+  const double c = std::cos(T.phi), s = std::sin(T.phi), per_step = 1 / reference.step_rad;
+  const double circle = 2 * core::kPi * per_step;
+  double last_u = 0, last_inverse = 0, last_original = 0;
+  const size_t count = moving.size() + (moving.full_circle ? 1 : 0);
+  for (size_t k = 0; k < count; ++k) {
+    const size_t i = k < moving.size() ? k : 0;
+    const double inverse = moving.inverse_range[i];
+    if (inverse == 0) {
+      last_original = 0;
+      continue;
+    }
+    const core::Point2& d = moving.directions[i];
+    // In units of the range: arm of length 1, shift divided by the range.
+    const core::Point2 arm{c * d.x - s * d.y, s * d.x + c * d.y};
+    const core::Point2 q{arm.x + T.x * inverse, arm.y + T.y * inverse};
+    const double across = arm.x * q.y - arm.y * q.x, ahead = arm.x * q.x + arm.y * q.y, t = across / ahead;
+    // Error of the series below 0.1 t^7: a ten-thousandth of a beam at the bound.
+    const double parallax =
+        ahead > 0 && std::abs(t) < 0.2 ? t * (1 - t * t * (1.0 / 3 - t * t / 5)) : std::atan2(across, ahead);
+    const double angle = moving.first_angle_rad + static_cast<double>(k) * moving.step_rad + T.phi + parallax;
+    const double u = (angle - reference.first_angle_rad) * per_step;
+    const double seen = inverse / std::sqrt(q.x * q.x + q.y * q.y);
+    if (sameSurface(last_original, inverse, moving.step_rad, sigma_m) && u > last_u && u - last_u < 8) {
+      const double slope = (seen - last_inverse) / (u - last_u);
+      for (double beam = std::ceil(last_u); beam <= u; beam += 1) {
+        const double turned = beam - circle * std::floor((beam + 0.5) / circle);
+        const long j = std::lround(turned);
+        if (j < 0 || j >= n) continue;
+        double& slot = warped[static_cast<size_t>(j)];
+        slot = std::max(slot, last_inverse + (beam - last_u) * slope);
+      }
+    }
+    last_u = u, last_inverse = seen, last_original = inverse;
+  }
+}
+
+/// One range flow constraint.
+struct Row {
+  double jacobian[3];    // of the residual by the velocity of the lidar, per scan
+  double turn_by_slope;  // of jacobian[2] by the slope of the surface; the others are sin and -cos
+  double sin, cos;
+  double slope_variance;
+  double residual_m;
+};
+
+/// Derivative of the inverse range by the angle at one beam: from the beams `reach` before and behind it, or
+/// from one of them where the other is on another surface. Exact on straight walls: p(a + h) = p(a) cos h +
+/// p'(a) sin h. False where neither side is there.
+bool inverseGradient(const std::vector<double>& p, size_t i, size_t reach, double tolerance,
+                     double straight_m, double cos_h, double sin_h, double& gradient, double& noise_gain) {
+  const auto usable = [&](size_t k) {
+    return p[k] != 0 && std::abs(p[k] - p[i]) < tolerance * std::min(p[i], p[k]);
+  };
+  const bool left = i >= reach && usable(i - reach), right = i + reach < p.size() && usable(i + reach);
+  if (left && right) {
+    // Over a corner there is no one gradient. The middle beam's departure from the wall through the others:
+    const double departure = std::abs(p[i] - (p[i + reach] + p[i - reach]) / (2 * cos_h)) / (p[i] * p[i]);
+    if (departure > straight_m) return false;
+    gradient = (p[i + reach] - p[i - reach]) / (2 * sin_h);
+    noise_gain = 0.5 / (sin_h * sin_h);
+  } else if (right) {
+    gradient = (p[i + reach] - p[i] * cos_h) / sin_h;
+    noise_gain = 2 / (sin_h * sin_h);
+  } else if (left) {
+    gradient = (p[i] * cos_h - p[i - reach]) / sin_h;
+    noise_gain = 2 / (sin_h * sin_h);
+  }
+  return left || right;
+}
+
+/// The constraints of one level. With R(t, angle) the range, r its mean over both scans, and g = R_angle / r,
+/// a rigid scene seen from a lidar that moves by (vx, vy, w) has (Jaimez, Monroy and Gonzalez-Jimenez,
+/// "Planar odometry from a radial laser scanner. A range flow-based approach", ICRA 2016, section III)
+///   (cos + g sin) vx + (sin - g cos) vy - g r w + R_t = 0.
+/// Rows are scaled to the distance across the surface, but not by more than at grazing incidence, where the
+/// error of the gradient rules (the paper's pre-weighting serves the same end).
+void constraints(const Level& reference, const std::vector<double>& warped, double sigma_m,
+                 std::vector<Row>& rows, std::vector<double>& mean) {
+  const size_t n = reference.size();
+  rows.clear();
+  mean.assign(n, 0.0);
+  for (size_t i = 0; i < n; ++i)
+    if (reference.inverse_range[i] != 0 && warped[i] != 0)
+      mean[i] = (reference.inverse_range[i] + warped[i]) / 2;
+  double cos_h[kGradientReach + 1], sin_h[kGradientReach + 1];
+  for (size_t k = 1; k <= kGradientReach; ++k) {
+    cos_h[k] = std::cos(static_cast<double>(k) * reference.step_rad);
+    sin_h[k] = std::sin(static_cast<double>(k) * reference.step_rad);
+  }
+  for (size_t i = 0; i < n; ++i) {
+    if (mean[i] == 0) continue;
+    const double p = mean[i];
+    const size_t reach =
+        std::clamp<size_t>(static_cast<size_t>(kGradientSpan_m * p / reference.step_rad), 1, kGradientReach);
+    double gradient = 0, gain = 0;
+    const double tolerance = kSteepest * static_cast<double>(reach) * reference.step_rad + 4 * sigma_m * p;
+    if (!inverseGradient(mean, i, reach, tolerance, kStraight * sigma_m, cos_h[reach], sin_h[reach], gradient,
+                         gain))
+      continue;
+    const double r = 1 / p, g = -gradient * r;
+    const core::Point2& d = reference.directions[i];
+    const double incidence = 1 / std::sqrt(1 + g * g);
+    const double w = incidence / std::max(incidence, kGrazing);
+    // R_t from the difference of the inverse ranges about their mean, exact to first order.
+    const double flow = (reference.inverse_range[i] - warped[i]) * r * r;
+    rows.push_back({{w * (d.x + g * d.y), w * (d.y - g * d.x), -w * g * r},
+                    -w * r,
+                    w * d.y,
+                    w * d.x,
+                    gain * sigma_m * sigma_m * p * p / 2,
+                    w * flow});
+  }
+}
+
+/// How well the flow is explained in the end.
+struct Flow {
+  core::Pose2 T_reference_moving;
+  std::array<double, 9> covariance{};
+  int rows = 0, inliers = 0;
+  double cost = 1;
+  bool degenerate = true;
+};
+
+NormalEquations normalEquations(const std::vector<Row>& rows, const Eigen::Vector3d& velocity,
+                                double scale_m) {
+  OuterSum information, feigned;
+  NormalEquations eq;
+  eq.gradient.setZero();
+  const double per_c = 1 / (kCauchy * scale_m);
+  for (const Row& row : rows) {
+    const double(&j)[3] = row.jacobian;
+    const double left = row.residual_m + j[0] * velocity[0] + j[1] * velocity[1] + j[2] * velocity[2];
+    const double ratio = left * per_c;
+    const double w = 1 / (1 + ratio * ratio);
+    information.add(w, j[0], j[1], j[2]);
+    feigned.add(w * row.slope_variance, row.sin, -row.cos, row.turn_by_slope);
+    const double wr = w * row.residual_m;
+    eq.gradient += Eigen::Vector3d(wr * j[0], wr * j[1], wr * j[2]);
+    if (std::abs(ratio) < 1) ++eq.inliers;
+  }
+  eq.information = information.matrix();
+  eq.feigned = feigned.matrix();
+  return eq;
+}
+
+class FlowSolver {
+ public:
+  FlowSolver(const Pyramid& reference, const Pyramid& moving, const ScanOdometryOptions& options)
+      : reference_(reference), moving_(moving), options_(options) {}
+
+  /// Coarse to fine from a guess.
+  Flow solve(const core::Pose2& guess, double first_scale_m = 0) {
+    Flow flow;
+    flow.T_reference_moving = guess;
+    const size_t levels = std::min(reference_.levels.size(), moving_.levels.size());
+    double widened = first_scale_m;
+    for (size_t k = levels; k-- > 0; widened *= kNarrowing)
+      for (int i = 0; i < (k == 0 ? kWarps : 1); ++i)
+        if (!refine(reference_.levels[k], moving_.levels[k], k == 0 ? 0 : widened, flow))
+          return Flow{guess, {}, 0, 0, 1, true};
+    return flow;
+  }
+
+ private:
+  bool refine(const Level& reference, const Level& moving, double least_scale_m, Flow& flow) {
+    const double sigma = std::max(reference_.sigma_m, moving_.sigma_m);
+    warp(moving, flow.T_reference_moving, reference, sigma, warped_);
+    constraints(reference, warped_, sigma, rows_, mean_);
+    flow.rows = static_cast<int>(rows_.size());
+    if (flow.rows < kFewestRows) return false;
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+    Directions directions;
+    double noise = 0;
+    for (int i = 0; i < kReweightings; ++i) {
+      noise = residualScale(velocity);
+      const NormalEquations eq = normalEquations(rows_, velocity, std::max(noise, least_scale_m));
+      flow.inliers = eq.inliers;
+      directions = analyse(eq, std::max(sigma, noise));
+      velocity = newtonStep(eq, directions.determined);
+    }
+    flow.degenerate = directions.determined.cols() < 3;
+    flow.covariance = motionCovariance(directions, noise, options_.max_move_m, options_.max_turn_rad);
+    flow.cost = meanCost(velocity);
+    flow.T_reference_moving =
+        core::Pose2{velocity[0], velocity[1], core::wrapToPi(velocity[2])} * flow.T_reference_moving;
+    return true;
+  }
+
+  double left(const Row& row, const Eigen::Vector3d& v) const {
+    return row.residual_m + row.jacobian[0] * v[0] + row.jacobian[1] * v[1] + row.jacobian[2] * v[2];
+  }
+
+  double residualScale(const Eigen::Vector3d& velocity) {
+    sizes_.clear();
+    for (const Row& row : rows_) sizes_.push_back(std::abs(left(row, velocity)));
+    return robustScale(sizes_);
+  }
+
+  double meanCost(const Eigen::Vector3d& velocity) const {
+    double cost = 0;
+    for (const Row& row : rows_) {
+      const double residual = left(row, velocity);
+      cost += std::min(1.0, residual * residual / (kCostCut_m * kCostCut_m));
+    }
+    return cost / static_cast<double>(rows_.size());
+  }
+
+  const Pyramid& reference_;
+  const Pyramid& moving_;
+  const ScanOdometryOptions& options_;
+  std::vector<double> warped_, mean_, sizes_;
+  std::vector<Row> rows_;
+};
+
+/// Range flow odometry (the paper above): constraints from the gradients of the ranges in angle and time,
+/// Cauchy weights, coarse to fine with warping, and in weakly determined directions the velocity of the step
+/// before (the paper blends by eigenvalue, here a direction is determined or not). Where we differ: inverse
+/// ranges, whose differences are exact on walls; gradients over at least the span that noise leaves standing;
+/// and a large turn, which no flow can follow, is first taken out by the correlation of the range profiles.
+class RangeFlowOdometry : public ScanOdometry {
+ public:
+  explicit RangeFlowOdometry(const ScanOdometryOptions& options) : options_(options) {}
+
+  void reset() override { previous_.reset(), T_step_ = {}; }
+
+  ScanMotion update(const robot::Scan& scan, MotionKind) override {
+    requireUsable(scan);
+    Frame current{scan, makePyramid(scan)};
+    const ScanMotion motion = previous_ ? estimate(*previous_, current) : noMotionYet();
+    previous_ = std::move(current);
+    return motion;
+  }
+
+ private:
+  struct Frame {
+    robot::Scan scan;
+    Pyramid pyramid;
+  };
+
+  ScanMotion estimate(const Frame& before, const Frame& after) {
+    FlowSolver solver(before.pyramid, after.pyramid, options_);
+    Flow flow = solver.solve(T_step_);
+    if (flow.degenerate) {
+      const Flow wide = solver.solve(T_step_, kWideScale_m);
+      if (believable(wide) && !wide.degenerate && wide.cost < kClearlyBetter * flow.cost) flow = wide;
+    }
+    if (!believable(flow) || flow.cost > kConvincingCost)
+      for (const auto& peak : correlateProfiles(before.scan, after.scan, options_.max_turn_rad, 2)) {
+        const Flow other = solver.solve({0, 0, peak.turn_rad});
+        if (believable(other) && (!believable(flow) || other.cost < flow.cost)) flow = other;
+      }
+    if (!believable(flow)) {
+      T_step_ = {};
+      return unknownMotion(options_);
+    }
+    T_step_ = flow.T_reference_moving;
+    ScanMotion motion = robotMotion(after.scan.T_robot_lidar, flow.T_reference_moving, flow.covariance);
+    motion.reliable = !flow.degenerate && flow.cost < 2 * kConvincingCost && isMeasurement(flow.covariance);
+    return motion;
+  }
+
+  bool believable(const Flow& flow) const {
+    const auto& T = flow.T_reference_moving;
+    return flow.rows >= kFewestRows && flow.inliers >= kFewestInliers * flow.rows &&
+           std::hypot(T.x, T.y) <= options_.max_move_m && std::abs(T.phi) <= options_.max_turn_rad;
+  }
+
+  ScanOdometryOptions options_;
+  std::optional<Frame> previous_;
+  core::Pose2 T_step_;  // of the lidar, the newest
+};
+
+}  // namespace
+
+std::unique_ptr<ScanOdometry> makeRangeFlowOdometry(const ScanOdometryOptions& options) {
+  return std::make_unique<RangeFlowOdometry>(options);
+}
+
+}  // namespace slam::odometry

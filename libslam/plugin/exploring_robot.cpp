@@ -1,0 +1,104 @@
+#include "libslam/plugin/exploring_robot.h"
+
+#include <algorithm>
+
+#include "libslam/core/error.h"
+#include "libslam/run/resources.h"
+#include "libslam/sim/simulator.h"
+
+namespace slam::plugin {
+namespace {
+
+using Options = ExploringRobotOptions;
+
+core::ParameterTable<Options> tableFor(const std::string& section) {
+  return {section,
+          {{"plan", &Options::plan, "flat", {}, "path, or the name of a world"},
+           {"lidar", &Options::lidar, "", {}, "name of a preset, or an .ini file; empty: built-in values"},
+           {"strategy", &Options::strategy, "", {}, "where to go; empty: the built-in one"},
+           {"start", &Options::start, "auto", {}, "auto, or x_m y_m yaw_deg in the world frame"},
+           {"seed", &Options::seed, 1, 0, 2147483647, "of every random stream"},
+           {"scans", &Options::scans, 0, 0, 1000000000, "then silence; 0 = no end"},
+           {"real_time_factor", &Options::real_time_factor, 0.0, 0.0, 1000.0,
+            "simulated seconds per second; 0 = one scan per call, at process_rate"},
+           {"done_file", &Options::done_file, "", {}, "gets a line after the last scan; empty: none"}}};
+}
+
+core::IniFile lidarPreset(const std::string& lidar, const std::string& origin) {
+  if (lidar.empty()) return {};
+  if (lidar.find_first_of("/.") != std::string::npos) return core::IniFile::load(lidar);
+  const std::string folder = run::configsFolder() + "/lidars";
+  const auto names = run::namesInFolder(folder, ".ini");
+  if (std::find(names.begin(), names.end(), lidar) == names.end())
+    throw core::InputError(origin + ", key 'lidar': found '" + lidar + "', expected a lidar of " + folder +
+                           core::didYouMean(lidar, names));
+  return core::IniFile::load(folder + "/" + lidar + ".ini");
+}
+
+std::uint64_t seedOf(const Options& options) {
+  return static_cast<std::uint64_t>(options.seed);
+}
+
+}  // namespace
+
+Options readExploringRobotOptions(const core::IniFile& ini, const std::string& section) {
+  core::IniFile own, dotted;
+  if (const auto it = ini.sections().find(section); it != ini.sections().end())
+    for (const auto& [key, entry] : it->second) {
+      const auto dot = key.find('.');
+      if (dot == std::string::npos)
+        own.set(section, key, entry.value, entry.origin);
+      else
+        dotted.set(key.substr(0, dot), key.substr(dot + 1), entry.value, entry.origin);
+    }
+  const auto table = tableFor(section);
+  Options options;
+  table.setDefaults(options);
+  core::readParameters(own, table, options);
+
+  const std::string origin = "section [" + section + "]";
+  core::IniFile record = lidarPreset(options.lidar, origin);
+  record.set("simulation", "start", options.start, origin);
+  if (!options.strategy.empty()) record.set("strategy", "name", options.strategy, origin);
+  record.overrideWith(dotted);
+  options.record = run::readRecordConfig(record);
+  return options;
+}
+
+struct ExploringRobot::State {
+  explicit State(const Options& options)
+      : plan(world::loadPlan(run::resolvePlan(options.plan))),
+        simulator(plan, options.record.robot, options.record.lidar, options.record.odometry,
+                  run::startPose(plan, options.record), seedOf(options)),
+        driver(navigate::makeStrategy(options.record.strategy, {seedOf(options), "strategy"}),
+               options.record.strategy, options.record.robot, 1 / options.record.lidar.rate_hz,
+               {seedOf(options), "driver"}),
+        scans_left(options.scans > 0 ? options.scans : -1) {}
+
+  world::Plan plan;
+  sim::Simulator simulator;
+  navigate::Driver driver;
+  int scans_left;  ///< negative: no end
+  std::optional<sim::Sensed> sensed;
+  bool finished = false;
+};
+
+ExploringRobot::ExploringRobot(const Options& options) : state_(std::make_unique<State>(options)) {}
+ExploringRobot::~ExploringRobot() = default;
+
+std::optional<sim::Sensed> ExploringRobot::next() {
+  State& s = *state_;
+  if (s.finished || s.scans_left == 0) return std::nullopt;
+  if (!s.sensed) {
+    s.sensed = s.simulator.sense();
+  } else {
+    const auto command = s.driver.next(s.sensed->scan, s.sensed->T_odom_robot, s.sensed->collided);
+    s.finished = s.driver.finished();
+    if (s.finished) return std::nullopt;
+    s.sensed = s.simulator.step(command);
+  }
+  if (s.scans_left > 0) --s.scans_left;
+  return s.sensed;
+}
+
+}  // namespace slam::plugin

@@ -1,0 +1,47 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "libslam/core/ini.h"
+#include "libslam/run/record.h"
+
+namespace slam::plugin {
+
+/// What MRPT's .ini says of a simulated robot besides MRPT's own keys.
+struct ExploringRobotOptions {
+  std::string plan;         ///< path, or the name of a committed world
+  std::string lidar;        ///< name of a preset in configs/lidars, or an .ini file; empty: built-in values
+  std::string strategy;     ///< empty: the built-in one
+  std::string start;        ///< "auto", or "x_m y_m yaw_deg"
+  int seed;                 ///< of every random stream
+  int scans;                ///< after so many it is silent; 0 = no end
+  double real_time_factor;  ///< simulated seconds per second; 0 = one scan per call at MRPT's process_rate
+  std::string done_file;    ///< gets one line (a named pipe too) when the last scan was taken; empty: none
+
+  run::RecordConfig record;  ///< all else
+};
+
+/// Reads section `section` of `ini`. A key with a dot goes through to the simulation: `robot.side_m = 0.3` is
+/// key side_m of its section [robot]; such keys win over the preset and the short ones. Strict: errors as
+/// core::readParameters and run::readRecordConfig (InputError).
+ExploringRobotOptions readExploringRobotOptions(const core::IniFile& ini, const std::string& section);
+
+/// A robot that explores a plan on its own in simulated time: what run::record() does, one scan at a time, so
+/// that the same plan, options and seed give the same scans and odometry as a rawlog of `rasterslam simulate`.
+class ExploringRobot {
+ public:
+  /// Errors: no such plan, no free start (InputError).
+  explicit ExploringRobot(const ExploringRobotOptions& options);
+  ~ExploringRobot();
+  /// Drives on for one scan period and looks (the first call only looks). nullopt after `scans` scans, and when
+  /// the strategy has nothing left to explore.
+  std::optional<sim::Sensed> next();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace slam::plugin

@@ -1,0 +1,291 @@
+#include "libslam/run/reach_goal.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <sstream>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/logs/trajectory_io.h"
+#include "libslam/mapping/map_builder.h"
+#include "libslam/report/picture.h"
+#include "libslam/sim/simulator.h"
+#include "libslam/world/shortest_path.h"
+
+namespace slam::run {
+namespace {
+
+using navigate::GoalStatus;
+
+std::string describe(const core::Point2& p) {
+  char text[64];
+  std::snprintf(text, sizeof text, "(%.3f m, %.3f m)", p.x, p.y);
+  return text;
+}
+
+void requirePossible(const ReachGoalRequest& request) {
+  const auto& plan = request.plan;
+  const core::Point2 cell = world::worldToCells(plan, request.p_world_goal);
+  const auto fail = [&](const std::string& found) {
+    throw core::InputError("plan '" + plan.name + "': goal " + describe(request.p_world_goal) + " is " +
+                           found + ", expected a place on the floor");
+  };
+  const double column = std::floor(cell.x), row = std::floor(cell.y);
+  if (!(column >= 0 && row >= 0 && column < plan.columns && row < plan.rows)) fail("outside the plan");
+  if (plan.at(static_cast<int>(column), static_cast<int>(row)) == world::Cell::kOccupied) fail("in a wall");
+  if (request.methods.empty())
+    throw core::InputError("--method: found nothing, expected at least one method");
+  for (size_t i = 0; i < request.methods.size(); ++i) {
+    navigate::makeGoalNavigator(request.methods[i], request.config.navigate, {});
+    for (size_t j = 0; j < i; ++j)
+      if (request.methods[i] == request.methods[j])
+        throw core::InputError("--method: '" + request.methods[i] + "' is named twice");
+  }
+}
+
+/// Where the robot believes to be: the wheels' odometry, or a SLAM method that is fed what is sensed.
+class PoseSource {
+ public:
+  explicit PoseSource(const ReachGoalRequest& request) {
+    if (request.slam.empty()) return;
+    builder_ = mapping::makeMapBuilder(mapping::loadMethodConfig(request.methods_folder, request.slam),
+                                       request.slam, request.seed);
+  }
+  core::Pose2 update(const sim::Sensed& sensed) {
+    if (!builder_) return sensed.T_odom_robot;
+    return mapping::processScan(*builder_, sensed.scan, sensed.T_previous_robot, true);
+  }
+
+ private:
+  std::optional<mapping::MapBuilder> builder_;
+};
+
+std::string resultOf(const GoalRun& run) {
+  if (run.right) return navigate::statusName(run.status);
+  switch (run.status) {
+    case GoalStatus::kReached:
+      return "missed";
+    case GoalStatus::kUnreachable:
+      return "wrong: unreachable";
+    default:
+      return navigate::statusName(run.status);
+  }
+}
+
+report::Table tableOf(const ReachGoalRequest& request, const GoalComparison& comparison) {
+  report::Table table;
+  table.caption = "Drives from " + describe(core::position(request.T_world_start)) + " to " +
+                  describe(request.p_world_goal) + " in " + request.plan.name + ", pose from " +
+                  (request.slam.empty() ? "odometry" : request.slam);
+  table.columns = {{"method", "method", 0},
+                   {"result", "result", 0},
+                   {"time_s", "time (s)", 1},
+                   {"path_m", "path (m)", 2},
+                   {"shortest_m", "shortest (m)", 2},
+                   {"ratio", "ratio", 2},
+                   {"goal_distance_m", "to the goal (m)", 3},
+                   {"state_changes", "state changes", 0},
+                   {"collisions", "collisions", 0}};
+  const double shortest_m = comparison.shortest_m.value_or(std::numeric_limits<double>::quiet_NaN());
+  for (const auto& run : comparison.runs) {
+    // The way of a drive that did not arrive is no longer or shorter way to the goal.
+    const bool arrived = run.right && run.status == GoalStatus::kReached && shortest_m > 0;
+    const double ratio = arrived ? run.path_m / shortest_m : std::numeric_limits<double>::quiet_NaN();
+    table.rows.push_back({run.method, resultOf(run), run.time_s, run.path_m, shortest_m, ratio,
+                          run.goal_distance_m, static_cast<double>(run.changes.size()),
+                          static_cast<double>(run.collisions)});
+    table.notes.push_back(run.method + ": " + run.reason + ".");
+  }
+  table.notes.push_back(comparison.shortest_m
+                            ? "Shortest: of the disc around the footprint, in the true plan."
+                            : "No way of the disc around the footprint leads to the goal in the true plan.");
+  return table;
+}
+
+std::string statesCsv(const GoalRun& run) {
+  report::Table table;
+  table.columns = {{"time_s", ""}, {"from", ""}, {"to", ""}, {"why", ""}, {"x_m", ""}, {"y_m", ""}};
+  for (const auto& change : run.changes)
+    table.rows.push_back(
+        {change.time_s, change.from, change.to, change.why, change.p_world.x, change.p_world.y});
+  return report::toCsv(table);
+}
+
+/// A cross, as a path of two strokes.
+report::DrawnPath goalMark(const core::Point2& p, double size_m) {
+  const auto at = [&](double dx, double dy) {
+    return core::StampedPose{0, {p.x + dx * size_m, p.y + dy * size_m, 0}};
+  };
+  return {{at(-1, -1), at(1, 1), at(0, 0), at(-1, 1), at(1, -1)}, "goal"};
+}
+
+double markSize(const world::Plan& plan) {
+  return 0.012 * plan.resolution_m * std::max(plan.columns, plan.rows);
+}
+
+/// The true path cut where the state changes, each piece under its state's name.
+std::vector<report::DrawnPath> piecesByState(const GoalRun& run) {
+  std::vector<report::DrawnPath> pieces;
+  size_t next = 0;
+  for (size_t i = 0; i < run.truth.size(); ++i) {
+    const double time_s = run.truth[i].time_s - run.truth.front().time_s;
+    while (next < run.changes.size() && run.changes[next].time_s <= time_s + 1e-9) {
+      if (!pieces.empty()) pieces.back().path.push_back(run.truth[i]);
+      pieces.push_back({{}, run.changes[next++].to});
+    }
+    if (!pieces.empty()) pieces.back().path.push_back(run.truth[i]);
+  }
+  return pieces;
+}
+
+void drawRun(const ReachGoalRequest& request, const GoalRun& run, const std::string& png_path) {
+  auto paths = piecesByState(run);
+  const auto mark = goalMark(request.p_world_goal, markSize(request.plan));
+  paths.insert(paths.begin() + (paths.empty() ? 0 : 1), mark);
+  report::drawPlan(request.plan, paths, run.method + ": " + resultOf(run), png_path);
+}
+
+void writeRun(const ReachGoalRequest& request, const GoalRun& run, const std::string& folder) {
+  std::filesystem::create_directories(folder);
+  logs::writeTum(run.truth, folder + "/truth.tum");
+  logs::writeTum(run.estimate, folder + "/trajectory.tum");
+  core::writeFileAtomically(folder + "/states.csv", statesCsv(run));
+  drawRun(request, run, folder + "/path.png");
+}
+
+std::vector<double> numbersOf(const std::string& text) {
+  std::istringstream words(text);
+  std::vector<double> numbers;
+  for (std::string word; words >> word;) {
+    double number = 0;
+    if (!core::parseNumber(word, number)) return {};
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+}  // namespace
+
+core::Point2 parsePlace(const std::string& text, const std::string& flag) {
+  const auto numbers = numbersOf(text);
+  if (numbers.size() != 2)
+    throw core::InputError(flag + ": found '" + text + "', expected two numbers: x_m y_m");
+  return {numbers[0], numbers[1]};
+}
+
+core::Pose2 parsePose(const std::string& text, const std::string& flag) {
+  const auto numbers = numbersOf(text);
+  if (numbers.size() != 3)
+    throw core::InputError(flag + ": found '" + text + "', expected three numbers: x_m y_m yaw_deg");
+  return {numbers[0], numbers[1], core::wrapToPi(core::degToRad(numbers[2]))};
+}
+
+ReachGoalConfig readReachGoalConfig(const core::IniFile& ini) {
+  core::rejectUnknownSections(ini, {"robot", "lidar", "odometry", "navigate", "lidar_bug"});
+  ReachGoalConfig config;
+  auto* report = &config.parameters;
+  core::readParameters(ini, robot::RobotOptions::table(), config.robot, report);
+  core::readParameters(ini, robot::LidarOptions::table(), config.lidar, report);
+  core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
+  core::readParameters(ini, navigate::NavigateOptions::table(), config.navigate, report);
+  core::readParameters(ini, navigate::LidarBugOptions::table(), config.navigate.lidar_bug, report);
+  return config;
+}
+
+GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, core::Progress& progress) {
+  const auto& config = request.config;
+  const double period_s = 1 / config.lidar.rate_hz;
+  sim::Simulator simulator(request.plan, config.robot, config.lidar, config.odometry, request.T_world_start,
+                           request.seed);
+  const core::Point2 p_start_goal = core::inverse(request.T_world_start) * request.p_world_goal;
+  const auto navigator =
+      navigate::makeGoalNavigator(method, config.navigate, {p_start_goal, config.robot, period_s});
+  PoseSource pose_source(request);
+  GoalRun run;
+  run.method = method;
+  progress.begin(method + " in " + request.plan.name);
+  const double start_s = simulator.time_s();
+  sim::Sensed sensed = simulator.sense();
+  std::string state;
+  while (true) {
+    const double elapsed_s = simulator.time_s() - start_s;
+    run.truth.push_back({simulator.time_s(), simulator.truth()});
+    progress.update(elapsed_s / config.navigate.time_limit_s, elapsed_s);
+    navigate::GoalStep step;
+    try {
+      const core::Pose2 T_start_robot = pose_source.update(sensed);
+      run.estimate.push_back({simulator.time_s(), request.T_world_start * T_start_robot});
+      step = navigator->next(sensed.scan, T_start_robot, sensed.collided);
+    } catch (const core::MethodError& error) {
+      step = {{}, GoalStatus::kGaveUp, "gave up", std::string("the SLAM method failed: ") + error.what()};
+      if (run.estimate.empty()) run.estimate.push_back(run.truth.front());
+    }
+    if (step.state != state) {
+      run.changes.push_back({elapsed_s, state, step.state, step.reason, core::position(simulator.truth())});
+      state = step.state;
+    }
+    run.status = step.status;
+    run.reason = step.reason;
+    if (step.status != GoalStatus::kMoving) break;
+    sensed = simulator.step(step.command);
+  }
+  progress.end();
+  run.time_s = simulator.time_s() - start_s;
+  run.path_m = core::pathLength(run.truth);
+  run.goal_distance_m = core::distance(core::position(simulator.truth()), request.p_world_goal);
+  run.collisions = simulator.collisions().size();
+  return run;
+}
+
+GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifest, core::Progress& progress) {
+  requirePossible(request);
+  core::PendingFolder output(request.output, request.overwrite);
+  GoalComparison comparison;
+  const double radius_m = robot::circumscribedRadius(request.config.robot);
+  if (const auto path =
+          world::shortestPath(request.plan, core::position(request.T_world_start), request.p_world_goal,
+                              radius_m, request.config.navigate.goal_tolerance_m))
+    comparison.shortest_m = path->length_m;
+
+  std::vector<report::DrawnPath> paths;
+  for (const auto& method : request.methods) {
+    const auto wall_start = std::chrono::steady_clock::now();
+    GoalRun run = driveToGoal(request, method, progress);
+    manifest.times_s[method] =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
+    run.right = (run.status == GoalStatus::kReached && run.goal_distance_m <= kArrived_m) ||
+                (run.status == GoalStatus::kUnreachable && !comparison.shortest_m);
+    comparison.wrong += !run.right;
+    writeRun(request, run, output.path() + "/" + method);
+    paths.push_back({run.truth, method});
+    comparison.runs.push_back(std::move(run));
+  }
+  paths.push_back(goalMark(request.p_world_goal, markSize(request.plan)));
+  report::drawPlan(request.plan, paths, request.plan.name, output.path() + "/paths.png");
+  comparison.table = tableOf(request, comparison);
+  const std::string scores = output.path() + "/scores";
+  core::writeFileAtomically(scores + ".txt", report::toText(comparison.table));
+  core::writeFileAtomically(scores + ".md", report::toMarkdown(comparison.table));
+  core::writeFileAtomically(scores + ".csv", report::toCsv(comparison.table));
+  core::writeFileAtomically(scores + ".json", report::toJson(comparison.table));
+
+  manifest.seed = request.seed;
+  for (const auto& line : request.config.parameters)
+    manifest.config[line.section + "." + line.info.key] = line.value;
+  manifest.files["METHOD/truth.tum"] = "true path, TUM form, world frame";
+  manifest.files["METHOD/trajectory.tum"] = "the path by the pose that the method was given, world frame";
+  manifest.files["METHOD/states.csv"] = "every change of state: time, from, to, why, true place";
+  manifest.files["METHOD/path.png"] = "the true path, coloured by state";
+  manifest.files["paths.png"] = "the true paths of all methods";
+  manifest.files["scores.txt"] = "the table; also .md, .csv, .json";
+  for (const auto& run : comparison.runs) manifest.results[run.method] = resultOf(run);
+  core::writeManifest(manifest, output.path() + "/manifest.json");
+  output.commit();
+  return comparison;
+}
+
+}  // namespace slam::run

@@ -1,0 +1,87 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libslam/core/ini.h"
+#include "libslam/core/manifest.h"
+#include "libslam/core/parameters.h"
+#include "libslam/core/pose2.h"
+#include "libslam/core/progress.h"
+#include "libslam/navigate/goal_navigator.h"
+#include "libslam/report/table.h"
+#include "libslam/robot/lidar.h"
+#include "libslam/robot/odometry_noise.h"
+#include "libslam/world/plan.h"
+
+namespace slam::run {
+
+/// All that decides a drive to a goal besides the plan, the places, the method and the seed.
+struct ReachGoalConfig {
+  robot::RobotOptions robot;
+  robot::LidarOptions lidar;
+  robot::OdometryOptions odometry;
+  navigate::NavigateOptions navigate;
+  std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
+};
+/// Reads sections [robot] [lidar] [odometry] [navigate] [lidar_bug]; strict.
+ReachGoalConfig readReachGoalConfig(const core::IniFile& config);
+
+struct ReachGoalRequest {
+  world::Plan plan;
+  core::Pose2 T_world_start;
+  core::Point2 p_world_goal;
+  ReachGoalConfig config;
+  std::vector<std::string> methods;  ///< names of goalNavigatorNames()
+  std::string slam;                  ///< a SLAM method whose pose is used; "" = the wheels' odometry
+  std::string methods_folder;        ///< of the SLAM methods
+  std::string output;                ///< folder
+  std::uint64_t seed = 1;
+  bool overwrite = false;
+};
+
+struct StateChange {
+  double time_s;  ///< since the start
+  std::string from, to, why;
+  core::Point2 p_world;  ///< true place
+};
+
+/// How one method fared.
+struct GoalRun {
+  std::string method;
+  navigate::GoalStatus status = navigate::GoalStatus::kMoving;
+  std::string reason;
+  double time_s = 0, path_m = 0, goal_distance_m = 0;  ///< the true ones
+  size_t collisions = 0;
+  core::Trajectory truth, estimate;  ///< both in the world frame, the estimate from the true start
+  std::vector<StateChange> changes;
+  /// Said to be reached and truly within kArrived_m of the goal; or said to be unreachable, and no way of the
+  /// disc around the footprint leads there in the true plan.
+  bool right = false;
+};
+inline constexpr double kArrived_m = 0.5;
+
+struct GoalComparison {
+  std::vector<GoalRun> runs;
+  std::optional<double> shortest_m;  ///< nothing: the goal cannot be reached
+  report::Table table;
+  int wrong = 0;  ///< runs that are not right
+};
+
+/// Drives to the goal once per method, the simulator in the loop, and writes into `output`:
+///   METHOD/truth.tum trajectory.tum states.csv path.png   (the path coloured by the method's states)
+///   paths.png   scores.txt .md .csv .json   manifest.json
+/// The folder appears whole or not at all. Same request: the same bytes but for the manifest's times.
+/// Errors: InputError for a start without room for the robot, a goal in a wall or outside the plan, an unknown
+/// or doubled method, an existing folder without `overwrite`.
+GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifest, core::Progress& progress);
+
+/// One drive, nothing written.
+GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, core::Progress& progress);
+
+/// "x y" or "x y yaw_deg" in metres and degrees. `flag` stands before errors (InputError).
+core::Point2 parsePlace(const std::string& text, const std::string& flag);
+core::Pose2 parsePose(const std::string& text, const std::string& flag);
+
+}  // namespace slam::run
