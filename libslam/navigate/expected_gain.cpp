@@ -87,15 +87,28 @@ double GainProfile::within(const LidarView& view, double heading_rad) const {
 
 double GainProfile::bestHeading(const LidarView& view) const {
   const int directions = static_cast<int>(area_m2.size());
-  double best_rad = 0, most_m2 = -1;
+  if (directions == 0) return 0;
+  // Heading along direction 0 the view covers one circular run of directions; other headings shift the run.
+  const double heading_rad = directionOf(0, directions);
+  int first = -1, count = 0;
   for (int i = 0; i < directions; ++i) {
-    const double heading_rad = core::wrapToPi(directionOf(i, directions));
-    const double sum_m2 = within(view, heading_rad);
-    if (sum_m2 <= most_m2 * (1 + 1e-12)) continue;
-    most_m2 = sum_m2;
-    best_rad = heading_rad;
+    if (!covers(view, heading_rad, directionOf(i, directions))) continue;
+    ++count;
+    if (!covers(view, heading_rad, directionOf(i - 1, directions))) first = i;
   }
-  return best_rad;
+  if (first < 0) return core::wrapToPi(heading_rad);  // everything, or nothing
+  std::vector<double> sum_m2(2 * area_m2.size() + 1, 0.0);
+  for (std::size_t i = 0; i + 1 < sum_m2.size(); ++i) sum_m2[i + 1] = sum_m2[i] + area_m2[i % area_m2.size()];
+  int best = 0;
+  double most_m2 = -1;
+  for (int i = 0; i < directions; ++i) {
+    const auto begin = static_cast<std::size_t>((first + i) % directions);
+    const double seen_m2 = sum_m2[begin + static_cast<std::size_t>(count)] - sum_m2[begin];
+    if (seen_m2 <= most_m2 + 1e-9) continue;
+    most_m2 = seen_m2;
+    best = i;
+  }
+  return core::wrapToPi(directionOf(best, directions));
 }
 
 GainProfile expectedGain(const FreeSpace& space, const core::Point2& p_map, const LidarView& view,

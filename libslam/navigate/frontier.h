@@ -9,7 +9,7 @@ namespace slam::navigate {
 
 /// Free cells side by side that have an unknown cell to the left, right, above or below: the border between
 /// what is known to be free and what is not known (Yamauchi, "A frontier-based approach for autonomous
-/// exploration", CIRA 1997, section 2.2).
+/// exploration", CIRA 1997).
 struct Frontier {
   std::vector<std::size_t> cells;  ///< ascending indices into FreeSpace::state, 8-connected
 };

@@ -1,7 +1,6 @@
 #include "libslam/navigate/information_gain.h"
 
 #include <cstdio>
-#include <cstdlib>
 
 namespace slam::navigate {
 namespace {
@@ -21,8 +20,7 @@ std::optional<MapStrategy::Choice> InformationGain::choose(const Scene& scene) {
     const double look_rad = profile.bestHeading(scene.view);
     const double gain_m2 = profile.within(scene.view, look_rad);
     if (gain_m2 < options().gain_min_m2) continue;
-    static const double kG0 = getenv("G0") ? atof(getenv("G0")) : 0;
- const double score = (gain_m2 + kG0) / (viewpoint.cost_m + kCostOfDeciding_m);
+    const double score = (gain_m2 + options().view_bonus_m2) / (viewpoint.cost_m + kCostOfDeciding_m);
     if (score <= best.score) continue;
     char reason[120];
     std::snprintf(reason, sizeof reason, "best of %zu views: expects %.2f m2 of unknown for %.2f m of way",

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kViewpointSpacing_m = 1.0;
 constexpr double kStandoffs_m[] = {1.0, 2.0, 4.0};
-constexpr std::size_t kMostViewpoints = 40;  // at frontiers; keeps a decision short
+constexpr std::size_t kMostViewpoints = 30;  // at frontiers; keeps a decision short
 // Where something was given up: the map's noise shifts what remains by about a cell.
 constexpr double kPlace_m = 0.1;
 constexpr double kSpent_m = 0.25;
@@ -110,7 +110,7 @@ std::vector<Viewpoint> MapStrategy::viewpointsFor(const PathPlanner& planner,
       short_of.length_m = planner.length(short_of.way);
       short_of.at_frontier = false;
       const bool crowded = std::any_of(standoffs.begin(), standoffs.end(), [&](const Viewpoint& other) {
-        return core::distance(other.p_map, short_of.p_map) < 0.5 * kViewpointSpacing_m;
+        return core::distance(other.p_map, short_of.p_map) < kViewpointSpacing_m;
       });
       if (!crowded && !isSpent(short_of.p_map)) standoffs.push_back(std::move(short_of));
     }

@@ -3,95 +3,104 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 
 namespace slam::navigate {
 namespace {
 
 constexpr int kDirections = 120;
-constexpr std::size_t kMostFirst = 16;  // views that are looked further from
+constexpr std::size_t kMostViews = 12;  // that are looked further from
+constexpr double kShownAlready = 0.3;   // of its gain: a view with less left is not worth a second look
 
 struct View {
-  std::size_t viewpoint;
+  const Viewpoint* viewpoint;
   double look_rad, gain_m2, worth;
+  std::vector<std::pair<std::size_t, float>> cells;
 };
 
-/// Metres from one viewpoint to another by the ways that the robot knows: back to where their ways part. The
-/// straight line where that is shorter by less than the ways' own wriggling would be a guess through walls.
+/// Metres from one viewpoint to another along the ways from the robot to both: back to where they part. An upper
+/// bound that does not cut through walls, as a straight line would.
 double lengthBetween(const Viewpoint& a, const Viewpoint& b) {
   const std::size_t most = std::min(a.way.size(), b.way.size());
   std::size_t common = 0;
   while (common < most && a.way[common] == b.way[common]) ++common;
   const auto rest = [&](const Viewpoint& v) {
-    const double steps = static_cast<double>(std::max<std::size_t>(v.way.size(), 2) - 1);
+    const auto steps = static_cast<double>(std::max<std::size_t>(v.way.size(), 2) - 1);
     return v.length_m * static_cast<double>(v.way.size() - common) / steps;
   };
   return rest(a) + rest(b);
 }
 
+/// What the views after `first` are worth, each time the best one from where the last ended.
+double worthAfter(const std::vector<View>& views, std::size_t first, const StrategyOptions& options,
+                  std::vector<char>& shown) {
+  std::vector<std::size_t> marked;
+  std::vector<char> used(views.size(), 0);
+  double worth = 0, length_m = views[first].viewpoint->length_m;
+  std::size_t here = first;
+  for (int ahead = 1; ahead < options.horizon; ++ahead) {
+    used[here] = 1;
+    for (const auto& cell : views[here].cells)
+      if (!shown[cell.first]) shown[cell.first] = 1, marked.push_back(cell.first);
+    double most = 0, leg_m = 0;
+    std::size_t next = here;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      if (used[i]) continue;
+      double gain_m2 = 0;
+      for (const auto& [cell, area_m2] : views[i].cells)
+        if (!shown[cell]) gain_m2 += static_cast<double>(area_m2);
+      if (gain_m2 < kShownAlready * views[i].gain_m2) continue;
+      const double to_m = lengthBetween(*views[here].viewpoint, *views[i].viewpoint);
+      const double then = (gain_m2 + options.view_bonus_m2) * std::exp(-options.lambda_per_m * to_m);
+      if (then <= most) continue;
+      most = then, leg_m = to_m, next = i;
+    }
+    if (next == here) break;
+    worth += most * std::exp(-options.lambda_per_m * length_m);
+    length_m += leg_m;
+    here = next;
+  }
+  for (const std::size_t cell : marked) shown[cell] = 0;
+  return worth;
+}
+
 }  // namespace
 
 std::optional<MapStrategy::Choice> NextBestView::choose(const Scene& scene) {
-  const double lambda = options().lambda_per_m;
   std::vector<View> views;
-  for (std::size_t i = 0; i < scene.viewpoints.size(); ++i) {
-    const Viewpoint& viewpoint = scene.viewpoints[i];
+  for (const auto& viewpoint : scene.viewpoints) {
     const auto profile =
         expectedGain(scene.space, viewpoint.p_map, scene.view, options().unknown_path_m, kDirections);
     const double look_rad = profile.bestHeading(scene.view);
     const double gain_m2 = profile.within(scene.view, look_rad);
-    if (gain_m2 >= options().gain_min_m2)
-    views.push_back({i, look_rad, gain_m2, (gain_m2 + (getenv("G0") ? atof(getenv("G0")) : 0)) * std::exp(-lambda * viewpoint.length_m)});
+    if (gain_m2 < options().gain_min_m2) continue;
+    const double worth =
+        (gain_m2 + options().view_bonus_m2) * std::exp(-options().lambda_per_m * viewpoint.length_m);
+    views.push_back({&viewpoint, look_rad, gain_m2, worth, {}});
   }
+  if (views.empty()) return std::nullopt;
   std::stable_sort(views.begin(), views.end(),
                    [](const View& a, const View& b) { return a.worth > b.worth; });
-  views.resize(std::min(views.size(), kMostFirst));
+  views.resize(std::min(views.size(), kMostViews));
+  for (auto& view : views)
+    view.cells = expectedCells(scene.space, view.viewpoint->p_map, scene.view, view.look_rad,
+                               options().unknown_path_m, kDirections);
 
-  std::vector<std::vector<std::pair<std::size_t, float>>> cells;
-  for (const auto& view : views)
-    cells.push_back(expectedCells(scene.space, scene.viewpoints[view.viewpoint].p_map, scene.view,
-                                  view.look_rad, options().unknown_path_m, kDirections));
-  static const double kG0 = getenv("G0") ? atof(getenv("G0")) : 0;
   std::vector<char> shown(scene.space.state.size(), 0);
-  Choice best;
-  best.score = -1;
-  std::vector<char> used(views.size());
-  for (std::size_t a = 0; a < views.size(); ++a) {
-    std::fill(used.begin(), used.end(), 0);
-    std::size_t here = a;
-    double length_m = scene.viewpoints[views[a].viewpoint].length_m;
-    double score = (views[a].gain_m2 + kG0) * std::exp(-lambda * length_m);
-    const double first_worth = score;
-    std::vector<std::size_t> marked;
-    for (int depth = 1; depth < options().horizon; ++depth) {
-      used[here] = 1;
-      for (const auto& cell : cells[here]) if (!shown[cell.first]) shown[cell.first] = 1, marked.push_back(cell.first);
-      double best_worth = 0, best_length = 0; std::size_t next = here;
-      for (std::size_t b = 0; b < views.size(); ++b) {
-        if (used[b]) continue;
-        double gain_m2 = 0;
-        for (const auto& [cell, area_m2] : cells[b])
-          if (!shown[cell]) gain_m2 += area_m2;
-        if (gain_m2 < 0.3 * views[b].gain_m2) { used[b] = 1; continue; }
-        const double d = lengthBetween(scene.viewpoints[views[here].viewpoint], scene.viewpoints[views[b].viewpoint]);
-        const double worth = (gain_m2 + kG0) * std::exp(-lambda * d);
-        if (worth > best_worth) best_worth = worth, best_length = d, next = b;
-      }
-      if (next == here) break;
-      length_m += best_length;
-      score += best_worth * std::exp(-lambda * (length_m - best_length));
-      here = next;
-    }
-    for (const auto cell : marked) shown[cell] = 0;
-    if (score <= best.score) continue;
-    char reason[140];
-    std::snprintf(reason, sizeof reason,
-                  "best of %zu views: %.2f m2 of unknown, %.2f m away, worth %.3f and %.3f by the views after it",
-                  scene.viewpoints.size(), views[a].gain_m2, scene.viewpoints[views[a].viewpoint].length_m, first_worth, score - first_worth);
-    best = {views[a].viewpoint, score, reason, views[a].look_rad};
+  const View* best = nullptr;
+  double most = 0, most_then = 0;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const double then = worthAfter(views, i, options(), shown);
+    if (best && views[i].worth + then <= most) continue;
+    best = &views[i];
+    most = views[i].worth + then;
+    most_then = then;
   }
-  if (best.score < 0) return std::nullopt;
-  return best;
+  char reason[160];
+  std::snprintf(reason, sizeof reason,
+                "best of %zu views: %.2f m2 of unknown, %.2f m away, worth %.3f and %.3f by what comes after",
+                scene.viewpoints.size(), best->gain_m2, best->viewpoint->length_m, best->worth, most_then);
+  return Choice{static_cast<std::size_t>(best->viewpoint - scene.viewpoints.data()), most, reason,
+                best->look_rad};
 }
 
 }  // namespace slam::navigate

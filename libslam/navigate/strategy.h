@@ -79,12 +79,15 @@ struct StrategyOptions {
   double comfort_m;         ///< nearer to obstacles than this a path counts as longer
   double look_m;            ///< how far beyond where it can drive the robot can look into a gap
   bool optimistic;          ///< plan through the unknown as if it were free
-  bool recheck;             ///< give up a goal on the way when what it was for has been seen
+  /// Give up a goal on the way when what it was for has been seen: the repetitive re-checking of Holz, Basilico,
+  /// Amigoni and Behnke, "Evaluating the efficiency of frontier-based exploration strategies" (ROBOTIK 2010).
+  bool recheck;
   double recheck_s;         ///< how often a path is checked by the newest map
   double unknown_path_m;    ///< how far a ray is expected to go through the unknown
   double gain_min_m2;       ///< a view that is expected to show less is not worth the way
+  double view_bonus_m2;     ///< added to every gain: what is left behind has to be come back for
   double lambda_per_m;      ///< next_best_view: how fast a gain loses worth with the way
-  int horizon;              ///< next_best_view: views ahead, 1 or 2
+  int horizon;              ///< next_best_view: views ahead, 1 = only the next one
   double slow_clearance_m;  ///< nearer to obstacles than this a path is driven more slowly
   int give_up_after;        ///< decisions in a row that show nothing new before the strategy is stuck
   StrategyOptions();
