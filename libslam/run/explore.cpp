@@ -430,6 +430,21 @@ std::string endName(ExplorationEnd end) {
   throw core::ContractError("endName: no such end");
 }
 
+const std::vector<std::pair<std::string, std::string>>& explorationFigureInfos() {
+  static const std::vector<std::pair<std::string, std::string>> infos = {
+      {"coverage_percent",
+       "explored share of what can be explored: the free cells that the robot's disc can reach, or see from "
+       "there"},
+      {"t90_s", "robot's time until 90 % of that were explored; t99_s likewise"},
+      {"path90_m", "true path until then; path99_m, scans90 and scans99 likewise"},
+      {"redundant_percent",
+       "share of the path that adds no new area: pieces of 1 m that show less than 0.1 m2"},
+      {"collisions", "commands that a wall cut short"},
+      {"near_misses", "episodes with less than 0.05 m between the robot's disc and a wall"},
+      {"return_distance_m", "true distance to the start after driving back to it"}};
+  return infos;
+}
+
 ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest, core::Progress& progress) {
   checkRequest(request);
   const auto method = loadMethod(request);

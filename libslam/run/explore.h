@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "libslam/core/ini.h"
@@ -59,6 +60,9 @@ enum class ExplorationEnd {
   kFailed     ///< the SLAM method failed
 };
 std::string endName(ExplorationEnd end);
+
+/// Keys of the figures in the tables and what they mean: `rasterslam list metrics`.
+const std::vector<std::pair<std::string, std::string>>& explorationFigureInfos();
 
 /// One exploration, scored on the truth.
 struct Exploration {
