@@ -19,7 +19,10 @@ struct Arguments {
 
 core::Pose2 startIn(const world::Plan& plan, const run::ReachGoalConfig& config, const std::string& text) {
   if (text != "auto") return run::parsePose(text, "--start");
-  if (const auto pose = world::findStartPose(plan, robot::circumscribedRadius(config.robot))) return *pose;
+  // With room around it where there is such a place.
+  const double radius_m = robot::circumscribedRadius(config.robot);
+  for (const double clearance_m : {radius_m + 0.3, radius_m})
+    if (const auto pose = world::findStartPose(plan, clearance_m)) return *pose;
   throw core::InputError(plan.name + ": no free place for a robot of side " +
                          core::formatNumber(config.robot.side_m) + " m");
 }

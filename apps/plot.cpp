@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -98,6 +99,8 @@ int plotOperations(const Context& context, const OperationsArguments& arguments)
   const std::string log = logBeside(arguments.file);
   std::string truth_path = arguments.truth, plan_path = arguments.plan;
   if (truth_path.empty() && !log.empty()) truth_path = run::findTruth(log);
+  // MRPT's own form of the truth begins at the origin, as the replay does: nothing to lay it on.
+  if (arguments.truth.empty() && std::filesystem::path(truth_path).extension() != ".tum") truth_path.clear();
   if (plan_path.empty() && !log.empty() && !truth_path.empty()) plan_path = run::findPlan(log);
   if (!plan_path.empty() && truth_path.empty())
     throw core::InputError("--plan needs --truth: the operation log does not say where the robot began");

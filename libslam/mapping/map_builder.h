@@ -30,7 +30,7 @@ struct MapBuilder {
   std::unique_ptr<mrpt::slam::CMetricMapBuilder> builder;
   std::string name;      ///< of the configuration: "icp", "rbpf_exact"
   std::string type;      ///< naive | icp | rbpf
-  std::string odometry;  ///< which increments it is fed: wheel | argmax | correlation
+  std::string odometry;  ///< which increments it is fed: wheel | argmax | correlation | range_flow | plicp
   std::vector<core::ParameterReport> parameters;
 
   struct State;

@@ -258,7 +258,7 @@ const core::ParameterTable<MethodOptions>& MethodOptions::table() {
                  {"odometry",
                   &MethodOptions::odometry,
                   "wheel",
-                  {"wheel", "argmax", "correlation"},
+                  {"wheel", "argmax", "correlation", "range_flow", "plicp"},
                   "the motion increments; wheel takes those of scans where the log has none"}});
   return kTable;
 }

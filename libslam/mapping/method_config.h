@@ -11,7 +11,7 @@ namespace slam::mapping {
 /// Section [method]: what kind of builder and which motion increments it is fed.
 struct MethodOptions {
   std::string type;      ///< naive | icp | rbpf
-  std::string odometry;  ///< wheel | argmax | correlation
+  std::string odometry;  ///< wheel | argmax | correlation | range_flow | plicp
   MethodOptions();
   static const core::ParameterTable<MethodOptions>& table();
 };

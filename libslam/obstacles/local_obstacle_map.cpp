@@ -15,11 +15,14 @@ bool isFinite(const core::Point2& p) {
 
 /// Of two points closer than `distance_m` the later one stays; the order of what stays is kept.
 void keepOneOfTwins(std::vector<core::Point2>& points, double distance_m) {
+  const double square_m2 = distance_m * distance_m;  // every pair is asked: no roots
   std::vector<core::Point2> newest_first;
   for (auto p = points.rbegin(); p != points.rend(); ++p) {
     const bool has_twin =
-        std::any_of(newest_first.begin(), newest_first.end(),
-                    [&](const core::Point2& kept) { return core::distance(kept, *p) < distance_m; });
+        std::any_of(newest_first.begin(), newest_first.end(), [&](const core::Point2& kept) {
+          const double dx = kept.x - p->x, dy = kept.y - p->y;
+          return dx * dx + dy * dy < square_m2;
+        });
     if (!has_twin) newest_first.push_back(*p);
   }
   points.assign(newest_first.rbegin(), newest_first.rend());

@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <memory>
 
 #include "libslam/odometry/local_lines.h"
 #include "libslam/odometry/methods.h"
@@ -15,6 +15,8 @@ constexpr size_t kMostLevels = 5;    // as in the paper
 constexpr int kWarps = 2;            // at the finest level; one at the others
 constexpr int kReweightings = 3;     // per warp
 constexpr double kSteepest = 8;      // neighbours on one surface seen at up to about 83 degrees
+/// A scan serves as reference until the robot is this far from it.
+constexpr double kReferenceReach_m = 0.25, kReferenceReach_rad = 10 * core::kPi / 180;
 /// Scale of the weights at the coarsest level where the noise alone left a direction undetermined, and what
 /// it narrows by from level to level. Along a corridor only a few beams tell the motion, and from a wrong
 /// start they look like outliers among walls that fit anyhow; but a wide scale lets true outliers in as well,
@@ -328,12 +330,12 @@ class RangeFlowOdometry : public ScanOdometry {
  public:
   explicit RangeFlowOdometry(const ScanOdometryOptions& options) : options_(options) {}
 
-  void reset() override { previous_.reset(), T_step_ = {}; }
+  void reset() override { reference_.reset(), previous_.reset(), T_step_ = {}; }
 
   ScanMotion update(const robot::Scan& scan, MotionKind) override {
     requireUsable(scan);
-    Frame current{scan, makePyramid(scan)};
-    const ScanMotion motion = previous_ ? estimate(*previous_, current) : noMotionYet();
+    auto current = std::make_shared<Frame>(Frame{scan, makePyramid(scan), {}, {}});
+    const ScanMotion motion = previous_ || reference_ ? estimate(*current) : noMotionYet();
     previous_ = std::move(current);
     return motion;
   }
@@ -342,13 +344,68 @@ class RangeFlowOdometry : public ScanOdometry {
   struct Frame {
     robot::Scan scan;
     Pyramid pyramid;
+    core::Pose2 T_reference_frame;  // of the lidar
+    std::array<double, 9> covariance{};
   };
 
-  ScanMotion estimate(const Frame& before, const Frame& after) {
+  ScanMotion estimate(Frame& after) {
+    // While the robot stays near the reference scan, all flow is against it, so that the errors of the steps
+    // between do not add up.
+    if (!reference_ || !near(*previous_)) takeReference();
+    Flow flow = solve(*reference_, after, previous_->T_reference_frame * T_step_);
+    if (previous_ != reference_ && (!believable(flow) || flow.degenerate || flow.cost > kConvincingCost)) {
+      takeReference();
+      flow = solve(*reference_, after, T_step_);
+    }
+    if (!believable(flow)) {
+      T_step_ = {};
+      reference_.reset();
+      return unknownMotion(options_);
+    }
+    after.T_reference_frame = flow.T_reference_moving;
+    after.covariance = flow.covariance;
+    T_step_ = core::between(previous_->T_reference_frame, after.T_reference_frame);
+    ScanMotion motion = robotMotion(after.scan.T_robot_lidar, T_step_, stepCovariance(after));
+    motion.reliable = !flow.degenerate && flow.cost < 2 * kConvincingCost && isMeasurement(flow.covariance);
+    return motion;
+  }
+
+  void takeReference() {
+    reference_ = previous_;
+    previous_->T_reference_frame = {};
+    previous_->covariance = {};
+  }
+
+  static bool near(const Frame& frame) {
+    const auto& T = frame.T_reference_frame;
+    return std::hypot(T.x, T.y) < kReferenceReach_m && std::abs(T.phi) < kReferenceReach_rad;
+  }
+
+  /// Of the motion from the frame before, where both frames were measured against the reference.
+  std::array<double, 9> stepCovariance(const Frame& after) const {
+    const auto& P = previous_->T_reference_frame;
+    const double c = std::cos(P.phi), s = std::sin(P.phi);
+    // T_step = P^-1 T: by T a rotation, by P minus that, and the heading of P swings the step.
+    const double by_after[3][3] = {{c, s, 0}, {-s, c, 0}, {0, 0, 1}};
+    const double by_before[3][3] = {{-c, -s, T_step_.y}, {s, -c, -T_step_.x}, {0, 0, -1}};
+    std::array<double, 9> out{};
+    for (size_t row = 0; row < 3; ++row)
+      for (size_t column = 0; column < 3; ++column)
+        for (size_t i = 0; i < 3; ++i)
+          for (size_t k = 0; k < 3; ++k)
+            out[3 * row + column] +=
+                by_after[row][i] * after.covariance[3 * i + k] * by_after[column][k] +
+                by_before[row][i] * previous_->covariance[3 * i + k] * by_before[column][k];
+    // Symmetric but for rounding so far.
+    out[3] = out[1], out[6] = out[2], out[7] = out[5];
+    return out;
+  }
+
+  Flow solve(const Frame& before, const Frame& after, const core::Pose2& guess) const {
     FlowSolver solver(before.pyramid, after.pyramid, options_);
-    Flow flow = solver.solve(T_step_);
+    Flow flow = solver.solve(guess);
     if (flow.degenerate) {
-      const Flow wide = solver.solve(T_step_, kWideScale_m);
+      const Flow wide = solver.solve(guess, kWideScale_m);
       if (believable(wide) && !wide.degenerate && wide.cost < kClearlyBetter * flow.cost) flow = wide;
     }
     if (!believable(flow) || flow.cost > kConvincingCost)
@@ -356,14 +413,7 @@ class RangeFlowOdometry : public ScanOdometry {
         const Flow other = solver.solve({0, 0, peak.turn_rad});
         if (believable(other) && (!believable(flow) || other.cost < flow.cost)) flow = other;
       }
-    if (!believable(flow)) {
-      T_step_ = {};
-      return unknownMotion(options_);
-    }
-    T_step_ = flow.T_reference_moving;
-    ScanMotion motion = robotMotion(after.scan.T_robot_lidar, flow.T_reference_moving, flow.covariance);
-    motion.reliable = !flow.degenerate && flow.cost < 2 * kConvincingCost && isMeasurement(flow.covariance);
-    return motion;
+    return flow;
   }
 
   bool believable(const Flow& flow) const {
@@ -373,7 +423,7 @@ class RangeFlowOdometry : public ScanOdometry {
   }
 
   ScanOdometryOptions options_;
-  std::optional<Frame> previous_;
+  std::shared_ptr<Frame> reference_, previous_;
   core::Pose2 T_step_;  // of the lidar, the newest
 };
 

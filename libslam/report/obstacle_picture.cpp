@@ -86,8 +86,8 @@ void drawObstacles(const std::vector<ObstaclePanel>& panels, const ObstacleZone&
   const double scale = grid.panel_width / window.width();
   const double inner_width = std::max(600.0, grid.columns * (grid.panel_width + kMargin) - kMargin);
   using Kind = LegendEntry::Kind;
-  const LegendStrip strip({{Kind::kBox, kVisible, "seen now"},
-                           {Kind::kBox, kUnknown, "remembered"},
+  const LegendStrip strip({{Kind::kBox, kVisible, "in view"},
+                           {Kind::kBox, kUnknown, "out of view"},
                            {Kind::kDot, kSeen, "obstacle seen now"},
                            {Kind::kDot, kRemembered, "obstacle remembered"},
                            {Kind::kRing, kGrey, "its true place"}},

@@ -212,7 +212,8 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
   sim::Sensed sensed = simulator.sense();
   std::string state;
   while (true) {
-    const double elapsed_s = simulator.time_s() - start_s;
+    // Stamps count from 1970 and hold no more than a fraction of a microsecond.
+    const double elapsed_s = std::round(1e3 * (simulator.time_s() - start_s)) / 1e3;
     run.truth.push_back({simulator.time_s(), simulator.truth()});
     progress.update(elapsed_s / config.navigate.time_limit_s, elapsed_s);
     navigate::GoalStep step;
@@ -234,7 +235,7 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
     sensed = simulator.step(step.command);
   }
   progress.end();
-  run.time_s = simulator.time_s() - start_s;
+  run.time_s = std::round(1e3 * (simulator.time_s() - start_s)) / 1e3;
   run.path_m = core::pathLength(run.truth);
   run.goal_distance_m = core::distance(core::position(simulator.truth()), request.p_world_goal);
   run.collisions = simulator.collisions().size();

@@ -164,7 +164,7 @@ void drawTurnAway(const std::vector<TurnAwayMoment>& moments, const TurnAwayConf
   std::vector<report::ObstaclePanel> panels;
   for (const auto& moment : moments)
     panels.push_back({moment.what,
-                      std::to_string(moment.seen.size()) + " points seen, " +
+                      std::to_string(moment.seen.size()) + " seen, " +
                           std::to_string(moment.remembered.size()) + " remembered",
                       moment.visible, moment.seen, moment.remembered, moment.posts});
   report::ObstacleZone zone;

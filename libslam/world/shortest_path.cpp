@@ -29,6 +29,10 @@ class Search {
     start_ =
         static_cast<size_t>(std::floor(cell.y)) * plan_.columns + static_cast<size_t>(std::floor(cell.x));
     fits_[start_] = 1;
+    const core::Point2 goal_cell = worldToCells(plan_, to_);
+    const double column = std::floor(goal_cell.x), row = std::floor(goal_cell.y);
+    if (column >= 0 && row >= 0 && column < plan_.columns && row < plan_.rows)
+      goal_ = static_cast<size_t>(row) * plan_.columns + static_cast<size_t>(column);
     cost_[start_] = 0;
     open(start_);
     while (!open_.empty()) {
@@ -46,6 +50,7 @@ class Search {
 
   core::Point2 pointOf(size_t index) const {
     if (index == start_) return from_;
+    if (index == goal_) return to_;
     const double column = static_cast<double>(index % plan_.columns) + 0.5,
                  row = static_cast<double>(index / plan_.columns) + 0.5;
     return cellsToWorld(plan_, {column, row});
@@ -85,8 +90,8 @@ class Search {
   const Plan& plan_;
   core::Point2 from_, to_;
   double radius_m_, tolerance_m_;
-  size_t start_ = 0;
-  std::vector<signed char> fits_;  ///< -1 not known yet
+  size_t start_ = 0, goal_ = kNone;  ///< their cells stand for the places themselves
+  std::vector<signed char> fits_;    ///< -1 not known yet
   std::vector<size_t> parent_;
   std::vector<double> cost_;
   using Entry = std::tuple<double, double, size_t>;

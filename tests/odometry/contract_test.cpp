@@ -121,8 +121,8 @@ TEST(MakeScanOdometry, NamesTheNearestMethodForAMisspeltOne) {
     FAIL() << "no error";
   } catch (const core::InputError& error) {
     EXPECT_STREQ(error.what(),
-                 "[scan_odometry] method: found 'corelation', expected argmax or correlation; did you mean "
-                 "'correlation'?");
+                 "[scan_odometry] method: found 'corelation', expected argmax, correlation, range_flow or "
+                 "plicp; did you mean 'correlation'?");
   }
 }
 

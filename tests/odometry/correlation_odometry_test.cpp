@@ -137,16 +137,6 @@ TEST(CorrelationOdometry, CopesWithNoiseAndLostReadings) {
   }
 }
 
-/// e' C^-1 e by Cramer's rule.
-double normalisedSquare(const std::array<double, 9>& c, const double (&e)[3]) {
-  const double a[3] = {c[4] * c[8] - c[5] * c[5], c[2] * c[5] - c[1] * c[8], c[1] * c[5] - c[2] * c[4]};
-  const double d = c[0] * c[8] - c[2] * c[2], f = c[1] * c[2] - c[0] * c[5], g = c[0] * c[4] - c[1] * c[1];
-  const double det = c[0] * a[0] + c[1] * a[1] + c[2] * a[2];
-  return (e[0] * e[0] * a[0] + e[1] * e[1] * d + e[2] * e[2] * g + 2 * e[0] * e[1] * a[1] +
-          2 * e[0] * e[2] * a[2] + 2 * e[1] * e[2] * f) /
-         det;
-}
-
 TEST(CorrelationOdometry, ItsCovarianceIsOfTheSizeOfItsErrors) {
   for (const double sigma : {0.01, 0.03}) {
     Lidar lidar;
@@ -159,9 +149,10 @@ TEST(CorrelationOdometry, ItsCovarianceIsOfTheSizeOfItsErrors) {
       const Pose2 step{random.uniform(0, 0.2), 0, random.uniform(-0.1, 0.1)};
       const auto motion = between("correlation", look(oddRoom(), start, lidar, &random),
                                   look(oddRoom(), start * step, lidar, &random));
-      const double error[3] = {motion.T_previous_current.x - step.x, motion.T_previous_current.y - step.y,
-                               core::angleDifference(motion.T_previous_current.phi, step.phi)};
-      sum += normalisedSquare(motion.covariance, error);
+      const std::array<double, 3> error = {motion.T_previous_current.x - step.x,
+                                           motion.T_previous_current.y - step.y,
+                                           core::angleDifference(motion.T_previous_current.phi, step.phi)};
+      sum += scenes::normalisedSquare(motion.covariance, error);
     }
     // 3 for a perfect covariance; the sampling error of the mean of 120 is 0.22. Within a factor of two in
     // the variance it is useful to a filter.

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
@@ -103,6 +104,16 @@ inline bool isPositiveDefinite(const std::array<double, 9>& c) {
   const double det = c[0] * (c[4] * c[8] - c[5] * c[7]) - c[1] * (c[3] * c[8] - c[5] * c[6]) +
                      c[2] * (c[3] * c[7] - c[4] * c[6]);
   return symmetric && c[0] > 0 && minor > 0 && det > 0;
+}
+
+/// e' C^-1 e by Cramer's rule.
+inline double normalisedSquare(const std::array<double, 9>& c, const std::array<double, 3>& e) {
+  const double a[3] = {c[4] * c[8] - c[5] * c[5], c[2] * c[5] - c[1] * c[8], c[1] * c[5] - c[2] * c[4]};
+  const double d = c[0] * c[8] - c[2] * c[2], f = c[1] * c[2] - c[0] * c[5], g = c[0] * c[4] - c[1] * c[1];
+  const double det = c[0] * a[0] + c[1] * a[1] + c[2] * a[2];
+  return (e[0] * e[0] * a[0] + e[1] * e[1] * d + e[2] * e[2] * g + 2 * e[0] * e[1] * a[1] +
+          2 * e[0] * e[2] * a[2] + 2 * e[1] * e[2] * f) /
+         det;
 }
 
 }  // namespace slam::odometry::scenes

@@ -198,6 +198,49 @@ TEST(DrawDifference, MarksWallsThatOnlyOneSideHas) {
   EXPECT_GT(countOf(load(folder / "lost.png"), kBlue), 2000);
 }
 
+/// Everything of the plan's size is unseen but the columns up to `last_column`.
+metrics::SeenMask seenUpTo(const world::Plan& plan, int last_column) {
+  metrics::SeenMask seen{plan.columns, plan.rows, {}, {}};
+  for (int row = 0; row < plan.rows; ++row)
+    for (int column = 0; column < plan.columns; ++column) {
+      seen.wall.push_back(column <= last_column && plan.at(column, row) == Cell::kOccupied);
+      seen.free.push_back(column <= last_column && plan.at(column, row) == Cell::kFree);
+    }
+  return seen;
+}
+
+TEST(DrawDifference, KeepsWallsThatWereNeverInViewApartFromMissedOnes) {
+  constexpr Colour kUnseen{160, 168, 176};
+  const TempFolder folder;
+  const auto plan = room();
+  auto map = room();  // nothing but unknown
+  std::fill(map.cells.begin(), map.cells.end(), Cell::kUnknown);
+  const auto seen = seenUpTo(plan, 79);
+  drawDifference(plan, map, {}, "", folder / "masked.png", &seen);
+  drawDifference(plan, map, {}, "", folder / "plain.png");
+  const auto masked = load(folder / "masked.png"), plain = load(folder / "plain.png");
+  EXPECT_EQ(countOf(plain, kUnseen), 0);
+  // Without title the map begins at the same place; the legend's row is below both.
+  const cv::Rect map_area(0, 0, plain.cols, plain.rows - 90);
+  const auto missed = extentOf(masked(map_area), kBlue), unseen = extentOf(masked(map_area), kUnseen);
+  const auto all = extentOf(plain(map_area), kBlue);
+  EXPECT_EQ(missed.x, all.x);
+  EXPECT_NEAR(missed.x + missed.width, unseen.x, 2);  // the border between the two, averaged over a pixel
+  EXPECT_EQ(unseen.x + unseen.width, all.x + all.width);
+  EXPECT_NEAR(missed.width, unseen.width, 3);  // half of the room each
+}
+
+TEST(DrawDifference, ShowsAWallThatTheMapHasWhetherItWasInViewOrNot) {
+  const TempFolder folder;
+  const auto nothing_seen = seenUpTo(room(), -1);
+  drawDifference(room(), room(), {}, "", folder / "same.png", &nothing_seen);
+  drawDifference(room(), room(), {}, "", folder / "plain.png");
+  EXPECT_NEAR(countOf(load(folder / "same.png"), kWall), countOf(load(folder / "plain.png"), kWall), 10);
+  const auto other = seenUpTo(room(100, 80), -1);
+  EXPECT_THROW(drawDifference(room(), room(), {}, "", folder / "no.png", &other), core::ContractError);
+  EXPECT_FALSE(std::filesystem::exists(folder / "no.png"));
+}
+
 TEST(DrawPanels, ArrangesOneToEightPanelsOfAnyShape) {
   const TempFolder folder;
   for (const auto& [columns, rows] : {std::pair{160, 80}, {800, 30}, {30, 800}})

@@ -59,5 +59,39 @@ TEST(OperationLog, RefusesToWriteWhatItCouldNotReadBack) {
   EXPECT_THROW(formatOperations({{'t', std::nan(""), 0}}), core::ContractError);
 }
 
+void expectPose(const core::StampedPose& found, double time_s, const core::Pose2& expected) {
+  EXPECT_EQ(found.time_s, time_s);
+  // A few roundings of numbers below 10.
+  EXPECT_NEAR(found.pose.x, expected.x, 1e-14);
+  EXPECT_NEAR(found.pose.y, expected.y, 1e-14);
+  EXPECT_NEAR(found.pose.phi, expected.phi, 1e-14);
+}
+
+TEST(ReplayOperations, TurnsInPlaceAndMovesAlongTheHeading) {
+  const double quarter = core::kPi / 2;
+  const auto path = replayOperations({{'m', -1.0, 1.5}, {'t', quarter}, {'m', 0.25, -0.75}, {'t', -quarter}});
+  ASSERT_EQ(path.size(), 5U);
+  expectPose(path[0], 0, {0, 0, 0});
+  expectPose(path[1], 1, {1.25, 0, 0});  // the mean of the wall ahead 1.5 nearer and the one behind 1 farther
+  expectPose(path[2], 2, {1.25, 0, quarter});
+  expectPose(path[3], 3, {1.25, -0.5, quarter});  // backwards
+  expectPose(path[4], 4, {1.25, -0.5, 0});
+}
+
+TEST(ReplayOperations, TakesTheOneReadingThatThereIs) {
+  const auto path = replayOperations({{'m', 0, 0.5}, {'m', -0.25, 0}, {'m', 0, 0}, {'m', -0.0, 1}});
+  ASSERT_EQ(path.size(), 5U);
+  expectPose(path[1], 1, {0.5, 0, 0});
+  expectPose(path[2], 2, {0.75, 0, 0});
+  expectPose(path[3], 3, {0.75, 0, 0});
+  expectPose(path[4], 4, {1.75, 0, 0});
+}
+
+TEST(ReplayOperations, OfNothingStandsAtTheStart) {
+  const auto path = replayOperations({});
+  ASSERT_EQ(path.size(), 1U);
+  expectPose(path[0], 0, {0, 0, 0});
+}
+
 }  // namespace
 }  // namespace slam::sim

@@ -1,0 +1,136 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "libslam/core/files.h"
+#include "tests/apps/program.h"
+
+namespace slam::apps {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+bool isPicture(const std::string& path) {
+  return fs::exists(path) && !cv::imread(path).empty();
+}
+
+/// A recording of three seconds, made once per test.
+void simulate(const testing::TempFolder& folder) {
+  const auto result = rasterslam("simulate flat -o run.rawlog --duration 3 -q", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+}
+
+TEST(Plot, DrawsAnyScanOfALog) {
+  const testing::TempFolder folder;
+  simulate(folder);
+  const auto first = rasterslam("plot scan run.rawlog", folder.path());
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_EQ(first.out, "scan.png\n");
+  const auto last = rasterslam("plot scan run.rawlog --index 15 -o last.png --json", folder.path());
+  ASSERT_EQ(last.exit_code, 0) << last.err;
+  const auto facts = nlohmann::json::parse(last.out);
+  EXPECT_EQ(facts["index"], 15);
+  EXPECT_EQ(facts["beams"], 541);
+  EXPECT_NEAR(facts["time_s"].get<double>(), 1700000003, 1e-6);
+  EXPECT_TRUE(isPicture(folder / "scan.png"));
+  EXPECT_TRUE(isPicture(folder / "last.png"));
+  EXPECT_NE(core::fileSha256(folder / "scan.png"), core::fileSha256(folder / "last.png"));
+}
+
+TEST(Plot, RefusesAScanThatTheLogDoesNotHold) {
+  const testing::TempFolder folder;
+  simulate(folder);
+  for (const std::string index : {"16", "-1", "2000000000"}) {
+    const auto result = rasterslam("plot scan run.rawlog --index " + index + " -o x.png", folder.path());
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_EQ(result.err, "rasterslam: run.rawlog: --index: found " + index + ", expected 0 to 15\n");
+  }
+  EXPECT_EQ(rasterslam("plot scan run.rawlog --index two -o x.png", folder.path()).exit_code, 2);
+  EXPECT_THAT(rasterslam("plot scan none.rawlog", folder.path()).err, HasSubstr("none.rawlog: no such file"));
+  EXPECT_FALSE(fs::exists(folder / "x.png"));
+  EXPECT_FALSE(fs::exists(folder / "scan.png"));
+}
+
+TEST(Plot, ReplaysAnOperationLogOverItsTruthAndPlan) {
+  const testing::TempFolder folder;
+  simulate(folder);
+  const auto result = rasterslam("plot operations run.operations.txt --json", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto facts = nlohmann::json::parse(result.out);
+  EXPECT_EQ(facts["operations"], 15);
+  EXPECT_THAT(facts["truth"].get<std::string>(), HasSubstr("run.gt.tum"));
+  EXPECT_THAT(facts["plan"].get<std::string>(), HasSubstr("flat.yaml"));
+  EXPECT_TRUE(isPicture(folder / "operations.png"));
+}
+
+TEST(Plot, ReplaysAnOperationLogThatStandsAlone) {
+  const testing::TempFolder folder;
+  std::ofstream(folder / "square.txt")
+      << "m -1 1\nt 1.5707963267948966\nm 0 1\nt 1.5707963267948966\nm -1 0\n";
+  const auto result = rasterslam("plot operations square.txt -o square.png", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("5 operations, path 3.00 m, end at x 0.00 m, y 1.00 m, yaw 180.0 deg"));
+  EXPECT_TRUE(isPicture(folder / "square.png"));
+  std::ofstream(folder / "empty.txt");
+  EXPECT_EQ(rasterslam("plot operations empty.txt -o empty.png", folder.path()).exit_code, 0);
+}
+
+TEST(Plot, RefusesABrokenOperationLogAndAPlanWithoutAStart) {
+  const testing::TempFolder folder;
+  std::ofstream(folder / "cut.txt") << "m -1 1\nt 1.57";
+  std::ofstream(folder / "good.txt") << "m -1 1\n";
+  const auto cut = rasterslam("plot operations cut.txt", folder.path());
+  EXPECT_EQ(cut.exit_code, 3);
+  EXPECT_THAT(cut.err, HasSubstr("cut.txt:2: the last line has no line end"));
+  const auto no_start = rasterslam("plot operations good.txt --plan flat", folder.path());
+  EXPECT_EQ(no_start.exit_code, 3);
+  EXPECT_THAT(no_start.err, HasSubstr("--plan needs --truth"));
+  EXPECT_FALSE(fs::exists(folder / "operations.png"));
+}
+
+TEST(Plot, DrawsTheTurnAwayExperimentWithCameraAndLidar) {
+  const testing::TempFolder folder;
+  const auto camera = rasterslam("plot obstacles --json", folder.path());
+  ASSERT_EQ(camera.exit_code, 0) << camera.err;
+  const auto moments = nlohmann::json::parse(camera.out)["moments"];
+  ASSERT_EQ(moments.size(), 6U);
+  EXPECT_EQ(moments[0]["seen"], 7);
+  EXPECT_EQ(moments[3]["seen"], 0);
+  EXPECT_EQ(moments[3]["remembered"], 5);
+  ASSERT_EQ(rasterslam("plot obstacles --sensor lidar -o lidar.png", folder.path()).exit_code, 0);
+  EXPECT_TRUE(isPicture(folder / "obstacles.png"));
+  EXPECT_TRUE(isPicture(folder / "lidar.png"));
+  const auto again = rasterslam("plot obstacles", folder.path());
+  EXPECT_EQ(again.exit_code, 3);
+  EXPECT_THAT(again.err, HasSubstr("obstacles.png: exists; give --overwrite to replace it"));
+}
+
+TEST(Plot, PrintsAndChecksTheObstacleParameters) {
+  const testing::TempFolder folder;
+  const auto printed = rasterslam("plot obstacles --print-config --set camera.pitch_deg=30", folder.path());
+  ASSERT_EQ(printed.exit_code, 0) << printed.err;
+  EXPECT_THAT(printed.out, HasSubstr("[obstacles]"));
+  EXPECT_THAT(printed.out, HasSubstr("pitch_deg = 30"));
+  for (const auto& [arguments, message] : {std::pair{"--sensor sonar", "found 'sonar', expected"},
+                                           {"--set camera.pich_deg=3", "did you mean 'pitch_deg'?"},
+                                           {"--set obstacles.max_points=0", "key 'max_points': found '0'"},
+                                           {"--set kamera.x_m=0", "did you mean 'camera'?"}}) {
+    const auto result = rasterslam(std::string("plot obstacles ") + arguments, folder.path());
+    EXPECT_EQ(result.exit_code, 3) << arguments;
+    EXPECT_THAT(result.err, HasSubstr(message));
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(Plot, WantsToKnowWhatToDraw) {
+  for (const std::string arguments : {"plot", "plot map", "plot scan", "plot operations"})
+    EXPECT_EQ(rasterslam(arguments).exit_code, 2) << arguments;
+}
+
+}  // namespace
+}  // namespace slam::apps
