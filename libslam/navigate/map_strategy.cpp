@@ -13,8 +13,6 @@ namespace {
 constexpr double kViewpointSpacing_m = 1.0;
 constexpr double kStandoffs_m[] = {1.0, 2.0, 4.0};
 constexpr std::size_t kMostViewpoints = 30;  // at frontiers; keeps a decision short
-// Where something was given up: the map's noise shifts what remains by about a cell.
-constexpr double kPlace_m = 0.1;
 constexpr double kSpent_m = 0.25;
 constexpr int kLeaveAlone = 10;  // decisions
 constexpr double kTarget_m = 3.0;
@@ -26,19 +24,6 @@ void MapStrategy::seeMap(const gridmap::OccupancyRaster& map) {
   space_ = readFreeSpace(map);
 }
 
-MapStrategy::Place MapStrategy::placeOf(const core::Point2& p_map) const {
-  return {static_cast<int>(std::floor(p_map.x / kPlace_m)), static_cast<int>(std::floor(p_map.y / kPlace_m))};
-}
-
-bool MapStrategy::isGivenUp(const core::Point2& p_map) const {
-  if (given_up_.empty()) return false;
-  const Place place = placeOf(p_map);
-  for (int dx = -1; dx <= 1; ++dx)
-    for (int dy = -1; dy <= 1; ++dy)
-      if (given_up_.count({place.first + dx, place.second + dy})) return true;
-  return false;
-}
-
 bool MapStrategy::isSpent(const core::Point2& p_map) const {
   for (const auto& place : spent_)
     if (core::distance(place, p_map) < kSpent_m) return true;
@@ -47,22 +32,18 @@ bool MapStrategy::isSpent(const core::Point2& p_map) const {
   return false;
 }
 
-/// The cells of every frontier that are in reach of a look and not given up; counts the rest.
+/// Of every frontier the cells that are in reach; counts the frontiers of which less than min_cells are.
 std::vector<Frontier> MapStrategy::openFrontiers(const PathPlanner& planner, std::size_t min_cells) {
   out_of_reach_ = abandoned_ = 0;
   std::vector<Frontier> open;
   for (auto& frontier : findFrontiers(*space_, min_cells)) {
     Frontier kept;
-    bool in_reach = false;
-    for (const std::size_t cell : frontier.cells) {
-      if (!planner.accessOf(planner.nodeOf(cell))) continue;
-      in_reach = true;
-      if (!isGivenUp(space_->centreOf(cell))) kept.cells.push_back(cell);
-    }
+    for (const std::size_t cell : frontier.cells)
+      if (planner.accessOf(planner.nodeOf(cell))) kept.cells.push_back(cell);
     if (kept.cells.size() >= min_cells)
       open.push_back(std::move(kept));
     else
-      ++(in_reach ? abandoned_ : out_of_reach_);
+      ++out_of_reach_;
   }
   return open;
 }

@@ -1,8 +1,6 @@
 #pragma once
-#include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "libslam/navigate/expected_gain.h"
@@ -35,13 +33,14 @@ struct Scene {
 };
 
 /// What the strategies on the map have in common: read the map, plan the ways, find the frontiers in reach and
-/// the viewpoints for them, follow up how it went, and know when nothing is left. The frontier's one file
-/// each only say which viewpoint is the best.
+/// viewpoints for them, follow up how it went, and know when nothing is left. The strategies themselves, one
+/// small file each, only say which viewpoint is the best.
 ///
-/// Finished when no frontier of frontier_min_m is left that the robot can drive up to (or at most look_m
-/// short of it, through gaps that it can look but not drive through) and that has not been given up; `reason`
-/// says what remains. A frontier is given up where a look from its viewpoint left it standing; a goal that
-/// could not be reached is left alone for some decisions, and given up the second time.
+/// A frontier is in reach when the robot can drive up to it, or to at most look_m short of it in a gap that it
+/// can look but not drive through. A viewpoint is used once: what a look from it leaves unknown stays so. A goal
+/// that could not be reached is left alone for some decisions and given up the second time. Finished when no
+/// viewpoint is left for any frontier of frontier_min_m (or none that `choose` thinks worth the way); the
+/// reason says how many frontiers remain out of reach and how many were given up.
 class MapStrategy : public Strategy {
  public:
   explicit MapStrategy(const StrategyOptions& options) : options_(options) {}
@@ -70,9 +69,6 @@ class MapStrategy : public Strategy {
   const StrategyOptions& options() const { return options_; }
 
  private:
-  using Place = std::pair<int, int>;
-  Place placeOf(const core::Point2& p_map) const;
-  bool isGivenUp(const core::Point2& p_map) const;
   std::vector<Frontier> openFrontiers(const PathPlanner& planner, std::size_t min_cells);
   std::vector<Viewpoint> viewpointsFor(const PathPlanner& planner, const std::vector<Frontier>& frontiers);
   bool isSpent(const core::Point2& p_map) const;
@@ -82,7 +78,6 @@ class MapStrategy : public Strategy {
   robot::RobotOptions robot_;
   std::optional<FreeSpace> space_;
   std::vector<core::Point2> target_;  ///< the frontier cells that the present goal is for
-  std::map<Place, int> given_up_;     ///< frontier places
   std::vector<core::Point2> spent_;   ///< viewpoints that have been looked from
   struct Failure {
     core::Point2 goal;

@@ -15,8 +15,9 @@ constexpr double kSmallestCorrection_rad = core::kPi / 90;
 constexpr double kSmallestTurn_rad = 1e-3;
 constexpr double kShortestDrive_m = 0.01;
 constexpr double kSidestep_m = 0.2;
+// Up to 100 degrees: right before a thing the disc can only go along it.
 constexpr double kSidestepTurn_rad = core::kPi / 18;
-constexpr int kSidestepTurns = 8, kMostSidesteps = 3;
+constexpr int kSidestepTurns = 10, kMostSidesteps = 4;
 constexpr double kProgress_m = 0.3;
 constexpr double kInsideView_rad = core::kPi / 9;  // what is to be seen should not lie at the view's edge
 

@@ -17,8 +17,6 @@ constexpr double kRight_rad = -core::kPi / 2;
 
 }  // namespace
 
-/// The right hand rule as a search: of the directions in which the disc may go a step and keeps its distance from
-/// the wall, the one farthest to the right of where the wall was touched.
 Decision WallFollow::decide(const robot::Scan& scan, const core::Pose2& /*T_map_robot*/) {
   Decision decision;
   decision.reason = "no valid reading";

@@ -4,10 +4,10 @@
 namespace slam::navigate {
 
 /// Keeps a wall on its right hand at wall_distance_m, by the scan alone. Until it has found a wall it drives to
-/// the nearest thing in sight. Then, in steps of at most half a metre: to the left where the way ahead is
-/// blocked, to the right where the wall on the right ends, else along the wall, turned a little to or from it
-/// by how far the distance is off. Goes round every room and every pillar in the same sense; what is neither
-/// is not explored.
+/// the nearest thing in sight. Then it goes in steps of 0.3 m, each in the first direction, counter-clockwise from
+/// the nearest point of the wall, in which a disc of wall_distance_m can go a step: along the wall, round its end
+/// to the right, away from a corner to the left. Goes round rooms and pillars in the same sense for ever; what
+/// cannot be seen on the way round is not explored.
 class WallFollow : public Strategy {
  public:
   WallFollow(const StrategyOptions& options, core::RandomStream) : options_(options) {}

@@ -326,6 +326,7 @@ TEST(Driver, StepsAsideForWhatThePathDoesNotKnow) {
   scenes::fill(plan, 3, 1.9, 3.1, 2.0);
   const auto drive = followPath(plan, {1, 2, 0}, {{5, 2}}, 40);
   EXPECT_EQ(drive.arrivals, 1);
+  EXPECT_EQ(drive.failures, 0);
   EXPECT_EQ(drive.collisions, 0u);
 }
 
