@@ -30,6 +30,7 @@ void addDemo(CLI::App& app, Context& context);
 void addSimulate(CLI::App& app, Context& context);
 void addRun(CLI::App& app, Context& context);
 void addEval(CLI::App& app, Context& context);
+void addExplore(CLI::App& app, Context& context);
 void addCompare(CLI::App& app, Context& context);
 void addNavigate(CLI::App& app, Context& context);
 void addInfo(CLI::App& app, Context& context);

@@ -9,6 +9,7 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/navigate/strategy.h"
 #include "libslam/run/evaluate.h"
+#include "libslam/run/explore.h"
 #include "libslam/run/resources.h"
 
 namespace slam::apps {
@@ -63,6 +64,7 @@ std::vector<Entry> entriesOf(const std::string& what) {
     }
   } else {
     for (const auto& metric : run::metricInfos()) entries.emplace_back(metric.key, metric.meaning);
+    for (const auto& figure : run::explorationFigureInfos()) entries.push_back(figure);
   }
   return entries;
 }

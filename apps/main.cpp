@@ -43,6 +43,7 @@ int main(int argc, char** argv) {
       "'rasterslam COMMAND --help' shows examples.");
   slam::apps::addDemo(app, context);
   slam::apps::addSimulate(app, context);
+  slam::apps::addExplore(app, context);
   slam::apps::addRun(app, context);
   slam::apps::addEval(app, context);
   slam::apps::addCompare(app, context);

@@ -265,15 +265,18 @@ void drawPanel(Canvas& canvas, const Panel& panel, const MapView& view, const Pi
 }  // namespace
 
 void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, const std::string& title,
-              const std::string& png_path) {
+              const std::string& png_path, const DrawnMarks& marks) {
   Window truth = windowOf(plan, plan.T_world_plan), estimates;
   for (const auto& path : paths) (path.is_truth ? truth : estimates).include(windowOf(path.path));
   PathColours colours;
-  MapSheet sheet(usable(withEstimates(truth, estimates)), title, legendOf(paths, colours));
+  auto legend = legendOf(paths, colours);
+  if (!marks.places.empty()) legend.push_back({LegendEntry::Kind::kDot, kOrange, marks.label});
+  MapSheet sheet(usable(withEstimates(truth, estimates)), title, legend);
   auto& canvas = sheet.canvas();
   canvas.clipTo(sheet.view().box);
   drawRaster(canvas, sheet.view(), plan, plan.T_world_plan);
   drawPaths(canvas, sheet.view(), paths, colours, kPlanLines);
+  for (const auto& place : marks.places) canvas.disc(sheet.view().toPixel(place), 5, kOrange);
   canvas.liftClip();
   canvas.frame(sheet.view().box, kFrame, 1);
   canvas.savePng(png_path);

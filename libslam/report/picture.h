@@ -24,9 +24,15 @@ struct DrawnPath {
 // that are not finite break a path. Text is ASCII: accents are dropped. Rasters lie where their T_world_plan
 // says.
 
-/// A plan with paths.
+/// Places to mark with a dot, in the frame of the picture's plan.
+struct DrawnMarks {
+  std::vector<core::Point2> places;
+  std::string label;
+};
+
+/// A plan with paths, and marks over them.
 void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, const std::string& title,
-              const std::string& png_path);
+              const std::string& png_path, const DrawnMarks& marks = {});
 
 /// An estimated map over the true plan. A wall cell of one agrees when the other has a wall within two cells
 /// (of the coarser raster; the legend states it in metres); agreeing walls are dark, walls of the map alone

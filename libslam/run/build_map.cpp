@@ -1,7 +1,6 @@
 #include "libslam/run/build_map.h"
 
 #include <malloc.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,15 +15,10 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/map_score.h"
+#include "libslam/run/cpu_time.h"
 
 namespace slam::run {
 namespace {
-
-double threadCpuSeconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 /// A figure of /proc/self/status in MB; NaN where the system has none.
 double processMemoryMb(const std::string& key) {
@@ -62,16 +56,6 @@ Cost summarize(std::vector<double> milliseconds, double log_seconds) {
   return cost;
 }
 
-void describe(const robot::Scan& scan, std::map<std::string, std::string>& results) {
-  results["lidar.beams"] = std::to_string(scan.ranges_m.size());
-  results["lidar.first_angle_rad"] = core::formatNumber(scan.first_angle_rad);
-  results["lidar.step_rad"] = core::formatNumber(scan.step_rad);
-  results["lidar.max_range_m"] = core::formatNumber(scan.max_range_m);
-  results["lidar.mount_x_m"] = core::formatNumber(scan.T_robot_lidar.x);
-  results["lidar.mount_y_m"] = core::formatNumber(scan.T_robot_lidar.y);
-  results["lidar.mount_yaw_rad"] = core::formatNumber(scan.T_robot_lidar.phi);
-}
-
 const std::map<std::string, std::string>& fileNotes() {
   static const std::map<std::string, std::string> notes = {
       {"trajectory.tum", "estimated pose of every scan, TUM form: rasterslam eval, evo"},
@@ -87,6 +71,16 @@ const std::map<std::string, std::string>& fileNotes() {
 
 }  // namespace
 
+void describeLidar(const robot::Scan& scan, std::map<std::string, std::string>& results) {
+  results["lidar.beams"] = std::to_string(scan.ranges_m.size());
+  results["lidar.first_angle_rad"] = core::formatNumber(scan.first_angle_rad);
+  results["lidar.step_rad"] = core::formatNumber(scan.step_rad);
+  results["lidar.max_range_m"] = core::formatNumber(scan.max_range_m);
+  results["lidar.mount_x_m"] = core::formatNumber(scan.T_robot_lidar.x);
+  results["lidar.mount_y_m"] = core::formatNumber(scan.T_robot_lidar.y);
+  results["lidar.mount_yaw_rad"] = core::formatNumber(scan.T_robot_lidar.phi);
+}
+
 MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
                 core::Manifest manifest, core::Progress& progress, bool measure_memory) {
@@ -99,7 +93,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   progress.begin("mapping with " + method_name);
   while (const auto entry = log.next()) {
     if (run.estimate.empty())
-      describe(entry->scan, manifest.results);
+      describeLidar(entry->scan, manifest.results);
     else if (!entry->has_odometry)
       ++run.steps_without_odometry;
     const double before_s = threadCpuSeconds();

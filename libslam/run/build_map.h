@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "libslam/core/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
+#include "libslam/robot/scan.h"
 
 namespace slam::run {
 
@@ -33,5 +35,8 @@ struct MapRun {
 MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
                 core::Manifest manifest, core::Progress& progress, bool measure_memory = true);
+
+/// What scoring a map needs to know of the lidar: keys `lidar.*` of a run's manifest.
+void describeLidar(const robot::Scan& scan, std::map<std::string, std::string>& results);
 
 }  // namespace slam::run

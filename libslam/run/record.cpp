@@ -1,34 +1,12 @@
 #include "libslam/run/record.h"
 
-#include <chrono>
-#include <cmath>
 #include <filesystem>
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/logs/log_writer.h"
-#include "libslam/logs/trajectory_io.h"
-#include "libslam/odometry/scan_odometry.h"
-#include "libslam/sim/operation_log.h"
+#include "libslam/run/recorder.h"
 
 namespace slam::run {
-namespace {
-
-logs::LogEntry toLogEntry(const sim::Sensed& sensed) {
-  return {sensed.scan, sensed.T_odom_robot, sensed.T_previous_robot, true};
-}
-
-bool isTurn(const robot::Command& command) {
-  return command.speed_mps == 0 && command.turn_rate_radps != 0;
-}
-
-sim::Operation toOperation(const robot::Command& command, const odometry::ScanMotion& motion) {
-  if (isTurn(command)) return {'t', motion.turn_reading_rad, 0.0};
-  return {'m', motion.rear_reading_m, motion.front_reading_m};
-}
-
-}  // namespace
 
 core::Pose2 startPose(const world::Plan& plan, const RecordConfig& config) {
   const double clearance_m = robot::circumscribedRadius(config.robot) + config.strategy.stop_clearance_m;
@@ -66,8 +44,10 @@ SimulationOptions::SimulationOptions() {
   table().setDefaults(*this);
 }
 
-RecordConfig readRecordConfig(const core::IniFile& ini) {
-  core::rejectUnknownSections(ini, {"robot", "lidar", "odometry", "strategy", "simulation"});
+RecordConfig readRecordConfig(const core::IniFile& ini, const std::vector<std::string>& other_sections) {
+  std::vector<std::string> known = {"robot", "lidar", "odometry", "strategy", "simulation"};
+  known.insert(known.end(), other_sections.begin(), other_sections.end());
+  core::rejectUnknownSections(ini, known);
   RecordConfig config;
   auto* report = &config.parameters;
   core::readParameters(ini, robot::RobotOptions::table(), config.robot, report);
@@ -85,64 +65,29 @@ std::string logStem(const std::string& log_path) {
 
 Recording record(const world::Plan& plan, const RecordConfig& config, std::uint64_t seed,
                  const std::string& log_path, core::Manifest manifest, core::Progress& progress) {
-  const auto wall_start = std::chrono::steady_clock::now();
   const double period_s = 1 / config.lidar.rate_hz;
   sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, startPose(plan, config), seed);
   navigate::Driver driver(navigate::makeStrategy(config.strategy, core::RandomStream(seed, "strategy")),
                           config.strategy, config.robot, period_s, core::RandomStream(seed, "driver"));
-  odometry::ScanOdometryOptions founding;
-  founding.method = "argmax";
-  const auto scan_odometry = odometry::makeScanOdometry(founding);
-  logs::LogWriter log(log_path, config.simulation.log_form == "action" ? logs::RawlogForm::kActionFrame
-                                                                       : logs::RawlogForm::kObservationOnly);
-  Recording recording;
-  std::vector<sim::Operation> operations;
+  if (driver.wantsMap())
+    throw core::InputError("strategy '" + config.strategy.name +
+                           "' needs a map, and a recording builds none: use 'rasterslam explore'");
+  Recorder recorder(log_path, config);
   progress.begin("simulating " + plan.name);
   const double start_time_s = simulator.time_s();
   sim::Sensed sensed = simulator.sense();
-  scan_odometry->update(sensed.scan);
+  recorder.begin(simulator, sensed);
   while (true) {
-    log.write(toLogEntry(sensed));
-    recording.truth.push_back({simulator.time_s(), simulator.truth()});
     const double elapsed_s = simulator.time_s() - start_time_s;
     progress.update(elapsed_s / config.simulation.duration_s, elapsed_s);
     if (elapsed_s + period_s / 2 >= config.simulation.duration_s) break;
     const robot::Command command = driver.next(sensed.scan, sensed.T_odom_robot, sensed.collided);
     if (driver.finished()) break;
     sensed = simulator.step(command);
-    const auto kind = isTurn(command) ? odometry::MotionKind::kTurn : odometry::MotionKind::kMove;
-    operations.push_back(toOperation(command, scan_odometry->update(sensed.scan, kind)));
+    recorder.add(command, simulator, sensed);
   }
   progress.end();
-
-  const std::string stem = logStem(log_path);
-  log.close();
-  logs::writeTum(recording.truth, stem + ".gt.tum");
-  logs::writeMrptGroundTruth(recording.truth, log_path + ".GT.txt");
-  core::writeFileAtomically(stem + ".operations.txt", sim::formatOperations(operations));
-  recording.collisions = simulator.collisions();
-  recording.duration_s = simulator.time_s() - start_time_s;
-  recording.path_length_m = core::pathLength(recording.truth);
-  recording.files = {log_path, log_path + ".GT.txt", stem + ".gt.tum", stem + ".operations.txt",
-                     stem + ".manifest.json"};
-
-  manifest.seed = seed;
-  for (const auto& line : config.parameters) manifest.config[line.section + "." + line.info.key] = line.value;
-  const auto name = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
-  manifest.files[name(log_path)] = "MRPT rawlog: RawLogViewer, rawlog-edit, icp-slam, rasterslam run";
-  manifest.files[name(log_path) + ".GT.txt"] =
-      "truth, MRPT's text form, relative to the start: graphslam-engine -g";
-  manifest.files[name(stem) + ".gt.tum"] = "truth, TUM form, world frame: rasterslam eval --truth, evo";
-  manifest.files[name(stem) + ".operations.txt"] =
-      "operation log: m rear front (metres) or t angle (radians)";
-  manifest.results["scans"] = std::to_string(recording.truth.size());
-  manifest.results["duration_s"] = core::formatNumber(recording.duration_s);
-  manifest.results["path_length_m"] = core::formatNumber(recording.path_length_m);
-  manifest.results["collisions"] = std::to_string(recording.collisions.size());
-  manifest.times_s["simulation"] =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
-  core::writeManifest(manifest, stem + ".manifest.json");
-  return recording;
+  return recorder.finish(simulator, seed, std::move(manifest));
 }
 
 }  // namespace slam::run

@@ -35,8 +35,10 @@ struct RecordConfig {
   std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
 };
 
-/// Reads sections [robot] [lidar] [odometry] [strategy] [simulation]; strict.
-RecordConfig readRecordConfig(const core::IniFile& config);
+/// Reads sections [robot] [lidar] [odometry] [strategy] [simulation]; strict but for `other_sections`, which
+/// someone else reads.
+RecordConfig readRecordConfig(const core::IniFile& config,
+                              const std::vector<std::string>& other_sections = {});
 
 /// Where the robot starts, world frame: as [simulation] start says; "auto" is a free place in the middle, with the
 /// strategy's clearance where there is one. Errors: no free place, malformed text (InputError).
@@ -57,7 +59,8 @@ struct Recording {
 ///   run.operations.txt    the founding document's operation log
 ///   run.manifest.json     how to make it again
 /// Each file is written beside and renamed; an error or an interrupt leaves none of them.
-/// Same plan, config and seed: the same bytes (but for the times in the manifest).
+/// Same plan, config and seed: the same bytes (but for the times in the manifest). InputError for a strategy
+/// that needs a map: explore() builds one.
 Recording record(const world::Plan& plan, const RecordConfig& config, std::uint64_t seed,
                  const std::string& log_path, core::Manifest manifest, core::Progress& progress);
 

@@ -38,8 +38,8 @@ void expectRefusal(const testing::TempFolder& folder, const std::string& argumen
 /// A room of 60 x 40 cells with walls all round.
 cv::Mat roomPicture() {
   cv::Mat picture(40, 60, CV_8UC1, cv::Scalar(255));
-  picture.row(0) = picture.row(39) = 0;
-  picture.col(0) = picture.col(59) = 0;
+  for (const int row : {0, 39}) picture.row(row).setTo(0);
+  for (const int column : {0, 59}) picture.col(column).setTo(0);
   return picture;
 }
 

@@ -1,0 +1,113 @@
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "apps/commands.h"
+#include "apps/console.h"
+#include "libslam/core/error.h"
+#include "libslam/run/explore.h"
+#include "libslam/run/resources.h"
+
+namespace slam::apps {
+namespace {
+
+struct Arguments {
+  std::string plan, slam = "icp";
+  SimulationFlags flags;
+  int seeds = 1, threads = 1;
+  bool return_to_start = false, tables_only = false;
+};
+
+std::vector<std::string> splitAtCommas(const std::string& text) {
+  std::vector<std::string> parts;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, ',');)
+    if (!part.empty()) parts.push_back(part);
+  return parts;
+}
+
+/// One configuration per strategy; they are the same but for its name.
+std::vector<run::ExploreConfig> configsOf(const Context& context, const Arguments& arguments) {
+  SimulationFlags flags = arguments.flags;
+  auto names = splitAtCommas(flags.strategy);
+  if (names.empty()) names.emplace_back();  // the configuration's own
+  std::vector<run::ExploreConfig> configs;
+  for (const auto& name : names) {
+    flags.strategy = name;
+    auto ini = simulationConfig(context, flags);
+    if (arguments.return_to_start) ini.set("exploration", "return_to_start", "true", "--return");
+    configs.push_back(run::readExploreConfig(ini));
+  }
+  return configs;
+}
+
+int explorePlan(const Context& context, const Arguments& arguments) {
+  run::ExploreRequest request;
+  request.strategies = configsOf(context, arguments);
+  if (context.print_config) {
+    printParameters(request.strategies.front().record.parameters, context.json);
+    return 0;
+  }
+  request.plan_path = run::resolvePlan(arguments.plan);
+  request.slam = arguments.slam;
+  request.methods_folder = run::configsFolder() + "/methods";
+  request.output = context.output.empty() ? "exploration" : context.output;
+  request.seed = context.seed;
+  request.seeds = arguments.seeds;
+  request.threads = arguments.threads;
+  request.tables_only = arguments.tables_only;
+  request.overwrite = context.overwrite;
+  ConsoleProgress progress(context.quiet);
+  const auto result = run::explore(request, context.manifest(), progress);
+  if (context.json)
+    std::cout << nlohmann::ordered_json{{"folder", request.output},
+                                        {"scores",
+                                         nlohmann::ordered_json::parse(report::toJson(result.scores))},
+                                        {"cost", nlohmann::ordered_json::parse(report::toJson(result.cost))}}
+                     .dump(2)
+              << "\n";
+  else
+    std::cout << report::toText(result.scores) << "\npictures, maps, tables: " << request.output << "\n";
+  return static_cast<int>(result.failed ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);
+}
+
+}  // namespace
+
+void addExplore(CLI::App& app, Context& context) {
+  auto* command =
+      app.add_subcommand("explore", "let a robot explore a plan by its own map; scored on the true plan");
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("plan", arguments->plan, "bmp, png, pgm, jpg, a ROS map yaml, or a world by name")
+      ->required();
+  command
+      ->add_option("--slam", arguments->slam,
+                   "the method that estimates pose and map: a name of 'rasterslam list methods', an .ini "
+                   "file, or truth (reference without SLAM)")
+      ->capture_default_str();
+  addOutput(command, context, "folder to write (default exploration)");
+  addSeed(command, context);
+  command->add_option("--seeds", arguments->seeds, "number of runs per strategy, with seeds from --seed on")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--threads", arguments->threads, "runs side by side")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->add_flag("--return", arguments->return_to_start, "after finishing drive back to the start");
+  command->add_flag("--tables-only", arguments->tables_only, "no log, map and pictures for every run");
+  addSimulationFlags(command, arguments->flags);
+  addConfig(command, context);
+  addJson(command, context);
+  command->footer(
+      "--strategy takes several names, separated by commas: one row each.\n"
+      "Exit codes: 0 ok, also when the robot got stuck; 3 bad input; 4 when the SLAM method failed.\n"
+      "Examples:\n"
+      "  rasterslam explore flat --strategy nearest_frontier --slam icp -o out\n"
+      "  rasterslam explore office_loop --strategy longest_ray,quadrant --seeds 10 --tables-only -o out");
+  command->callback([&context, arguments] {
+    context.action = [&context, arguments] { return explorePlan(context, *arguments); };
+  });
+}
+
+}  // namespace slam::apps

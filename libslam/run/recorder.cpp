@@ -1,0 +1,106 @@
+#include "libslam/run/recorder.h"
+
+#include <chrono>
+#include <filesystem>
+
+#include "libslam/core/files.h"
+#include "libslam/logs/log_writer.h"
+#include "libslam/logs/trajectory_io.h"
+#include "libslam/odometry/scan_odometry.h"
+#include "libslam/sim/operation_log.h"
+
+namespace slam::run {
+namespace {
+
+logs::LogEntry toLogEntry(const sim::Sensed& sensed) {
+  return {sensed.scan, sensed.T_odom_robot, sensed.T_previous_robot, true};
+}
+
+bool isTurn(const robot::Command& command) {
+  return command.speed_mps == 0 && command.turn_rate_radps != 0;
+}
+
+sim::Operation toOperation(const robot::Command& command, const odometry::ScanMotion& motion) {
+  if (isTurn(command)) return {'t', motion.turn_reading_rad, 0.0};
+  return {'m', motion.rear_reading_m, motion.front_reading_m};
+}
+
+std::unique_ptr<odometry::ScanOdometry> foundingOdometry() {
+  odometry::ScanOdometryOptions founding;
+  founding.method = "argmax";
+  return odometry::makeScanOdometry(founding);
+}
+
+}  // namespace
+
+struct Recorder::State {
+  State(const std::string& path, const RecordConfig& record_config)
+      : log_path(path),
+        config(record_config),
+        log(path, record_config.simulation.log_form == "action" ? logs::RawlogForm::kActionFrame
+                                                                : logs::RawlogForm::kObservationOnly) {}
+
+  std::string log_path;
+  RecordConfig config;
+  logs::LogWriter log;
+  std::unique_ptr<odometry::ScanOdometry> scan_odometry = foundingOdometry();
+  std::vector<sim::Operation> operations;
+  core::Trajectory truth;
+  std::chrono::steady_clock::time_point wall_start = std::chrono::steady_clock::now();
+};
+
+Recorder::Recorder(const std::string& log_path, const RecordConfig& config)
+    : state_(std::make_unique<State>(log_path, config)) {}
+
+Recorder::~Recorder() = default;
+
+void Recorder::begin(const sim::Simulator& simulator, const sim::Sensed& sensed) {
+  state_->scan_odometry->update(sensed.scan);
+  state_->log.write(toLogEntry(sensed));
+  state_->truth.push_back({simulator.time_s(), simulator.truth()});
+}
+
+void Recorder::add(const robot::Command& command, const sim::Simulator& simulator,
+                   const sim::Sensed& sensed) {
+  const auto kind = isTurn(command) ? odometry::MotionKind::kTurn : odometry::MotionKind::kMove;
+  state_->operations.push_back(toOperation(command, state_->scan_odometry->update(sensed.scan, kind)));
+  state_->log.write(toLogEntry(sensed));
+  state_->truth.push_back({simulator.time_s(), simulator.truth()});
+}
+
+Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, core::Manifest manifest) {
+  State& state = *state_;
+  Recording recording;
+  recording.truth = state.truth;
+  const std::string stem = logStem(state.log_path);
+  state.log.close();
+  logs::writeTum(recording.truth, stem + ".gt.tum");
+  logs::writeMrptGroundTruth(recording.truth, state.log_path + ".GT.txt");
+  core::writeFileAtomically(stem + ".operations.txt", sim::formatOperations(state.operations));
+  recording.collisions = simulator.collisions();
+  recording.duration_s = simulator.time_s() - state.truth.front().time_s;
+  recording.path_length_m = core::pathLength(recording.truth);
+  recording.files = {state.log_path, state.log_path + ".GT.txt", stem + ".gt.tum", stem + ".operations.txt",
+                     stem + ".manifest.json"};
+
+  manifest.seed = seed;
+  for (const auto& line : state.config.parameters)
+    manifest.config[line.section + "." + line.info.key] = line.value;
+  const auto name = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
+  manifest.files[name(state.log_path)] = "MRPT rawlog: RawLogViewer, rawlog-edit, icp-slam, rasterslam run";
+  manifest.files[name(state.log_path) + ".GT.txt"] =
+      "truth, MRPT's text form, relative to the start: graphslam-engine -g";
+  manifest.files[name(stem) + ".gt.tum"] = "truth, TUM form, world frame: rasterslam eval --truth, evo";
+  manifest.files[name(stem) + ".operations.txt"] =
+      "operation log: m rear front (metres) or t angle (radians)";
+  manifest.results["scans"] = std::to_string(recording.truth.size());
+  manifest.results["duration_s"] = core::formatNumber(recording.duration_s);
+  manifest.results["path_length_m"] = core::formatNumber(recording.path_length_m);
+  manifest.results["collisions"] = std::to_string(recording.collisions.size());
+  manifest.times_s["simulation"] =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - state.wall_start).count();
+  core::writeManifest(manifest, stem + ".manifest.json");
+  return recording;
+}
+
+}  // namespace slam::run

@@ -1,0 +1,28 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "libslam/run/record.h"
+
+namespace slam::run {
+
+/// Writes what a simulated robot senses and does, as record() documents it: every scan goes to the log at
+/// once, the rest at finish(). Without finish() nothing is left behind.
+class Recorder {
+ public:
+  Recorder(const std::string& log_path, const RecordConfig& config);
+  ~Recorder();
+  /// The first look.
+  void begin(const sim::Simulator& simulator, const sim::Sensed& sensed);
+  /// What `command` led to.
+  void add(const robot::Command& command, const sim::Simulator& simulator, const sim::Sensed& sensed);
+  /// Closes the log, writes the files beside it, and tells what came out.
+  Recording finish(const sim::Simulator& simulator, std::uint64_t seed, core::Manifest manifest);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace slam::run

@@ -1,0 +1,66 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "libslam/core/files.h"
+#include "tests/apps/program.h"
+
+namespace slam::apps {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+TEST(ExploreCommand, PrintsOneRowPerStrategyAndWritesWhatItSays) {
+  const testing::TempFolder folder;
+  const std::string common =
+      "explore flat --strategy quadrant,nearest_frontier --slam naive_wheel --duration 10 -q "
+      "--set lidar.beams=91 ";
+  const auto text = rasterslam(common + "-o text", folder.path());
+  ASSERT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_THAT(text.out, HasSubstr("Exploration of flat with naive_wheel"));
+  EXPECT_THAT(text.out, HasSubstr("\nquadrant "));
+  EXPECT_THAT(text.out, HasSubstr("\nnearest_frontier "));
+  EXPECT_THAT(text.out, HasSubstr("duration"));
+  EXPECT_TRUE(fs::exists(folder / "text/quadrant/run.rawlog"));
+  const auto json = rasterslam(common + "--json --tables-only -o json --seeds 2", folder.path());
+  ASSERT_EQ(json.exit_code, 0) << json.err;
+  const auto scores = nlohmann::json::parse(json.out)["scores"];
+  EXPECT_EQ(scores["rows"].size(), 4U);  // medians and quartiles
+  EXPECT_FALSE(fs::exists(folder / "json/quadrant"));
+  EXPECT_THAT(core::readTextFile(folder / "json/scores.csv"), HasSubstr("t90_s,t90_s_q1,t90_s_q3"));
+
+  const auto again = rasterslam(common + "-o text", folder.path());
+  EXPECT_EQ(again.exit_code, 3);
+  EXPECT_THAT(again.err, HasSubstr("exists; give --overwrite"));
+}
+
+TEST(ExploreCommand, RefusesInOneLine) {
+  const testing::TempFolder folder;
+  const std::pair<const char*, const char*> refusals[] = {
+      {"explore flatt", "did you mean 'flat'?"},
+      {"explore flat --strategy quadrant,nearest_fronteer", "did you mean 'nearest_frontier'?"},
+      {"explore flat --slam rbfp", "did you mean 'rbpf'?"},
+      {"explore flat --set 'simulation.start=0 0 0'", "start"},
+      {"explore flat --set 'simulation.start=-1 -1 0'", "start"},
+      {"explore flat --set robot.side_m=9", "no free place"},
+      {"explore flat --set exploration.stuck=9", "did you mean 'stuck_s'?"}};
+  for (const auto& [arguments, what] : refusals) {
+    const auto result = rasterslam(std::string(arguments) + " -q", folder.path());
+    EXPECT_EQ(result.exit_code, 3) << arguments;
+    EXPECT_THAT(result.err, HasSubstr(what)) << arguments;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(ExploreCommand, PrintsItsConfigurationWithTheReferee) {
+  const auto result = rasterslam("explore flat --return --strategy quadrant,longest_ray --print-config");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, ::testing::ContainsRegex("return_to_start = true +# --return"));
+  EXPECT_THAT(result.out, ::testing::ContainsRegex("give_up_s = 300 +# built-in"));
+}
+
+}  // namespace
+}  // namespace slam::apps
