@@ -25,10 +25,12 @@ constexpr double kFirstAngle_rad = -core::kPi, kStep_rad = 2 * core::kPi / kBeam
 struct Scene {
   world::Plan plan;
   std::vector<core::Pose2> poses;
-  world::SectorCaster caster;
+  world::SectorCaster caster, portable;
 
   explicit Scene(const std::string& name)
-      : plan(world::loadPlan(RASTERSLAM_SOURCE_DIR "/datasets/worlds/" + name + ".yaml")), caster(plan) {
+      : plan(world::loadPlan(RASTERSLAM_SOURCE_DIR "/datasets/worlds/" + name + ".yaml")),
+        caster(plan),
+        portable(plan, world::Instructions::kPortable) {
     core::RandomStream random(1, "casting benchmark");
     while (poses.size() < kPoses) {
       const core::Point2 cell{random.uniform(0, plan.columns), random.uniform(0, plan.rows)};
@@ -64,11 +66,11 @@ void castReference(benchmark::State& state, const Scene& scene) {
   countRays(state);
 }
 
-void castSectors(benchmark::State& state, const Scene& scene) {
+void castSectors(benchmark::State& state, const world::SectorCaster& caster, const Scene& scene) {
   std::vector<float> ranges;
   size_t i = 0;
   for (auto _ : state) {
-    scene.caster.castScan(scene.poses[i++ % kPoses], kFirstAngle_rad, kStep_rad, kBeams, 0, ranges);
+    caster.castScan(scene.poses[i++ % kPoses], kFirstAngle_rad, kStep_rad, kBeams, 0, ranges);
     benchmark::DoNotOptimize(ranges.data());
   }
   countRays(state);
@@ -141,7 +143,8 @@ int main(int argc, char** argv) {
       })->Unit(benchmark::kMicrosecond);
     };
     add("exact reference", castReference);
-    add("sector table", castSectors);
+    add("sector table", [](auto& state, const Scene& s) { castSectors(state, s.caster, s); });
+    add("sector table, portable", [](auto& state, const Scene& s) { castSectors(state, s.portable, s); });
     add("MRPT laserScanSimulator (approximate)", castMrpt);
     add("make the sector table", makeTable);
   }

@@ -109,16 +109,21 @@ void walkRay(const Plan& plan, const core::Point2& origin, const core::Point2& d
   }
 }
 
+/// The unit vector in the plan's axes.
+inline core::Point2 rayDirection(const Plan& plan, double angle_rad) {
+  const double angle_in_plan = angle_rad - plan.T_world_plan.phi;
+  return {std::cos(angle_in_plan), std::sin(angle_in_plan)};
+}
+
 /// A ray in metres along angle_rad in the world from a cast in cells: `cast(direction, limit)` answers the
 /// distance in cells and may answer anything greater than `limit` for hits beyond it. Infinity beyond
 /// max_range_m; <= 0 means no limit.
 template <class Cast>
 double castInMetres(const Plan& plan, double angle_rad, double max_range_m, Cast cast) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const double angle_in_plan = angle_rad - plan.T_world_plan.phi;
   const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
-  const core::Point2 direction{std::cos(angle_in_plan), std::sin(angle_in_plan)};
-  const double distance_m = plan.resolution_m * cast(direction, limit_m / plan.resolution_m);
+  const double distance_m =
+      plan.resolution_m * cast(rayDirection(plan, angle_rad), limit_m / plan.resolution_m);
   return distance_m <= limit_m ? distance_m : kInfinity;
 }
 

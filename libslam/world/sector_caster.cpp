@@ -5,16 +5,12 @@
 #include <limits>
 
 #include "libslam/world/ray_walk.h"
+#include "libslam/world/sector_march.h"
 
 namespace slam::world {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// What a table says of a ray in cell (u, v), where it came in through the face u or began. A code n from 2 to
-/// 254 means that columns u to u + n - 2 are free (or outside) for every ray of the octant and that column
-/// u + n - 1 exists.
-constexpr std::uint8_t kWall = 0, kWallAbove = 1, kLongestSkip = 254, kNeverHits = 255;
 
 /// The code of a free cell below a free cell whose successors have codes with this minimum.
 inline std::uint8_t codeBefore(std::uint8_t successors) {
@@ -25,7 +21,8 @@ inline std::uint8_t codeBefore(std::uint8_t successors) {
 
 /// The codes of one column of `size` cells from its walls (size + 1 of them, the last outside) and from the
 /// codes of the column after it (size + 1 as well).
-void fillColumn(const std::uint8_t* wall, const std::uint8_t* next, int size, std::uint8_t* codes) {
+void fillColumn(const std::uint8_t* __restrict wall, const std::uint8_t* __restrict next, int size,
+                std::uint8_t* __restrict codes) {
   for (int v = 0; v < size; ++v) {
     const std::uint8_t free_code = codeBefore(std::min(next[v], next[v + 1]));
     const std::uint8_t below_wall = wall[v + 1] != 0 ? kWallAbove : free_code;
@@ -75,15 +72,66 @@ inline int floorToInt(double x) {
   return truncated - (truncated > x);
 }
 
+/// The beams of one octant from one origin, until they are cast.
+struct OctantBeams {
+  GrowingAxis major, minor;
+  SectorView view;
+  int count = 0;
+  int first_beam = 0;
+  double major_direction[kMarchBlock], minor_direction[kMarchBlock];
+};
+
+SectorView viewOf(const GrowingAxis& major, const GrowingAxis& minor, const std::uint8_t* codes) {
+  const std::ptrdiff_t stride = minor.end - minor.begin + 1;
+  // Cell (0, 0) of a mirrored axis is the cell outside that every table has.
+  return {codes - major.begin * stride - minor.begin, stride, minor.end, major.origin, minor.origin};
+}
+
+/// The first look-up of all beams is one: that of the origin's cell, whose row is not the row of its face.
+void lookAtOrigin(const OctantBeams& beams, MarchingRays& rays, EndedRays& ended) {
+  const int u = floorToInt(beams.view.origin_u), v = floorToInt(beams.view.origin_v);
+  const int code = beams.view.codes[u * beams.view.stride + v];
+  rays.count = ended.count = 0;
+  GrowingAxis major = beams.major, minor = beams.minor;
+  for (int i = 0; i < beams.count; ++i) {
+    major.direction = beams.major_direction[i];
+    minor.direction = beams.minor_direction[i];
+    const double slope = raySlope(major, minor);
+    if (code == kWall || code == kNeverHits ||
+        (code == kWallAbove && rowAt(major, minor, slope, u + 1) >= v + 1)) {
+      ended.u[ended.count] = u;
+      ended.v[ended.count] = v;
+      ended.code[ended.count] = code;
+      ended.beam[ended.count++] = i;
+    } else {
+      rays.slope[rays.count] = slope;
+      rays.u[rays.count] = u + std::max(code - 1, 1);
+      rays.beam[rays.count++] = i;
+    }
+  }
+}
+
+double distanceInCells(const OctantBeams& beams, const EndedRays& ended, int i) {
+  if (ended.code[i] == kNeverHits) return kInfinity;
+  const int beam = static_cast<int>(ended.beam[i]), u = static_cast<int>(ended.u[i]);
+  GrowingAxis major = beams.major, minor = beams.minor;
+  major.direction = beams.major_direction[beam];
+  minor.direction = beams.minor_direction[beam];
+  const bool enters_above = ended.code[i] == kWallAbove;
+  return RayEntry(major, minor, u, enters_above ? static_cast<int>(ended.v[i]) + 1 : u, enters_above)
+      .distance();
+}
+
 }  // namespace
 
-SectorCaster::SectorCaster(const Plan& plan) {
+SectorCaster::SectorCaster(const Plan& plan, Instructions instructions)
+    : uses_avx2_(instructions == Instructions::kFastest && processorHasAvx2()) {
   frame_.columns = plan.columns;
   frame_.rows = plan.rows;
   frame_.resolution_m = plan.resolution_m;
   frame_.T_world_plan = plan.T_world_plan;
   const size_t octant_size = (static_cast<size_t>(plan.columns) + 1) * (static_cast<size_t>(plan.rows) + 1);
-  codes_.resize(8 * octant_size);
+  codes_.resize(8 * octant_size + kCodePadding);
   std::uint8_t* codes = codes_.data();
   for (const bool x_is_major : {false, true}) {
     const std::vector<std::uint8_t> walls = wallsOf(plan, x_is_major);
@@ -137,12 +185,56 @@ void SectorCaster::castScan(const core::Pose2& T_world_lidar, double first_angle
                             int beams, double max_range_m, std::vector<float>& out_ranges_m) const {
   out_ranges_m.resize(beams > 0 ? static_cast<size_t>(beams) : 0);
   const core::Point2 origin = worldToCells(frame_, core::position(T_world_lidar));
+  const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
+  std::fill(out_ranges_m.begin(), out_ranges_m.end(), std::numeric_limits<float>::infinity());
+
+  OctantBeams batch;
+  int octant = -1;
+  const auto castBatch = [&] {
+    if (batch.count == 0) return;
+    MarchingRays rays;
+    EndedRays ended;
+    lookAtOrigin(batch, rays, ended);
+    while (rays.count > 0)
+      uses_avx2_ ? marchAvx2(batch.view, rays, ended) : marchPortable(batch.view, rays, ended);
+    for (int i = 0; i < ended.count; ++i) {
+      const double distance_m = frame_.resolution_m * distanceInCells(batch, ended, i);
+      if (distance_m <= limit_m)
+        out_ranges_m[static_cast<size_t>(batch.first_beam + static_cast<int>(ended.beam[i]))] =
+            static_cast<float>(distance_m);
+    }
+    batch.count = 0;
+  };
   for (int i = 0; i < beams; ++i) {
     const double angle_rad = T_world_lidar.phi + first_angle_rad + i * step_rad;
-    out_ranges_m[static_cast<size_t>(i)] = static_cast<float>(castInMetres(
-        frame_, angle_rad, max_range_m,
-        [&](const core::Point2& direction, double) { return castRayInCells(origin, direction); }));
+    const core::Point2 direction = rayDirection(frame_, angle_rad);
+    if (!isFiniteRay(origin, direction)) {
+      castBatch();
+      octant = -1;
+      continue;
+    }
+    const bool x_falls = !(direction.x >= 0), y_falls = !(direction.y >= 0);
+    const double along_x = std::abs(direction.x), along_y = std::abs(direction.y);
+    const bool x_is_major = along_x >= along_y;
+    const int beam_octant = (x_is_major ? 4 : 0) + (x_falls ? 2 : 0) + (y_falls ? 1 : 0);
+    if (beam_octant != octant || batch.count == kMarchBlock) {
+      castBatch();
+      octant = beam_octant;
+      batch.first_beam = i;
+      const GrowingAxis x = growingAxis(origin.x, direction.x, frame_.columns, 0);
+      const GrowingAxis y = growingAxis(origin.y, direction.y, frame_.rows, 0);
+      batch.major = x_is_major ? x : y;
+      batch.minor = x_is_major ? y : x;
+      batch.view = viewOf(batch.major, batch.minor, octantTable(x_is_major, x_falls, y_falls));
+    }
+    if (!batch.major.contains(batch.major.origin) || !batch.minor.contains(batch.minor.origin)) {
+      batch.first_beam = i + 1;
+      continue;
+    }
+    batch.major_direction[batch.count] = x_is_major ? along_x : along_y;
+    batch.minor_direction[batch.count++] = x_is_major ? along_y : along_x;
   }
+  castBatch();
 }
 
 }  // namespace slam::world

@@ -8,6 +8,9 @@
 
 namespace slam::world {
 
+/// What castScan() may use of the processor. The ranges are the same bits.
+enum class Instructions { kPortable, kFastest };
+
 /// castRay() and castScan() with the same bits on every ray, many times faster once a table is made of the
 /// plan: for each of the eight octants of direction and each cell, how many columns of the major axis a ray
 /// may skip whatever its slope. The walk of castRay() may restart at any column, so a skip costs no exactness.
@@ -17,7 +20,7 @@ namespace slam::world {
 /// caster. Calls from several threads at once are safe.
 class SectorCaster {
  public:
-  explicit SectorCaster(const Plan& plan);
+  explicit SectorCaster(const Plan& plan, Instructions instructions = Instructions::kFastest);
 
   /// As world::castScan().
   void castScan(const core::Pose2& T_world_lidar, double first_angle_rad, double step_rad, int beams,
@@ -30,6 +33,7 @@ class SectorCaster {
  private:
   const std::uint8_t* octantTable(bool x_is_major, bool x_falls, bool y_falls) const;
 
+  bool uses_avx2_;
   Plan frame_;  ///< size and placement; no cells
   /// Eight tables over cells counted from the octant's own corner, the minor axis contiguous, with a last row
   /// and column of cells outside the plan.
