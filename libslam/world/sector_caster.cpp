@@ -72,13 +72,32 @@ inline int floorToInt(double x) {
   return truncated - (truncated > x);
 }
 
-/// The beams of one octant from one origin, until they are cast.
+struct Octant {
+  bool x_is_major = true, x_falls = false, y_falls = false;
+
+  size_t index() const { return (x_is_major ? 4U : 0U) + (x_falls ? 2U : 0U) + (y_falls ? 1U : 0U); }
+};
+
+Octant octantOf(const core::Point2& direction) {
+  return {std::abs(direction.x) >= std::abs(direction.y), !(direction.x >= 0), !(direction.y >= 0)};
+}
+
+/// Consecutive beams of one octant from one origin, until they are cast.
 struct OctantBeams {
+  Octant octant;
   GrowingAxis major, minor;
   SectorView view;
-  int count = 0;
-  int first_beam = 0;
+  int count = 0, first_beam = 0;
   double major_direction[kMarchBlock], minor_direction[kMarchBlock];
+
+  bool takes(const Octant& other) const {
+    return count > 0 && count < kMarchBlock && other.index() == octant.index();
+  }
+  void add(const core::Point2& direction) {
+    const double along_x = std::abs(direction.x), along_y = std::abs(direction.y);
+    major_direction[count] = octant.x_is_major ? along_x : along_y;
+    minor_direction[count++] = octant.x_is_major ? along_y : along_x;
+  }
 };
 
 SectorView viewOf(const GrowingAxis& major, const GrowingAxis& minor, const std::uint8_t* codes) {
@@ -122,6 +141,24 @@ double distanceInCells(const OctantBeams& beams, const EndedRays& ended, int i) 
       .distance();
 }
 
+using March = void (*)(const SectorView&, MarchingRays&, EndedRays&);
+
+/// Writes the ranges of beams that see a wall within the limit, and leaves the others.
+void castBeams(const OctantBeams& beams, March march, double resolution_m, double limit_m, float* ranges_m) {
+  if (beams.count == 0 || !beams.major.contains(beams.major.origin) ||
+      !beams.minor.contains(beams.minor.origin))
+    return;
+  MarchingRays rays;
+  EndedRays ended;
+  lookAtOrigin(beams, rays, ended);
+  while (rays.count > 0) march(beams.view, rays, ended);
+  for (int i = 0; i < ended.count; ++i) {
+    const double distance_m = resolution_m * distanceInCells(beams, ended, i);
+    if (distance_m <= limit_m)
+      ranges_m[beams.first_beam + static_cast<int>(ended.beam[i])] = static_cast<float>(distance_m);
+  }
+}
+
 }  // namespace
 
 SectorCaster::SectorCaster(const Plan& plan, Instructions instructions)
@@ -145,26 +182,23 @@ SectorCaster::SectorCaster(const Plan& plan, Instructions instructions)
   }
 }
 
-const std::uint8_t* SectorCaster::octantTable(bool x_is_major, bool x_falls, bool y_falls) const {
-  return codes_.data() +
-         codes_.size() / 8 * ((x_is_major ? 4U : 0U) + (x_falls ? 2U : 0U) + (y_falls ? 1U : 0U));
+const std::uint8_t* SectorCaster::octantTable(size_t octant) const {
+  return codes_.data() + (codes_.size() - kCodePadding) / 8 * octant;
 }
 
 double SectorCaster::castRayInCells(const core::Point2& origin, const core::Point2& direction) const {
   if (!isFiniteRay(origin, direction)) return kInfinity;
   const GrowingAxis x = growingAxis(origin.x, direction.x, frame_.columns, 0);
   const GrowingAxis y = growingAxis(origin.y, direction.y, frame_.rows, 0);
-  const bool x_is_major = x.direction >= y.direction;
-  const GrowingAxis& major = x_is_major ? x : y;
-  const GrowingAxis& minor = x_is_major ? y : x;
+  const Octant octant = octantOf(direction);
+  const GrowingAxis &major = octant.x_is_major ? x : y, &minor = octant.x_is_major ? y : x;
   if (!major.contains(major.origin) || !minor.contains(minor.origin)) return kInfinity;
 
-  const std::ptrdiff_t stride = minor.end - minor.begin + 1;
-  const std::uint8_t* codes = octantTable(x_is_major, x.begin < 0, y.begin < 0);
+  const SectorView view = viewOf(major, minor, octantTable(octant.index()));
   const double slope = raySlope(major, minor);
   int u = floorToInt(major.origin), v = floorToInt(minor.origin);
   while (true) {
-    const std::uint8_t code = codes[(u - major.begin) * stride + (v - minor.begin)];
+    const std::uint8_t code = view.codes[u * view.stride + v];
     if (code == kWall) return RayEntry(major, minor, u, u, false).distance();
     if (code == kNeverHits) return kInfinity;
     u += std::max(code - 1, 1);
@@ -188,21 +222,10 @@ void SectorCaster::castScan(const core::Pose2& T_world_lidar, double first_angle
   const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
   std::fill(out_ranges_m.begin(), out_ranges_m.end(), std::numeric_limits<float>::infinity());
 
+  const March march = uses_avx2_ ? marchAvx2 : marchPortable;
   OctantBeams batch;
-  int octant = -1;
   const auto castBatch = [&] {
-    if (batch.count == 0) return;
-    MarchingRays rays;
-    EndedRays ended;
-    lookAtOrigin(batch, rays, ended);
-    while (rays.count > 0)
-      uses_avx2_ ? marchAvx2(batch.view, rays, ended) : marchPortable(batch.view, rays, ended);
-    for (int i = 0; i < ended.count; ++i) {
-      const double distance_m = frame_.resolution_m * distanceInCells(batch, ended, i);
-      if (distance_m <= limit_m)
-        out_ranges_m[static_cast<size_t>(batch.first_beam + static_cast<int>(ended.beam[i]))] =
-            static_cast<float>(distance_m);
-    }
+    castBeams(batch, march, frame_.resolution_m, limit_m, out_ranges_m.data());
     batch.count = 0;
   };
   for (int i = 0; i < beams; ++i) {
@@ -210,29 +233,20 @@ void SectorCaster::castScan(const core::Pose2& T_world_lidar, double first_angle
     const core::Point2 direction = rayDirection(frame_, angle_rad);
     if (!isFiniteRay(origin, direction)) {
       castBatch();
-      octant = -1;
       continue;
     }
-    const bool x_falls = !(direction.x >= 0), y_falls = !(direction.y >= 0);
-    const double along_x = std::abs(direction.x), along_y = std::abs(direction.y);
-    const bool x_is_major = along_x >= along_y;
-    const int beam_octant = (x_is_major ? 4 : 0) + (x_falls ? 2 : 0) + (y_falls ? 1 : 0);
-    if (beam_octant != octant || batch.count == kMarchBlock) {
+    const Octant octant = octantOf(direction);
+    if (!batch.takes(octant)) {
       castBatch();
-      octant = beam_octant;
-      batch.first_beam = i;
       const GrowingAxis x = growingAxis(origin.x, direction.x, frame_.columns, 0);
       const GrowingAxis y = growingAxis(origin.y, direction.y, frame_.rows, 0);
-      batch.major = x_is_major ? x : y;
-      batch.minor = x_is_major ? y : x;
-      batch.view = viewOf(batch.major, batch.minor, octantTable(x_is_major, x_falls, y_falls));
+      batch.octant = octant;
+      batch.major = octant.x_is_major ? x : y;
+      batch.minor = octant.x_is_major ? y : x;
+      batch.view = viewOf(batch.major, batch.minor, octantTable(octant.index()));
+      batch.first_beam = i;
     }
-    if (!batch.major.contains(batch.major.origin) || !batch.minor.contains(batch.minor.origin)) {
-      batch.first_beam = i + 1;
-      continue;
-    }
-    batch.major_direction[batch.count] = x_is_major ? along_x : along_y;
-    batch.minor_direction[batch.count++] = x_is_major ? along_y : along_x;
+    batch.add(direction);
   }
   castBatch();
 }

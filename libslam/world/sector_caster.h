@@ -15,8 +15,11 @@ enum class Instructions { kPortable, kFastest };
 /// plan: for each of the eight octants of direction and each cell, how many columns of the major axis a ray
 /// may skip whatever its slope. The walk of castRay() may restart at any column, so a skip costs no exactness.
 ///
+/// castScan() advances all beams of an octant together, one look-up each per pass, four at a time where the
+/// processor has AVX2; it is the fast one.
+///
 /// Memory: 8 bytes per cell, and one more row and column. Construction: some milliseconds per million cells,
-/// paid back by a few hundred scans. The plan is not needed afterwards; a plan that changes needs a new
+/// paid back by some dozens of scans. The plan is not needed afterwards; a plan that changes needs a new
 /// caster. Calls from several threads at once are safe.
 class SectorCaster {
  public:
@@ -31,7 +34,7 @@ class SectorCaster {
   double castRayInCells(const core::Point2& origin, const core::Point2& direction) const;
 
  private:
-  const std::uint8_t* octantTable(bool x_is_major, bool x_falls, bool y_falls) const;
+  const std::uint8_t* octantTable(std::size_t octant) const;
 
   bool uses_avx2_;
   Plan frame_;  ///< size and placement; no cells
