@@ -216,6 +216,20 @@ TEST(SectorCaster, AnswersInfinityForAPoseThatIsNotFiniteOrOutside) {
   EXPECT_TRUE(ranges.empty());
 }
 
+TEST(SectorCaster, DecidesTiesAtCornersInAScanAsTheReferenceDoes) {
+  Plan plan = scatteredPlan(60, 60, 9, 12);
+  plan.resolution_m = 1;  // so that quarters of cells stay exact, and with them the ties
+  plan.T_world_plan = {};
+  Comparison compare(plan);
+  core::RandomStream random(4, "ties");
+  for (int i = 0; i < 4000; ++i) {
+    const double x = double(random.below(4 * 60)) / 4, y = double(random.below(4 * 60)) / 4;
+    const double run = double(random.below(9)) - 4, rise = double(random.below(9)) - 4;
+    compare.scan({x, y, 0}, std::atan2(rise, run), 0, 7, 0);
+  }
+  compare.expectNoDifference(50000);
+}
+
 TEST(SectorCaster, CastsTheBeamsBetweenThoseWithoutADirection) {
   const Plan plan = scatteredPlan(50, 50, 1, 30);
   Comparison compare(plan);
