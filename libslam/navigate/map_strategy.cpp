@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <set>
+#include <utility>
 
 #include "libslam/core/error.h"
 
@@ -19,7 +20,8 @@ constexpr double kTarget_m = 3.0;
 constexpr double kWorthGoing = 0.3;  // of the frontier cells still there
 constexpr double kLooked_m = 1.5;  // a look from as near as this should have shown what is behind a frontier
 constexpr int kMostLooks = 2;
-constexpr double kNews_m2 = 0.1;  // less new area than this may be the map's noise
+constexpr std::size_t kMostCellsForTwoPlans = 1500000;  // in one decision of less than 50 ms
+constexpr double kNews_m2 = 0.1;                        // less new area than this may be the map's noise
 
 /// Where the robot stands nothing else does, whatever the noisy map says.
 void clearBody(FreeSpace& space, const core::Point2& p_map, double radius_m) {
@@ -249,12 +251,21 @@ Decision MapStrategy::decide(const robot::Scan& scan, const core::Pose2& T_map_r
   FreeSpace driving = *space_;
   closeGaps(driving);
   bool has_start = false;
+  const bool only_bare = std::exchange(bare_next_, false);
   for (const bool bare : {false, true}) {
+    if (only_bare && !bare) continue;
     if (bare) clearBody(driving, core::position(T_map_robot), robot::circumscribedRadius(robot_));
     const PathPlanner planner = plan(driving, bare, T_map_robot);
     if (!planner.hasStart()) continue;
     has_start = true;
     if (auto decision = goOn(planner, looking, scan, T_map_robot)) return *std::move(decision);
+    if (out_of_reach_ + abandoned_ == 0) break;
+    if (!bare && space_->state.size() > kMostCellsForTwoPlans) {
+      bare_next_ = true;
+      Decision decision;
+      decision.reason = "nothing left with the planning margin: next for the bare disc";
+      return decision;
+    }
   }
   if (has_start) return finishedDecision();
   Decision decision;

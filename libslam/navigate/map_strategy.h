@@ -44,7 +44,8 @@ struct Scene {
 /// A viewpoint is used once, and a frontier cell is given up when it is still one after a look from close by
 /// that showed nothing new, or after two looks. A goal that could not be reached is left alone for some
 /// decisions and given up the second time. When the planning margin leaves nothing to do, the ways are planned
-/// once more for the bare disc (see PlannerOptions::tight_start).
+/// once more for the bare disc (see PlannerOptions::tight_start), if any frontier remains; on a large map that is
+/// the next decision, so that none takes long.
 /// Finished when then no viewpoint is left for any frontier of frontier_min_m (or none that `choose` thinks
 /// worth the way); the reason says how many frontiers remain out of reach and how many were given up.
 class MapStrategy : public Strategy {
@@ -108,6 +109,7 @@ class MapStrategy : public Strategy {
   std::optional<core::Point2> looked_from_;  ///< the goal that was reached, until the next decision
   std::size_t known_before_ = 0;             ///< cells of the map when the present goal was chosen
   int decisions_ = 0;
+  bool bare_next_ = false;                        ///< the margin leaves nothing to do: plan for the bare disc
   std::size_t out_of_reach_ = 0, abandoned_ = 0;  ///< frontiers, at the newest decision
 };
 
