@@ -14,7 +14,8 @@ namespace {
 
 struct Arguments {
   std::string input, truth, plan;
-  std::vector<std::string> methods = {"naive", "naive_correlation", "icp", "rbpf", "rbpf_exact"};
+  std::vector<std::string> methods = {"naive", "naive_correlation", "naive_flow", "icp",
+                                      "rbpf",  "rbpf_exact"};
   SimulationFlags flags;
   int threads = 1;
   bool resume = false;

@@ -10,6 +10,7 @@
 #include "libslam/navigate/strategy.h"
 #include "libslam/run/evaluate.h"
 #include "libslam/run/explore.h"
+#include "libslam/run/goal_methods.h"
 #include "libslam/run/resources.h"
 
 namespace slam::apps {
@@ -54,6 +55,8 @@ std::vector<Entry> entriesOf(const std::string& what) {
   } else if (what == "strategies") {
     for (const auto& name : navigate::strategyNames())
       entries.emplace_back(name, navigate::strategyMeaning(name));
+  } else if (what == "navigators") {
+    for (const auto& name : run::goalMethodNames()) entries.emplace_back(name, run::goalMethodMeaning(name));
   } else if (what == "worlds") {
     for (const auto& name : run::namesInFolder(run::worldsFolder(), ".yaml")) {
       const auto plan = world::loadPlan(run::worldsFolder() + "/" + name + ".yaml");
@@ -85,11 +88,12 @@ int list(const Context& context, const std::string& what) {
 }  // namespace
 
 void addList(CLI::App& app, Context& context) {
-  auto* command = app.add_subcommand("list", "list methods, strategies, worlds, lidars or metrics");
+  auto* command =
+      app.add_subcommand("list", "list methods, strategies, navigators, worlds, lidars or metrics");
   auto what = std::make_shared<std::string>();
-  command->add_option("what", *what, "methods | strategies | worlds | lidars | metrics")
+  command->add_option("what", *what, "methods | strategies | navigators | worlds | lidars | metrics")
       ->required()
-      ->check(CLI::IsMember({"methods", "strategies", "worlds", "lidars", "metrics"}));
+      ->check(CLI::IsMember({"methods", "strategies", "navigators", "worlds", "lidars", "metrics"}));
   addJson(command, context);
   command->footer("Example:\n  rasterslam list methods");
   command->callback([&context, what] { context.action = [&context, what] { return list(context, *what); }; });

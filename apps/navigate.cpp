@@ -12,7 +12,8 @@ namespace slam::apps {
 namespace {
 
 struct Arguments {
-  std::string plan, start = "auto", goal, slam;
+  std::string plan, start = "auto", goal;
+  std::string slam = "naive_flow";  // the lidar's own odometry: no map, and a tenth of the wheels' drift
   std::vector<std::string> methods = {"bug1", "bug2", "tangent", "lidar_bug"};
   SimulationFlags flags;
 };
@@ -39,7 +40,7 @@ int navigateTo(const Context& context, const Arguments& arguments) {
   request.plan = world::loadPlan(plan_path);
   request.T_world_start = startIn(request.plan, request.config, arguments.start);
   request.methods = arguments.methods;
-  request.slam = arguments.slam;
+  request.slam = arguments.slam == "odometry" ? "" : arguments.slam;
   request.methods_folder = run::configsFolder() + "/methods";
   request.output = context.output.empty() ? "navigation" : context.output;
   request.seed = context.seed;
@@ -70,8 +71,11 @@ void addNavigate(CLI::App& app, Context& context) {
                    "bug1, bug2, tangent, lidar_bug, mrpt_reactive; separated by commas")
       ->delimiter(',')
       ->capture_default_str();
-  command->add_option("--slam", arguments->slam,
-                      "take the pose from a SLAM method (see 'rasterslam list methods'), not from odometry");
+  command
+      ->add_option(
+          "--slam", arguments->slam,
+          "where the pose comes from: a name of 'rasterslam list methods', or odometry for the wheels")
+      ->capture_default_str();
   command->add_option("--lidar", arguments->flags.lidar,
                       "a lidar by name (see 'rasterslam list lidars') or an .ini file");
   addOutput(command, context, "folder to write (default navigation)");

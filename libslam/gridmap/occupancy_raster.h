@@ -15,7 +15,9 @@ struct OccupancyRaster {
   double x_min_m = 0, y_min_m = 0;  ///< lower left corner in the map frame
   std::vector<float> occupancy;     ///< row-major from the bottom, 0 free .. 1 occupied, exactly 0.5 unknown
 
-  bool contains(int column, int row) const { return column >= 0 && row >= 0 && column < columns && row < rows; }
+  bool contains(int column, int row) const {
+    return column >= 0 && row >= 0 && column < columns && row < rows;
+  }
   float at(int column, int row) const { return occupancy[static_cast<size_t>(row) * columns + column]; }
   int columnOf(double x_m) const { return static_cast<int>(std::floor((x_m - x_min_m) / resolution_m)); }
   int rowOf(double y_m) const { return static_cast<int>(std::floor((y_m - y_min_m) / resolution_m)); }

@@ -133,9 +133,12 @@ std::shared_ptr<CActionRobotMovement2D> makeAction(MapBuilder& method, const rob
     const odometry::ScanMotion motion = motionFromScans(state, scan);
     state.scan_odometry_saw_previous = true;
     requireFinite(method, motion.T_previous_current, "the motion estimated from the scans");
-    return odometry::toMrptAction(motion, state.builder_time_s);
+    // argmax stays what it was: it never asks the wheels.
+    const bool ask_wheels = !motion.reliable && has_odometry && state.config.method.odometry != "argmax";
+    if (!ask_wheels || is_first) return odometry::toMrptAction(motion, state.builder_time_s);
+  } else {
+    state.scan_odometry_saw_previous = false;
   }
-  state.scan_odometry_saw_previous = false;
   const core::Pose2 increment = is_first ? core::Pose2{} : T_previous_robot;
   requireFinite(method, increment, "the odometry");
   auto action = CActionRobotMovement2D::Create();

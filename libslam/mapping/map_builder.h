@@ -58,6 +58,8 @@ core::IniFile loadMethodConfig(const std::string& methods_folder, const std::str
 /// as null. Which increment the builder gets is for [method] odometry to say; `wheel` takes the one estimated
 /// from the two scans (method correlation unless [scan_odometry] says otherwise) at every step for which
 /// has_odometry is false. Stamps that do not grow are moved on by a millisecond, for the builder only.
+/// The other way round, correlation, range_flow and plicp take the wheels' increment, where there is one, at a step that
+/// the scans leave open (a corridor, an open field); argmax, the founding method, never does.
 /// Returns the pose T_map_robot after it; the map frame is the robot's pose at the first scan
 /// (which the particle filter already spreads by some millimetres).
 /// The random numbers of step k come from (seed, k) alone: neither the thread nor other methods run in

@@ -154,7 +154,7 @@ TEST(MainJob, PrintsItsConfigurationWithOrigins) {
 }
 
 TEST(MainJob, ListsEverythingAsTextAndJson) {
-  for (const std::string what : {"methods", "strategies", "worlds", "lidars", "metrics"}) {
+  for (const std::string what : {"methods", "strategies", "navigators", "worlds", "lidars", "metrics"}) {
     const auto text = rasterslam("list " + what), json = rasterslam("list " + what + " --json");
     ASSERT_EQ(text.exit_code, 0) << text.err;
     const auto entries = nlohmann::json::parse(json.out);

@@ -30,8 +30,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"mapping", {"core", "robot", "gridmap", "odometry"}},
     // both
     {"run",
-     {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "report", "navigate", "mrptnav", "obstacles",
-      "odometry", "mapping"}},
+     {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "report", "navigate", "mrptnav",
+      "obstacles", "odometry", "mapping"}},
     {"plugin", {"core", "robot", "logs", "world", "sim", "navigate", "run"}},
     {"testing", {"core", "robot", "world"}},
 };

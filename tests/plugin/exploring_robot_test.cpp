@@ -60,8 +60,9 @@ TEST(ExploringRobot, SaysWhatIsWrongWithItsConfiguration) {
   EXPECT_EQ(errorOf("plann = flat\n"),
             "grab.ini:2: section [LIDAR], unknown key 'plann'; did you mean 'plan'?");
   EXPECT_EQ(errorOf("plan = flatt\n").substr(0, 46), "flatt: no such file and no world of that name;");
-  EXPECT_EQ(errorOf("scans = -1\n"),
-            "grab.ini:2: section [LIDAR], key 'scans': found '-1', expected a whole number from 0 to 1000000000");
+  EXPECT_EQ(
+      errorOf("scans = -1\n"),
+      "grab.ini:2: section [LIDAR], key 'scans': found '-1', expected a whole number from 0 to 1000000000");
   EXPECT_NE(errorOf("lidar = utm30l\n").find("did you mean 'utm30lx'?"), std::string::npos);
   EXPECT_NE(errorOf("lidar.beam = 5\n").find("did you mean 'beams'?"), std::string::npos);
   EXPECT_NE(errorOf("lidr.beams = 5\n").find("did you mean 'lidar'?"), std::string::npos);
