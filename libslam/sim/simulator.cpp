@@ -5,7 +5,6 @@
 #include <cstdio>
 
 #include "libslam/core/error.h"
-#include "libslam/world/ray_caster.h"
 
 namespace slam::sim {
 namespace {
@@ -50,6 +49,7 @@ Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
                      const robot::LidarOptions& lidar, const robot::OdometryOptions& odometry,
                      const core::Pose2& start, std::uint64_t seed, double start_time_s)
     : plan_(plan),
+      caster_(plan),
       robot_(robot),
       lidar_(lidar),
       odometry_(odometry),
@@ -74,8 +74,8 @@ Sensed Simulator::sense() {
   scan.max_range_m = lidar_.max_range_m > 0 ? lidar_.max_range_m : diagonal(plan_);
   scan.range_sigma_m = lidar_.sigma_m;
   scan.T_robot_lidar = robot::mountingPose(lidar_);
-  world::castScan(plan_, T_world_robot_ * scan.T_robot_lidar, scan.first_angle_rad, scan.step_rad,
-                  lidar_.beams, lidar_.max_range_m, scan.ranges_m);
+  caster_.castScan(T_world_robot_ * scan.T_robot_lidar, scan.first_angle_rad, scan.step_rad, lidar_.beams,
+                   lidar_.max_range_m, scan.ranges_m);
   robot::applyLidarErrors(lidar_, lidar_random_, scan.ranges_m);
   sensed.T_odom_robot = T_odom_robot_;
   sensed.T_previous_robot = T_previous_robot_;

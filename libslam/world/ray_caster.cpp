@@ -22,12 +22,10 @@ double castWithin(const Plan& plan, const core::Point2& origin, const core::Poin
   return distance;
 }
 
-double castFromCells(const Plan& plan, const core::Point2& origin, double angle_in_plan, double max_range_m) {
-  const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
-  const core::Point2 direction{std::cos(angle_in_plan), std::sin(angle_in_plan)};
-  const double distance_m =
-      plan.resolution_m * castWithin(plan, origin, direction, limit_m / plan.resolution_m);
-  return distance_m <= limit_m ? distance_m : kInfinity;
+double castFromCells(const Plan& plan, const core::Point2& origin, double angle_rad, double max_range_m) {
+  return castInMetres(plan, angle_rad, max_range_m, [&](const core::Point2& direction, double limit) {
+    return castWithin(plan, origin, direction, limit);
+  });
 }
 
 }  // namespace
@@ -37,8 +35,7 @@ double castRayInCells(const Plan& plan, const core::Point2& origin, const core::
 }
 
 double castRay(const Plan& plan, const core::Point2& origin_world, double angle_rad, double max_range_m) {
-  return castFromCells(plan, worldToCells(plan, origin_world), angle_rad - plan.T_world_plan.phi,
-                       max_range_m);
+  return castFromCells(plan, worldToCells(plan, origin_world), angle_rad, max_range_m);
 }
 
 void castScan(const Plan& plan, const core::Pose2& T_world_lidar, double first_angle_rad, double step_rad,
@@ -48,7 +45,7 @@ void castScan(const Plan& plan, const core::Pose2& T_world_lidar, double first_a
   for (int i = 0; i < beams; ++i) {
     const double angle_rad = T_world_lidar.phi + first_angle_rad + i * step_rad;
     out_ranges_m[static_cast<size_t>(i)] =
-        static_cast<float>(castFromCells(plan, origin, angle_rad - plan.T_world_plan.phi, max_range_m));
+        static_cast<float>(castFromCells(plan, origin, angle_rad, max_range_m));
   }
 }
 

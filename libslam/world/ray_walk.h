@@ -17,11 +17,35 @@ struct GrowingAxis {
   int begin, end;       ///< cells begin .. end-1 exist
   std::ptrdiff_t step;  ///< from a cell to the next in Plan::cells
   std::ptrdiff_t zero;  ///< index contribution of cell 0
+
+  bool contains(double coordinate) const {
+    const double cell = std::floor(coordinate);
+    return cell >= begin && cell < end;
+  }
 };
 
 inline GrowingAxis growingAxis(double origin, double direction, int size, std::ptrdiff_t stride) {
   if (direction >= 0) return {origin, direction, 0, size, stride, 0};
   return {-origin, -direction, -size, 0, -stride, -stride};
+}
+
+inline bool isFiniteRay(const core::Point2& origin, const core::Point2& direction) {
+  return std::isfinite(origin.x) && std::isfinite(origin.y) && std::isfinite(direction.x) &&
+         std::isfinite(direction.y);
+}
+
+/// Rows per column. Below 1, so that a ray climbs at most one row per column even after rounding: the two
+/// products and sums of row(u + 1) - row(u) err by less than 2^-36 together while coordinates stay below 2^15
+/// cells.
+inline double raySlope(const GrowingAxis& major, const GrowingAxis& minor) {
+  constexpr double kSteepest = 1.0 - 0x1.0p-36;
+  return std::min(minor.direction / major.direction, kSteepest);
+}
+
+/// Where the ray meets the near face of column u, in cells of the minor axis. It never falls as u grows, so
+/// its floor is the row in which a walk enters any column after its first.
+inline double rowAt(const GrowingAxis& major, const GrowingAxis& minor, double slope, int u) {
+  return minor.origin + (u - major.origin) * slope;
 }
 
 /// How a walk enters a cell: through the face on one of the ray's lines u = line or v = line.
@@ -59,30 +83,22 @@ class RayEntry {
 template <class GoOn>
 void walkRay(const Plan& plan, const core::Point2& origin, const core::Point2& direction, double limit,
              GoOn go_on) {
-  // Below 1, so that a ray climbs at most one row per column even after rounding: the two products and sums
-  // of row(u + 1) - row(u) err by less than 2^-36 together while coordinates stay below 2^15 cells.
-  constexpr double kSteepest = 1.0 - 0x1.0p-36;
-  const bool is_finite = std::isfinite(origin.x) && std::isfinite(origin.y) && std::isfinite(direction.x) &&
-                         std::isfinite(direction.y);
-  if (!is_finite) return;
+  if (!isFiniteRay(origin, direction)) return;
   const GrowingAxis x = growingAxis(origin.x, direction.x, plan.columns, 1);
   const GrowingAxis y = growingAxis(origin.y, direction.y, plan.rows, plan.columns);
   const GrowingAxis major = x.direction >= y.direction ? x : y, minor = x.direction >= y.direction ? y : x;
 
-  const double floor_u = std::floor(major.origin), floor_v = std::floor(minor.origin);
-  if (!(floor_u >= major.begin && floor_u < major.end && floor_v >= minor.begin && floor_v < minor.end))
-    return;
-  int u = static_cast<int>(floor_u), v = static_cast<int>(floor_v);
+  if (!major.contains(major.origin) || !minor.contains(minor.origin)) return;
+  int u = static_cast<int>(std::floor(major.origin)), v = static_cast<int>(std::floor(minor.origin));
   const Cell* cell = plan.cells.data() + major.zero + minor.zero + u * major.step + v * minor.step;
   if (!go_on(cell, RayEntry(major, minor, u, u, false))) return;
 
-  const double slope = std::min(minor.direction / major.direction, kSteepest);
+  const double slope = raySlope(major, minor);
   // Two columns more than the range needs: rounding must not end a walk before the last hit within range.
   const double last_u = major.origin + limit * major.direction + 2;
   const int end_u = last_u < major.end ? static_cast<int>(last_u) : major.end;
   while (true) {
-    const double row_at_far_side = minor.origin + (u + 1 - major.origin) * slope;
-    if (row_at_far_side >= v + 1) {
+    if (rowAt(major, minor, slope, u + 1) >= v + 1) {
       ++v;
       cell += minor.step;
       if (v >= minor.end || !go_on(cell, RayEntry(major, minor, u, v, true))) return;
@@ -91,6 +107,24 @@ void walkRay(const Plan& plan, const core::Point2& origin, const core::Point2& d
     cell += major.step;
     if (u >= end_u || !go_on(cell, RayEntry(major, minor, u, u, false))) return;
   }
+}
+
+/// The unit vector in the plan's axes.
+inline core::Point2 rayDirection(const Plan& plan, double angle_rad) {
+  const double angle_in_plan = angle_rad - plan.T_world_plan.phi;
+  return {std::cos(angle_in_plan), std::sin(angle_in_plan)};
+}
+
+/// A ray in metres along angle_rad in the world from a cast in cells: `cast(direction, limit)` answers the
+/// distance in cells and may answer anything greater than `limit` for hits beyond it. Infinity beyond
+/// max_range_m; <= 0 means no limit.
+template <class Cast>
+double castInMetres(const Plan& plan, double angle_rad, double max_range_m, Cast cast) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
+  const double distance_m =
+      plan.resolution_m * cast(rayDirection(plan, angle_rad), limit_m / plan.resolution_m);
+  return distance_m <= limit_m ? distance_m : kInfinity;
 }
 
 }  // namespace slam::world

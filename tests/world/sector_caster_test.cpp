@@ -1,0 +1,238 @@
+#include "libslam/world/sector_caster.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+
+#include "drawn_plan.h"
+#include "libslam/core/random.h"
+#include "libslam/world/ray_caster.h"
+
+namespace slam::world {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kPi;
+
+template <class Number>
+bool sameBits(Number a, Number b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+/// Counts rays on which the caster and the reference differ, and tells the first of them.
+class Comparison {
+ public:
+  explicit Comparison(const Plan& plan)
+      : plan_(plan), caster_(plan), portable_(plan, Instructions::kPortable) {}
+
+  void inCells(const core::Point2& origin, const core::Point2& direction) {
+    count(castRayInCells(plan_, origin, direction), caster_.castRayInCells(origin, direction), origin,
+          std::atan2(direction.y, direction.x));
+  }
+  void ray(const core::Point2& origin_world, double angle_rad, double max_range_m) {
+    count(castRay(plan_, origin_world, angle_rad, max_range_m),
+          caster_.castRay(origin_world, angle_rad, max_range_m), origin_world, angle_rad);
+  }
+  void scan(const core::Pose2& pose, double first_rad, double step_rad, int beams, double max_range_m) {
+    castScan(plan_, pose, first_rad, step_rad, beams, max_range_m, expected_);
+    for (const SectorCaster* caster : {&caster_, &portable_}) {
+      caster->castScan(pose, first_rad, step_rad, beams, max_range_m, found_);
+      ASSERT_EQ(found_.size(), expected_.size());
+      for (size_t i = 0; i < found_.size(); ++i)
+        count(expected_[i], found_[i], core::position(pose), pose.phi + first_rad + double(i) * step_rad);
+    }
+  }
+  /// The eight axis and diagonal directions and their neighbours by one rounding.
+  void awkwardDirections(const core::Point2& origin) {
+    const double tiny = 6e-17, half = std::sqrt(0.5), above = std::nextafter(half, 1.0);
+    for (const double sx : {1.0, -1.0})
+      for (const double sy : {1.0, -1.0})
+        for (const core::Point2 d : {core::Point2{1, 0.0},
+                                     {1, tiny},
+                                     {half, half},
+                                     {half, above},
+                                     {0.8, 0.6},
+                                     {2 / std::sqrt(5.0), 1 / std::sqrt(5.0)}}) {
+          inCells(origin, {sx * d.x, sy * d.y});
+          inCells(origin, {sx * d.y, sy * d.x});
+        }
+  }
+
+  void expectNoDifference(std::int64_t at_least_rays) const {
+    EXPECT_GE(rays_, at_least_rays);
+    EXPECT_EQ(differences_, 0) << "of " << rays_ << "; first: " << first_;
+  }
+  std::int64_t hits() const { return hits_; }
+
+ private:
+  template <class Number>
+  void count(Number expected, Number found, const core::Point2& origin, double angle_rad) {
+    ++rays_;
+    hits_ += expected < static_cast<Number>(kInfinity);
+    if (sameBits(expected, found)) return;
+    if (differences_++ == 0)
+      first_ = "from " + std::to_string(origin.x) + " " + std::to_string(origin.y) + " along " +
+               std::to_string(angle_rad) + ": " + std::to_string(found) + " instead of " +
+               std::to_string(expected);
+  }
+
+  const Plan& plan_;
+  SectorCaster caster_, portable_;
+  std::int64_t rays_ = 0, hits_ = 0, differences_ = 0;
+  std::string first_;
+  std::vector<float> expected_, found_;
+};
+
+Plan scatteredPlan(int columns, int rows, std::uint64_t seed, int one_in) {
+  Plan plan;
+  plan.columns = columns;
+  plan.rows = rows;
+  plan.resolution_m = 0.05;
+  plan.T_world_plan = {3, -2, 0.7};
+  core::RandomStream random(seed, "scattered plan");
+  for (int i = 0; i < columns * rows; ++i)
+    plan.cells.push_back(random.below(static_cast<std::uint64_t>(one_in)) == 0 ? Cell::kOccupied
+                                                                               : Cell::kFree);
+  return plan;
+}
+
+/// In a wall, in the open or just outside.
+core::Point2 anyPoint(core::RandomStream& random, const Plan& plan) {
+  return cellsToWorld(plan,
+                      {random.uniform(-0.5, plan.columns + 0.5), random.uniform(-0.5, plan.rows + 0.5)});
+}
+
+class OfEveryCommittedWorld : public testing::TestWithParam<const char*> {};
+
+TEST_P(OfEveryCommittedWorld, AMillionRaysEqualTheReferenceBitForBit) {
+  const Plan plan = loadPlan(std::string(RASTERSLAM_SOURCE_DIR "/datasets/worlds/") + GetParam() + ".yaml");
+  Comparison compare(plan);
+  core::RandomStream random(1, "sector caster");
+  for (int i = 0; i < 500; ++i) {
+    const core::Point2 p = anyPoint(random, plan);
+    const core::Pose2 pose{p.x, p.y, random.uniform(-10, 10)};
+    compare.scan(pose, -kPi, 2 * kPi / 1080, 1080, 0);
+    compare.scan(pose, -kPi, 2 * kPi / 1080, 1080, random.uniform(0.1, 20));
+  }
+  for (int i = 0; i < 20000; ++i) compare.ray(anyPoint(random, plan), random.uniform(-9, 9), 0);
+  for (int i = 0; i < 20000; ++i)
+    compare.ray(anyPoint(random, plan), random.uniform(-9, 9), random.uniform(0, 10));
+  compare.expectNoDifference(2000000);
+  EXPECT_GT(compare.hits(), 300000);
+}
+
+TEST_P(OfEveryCommittedWorld, RaysOnGridLinesAndThroughCornersEqualTheReference) {
+  const Plan plan = loadPlan(std::string(RASTERSLAM_SOURCE_DIR "/datasets/worlds/") + GetParam() + ".yaml");
+  Comparison compare(plan);
+  core::RandomStream random(2, "grid lines");
+  const auto onLine = [&](int size) { return double(random.below(static_cast<std::uint64_t>(size) + 1)); };
+  for (int i = 0; i < 1000; ++i) {
+    const core::Point2 corner{onLine(plan.columns), onLine(plan.rows)};
+    compare.awkwardDirections(corner);
+    compare.awkwardDirections({corner.x + 0.5, corner.y});
+    compare.awkwardDirections({corner.x, corner.y + 0.5});
+    compare.awkwardDirections({corner.x + 0.25, corner.y + 0.75});
+    compare.awkwardDirections({std::nextafter(corner.x, 0.0), std::nextafter(corner.y, 1e9)});
+    const double rise = double(random.below(9)) - 4, run = double(random.below(9)) - 4;
+    if (rise != 0 || run != 0)
+      compare.inCells(corner, {run / std::hypot(run, rise), rise / std::hypot(run, rise)});
+  }
+  compare.expectNoDifference(200000);
+}
+
+INSTANTIATE_TEST_SUITE_P(SectorCaster, OfEveryCommittedWorld,
+                         testing::Values("corridor", "flat", "maze", "office_loop", "pillar_hall"),
+                         [](const auto& world) { return std::string(world.param); });
+
+TEST(SectorCaster, EqualsTheReferenceAtEveryDensityOfWallsAndWithOpenRims) {
+  for (const int one_in : {1, 2, 8, 60, 1000, 1000000}) {
+    const Plan plan = scatteredPlan(150, 110, 7, one_in);
+    Comparison compare(plan);
+    core::RandomStream random(11, "densities");
+    for (int i = 0; i < 40; ++i) {
+      const core::Point2 p = anyPoint(random, plan);
+      compare.scan({p.x, p.y, random.uniform(-4, 4)}, -kPi, 2 * kPi / 1001, 1001, i % 2 == 0 ? 0 : 2.5);
+    }
+    for (int column = 0; column <= plan.columns; column += 3)
+      for (int row = 0; row <= plan.rows; row += 5) compare.awkwardDirections({double(column), double(row)});
+    compare.expectNoDifference(80000);
+  }
+}
+
+TEST(SectorCaster, SkipsFartherThanOneByteCounts) {
+  Plan plan = scatteredPlan(1500, 40, 1, 1000000000);
+  for (int row = 0; row < plan.rows; ++row)
+    plan.cells[static_cast<size_t>(row) * 1500 + 1400] = Cell::kOccupied;
+  Comparison compare(plan);
+  core::RandomStream random(3, "long skips");
+  for (int i = 0; i < 40000; ++i) {
+    const double y = random.uniform(-0.03, 0.03), x = random.below(2) == 0 ? -1 : 1;
+    compare.inCells({random.uniform(0, 1500), random.uniform(0, 40)}, {x * std::sqrt(1 - y * y), y});
+  }
+  compare.expectNoDifference(40000);
+  EXPECT_GT(compare.hits(), 10000);
+}
+
+TEST(SectorCaster, EqualsTheReferenceOnDrawnPlansOfOneCellOneLineAndNothing) {
+  for (const Plan& plan : {drawnPlan({"#"}), drawnPlan({"."}), drawnPlan({"?"}), drawnPlan({".?.#"}),
+                           drawnPlan({"#", ".", "."}), drawnPlan({"#.", ".#"}), Plan{}}) {
+    Comparison compare(plan);
+    for (double x = -0.5; x <= plan.columns + 0.5; x += 0.25)
+      for (double y = -0.5; y <= plan.rows + 0.5; y += 0.25) {
+        compare.awkwardDirections({x, y});
+        compare.scan({x, y, 0.1}, -kPi, 0.1, 64, 0);
+        compare.scan({x, y, 0.1}, -kPi, 0.1, 64, 1.1);
+      }
+    compare.expectNoDifference(100);
+  }
+}
+
+TEST(SectorCaster, StopsAtTheMaximumRangeInclusive) {
+  const SectorCaster caster(drawnPlan({".....#"}));
+  EXPECT_EQ(caster.castRay({0.5, 0.5}, 0, 4.5), 4.5);
+  EXPECT_EQ(caster.castRay({0.5, 0.5}, 0, std::nextafter(4.5, 0.0)), kInfinity);
+  EXPECT_EQ(caster.castRay({0.5, 0.5}, 0, -1), 4.5);
+}
+
+TEST(SectorCaster, AnswersInfinityForAPoseThatIsNotFiniteOrOutside) {
+  const SectorCaster caster(drawnPlan({"########", "#......#", "#......#", "########"}));
+  for (const double bad : {kNaN, kInfinity, -kInfinity, 1e300, -0.5, 8.5}) {
+    EXPECT_EQ(caster.castRay({bad, 1.5}, 0, 0), kInfinity) << bad;
+    EXPECT_EQ(caster.castRay({1.5, bad}, 0, 0), kInfinity) << bad;
+  }
+  EXPECT_EQ(caster.castRay({1.5, 1.5}, kNaN, 0), kInfinity);
+  std::vector<float> ranges(3, -1.0F);
+  caster.castScan({1.5, 1.5, kNaN}, 0, 0.1, 5, 0, ranges);
+  EXPECT_EQ(ranges, std::vector<float>(5, std::numeric_limits<float>::infinity()));
+  caster.castScan({kNaN, 1.5, 0}, 0, 0.1, 9, 0, ranges);
+  EXPECT_EQ(ranges, std::vector<float>(9, std::numeric_limits<float>::infinity()));
+  caster.castScan({1.5, 1.5, 0}, 0, 0.1, 0, 0, ranges);
+  EXPECT_TRUE(ranges.empty());
+  caster.castScan({1.5, 1.5, 0}, 0, 0.1, -1, 0, ranges);
+  EXPECT_TRUE(ranges.empty());
+}
+
+TEST(SectorCaster, CastsTheBeamsBetweenThoseWithoutADirection) {
+  const Plan plan = scatteredPlan(50, 50, 1, 30);
+  Comparison compare(plan);
+  const core::Point2 p = cellsToWorld(plan, {25.3, 24.6});
+  for (const double step : {kNaN, kInfinity, 1e308, 5e307, -1e308})
+    compare.scan({p.x, p.y, 0.3}, 0, step, 9, 0);
+  for (const double step : {0.0, 1.0, 2.5, -0.01}) compare.scan({p.x, p.y, 0.3}, 40, step, 700, 0);
+  compare.expectNoDifference(5000);
+  EXPECT_GT(compare.hits(), 2000);
+}
+
+TEST(SectorCaster, OutlivesAndIgnoresThePlanItWasMadeFrom) {
+  Plan plan = drawnPlan({".....#"});
+  const SectorCaster caster(plan);
+  plan = drawnPlan({".#"});
+  EXPECT_EQ(caster.castRay({0.5, 0.5}, 0, 0), 4.5);
+}
+
+}  // namespace
+}  // namespace slam::world
