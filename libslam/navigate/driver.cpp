@@ -243,6 +243,7 @@ Driver::~Driver() = default;
 
 robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_map_robot, bool collided) {
   State& state = *state_;
+  state.strategy->seeScan(scan, T_map_robot);
   if (collided) {
     // What was hit is not in the scans: leave on the side that was just driven.
     ++state.failures;

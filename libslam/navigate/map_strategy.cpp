@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <set>
+#include <utility>
 
 #include "libslam/core/error.h"
 
@@ -12,11 +13,30 @@ namespace {
 
 constexpr double kViewpointSpacing_m = 1.0;
 constexpr double kStandoffs_m[] = {1.0, 2.0, 4.0};
-constexpr std::size_t kMostViewpoints = 30;  // at frontiers; keeps a decision short
+constexpr std::size_t kViewpointsAtATime = 30;  // at frontiers; keeps a decision short
 constexpr double kSpent_m = 0.25;
 constexpr int kLeaveAlone = 10;  // decisions
 constexpr double kTarget_m = 3.0;
 constexpr double kWorthGoing = 0.3;  // of the frontier cells still there
+constexpr double kLooked_m = 1.5;  // a look from as near as this should have shown what is behind a frontier
+constexpr int kMostLooks = 2;
+constexpr std::size_t kMostCellsForTwoPlans = 1500000;  // in one decision of less than 50 ms
+constexpr double kNews_m2 = 0.1;                        // less new area than this may be the map's noise
+
+/// Where the robot stands nothing else does, whatever the noisy map says.
+void clearBody(FreeSpace& space, const core::Point2& p_map, double radius_m) {
+  const int column = space.columnOf(p_map.x), row = space.rowOf(p_map.y);
+  const int reach = static_cast<int>(std::ceil(radius_m / space.resolution_m));
+  for (int r = row - reach; r <= row + reach; ++r)
+    for (int c = column - reach; c <= column + reach; ++c)
+      if (c > 0 && r > 0 && c + 1 < space.columns && r + 1 < space.rows &&
+          core::distance(space.centreOf(space.index(c, r)), p_map) < radius_m)
+        space.state[space.index(c, r)] = kFreeCell;
+}
+
+bool isNearer(const Viewpoint& a, const Viewpoint& b) {
+  return std::pair(a.cost_m, a.node) < std::pair(b.cost_m, b.node);
+}
 
 }  // namespace
 
@@ -32,24 +52,67 @@ bool MapStrategy::isSpent(const core::Point2& p_map) const {
   return false;
 }
 
-/// Of every frontier the cells that are in reach; counts the frontiers of which less than min_cells are.
-std::vector<Frontier> MapStrategy::openFrontiers(const PathPlanner& planner, std::size_t min_cells) {
+MapStrategy::Place MapStrategy::placeOf(const core::Point2& p_map) const {
+  const auto at = [&](double x_m) { return static_cast<Place>(std::floor(x_m / space_->resolution_m)); };
+  return at(p_map.y) * (Place{1} << 32) + at(p_map.x);
+}
+
+void MapStrategy::seeScan(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+  if (!space_ || !core::isFinite(T_map_robot)) return;
+  const double cell_m = space_->resolution_m;
+  for (const auto& p_robot : robot::scanPoints(scan)) {
+    const core::Point2 p = T_map_robot * p_robot;
+    for (const double dy : {-cell_m, 0.0, cell_m})
+      for (const double dx : {-cell_m, 0.0, cell_m}) returns_.insert(placeOf({p.x + dx, p.y + dy}));
+  }
+}
+
+/// The map with an obstacle in every frontier cell at which the lidar has measured a return.
+FreeSpace MapStrategy::withoutFalseFrontiers() const {
+  FreeSpace looking = *space_;
+  for (const auto& frontier : findFrontiers(*space_, 1))
+    for (const std::size_t cell : frontier.cells)
+      if (returns_.count(placeOf(space_->centreOf(cell))) != 0) looking.state[cell] = kOccupiedCell;
+  return looking;
+}
+
+/// After a look: the frontier cells close by that it left standing.
+void MapStrategy::judgeLook() {
+  if (!looked_from_) return;
+  const double news_m2 = (static_cast<double>(space_->known) - static_cast<double>(known_before_)) *
+                         space_->resolution_m * space_->resolution_m;
+  for (const auto& p : target_)
+    if (core::distance(p, *looked_from_) < kLooked_m)
+      looks_[placeOf(p)] += news_m2 < kNews_m2 ? kMostLooks : 1;
+  looked_from_.reset();
+}
+
+/// Of every frontier the cells that are in reach and not given up; counts the frontiers of which less than
+/// min_cells are.
+std::vector<Frontier> MapStrategy::openFrontiers(const FreeSpace& looking, const PathPlanner& planner,
+                                                 std::size_t min_cells) {
   out_of_reach_ = abandoned_ = 0;
   std::vector<Frontier> open;
-  for (auto& frontier : findFrontiers(*space_, min_cells)) {
+  for (auto& frontier : findFrontiers(looking, min_cells)) {
     Frontier kept;
-    for (const std::size_t cell : frontier.cells)
-      if (planner.accessOf(planner.nodeOf(cell))) kept.cells.push_back(cell);
+    std::size_t reached = 0;
+    for (const std::size_t cell : frontier.cells) {
+      if (!planner.accessOf(planner.nodeOf(cell))) continue;
+      ++reached;
+      const auto looks = looks_.find(placeOf(looking.centreOf(cell)));
+      if (looks == looks_.end() || looks->second < kMostLooks) kept.cells.push_back(cell);
+    }
     if (kept.cells.size() >= min_cells)
       open.push_back(std::move(kept));
     else
-      ++out_of_reach_;
+      ++(reached >= min_cells ? abandoned_ : out_of_reach_);
   }
   return open;
 }
 
+/// As near to the frontiers as the robot can, by cost; without the ways.
 std::vector<Viewpoint> MapStrategy::viewpointsFor(const PathPlanner& planner,
-                                                  const std::vector<Frontier>& frontiers) {
+                                                  const std::vector<Frontier>& frontiers) const {
   std::vector<Viewpoint> viewpoints;
   for (std::size_t f = 0; f < frontiers.size(); ++f) {
     std::set<std::pair<double, PathPlanner::Node>> by_cost;
@@ -69,11 +132,13 @@ std::vector<Viewpoint> MapStrategy::viewpointsFor(const PathPlanner& planner,
       viewpoints.push_back({node, p, {}, 0, cost_m, f, true});
     }
   }
-  const auto nearer = [](const Viewpoint& a, const Viewpoint& b) {
-    return std::pair(a.cost_m, a.node) < std::pair(b.cost_m, b.node);
-  };
-  std::sort(viewpoints.begin(), viewpoints.end(), nearer);
-  if (viewpoints.size() > kMostViewpoints) viewpoints.resize(kMostViewpoints);
+  std::sort(viewpoints.begin(), viewpoints.end(), isNearer);
+  return viewpoints;
+}
+
+/// With their ways and, where wanted, with viewpoints short of them.
+std::vector<Viewpoint> MapStrategy::withWays(const PathPlanner& planner,
+                                             std::vector<Viewpoint> viewpoints) const {
   std::vector<Viewpoint> standoffs;
   for (auto& viewpoint : viewpoints) {
     viewpoint.way = planner.way(viewpoint.node);
@@ -97,7 +162,7 @@ std::vector<Viewpoint> MapStrategy::viewpointsFor(const PathPlanner& planner,
     }
   }
   viewpoints.insert(viewpoints.end(), standoffs.begin(), standoffs.end());
-  std::sort(viewpoints.begin(), viewpoints.end(), nearer);
+  std::sort(viewpoints.begin(), viewpoints.end(), isNearer);
   return viewpoints;
 }
 
@@ -112,28 +177,22 @@ Decision MapStrategy::finishedDecision() const {
   return decision;
 }
 
-Decision MapStrategy::decide(const robot::Scan& scan, const core::Pose2& T_map_robot) {
-  if (!space_)
-    throw core::ContractError("strategy '" + options_.name +
-                              "' works on the map: give it one first, seeMap()");
-  ++decisions_;
-  target_.clear();
-  FreeSpace driving = *space_;
-  closeGaps(driving);
+PathPlanner MapStrategy::plan(const FreeSpace& driving, bool bare, const core::Pose2& T_map_robot) const {
   PlannerOptions planning;
-  planning.radius_m = robot::circumscribedRadius(robot_) + options_.plan_margin_m;
+  planning.radius_m = robot::circumscribedRadius(robot_) + (bare ? 0 : options_.plan_margin_m);
   planning.comfort_m = std::max(planning.radius_m, options_.comfort_m);
   planning.look_m = options_.look_m;
   planning.optimistic = options_.optimistic;
-  const PathPlanner planner(driving, planning, core::position(T_map_robot));
-  if (!planner.hasStart()) {
-    Decision decision;
-    decision.reason = "no place near the robot admits it by the map";
-    return decision;
-  }
+  planning.tight_start = bare;
+  return PathPlanner(driving, planning, core::position(T_map_robot));
+}
+
+/// Nothing when there is nowhere to go by this plan.
+std::optional<Decision> MapStrategy::goOn(const PathPlanner& planner, const FreeSpace& looking,
+                                          const robot::Scan& scan, const core::Pose2& T_map_robot) {
   const auto min_cells = static_cast<std::size_t>(
       std::max(1.0, std::ceil(options_.frontier_min_m / space_->resolution_m - 1e-9)));
-  const auto frontiers = openFrontiers(planner, min_cells);
+  const auto frontiers = openFrontiers(looking, planner, min_cells);
   auto viewpoints = viewpointsFor(planner, frontiers);
   if (viewpoints.empty() && std::any_of(failures_.begin(), failures_.end(),
                                         [&](const Failure& f) { return f.until > decisions_; })) {
@@ -142,14 +201,20 @@ Decision MapStrategy::decide(const robot::Scan& scan, const core::Pose2& T_map_r
       if (failure.until != std::numeric_limits<int>::max()) failure.until = decisions_;
     viewpoints = viewpointsFor(planner, frontiers);
   }
-  std::optional<Choice> chosen_one;
-  if (!viewpoints.empty())
-    chosen_one = choose({*space_, planner, frontiers, viewpoints, lidarView(scan), T_map_robot});
-  if (!chosen_one) {
-    abandoned_ += frontiers.size();
-    return finishedDecision();
+  // The far ones only count when none of the near ones is worth going to.
+  for (std::size_t first = 0; first < viewpoints.size(); first += kViewpointsAtATime) {
+    const auto begin = viewpoints.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto count = std::min(kViewpointsAtATime, viewpoints.size() - first);
+    const auto some = withWays(planner, {begin, begin + static_cast<std::ptrdiff_t>(count)});
+    if (const auto choice = choose({looking, planner, frontiers, some, lidarView(scan), T_map_robot}))
+      return decisionFor(planner, frontiers, some, *choice);
   }
-  const Choice& choice = *chosen_one;
+  abandoned_ += frontiers.size();
+  return std::nullopt;
+}
+
+Decision MapStrategy::decisionFor(const PathPlanner& planner, const std::vector<Frontier>& frontiers,
+                                  const std::vector<Viewpoint>& viewpoints, const Choice& choice) {
   const Viewpoint& chosen = viewpoints[choice.viewpoint];
   Decision decision;
   decision.score = choice.score;
@@ -171,6 +236,40 @@ Decision MapStrategy::decide(const robot::Scan& scan, const core::Pose2& T_map_r
                                     sum.y / static_cast<double>(target_.size())};
   for (std::size_t i = 0; i < viewpoints.size(); ++i)
     if (i != choice.viewpoint) decision.alternatives.push_back(viewpoints[i].p_map);
+  return decision;
+}
+
+Decision MapStrategy::decide(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+  if (!space_)
+    throw core::ContractError("strategy '" + options_.name +
+                              "' works on the map: give it one first, seeMap()");
+  ++decisions_;
+  judgeLook();
+  target_.clear();
+  known_before_ = space_->known;
+  const FreeSpace looking = withoutFalseFrontiers();
+  FreeSpace driving = *space_;
+  closeGaps(driving);
+  bool has_start = false;
+  const bool only_bare = std::exchange(bare_next_, false);
+  for (const bool bare : {false, true}) {
+    if (only_bare && !bare) continue;
+    if (bare) clearBody(driving, core::position(T_map_robot), robot::circumscribedRadius(robot_));
+    const PathPlanner planner = plan(driving, bare, T_map_robot);
+    if (!planner.hasStart()) continue;
+    has_start = true;
+    if (auto decision = goOn(planner, looking, scan, T_map_robot)) return *std::move(decision);
+    if (out_of_reach_ + abandoned_ == 0) break;
+    if (!bare && space_->state.size() > kMostCellsForTwoPlans) {
+      bare_next_ = true;
+      Decision decision;
+      decision.reason = "nothing left with the planning margin: next for the bare disc";
+      return decision;
+    }
+  }
+  if (has_start) return finishedDecision();
+  Decision decision;
+  decision.reason = "no place near the robot admits it by the map";
   return decision;
 }
 
@@ -206,7 +305,7 @@ bool MapStrategy::isStillGood(const Decision& decision, const core::Pose2& T_map
   for (const auto& p : target_) {
     const int column = space_->columnOf(p.x), row = space_->rowOf(p.y);
     left += column > 0 && row > 0 && column + 1 < space_->columns && row + 1 < space_->rows &&
-            isFrontierCell(*space_, space_->index(column, row));
+            isFrontierCell(*space_, space_->index(column, row)) && returns_.count(placeOf(p)) == 0;
   }
   return static_cast<double>(left) >= kWorthGoing * static_cast<double>(target_.size());
 }
@@ -215,6 +314,7 @@ void MapStrategy::tellOutcome(const Decision& decision, bool reached) {
   if (decision.path.empty()) return;
   if (reached) {
     spent_.push_back(decision.goal);
+    looked_from_ = decision.goal;
     return;
   }
   const auto known = std::find_if(failures_.begin(), failures_.end(), [&](const Failure& f) {

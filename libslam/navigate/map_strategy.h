@@ -1,6 +1,8 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "libslam/navigate/expected_gain.h"
@@ -24,7 +26,7 @@ struct Viewpoint {
 
 /// What a map strategy chooses from.
 struct Scene {
-  const FreeSpace& space;
+  const FreeSpace& space;  ///< with an obstacle where a border of the unknown turned out to be one
   const PathPlanner& planner;
   const std::vector<Frontier>& frontiers;    ///< those in reach that have not been given up
   const std::vector<Viewpoint>& viewpoints;  ///< by cost, never empty
@@ -37,10 +39,15 @@ struct Scene {
 /// small file each, only say which viewpoint is the best.
 ///
 /// A frontier is in reach when the robot can drive up to it, or to at most look_m short of it in a gap that it
-/// can look but not drive through. A viewpoint is used once: what a look from it leaves unknown stays so. A goal
-/// that could not be reached is left alone for some decisions and given up the second time. Finished when no
-/// viewpoint is left for any frontier of frontier_min_m (or none that `choose` thinks worth the way); the
-/// reason says how many frontiers remain out of reach and how many were given up.
+/// can look but not drive through. Where the lidar has measured a return there is something, also when the map
+/// cannot make up its mind about the cell (a wall along the line between two cells): no frontier.
+/// A viewpoint is used once, and a frontier cell is given up when it is still one after a look from close by
+/// that showed nothing new, or after two looks. A goal that could not be reached is left alone for some
+/// decisions and given up the second time. When the planning margin leaves nothing to do, the ways are planned
+/// once more for the bare disc (see PlannerOptions::tight_start), if any frontier remains; on a large map that is
+/// the next decision, so that none takes long.
+/// Finished when then no viewpoint is left for any frontier of frontier_min_m (or none that `choose` thinks
+/// worth the way); the reason says how many frontiers remain out of reach and how many were given up.
 class MapStrategy : public Strategy {
  public:
   explicit MapStrategy(const StrategyOptions& options) : options_(options) {}
@@ -48,6 +55,7 @@ class MapStrategy : public Strategy {
   bool needsMap() const final { return true; }
   bool drivesByDisc() const final { return true; }
   void seeMap(const gridmap::OccupancyRaster& map) final;
+  void seeScan(const robot::Scan& scan, const core::Pose2& T_map_robot) final;
   void setRobot(const robot::RobotOptions& robot) final { robot_ = robot; }
   bool isStillGood(const Decision& decision, const core::Pose2& T_map_robot,
                    std::size_t next_waypoint) override;
@@ -69,8 +77,20 @@ class MapStrategy : public Strategy {
   const StrategyOptions& options() const { return options_; }
 
  private:
-  std::vector<Frontier> openFrontiers(const PathPlanner& planner, std::size_t min_cells);
-  std::vector<Viewpoint> viewpointsFor(const PathPlanner& planner, const std::vector<Frontier>& frontiers);
+  using Place = std::int64_t;  ///< a cell's place in the map frame, whatever the raster's extent
+  Place placeOf(const core::Point2& p_map) const;
+  FreeSpace withoutFalseFrontiers() const;
+  void judgeLook();
+  PathPlanner plan(const FreeSpace& driving, bool bare, const core::Pose2& T_map_robot) const;
+  std::optional<Decision> goOn(const PathPlanner& planner, const FreeSpace& looking, const robot::Scan& scan,
+                               const core::Pose2& T_map_robot);
+  std::vector<Frontier> openFrontiers(const FreeSpace& looking, const PathPlanner& planner,
+                                      std::size_t min_cells);
+  std::vector<Viewpoint> viewpointsFor(const PathPlanner& planner,
+                                       const std::vector<Frontier>& frontiers) const;
+  std::vector<Viewpoint> withWays(const PathPlanner& planner, std::vector<Viewpoint> viewpoints) const;
+  Decision decisionFor(const PathPlanner& planner, const std::vector<Frontier>& frontiers,
+                       const std::vector<Viewpoint>& viewpoints, const Choice& choice);
   bool isSpent(const core::Point2& p_map) const;
   Decision finishedDecision() const;
 
@@ -84,7 +104,12 @@ class MapStrategy : public Strategy {
     int until;  ///< decision
   };
   std::vector<Failure> failures_;
+  std::unordered_set<Place> returns_;        ///< cells in or beside which the lidar has measured a return
+  std::unordered_map<Place, int> looks_;     ///< at frontier cells that were for nothing
+  std::optional<core::Point2> looked_from_;  ///< the goal that was reached, until the next decision
+  std::size_t known_before_ = 0;             ///< cells of the map when the present goal was chosen
   int decisions_ = 0;
+  bool bare_next_ = false;                        ///< the margin leaves nothing to do: plan for the bare disc
   std::size_t out_of_reach_ = 0, abandoned_ = 0;  ///< frontiers, at the newest decision
 };
 

@@ -63,6 +63,8 @@ PathPlanner::PathPlanner(const FreeSpace& space, const PlannerOptions& options,
     factor_of_[d] = static_cast<std::uint8_t>(std::lround(kOne + closeness * (kDearest - kOne)));
   }
   makeNodes();
+  tight_ = admitted_;
+  if (options.tight_start) openStart();
   spread();
   spreadLook();
 }
@@ -95,6 +97,23 @@ void PathPlanner::makeNodes() {
   }
 }
 
+void PathPlanner::openStart() {
+  const double tight_m = std::max(options_.radius_m - space_.resolution_m, space_.resolution_m);
+  tight_ = squaredCells(tight_m, space_.resolution_m);
+  const int column = space_.columnOf(robot_.x), row = space_.rowOf(robot_.y);
+  if (!std::isfinite(robot_.x) || !std::isfinite(robot_.y) || !space_.contains(column, row)) return;
+  const Node here = nodeOf(space_.index(column, row));
+  const int reach = static_cast<int>(std::ceil(kEscape_m / (per_node_ * space_.resolution_m)));
+  for (int r = std::max(1, here / columns_ - reach); r <= std::min(rows_ - 2, here / columns_ + reach); ++r)
+    for (int c = std::max(1, here % columns_ - reach); c <= std::min(columns_ - 2, here % columns_ + reach);
+         ++c) {
+      const Node node = r * columns_ + c;
+      if (factor_[static_cast<std::size_t>(node)] == 0 && clearance_[cellOf(node)] >= tight_ &&
+          core::distance(pointOf(node), robot_) <= kEscape_m)
+        factor_[static_cast<std::size_t>(node)] = kDearest;
+    }
+}
+
 std::size_t PathPlanner::cellOf(Node node) const {
   const int cell = best_cell_[static_cast<std::size_t>(node)];
   const int column = (node % columns_ - 1) * per_node_ + cell % per_node_;
@@ -117,7 +136,8 @@ bool PathPlanner::passes(Node a, Node b) const {
   const auto middle = [&](std::size_t u, std::size_t v) { return static_cast<int>((u + v) / 2); };
   const auto between =
       space_.index(middle(cell_a % width, cell_b % width), middle(cell_a / width, cell_b / width));
-  return factor_of_[static_cast<std::size_t>(clearance_[between])] != 0;
+  const bool near_start = tight_ < admitted_ && core::distance(space_.centreOf(between), robot_) <= kEscape_m;
+  return clearance_[between] >= (near_start ? tight_ : admitted_);
 }
 
 std::vector<std::pair<PathPlanner::Node, std::int32_t>> PathPlanner::startNodes() const {

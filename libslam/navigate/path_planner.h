@@ -16,6 +16,9 @@ struct PlannerOptions {
   double node_m = 0.1;      ///< spacing of the planning nodes, at least one cell
   double look_m = 1.0;      ///< how far beyond the places that admit the robot free cells count as in reach
   bool optimistic = false;  ///< unknown cells are no obstacles
+  /// Within 1.5 m of the robot the way may lead a cell nearer to obstacles than radius_m, at the dearest factor:
+  /// a robot that came to where it stands can leave again, though the noisy map has closed in on it.
+  bool tight_start = false;
 };
 
 /// Shortest ways from the robot to everywhere: Dijkstra's wavefront (Numerische Mathematik 1, 1959) over
@@ -60,6 +63,7 @@ class PathPlanner {
  private:
   std::size_t cellOf(Node node) const;
   void makeNodes();
+  void openStart();
   bool passes(Node a, Node b) const;
   std::vector<std::pair<Node, std::int32_t>> startNodes() const;
   void spread();
@@ -74,6 +78,7 @@ class PathPlanner {
   int columns_ = 0, rows_ = 0;               ///< of nodes, with a blocked border
   double unit_m_ = 1;                        ///< metres of one unit of cost
   std::int16_t admitted_ = 0, comfort_ = 0;  ///< squared clearances in cells
+  std::int16_t tight_ = 0;                   ///< the same, near the start
   std::vector<std::int16_t> clearance_;      ///< per cell
   std::vector<std::uint8_t> factor_of_;      ///< cost factor by squared clearance; 0 = not admitted
   std::vector<std::uint8_t> factor_;         ///< per node, 0 = not admitted

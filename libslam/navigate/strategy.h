@@ -50,6 +50,8 @@ class Strategy {
   virtual bool needsMap() const { return false; }
   /// The newest map; the reference is not kept.
   virtual void seeMap(const gridmap::OccupancyRaster& /*map*/) {}
+  /// Every scan and where it was taken, also between the decisions; before decide() sees the same one.
+  virtual void seeScan(const robot::Scan& /*scan*/, const core::Pose2& /*T_map_robot*/) {}
   /// Whose ways are to be planned. A strategy that is not told assumes the default robot.
   virtual void setRobot(const robot::RobotOptions& /*robot*/) {}
   /// True when the way is safe where the disc around the footprint fits, instead of by canMove(): its sectors

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "libslam/core/error.h"
 #include "libslam/world/building.h"
 #include "tests/navigate/drawn_map.h"
@@ -165,6 +167,45 @@ TEST(MapStrategies, DropAGoalThatHasBeenSeenAndAPathThatIsBlocked) {
   EXPECT_FALSE(strategy->isStillGood(decision, pose, 0));  // nothing unknown where it leads
   strategy->seeMap(map);
   EXPECT_TRUE(strategy->isStillGood(decision, pose, 0));
+}
+
+// A wall along the line between two rows of cells: the map flickers between them and shows no wall at all, but
+// the lidar measures one.
+TEST(MapStrategies, SeeNoFrontierWhereTheLidarMeasuresAWall) {
+  const auto map = enlarged({"########", "#......?", "#......?", "#......?", "########"}, 8, 0.05);
+  const core::Pose2 pose{1.4, 1.0, 0};
+  robot::Scan scan = circleScan();
+  for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const double c = std::cos(scan.angle(static_cast<int>(i)));
+    // The right wall stands at x = 2.8; elsewhere nothing comes back.
+    scan.ranges_m[i] = c > 0.7 ? static_cast<float>(1.4 / c) : static_cast<float>(scan.max_range_m);
+  }
+  for (const auto& name : mapStrategies()) {
+    const auto strategy = makeStrategy(named(name), {1, "strategy"});
+    strategy->seeMap(map);
+    EXPECT_FALSE(strategy->decide(scan, pose).finished) << name;
+    strategy->seeScan(scan, pose);
+    EXPECT_TRUE(strategy->decide(scan, pose).finished) << name;
+  }
+}
+
+TEST(MapStrategies, DoNotFinishBeforeTheBareDiscHasNoWayLeft) {
+  // Unknown behind a gap that is 3 m away; half a cell of the wall counts on each side.
+  const auto withGap = [](int cells) {
+    std::vector<std::string> lines(41,
+                                   "#" + std::string(80, '.') + "####" + std::string(30, '.') + "????????");
+    for (int row = 0; row < 41; ++row)
+      if (std::abs(row - 20) <= cells / 2) lines[static_cast<size_t>(row)].replace(81, 4, "....");
+    lines.front() = lines.back() = std::string(lines.front().size(), '#');
+    return drawnMap(lines, 0.05);
+  };
+  for (const auto& name : mapStrategies()) {
+    EXPECT_FALSE(decideOn(name, withGap(15), {1, 1, 0}).finished) << name;  // with the margin
+    EXPECT_FALSE(decideOn(name, withGap(13), {1, 1, 0}).finished) << name;
+    const auto closed = decideOn(name, withGap(11), {1, 1, 0});
+    EXPECT_TRUE(closed.finished) << name;
+    EXPECT_THAT(closed.reason, testing::HasSubstr("out of reach 1, given up after a look 0")) << name;
+  }
 }
 
 /// The whole loop with the simulator: noise on the lidar, walls to keep away from, doors to pass.

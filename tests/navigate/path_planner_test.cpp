@@ -157,5 +157,34 @@ TEST(PathPlanner, RefusesSenselessClearances) {
   EXPECT_THROW(PathPlanner(space, options, {}), core::ContractError);
 }
 
+/// Two rooms of 2 m at 0.05 m, joined by a gap through 0.1 m of wall; from x = 0 to 4.1, y = 0 to 2.
+gridmap::OccupancyRaster roomsWithGap(int gap_cells) {
+  std::vector<std::string> lines(44, "##" + std::string(40, '.') + "##" + std::string(40, '.') + "##");
+  lines[0] = lines[1] = lines[42] = lines[43] = std::string(86, '#');
+  for (int row = 2; row < 42; ++row) {
+    const int from_gap = row - (22 - gap_cells / 2);
+    if (from_gap >= 0 && from_gap < gap_cells) lines[static_cast<size_t>(row)].replace(42, 2, "..");
+  }
+  return drawnMap(lines, 0.05);
+}
+
+// A robot of radius 0.283 m fits through 13 cells of 0.05 m by the map, and with a cell less on each side through 11.
+TEST(PathPlanner, LeavesATightPlaceOnlyWhereTheRobotStandsInIt) {
+  const auto space = readFreeSpace(roomsWithGap(11));
+  const auto reachesTheOtherRoom = [&](double radius_m, bool tight_start, const core::Point2& robot) {
+    PlannerOptions options;
+    options.radius_m = radius_m;
+    options.look_m = 0;
+    options.tight_start = tight_start;
+    const PathPlanner planner(space, options, robot);
+    EXPECT_TRUE(planner.hasStart());
+    return planner.isReached(nodeAt(planner, space, 3.5, 1.0));
+  };
+  EXPECT_FALSE(reachesTheOtherRoom(0.283, false, {1.6, 1.05}));
+  EXPECT_TRUE(reachesTheOtherRoom(0.283, true, {1.6, 1.05}));
+  EXPECT_FALSE(reachesTheOtherRoom(0.283, true, {0.5, 1.05}));  // 1.6 m before the gap
+  EXPECT_FALSE(reachesTheOtherRoom(0.333, true, {1.6, 1.05}));  // that is more than a cell too much
+}
+
 }  // namespace
 }  // namespace slam::navigate
