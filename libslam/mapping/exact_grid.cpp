@@ -6,6 +6,8 @@
 #include <mrpt/rtti/CObject.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <algorithm>
+
 #include "libslam/mapping/map_builder.h"
 
 // MRPT compares map names without namespace and without case, and makes a map for every name that matches:
@@ -20,6 +22,38 @@ namespace {
 MRPT_INITIALIZER(registerExactGrid) {
   mrpt::rtti::registerClass(CLASS_ID(slam::mapping::ExactGrid));
 }
+}  // namespace
+
+namespace {
+
+/// Options of the grid for one scan; the destructor puts the user's back.
+class InsertionLimits {
+ public:
+  using Options = mrpt::maps::COccupancyGridMap2D::TInsertionOptions;
+  InsertionLimits(Options& options, float max_range_m)
+      : distance_m(max_range_m > 0 ? std::min(options.maxDistanceInsertion, max_range_m)
+                                   : options.maxDistanceInsertion),
+        no_return_is_free(options.considerInvalidRangesAsFreeSpace),
+        options_(options),
+        user_distance_m_(options.maxDistanceInsertion) {
+    options_.maxDistanceInsertion = distance_m;
+    options_.considerInvalidRangesAsFreeSpace = false;
+  }
+  ~InsertionLimits() {
+    options_.maxDistanceInsertion = user_distance_m_;
+    options_.considerInvalidRangesAsFreeSpace = no_return_is_free;
+  }
+  InsertionLimits(const InsertionLimits&) = delete;
+  InsertionLimits& operator=(const InsertionLimits&) = delete;
+
+  const float distance_m;
+  const bool no_return_is_free;
+
+ private:
+  Options& options_;
+  const float user_distance_m_;
+};
+
 }  // namespace
 
 void registerMaps() {
@@ -41,6 +75,17 @@ bool ExactGrid::internal_insertObservation(const mrpt::obs::CObservation& observ
   widened.aperture = static_cast<float>(step * rays);
   const double half_step = scan->rightToLeft ? 0.5 * step : -0.5 * step;
   widened.sensorPose = scan->sensorPose + mrpt::poses::CPose3D(0, 0, 0, half_step, 0, 0);
+
+  // MRPT clears every invalid reading to half of maxDistanceInsertion, whatever the lidar's range, and a lost reading
+  // like one that met nothing: through walls. Here a ray that met nothing is clear as far as the lidar sees (a
+  // reading beyond the insertion's limit clears without an end), and a lost one says nothing.
+  const InsertionLimits limits(insertionOptions, scan->maxRange);
+  if (limits.no_return_is_free)
+    for (size_t i = 0; i < widened.getScanSize(); ++i)
+      if (!widened.getScanRangeValidity(i) && widened.getScanRange(i) >= 0.99F * scan->maxRange) {
+        widened.setScanRange(i, 2 * limits.distance_m);
+        widened.setScanRangeValidity(i, true);
+      }
   return COccupancyGridMap2D::internal_insertObservation(widened, robot_pose);
 }
 
