@@ -5,14 +5,19 @@
 
 namespace slam::mapping {
 
-/// MRPT's occupancy grid with the bias of its scan insertion removed.
+/// MRPT's occupancy grid with two errors of its scan insertion removed.
 ///
 /// COccupancyGridMap2D steps the n rays of a scan by aperture / n, while the aperture of a
 /// CObservation2DRangeScan reaches from the first ray to the last, so that the step is aperture / (n - 1) (as
 /// getScanAngle() and the points maps have it). Every inserted scan is therefore squeezed, its last ray by a
 /// whole step, and on average turned by half a step against the scan that is matched to it. This class hands
-/// the insertion an equivalent scan for which aperture / n is the true step. Everything else is the stock
-/// grid: options, likelihoods, matching.
+/// the insertion an equivalent scan for which aperture / n is the true step.
+///
+/// And with considerInvalidRangesAsFreeSpace the stock grid clears every invalid reading to half of
+/// maxDistanceInsertion: beyond what a short-sighted lidar sees, and through walls where a reading was lost. Here a
+/// reading at or beyond 0.99 of the scan's maxRange (nothing met) clears to the smaller of maxRange and
+/// maxDistanceInsertion, and any other invalid reading changes nothing. Everything else is the stock grid: options,
+/// likelihoods, matching.
 ///
 /// In an .ini: `unbiasedGridMap_count = 1` and the sections PREFIX_unbiasedGridMap_00_creationOpts,
 /// _insertOpts and _likelihoodOpts with the keys of occupancyGrid. Also in MRPT's own programs, when

@@ -18,7 +18,7 @@ std::vector<MappingTable::Row> commonMappingRows() {
            &MappingOptions::grid,
            "stock",
            {"stock", "exact"},
-           "MRPT's grid as it is, or with its half-step insertion bias removed"},
+           "MRPT's grid as it is, or with its insertion errors removed"},
           {"insert_distance_m", &MappingOptions::insert_distance_m, 0.5, 0.0, 100.0,
            "travel after which a scan becomes a key frame"},
           {"insert_angle_deg", &MappingOptions::insert_angle_rad, 20.0, 0.0, 360.0,
@@ -28,7 +28,8 @@ std::vector<MappingTable::Row> commonMappingRows() {
           {"occupied_certainty", &MappingOptions::occupied_certainty, 0.65, 0.5, 0.999,
            "probability that one ray gives to a cell: occupied where it ends, free before"},
           {"no_return_is_free", &MappingOptions::no_return_is_free, true,
-           "rays without return free half of the lidar's range, where their neighbours have none either"},
+           "rays without return free cells: as far as the lidar sees (exact), half of max_insert_range_m "
+           "(stock, and lost readings too)"},
           {"max_map_cells", &MappingOptions::max_map_cells, 1.28e8, 1e4, 1e11,
            "the method has failed when its grids, over all particles, would hold more cells"}};
 }

@@ -8,6 +8,9 @@
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/serialization/CArchive.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "libslam/mapping/map_builder.h"
 #include "libslam/robot/mrpt_types.h"
 #include "tests/mapping/small_room.h"
@@ -174,6 +177,41 @@ TEST(ExactGrid, SurvivesAFileAndACopy) {
   EXPECT_EQ(copy->getRawMap(), grid.getRawMap());
   copy->fill(0.5F);
   EXPECT_NE(copy->getRawMap(), grid.getRawMap());
+}
+
+// The stock grid cleared 17.5 m (half of its limit) for an 8 m lidar, and as much through a wall for a lost reading.
+TEST(ExactGrid, ClearsNoReturnsAsFarAsTheLidarSeesAndNothingForLostReadings) {
+  robot::Scan scan;
+  scan.time_s = 1.6e9;
+  scan.first_angle_rad = -core::kPi / 2;
+  scan.step_rad = core::kPi / 180;
+  scan.max_range_m = 8;
+  scan.ranges_m.assign(181, robot::kNoReturn);
+  std::fill_n(scan.ranges_m.begin(), 60, robot::kLostReading);  // the right third
+  std::fill_n(scan.ranges_m.begin() + 121, 60, 3.0F);           // the left third: a wall
+  ExactGrid grid(-20, 20, -20, 20, 0.1F);
+  grid.insertionOptions.maxDistanceInsertion = 15;
+  grid.insertionOptions.considerInvalidRangesAsFreeSpace = true;
+  grid.insertObservation(*robot::toMrpt(scan));
+  const auto at = [&](double range_m, double angle_deg) {
+    const double a = core::degToRad(angle_deg);
+    return grid.getPos(static_cast<float>(range_m * std::cos(a)), static_cast<float>(range_m * std::sin(a)));
+  };
+  const float unknown = grid.getPos(-10, 0);
+  EXPECT_GT(at(7.8, 0.5), 0.6F);  // MRPT's grid holds the probability of being free
+  EXPECT_EQ(at(8.2, 0.5), unknown);
+  EXPECT_EQ(at(2.0, -60.5), unknown);
+  EXPECT_GT(at(2.0, 60.5), 0.6F);
+  // The ray ends on a cell's border or not: the wall is in one of the cells around its end.
+  EXPECT_LT(std::min({at(2.95, 60), at(3.0, 60), at(3.05, 60)}), 0.4F);
+  EXPECT_EQ(at(3.5, 60.5), unknown);
+  // The user's options are his again, and with the option off a ray without return says nothing.
+  EXPECT_EQ(grid.insertionOptions.maxDistanceInsertion, 15);
+  EXPECT_TRUE(grid.insertionOptions.considerInvalidRangesAsFreeSpace);
+  ExactGrid careful(-20, 20, -20, 20, 0.1F);
+  careful.insertionOptions.considerInvalidRangesAsFreeSpace = false;
+  careful.insertObservation(*robot::toMrpt(scan));
+  EXPECT_EQ(careful.getPos(4, 0), careful.getPos(-10, 0));
 }
 
 }  // namespace

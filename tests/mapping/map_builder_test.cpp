@@ -103,7 +103,7 @@ TEST_P(EveryMethod, PrintsNothing) {
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod,
                          ::testing::Values("naive", "naive_correlation", "naive_flow", "naive_wheel", "icp",
-                                           "rbpf", "rbpf_exact"),
+                                           "icp_exact", "rbpf", "rbpf_exact"),
                          [](const auto& method) { return std::string(method.param); });
 
 TEST(MapBuilder, MatchersBeatTheirOdometryInTheSmallRoom) {

@@ -25,8 +25,8 @@ std::string inputError(const std::string& text) {
 
 TEST(MethodConfig, EveryShippedMethodIsMade) {
   const auto names = methodNames(kMethods);
-  EXPECT_THAT(names, ::testing::ElementsAre("icp", "naive", "naive_correlation", "naive_flow", "naive_wheel",
-                                            "rbpf", "rbpf_exact"));
+  EXPECT_THAT(names, ::testing::ElementsAre("icp", "icp_exact", "naive", "naive_correlation", "naive_flow",
+                                            "naive_wheel", "rbpf", "rbpf_exact"));
   for (const auto& name : names) {
     const auto method = makeMapBuilder(loadMethodConfig(kMethods, name), name, 1);
     EXPECT_TRUE(method.builder) << name;
