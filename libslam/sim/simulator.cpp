@@ -48,8 +48,7 @@ void requireValid(const robot::Command& command) {
 Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
                      const robot::LidarOptions& lidar, const robot::OdometryOptions& odometry,
                      const core::Pose2& start, std::uint64_t seed, double start_time_s)
-    : plan_(plan),
-      caster_(plan),
+    : scene_(plan),
       robot_(robot),
       lidar_(lidar),
       odometry_(odometry),
@@ -57,7 +56,7 @@ Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
       odometry_random_(seed, "odometry"),
       T_world_robot_(start),
       start_time_s_(start_time_s) {
-  requireFreeStart(plan_, start, robot::circumscribedRadius(robot_));
+  requireFreeStart(plan, start, robot::circumscribedRadius(robot_));
 }
 
 double Simulator::time_s() const {
@@ -71,11 +70,11 @@ Sensed Simulator::sense() {
   scan.first_angle_rad = robot::firstAngle(lidar_);
   scan.step_rad = robot::beamStep(lidar_);
   scan.min_range_m = lidar_.min_range_m;
-  scan.max_range_m = lidar_.max_range_m > 0 ? lidar_.max_range_m : diagonal(plan_);
+  scan.max_range_m = lidar_.max_range_m > 0 ? lidar_.max_range_m : diagonal(scene_.plan());
   scan.range_sigma_m = lidar_.sigma_m;
   scan.T_robot_lidar = robot::mountingPose(lidar_);
-  caster_.castScan(T_world_robot_ * scan.T_robot_lidar, scan.first_angle_rad, scan.step_rad, lidar_.beams,
-                   lidar_.max_range_m, scan.ranges_m);
+  scene_.castScan(T_world_robot_ * scan.T_robot_lidar, scan.first_angle_rad, scan.step_rad, lidar_.beams,
+                  lidar_.max_range_m, scan.ranges_m);
   robot::applyLidarErrors(lidar_, lidar_random_, scan.ranges_m);
   sensed.T_odom_robot = T_odom_robot_;
   sensed.T_previous_robot = T_previous_robot_;
@@ -102,9 +101,10 @@ double Simulator::freeDuration(const robot::Command& command) const {
   const double radius_m = robot::circumscribedRadius(robot_);
   const auto collidesAfter = [&](double elapsed_s) {
     const core::Pose2 T_world_then = T_world_robot_ * robot::driveMotion(command, elapsed_s);
-    return world::discCollides(plan_, core::position(T_world_then), radius_m);
+    return scene_.discCollides(core::position(T_world_then), radius_m);
   };
-  const int checks = static_cast<int>(std::ceil(travel_m / std::min(0.25 * plan_.resolution_m, 0.01)));
+  const int checks =
+      static_cast<int>(std::ceil(travel_m / std::min(0.25 * scene_.plan().resolution_m, 0.01)));
   double free_s = 0;
   for (int i = 1; i <= checks; ++i) {
     double blocked_s = command.duration_s * i / checks;

@@ -9,8 +9,8 @@
 #include "libslam/robot/lidar.h"
 #include "libslam/robot/odometry_noise.h"
 #include "libslam/robot/scan.h"
+#include "libslam/sim/scene.h"
 #include "libslam/world/plan.h"
-#include "libslam/world/sector_caster.h"
 
 namespace slam::sim {
 
@@ -61,8 +61,7 @@ class Simulator {
   /// Seconds of the command until the disc would enter a wall; its whole duration when it never does.
   double freeDuration(const robot::Command& command) const;
 
-  const world::Plan& plan_;
-  world::SectorCaster caster_;
+  Scene scene_;
   robot::RobotOptions robot_;
   robot::LidarOptions lidar_;
   robot::OdometryOptions odometry_;

@@ -10,6 +10,14 @@ namespace slam::world {
 
 enum class Cell : std::uint8_t { kFree = 0, kOccupied = 1, kUnknown = 2 };
 
+/// What an occupied cell is made of, for sensors that care.
+enum class Material : std::uint8_t { kPlain = 0, kGlass = 1, kMirror = 2, kDark = 3 };
+
+/// A doorway that can be shut: cells x0 .. x1-1 by y0 .. y1-1, all free while the door is open.
+struct Door {
+  int x0, y0, x1, y1;
+};
+
 /// The true world: a raster of cells in metres. Cell (column, row) covers [column, column + 1) x [row, row +
 /// 1) in units of resolution_m in the plan frame; row 0 is at the bottom (y up), the frame's origin is the
 /// lower left corner of cell (0, 0). T_world_plan places the plan in the world (ROS: `origin`, with yaw).
@@ -18,7 +26,9 @@ struct Plan {
   int columns = 0, rows = 0;
   double resolution_m = 0.05;
   core::Pose2 T_world_plan;
-  std::vector<Cell> cells;  ///< row-major, row 0 first; columns * rows of them
+  std::vector<Cell> cells;          ///< row-major, row 0 first; columns * rows of them
+  std::vector<Material> materials;  ///< as cells, or empty: all plain; free cells are plain
+  std::vector<Door> doors;
 
   Cell at(int column, int row) const { return cells[static_cast<size_t>(row) * columns + column]; }
   bool contains(int column, int row) const {
