@@ -32,13 +32,13 @@
 namespace {
 using namespace slam;
 
-constexpr int kBeams = 1080, kPoses = 400, kPosesPerRound = 8;
+constexpr int kBeams = 1080, kPoses = 400, kPosesPerRound = 40;
 constexpr double kFirstAngle_rad = -core::kPi, kStep_rad = 2 * core::kPi / kBeams;
 
 struct Arguments {
   std::string data = "../shared/data", csv;
   std::vector<std::string> plans;
-  int rounds = 200;
+  int rounds = 60;
   double compare_rays = 1e6;
 };
 

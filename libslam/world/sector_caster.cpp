@@ -90,13 +90,11 @@ class BlockCast {
   /// Calls cast_again(beam) for the beams whose ranges are not known.
   template <class CastAgain>
   void resolve(int count, CastAgain cast_again) const {
-    int ambiguous = 0;
-    for (int i = 0; i < octants_; ++i) ambiguous += marches_[i].ambiguous;
-    for (int beam = 0; beam < count && ambiguous > 0; ++beam) {
-      if (hit_[beam] != kAmbiguousHit) continue;
-      cast_again(beam);
-      --ambiguous;
-    }
+    bool any = false;
+    for (int i = 0; i < octants_; ++i) any |= marches_[i].any_ambiguous;
+    if (!any) return;
+    for (int beam = 0; beam < count; ++beam)
+      if (hit_[beam] == kAmbiguousHit) cast_again(beam);
   }
 
  private:
@@ -134,7 +132,8 @@ class BlockCast {
       march.last_column = static_cast<std::int32_t>(std::min(limit_m_ / resolution_m_, 1e6)) + 2;
       march.origin_u = view.major.origin - u;
       march.origin_v = view.minor.origin - v;
-      march.rays = march.ends = march.ambiguous = 0;
+      march.rays = march.ends = 0;
+      march.any_ambiguous = false;
       march.cell = cell_ + room;
       march.slope = slope_ + room;
       march.row = row_ + room;

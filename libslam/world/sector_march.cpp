@@ -46,12 +46,31 @@ SLAM_INLINE void aimBeams(const double* __restrict cosines, const double* __rest
 }
 
 SLAM_INLINE void beginInFloat(OctantMarch& octant, const AimedBeams& beams, int begin, int end, int column) {
-  const auto first = static_cast<std::uint32_t>(column) << 16;
-  for (int beam = begin; beam < end; ++beam) {
-    octant.slope[octant.rays + beam - begin] = static_cast<float>(beams.slope[beam]);
-    octant.cell[octant.rays + beam - begin] = first | static_cast<std::uint32_t>(beam);
+  float* __restrict slope = octant.slope + octant.rays;
+  std::uint32_t* __restrict cell = octant.cell + octant.rays;
+  const double* __restrict exact_slope = beams.slope + begin;
+  const int first = column << 16 | begin, count = end - begin;
+  for (int i = 0; i < count; ++i) slope[i] = static_cast<float>(exact_slope[i]);
+  for (int i = 0; i < count; ++i) cell[i] = static_cast<std::uint32_t>(first + i);
+  octant.rays += count;
+}
+
+/// The wide marches note how a ray ended as row * 2^8 + code + 1 and this flag; here that becomes a hit.
+constexpr int kAmbiguousEnd = 1 << 30;
+SLAM_INLINE void finishEnds(OctantMarch& octant) {
+  const std::uint32_t* __restrict cell = octant.ended_cell;
+  Hit* __restrict ended = octant.ended_hit;
+  const int ends = octant.ends;
+  int ambiguous = 0;
+  for (int i = 0; i < ends; ++i) {
+    const Hit how = ended[i], code = how & 255, face = cell[i] & 0xFFFF0000;
+    const Hit above = face | (((how >> 8) & 0xFFFF) + 1);
+    const Hit at_wall = code == kFace ? face : kNoHit;
+    const Hit certain = code == kAbove ? above : at_wall;
+    ended[i] = (how & kAmbiguousEnd) != 0 ? kAmbiguousHit : certain;
+    ambiguous |= static_cast<int>(how & kAmbiguousEnd);
   }
-  octant.rays += end - begin;
+  octant.any_ambiguous = ambiguous != 0;
 }
 
 // As RayEntry::distance(), which bounds what it finds by two more quotients. Here they are spared where a product
@@ -73,10 +92,10 @@ SLAM_INLINE void measureHits(const double* __restrict major, const double* __res
     const bool is_above = row != 0;
     const double distance = (is_above ? rise : ahead) / (is_above ? minor[i] : major[i]);
     const double along = distance * major[i];
-    const bool is_doubtful = is_above && !(along > ahead + kDoubt && along < u + 1 - origin_u - kDoubt);
-    doubtful += is_doubtful ? 1 : 0;
+    const bool is_certain = (along > ahead + kDoubt) & (along < u + 1 - origin_u - kDoubt);
+    doubtful |= static_cast<int>(is_above) & static_cast<int>(!is_certain);
     const double range_m = resolution_m * distance;
-    ranges_m[i] = range_m <= limit_m && hits[i] < kAmbiguousHit ? static_cast<float>(range_m) : kInfinity;
+    ranges_m[i] = (range_m <= limit_m) & (hits[i] < kAmbiguousHit) ? static_cast<float>(range_m) : kInfinity;
   }
   if (doubtful == 0) return;
   for (int i = 0; i < count; ++i) {
@@ -97,13 +116,13 @@ void aimPortable(const double* cosines, const double* sines, int count, double c
 
 // Without wide registers whole numbers are faster than floats, and so exact that nearly no ray is ambiguous.
 void beginPortable(OctantMarch& octant, const AimedBeams& beams, int begin, int end, int column) {
-  const auto first = static_cast<std::uint32_t>(column) << 16;
   const double from_origin = column - octant.origin_u;
-  for (int beam = begin; beam < end; ++beam, ++octant.rays) {
+  for (int beam = begin; beam < end; ++beam) {
     const double slope = beams.slope[beam];
-    octant.cell[octant.rays] = first | static_cast<std::uint32_t>(beam);
-    octant.rise[octant.rays] = static_cast<std::int64_t>(slope * kFixedOne);
-    octant.row[octant.rays] = static_cast<std::int64_t>((octant.origin_v + from_origin * slope) * kFixedOne);
+    const int ray = octant.rays++;
+    octant.cell[ray] = static_cast<std::uint32_t>(column << 16 | beam);
+    octant.rise[ray] = static_cast<std::int64_t>(slope * kFixedOne);
+    octant.row[ray] = static_cast<std::int64_t>((octant.origin_v + from_origin * slope) * kFixedOne);
   }
 }
 
@@ -140,7 +159,7 @@ void passPortable(OctantMarch& octant) {
       const Hit hit = code == kFace ? face : code == kAbove ? above : kNoHit;
       octant.ended_cell[ends] = cell;
       octant.ended_hit[ends++] = ambiguous ? kAmbiguousHit : hit;
-      octant.ambiguous += ambiguous ? 1 : 0;
+      octant.any_ambiguous |= ambiguous;
     }
   }
   octant.rays = kept;
@@ -204,66 +223,78 @@ SLAM_AVX2 inline void storePacked(std::uint32_t* to, __m256i lanes, __m256i orde
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), _mm256_permutevar8x32_epi32(lanes, order));
 }
 
-SLAM_AVX2 inline void passAvx2(OctantMarch& octant) {
-  const __m256 origin_u = _mm256_set1_ps(static_cast<float>(octant.origin_u)),
-               origin_v = _mm256_set1_ps(static_cast<float>(octant.origin_v));
-  const __m256i end_row = _mm256_set1_epi32(octant.end_row);
-  const __m256i last_column = _mm256_set1_epi32(octant.last_column);
-  // Row and column are 16 bits each of a lane: one instruction multiplies both and adds.
-  const __m256i strides = _mm256_set1_epi32(octant.stride << 16 | 1);
-  const __m256 half = _mm256_set1_ps(0.5F), one = _mm256_set1_ps(1);
-  const __m256 sign = _mm256_set1_ps(-0.0F);
-  const __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-  const int count = octant.rays;
-  int kept = 0, ends = octant.ends;
-  for (int i = 0; i < count; i += 8) {
-    const __m256 slope = _mm256_loadu_ps(octant.slope + i);
-    const __m256i cell = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(octant.cell + i));
-    const __m256i column = _mm256_srli_epi32(cell, 16);
-    const __m256 row = _mm256_fmadd_ps(_mm256_sub_ps(_mm256_cvtepi32_ps(column), origin_u), slope, origin_v);
-    const __m256i whole = _mm256_cvttps_epi32(row);
-    const __m256 within = _mm256_sub_ps(row, _mm256_cvtepi32_ps(whole)), next = _mm256_add_ps(within, slope);
-    const __m256i v = _mm256_min_epi32(whole, end_row);
-    const __m256i index = _mm256_madd_epi16(_mm256_blend_epi16(cell, v, 0x55), strides);
-    const __m256i exists = _mm256_cmpgt_epi32(_mm256_set1_epi32(count - i), lanes);
-    const __m256i bytes = _mm256_mask_i32gather_epi32(
-        _mm256_setzero_si256(), reinterpret_cast<const int*>(octant.codes), index, exists, 1);
-    const __m256i code =
-        _mm256_and_si256(_mm256_add_epi32(bytes, _mm256_set1_epi32(1)), _mm256_set1_epi32(255));
+/// What one octant's passes have in common.
+struct Avx2Octant {
+  __m256 origin_u, origin_v;
+  __m256i end_row, last_column;
+  __m256i strides;  ///< row and column are 16 bits each of a lane: one instruction multiplies both and adds
 
-    const __m256 error = _mm256_fmadd_ps(row, _mm256_set1_ps(kRowError), _mm256_set1_ps(kFixedError));
-    const __m256 is_below_wall = _mm256_castsi256_ps(_mm256_cmpeq_epi32(code, _mm256_set1_epi32(kAbove)));
-    const __m256 from_half = _mm256_andnot_ps(sign, _mm256_sub_ps(within, half));
-    const __m256 from_next = _mm256_andnot_ps(sign, _mm256_sub_ps(next, one));
-    const __m256 ambiguous =
-        _mm256_or_ps(_mm256_cmp_ps(_mm256_add_ps(from_half, error), half, _CMP_GT_OQ),
-                     _mm256_and_ps(is_below_wall, _mm256_cmp_ps(from_next, error, _CMP_LT_OQ)));
-    const __m256 stops = _mm256_castsi256_ps(_mm256_or_si256(
-        _mm256_cmpgt_epi32(_mm256_set1_epi32(kAbove), code), _mm256_cmpgt_epi32(column, last_column)));
-    const __m256 enters_above = _mm256_and_ps(is_below_wall, _mm256_cmp_ps(next, one, _CMP_GE_OQ));
-    const int has_ended = _mm256_movemask_ps(_mm256_or_ps(_mm256_or_ps(ambiguous, stops), enters_above));
-    const int existing = _mm256_movemask_ps(_mm256_castsi256_ps(exists));
-    const int ending = has_ended & existing, going_on = ~has_ended & existing;
+  SLAM_AVX2 explicit Avx2Octant(const OctantMarch& octant)
+      : origin_u(_mm256_set1_ps(static_cast<float>(octant.origin_u))),
+        origin_v(_mm256_set1_ps(static_cast<float>(octant.origin_v))),
+        end_row(_mm256_set1_epi32(octant.end_row)),
+        last_column(_mm256_set1_epi32(octant.last_column)),
+        strides(_mm256_set1_epi32(octant.stride << 16 | 1)) {}
+};
 
-    // What ends a ray at a wall is a hit, what ends it elsewhere is none.
-    const __m256i face = _mm256_and_si256(cell, _mm256_set1_epi32(static_cast<int>(0xFFFF0000)));
-    const __m256i above = _mm256_or_si256(face, _mm256_add_epi32(v, _mm256_set1_epi32(1)));
-    const __m256i is_face = _mm256_cmpeq_epi32(code, _mm256_set1_epi32(kFace));
-    __m256i hit = _mm256_blendv_epi8(_mm256_set1_epi32(-1), face, is_face);
-    hit = _mm256_blendv_epi8(hit, above, _mm256_castps_si256(is_below_wall));
-    hit = _mm256_blendv_epi8(hit, _mm256_set1_epi32(static_cast<int>(kAmbiguousHit)),
-                             _mm256_castps_si256(ambiguous));
-    octant.ambiguous += __builtin_popcount(static_cast<unsigned>(_mm256_movemask_ps(ambiguous) & existing));
-    const __m256i end_order = packOrder(ending);
-    storePacked(octant.ended_cell + ends, cell, end_order);
-    storePacked(octant.ended_hit + ends, hit, end_order);
-    ends += __builtin_popcount(static_cast<unsigned>(ending));
-    const __m256i skip = _mm256_max_epi32(_mm256_sub_epi32(code, _mm256_set1_epi32(2)), _mm256_set1_epi32(1));
-    const __m256i keep_order = packOrder(going_on);
-    _mm256_storeu_ps(octant.slope + kept, _mm256_permutevar8x32_ps(slope, keep_order));
-    storePacked(octant.cell + kept, _mm256_add_epi32(cell, _mm256_slli_epi32(skip, 16)), keep_order);
-    kept += __builtin_popcount(static_cast<unsigned>(going_on));
+/// Advances rays i .. i+7, or as many of them as there are.
+template <bool kAllEight>
+SLAM_AVX2 SLAM_INLINE void advanceAvx2(OctantMarch& octant, const Avx2Octant& constant, int i, int& kept,
+                                       int& ends) {
+  const __m256 half = _mm256_set1_ps(0.5F), one = _mm256_set1_ps(1), sign = _mm256_set1_ps(-0.0F);
+  const __m256 slope = _mm256_loadu_ps(octant.slope + i);
+  const __m256i cell = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(octant.cell + i));
+  const __m256i column = _mm256_srli_epi32(cell, 16);
+  const __m256 row =
+      _mm256_fmadd_ps(_mm256_sub_ps(_mm256_cvtepi32_ps(column), constant.origin_u), slope, constant.origin_v);
+  const __m256i whole = _mm256_cvttps_epi32(row);
+  const __m256 within = _mm256_sub_ps(row, _mm256_cvtepi32_ps(whole)), next = _mm256_add_ps(within, slope);
+  const __m256i v = _mm256_min_epi32(whole, constant.end_row);
+  const __m256i index = _mm256_madd_epi16(_mm256_blend_epi16(cell, v, 0x55), constant.strides);
+  const auto* codes = reinterpret_cast<const int*>(octant.codes);
+  int existing = 255;
+  __m256i bytes;
+  if constexpr (kAllEight) {
+    bytes = _mm256_i32gather_epi32(codes, index, 1);
+  } else {
+    const __m256i lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    const __m256i exists = _mm256_cmpgt_epi32(_mm256_set1_epi32(octant.rays - i), lanes);
+    existing = _mm256_movemask_ps(_mm256_castsi256_ps(exists));
+    bytes = _mm256_mask_i32gather_epi32(_mm256_setzero_si256(), codes, index, exists, 1);
   }
+  const __m256i code =
+      _mm256_and_si256(_mm256_add_epi32(bytes, _mm256_set1_epi32(1)), _mm256_set1_epi32(255));
+
+  const __m256 error = _mm256_fmadd_ps(row, _mm256_set1_ps(kRowError), _mm256_set1_ps(kFixedError));
+  const __m256 is_below_wall = _mm256_castsi256_ps(_mm256_cmpeq_epi32(code, _mm256_set1_epi32(kAbove)));
+  const __m256 from_half = _mm256_andnot_ps(sign, _mm256_sub_ps(within, half));
+  const __m256 from_next = _mm256_andnot_ps(sign, _mm256_sub_ps(next, one));
+  const __m256 ambiguous =
+      _mm256_or_ps(_mm256_cmp_ps(_mm256_add_ps(from_half, error), half, _CMP_GT_OQ),
+                   _mm256_and_ps(is_below_wall, _mm256_cmp_ps(from_next, error, _CMP_LT_OQ)));
+  const __m256 stops = _mm256_castsi256_ps(_mm256_or_si256(
+      _mm256_cmpgt_epi32(_mm256_set1_epi32(kAbove), code), _mm256_cmpgt_epi32(column, constant.last_column)));
+  const __m256 enters_above = _mm256_and_ps(is_below_wall, _mm256_cmp_ps(next, one, _CMP_GE_OQ));
+  const int has_ended = _mm256_movemask_ps(_mm256_or_ps(_mm256_or_ps(ambiguous, stops), enters_above));
+  const int ending = has_ended & existing, going_on = ~has_ended & existing;
+
+  const __m256i row_code = _mm256_or_si256(_mm256_slli_epi32(v, 8), code);
+  const __m256i flag = _mm256_and_si256(_mm256_castps_si256(ambiguous), _mm256_set1_epi32(kAmbiguousEnd));
+  const __m256i end_order = packOrder(ending), keep_order = packOrder(going_on);
+  storePacked(octant.ended_cell + ends, cell, end_order);
+  storePacked(octant.ended_hit + ends, _mm256_or_si256(row_code, flag), end_order);
+  ends += __builtin_popcount(static_cast<unsigned>(ending));
+  const __m256i skip = _mm256_max_epi32(_mm256_sub_epi32(code, _mm256_set1_epi32(2)), _mm256_set1_epi32(1));
+  _mm256_storeu_ps(octant.slope + kept, _mm256_permutevar8x32_ps(slope, keep_order));
+  storePacked(octant.cell + kept, _mm256_add_epi32(cell, _mm256_slli_epi32(skip, 16)), keep_order);
+  kept += __builtin_popcount(static_cast<unsigned>(going_on));
+}
+
+SLAM_AVX2 inline void passAvx2(OctantMarch& octant) {
+  const Avx2Octant constant(octant);
+  int kept = 0, ends = octant.ends, i = 0;
+  for (; i + 8 <= octant.rays; i += 8) advanceAvx2<true>(octant, constant, i, kept, ends);
+  if (i < octant.rays) advanceAvx2<false>(octant, constant, i, kept, ends);
   octant.rays = kept;
   octant.ends = ends;
 }
@@ -271,6 +302,7 @@ SLAM_AVX2 inline void passAvx2(OctantMarch& octant) {
 SLAM_AVX2 void marchAvx2(OctantMarch* octants, int count) {
   while (anyRay(octants, count))
     for (int i = 0; i < count; ++i) passAvx2(octants[i]);
+  for (int i = 0; i < count; ++i) finishEnds(octants[i]);
 }
 
 SLAM_AVX512 void aimAvx512(const double* cosines, const double* sines, int count, double cosine, double sine,
@@ -324,15 +356,11 @@ SLAM_AVX512 inline void passAvx512(OctantMarch& octant) {
     const auto ending = static_cast<__mmask16>(has_ended & exists);
     const auto going_on = static_cast<__mmask16>(~has_ended & exists);
 
-    const __m512i face = _mm512_and_si512(cell, _mm512_set1_epi32(static_cast<int>(0xFFFF0000)));
-    const __mmask16 is_face = _mm512_cmpeq_epi32_mask(code, _mm512_set1_epi32(kFace));
-    __m512i hit = _mm512_mask_mov_epi32(_mm512_set1_epi32(-1), is_face, face);
-    hit = _mm512_mask_or_epi32(hit, is_below_wall, face, _mm512_add_epi32(v, _mm512_set1_epi32(1)));
-    hit = _mm512_mask_mov_epi32(hit, ambiguous, _mm512_set1_epi32(static_cast<int>(kAmbiguousHit)));
-    octant.ambiguous += __builtin_popcount(ambiguous & exists);
+    const __m512i row_code = _mm512_or_si512(_mm512_slli_epi32(v, 8), code);
+    const __m512i how = _mm512_mask_or_epi32(row_code, ambiguous, row_code, _mm512_set1_epi32(kAmbiguousEnd));
     // Packed in a register and stored whole: a store that packs is many times slower on some processors.
     _mm512_storeu_si512(octant.ended_cell + ends, _mm512_maskz_compress_epi32(ending, cell));
-    _mm512_storeu_si512(octant.ended_hit + ends, _mm512_maskz_compress_epi32(ending, hit));
+    _mm512_storeu_si512(octant.ended_hit + ends, _mm512_maskz_compress_epi32(ending, how));
     ends += __builtin_popcount(ending);
     const __m512i skip = _mm512_max_epi32(_mm512_sub_epi32(code, _mm512_set1_epi32(2)), _mm512_set1_epi32(1));
     const __m512i next_cell = _mm512_add_epi32(cell, _mm512_slli_epi32(skip, 16));
@@ -347,6 +375,7 @@ SLAM_AVX512 inline void passAvx512(OctantMarch& octant) {
 SLAM_AVX512 void marchAvx512(OctantMarch* octants, int count) {
   while (anyRay(octants, count))
     for (int i = 0; i < count; ++i) passAvx512(octants[i]);
+  for (int i = 0; i < count; ++i) finishEnds(octants[i]);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ struct OctantMarch {
   int ends;
   std::uint32_t* ended_cell;
   Hit* ended_hit;
-  int ambiguous;  ///< how many of them are
+  bool any_ambiguous;
 };
 
 /// Lines in growing coordinates (see GrowingAxis) to turn hits into ranges.
