@@ -55,8 +55,15 @@ double glassEcho(const LidarOptions& options, double incidence_rad) {
 }
 
 double glassReflectance(const LidarOptions& options, double incidence_rad) {
-  const double head_on = options.glass_reflectance;
-  return head_on + (1 - head_on) * std::pow(1 - std::cos(incidence_rad), 5);
+  if (options.glass_reflectance >= 1) return 1;
+  const double face_head_on = options.glass_reflectance / (2 - options.glass_reflectance);
+  const double index = (1 + std::sqrt(face_head_on)) / (1 - std::sqrt(face_head_on));
+  const double in = std::cos(incidence_rad);
+  const double out = std::sqrt(std::max(0.0, 1 - std::pow(std::sin(incidence_rad) / index, 2)));
+  const double across = (in - index * out) / (in + index * out);
+  const double along = (index * in - out) / (index * in + out);
+  const double face = 0.5 * (across * across + along * along);
+  return 2 * face / (1 + face);
 }
 
 }  // namespace slam::robot

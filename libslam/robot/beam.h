@@ -25,9 +25,10 @@ double beamRange(std::vector<double> ray_ranges_m, bool mixes, double where);
 /// everyone finds (Foster, Sun, Park and Kuipers, ICRA 2013); the shape is ours.
 double glassEcho(const LidarOptions& options, double incidence_rad);
 
-/// Share of the other beams that a pane mirrors, and does not let through: Schlick's approximation of
-/// Fresnel's law, R + (1 - R) (1 - cos incidence)^5 (Computer Graphics Forum 13(3), 1994, equation 15). R is
-/// glass_reflectance: 0.08 are the two faces of a pane of refractive index 1.5 at 4 % each.
+/// Share of the other beams that a pane mirrors, and does not let through: Fresnel's law for unpolarised light
+/// at both faces and all reflections between them, 2 R / (1 + R) with R of one face (Hecht, Optics, sections
+/// 4.6 and 9.6 without interference). glass_reflectance is that head on; it stands for the refractive index:
+/// 0.08 for 1.51, 0 for a pane that is not there, 1 for a mirror. Absorption is left out.
 double glassReflectance(const LidarOptions& options, double incidence_rad);
 
 }  // namespace slam::robot
