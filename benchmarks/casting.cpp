@@ -21,6 +21,7 @@ using namespace slam;
 
 constexpr int kBeams = 1080, kPoses = 200;
 constexpr double kFirstAngle_rad = -core::kPi, kStep_rad = 2 * core::kPi / kBeams;
+const world::BeamTable kTable(kFirstAngle_rad, kStep_rad, kBeams);
 
 struct Scene {
   world::Plan plan;
@@ -60,7 +61,7 @@ void castReference(benchmark::State& state, const Scene& scene) {
   std::vector<float> ranges;
   size_t i = 0;
   for (auto _ : state) {
-    world::castScan(scene.plan, scene.poses[i++ % kPoses], kFirstAngle_rad, kStep_rad, kBeams, 0, ranges);
+    world::castScan(scene.plan, scene.poses[i++ % kPoses], kTable, 0, ranges);
     benchmark::DoNotOptimize(ranges.data());
   }
   countRays(state);
@@ -70,7 +71,7 @@ void castSectors(benchmark::State& state, const world::SectorCaster& caster, con
   std::vector<float> ranges;
   size_t i = 0;
   for (auto _ : state) {
-    caster.castScan(scene.poses[i++ % kPoses], kFirstAngle_rad, kStep_rad, kBeams, 0, ranges);
+    caster.castScan(scene.poses[i++ % kPoses], kTable, 0, ranges);
     benchmark::DoNotOptimize(ranges.data());
   }
   countRays(state);
@@ -99,7 +100,7 @@ void castMrpt(benchmark::State& state, const Scene& scene) {
   int beams = 0;
   for (const core::Pose2& pose : scene.poses) {
     cast(pose);
-    world::castScan(scene.plan, pose, -scan.aperture / 2.0, kStep_rad, kBeams, 0, exact);
+    world::castScan(scene.plan, pose, {-scan.aperture / 2.0, kStep_rad, kBeams}, 0, exact);
     for (size_t beam = 0; beam < exact.size(); ++beam) {
       if (!scan.getScanRangeValidity(beam) || !std::isfinite(exact[beam])) continue;
       sum_m += std::abs(scan.getScanRange(beam) - exact[beam]);
