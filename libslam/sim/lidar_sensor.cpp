@@ -131,6 +131,8 @@ double LidarSensor::followRay(const Scene& scene, core::Point2 p_world, double a
   double travelled_m = 0;
   for (int turn = 0; turn < kMostTurns; ++turn) {
     if (std::isinf(range_m)) return kInfinity;
+    const core::Point2 direction{std::cos(angle_rad), std::sin(angle_rad)};
+    if (world::isPlainAt(plan, along(p_world, direction, range_m))) return travelled_m + range_m;
     const auto hit = world::findWall(plan, p_world, angle_rad);
     const bool is_wall = hit && hit->distance_m <= range_m * (1 + kSamePlace) + kSamePlace;
     const world::Material material = is_wall ? hit->material : world::Material::kPlain;
@@ -142,7 +144,6 @@ double LidarSensor::followRay(const Scene& scene, core::Point2 p_world, double a
                             travelled_m + range_m > options_.dark_range_m;
       return too_dark ? kInfinity : travelled_m + range_m;
     }
-    const core::Point2 direction{std::cos(angle_rad), std::sin(angle_rad)};
     const auto [normal, steps_m] = world::surfaceAt(plan, *hit);
     // The estimated plane of a wall off the axes may face away from a ray that grazes it.
     const double cosine = std::max(kLeastCosine, -(direction.x * normal.x + direction.y * normal.y));

@@ -184,6 +184,21 @@ std::optional<WallHit> findWall(const Plan& plan, const core::Point2& origin_wor
   return hit;
 }
 
+bool isPlainAt(const Plan& plan, const core::Point2& p_world) {
+  constexpr double kNear = 1e-3;
+  if (plan.materials.empty()) return true;
+  const core::Point2 p = worldToCells(plan, p_world);
+  const auto clampedTo = [](double cell, int size) {
+    return static_cast<int>(std::clamp(std::floor(cell), 0.0, size - 1.0));
+  };
+  for (int row = clampedTo(p.y - kNear, plan.rows); row <= clampedTo(p.y + kNear, plan.rows); ++row)
+    for (int column = clampedTo(p.x - kNear, plan.columns); column <= clampedTo(p.x + kNear, plan.columns);
+         ++column)
+      if (materialOf(plan, static_cast<size_t>(row) * plan.columns + column) != Material::kPlain)
+        return false;
+  return true;
+}
+
 Surface surfaceAt(const Plan& plan, const WallHit& hit) {
   const Step cell{hit.column, hit.row}, face{hit.face_x, hit.face_y}, heading{-face.y, face.x};
   if (face == Step{}) throw core::ContractError("surfaceAt: the hit has no face");

@@ -21,6 +21,10 @@ struct WallHit {
 /// nullopt where castRay() without a limit gives infinity. Cost: as castRay().
 std::optional<WallHit> findWall(const Plan& plan, const core::Point2& origin_world, double angle_rad);
 
+/// True when no wall within a thousandth of a cell of a point is of another material than plain: then a ray that
+/// ends there met a plain wall or none, and findWall() need not be asked.
+bool isPlainAt(const Plan& plan, const core::Point2& p_world);
+
 /// What plane the raster's faces around a hit stand for.
 struct Surface {
   core::Point2 normal;  ///< unit vector in the world frame, on the side of the face that was hit

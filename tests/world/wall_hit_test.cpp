@@ -69,6 +69,19 @@ TEST(FindWall, IsAsFarAsTheCasterSays) {
   }
 }
 
+TEST(IsPlainAt, LooksAtEveryCellThatAPointMayBelongTo) {
+  const Plan plan = drawnPlan({"...", ".G.", "..."});
+  EXPECT_FALSE(isPlainAt(plan, {1.5, 1.5}));
+  for (const double off : {-1e-6, 0.0, 1e-6}) {
+    EXPECT_FALSE(isPlainAt(plan, {1 + off, 1.5})) << off;
+    EXPECT_FALSE(isPlainAt(plan, {1.5, 2 + off})) << off;
+    EXPECT_FALSE(isPlainAt(plan, {2 + off, 2 + off})) << off;
+    EXPECT_TRUE(isPlainAt(plan, {0.5 + off, 2.5})) << off;
+  }
+  EXPECT_TRUE(isPlainAt(plan, {-1e9, 3.1}));
+  EXPECT_TRUE(isPlainAt(drawnPlan({"###"}), {1.5, 0.5}));
+}
+
 /// The normal where a ray from `origin` hits, degrees in the world.
 double normalAt(const Plan& plan, const core::Point2& origin, double angle_rad) {
   const auto hit = findWall(plan, origin, angle_rad);
