@@ -2,11 +2,13 @@
 
 #include <chrono>
 #include <filesystem>
+#include <optional>
 
 #include "libslam/core/files.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/odometry/scan_odometry.h"
+#include "libslam/run/movers_log.h"
 #include "libslam/sim/operation_log.h"
 
 namespace slam::run {
@@ -46,6 +48,7 @@ struct Recorder::State {
   std::unique_ptr<odometry::ScanOdometry> scan_odometry = foundingOdometry();
   std::vector<sim::Operation> operations;
   core::Trajectory truth;
+  std::optional<MoversLog> movers;
   std::chrono::steady_clock::time_point wall_start = std::chrono::steady_clock::now();
 };
 
@@ -58,6 +61,9 @@ void Recorder::begin(const sim::Simulator& simulator, const sim::Sensed& sensed)
   state_->scan_odometry->update(sensed.scan);
   state_->log.write(toLogEntry(sensed));
   state_->truth.push_back({simulator.time_s(), simulator.truth()});
+  if (!simulator.scene().isAlive()) return;
+  state_->movers.emplace(logStem(state_->log_path) + ".movers.csv");
+  state_->movers->add(simulator);
 }
 
 void Recorder::add(const robot::Command& command, const sim::Simulator& simulator,
@@ -66,6 +72,7 @@ void Recorder::add(const robot::Command& command, const sim::Simulator& simulato
   state_->operations.push_back(toOperation(command, state_->scan_odometry->update(sensed.scan, kind)));
   state_->log.write(toLogEntry(sensed));
   state_->truth.push_back({simulator.time_s(), simulator.truth()});
+  if (state_->movers) state_->movers->add(simulator);
 }
 
 Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, core::Manifest manifest) {
@@ -82,6 +89,12 @@ Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, 
   recording.path_length_m = core::pathLength(recording.truth);
   recording.files = {state.log_path, state.log_path + ".GT.txt", stem + ".gt.tum", stem + ".operations.txt",
                      stem + ".manifest.json"};
+  if (state.movers) state.movers->commit(), recording.files.push_back(stem + ".movers.csv");
+  const bool is_later_visit = state.config.living.visit > 1;
+  if (is_later_visit) {
+    world::savePlan(simulator.scene().planWithDoorsOpen(), stem + ".plan.yaml");
+    recording.files.push_back(stem + ".plan.yaml");
+  }
 
   manifest.seed = seed;
   for (const auto& line : state.config.parameters)
@@ -93,6 +106,12 @@ Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, 
   manifest.files[name(stem) + ".gt.tum"] = "truth, TUM form, world frame: rasterslam eval --truth, evo";
   manifest.files[name(stem) + ".operations.txt"] =
       "operation log: m rear front (metres) or t angle (radians)";
+  if (state.movers)
+    manifest.files[name(stem) + ".movers.csv"] =
+        "truth: where people and doors that move were at every scan (time, kind, id, place, heading, state)";
+  if (is_later_visit)
+    manifest.files[name(stem) + ".plan.yaml"] =
+        "true plan of this visit, furniture moved: rasterslam eval --plan";
   manifest.results["scans"] = std::to_string(recording.truth.size());
   manifest.results["duration_s"] = core::formatNumber(recording.duration_s);
   manifest.results["path_length_m"] = core::formatNumber(recording.path_length_m);

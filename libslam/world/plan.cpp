@@ -69,16 +69,37 @@ Plan planFromPicture(const Picture& picture, const PlanOptions& options, CellOfP
   return plan;
 }
 
+/// A door that is no free opening of this plan would wall up something else when it shuts.
+void requireFreeDoors(const Plan& plan, const std::string& where) {
+  for (const auto& door : plan.doors) {
+    const auto fail = [&](const std::string& expected) {
+      throw core::InputError(where + ": key 'doors': found '[" + std::to_string(door.x0) + ", " +
+                             std::to_string(door.y0) + ", " + std::to_string(door.x1) + ", " +
+                             std::to_string(door.y1) + "]', expected " + expected);
+    };
+    if (!plan.contains(door.x0, door.y0) || !plan.contains(door.x1 - 1, door.y1 - 1))
+      fail("cells of the plan, 0 to " + std::to_string(plan.columns) + " by 0 to " +
+           std::to_string(plan.rows));
+    for (int row = door.y0; row < door.y1; ++row)
+      for (int column = door.x0; column < door.x1; ++column)
+        if (plan.at(column, row) != Cell::kFree)
+          fail("free cells, and (" + std::to_string(column) + ", " + std::to_string(row) + ") is not");
+  }
+}
+
 Plan loadFromYaml(const std::string& path) {
   const MapYaml map = readMapYaml(path);
   if (!fs::exists(map.image_path))
     throw core::InputError(path + ": key 'image': found '" + map.image_path + "', which does not exist");
   const Picture picture = readPicture(map.image_path);
   const CellRule rule(map.options, map.is_raw);
-  return planFromPicture(picture, map.options, [&](size_t pixel) {
+  Plan plan = planFromPicture(picture, map.options, [&](size_t pixel) {
     const bool transparent = !picture.opaque.empty() && !picture.opaque[pixel];
     return transparent ? Cell::kUnknown : rule.fromGray(picture.gray[pixel]);
   });
+  plan.doors = map.doors;
+  requireFreeDoors(plan, map.doors_where);
+  return plan;
 }
 
 Plan loadFromPicture(const std::string& path, const PlanOptions& options) {
@@ -128,7 +149,8 @@ void savePlan(const Plan& plan, const std::string& yaml_path) {
   const std::string image_path = fs::path(yaml_path).replace_extension(".png").string();
   core::PendingFile image(image_path), yaml(yaml_path);
   writeBytes(image.path(), encodePng(plan.columns, plan.rows, gray), image_path);
-  writeBytes(yaml.path(), formatMapYaml(fs::path(image_path).filename().string(), options), yaml_path);
+  writeBytes(yaml.path(), formatMapYaml(fs::path(image_path).filename().string(), options, plan.doors),
+             yaml_path);
   image.commit();
   try {
     yaml.commit();
