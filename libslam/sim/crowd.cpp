@@ -20,10 +20,11 @@ constexpr double kRelaxation_s = 0.5, kSight_m = 6;
 // tan(alpha / 2) of a direction, in twelfths: directions about 10 degrees apart, up to 74, without a sine.
 constexpr int kDirectionsAside = 9;
 
-constexpr double kKeepFromOthers_m = 0.1, kKeepFromRobot_m = 0.05, kComfortFromRobot_m = 0.2;
+constexpr double kKeepFromOthers_m = 0.1, kKeepFromRobot_m = 0.1, kComfortFromRobot_m = 0.4;
 constexpr double kLeavesRobot_m = 0.5, kStartsFromRobot_m = 0.5;
 constexpr double kArrived_m = 0.3, kNearEnough_m = 1.2, kSlow_mps = 0.1;
-constexpr std::int64_t kLostTicks = 20, kNearEnoughTicks = 40;
+constexpr double kGivesWay_m = 0.4;
+constexpr std::int64_t kGivesWayTicks = 20, kLostTicks = 20, kNearEnoughTicks = 40;
 
 // Legs: width of the track and its place are our choice within the body's disc. 1.9 steps a second at an ordinary
 // pace: Murray, Drought and Kory, Journal of Bone and Joint Surgery 46-A(2), 1964, men's free walking.
@@ -207,7 +208,11 @@ double Crowd::freeWalk(const Person& person, const Point2& direction, double spe
 Point2 Crowd::wantedVelocity(size_t i, const Disc& robot) {
   const Person& person = people_[i];
   const Mind& mind = minds_[i];
-  const Point2 to = mind.corners[mind.next] - person.p;
+  const double at_robot_m = options_.radius_m + robot.radius_m;
+  const Point2 from_robot = person.p - robot.p;
+  const bool is_held_up = mind.slow_ticks > kGivesWayTicks || dot(robot_velocity_mps_, from_robot) > 0;
+  const bool gives_way = is_held_up && length(from_robot) < at_robot_m + kGivesWay_m;
+  const Point2 to = gives_way ? from_robot : mind.corners[mind.next] - person.p;
   const double distance_m = length(to);
   if (distance_m < 1e-6) return {};
   const Point2 ahead{to.x / distance_m, to.y / distance_m};
@@ -223,13 +228,12 @@ Point2 Crowd::wantedVelocity(size_t i, const Disc& robot) {
       neighbours_.push_back(
           {people_[other].p, people_[other].velocity_mps, contact_m, contact_m + kKeepFromOthers_m});
   }
-  const double at_robot_m = options_.radius_m + robot.radius_m;
   neighbours_.push_back(
       {robot.p, robot_velocity_mps_, at_robot_m + kKeepFromRobot_m, at_robot_m + kComfortFromRobot_m});
 
   Point2 best = ahead;
   double best_free_m = freeWalk(person, ahead, mind.speed_mps, sight_m);
-  const bool is_last = mind.next + 1 == mind.corners.size();
+  const bool is_last = mind.next + 1 == mind.corners.size() && !gives_way;
   if (best_free_m >= sight_m) {
     const double speed_mps = is_last ? std::min(mind.speed_mps, distance_m / kRelaxation_s) : mind.speed_mps;
     return {speed_mps * ahead.x, speed_mps * ahead.y};

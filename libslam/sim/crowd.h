@@ -31,10 +31,11 @@ struct Person {
 /// down so that what it might meet stays half a second away, and takes half a second to change its velocity:
 /// Moussaid, Helbing and Theraulaz, PNAS 108(17), 2011. Ours: a sight of 6 m, 19 directions over 148 degrees, of
 /// equals the right-hand one, and no forces between bodies, for none ever touch. Who gets nowhere for 3 to 9 s
-/// turns back; who stays at a place leaves it when the robot comes within 0.5 m.
+/// turns back. Who stays at a place leaves it when the robot comes within 0.5 m; who is within 0.4 m of the robot and
+/// held up, or approached by it, steps away from it.
 ///
-/// Always: everybody stands where Walkways::canStand(); no two discs overlap; none comes nearer to the robot's disc than
-/// 5 cm by its own step. The robot may come nearer.
+/// Always: everybody stands where Walkways::canStand(); no two discs overlap; nobody comes nearer to the robot's
+/// disc than 10 cm by their own step. The robot may come nearer.
 class Crowd {
  public:
   /// `robot`: nobody begins within 0.5 m of it. InputError when the plan has no room for so many.

@@ -11,9 +11,10 @@
 namespace slam::sim {
 namespace {
 
-constexpr double kLongestWalk_m = 30, kAreaPerPlace_m2 = 25, kBetweenPlaces_m = 1.5, kRoomToPass_m = 0.35;
+constexpr double kLongestWalk_m = 30, kAreaPerPlace_m2 = 12, kBetweenPlaces_m = 1.5, kRoomToPass_m = 0.35;
 constexpr size_t kFewestPlaces = 6, kMostPlaces = 256, kWaysPerPlace = 5;
 constexpr double kStartReach_m = 1.0;
+constexpr double kRoundingReserve = 1e-6;  // of a cell
 // 7 / 5 for the square root of 2: whole numbers, and at most 1.1 % wrong.
 constexpr int kStraight = 5, kDiagonal = 7;
 constexpr std::uint16_t kNotReached = std::numeric_limits<std::uint16_t>::max();
@@ -28,19 +29,14 @@ Walkways::Walkways(const world::Plan& plan, double radius_m, std::uint64_t seed,
     : columns_(plan.columns),
       rows_(plan.rows),
       resolution_m_(plan.resolution_m),
-      reach_(radius_m / plan.resolution_m + std::sqrt(0.5)),
+      cells_per_metre_(1 / plan.resolution_m),
+      reach_(radius_m / plan.resolution_m + std::sqrt(0.5) + kRoundingReserve),
       open_(plan.cells.size(), 0),
       cost_(plan.cells.size(), kNotReached),
       seed_(seed) {
   fill(plan, 0, 0, columns_, rows_, open_);
   now_ = open_;
   drawPlaces(plan, regionFrom(p_start), radius_m, core::RandomStream(seed, "places"));
-}
-
-bool Walkways::test(const Mask& mask, const core::Point2& p) const {
-  const double column = std::floor(p.x / resolution_m_), row = std::floor(p.y / resolution_m_);
-  if (!(column >= 0 && row >= 0 && column < columns_ && row < rows_)) return false;
-  return mask[static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column)] != 0;
 }
 
 core::Point2 Walkways::centreOf(size_t cell) const {
@@ -234,8 +230,16 @@ std::vector<core::Point2> Walkways::descend(size_t cell) const {
     points.push_back(centreOf(cell));
   }
   std::vector<core::Point2> corners{points.front()};
-  for (size_t i = 2; i < points.size(); ++i)
-    if (!isClear(corners.back(), points[i])) corners.push_back(points[i - 1]);
+  constexpr size_t kStride = 8;  // looking at each point in turn takes most of the time of finding ways
+  for (size_t seen = 0; seen + 1 < points.size();) {
+    const size_t ahead = std::min(seen + kStride, points.size() - 1);
+    if (isClear(corners.back(), points[ahead])) {
+      seen = ahead;
+      continue;
+    }
+    while (isClear(corners.back(), points[seen + 1])) ++seen;
+    corners.push_back(points[seen]);
+  }
   corners.push_back(points.back());
   std::reverse(corners.begin(), corners.end());
   return corners;

@@ -17,7 +17,7 @@ namespace slam::sim {
 class Walkways {
  public:
   /// `p_start`: people live in the part of the plan that they could reach from there; in the largest part when
-  /// nobody could stand within 1 m of it. Places are drawn from (seed, "places"): one per 25 m2, 6 to 256 of
+  /// nobody could stand within 1 m of it. Places are drawn from (seed, "places"): one per 12 m2, 6 to 256 of
   /// them, where there is room for others to pass. Doors count as open. Memory: 4 bytes per cell.
   Walkways(const world::Plan& plan, double radius_m, std::uint64_t seed, const core::Point2& p_start);
 
@@ -46,7 +46,11 @@ class Walkways {
  private:
   using Mask = std::vector<std::uint8_t>;
 
-  bool test(const Mask& mask, const core::Point2& p) const;
+  bool test(const Mask& mask, const core::Point2& p) const {
+    const double column = p.x * cells_per_metre_, row = p.y * cells_per_metre_;
+    if (!(column >= 0 && row >= 0 && column < columns_ && row < rows_)) return false;
+    return mask[static_cast<size_t>(row) * static_cast<size_t>(columns_) + static_cast<size_t>(column)] != 0;
+  }
   core::Point2 centreOf(size_t cell) const;
   void fill(const world::Plan& plan, int x0, int y0, int x1, int y1, Mask& mask) const;
   std::vector<std::uint32_t> regionFrom(const core::Point2& p_start) const;
@@ -56,9 +60,9 @@ class Walkways {
   std::vector<core::Point2> descend(size_t cell) const;
 
   int columns_, rows_;
-  double resolution_m_, reach_;  ///< reach: of walls round a cell's centre, in cells
-  Mask open_, now_;              ///< 1 where one can stand: with all doors open, and at present
-  std::vector<size_t> places_;   ///< cells
+  double resolution_m_, cells_per_metre_, reach_;  ///< reach: of walls round a cell's centre, in cells
+  Mask open_, now_;             ///< 1 where one can stand: with all doors open, and at present
+  std::vector<size_t> places_;  ///< cells
   std::vector<std::uint16_t> cost_;
   std::uint64_t seed_;
   std::map<size_t, std::vector<Way>> ways_;
