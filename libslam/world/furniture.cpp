@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kDraws = 30;
 constexpr double kThin_m = 0.25, kLongLine_m = 1.0;
+constexpr double kLeg_m = 0.15, kBetweenLegs_m = 1.3;
 constexpr double kAround_m = 1.0;  // ways round a piece that lie within this beside it count as staying open
 
 struct Box {
@@ -41,12 +42,54 @@ int cellsIn(double metres, const Plan& plan) {
   return static_cast<int>(std::ceil(metres / plan.resolution_m));
 }
 
+int longerSide(const Box& box) {
+  return std::max(box.width(), box.height());
+}
+
 bool isFurniture(const Plan& plan, const Box& box, const FurnitureRules& rules) {
   if (box.x0 == 0 || box.y0 == 0 || box.x1 == plan.columns || box.y1 == plan.rows) return false;
-  const double longer_m = std::max(box.width(), box.height()) * plan.resolution_m,
+  const double longer_m = longerSide(box) * plan.resolution_m,
                shorter_m = std::min(box.width(), box.height()) * plan.resolution_m;
   const bool is_line = shorter_m <= kThin_m && longer_m >= kLongLine_m;
   return longer_m <= rules.largest_m && !is_line;
+}
+
+/// One piece of two, their parts counted from the common box.
+Piece joined(const Piece& a, const Piece& b) {
+  Piece result{a.box, {}};
+  result.box.add(b.box.x0, b.box.y0);
+  result.box.add(b.box.x1 - 1, b.box.y1 - 1);
+  for (const Piece* piece : {&a, &b})
+    for (const auto& part : piece->parts)
+      result.parts.push_back(
+          {piece->box.x0 + part.x - result.box.x0, piece->box.y0 + part.y - result.box.y0, part.material});
+  return result;
+}
+
+/// Legs go with their table: small pieces near each other are one, as long as that is no larger than furniture is.
+std::vector<Piece> withJoinedLegs(const std::vector<Piece>& pieces, const Plan& plan,
+                                  const FurnitureRules& rules) {
+  const double leg = kLeg_m / plan.resolution_m, between = kBetweenLegs_m / plan.resolution_m;
+  const auto isLeg = [&](const Piece& piece) { return longerSide(piece.box) <= leg + 1e-9; };
+  std::vector<Piece> result, tables;
+  for (const auto& piece : pieces) {
+    if (!isLeg(piece)) {
+      result.push_back(piece);
+      continue;
+    }
+    const auto table = std::find_if(tables.begin(), tables.end(), [&](const Piece& legs) {
+      const int dx = std::max(legs.box.x0 - piece.box.x1, piece.box.x0 - legs.box.x1),
+                dy = std::max(legs.box.y0 - piece.box.y1, piece.box.y0 - legs.box.y1);
+      return std::max(dx, dy) <= between &&
+             longerSide(joined(legs, piece).box) * plan.resolution_m <= rules.largest_m;
+    });
+    if (table == tables.end())
+      tables.push_back(piece);
+    else
+      *table = joined(*table, piece);
+  }
+  result.insert(result.end(), tables.begin(), tables.end());
+  return result;
 }
 
 std::vector<Piece> findFurniture(const Plan& plan, const FurnitureRules& rules) {
@@ -79,7 +122,7 @@ std::vector<Piece> findFurniture(const Plan& plan, const FurnitureRules& rules) 
                              plan.materials.empty() ? Material::kPlain : plan.materials[cell]});
     pieces.push_back(std::move(piece));
   }
-  return pieces;
+  return withJoinedLegs(pieces, plan, rules);
 }
 
 /// A quarter turn counter-clockwise within its own box.
@@ -187,6 +230,19 @@ bool keepsWaysOpen(const Plan& before, const Plan& after, const Piece& from, con
   return true;
 }
 
+/// Nothing is carried through a wall: the straight line between the middles is free of what stands.
+bool isCarriedFreely(const Plan& plan, const Box& from, const Box& to) {
+  const int dx = to.x0 + to.x1 - from.x0 - from.x1, dy = to.y0 + to.y1 - from.y0 - from.y1;
+  const int steps = std::max({1, std::abs(dx), std::abs(dy)});
+  for (int i = 0; i <= steps; ++i) {
+    // In quarters of a cell, so that whole numbers decide.
+    const int x = (2 * (from.x0 + from.x1) * steps + 2 * dx * i) / (4 * steps),
+              y = (2 * (from.y0 + from.y1) * steps + 2 * dy * i) / (4 * steps);
+    if (plan.contains(x, y) && plan.at(x, y) == Cell::kOccupied) return false;
+  }
+  return true;
+}
+
 /// Both plans hold the piece where it stands; true when they then hold it somewhere else.
 bool moveElsewhere(const Piece& piece, const FurnitureRules& rules, core::RandomStream& random, Plan& before,
                    Plan& after) {
@@ -201,7 +257,7 @@ bool moveElsewhere(const Piece& piece, const FurnitureRules& rules, core::Random
     const int dx = shift(), dy = shift();
     if (dx == 0 && dy == 0) continue;
     moved.box = {moved.box.x0 + dx, moved.box.y0 + dy, moved.box.x1 + dx, moved.box.y1 + dy};
-    if (!fits(moved, after, rules.clearance_m)) continue;
+    if (!fits(moved, after, rules.clearance_m) || !isCarriedFreely(after, piece.box, moved.box)) continue;
     put(moved, true, after);
     if (keepsWaysOpen(before, after, piece, moved, rules.clearance_m)) {
       put(piece, false, before);

@@ -192,12 +192,14 @@ class Values {
   }
   std::vector<Door> doors(const std::string& key) const {
     const Entry& entry = require(key);
+    if (!entry.is_list && !entry.values.empty())
+      throw wrongValue(entry.where, key, entry.values[0], "a list of [x0, y0, x1, y1]");
     std::vector<Door> doors;
     for (const auto& item : entry.values) {
       const auto corners =
           item.size() > 1 && item.front() == '[' ? listItems(item, entry.where) : std::vector<std::string>{};
       double v[4];
-      bool good = entry.is_list && corners.size() == 4;
+      bool good = corners.size() == 4;
       for (size_t i = 0; good && i < 4; ++i)
         good = core::parseNumber(corners[i], v[i]) && v[i] == std::floor(v[i]) && std::abs(v[i]) <= 1e6;
       if (!good || !(v[0] < v[2] && v[1] < v[3]))
@@ -205,8 +207,6 @@ class Values {
       doors.push_back(
           {static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2]), static_cast<int>(v[3])});
     }
-    if (!entry.is_list && !entry.values.empty())
-      throw wrongValue(entry.where, key, entry.values[0], "a list of [x0, y0, x1, y1]");
     return doors;
   }
 
