@@ -9,7 +9,7 @@ Scene::Scene(const world::Plan& plan) : Scene(plan, {}, 0, {}) {}
 Scene::~Scene() = default;
 
 Scene::Scene(const world::Plan& plan, const LivingOptions& living, std::uint64_t seed, const Disc& robot)
-    : plan_(plan), caster_(std::make_unique<world::SectorCaster>(plan)) {
+    : plan_(plan), caster_(plan) {
   if (living.people > 0) crowd_ = std::make_unique<Crowd>(plan, living, seed, toPlanFrame(robot));
   if (living.doors_share > 0 && !plan.doors.empty()) {
     doors_ = std::make_unique<Doors>(plan, living, seed);
@@ -20,7 +20,8 @@ Scene::Scene(const world::Plan& plan, const LivingOptions& living, std::uint64_t
 
 void Scene::castScan(const core::Pose2& T_world_lidar, double first_angle_rad, double step_rad, int beams,
                      double max_range_m, std::vector<float>& out_ranges_m) const {
-  caster_->castScan(T_world_lidar, first_angle_rad, step_rad, beams, max_range_m, out_ranges_m);
+  caster_.castScan(T_world_lidar, world::BeamTable(first_angle_rad, step_rad, beams), max_range_m,
+                   out_ranges_m);
   if (!bodies_.empty())
     sim::castScan(bodies_, T_world_lidar, first_angle_rad, step_rad, max_range_m, out_ranges_m);
 }
@@ -61,7 +62,7 @@ void Scene::setDoor(const world::Door& door, world::Cell cell) {
     for (int column = door.x0; column < door.x1; ++column)
       changing_->cells[static_cast<size_t>(row) * static_cast<size_t>(changing_->columns) +
                        static_cast<size_t>(column)] = cell;
-  caster_ = std::make_unique<world::SectorCaster>(*changing_);
+  caster_.update(*changing_, door.x0, door.y0, door.x1, door.y1);
   if (crowd_) crowd_->update(*changing_, door);
 }
 

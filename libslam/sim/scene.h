@@ -52,7 +52,7 @@ class Scene {
 
   const world::Plan& plan_;
   std::unique_ptr<world::Plan> changing_;  ///< a copy, when there are doors that move
-  std::unique_ptr<world::SectorCaster> caster_;
+  world::SectorCaster caster_;
   std::unique_ptr<Crowd> crowd_;
   std::unique_ptr<Doors> doors_;
   std::vector<Disc> bodies_, persons_;  ///< world frame: what a lidar meets, and what a body bumps into
