@@ -6,6 +6,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/run/reach_goal.h"
+#include "libslam/run/record.h"
 #include "libslam/run/resources.h"
 
 namespace slam::apps {
@@ -37,7 +38,7 @@ int navigateTo(const Context& context, const Arguments& arguments) {
   }
   request.p_world_goal = run::parsePlace(arguments.goal, "--goal");
   const std::string plan_path = run::resolvePlan(arguments.plan);
-  request.plan = world::loadPlan(plan_path);
+  request.plan = run::planOfVisit(world::loadPlan(plan_path), request.config.living, context.seed);
   request.T_world_start = startIn(request.plan, request.config, arguments.start);
   request.methods = arguments.methods;
   request.slam = arguments.slam == "odometry" ? "" : arguments.slam;

@@ -67,9 +67,11 @@ Options readExploringRobotOptions(const core::IniFile& ini, const std::string& s
 
 struct ExploringRobot::State {
   explicit State(const Options& options)
-      : plan(world::loadPlan(run::resolvePlan(options.plan))),
+      : plan(run::planOfVisit(world::loadPlan(run::resolvePlan(options.plan)), options.record.living,
+                              seedOf(options))),
         simulator(plan, options.record.robot, options.record.lidar, options.record.odometry,
-                  run::startPose(plan, options.record), seedOf(options)),
+                  run::startPose(plan, options.record), seedOf(options), sim::Simulator::kStartTime_s,
+                  options.record.living),
         driver(navigate::makeStrategy(options.record.strategy, {seedOf(options), "strategy"}),
                options.record.strategy, options.record.robot, 1 / options.record.lidar.rate_hz,
                {seedOf(options), "driver"}),

@@ -183,6 +183,8 @@ std::string findPlan(const std::string& log_path) {
   const std::string path = logStem(log_path) + ".manifest.json";
   if (!fs::exists(path)) return "";
   const auto manifest = core::readManifest(path);
+  const std::string own = logStem(log_path) + ".plan.yaml";
+  if (manifest.files.count(fs::path(own).filename().string()) > 0 && fs::exists(own)) return own;
   for (const auto& [input, hash] : manifest.inputs)
     if (fs::exists(input) && core::fileSha256(input) == hash) return input;
   return "";
@@ -223,6 +225,8 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   const std::string truth_path =
       request.truth_path.empty() ? findTruth(comparison.log_path) : request.truth_path;
   std::string plan_path = request.truth_plan_path.empty() ? request.plan_path : request.truth_plan_path;
+  // A recording on a later visit has a true plan of its own.
+  if (request.record.living.visit > 1 && request.truth_plan_path.empty()) plan_path.clear();
   if (plan_path.empty()) plan_path = findPlan(comparison.log_path);
   // MRPT's own form of the truth starts at the origin: it cannot be laid on the plan.
   if (fs::path(truth_path).extension() != ".tum") plan_path.clear();

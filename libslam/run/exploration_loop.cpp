@@ -168,7 +168,8 @@ class Loop {
         folder_(folder),
         start_(startPose(plan, config.record)),
         radius_m_(robot::circumscribedRadius(config.record.robot)),
-        simulator_(plan, config.record.robot, config.record.lidar, config.record.odometry, start_, seed),
+        simulator_(plan, config.record.robot, config.record.lidar, config.record.odometry, start_, seed,
+                   sim::Simulator::kStartTime_s, config.record.living),
         localiser_(method, seed),
         driver_(makeDriver()),
         coverage_(plan, metrics::explorableArea(plan, core::position(start_), radius_m_,
@@ -419,9 +420,10 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
 
 }  // namespace
 
-LoopResult exploreOnce(const world::Plan& plan, const ExploreConfig& config, const LoopMethod& method,
+LoopResult exploreOnce(const world::Plan& given_plan, const ExploreConfig& config, const LoopMethod& method,
                        std::uint64_t seed, const std::string& folder, core::Manifest manifest,
                        core::Progress& progress) {
+  const world::Plan plan = planOfVisit(given_plan, config.record.living, seed);
   Loop loop(plan, config, method, seed, folder);
   loop.run(progress);
   LoopResult result = loop.result();

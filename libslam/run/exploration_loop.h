@@ -26,7 +26,7 @@ struct LoopMethod {
 
 /// Runs the loop once. `folder` (existing) gets the run's files, see explore(); "" writes none. Errors:
 /// InputError (start, configuration), MethodError (the method failed; what was written stays).
-LoopResult exploreOnce(const world::Plan& plan, const ExploreConfig& config, const LoopMethod& method,
+LoopResult exploreOnce(const world::Plan& given_plan, const ExploreConfig& config, const LoopMethod& method,
                        std::uint64_t seed, const std::string& folder, core::Manifest manifest,
                        core::Progress& progress);
 

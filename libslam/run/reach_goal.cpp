@@ -204,12 +204,14 @@ core::Pose2 parsePose(const std::string& text, const std::string& flag) {
 }
 
 ReachGoalConfig readReachGoalConfig(const core::IniFile& ini) {
-  core::rejectUnknownSections(ini, {"robot", "lidar", "odometry", "navigate", "lidar_bug", "mrpt_reactive"});
+  core::rejectUnknownSections(
+      ini, {"robot", "lidar", "odometry", "living", "navigate", "lidar_bug", "mrpt_reactive"});
   ReachGoalConfig config;
   auto* report = &config.parameters;
   core::readParameters(ini, robot::RobotOptions::table(), config.robot, report);
   core::readParameters(ini, robot::LidarOptions::table(), config.lidar, report);
   core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
+  core::readParameters(ini, sim::LivingOptions::table(), config.living, report);
   core::readParameters(ini, navigate::NavigateOptions::table(), config.navigate, report);
   core::readParameters(ini, navigate::LidarBugOptions::table(), config.navigate.lidar_bug, report);
   core::readParameters(ini, mrptnav::ReactiveOptions::table(), config.mrpt_reactive, report);
@@ -220,7 +222,7 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
   const auto& config = request.config;
   const double period_s = 1 / config.lidar.rate_hz;
   sim::Simulator simulator(request.plan, config.robot, config.lidar, config.odometry, request.T_world_start,
-                           request.seed);
+                           request.seed, sim::Simulator::kStartTime_s, config.living);
   const core::Point2 p_start_goal = core::inverse(request.T_world_start) * request.p_world_goal;
   const auto navigator =
       makeGoalMethod(method, config.navigate, config.mrpt_reactive, {p_start_goal, config.robot, period_s});

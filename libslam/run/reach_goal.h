@@ -14,6 +14,7 @@
 #include "libslam/report/table.h"
 #include "libslam/robot/lidar.h"
 #include "libslam/robot/odometry_noise.h"
+#include "libslam/sim/living.h"
 #include "libslam/world/plan.h"
 
 namespace slam::run {
@@ -23,15 +24,16 @@ struct ReachGoalConfig {
   robot::RobotOptions robot;
   robot::LidarOptions lidar;
   robot::OdometryOptions odometry;
+  sim::LivingOptions living;
   navigate::NavigateOptions navigate;
   mrptnav::ReactiveOptions mrpt_reactive;
   std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
 };
-/// Reads sections [robot] [lidar] [odometry] [navigate] [lidar_bug] [mrpt_reactive]; strict.
+/// Reads sections [robot] [lidar] [odometry] [living] [navigate] [lidar_bug] [mrpt_reactive]; strict.
 ReachGoalConfig readReachGoalConfig(const core::IniFile& config);
 
 struct ReachGoalRequest {
-  world::Plan plan;
+  world::Plan plan;  ///< as it is on this [living] visit
   core::Pose2 T_world_start;
   core::Point2 p_world_goal;
   ReachGoalConfig config;

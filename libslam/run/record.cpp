@@ -5,6 +5,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/run/recorder.h"
+#include "libslam/world/furniture.h"
 
 namespace slam::run {
 
@@ -45,7 +46,7 @@ SimulationOptions::SimulationOptions() {
 }
 
 RecordConfig readRecordConfig(const core::IniFile& ini, const std::vector<std::string>& other_sections) {
-  std::vector<std::string> known = {"robot", "lidar", "odometry", "strategy", "simulation"};
+  std::vector<std::string> known = {"robot", "lidar", "odometry", "strategy", "living", "simulation"};
   known.insert(known.end(), other_sections.begin(), other_sections.end());
   core::rejectUnknownSections(ini, known);
   RecordConfig config;
@@ -54,6 +55,7 @@ RecordConfig readRecordConfig(const core::IniFile& ini, const std::vector<std::s
   core::readParameters(ini, robot::LidarOptions::table(), config.lidar, report);
   core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
   core::readParameters(ini, navigate::StrategyOptions::table(), config.strategy, report);
+  core::readParameters(ini, sim::LivingOptions::table(), config.living, report);
   core::readParameters(ini, SimulationOptions::table(), config.simulation, report);
   return config;
 }
@@ -63,10 +65,21 @@ std::string logStem(const std::string& log_path) {
   return path.extension() == ".rawlog" ? (path.parent_path() / path.stem()).string() : log_path;
 }
 
-Recording record(const world::Plan& plan, const RecordConfig& config, std::uint64_t seed,
+world::Plan planOfVisit(const world::Plan& plan, const sim::LivingOptions& living, std::uint64_t seed) {
+  world::Plan found = plan;
+  for (int visit = 2; visit <= living.visit; ++visit) {
+    core::RandomStream random(seed, "visit " + std::to_string(visit));
+    found = world::moveFurniture(found, random.bits(), living.furniture_share).plan;
+  }
+  return found;
+}
+
+Recording record(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
                  const std::string& log_path, core::Manifest manifest, core::Progress& progress) {
   const double period_s = 1 / config.lidar.rate_hz;
-  sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, startPose(plan, config), seed);
+  const world::Plan plan = planOfVisit(given_plan, config.living, seed);
+  sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, startPose(plan, config), seed,
+                           sim::Simulator::kStartTime_s, config.living);
   navigate::Driver driver(navigate::makeStrategy(config.strategy, core::RandomStream(seed, "strategy")),
                           config.strategy, config.robot, period_s, core::RandomStream(seed, "driver"));
   if (driver.wantsMap())

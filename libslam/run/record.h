@@ -11,6 +11,7 @@
 #include "libslam/robot/drive.h"
 #include "libslam/robot/lidar.h"
 #include "libslam/robot/odometry_noise.h"
+#include "libslam/sim/living.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/world/plan.h"
 
@@ -31,11 +32,12 @@ struct RecordConfig {
   robot::LidarOptions lidar;
   robot::OdometryOptions odometry;
   navigate::StrategyOptions strategy;
+  sim::LivingOptions living;
   SimulationOptions simulation;
   std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
 };
 
-/// Reads sections [robot] [lidar] [odometry] [strategy] [simulation]; strict but for `other_sections`, which
+/// Reads sections [robot] [lidar] [odometry] [strategy] [living] [simulation]; strict but for `other_sections`, which
 /// someone else reads.
 RecordConfig readRecordConfig(const core::IniFile& config,
                               const std::vector<std::string>& other_sections = {});
@@ -44,9 +46,12 @@ RecordConfig readRecordConfig(const core::IniFile& config,
 /// strategy's clearance where there is one. Errors: no free place, malformed text (InputError).
 core::Pose2 startPose(const world::Plan& plan, const RecordConfig& config);
 
+/// What the robot finds on this [living] visit: the plan, its furniture moved visit - 1 times.
+world::Plan planOfVisit(const world::Plan& plan, const sim::LivingOptions& living, std::uint64_t seed);
+
 /// What came out of a recording.
 struct Recording {
-  core::Trajectory truth;
+  std::size_t scans = 0;
   std::vector<sim::Collision> collisions;
   double duration_s = 0, path_length_m = 0;
   std::vector<std::string> files;
@@ -57,11 +62,13 @@ struct Recording {
 ///   run.rawlog.GT.txt     the truth as MRPT's simulator writes it (relative to the start)
 ///   run.gt.tum            the truth as TUM (world frame)
 ///   run.operations.txt    the founding document's operation log
+///   run.movers.csv        where people and doors were, when there are any that move: see MoversLog
+///   run.plan.yaml, .png   the true plan, when it is not the given one: a [living] visit after the first
 ///   run.manifest.json     how to make it again
 /// Each file is written beside and renamed; an error or an interrupt leaves none of them.
 /// Same plan, config and seed: the same bytes (but for the times in the manifest). InputError for a strategy
 /// that needs a map: explore() builds one.
-Recording record(const world::Plan& plan, const RecordConfig& config, std::uint64_t seed,
+Recording record(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
                  const std::string& log_path, core::Manifest manifest, core::Progress& progress);
 
 /// "a/run.rawlog" -> "a/run": the stem of the files beside a log.

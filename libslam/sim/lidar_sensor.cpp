@@ -21,12 +21,6 @@ core::Point2 along(const core::Point2& p, const core::Point2& direction, double 
   return {p.x + length * direction.x, p.y + length * direction.y};
 }
 
-double castOneRay(const Scene& scene, const core::Point2& p_world, double angle_rad, double max_range_m) {
-  thread_local std::vector<float> range_m;
-  scene.castScan({p_world.x, p_world.y, angle_rad}, 0, 1, 1, max_range_m, range_m);
-  return range_m[0];
-}
-
 bool areEqual(const core::Pose2& a, const core::Pose2& b) {
   return a.x == b.x && a.y == b.y && a.phi == b.phi;
 }
@@ -58,6 +52,11 @@ LidarSensor::LidarSensor(const robot::LidarOptions& options, std::uint64_t seed)
       mixed_random_(seed, "lidar mixed"),
       glass_random_(seed, "lidar glass") {
   robot::requireSensible(options);
+  const int rays = options.beam_width_rad > 0 ? robot::kRaysPerBeam : 1;
+  for (int ray = 0; ray < rays; ++ray) {
+    const double offset_rad = rays > 1 ? robot::rayOffset(options, ray) : 0;
+    beams_.emplace_back(robot::firstAngle(options) + offset_rad, robot::beamStep(options), options.beams);
+  }
 }
 
 double LidarSensor::memory_s() const {
@@ -78,7 +77,7 @@ robot::Scan LidarSensor::sense(const Scene& scene, const core::Pose2& T_world_ro
   if (options_.beam_width_rad > 0)
     castWideBeams(scene, scan.ranges_m);
   else
-    castBeams(scene, 0, scan.ranges_m);
+    castBeams(scene, beams_[0], scan.ranges_m);
   robot::applyLidarErrors(options_, random_, scan.ranges_m);
   return scan;
 }
@@ -86,7 +85,7 @@ robot::Scan LidarSensor::sense(const Scene& scene, const core::Pose2& T_world_ro
 void LidarSensor::castWideBeams(const Scene& scene, std::vector<float>& out_ranges_m) {
   std::array<std::vector<float>, robot::kRaysPerBeam> rays_m;
   for (int ray = 0; ray < robot::kRaysPerBeam; ++ray)
-    castBeams(scene, robot::rayOffset(options_, ray), rays_m[static_cast<size_t>(ray)]);
+    castBeams(scene, beams_[static_cast<size_t>(ray)], rays_m[static_cast<size_t>(ray)]);
   out_ranges_m.resize(rays_m[0].size());
   for (size_t beam = 0; beam < out_ranges_m.size(); ++beam) {
     std::vector<double> ranges_m;
@@ -101,21 +100,20 @@ void LidarSensor::castWideBeams(const Scene& scene, std::vector<float>& out_rang
   }
 }
 
-void LidarSensor::castBeams(const Scene& scene, double offset_rad, std::vector<float>& out_ranges_m) {
-  const double first_rad = robot::firstAngle(options_) + offset_rad, step_rad = robot::beamStep(options_);
+void LidarSensor::castBeams(const Scene& scene, const world::BeamTable& beams,
+                            std::vector<float>& out_ranges_m) {
   const bool stood_still = T_world_lidar_.size() == 1;
-  if (stood_still)
-    scene.castScan(T_world_lidar_[0], first_rad, step_rad, options_.beams, options_.max_range_m,
-                   out_ranges_m);
+  if (stood_still) scene.castScan(T_world_lidar_[0], beams, options_.max_range_m, out_ranges_m);
   out_ranges_m.resize(static_cast<size_t>(options_.beams));
   const bool has_materials = !scene.plan().materials.empty();
   if (stood_still && !has_materials) return;
   for (size_t beam = 0; beam < out_ranges_m.size(); ++beam) {
     const core::Pose2& T_world_lidar = T_world_lidar_[stood_still ? 0 : beam];
     const core::Point2 p_world = core::position(T_world_lidar);
-    const double angle_rad = T_world_lidar.phi + first_rad + static_cast<double>(beam) * step_rad;
+    const double angle_rad =
+        T_world_lidar.phi + beams.firstAngle() + static_cast<double>(beam) * beams.step();
     double range_m =
-        stood_still ? out_ranges_m[beam] : castOneRay(scene, p_world, angle_rad, options_.max_range_m);
+        stood_still ? out_ranges_m[beam] : scene.castRay(p_world, angle_rad, options_.max_range_m);
     if (has_materials) range_m = followRay(scene, p_world, angle_rad, range_m);
     out_ranges_m[beam] = static_cast<float>(range_m);
   }
@@ -165,8 +163,8 @@ double LidarSensor::followRay(const Scene& scene, core::Point2 p_world, double a
     }
     travelled_m += onward_m;
     if (options_.max_range_m > 0 && travelled_m >= options_.max_range_m) return kInfinity;
-    range_m = castOneRay(scene, p_world, angle_rad,
-                         options_.max_range_m > 0 ? options_.max_range_m - travelled_m : 0);
+    range_m =
+        scene.castRay(p_world, angle_rad, options_.max_range_m > 0 ? options_.max_range_m - travelled_m : 0);
   }
   return kInfinity;
 }

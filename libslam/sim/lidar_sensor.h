@@ -45,12 +45,13 @@ class LidarSensor {
                     double time_s);
 
  private:
-  void castBeams(const Scene& scene, double offset_rad, std::vector<float>& out_ranges_m);
+  void castBeams(const Scene& scene, const world::BeamTable& beams, std::vector<float>& out_ranges_m);
   void castWideBeams(const Scene& scene, std::vector<float>& out_ranges_m);
   double followRay(const Scene& scene, core::Point2 p_world, double angle_rad, double range_m);
 
   robot::LidarOptions options_;
   core::RandomStream random_, mixed_random_, glass_random_;
+  std::vector<world::BeamTable> beams_;     ///< one for each ray of a beam
   std::vector<core::Pose2> T_world_lidar_;  ///< of the present scan: one for each beam, or one for all
 };
 

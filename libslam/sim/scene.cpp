@@ -1,17 +1,89 @@
 #include "libslam/sim/scene.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace slam::sim {
 
-Scene::Scene(const world::Plan& plan) : plan_(plan), caster_(plan) {}
+Scene::Scene(const world::Plan& plan) : Scene(plan, {}, 0, {}) {}
 
-void Scene::castScan(const core::Pose2& T_world_lidar, double first_angle_rad, double step_rad, int beams,
-                     double max_range_m, std::vector<float>& out_ranges_m) const {
-  caster_.castScan(T_world_lidar, world::BeamTable(first_angle_rad, step_rad, beams), max_range_m,
-                   out_ranges_m);
+Scene::~Scene() = default;
+
+Scene::Scene(const world::Plan& plan, const LivingOptions& living, std::uint64_t seed, const Disc& robot)
+    : plan_(plan), caster_(plan) {
+  if (living.people > 0) crowd_ = std::make_unique<Crowd>(plan, living, seed, toPlanFrame(robot));
+  if (living.doors_share > 0 && !plan.doors.empty()) {
+    doors_ = std::make_unique<Doors>(plan, living, seed);
+    changing_ = std::make_unique<world::Plan>(plan);
+  }
+  placeBodies();
+}
+
+void Scene::castScan(const core::Pose2& T_world_lidar, const world::BeamTable& beams, double max_range_m,
+                     std::vector<float>& out_ranges_m) const {
+  caster_.castScan(T_world_lidar, beams, max_range_m, out_ranges_m);
+  if (!bodies_.empty())
+    sim::castScan(bodies_, T_world_lidar, beams.firstAngle(), beams.step(), max_range_m, out_ranges_m);
+}
+
+double Scene::castRay(const core::Point2& p_world, double angle_rad, double max_range_m) const {
+  double range_m = caster_.castRay(p_world, angle_rad, max_range_m);
+  const core::Point2 direction{std::cos(angle_rad), std::sin(angle_rad)};
+  for (const Disc& body : bodies_) {
+    const double body_m = sim::castRay(body, p_world, direction);
+    if (body_m < range_m && (max_range_m <= 0 || body_m <= max_range_m)) range_m = body_m;
+  }
+  return range_m;
 }
 
 bool Scene::discCollides(const core::Point2& p_world, double radius_m) const {
-  return world::discCollides(plan_, p_world, radius_m);
+  return world::discCollides(plan(), p_world, radius_m) ||
+         std::any_of(persons_.begin(), persons_.end(), [&](const Disc& person) {
+           const double dx = person.p.x - p_world.x, dy = person.p.y - p_world.y;
+           const double reach_m = person.radius_m + radius_m;
+           return dx * dx + dy * dy <= reach_m * reach_m;
+         });
+}
+
+void Scene::tick(const Disc& robot) {
+  const Disc robot_in_plan = toPlanFrame(robot);
+  if (doors_) moveDoors(robot_in_plan);
+  if (crowd_) crowd_->tick(robot_in_plan);
+  placeBodies();
+}
+
+Disc Scene::toPlanFrame(const Disc& robot) const {
+  return {core::inverse(plan_.T_world_plan) * robot.p, robot.radius_m};
+}
+
+void Scene::moveDoors(const Disc& robot_in_plan) {
+  std::vector<Disc> bodies{robot_in_plan};
+  if (crowd_)
+    for (const auto& person : crowd_->people()) bodies.push_back({person.p, crowd_->radius_m()});
+  // Walkways tell cells apart, not points: one and a half cells more keep everybody where they can stand.
+  for (const size_t i : doors_->tick(bodies, 1.5 * plan_.resolution_m)) {
+    const auto& door = doors_->all()[i];
+    setDoor(door.cells, door.state == DoorState::kClosed ? world::Cell::kOccupied : world::Cell::kFree);
+  }
+}
+
+void Scene::setDoor(const world::Door& door, world::Cell cell) {
+  for (int row = door.y0; row < door.y1; ++row)
+    for (int column = door.x0; column < door.x1; ++column)
+      changing_->cells[static_cast<size_t>(row) * static_cast<size_t>(changing_->columns) +
+                       static_cast<size_t>(column)] = cell;
+  caster_.update(*changing_, door.x0, door.y0, door.x1, door.y1);
+  if (crowd_) crowd_->update(*changing_, door);
+}
+
+void Scene::placeBodies() {
+  bodies_.clear();
+  persons_.clear();
+  if (!crowd_) return;
+  crowd_->appendBodies(bodies_);
+  for (auto& body : bodies_) body.p = plan_.T_world_plan * body.p;
+  for (const auto& person : crowd_->people())
+    persons_.push_back({plan_.T_world_plan * person.p, crowd_->radius_m()});
 }
 
 }  // namespace slam::sim

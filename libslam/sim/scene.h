@@ -1,28 +1,62 @@
 #pragma once
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/sim/crowd.h"
+#include "libslam/sim/disc.h"
+#include "libslam/sim/doors.h"
+#include "libslam/sim/living.h"
 #include "libslam/world/plan.h"
 #include "libslam/world/sector_caster.h"
 
 namespace slam::sim {
 
-/// What stands around the robot at the present moment: what a ray meets and what a body bumps into.
+/// What stands around the robot at the present moment: what a ray meets and what a body bumps into. Walls, doors
+/// that are closed, people.
 class Scene {
  public:
-  /// Keeps a reference to `plan`, which must outlive it and not change.
+  /// Keeps a reference to `plan`, which must outlive it and not change. `robot`: its disc at the start, world frame.
+  /// InputError where there is no room for the people.
+  Scene(const world::Plan& plan, const LivingOptions& living, std::uint64_t seed, const Disc& robot);
+  /// Nothing moves.
   explicit Scene(const world::Plan& plan);
+  ~Scene();
 
-  const world::Plan& plan() const { return plan_; }
-  /// As world::castScan().
-  void castScan(const core::Pose2& T_world_lidar, double first_angle_rad, double step_rad, int beams,
-                double max_range_m, std::vector<float>& out_ranges_m) const;
-  /// As world::discCollides().
+  /// The plan as it is now: the cells of a closed door are occupied.
+  const world::Plan& plan() const { return changing_ ? *changing_ : plan_; }
+  const world::Plan& planWithDoorsOpen() const { return plan_; }
+  /// As world::castScan(), and people are met like walls.
+  void castScan(const core::Pose2& T_world_lidar, const world::BeamTable& beams, double max_range_m,
+                std::vector<float>& out_ranges_m) const;
+  /// As world::castRay(), and people are met like walls.
+  double castRay(const core::Point2& p_world, double angle_rad, double max_range_m) const;
+  /// As world::discCollides(); and people count.
   bool discCollides(const core::Point2& p_world, double radius_m) const;
+  /// What the lidar meets besides the plan, world frame.
+  const std::vector<Disc>& bodies() const { return bodies_; }
+
+  /// True when time changes anything: then tick() is owed at every whole multiple of kTick_ns.
+  bool isAlive() const { return crowd_ || doors_; }
+  /// Moves people and doors, given where the robot is now. Between two ticks they stand still.
+  void tick(const Disc& robot);
+  /// nullptr when there is none.
+  const Crowd* crowd() const { return crowd_.get(); }
+  const Doors* doors() const { return doors_.get(); }
 
  private:
+  Disc toPlanFrame(const Disc& robot) const;
+  void moveDoors(const Disc& robot_in_plan);
+  void setDoor(const world::Door& door, world::Cell cell);
+  void placeBodies();
+
   const world::Plan& plan_;
+  std::unique_ptr<world::Plan> changing_;  ///< a copy, when there are doors that move
   world::SectorCaster caster_;
+  std::unique_ptr<Crowd> crowd_;
+  std::unique_ptr<Doors> doors_;
+  std::vector<Disc> bodies_, persons_;  ///< world frame: what a lidar meets, and what a body bumps into
 };
 
 }  // namespace slam::sim

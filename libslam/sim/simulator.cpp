@@ -43,8 +43,9 @@ void requireValid(const robot::Command& command) {
 
 Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
                      const robot::LidarOptions& lidar, const robot::OdometryOptions& odometry,
-                     const core::Pose2& start, std::uint64_t seed, double start_time_s)
-    : scene_(plan),
+                     const core::Pose2& start, std::uint64_t seed, double start_time_s,
+                     const LivingOptions& living)
+    : scene_(plan, living, seed, {core::position(start), robot::circumscribedRadius(robot)}),
       robot_(robot),
       lidar_(lidar, seed),
       odometer_(odometry, seed),
@@ -69,7 +70,8 @@ Sensed Simulator::sense() {
 
 Sensed Simulator::step(const robot::Command& command) {
   requireValid(command);
-  const double driven_s = freeDuration(command);
+  const double driven_s =
+      scene_.isAlive() ? driveInLivingWorld(command) : freeDuration(command, 0, command.duration_s);
   const robot::Command driven{command.speed_mps, command.turn_rate_radps, driven_s};
   path_.add(T_world_robot_, driven, command.duration_s);
   T_world_robot_ = T_world_robot_ * robot::driveMotion(driven);
@@ -81,9 +83,28 @@ Sensed Simulator::step(const robot::Command& command) {
   return sense();
 }
 
-double Simulator::freeDuration(const robot::Command& command) const {
-  const double travel_m = std::abs(command.speed_mps) * command.duration_s;
-  if (travel_m == 0) return command.duration_s;
+double Simulator::driveInLivingWorld(const robot::Command& command) {
+  const double radius_m = robot::circumscribedRadius(robot_);
+  const std::int64_t end_ns = elapsed_ns_ + std::llround(command.duration_s * 1e9);
+  double driven_s = 0;
+  bool is_free = true;
+  const auto driveTo = [&](double to_s) {
+    if (!is_free) return;
+    driven_s = freeDuration(command, driven_s, to_s);
+    is_free = driven_s >= to_s;
+  };
+  for (std::int64_t tick_ns = (elapsed_ns_ / kTick_ns + 1) * kTick_ns; tick_ns <= end_ns;
+       tick_ns += kTick_ns) {
+    driveTo(std::min(command.duration_s, static_cast<double>(tick_ns - elapsed_ns_) * 1e-9));
+    scene_.tick({core::position(T_world_robot_ * robot::driveMotion(command, driven_s)), radius_m});
+  }
+  driveTo(command.duration_s);
+  return driven_s;
+}
+
+double Simulator::freeDuration(const robot::Command& command, double from_s, double to_s) const {
+  const double travel_m = std::abs(command.speed_mps) * (to_s - from_s);
+  if (travel_m == 0) return to_s;
   const double radius_m = robot::circumscribedRadius(robot_);
   const auto collidesAfter = [&](double elapsed_s) {
     const core::Pose2 T_world_then = T_world_robot_ * robot::driveMotion(command, elapsed_s);
@@ -91,9 +112,9 @@ double Simulator::freeDuration(const robot::Command& command) const {
   };
   const int checks =
       static_cast<int>(std::ceil(travel_m / std::min(0.25 * scene_.plan().resolution_m, 0.01)));
-  double free_s = 0;
+  double free_s = from_s;
   for (int i = 1; i <= checks; ++i) {
-    double blocked_s = command.duration_s * i / checks;
+    double blocked_s = from_s + (to_s - from_s) * i / checks;
     if (!collidesAfter(blocked_s)) {
       free_s = blocked_s;
       continue;
@@ -104,7 +125,7 @@ double Simulator::freeDuration(const robot::Command& command) const {
     }
     return free_s;
   }
-  return command.duration_s;
+  return to_s;
 }
 
 }  // namespace slam::sim

@@ -9,6 +9,7 @@
 #include "libslam/robot/odometer.h"
 #include "libslam/robot/scan.h"
 #include "libslam/sim/lidar_sensor.h"
+#include "libslam/sim/living.h"
 #include "libslam/sim/recent_path.h"
 #include "libslam/sim/scene.h"
 #include "libslam/world/plan.h"
@@ -33,20 +34,26 @@ struct Collision {
 /// plus the durations of the commands, summed in whole nanoseconds so that nothing drifts), its own random
 /// streams (those of LidarSensor and robot::Odometer), and no noise on the truth. The disc around the footprint never enters a
 /// wall: a command that would collide is cut at the last free moment (to 1 mm of travel) and recorded; time
-/// still passes. A turn in place never collides, for the disc is free. Between two checks of the path (at
+/// still passes. A turn in place never collides, for the disc is free. Where people walk or doors move, they do so at
+/// whole ticks of the world's own clock, however time is cut into commands, and stand still in between: driving
+/// into them is a collision, and they never walk or close into the robot. Between two checks of the path (at
 /// most a quarter of a cell or 1 cm apart) the disc may cut a wall's corner by less than 0.1 mm.
 ///
 /// Errors: lidar options that contradict each other (robot::requireSensible()); start not finite, in a wall, outside the plan or nearer to either than the disc's radius (InputError naming the pose
 /// and the radius); a command that is not finite or has a negative duration (ContractError).
 class Simulator {
  public:
-  /// Keeps a reference to `plan`, which must outlive it and not change. Makes a world::SectorCaster: some
+  static constexpr double kStartTime_s = 1700000000.0;
+
+  /// Keeps a reference to `plan`, which must outlive it and not change. `living`: what else moves; of it the
+  /// visit is not the simulator's to know, `plan` is what this visit finds. Makes a world::SectorCaster: some
   /// milliseconds per million cells, and 8 bytes per cell.
   Simulator(const world::Plan& plan, const robot::RobotOptions& robot, const robot::LidarOptions& lidar,
             const robot::OdometryOptions& odometry, const core::Pose2& start, std::uint64_t seed,
-            double start_time_s = 1700000000.0);
+            double start_time_s = kStartTime_s, const LivingOptions& living = {});
   Simulator(world::Plan&&, const robot::RobotOptions&, const robot::LidarOptions&,
-            const robot::OdometryOptions&, const core::Pose2&, std::uint64_t, double = 0) = delete;
+            const robot::OdometryOptions&, const core::Pose2&, std::uint64_t, double = 0,
+            const LivingOptions& = {}) = delete;
 
   /// The first look, before any command. Looking again draws new noise and moves nothing else.
   Sensed sense();
@@ -56,10 +63,14 @@ class Simulator {
   double time_s() const;
   const core::Pose2& truth() const { return T_world_robot_; }  ///< for the recorder only
   const std::vector<Collision>& collisions() const { return collisions_; }
+  const Scene& scene() const { return scene_; }  ///< likewise
 
  private:
-  /// Seconds of the command until the disc would enter a wall; its whole duration when it never does.
-  double freeDuration(const robot::Command& command) const;
+  /// Seconds of the command until the disc would bump into something as it stands now, looking from from_s on,
+  /// where it is free; to_s when it does not until then.
+  double freeDuration(const robot::Command& command, double from_s, double to_s) const;
+  /// The same over the whole command while the world goes on.
+  double driveInLivingWorld(const robot::Command& command);
 
   Scene scene_;
   robot::RobotOptions robot_;

@@ -17,8 +17,9 @@ namespace slam::world {
 namespace {
 
 const std::vector<std::string>& knownKeys() {
-  static const std::vector<std::string> keys = {"image",  "resolution",      "origin",      "mode",
-                                                "negate", "occupied_thresh", "free_thresh", "materials"};
+  static const std::vector<std::string> keys = {"image",       "resolution", "origin",
+                                                "mode",        "negate",     "occupied_thresh",
+                                                "free_thresh", "materials",  "doors"};
   return keys;
 }
 
@@ -82,11 +83,19 @@ std::string unquoted(const std::string& text, const std::string& where) {
   throw malformed(where, text, "a text with its closing quote at the end");
 }
 
+/// The items between the brackets; one that is a list itself is one item.
 std::vector<std::string> listItems(const std::string& text, const std::string& where) {
-  if (text.back() != ']') throw malformed(where, text, "a list [a, b, c] on one line");
+  if (text.size() < 2 || text.back() != ']') throw malformed(where, text, "a list [a, b, c] on one line");
+  const std::string inside = core::trimmed(text.substr(1, text.size() - 2));
   std::vector<std::string> items;
-  std::istringstream fields(text.substr(1, text.size() - 2));
-  for (std::string item; std::getline(fields, item, ',');) items.push_back(core::trimmed(item));
+  int depth = 0;
+  for (size_t begin = 0, i = 0; begin < inside.size(); ++i) {
+    const bool ends = i == inside.size();
+    if (!ends) depth += inside[i] == '[' ? 1 : inside[i] == ']' ? -1 : 0;
+    if (!ends && (inside[i] != ',' || depth > 0)) continue;
+    items.push_back(core::trimmed(inside.substr(begin, i - begin)));
+    begin = i + 1;
+  }
   return items;
 }
 
@@ -182,6 +191,25 @@ class Values {
     if (!good) throw wrongValue(entry.where, key, joined(entry), "[x, y, yaw]: three finite numbers");
     return {v[0], v[1], v[2]};
   }
+  std::vector<Door> doors(const std::string& key) const {
+    const Entry& entry = require(key);
+    if (!entry.is_list && !entry.values.empty())
+      throw wrongValue(entry.where, key, entry.values[0], "a list of [x0, y0, x1, y1]");
+    std::vector<Door> doors;
+    for (const auto& item : entry.values) {
+      const auto corners =
+          item.size() > 1 && item.front() == '[' ? listItems(item, entry.where) : std::vector<std::string>{};
+      double v[4];
+      bool good = corners.size() == 4;
+      for (size_t i = 0; good && i < 4; ++i)
+        good = core::parseNumber(corners[i], v[i]) && v[i] == std::floor(v[i]) && std::abs(v[i]) <= 1e6;
+      if (!good || !(v[0] < v[2] && v[1] < v[3]))
+        throw wrongValue(entry.where, key, item, "[x0, y0, x1, y1]: whole numbers, x0 < x1 and y0 < y1");
+      doors.push_back(
+          {static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2]), static_cast<int>(v[3])});
+    }
+    return doors;
+  }
 
  private:
   static std::string joined(const Entry& entry) {
@@ -248,13 +276,17 @@ MapYaml readMapYaml(const std::string& path) {
       throw wrongValue(values.require("mode").where, "mode", mode, "trinary, scale or raw");
     map.is_raw = mode == "raw";
   }
+  if (const Entry* doors = values.find("doors")) {
+    map.doors = values.doors("doors");
+    map.doors_where = doors->where;
+  }
   const Entry* threshold = values.find("free_thresh");
   requireSensible(map.options, threshold ? threshold->where : path);
   return map;
 }
 
 std::string formatMapYaml(const std::string& image_name, const PlanOptions& options,
-                          const std::string& materials_name) {
+                          const std::vector<Door>& doors, const std::string& materials_name) {
   const auto& origin = options.T_world_plan;
   std::string text = "image: " + quotedWhereNeeded(image_name) + "\n";
   text += "mode: trinary\n";
@@ -265,6 +297,10 @@ std::string formatMapYaml(const std::string& image_name, const PlanOptions& opti
   text += "occupied_thresh: " + core::formatNumber(options.occupied_threshold) + "\n";
   text += "free_thresh: " + core::formatNumber(options.free_threshold) + "\n";
   if (!materials_name.empty()) text += "materials: " + quotedWhereNeeded(materials_name) + "\n";
+  if (!doors.empty()) text += "doors:\n";
+  for (const auto& door : doors)
+    text += "  - [" + std::to_string(door.x0) + ", " + std::to_string(door.y0) + ", " +
+            std::to_string(door.x1) + ", " + std::to_string(door.y1) + "]\n";
   return text;
 }
 

@@ -76,6 +76,24 @@ void requireNamedFile(const std::string& yaml_path, const std::string& key, cons
     throw core::InputError(yaml_path + ": key '" + key + "': found '" + path + "', which does not exist");
 }
 
+/// A door that is no free opening of this plan would wall up something else when it shuts.
+void requireFreeDoors(const Plan& plan, const std::string& where) {
+  for (const auto& door : plan.doors) {
+    const auto fail = [&](const std::string& expected) {
+      throw core::InputError(where + ": key 'doors': found '[" + std::to_string(door.x0) + ", " +
+                             std::to_string(door.y0) + ", " + std::to_string(door.x1) + ", " +
+                             std::to_string(door.y1) + "]', expected " + expected);
+    };
+    if (!plan.contains(door.x0, door.y0) || !plan.contains(door.x1 - 1, door.y1 - 1))
+      fail("cells of the plan, 0 to " + std::to_string(plan.columns) + " by 0 to " +
+           std::to_string(plan.rows));
+    for (int row = door.y0; row < door.y1; ++row)
+      for (int column = door.x0; column < door.x1; ++column)
+        if (plan.at(column, row) != Cell::kFree)
+          fail("free cells, and (" + std::to_string(column) + ", " + std::to_string(row) + ") is not");
+  }
+}
+
 Plan loadFromYaml(const std::string& path) {
   const MapYaml map = readMapYaml(path);
   requireNamedFile(path, "image", map.image_path);
@@ -85,6 +103,8 @@ Plan loadFromYaml(const std::string& path) {
     const bool transparent = !picture.opaque.empty() && !picture.opaque[pixel];
     return transparent ? Cell::kUnknown : rule.fromGray(picture.gray[pixel]);
   });
+  plan.doors = map.doors;
+  requireFreeDoors(plan, map.doors_where);
   if (map.materials_path.empty()) return plan;
   requireNamedFile(path, "materials", map.materials_path);
   readMaterials(map.materials_path, plan);
@@ -160,7 +180,7 @@ void savePlan(const Plan& plan, const std::string& yaml_path) {
   PendingFiles files;
   files.add(image_path, encodePng(plan.columns, plan.rows, gray));
   if (!materials_path.empty()) files.add(materials_path, encodeMaterials(plan));
-  files.add(yaml_path, formatMapYaml(fileName(image_path), options, fileName(materials_path)));
+  files.add(yaml_path, formatMapYaml(fileName(image_path), options, plan.doors, fileName(materials_path)));
   files.commit();
 }
 

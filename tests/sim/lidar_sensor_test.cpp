@@ -81,7 +81,7 @@ TEST(LidarSensor, WithEverythingOffCastsOnceAndAddsTheOlderErrors) {
   const Pose2 pose{4.3, 3.7, 1.1};
   const Scene scene(plan);
   std::vector<float> expected_m;
-  scene.castScan(pose * Pose2{0.2, 0, 0.3}, -kPi, 2 * kPi / 90, 90, 0, expected_m);
+  scene.castScan(pose * Pose2{0.2, 0, 0.3}, {-kPi, 2 * kPi / 90, 90}, 0, expected_m);
   core::RandomStream random(1, "lidar");
   robot::applyLidarErrors(options, random, expected_m);
   const auto found_m = look(plan, options, pose).ranges_m;

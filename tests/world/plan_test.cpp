@@ -317,6 +317,7 @@ TEST_F(Plans, RefuseEveryCutOfAPictureWithoutANoise) {
 TEST_F(Plans, ComeBackFromDiskAsTheyWere) {
   Plan plan = drawnPlan({"#?.#", "....", "##??"}, 0.1 / 3);
   plan.T_world_plan = {-1.0 / 3, 1e-7, -2.5};
+  plan.doors = {{0, 1, 4, 2}, {3, 1, 4, 2}};
   for (const std::string name : {"plan.yaml", "it's a #1: plan.yaml", "-dash.yaml"}) {
     savePlan(plan, folder_ / name);
     const Plan loaded = loadPlan(folder_ / name);
@@ -328,7 +329,53 @@ TEST_F(Plans, ComeBackFromDiskAsTheyWere) {
     EXPECT_EQ(loaded.T_world_plan.x, plan.T_world_plan.x);
     EXPECT_EQ(loaded.T_world_plan.y, plan.T_world_plan.y);
     EXPECT_EQ(loaded.T_world_plan.phi, plan.T_world_plan.phi);
+    ASSERT_EQ(loaded.doors.size(), 2U);
+    EXPECT_EQ(loaded.doors[1].x0, 3);
+    EXPECT_EQ(loaded.doors[1].y1, 2);
   }
+}
+
+TEST_F(Plans, KnowTheirDoors) {
+  cv::imwrite(folder_ / "good.png", cv::Mat(3, 4, CV_8U, cv::Scalar(255)));
+  const auto doorsIn = [&](const std::string& text) {
+    PlanOptions options;
+    options.allow_empty = true;
+    return loadPlan(write("map.yaml", kHeader + text), options).doors;
+  };
+  EXPECT_TRUE(doorsIn("").empty());
+  EXPECT_TRUE(doorsIn("doors: []\n").empty());
+  EXPECT_TRUE(doorsIn("doors:\n").empty());
+  for (const std::string text :
+       {"doors: [[1, 0, 2, 2], [0, 0, 1, 1]]\n", "doors: [ [1,0,2,2],[0,0,1,1], ]  # two\n",
+        "doors:\n  - [1, 0, 2, 2]\n  - [0, 0, 1, 1]\n"}) {
+    const auto doors = doorsIn(text);
+    ASSERT_EQ(doors.size(), 2U) << text;
+    EXPECT_EQ(doors[0].x0, 1);
+    EXPECT_EQ(doors[0].y0, 0);
+    EXPECT_EQ(doors[0].x1, 2);
+    EXPECT_EQ(doors[0].y1, 2);
+    EXPECT_EQ(doors[1].x1, 1);
+  }
+}
+
+TEST_F(Plans, RefuseDoorsThatAreNone) {
+  const auto doorError = [&](const std::string& value) {
+    return yamlError(std::string(kHeader) + "doors: " + value + "\n");
+  };
+  const std::string expected = "', expected [x0, y0, x1, y1]: whole numbers, x0 < x1 and y0 < y1";
+  for (const std::string bad :
+       {"[1, 0, 2]", "[1, 0, 2, 2, 3]", "[1, 0, 1, 2]", "[2, 0, 1, 2]", "[1, 0.5, 2, 2]", "[1, nan, 2, 2]",
+        "[1, 1e9, 2, 1e10]", "[a, 0, 1, 1]", "7", "[[0, 0, 1, 1]]", ""})
+    EXPECT_EQ(doorError("[" + bad + ", [0, 0, 1, 1]]"), ":4: key 'doors': found '" + bad + expected) << bad;
+  EXPECT_EQ(doorError("[1, 0, 2, 2]"), ":4: key 'doors': found '1" + expected);
+  EXPECT_EQ(doorError("open"), ":4: key 'doors': found 'open', expected a list of [x0, y0, x1, y1]");
+  EXPECT_THAT(doorError("[[1, 0, 2, 2]"), HasSubstr("expected a list [a, b, c] on one line"));
+  EXPECT_THAT(doorError("[[1, 0, 2, 2"), HasSubstr("expected a list [a, b, c] on one line"));
+  EXPECT_THAT(doorError("["), HasSubstr("expected a list [a, b, c] on one line"));
+  for (const std::string bad : {"[-1, 0, 1, 1]", "[0, 0, 5, 1]", "[0, 0, 1, 3]"})
+    EXPECT_EQ(doorError("[" + bad + "]"),
+              ":4: key 'doors': found '" + bad + "', expected cells of the plan, 0 to 4 by 0 to 2");
+  EXPECT_THAT(doorError("[[0, 0, 4, 2]]"), HasSubstr("expected free cells, and ("));
 }
 
 TEST_F(Plans, LeaveNothingBehindWhereTheyCannotBeWritten) {

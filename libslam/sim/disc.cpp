@@ -1,0 +1,72 @@
+#include "libslam/sim/disc.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace slam::sim {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The beams of a scan that look into an interval of bearings.
+class Fan {
+ public:
+  Fan(double first_rad, double step_rad, size_t beams) : first_(first_rad), step_(step_rad), beams_(beams) {}
+
+  /// Calls visit(i) for every beam within half_width of the bearing, and perhaps its neighbours: rounding must
+  /// not lose a beam that grazes. A beam is visited once per turn in which it looks there.
+  template <class Visit>
+  void visit(double bearing_rad, double half_width_rad, const Visit& visit) const {
+    const double last = static_cast<double>(beams_) - 1;
+    if (!(step_ > 0) || last < 2) {
+      for (size_t i = 0; i < beams_; ++i) visit(i);
+      return;
+    }
+    const double turn = 2 * core::kPi;
+    const double low = bearing_rad - half_width_rad - first_, high = low + 2 * half_width_rad;
+    const double span = last * step_;
+    for (double k = std::ceil((-high - step_) / turn); low + k * turn <= span + step_; ++k) {
+      const double begin = std::max(0.0, std::floor((low + k * turn) / step_));
+      const double end = std::min(last, std::ceil((high + k * turn) / step_));
+      for (double i = begin; i <= end; ++i) visit(static_cast<size_t>(i));
+    }
+  }
+
+ private:
+  double first_, step_;
+  size_t beams_;
+};
+
+}  // namespace
+
+double castRay(const Disc& disc, const core::Point2& origin, const core::Point2& direction) {
+  const double x = disc.p.x - origin.x, y = disc.p.y - origin.y;
+  const double radius2 = disc.radius_m * disc.radius_m;
+  if (x * x + y * y <= radius2) return 0;
+  const double along = x * direction.x + y * direction.y, beside = x * direction.y - y * direction.x;
+  const double half_chord2 = radius2 - beside * beside;
+  return along > 0 && half_chord2 >= 0 ? along - std::sqrt(half_chord2) : kInfinity;
+}
+
+void castScan(const std::vector<Disc>& discs, const core::Pose2& T_world_lidar, double first_angle_rad,
+              double step_rad, double max_range_m, std::vector<float>& ranges_m) {
+  if (!core::isFinite(T_world_lidar)) return;
+  const core::Point2 origin = core::position(T_world_lidar);
+  const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
+  const Fan fan(T_world_lidar.phi + first_angle_rad, step_rad, ranges_m.size());
+  for (const auto& disc : discs) {
+    const double distance_m = core::distance(origin, disc.p);
+    if (distance_m - disc.radius_m > limit_m) continue;
+    const double half_width_rad =
+        distance_m > disc.radius_m ? std::asin(disc.radius_m / distance_m) : core::kPi;
+    const double bearing_rad = std::atan2(disc.p.y - origin.y, disc.p.x - origin.x);
+    fan.visit(bearing_rad, half_width_rad, [&](size_t i) {
+      const double angle_rad = T_world_lidar.phi + first_angle_rad + static_cast<double>(i) * step_rad;
+      const double range_m = castRay(disc, origin, {std::cos(angle_rad), std::sin(angle_rad)});
+      if (range_m <= limit_m) ranges_m[i] = std::min(ranges_m[i], static_cast<float>(range_m));
+    });
+  }
+}
+
+}  // namespace slam::sim
