@@ -90,6 +90,7 @@ void LidarSensor::castWideBeams(const Scene& scene, std::vector<float>& out_rang
   out_ranges_m.resize(rays_m[0].size());
   for (size_t beam = 0; beam < out_ranges_m.size(); ++beam) {
     std::vector<double> ranges_m;
+    ranges_m.reserve(rays_m.size());
     for (const auto& ray_m : rays_m) ranges_m.push_back(ray_m[beam]);
     bool mixes = false;
     double where = 0;
