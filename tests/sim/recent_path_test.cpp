@@ -54,8 +54,10 @@ TEST(RecentPath, StandsStillAfterAnObstacle) {
 TEST(RecentPath, RemembersAsLongAsItSays) {
   RecentPath path(1.0);
   for (int i = 0; i < 100; ++i) path.add({0.1 * i, 0, 0}, {1, 0, 0.1}, 0.1);
-  for (double ago_s = 0.05; ago_s < 1; ago_s += 0.1)
+  for (int i = 0; i < 10; ++i) {
+    const double ago_s = 0.05 + 0.1 * i;
     expectPose(path.poseBefore({10, 0, 0}, ago_s), {10 - ago_s, 0, 0}, 1e-12);
+  }
 }
 
 }  // namespace
