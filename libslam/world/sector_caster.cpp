@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <thread>
 
@@ -58,6 +57,20 @@ const ScanKernel* kernelFor(Instructions instructions) {
   return hasAvx2() ? &kAvx2Kernel : &kPortableKernel;
 }
 
+/// The end of the run of equal octants that starts at `begin`.
+int endOfRun(const std::int32_t* octant, int begin, int count) {
+  constexpr int kStep = 16;
+  int end = begin + 1;
+  while (end + kStep <= count) {
+    std::int32_t differences = 0;
+    for (int i = 0; i < kStep; ++i) differences |= octant[end + i] ^ octant[begin];
+    if (differences != 0) break;
+    end += kStep;
+  }
+  while (end < count && octant[end] == octant[begin]) ++end;
+  return end;
+}
+
 /// Casts up to kMarchBlock beams of a scan from one origin.
 class BlockCast {
  public:
@@ -74,9 +87,15 @@ class BlockCast {
     for (int i = 0; i < octants_; ++i) readEnds(marches_[i]);
     for (int i = 0; i < runs_; ++i) measure(run_[i], ranges_m);
   }
-  /// Beams of the block whose ranges are not known: they have to be cast one by one.
-  int ambiguousCount() const { return ambiguous_count_; }
-  int ambiguous(int i) const { return ambiguous_[i]; }
+  /// Calls cast_again(beam) for the beams whose ranges are not known.
+  template <class CastAgain>
+  void resolve(int count, CastAgain cast_again) const {
+    bool any = false;
+    for (int i = 0; i < octants_; ++i) any |= marches_[i].any_ambiguous;
+    if (!any) return;
+    for (int beam = 0; beam < count; ++beam)
+      if (hit_[beam] == kAmbiguousHit) cast_again(beam);
+  }
 
  private:
   /// Consecutive beams of one octant.
@@ -86,12 +105,8 @@ class BlockCast {
 
   void findRuns(int count) {
     runs_ = 0;
-    for (int begin = 0; begin < count;) {
-      int end = begin + 1;
-      while (end < count && beams_.octant[end] == beams_.octant[begin]) ++end;
-      run_[runs_++] = {begin, end, 0};
-      begin = end;
-    }
+    for (int begin = 0; begin < count; begin = run_[runs_++].end)
+      run_[runs_] = {begin, endOfRun(beams_.octant, begin, count), 0};
   }
 
   /// A march for every octant that has beams, and room for them.
@@ -107,21 +122,24 @@ class BlockCast {
       const bool inside = view.contains();
       const int u = inside ? floorToInt(view.major.origin) : 0,
                 v = inside ? floorToInt(view.minor.origin) : 0;
+      frames_[octants_] = {view.major.origin, view.minor.origin, double(u),
+                           double(v),         resolution_m_,     limit_m_};
       OctantMarch& march = marches_[octants_];
       march.codes = inside ? view.codes + u * view.stride + v : &kNeverHits;
       march.stride = static_cast<std::int32_t>(view.stride);
       march.end_row = view.minor.end - v;
       // Two columns more than the range needs: rounding must not end a march before the last hit within range.
       march.last_column = static_cast<std::int32_t>(std::min(limit_m_ / resolution_m_, 1e6)) + 2;
-      march.origin_u = static_cast<float>(view.major.origin - u);
-      march.origin_v = static_cast<float>(view.minor.origin - v);
+      march.origin_u = view.major.origin - u;
+      march.origin_v = view.minor.origin - v;
       march.rays = march.ends = 0;
-      march.slope = slope_ + room;
+      march.any_ambiguous = false;
       march.cell = cell_ + room;
+      march.slope = slope_ + room;
+      march.row = row_ + room;
+      march.rise = rise_ + room;
       march.ended_cell = ended_cell_ + room;
-      march.ended_how = ended_how_ + room;
-      origin_u_[octants_] = view.major.origin;
-      origin_v_[octants_] = view.minor.origin;
+      march.ended_hit = ended_hit_ + room;
       slot_of[index] = octants_++;
       room += beams_of[index] + kMarchPadding;
     }
@@ -131,75 +149,52 @@ class BlockCast {
   /// The first look-up of all beams is one: that of the origin's cell, whose row is not the row of its face.
   void start(const Run& run) {
     OctantMarch& march = marches_[run.slot];
-    const int count = run.end - run.begin;
     const std::uint8_t code = *march.codes;
     if (code == kWall || code == kNeverHits) {
-      const double u = code == kWall ? std::floor(origin_u_[run.slot]) : kInfinity;
-      std::fill_n(hit_u_ + run.begin, count, static_cast<float>(u));
-      std::fill_n(above_ + run.begin, count, kNotAbove);
+      std::fill(hit_ + run.begin, hit_ + run.end, code == kWall ? Hit{0} : kNoHit);
       return;
     }
-    const auto column = static_cast<std::uint32_t>(std::max<int>(code - 1, 1)) << 16;
     if (code != kWallAbove) {
-      std::memcpy(march.slope + march.rays, beams_.slope + run.begin,
-                  sizeof(float) * static_cast<size_t>(count));
-      for (int i = 0; i < count; ++i)
-        march.cell[march.rays + i] = column | static_cast<std::uint32_t>(run.begin + i);
-      march.rays += count;
+      kernel_.begin(march, beams_, run.begin, run.end, code - 1);
       return;
     }
+    const HitFrame& frame = frames_[run.slot];
     for (int beam = run.begin; beam < run.end; ++beam) {
-      const GrowingAxis major{origin_u_[run.slot], beams_.major[beam], 0, 0, 0, 0};
-      const GrowingAxis minor{origin_v_[run.slot], beams_.minor[beam], 0, 0, 0, 0};
-      const int u = floorToInt(major.origin), v = floorToInt(minor.origin);
-      if (rowAt(major, minor, raySlope(major, minor), u + 1) >= v + 1) {
-        hit_u_[beam] = static_cast<float>(u);
-        above_[beam] = static_cast<float>(v + 1);
-      } else {
-        march.slope[march.rays] = beams_.slope[beam];
-        march.cell[march.rays++] = column | static_cast<std::uint32_t>(beam);
-      }
+      const GrowingAxis major{frame.origin_u, beams_.major[beam], 0, 0, 0, 0};
+      const GrowingAxis minor{frame.origin_v, beams_.minor[beam], 0, 0, 0, 0};
+      const int next_u = static_cast<int>(frame.cell_u) + 1;
+      if (rowAt(major, minor, raySlope(major, minor), next_u) >= frame.cell_v + 1)
+        hit_[beam] = 1;  // above row 0 of column 0
+      else
+        kernel_.begin(march, beams_, beam, beam + 1, 1);
     }
   }
 
   void readEnds(const OctantMarch& march) {
-    if (march.ends == 0) return;
-    const auto slot = &march - marches_;
-    const auto u = static_cast<float>(floorToInt(origin_u_[slot]));
-    const auto row_above = static_cast<float>(floorToInt(origin_v_[slot]) + 1);
-    for (int i = 0; i < march.ends; ++i) {
-      const std::uint32_t cell = march.ended_cell[i], how = march.ended_how[i], beam = cell & 0xFFFF;
-      const std::uint32_t code = how & 255;  // plus one, as the march has it
-      const bool is_hit = code == kWall + 1U || code == kWallAbove + 1U;
-      hit_u_[beam] = is_hit ? u + static_cast<float>(cell >> 16) : static_cast<float>(kInfinity);
-      above_[beam] = code == kWallAbove + 1U ? row_above + static_cast<float>(how >> 8) : kNotAbove;
-      if ((how & kAmbiguous) != 0) ambiguous_[ambiguous_count_++] = static_cast<int>(beam);
-    }
+    for (int i = 0; i < march.ends; ++i) hit_[march.ended_cell[i] & 0xFFFF] = march.ended_hit[i];
   }
 
   void measure(const Run& run, float* ranges_m) const {
-    kernel_.measure(beams_.major + run.begin, beams_.minor + run.begin, hit_u_ + run.begin,
-                    above_ + run.begin, run.end - run.begin, origin_u_[run.slot], origin_v_[run.slot],
-                    resolution_m_, limit_m_, ranges_m + run.begin);
+    kernel_.measure(beams_.major + run.begin, beams_.minor + run.begin, hit_ + run.begin, run.end - run.begin,
+                    frames_[run.slot], ranges_m + run.begin);
   }
 
-  static constexpr float kNotAbove = -1e10F;
   static constexpr int kRoom = kMarchBlock + 8 * kMarchPadding;
 
   const SectorTable& table_;
   const ScanKernel& kernel_;
   const core::Point2 origin_;
   const double resolution_m_, limit_m_;
-  int runs_ = 0, octants_ = 0, ambiguous_count_ = 0;
+  int runs_ = 0, octants_ = 0;
   // What is written before it is read is not set to anything.
   AimedBeams beams_;
   Run run_[kMarchBlock];
   OctantMarch marches_[8];
-  double origin_u_[8], origin_v_[8];
+  HitFrame frames_[8];
+  std::uint32_t cell_[kRoom], ended_cell_[kRoom];
   float slope_[kRoom];
-  std::uint32_t cell_[kRoom], ended_cell_[kRoom], ended_how_[kRoom];
-  float hit_u_[kMarchBlock], above_[kMarchBlock];
-  int ambiguous_[kMarchBlock];
+  std::int64_t row_[kRoom], rise_[kRoom];
+  Hit ended_hit_[kRoom], hit_[kMarchBlock];
 };
 
 }  // namespace
@@ -275,10 +270,13 @@ void SectorCaster::castBeams(const core::Pose2& T_world_lidar, const BeamTable& 
     return;
   }
   const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
-  for (int done = 0; done < count; done += kMarchBlock) {
+  const int blocks = (count + kMarchBlock - 1) / kMarchBlock;
+  for (int i = 0, done = 0; i < blocks; ++i) {
     BlockCast block(table_, *kernel_, origin, frame_.resolution_m, limit_m);
-    block.cast(cosines + done, sines + done, std::min(count - done, kMarchBlock), turn, out_ranges_m + done);
-    for (int i = 0; i < block.ambiguousCount(); ++i) castOne(done + block.ambiguous(i));
+    const int size = (count - done) / (blocks - i);  // even blocks
+    block.cast(cosines + done, sines + done, size, turn, out_ranges_m + done);
+    block.resolve(size, [&](int beam) { castOne(done + beam); });
+    done += size;
   }
 }
 

@@ -27,8 +27,6 @@ struct Octant {
 class SectorTable {
  public:
   explicit SectorTable(const Plan& plan);
-  SectorTable(const SectorTable&) = delete;
-  SectorTable& operator=(const SectorTable&) = delete;
 
   /// Cells x0 .. x1-1 by y0 .. y1-1 of the plan have other walls now: the table becomes what a new one would be.
   /// REQUIRES a plan of the same size that differs from the known one nowhere else. Cost: the cells from which the
