@@ -371,12 +371,25 @@ TEST(Glass, ActsAsAMirrorAtGrazingIncidence) {
   EXPECT_GT(shares.begin()->second, 0.9);
 }
 
+TEST(Glass, AtThePlansEdgeLetsRaysOut) {
+  robot::LidarOptions options = ahead();
+  options.glass_echo = options.glass_reflectance = 0;
+  EXPECT_EQ(lookAhead(drawnPlan({"#....G"}), options, {2, 0.5, 0}), robot::kNoReturn);
+  EXPECT_EQ(lookAhead(drawnPlan({"#....G"}), options, {2, 0.5, 0.1}), robot::kNoReturn);
+}
+
+TEST(Glass, OnAWallShowsTheWall) {
+  robot::LidarOptions options = ahead();
+  options.glass_echo = options.glass_reflectance = 0;
+  EXPECT_NEAR(lookAhead(drawnPlan({"#....G#."}), options, {2, 0.5, 0}), 4, kFloat_m);
+}
+
 TEST(Glass, HidesNothingThatStandsBeforeIt) {
   const Plan plan = drawnPlan({"#...#.G..#"});
   EXPECT_NEAR(lookAhead(plan, ahead(), {2, 0.5, 0}), 2, kFloat_m);
 }
 
-TEST(Materials, OfAPlainPlanCostNoBit) {
+TEST(LidarSensor, SeesAPlanOfPlainMaterialsAsOneWithout) {
   Plan plain = room(12, 9), named = plain;
   named.materials.assign(named.cells.size(), world::Material::kPlain);
   EXPECT_EQ(look(plain, circle(200), {4, 4, 0.1}).ranges_m, look(named, circle(200), {4, 4, 0.1}).ranges_m);
