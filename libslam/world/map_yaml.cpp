@@ -17,8 +17,9 @@ namespace slam::world {
 namespace {
 
 const std::vector<std::string>& knownKeys() {
-  static const std::vector<std::string> keys = {"image",  "resolution",      "origin",      "mode",
-                                                "negate", "occupied_thresh", "free_thresh", "doors"};
+  static const std::vector<std::string> keys = {"image",       "resolution", "origin",
+                                                "mode",        "negate",     "occupied_thresh",
+                                                "free_thresh", "materials",  "doors"};
   return keys;
 }
 
@@ -257,8 +258,11 @@ MapYaml readMapYaml(const std::string& path) {
   const Entries entries = parse(core::readTextFile(path), path);
   const Values values(entries, path);
   MapYaml map;
-  const std::filesystem::path image(values.text("image"));
-  map.image_path = (std::filesystem::path(path).parent_path() / image).string();
+  const auto besideYaml = [&](const std::string& name) {
+    return (std::filesystem::path(path).parent_path() / name).string();
+  };
+  map.image_path = besideYaml(values.text("image"));
+  if (values.find("materials")) map.materials_path = besideYaml(values.text("materials"));
   map.options.resolution_m = values.number("resolution", 1e-6, 1e6, "metres per pixel, a number above 0");
   map.options.T_world_plan = values.pose("origin");
   if (values.find("negate")) map.options.negate = values.flag("negate");
@@ -282,7 +286,7 @@ MapYaml readMapYaml(const std::string& path) {
 }
 
 std::string formatMapYaml(const std::string& image_name, const PlanOptions& options,
-                          const std::vector<Door>& doors) {
+                          const std::string& materials_name, const std::vector<Door>& doors) {
   const auto& origin = options.T_world_plan;
   std::string text = "image: " + quotedWhereNeeded(image_name) + "\n";
   text += "mode: trinary\n";
@@ -292,6 +296,7 @@ std::string formatMapYaml(const std::string& image_name, const PlanOptions& opti
   text += std::string("negate: ") + (options.negate ? "1" : "0") + "\n";
   text += "occupied_thresh: " + core::formatNumber(options.occupied_threshold) + "\n";
   text += "free_thresh: " + core::formatNumber(options.free_threshold) + "\n";
+  if (!materials_name.empty()) text += "materials: " + quotedWhereNeeded(materials_name) + "\n";
   if (!doors.empty()) text += "doors:\n";
   for (const auto& door : doors)
     text += "  - [" + std::to_string(door.x0) + ", " + std::to_string(door.y0) + ", " +

@@ -270,11 +270,13 @@ void SectorCaster::castBeams(const core::Pose2& T_world_lidar, const BeamTable& 
     return;
   }
   const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
-  for (int done = 0; done < count; done += kMarchBlock) {
+  const int blocks = (count + kMarchBlock - 1) / kMarchBlock;
+  for (int i = 0, done = 0; i < blocks; ++i) {
     BlockCast block(table_, *kernel_, origin, frame_.resolution_m, limit_m);
-    const int size = std::min(count - done, kMarchBlock);
+    const int size = (count - done) / (blocks - i);  // even blocks
     block.cast(cosines + done, sines + done, size, turn, out_ranges_m + done);
     block.resolve(size, [&](int beam) { castOne(done + beam); });
+    done += size;
   }
 }
 

@@ -4,7 +4,7 @@
 namespace slam::world {
 
 /// Beams of a scan that are cast together: bounds what the casters keep on the stack.
-constexpr int kMarchBlock = 2048;
+constexpr int kMarchBlock = 1024;
 /// Numbers that a march may write behind the last ray of an octant.
 constexpr int kMarchPadding = 16;
 
