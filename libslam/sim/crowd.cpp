@@ -193,7 +193,7 @@ void Crowd::followCorners(const Person& person, Mind& mind) const {
 
 double Crowd::freeWalk(const Person& person, const Point2& direction, double speed_mps,
                        double sight_m) const {
-  double free_m = walkways_.freeDistance(person.p, direction, sight_m);
+  double free_m = sight_m;
   for (const auto& other : neighbours_) {
     const Point2 to = other.p - person.p;
     const Point2 closing{speed_mps * direction.x - other.velocity_mps.x,
@@ -202,7 +202,7 @@ double Crowd::freeWalk(const Person& person, const Point2& direction, double spe
     const double reach_m = dot(to, to) > other.comfort_m * other.comfort_m ? other.comfort_m : other.reach_m;
     free_m = std::min(free_m, speed_mps * timeToContact(to, closing, reach_m));
   }
-  return free_m;
+  return walkways_.freeDistance(person.p, direction, free_m);
 }
 
 Point2 Crowd::wantedVelocity(size_t i, const Disc& robot) {
@@ -239,14 +239,17 @@ Point2 Crowd::wantedVelocity(size_t i, const Disc& robot) {
     return {speed_mps * ahead.x, speed_mps * ahead.y};
   }
   double least = (sight_m - best_free_m) * (sight_m - best_free_m);
-  for (int k = 1; k <= kDirectionsAside; ++k)
+  for (int k = 1; k <= kDirectionsAside; ++k) {
+    const double cosine = cosineOf(k / 12.0);
+    // However far one could walk that way, and the more so further aside, it would end no nearer.
+    if (sight_m * sight_m * (1 - cosine * cosine) >= least) break;
     for (const int side : {-1, 1}) {  // the right hand first
-      const double half_tangent = side * k / 12.0;
-      const Point2 direction = turned(ahead, half_tangent);
+      const Point2 direction = turned(ahead, side * k / 12.0);
       const double free_m = freeWalk(person, direction, mind.speed_mps, sight_m);
-      const double rest = sight_m * sight_m + free_m * free_m - 2 * sight_m * free_m * cosineOf(half_tangent);
+      const double rest = sight_m * sight_m + free_m * free_m - 2 * sight_m * free_m * cosine;
       if (rest < least) least = rest, best = direction, best_free_m = free_m;
     }
+  }
   const double speed_mps = std::min(mind.speed_mps, best_free_m / kRelaxation_s);
   return {speed_mps * best.x, speed_mps * best.y};
 }

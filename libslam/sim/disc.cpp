@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The beams of a scan that look into an interval of bearings.
+/// The beams of a scan, one and more at a positive step, that look into an interval of bearings.
 class Fan {
  public:
   Fan(double first_rad, double step_rad, size_t beams) : first_(first_rad), step_(step_rad), beams_(beams) {}
@@ -19,10 +19,6 @@ class Fan {
   template <class Visit>
   void visit(double bearing_rad, double half_width_rad, const Visit& visit) const {
     const double last = static_cast<double>(beams_) - 1;
-    if (!(step_ > 0) || last < 2) {
-      for (size_t i = 0; i < beams_; ++i) visit(i);
-      return;
-    }
     const double turn = 2 * core::kPi;
     const double low = bearing_rad - half_width_rad - first_, high = low + 2 * half_width_rad;
     const double span = last * step_;
@@ -54,18 +50,29 @@ void castScan(const std::vector<Disc>& discs, const core::Pose2& T_world_lidar, 
   if (!core::isFinite(T_world_lidar)) return;
   const core::Point2 origin = core::position(T_world_lidar);
   const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
+  const auto directionOf = [&](size_t i) -> core::Point2 {
+    const double angle_rad = T_world_lidar.phi + first_angle_rad + static_cast<double>(i) * step_rad;
+    return {std::cos(angle_rad), std::sin(angle_rad)};
+  };
+  const auto shorten = [&](size_t i, const core::Point2& direction, const Disc& disc) {
+    const double range_m = castRay(disc, origin, direction);
+    if (range_m <= limit_m) ranges_m[i] = std::min(ranges_m[i], static_cast<float>(range_m));
+  };
+  if (!(step_rad > 0) || ranges_m.size() < 3) {  // a bearing would cost more than it saves
+    for (size_t i = 0; i < ranges_m.size(); ++i) {
+      const core::Point2 direction = directionOf(i);
+      for (const auto& disc : discs) shorten(i, direction, disc);
+    }
+    return;
+  }
   const Fan fan(T_world_lidar.phi + first_angle_rad, step_rad, ranges_m.size());
   for (const auto& disc : discs) {
     const double distance_m = core::distance(origin, disc.p);
     if (distance_m - disc.radius_m > limit_m) continue;
     const double half_width_rad =
         distance_m > disc.radius_m ? std::asin(disc.radius_m / distance_m) : core::kPi;
-    const double bearing_rad = std::atan2(disc.p.y - origin.y, disc.p.x - origin.x);
-    fan.visit(bearing_rad, half_width_rad, [&](size_t i) {
-      const double angle_rad = T_world_lidar.phi + first_angle_rad + static_cast<double>(i) * step_rad;
-      const double range_m = castRay(disc, origin, {std::cos(angle_rad), std::sin(angle_rad)});
-      if (range_m <= limit_m) ranges_m[i] = std::min(ranges_m[i], static_cast<float>(range_m));
-    });
+    fan.visit(std::atan2(disc.p.y - origin.y, disc.p.x - origin.x), half_width_rad,
+              [&](size_t i) { shorten(i, directionOf(i), disc); });
   }
 }
 

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/error.h"
+#include "libslam/core/parameters.h"
+
 namespace slam::sim {
 
 Scene::Scene(const world::Plan& plan) : Scene(plan, {}, 0, {}) {}
@@ -12,7 +15,11 @@ Scene::~Scene() = default;
 Scene::Scene(const world::Plan& plan, const LivingOptions& living, std::uint64_t seed, const Disc& robot)
     : plan_(plan), caster_(plan) {
   if (living.people > 0) crowd_ = std::make_unique<Crowd>(plan, living, seed, toPlanFrame(robot));
-  if (living.doors_share > 0 && !plan.doors.empty()) {
+  if (living.doors_share > 0 && plan.doors.empty())
+    throw core::InputError("plan '" + plan.name + "': section [living], key 'doors_share': found " +
+                           core::formatNumber(living.doors_share) +
+                           ", expected 0: the plan names no doors (key 'doors' of its yaml)");
+  if (living.doors_share > 0) {
     doors_ = std::make_unique<Doors>(plan, living, seed);
     changing_ = std::make_unique<world::Plan>(plan);
   }

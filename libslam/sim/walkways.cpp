@@ -130,17 +130,20 @@ std::vector<std::uint32_t> Walkways::regionFrom(const core::Point2& p_start) con
   if (nearest == open_.size()) {
     const auto largest = world::largestRegion(columns_, std::vector<char>(open_.begin(), open_.end()));
     region.assign(largest.begin(), largest.end());
-  } else {
-    Mask left = open_;
-    left[nearest] = 0;
-    region.push_back(static_cast<std::uint32_t>(nearest));
-    for (size_t done = 0; done < region.size(); ++done)
-      // The mask's rim is 0: nobody fits at the plan's edge.
-      for (const size_t next :
-           {region[done] - 1UL, region[done] + 1UL, region[done] - columns, region[done] + columns})
-        if (left[next]) left[next] = 0, region.push_back(static_cast<std::uint32_t>(next));
+    return region;
   }
-  std::sort(region.begin(), region.end());
+  Mask left = open_;
+  left[nearest] = 0;
+  region.push_back(static_cast<std::uint32_t>(nearest));
+  for (size_t done = 0; done < region.size(); ++done)
+    // The mask's rim is 0: nobody fits at the plan's edge.
+    for (const size_t next :
+         {region[done] - 1UL, region[done] + 1UL, region[done] - columns, region[done] + columns})
+      if (left[next]) left[next] = 0, region.push_back(static_cast<std::uint32_t>(next));
+  // In an order that does not depend on where in the region the robot starts.
+  region.clear();
+  for (size_t cell = 0; cell < open_.size(); ++cell)
+    if (open_[cell] != left[cell]) region.push_back(static_cast<std::uint32_t>(cell));
   return region;
 }
 

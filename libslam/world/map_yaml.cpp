@@ -286,7 +286,7 @@ MapYaml readMapYaml(const std::string& path) {
 }
 
 std::string formatMapYaml(const std::string& image_name, const PlanOptions& options,
-                          const std::vector<Door>& doors, const std::string& materials_name) {
+                          const std::string& materials_name, const std::vector<Door>& doors) {
   const auto& origin = options.T_world_plan;
   std::string text = "image: " + quotedWhereNeeded(image_name) + "\n";
   text += "mode: trinary\n";

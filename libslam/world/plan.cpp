@@ -71,11 +71,6 @@ Plan planFromPicture(const Picture& picture, const PlanOptions& options, CellOfP
   return plan;
 }
 
-void requireNamedFile(const std::string& yaml_path, const std::string& key, const std::string& path) {
-  if (!fs::exists(path))
-    throw core::InputError(yaml_path + ": key '" + key + "': found '" + path + "', which does not exist");
-}
-
 /// A door that is no free opening of this plan would wall up something else when it shuts.
 void requireFreeDoors(const Plan& plan, const std::string& where) {
   for (const auto& door : plan.doors) {
@@ -92,6 +87,11 @@ void requireFreeDoors(const Plan& plan, const std::string& where) {
         if (plan.at(column, row) != Cell::kFree)
           fail("free cells, and (" + std::to_string(column) + ", " + std::to_string(row) + ") is not");
   }
+}
+
+void requireNamedFile(const std::string& yaml_path, const std::string& key, const std::string& path) {
+  if (!fs::exists(path))
+    throw core::InputError(yaml_path + ": key '" + key + "': found '" + path + "', which does not exist");
 }
 
 Plan loadFromYaml(const std::string& path) {
@@ -180,7 +180,7 @@ void savePlan(const Plan& plan, const std::string& yaml_path) {
   PendingFiles files;
   files.add(image_path, encodePng(plan.columns, plan.rows, gray));
   if (!materials_path.empty()) files.add(materials_path, encodeMaterials(plan));
-  files.add(yaml_path, formatMapYaml(fileName(image_path), options, plan.doors, fileName(materials_path)));
+  files.add(yaml_path, formatMapYaml(fileName(image_path), options, fileName(materials_path), plan.doors));
   files.commit();
 }
 

@@ -57,13 +57,13 @@ struct PlanOptions {
 /// as the occupancy in percent, above 100 unknown, and ignores negate.
 ///
 /// Errors (InputError, one line with path and key): missing, a folder, truncated or not a picture, yaml that
-/// names a missing picture, unknown or duplicate key, key missing / malformed / out of range, a door outside the
-/// plan or over a cell that is not free, materials that readMaterials() refuses, no obstacle at
+/// names a missing picture, materials that readMaterials() refuses, a door outside the plan or over a cell that is
+/// not free, unknown or duplicate key, key missing / malformed / out of range, no obstacle at
 /// all, no free cell at all, more than 2^28 cells or 2^15 on a side (the reach of castRay's proof).
 Plan loadPlan(const std::string& path, const PlanOptions& options = {});
 
 /// Writes a picture beside the yaml (NAME.yaml, NAME.png; 254 free, 0 occupied, 205 unknown) and the ROS yaml
-/// that loads it back to the same cells, resolution, placement, doors and materials, bit for bit; a plan with
+/// that loads it back to the same cells, resolution, placement, materials and doors, bit for bit; a plan with
 /// materials has NAME.materials.png too. All or none are written. Errors: IoError.
 void savePlan(const Plan& plan, const std::string& yaml_path);
 

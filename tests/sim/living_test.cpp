@@ -265,6 +265,20 @@ TEST(LivingWorld, DoorsKeepTheirTimes) {
   EXPECT_NEAR(closed_s / 200, 2, 4 * 2 * 0.0204);
 }
 
+TEST(LivingWorld, SaysWhenThereIsNoDoorToMove) {
+  world::Plan plan = twoRooms();
+  plan.doors.clear();
+  try {
+    Scene(plan, quickDoor(), 1, {});
+    FAIL();
+  } catch (const core::InputError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "plan 'two rooms': section [living], key 'doors_share': found 1, expected 0: the plan names no doors "
+        "(key 'doors' of its yaml)");
+  }
+}
+
 TEST(LivingWorld, SaysWhatIsWrongWithItsOptions) {
   core::IniFile ini;
   ini.set("living", "people", "-1", "run.ini:3");
