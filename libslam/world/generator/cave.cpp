@@ -1,0 +1,213 @@
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "libslam/world/generator/site.h"
+
+namespace slam::world {
+namespace {
+
+/// Value noise (Perlin's lattice without gradients; Ebert et al., Texturing and Modeling, 3rd ed., 2002, ch. 2)
+/// in whole numbers: random values at lattice points `period` cells apart, between them blended smoothly.
+class Noise {
+ public:
+  Noise(core::RandomStream& random, int width, int height, int period)
+      : period_(std::max(2, period)), columns_(width / period_ + 2) {
+    const int rows = height / period_ + 2;
+    for (int i = 0; i < columns_ * rows; ++i) values_.push_back(pick(random, -kOne, kOne));
+    for (std::int64_t t = 0, p = period_; t < p; ++t)  // 3 t^2 - 2 t^3
+      blend_.push_back(static_cast<int>(kOne * (3 * t * t * p - 2 * t * t * t) / (p * p * p)));
+  }
+
+  static constexpr int kOne = 1024;
+  /// From -kOne to kOne.
+  int at(int x, int y) const {
+    const int i = x / period_, bx = blend_[static_cast<size_t>(x % period_)],
+              by = blend_[static_cast<size_t>(y % period_)];
+    const int* row = values_.data() + static_cast<std::ptrdiff_t>(y / period_) * columns_ + i;
+    const int low = row[0] * kOne + (row[1] - row[0]) * bx;
+    const int high = row[columns_] * kOne + (row[columns_ + 1] - row[columns_]) * bx;
+    return (low + (high / kOne - low / kOne) * by) / kOne;
+  }
+
+ private:
+  int period_, columns_;
+  std::vector<int> values_, blend_;
+};
+
+struct Chamber {
+  int x, y, radius;
+};
+
+class Cave {
+ public:
+  explicit Cave(Site& site)
+      : site_(site),
+        random_(site.layout),
+        width_(site.width),
+        height_(site.height),
+        field_(static_cast<size_t>(std::max(0, width_)) * std::max(0, height_)) {}
+
+  void draw() {
+    layChambers();
+    fillField();
+    for (const Chamber& chamber : chambers_) hollow(chamber);
+    digTunnels();
+    carve();
+    site_.canvas.raiseWalls(site_.outer_wall);
+    strewBoulders();
+  }
+
+ private:
+  /// One to a square of the usual distance, off its middle, so large that rock remains at the rim.
+  void layChambers() {
+    const int nx = std::max(1, (width_ + site_.room / 2) / site_.room);
+    const int ny = std::max(1, (height_ + site_.room / 2) / site_.room);
+    columns_ = nx;
+    for (int k = 0; k < ny; ++k)
+      for (int i = 0; i < nx; ++i) {
+        const int sx = width_ / nx, sy = height_ / ny;
+        const int x = sx / 2 + sx * i + pick(random_, -sx / 5, sx / 5);
+        const int y = sy / 2 + sy * k + pick(random_, -sy / 5, sy / 5);
+        const int most = std::min({x, y, width_ - x, height_ - y}) * 3 / 4;
+        const int radius = std::min(most, std::min(sx, sy) * pick(random_, 20, 42) / 100);
+        chambers_.push_back({x, y, radius});
+        site_.addRoom({x - radius / 2, y - radius / 2, x + radius / 2, y + radius / 2}, Use::kCorridor,
+                      Side::kSouth);
+      }
+  }
+
+  /// Open where positive: noise of several sizes, rock at the rim.
+  void fillField() {
+    const Noise large(random_, width_, height_, site_.cells(620)),
+        middle(random_, width_, height_, site_.cells(290)), small(random_, width_, height_, site_.cells(130)),
+        fine(random_, width_, height_, site_.cells(55)), finest(random_, width_, height_, site_.cells(22));
+    const int rim = std::min(site_.cells(320), std::min(width_, height_) / 4);
+    for (int y = 0; y < height_; ++y)
+      for (int x = 0; x < width_; ++x) {
+        const int noise = (8 * large.at(x, y) + 5 * middle.at(x, y) + 3 * small.at(x, y) + 2 * fine.at(x, y) +
+                           finest.at(x, y)) /
+                          8;
+        const int from_rim = std::min(std::min(x, y), std::min(width_ - 1 - x, height_ - 1 - y));
+        const std::int64_t near = std::max(0, rim - from_rim);
+        field(x, y) = static_cast<std::int16_t>(noise - kRock -
+                                                3000 * near * near / (static_cast<std::int64_t>(rim) * rim));
+      }
+  }
+
+  /// Raises the field towards a chamber's middle.
+  void hollow(const Chamber& c) {
+    const std::int64_t reach = c.radius + c.radius / 2, r2 = static_cast<std::int64_t>(c.radius) * c.radius;
+    for (auto y = std::max<std::int64_t>(0, c.y - reach); y < std::min<std::int64_t>(height_, c.y + reach);
+         ++y)
+      for (auto x = std::max<std::int64_t>(0, c.x - reach); x < std::min<std::int64_t>(width_, c.x + reach);
+           ++x) {
+        const std::int64_t d2 = (x - c.x) * (x - c.x) + (y - c.y) * (y - c.y);
+        const std::int64_t raise = kRock + 900 * (r2 - d2) / std::max<std::int64_t>(1, r2);
+        auto& here = field(static_cast<int>(x), static_cast<int>(y));
+        if (raise > 0) here = static_cast<std::int16_t>(std::min<std::int64_t>(4000, here + raise));
+      }
+  }
+
+  /// A tree that joins all chambers, and a third of the other neighbours for loops.
+  void digTunnels() {
+    std::vector<std::pair<int, int>> pairs;
+    const int count = static_cast<int>(chambers_.size());
+    for (int i = 0; i < count; ++i) {
+      if ((i + 1) % columns_ != 0) pairs.emplace_back(i, i + 1);
+      if (i + columns_ < count) pairs.emplace_back(i, i + columns_);
+    }
+    for (size_t i = pairs.size(); i > 1; --i) std::swap(pairs[i - 1], pairs[random_.below(i)]);
+    std::vector<int> tree(chambers_.size());
+    std::iota(tree.begin(), tree.end(), 0);
+    const auto rootOf = [&tree](int i) {
+      while (tree[static_cast<size_t>(i)] != i) i = tree[static_cast<size_t>(i)];
+      return i;
+    };
+    for (const auto& [a, b] : pairs) {
+      const int root_a = rootOf(a), root_b = rootOf(b);
+      if (root_a == root_b && random_.below(3) != 0) continue;
+      tree[static_cast<size_t>(root_a)] = root_b;
+      dig(chambers_[static_cast<size_t>(a)], chambers_[static_cast<size_t>(b)], 0);
+    }
+  }
+
+  /// A way that bends by chance at every halving, in steps as long as it is wide.
+  void dig(const Chamber& a, const Chamber& b, int depth) {
+    const std::int64_t dx = b.x - a.x, dy = b.y - a.y, distance2 = dx * dx + dy * dy;
+    const int step = site_.corridor / 6 + 1;
+    if (distance2 <= static_cast<std::int64_t>(step) * step) return;
+    const int bend = depth < 5 ? pick(random_, -25, 25) : 0;
+    const int margin = site_.corridor;
+    Chamber middle{static_cast<int>((a.x + b.x) / 2 - dy * bend / 100),
+                   static_cast<int>((a.y + b.y) / 2 + dx * bend / 100), 0};
+    middle.x = std::clamp(middle.x, std::min(margin, width_ / 2), std::max(width_ - margin, width_ / 2));
+    middle.y = std::clamp(middle.y, std::min(margin, height_ / 2), std::max(height_ - margin, height_ / 2));
+    widen(middle);
+    dig(a, middle, depth + 1);
+    dig(middle, b, depth + 1);
+  }
+
+  /// Open for sure as far as a robot needs, further out where the noise is in favour.
+  void widen(const Chamber& at) {
+    const int sure = site_.corridor * 3 / 8, reach = site_.corridor * 5 / 4;
+    for (int y = std::max(0, at.y - reach); y < std::min(height_, at.y + reach + 1); ++y)
+      for (int x = std::max(0, at.x - reach); x < std::min(width_, at.x + reach + 1); ++x) {
+        const int d2 = (x - at.x) * (x - at.x) + (y - at.y) * (y - at.y);
+        auto& here = field(x, y);
+        if (d2 <= sure * sure)
+          here = 4000;
+        else if (d2 <= reach * reach && here < 4000 && here > -kRock - 500 + 700 * d2 / (reach * reach))
+          here = std::max<std::int16_t>(here, 1);
+      }
+  }
+
+  void carve() {
+    for (int y = 0; y < height_; ++y)
+      for (int x = 0; x < width_; ++x) {
+        const int begin = x;
+        while (x < width_ && isOpen(x, y)) ++x;
+        if (x > begin) site_.canvas.carve({begin, y, x, y + 1});
+      }
+  }
+
+  /// The majority around a cell decides, so that no single cell sticks out.
+  bool isOpen(int x, int y) const {
+    if (x < 1 || y < 1 || x + 1 >= width_ || y + 1 >= height_) return false;
+    int open = 0;
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx) open += field(x + dx, y + dy) > 0;
+    return open >= 5;
+  }
+
+  void strewBoulders() {
+    core::RandomStream random(site_.seed, "building furniture boulders");
+    for (const Room& room : site_.rooms)
+      for (int i = pick(random, 0, 4); i > 0; --i) {
+        const int size = site_.cells(10 * pick(random, 3, 9));
+        if (random.chance(site_.options.clutter))
+          site_.canvas.placeInside(random, room.rect, size, size, Shape::kDisc);
+      }
+  }
+
+  std::int16_t& field(int x, int y) { return field_[static_cast<size_t>(y) * width_ + x]; }
+  std::int16_t field(int x, int y) const { return field_[static_cast<size_t>(y) * width_ + x]; }
+
+  static constexpr int kRock = 330;  // how far the noise must rise to be open
+  Site& site_;
+  core::RandomStream& random_;
+  int width_, height_, columns_ = 1;
+  std::vector<std::int16_t> field_;
+  std::vector<Chamber> chambers_;
+};
+
+}  // namespace
+
+void drawCave(Site& site) {
+  site.requireInside("cave", site.cells(420), site.cells(420));
+  Cave(site).draw();
+}
+
+}  // namespace slam::world

@@ -1,0 +1,111 @@
+#include "libslam/world/generator/site.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/core/error.h"
+
+namespace slam::world {
+namespace {
+
+/// Metres from the command line as centimetres: from here on whole numbers.
+int centimetres(double metres) {
+  return static_cast<int>(std::lround(100 * metres));
+}
+
+CanvasScale scaleOf(const BuildingOptions& options) {
+  CanvasScale scale;
+  scale.resolution_m = options.resolution_m;
+  scale.rim = scale.cells(centimetres(options.outer_wall_m)) + 1;
+  const int beside_robot = static_cast<int>(std::floor(kRobotRadius_m / options.resolution_m - 0.5)) + 1;
+  scale.passage = 2 * beside_robot + 2;
+  return scale;
+}
+
+int inside(double side_m, const CanvasScale& scale) {
+  return scale.cells(centimetres(side_m)) - 2 * scale.rim;
+}
+
+}  // namespace
+
+Site::Site(const BuildingOptions& o, std::uint64_t building_seed)
+    : options(o),
+      seed(building_seed),
+      layout(seed, "building layout"),
+      doors(seed, "building doors"),
+      canvas(inside(o.width_m, scaleOf(o)), inside(o.height_m, scaleOf(o)), scaleOf(o)),
+      width(inside(o.width_m, scaleOf(o))),
+      height(inside(o.height_m, scaleOf(o))),
+      wall(cells(centimetres(o.wall_m))),
+      outer_wall(cells(centimetres(o.outer_wall_m))),
+      corridor(cells(centimetres(o.corridor_m))),
+      door(std::max(cells(centimetres(o.door_m)), static_cast<int>(std::ceil(0.8 / o.resolution_m - 1e-9)))),
+      room(cells(centimetres(o.room_m))),
+      nook(cells(15)) {}
+
+void Site::requireInside(const std::string& kind, int least_width, int least_height) const {
+  if (width >= least_width && height >= least_height) return;
+  const auto metres = [this](int cells_inside) {  // up to the next decimetre
+    const double m = (cells_inside + 2 * canvas.scale().rim) * options.resolution_m;
+    return core::formatNumber(std::ceil(m * 10 - 1e-6) / 10);
+  };
+  throw core::InputError("[building] width_m, height_m: found " + core::formatNumber(options.width_m) +
+                         " x " + core::formatNumber(options.height_m) + ", expected at least " +
+                         metres(least_width) + " x " + metres(least_height) + " for '" + kind +
+                         "' with these corridors and rooms");
+}
+
+Rect Site::doorway(const Rect& r, Side front, int at, int length) const {
+  switch (front) {
+    case Side::kNorth:
+      return {at, r.y1, at + length, r.y1 + wall};
+    case Side::kSouth:
+      return {at, r.y0 - wall, at + length, r.y0};
+    case Side::kEast:
+      return {r.x1, at, r.x1 + wall, at + length};
+    default:
+      return {r.x0 - wall, at, r.x0, at + length};
+  }
+}
+
+void Site::addDoor(const Rect& r, Side front, int low, int high) {
+  const int first = low + nook, last = high - nook - door;
+  const int at = first <= last ? pick(doors, first, last) : low + (high - low - door) / 2;
+  canvas.carveDoor(doorway(r, front, at, door));
+}
+
+void Site::addRoom(const Rect& rect, Use use, Side front) {
+  rooms.push_back({rect, use, front});
+}
+
+void Site::carveRoom(const Rect& rect, Use use, Side front) {
+  canvas.carve(rect);
+  addRoom(rect, use, front);
+}
+
+void Site::glaze() {
+  core::RandomStream random(seed, "building glass");
+  const int post = cells(20);
+  for (const Room& r : rooms) {
+    const bool is_glass = random.chance(options.glass);
+    const bool runs_in_x = r.front == Side::kNorth || r.front == Side::kSouth;
+    const int begin = (runs_in_x ? r.rect.x0 : r.rect.y0) + post;
+    const int end = (runs_in_x ? r.rect.x1 : r.rect.y1) - post;
+    if (is_glass) canvas.makeOf(Material::kGlass, doorway(r.rect, r.front, begin, end - begin));
+  }
+}
+
+void Site::addWindows() {
+  const int depth = std::min(cells(10), outer_wall - 2);
+  const auto hollow = [&](const Rect& r, Side side, int length) {
+    if (depth > 0) canvas.recess(r, side, length / 4, length - 2 * (length / 4), depth);
+  };
+  for (const Room& r : rooms) {
+    if (r.rect.x0 == 0) hollow(r.rect, Side::kWest, r.rect.height());
+    if (r.rect.x1 == width) hollow(r.rect, Side::kEast, r.rect.height());
+    if (r.rect.y0 == 0) hollow(r.rect, Side::kSouth, r.rect.width());
+    if (r.rect.y1 == height) hollow(r.rect, Side::kNorth, r.rect.width());
+  }
+}
+
+}  // namespace slam::world
