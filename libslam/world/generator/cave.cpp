@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "libslam/world/generator/site.h"
+#include "libslam/world/region.h"
 
 namespace slam::world {
 namespace {
@@ -22,14 +23,17 @@ class Noise {
   }
 
   static constexpr int kOne = 1024;
-  /// From -kOne to kOne.
-  int at(int x, int y) const {
-    const int i = x / period_, bx = blend_[static_cast<size_t>(x % period_)],
-              by = blend_[static_cast<size_t>(y % period_)];
-    const int* row = values_.data() + static_cast<std::ptrdiff_t>(y / period_) * columns_ + i;
-    const int low = row[0] * kOne + (row[1] - row[0]) * bx;
-    const int high = row[columns_] * kOne + (row[columns_ + 1] - row[columns_]) * bx;
-    return (low + (high / kOne - low / kOne) * by) / kOne;
+  /// Adds weight * noise, noise from -kOne to kOne, to a row of cells.
+  void addRow(int y, int weight, std::vector<int>& row) const {
+    const int by = blend_[static_cast<size_t>(y % period_)];
+    const int* below = values_.data() + static_cast<std::ptrdiff_t>(y / period_) * columns_;
+    const auto at = [&](int i) { return below[i] + (below[i + columns_] - below[i]) * by / kOne; };
+    const int width = static_cast<int>(row.size());
+    for (int i = 0, x = 0; x < width; ++i) {
+      const int left = at(i), rise = at(i + 1) - left, end = std::min(width, x + period_);
+      for (const int* blend = blend_.data(); x < end; ++x, ++blend)
+        row[static_cast<size_t>(x)] += weight * (left + rise * *blend / kOne);
+    }
   }
 
  private:
@@ -69,8 +73,8 @@ class Cave {
     for (int k = 0; k < ny; ++k)
       for (int i = 0; i < nx; ++i) {
         const int sx = width_ / nx, sy = height_ / ny;
-        const int x = sx / 2 + sx * i + pick(random_, -sx / 5, sx / 5);
-        const int y = sy / 2 + sy * k + pick(random_, -sy / 5, sy / 5);
+        const int x = sx / 2 + sx * i + pick(random_, -sx / 4, sx / 4);
+        const int y = sy / 2 + sy * k + pick(random_, -sy / 4, sy / 4);
         const int most = std::min({x, y, width_ - x, height_ - y}) * 3 / 4;
         const int radius = std::min(most, std::min(sx, sy) * pick(random_, 20, 42) / 100);
         chambers_.push_back({x, y, radius});
@@ -85,16 +89,22 @@ class Cave {
         middle(random_, width_, height_, site_.cells(290)), small(random_, width_, height_, site_.cells(130)),
         fine(random_, width_, height_, site_.cells(55)), finest(random_, width_, height_, site_.cells(22));
     const int rim = std::min(site_.cells(320), std::min(width_, height_) / 4);
-    for (int y = 0; y < height_; ++y)
+    std::vector<int> noise(static_cast<size_t>(width_)), wave(noise.size());
+    for (int y = 0; y < height_; ++y) {
+      std::fill(noise.begin(), noise.end(), 0);
+      large.addRow(y, 8, noise), middle.addRow(y, 5, noise);
+      wave = noise;
+      small.addRow(y, 3, noise), fine.addRow(y, 2, noise), finest.addRow(y, 1, noise);
       for (int x = 0; x < width_; ++x) {
-        const int noise = (8 * large.at(x, y) + 5 * middle.at(x, y) + 3 * small.at(x, y) + 2 * fine.at(x, y) +
-                           finest.at(x, y)) /
-                          8;
         const int from_rim = std::min(std::min(x, y), std::min(width_ - 1 - x, height_ - 1 - y));
-        const std::int64_t near = std::max(0, rim - from_rim);
-        field(x, y) = static_cast<std::int16_t>(noise - kRock -
-                                                3000 * near * near / (static_cast<std::int64_t>(rim) * rim));
+        const int wavy_rim =
+            rim + static_cast<int>(std::int64_t{rim} * wave[static_cast<size_t>(x)] / (16 * Noise::kOne));
+        const std::int64_t near = std::max(0, wavy_rim - from_rim);
+        const std::int64_t rock = kRock + 3000 * near * near / (std::int64_t{rim} * rim);
+        field(x, y) = static_cast<std::int16_t>(
+            std::max<std::int64_t>(-30000, noise[static_cast<size_t>(x)] / 8 - rock));
       }
+    }
   }
 
   /// Raises the field towards a chamber's middle.
@@ -164,13 +174,34 @@ class Cave {
       }
   }
 
+  /// What no robot reaches is rock before there are walls, and specks of rock are none.
   void carve() {
+    Plan open;
+    open.columns = width_, open.rows = height_;
+    open.cells.assign(field_.size(), Cell::kOccupied);
+    for (int y = 0; y < height_; ++y)
+      for (int x = 0; x < width_; ++x)
+        if (isOpen(x, y)) open.cells[static_cast<size_t>(y) * width_ + x] = Cell::kFree;
+    clearSpecks(open);
+    fillPockets(open, kRobotRadius_m / site_.options.resolution_m);
     for (int y = 0; y < height_; ++y)
       for (int x = 0; x < width_; ++x) {
         const int begin = x;
-        while (x < width_ && isOpen(x, y)) ++x;
+        while (x < width_ && open.at(x, y) == Cell::kFree) ++x;
         if (x > begin) site_.canvas.carve({begin, y, x, y + 1});
       }
+  }
+
+  void clearSpecks(Plan& open) const {
+    std::vector<char> is_rock(open.cells.size());
+    for (size_t i = 0; i < is_rock.size(); ++i) is_rock[i] = open.cells[i] == Cell::kOccupied;
+    const std::vector<Run> runs = regionRuns(width_, is_rock);
+    std::vector<size_t> cells(runs.size(), 0);
+    for (const Run& run : runs) cells[run.region] += run.end - run.begin;
+    const auto least = static_cast<size_t>(site_.cells(50)) * site_.cells(50);
+    for (const Run& run : runs)
+      if (cells[run.region] < least)
+        for (size_t i = run.begin; i < run.end; ++i) open.cells[i] = Cell::kFree;
   }
 
   /// The majority around a cell decides, so that no single cell sticks out.

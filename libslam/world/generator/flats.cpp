@@ -18,7 +18,7 @@ class Flat {
 
   /// The flat's front door lies between low and high (in u); no door when it is a house of its own.
   void carve(int low, int high, bool has_front_door) {
-    const int entrance = length_ >= 2 * leastSide() + hall() + 2 * site_.wall && depth_ >= site_.cells(640)
+    const int entrance = length_ >= 2 * leastSide() + hall() + 2 * site_.wall && depth_ >= site_.cells(580)
                              ? carveAroundHall(low, high)
                              : carveStudio(low, high);
     if (has_front_door)
@@ -69,7 +69,7 @@ class Flat {
     const int b0 = bath_at_left ? 0 : length_ - bath_u, b1 = b0 + bath_u;
     const int entry0 = bath_at_left ? b1 + w : 0, entry1 = bath_at_left ? length_ : b0 - w;
     site_.canvas.carve(toPlan(entry0, 0, entry1, depth_));
-    carveRoom(0, bath_v + w, length_, depth_, Use::kLiving, front_);
+    carveRoom(0, bath_v + w, length_, depth_, Use::kStudio, front_);
     site_.addRoom(toPlan(entry0, 0, entry1, bath_v), Use::kKitchen, bath_at_left ? left() : right());
     const Rect bath = carveRoom(b0, 0, b1, bath_v, Use::kBath, bath_at_left ? right() : left());
     addSideDoor(bath, bath_at_left ? right() : left());
@@ -96,41 +96,82 @@ class Flat {
     return h0;
   }
 
+  /// Rooms one behind the other along the hall. A column that is too wide for that has an outer part, one
+  /// room that is entered from the living room.
   void carveColumn(int u0, int u1, int d, Side door, bool has_bath) {
+    const int w = site_.wall, inner = site_.cells(pick(random_, 26, 36) * 10);
+    if (u1 - u0 >= inner + w + site_.cells(260)) {
+      const bool hall_is_right = door == right();
+      const int o0 = hall_is_right ? u0 : u0 + inner + w, o1 = hall_is_right ? u1 - inner - w : u1;
+      for (const auto& [begin, end] :
+           partition(random_, o1 - o0, site_.cells(260), std::max(site_.cells(260), site_.room * 3 / 2), w))
+        outer_.push_back(carveRoom(o0 + begin, 0, o0 + end, d, Use::kBedroom, opposite(front_)));
+      (hall_is_right ? u0 : u1) = hall_is_right ? u1 - inner : u0 + inner;
+    }
     int v = 0;
     const int bath = site_.cells(pick(random_, 36, 48) * 5), least = site_.cells(240);
     if (has_bath) {
-      const bool is_all = d - bath - site_.wall < least;
+      const bool is_all = d - bath - w < least;
       const Rect room = carveRoom(u0, 0, u1, is_all ? d : bath, Use::kBath, door);
       addSideDoor(room, door);
       if (is_all) return;
-      v = bath + site_.wall;
+      v = bath + w;
     }
     for (const auto& [begin, end] :
-         partition(random_, d - v, least, std::max(least, site_.room * 5 / 4), site_.wall)) {
+         partition(random_, d - v, least, std::max(least, site_.room * 5 / 4), w)) {
       const Rect room = carveRoom(u0, v + begin, u1, v + end, Use::kBedroom, door);
       addSideDoor(room, door);
     }
   }
 
-  /// The living room at the end of the hall; a kitchen beside it, on the side that has room for it.
+  /// The living room at the end of the hall, across the flat; at its ends a kitchen and in long flats one more
+  /// room, both entered from it. The rooms of outer_ open to it where they lie along it, else to its neighbour.
   void carveLiving(int h0, int h1, int d) {
-    const int w = site_.wall, v0 = d + w;
-    const int kitchen = site_.cells(pick(random_, 24, 34) * 10), least = site_.cells(320);
-    const bool fits_left = kitchen + w <= h0 && length_ - kitchen - w >= least;
-    const bool fits_right = length_ - kitchen - w >= h1 && length_ - kitchen - w >= least;
+    const int w = site_.wall, v0 = d + w, least = site_.cells(320);
     int u0 = 0, u1 = length_;
-    if (fits_left && (!fits_right || random_.below(2) == 0)) {
-      const Rect room = carveRoom(0, v0, kitchen, depth_, Use::kKitchen, right());
-      addSideDoor(room, right());
-      u0 = kitchen + w;
-    } else if (fits_right) {
-      const Rect room = carveRoom(length_ - kitchen, v0, length_, depth_, Use::kKitchen, left());
-      addSideDoor(room, left());
-      u1 = length_ - kitchen - w;
+    const auto cut = [&](bool at_left, int size, Use use) {
+      const bool leaves_hall = at_left ? u0 + size + w <= h0 : u1 - size - w >= h1;
+      if (!leaves_hall || u1 - u0 - size - w < least) return false;
+      const int begin = at_left ? u0 : u1 - size;
+      const Rect room = carveRoom(begin, v0, begin + size, depth_, use, at_left ? right() : left());
+      addSideDoor(room, at_left ? right() : left());
+      cuts_.push_back(at_left ? begin + size : begin - w);
+      (at_left ? u0 : u1) = at_left ? begin + size + w : begin - w;
+      return true;
+    };
+    const bool kitchen_at_left = random_.below(2) == 0;
+    const int kitchen = site_.cells(pick(random_, 24, 34) * 10);
+    const bool has_kitchen =
+        cut(kitchen_at_left, kitchen, Use::kKitchen) || cut(!kitchen_at_left, kitchen, Use::kKitchen);
+    for (int more = 0; has_kitchen && more < 3 && u1 - u0 > site_.cells(720); ++more) {
+      const int size = site_.cells(pick(random_, 28, 40) * 10);
+      const bool at_left = u0 < length_ - u1;  // the side away from the kitchen first
+      if (!cut(at_left, size, Use::kBedroom) && !cut(!at_left, size, Use::kBedroom)) break;
     }
     carveRoom(u0, v0, u1, depth_, Use::kLiving, front_);
     addBackDoor(toPlan(h0, 0, h1, d), h0, h1);
+    for (const Rect& room : outer_) {
+      const int begin = fromPlan(room),
+                length = front_ == Side::kNorth || front_ == Side::kSouth ? room.width() : room.height();
+      openToBack(room, begin, begin + length);
+    }
+  }
+
+  /// The longest part of the room's back wall that no wall across it meets gets the door.
+  void openToBack(const Rect& room, int begin, int end) {
+    std::vector<int> ends = {begin - site_.wall};
+    for (const int cut : cuts_)
+      if (cut > begin - site_.wall && cut < end) ends.push_back(cut);
+    ends.push_back(end);
+    std::sort(ends.begin(), ends.end());
+    size_t widest = 1;
+    for (size_t i = 1; i < ends.size(); ++i)
+      if (ends[i] - ends[i - 1] > ends[widest] - ends[widest - 1]) widest = i;
+    addBackDoor(room, ends[widest - 1] + site_.wall, ends[widest]);
+  }
+
+  int fromPlan(const Rect& room) const {
+    return front_ == Side::kNorth || front_ == Side::kSouth ? room.x0 - rect_.x0 : room.y0 - rect_.y0;
   }
 
   Site& site_;
@@ -138,6 +179,8 @@ class Flat {
   Rect rect_;
   Side front_;
   int length_, depth_;
+  std::vector<Rect> outer_;  ///< rooms without a wall to the hall
+  std::vector<int> cuts_;    ///< where walls across the back begin, in u
 };
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include "libslam/world/generator/furniture.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <string>
 
 #include "libslam/world/generator/floor.h"
 
@@ -39,6 +41,11 @@ const std::vector<Piece>& piecesOf(Use use) {
   static const std::vector<Piece> store = {{Shape::kSolid, Spot::kSide, 200, 50, 1, 2},
                                            {Shape::kSolid, Spot::kBack, 150, 50, 0, 1},
                                            {Shape::kSolid, Spot::kWall, 60, 60, 0, 3}};
+  static const std::vector<Piece> studio = {{Shape::kSolid, Spot::kCorner, 200, 140, 1, 1},
+                                            {Shape::kLegs, Spot::kInside, 90, 80, 1, 1},
+                                            kWardrobe,
+                                            {Shape::kDesk, Spot::kWall, 120, 65, 0, 1},
+                                            {Shape::kSolid, Spot::kWall, 180, 85, 0, 1}};
   static const std::vector<Piece> living = {{Shape::kSolid, Spot::kSide, 220, 90, 1, 1},
                                             {Shape::kSolid, Spot::kWall, 160, 40, 1, 2},
                                             {Shape::kLegs, Spot::kInside, 160, 90, 1, 1},
@@ -77,6 +84,8 @@ const std::vector<Piece>& piecesOf(Use use) {
       return toilets;
     case Use::kStore:
       return store;
+    case Use::kStudio:
+      return studio;
     case Use::kLiving:
       return living;
     case Use::kKitchen:
@@ -139,35 +148,49 @@ void placePiece(Site& site, core::RandomStream& random, const Room& room, const 
   }
 }
 
-/// Islands of desks in rows: a screen, on both sides drawers and chairs so close that no robot fits between.
-void furnishOpenPlan(Site& site, core::RandomStream& random, const Rect& r) {
-  const int desk = site.cells(150), half = site.cells(75), drawers = site.cells(40), chair = site.cells(45);
-  const int screen = site.cells(10) / 2 + 1, way = site.canvas.scale().passage + site.cells(60);
-  const int pitch_y = 2 * (half + chair) + way;
-  const int rows = (r.height() - way) / pitch_y;
-  for (int row = 0; row < rows; ++row) {
-    const int y = r.y0 + way + (r.height() - way - rows * pitch_y) / 2 + row * pitch_y + half + chair;
-    for (int x = r.x0 + way; x + 2 * desk + way <= r.x1;) {
-      const int desks = std::min(pick(random, 2, 4), (r.x1 - way - x) / desk);
-      const Rect bounds{x, y - half - chair, x + desks * desk, y + half + chair};
-      const bool is_there = random.chance(site.options.clutter);
-      if (is_there && site.canvas.leavesWaysOpen(bounds)) {
-        site.canvas.fill({bounds.x0, y - screen, bounds.x1, y + screen});
-        for (int d = 0; d < desks; ++d)
-          for (const int side : {-1, 1}) {
-            const int x0 = x + d * desk, at = x0 + drawers + (desk - drawers - chair) / 2;
-            const int below = side < 0 ? y - half : y;
-            site.canvas.fill({x0, below, x0 + drawers, below + half});
-            const int seat = side < 0 ? y - half - chair / 2 : y + half - chair / 2 + pick(random, -1, 1);
-            site.canvas.fillDisc({at, seat, at + chair, seat + chair});
-          }
-      }
-      x += desks * desk + way;
+/// Two rows of desks face to face over the screen between them, drawers and chairs so close that no robot fits
+/// in between.
+void drawIsland(Site& site, core::RandomStream& random, int x, int y, int desks) {
+  const int desk = site.cells(150), half = site.cells(65), drawers = site.cells(40), chair = site.cells(45);
+  const int screen = site.cells(10) / 2 + 1;
+  site.canvas.fill({x, y - screen, x + desks * desk, y + screen});
+  for (int x0 = x; x0 < x + desks * desk; x0 += desk)
+    for (const bool is_north : {false, true}) {
+      const int front = is_north ? y + half : y - half;
+      site.canvas.fill({x0, std::min(y, front), x0 + drawers, std::max(y, front)});
+      const int seat_x = x0 + drawers + (desk - drawers - chair) / 2,
+                seat_y = front - chair / 2 + pick(random, -1, 1);
+      site.canvas.fillDisc({seat_x, seat_y, seat_x + chair, seat_y + chair});
     }
+}
+
+/// Islands of desks in rows and columns, cupboards along the walls.
+void furnishOpenPlan(Site& site, core::RandomStream& random, const Rect& r) {
+  const int desk = site.cells(150), reach = site.cells(65) + site.cells(45);
+  const int way = site.canvas.scale().passage + site.cells(50);
+  const int rows = (r.height() - way) / (2 * reach + way);
+  for (int x = r.x0 + way; x + 2 * desk + way <= r.x1;) {
+    const int desks = std::min(pick(random, 2, 4), (r.x1 - way - x) / desk);
+    for (int row = 0; row < rows; ++row) {
+      const int y = r.y0 + (r.height() - way) * (2 * row + 1) / (2 * rows) + way / 2;
+      const bool is_there = random.chance(site.options.clutter);
+      if (is_there && site.canvas.leavesWaysOpen({x, y - reach, x + desks * desk, y + reach}))
+        drawIsland(site, random, x, y, desks);
+    }
+    x += desks * desk + way;
   }
   for (int i = r.width() / site.cells(500); i > 0; --i)
     if (random.chance(site.options.clutter))
       site.canvas.placeAlong(random, r, pickSide(random), site.cells(160), site.cells(45));
+}
+
+/// A piece list is for a room of some 18 m2; offices and the like that are larger get it again.
+int timesFurnished(const Site& site, const Room& room) {
+  const bool repeats = room.use == Use::kOffice || room.use == Use::kLounge || room.use == Use::kStore ||
+                       room.use == Use::kNurses || room.use == Use::kWaiting;
+  const std::int64_t area = static_cast<std::int64_t>(room.rect.width()) * room.rect.height();
+  const std::int64_t usual = static_cast<std::int64_t>(site.cells(450)) * site.cells(400);
+  return repeats ? static_cast<int>(std::clamp<std::int64_t>((area + usual / 2) / usual, 1, 6)) : 1;
 }
 
 }  // namespace
@@ -195,8 +218,9 @@ void furnish(Site& site) {
     if (room.use == Use::kOpenPlan) furnishOpenPlan(site, random, room.rect);
     if (room.use == Use::kMeeting && random.chance(site.options.clutter))
       placeTable(site, room.rect, pick(random, 10, 16) * 20, 100);
+    const int often = timesFurnished(site, room);
     for (const Piece& piece : piecesOf(room.use))
-      for (int count = pick(random, piece.least, piece.most); count > 0; --count)
+      for (int count = often * pick(random, piece.least, piece.most); count > 0; --count)
         if (random.chance(site.options.clutter)) placePiece(site, random, room, piece);
   }
 }

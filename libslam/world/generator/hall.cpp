@@ -156,16 +156,30 @@ class Hall {
       }
   }
 
+  /// Machines in rows, all the same way round, each with a bench at its side; pillars between the rows.
   void furnishWorkshop(core::RandomStream& random, const Rect& r) {
-    raisePillars(r);
-    const int machines = static_cast<int>(static_cast<std::int64_t>(r.width()) * r.height() /
-                                          site_.cells(700) / site_.cells(600));
-    for (int i = 0; i < machines; ++i) {
-      const int length = site_.cells(20 * pick(random, 8, 25)), depth = site_.cells(20 * pick(random, 6, 12));
-      const bool is_there = random.chance(site_.options.clutter), lies = random.below(2) == 0;
-      if (is_there)
-        site_.canvas.placeInside(random, r, lies ? length : depth, lies ? depth : length, Shape::kSolid);
+    const bool lies = random.below(2) == 0;
+    const int bay_along = site_.cells(700), bay_across = site_.cells(520), lane = site_.corridor;
+    const int along = (lies ? r.width() : r.height()) - 2 * lane,
+              across = (lies ? r.height() : r.width()) - 2 * lane;
+    const int nu = std::max(1, along / bay_along), nv = std::max(1, across / bay_across);
+    const auto place = [&](int u, int v, int length, int depth) {
+      const Rect piece = lies ? Rect{r.x0 + u, r.y0 + v, r.x0 + u + length, r.y0 + v + depth}
+                              : Rect{r.x0 + v, r.y0 + u, r.x0 + v + depth, r.y0 + u + length};
+      site_.canvas.place(piece);
+    };
+    for (int k = 0; k < nv; ++k) {
+      const int usual_depth = 20 * pick(random, 6, 11);  // a row holds machines of one make
+      for (int i = 0; i < nu; ++i) {
+        const int length = site_.cells(20 * pick(random, 12, 24)), depth = site_.cells(usual_depth);
+        const bool is_there = random.chance(site_.options.clutter);
+        const int u = lane + along * i / nu, v = lane + across * k / nv;
+        if (is_there) place(u, v, length, depth);
+        if (is_there && random.below(2) == 0)
+          place(u, v + depth + site_.canvas.scale().passage + 1, site_.cells(160), site_.cells(70));
+      }
     }
+    raisePillars(r);
   }
 
   /// The gates of the outer wall in the south, shut: shallow niches.

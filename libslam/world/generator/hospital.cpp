@@ -25,13 +25,11 @@ class Hospital {
     const Section section = chooseSection();
     layCrossCorridors();
     const int w = site_.wall, c = site_.corridor;
-    int y = 0, first = 0, last = 0;
+    int y = 0;
     for (int k = 0; k < section.corridors; ++k) {
       if (k == 0) carveRow(y, section.depth, Side::kNorth), y += section.depth + w;
-      if (k == 0) first = y;
       site_.canvas.carve({0, y, site_.width, y + c});
       corridors_.push_back({0, y, site_.width, y + c});
-      last = y + c;
       y += c + w;
       const bool is_top = k + 1 == section.corridors;
       const int depth = is_top ? site_.height - y : section.depth;
@@ -41,8 +39,8 @@ class Hospital {
       if (section.rows_between == 2) carveRow(y, section.depth, Side::kNorth), y += section.depth + w;
     }
     for (const auto& [x0, x1] : crossings_) {
-      site_.canvas.carve({x0, first, x1, last});
-      site_.canvas.carve({site_.width - x1, first, site_.width - x0, last});
+      site_.canvas.carve({x0, 0, x1, site_.height});
+      site_.canvas.carve({site_.width - x1, 0, site_.width - x0, site_.height});
     }
     site_.canvas.raiseWalls(site_.outer_wall);
     site_.glaze();

@@ -17,8 +17,8 @@ class Office {
     for (size_t i = 0; i < floor.blocks.size(); ++i) carveBlock(floor.blocks[i].rect, i);
     site_.canvas.raiseWalls(site_.outer_wall);
     site_.glaze();
-    raisePillars();
     furnish(site_);
+    raisePillars();
     furnishCorridors(floor);
     site_.addWindows();
   }
@@ -116,7 +116,7 @@ class Office {
       }
   }
 
-  /// Open plans stand on pillars.
+  /// Open plans stand on pillars, where no desk stands.
   void raisePillars() {
     const int side = site_.cells(45), bay = site_.cells(720);
     for (const Room& room : site_.rooms) {

@@ -17,6 +17,7 @@ enum class Use {
   kLounge,
   kToilets,
   kStore,
+  kStudio,
   kLiving,
   kKitchen,
   kBedroom,
