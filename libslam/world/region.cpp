@@ -6,21 +6,21 @@ namespace slam::world {
 namespace {
 
 /// The first run of the region so far; shortens the way there for the next one who asks.
-size_t rootOf(std::vector<Run>& runs, size_t run) {
+size_t rootOf(std::vector<RegionRun>& runs, size_t run) {
   while (runs[run].region != run) run = runs[run].region = runs[runs[run].region].region;
   return run;
 }
 
-void join(std::vector<Run>& runs, size_t a, size_t b) {
+void join(std::vector<RegionRun>& runs, size_t a, size_t b) {
   a = rootOf(runs, a), b = rootOf(runs, b);
   runs[std::max(a, b)].region = std::min(a, b);
 }
 
 }  // namespace
 
-std::vector<Run> regionRuns(int columns, const std::vector<char>& marked) {
+std::vector<RegionRun> regionRuns(int columns, const std::vector<char>& marked) {
   const auto width = static_cast<size_t>(columns);
-  std::vector<Run> runs;
+  std::vector<RegionRun> runs;
   size_t below = 0;  // the first run that may touch the current one from the row below
   for (size_t row = 0; row < marked.size(); row += width) {
     for (size_t i = row; i < row + width; ++i) {
@@ -38,18 +38,18 @@ std::vector<Run> regionRuns(int columns, const std::vector<char>& marked) {
   return runs;
 }
 
-size_t largestRegionOf(const std::vector<Run>& runs) {
+size_t largestRegionOf(const std::vector<RegionRun>& runs) {
   std::vector<size_t> cells(runs.size(), 0);
-  for (const Run& run : runs) cells[run.region] += run.end - run.begin;
+  for (const RegionRun& run : runs) cells[run.region] += run.end - run.begin;
   return static_cast<size_t>(std::max_element(cells.begin(), cells.end()) - cells.begin());
 }
 
 std::vector<size_t> largestRegion(int columns, const std::vector<char>& marked) {
-  const std::vector<Run> runs = regionRuns(columns, marked);
+  const std::vector<RegionRun> runs = regionRuns(columns, marked);
   std::vector<size_t> indices;
   if (runs.empty()) return indices;
   const size_t largest = largestRegionOf(runs);
-  for (const Run& run : runs)
+  for (const RegionRun& run : runs)
     for (size_t i = run.begin; run.region == largest && i < run.end; ++i) indices.push_back(i);
   return indices;
 }

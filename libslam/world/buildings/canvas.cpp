@@ -204,9 +204,9 @@ Plan Canvas::plan(const std::string& name) const {
   plan.name = name;
   std::vector<char> is_free(plan.cells.size());
   for (size_t i = 0; i < plan.cells.size(); ++i) is_free[i] = plan.cells[i] == Cell::kFree;
-  const std::vector<Run> runs = regionRuns(plan.columns, is_free);
+  const std::vector<RegionRun> runs = regionRuns(plan.columns, is_free);
   const size_t largest = runs.empty() ? 0 : largestRegionOf(runs);
-  for (const Run& run : runs)
+  for (const RegionRun& run : runs)
     if (run.region != largest)
       std::fill(plan.cells.begin() + static_cast<std::ptrdiff_t>(run.begin),
                 plan.cells.begin() + static_cast<std::ptrdiff_t>(run.end), Cell::kOccupied);

@@ -73,8 +73,10 @@ class Cave {
     for (int k = 0; k < ny; ++k)
       for (int i = 0; i < nx; ++i) {
         const int sx = width_ / nx, sy = height_ / ny;
-        const int x = sx / 2 + sx * i + pick(random_, -sx / 4, sx / 4);
-        const int y = sy / 2 + sy * k + pick(random_, -sy / 4, sy / 4);
+        // Far enough from the rim for the place in its middle that is open for sure.
+        const int rim = std::min(site_.cells(140), height_ / 2);
+        const int x = std::clamp(sx / 2 + sx * i + pick(random_, -sx / 4, sx / 4), rim, width_ - rim);
+        const int y = std::clamp(sy / 2 + sy * k + pick(random_, -sy / 4, sy / 4), rim, height_ - rim);
         const int most = std::min({x, y, width_ - x, height_ - y}) * 3 / 4;
         const int radius = std::min(most, std::min(sx, sy) * pick(random_, 20, 42) / 100);
         chambers_.push_back({x, y, radius});
@@ -109,7 +111,8 @@ class Cave {
 
   /// Raises the field towards a chamber's middle.
   void hollow(const Chamber& c) {
-    const std::int64_t reach = c.radius + c.radius / 2, r2 = static_cast<std::int64_t>(c.radius) * c.radius;
+    const std::int64_t sure = site_.cells(75), reach = std::max<std::int64_t>(sure, c.radius + c.radius / 2);
+    const std::int64_t r2 = static_cast<std::int64_t>(c.radius) * c.radius;
     for (auto y = std::max<std::int64_t>(0, c.y - reach); y < std::min<std::int64_t>(height_, c.y + reach);
          ++y)
       for (auto x = std::max<std::int64_t>(0, c.x - reach); x < std::min<std::int64_t>(width_, c.x + reach);
@@ -117,7 +120,10 @@ class Cave {
         const std::int64_t d2 = (x - c.x) * (x - c.x) + (y - c.y) * (y - c.y);
         const std::int64_t raise = kRock + 900 * (r2 - d2) / std::max<std::int64_t>(1, r2);
         auto& here = field(static_cast<int>(x), static_cast<int>(y));
-        if (raise > 0) here = static_cast<std::int16_t>(std::min<std::int64_t>(4000, here + raise));
+        if (d2 <= sure * sure)
+          here = 4000;
+        else if (raise > 0)
+          here = static_cast<std::int16_t>(std::min<std::int64_t>(4000, here + raise));
       }
   }
 
@@ -153,8 +159,12 @@ class Cave {
     const int margin = site_.corridor;
     Chamber middle{static_cast<int>((a.x + b.x) / 2 - dy * bend / 100),
                    static_cast<int>((a.y + b.y) / 2 + dx * bend / 100), 0};
-    middle.x = std::clamp(middle.x, std::min(margin, width_ / 2), std::max(width_ - margin, width_ / 2));
-    middle.y = std::clamp(middle.y, std::min(margin, height_ / 2), std::max(height_ - margin, height_ / 2));
+    // Away from the rim, but never further from an end than the ends are apart: the halves must get shorter.
+    const auto clampBetween = [margin](int at, int end_a, int end_b, int side) {
+      const int low = std::min({margin, end_a, end_b}), high = std::max({side - margin, end_a, end_b});
+      return std::clamp(at, low, high);
+    };
+    middle.x = clampBetween(middle.x, a.x, b.x, width_), middle.y = clampBetween(middle.y, a.y, b.y, height_);
     widen(middle);
     dig(a, middle, depth + 1);
     dig(middle, b, depth + 1);
@@ -162,7 +172,8 @@ class Cave {
 
   /// Open for sure as far as a robot needs, further out where the noise is in favour.
   void widen(const Chamber& at) {
-    const int sure = site_.corridor * 3 / 8, reach = site_.corridor * 5 / 4;
+    const int sure = std::max(site_.corridor * 3 / 8, site_.cells(50)),
+              reach = std::max(sure, site_.corridor * 5 / 4);
     for (int y = std::max(0, at.y - reach); y < std::min(height_, at.y + reach + 1); ++y)
       for (int x = std::max(0, at.x - reach); x < std::min(width_, at.x + reach + 1); ++x) {
         const int d2 = (x - at.x) * (x - at.x) + (y - at.y) * (y - at.y);
@@ -195,11 +206,11 @@ class Cave {
   void clearSpecks(Plan& open) const {
     std::vector<char> is_rock(open.cells.size());
     for (size_t i = 0; i < is_rock.size(); ++i) is_rock[i] = open.cells[i] == Cell::kOccupied;
-    const std::vector<Run> runs = regionRuns(width_, is_rock);
+    const std::vector<RegionRun> runs = regionRuns(width_, is_rock);
     std::vector<size_t> cells(runs.size(), 0);
-    for (const Run& run : runs) cells[run.region] += run.end - run.begin;
+    for (const RegionRun& run : runs) cells[run.region] += run.end - run.begin;
     const auto least = static_cast<size_t>(site_.cells(50)) * site_.cells(50);
-    for (const Run& run : runs)
+    for (const RegionRun& run : runs)
       if (cells[run.region] < least)
         for (size_t i = run.begin; i < run.end; ++i) open.cells[i] = Cell::kFree;
   }

@@ -45,8 +45,7 @@ void transpose(Plan& plan) {
   std::swap(plan.columns, plan.rows);
 }
 
-/// Furniture may have stood where a filled pocket was: a door that is not free any more is none, and what is
-/// free is of nothing.
+/// A door that a filled pocket has shut is none any more, and where a window was hollowed out there is no glass.
 void tidy(Plan& plan) {
   const auto isShut = [&plan](const Door& door) {
     for (int row = door.y0; row < door.y1; ++row)
@@ -55,6 +54,8 @@ void tidy(Plan& plan) {
     return false;
   };
   plan.doors.erase(std::remove_if(plan.doors.begin(), plan.doors.end(), isShut), plan.doors.end());
+  for (size_t i = 0; i < plan.materials.size(); ++i)
+    if (plan.cells[i] != Cell::kOccupied) plan.materials[i] = Material::kPlain;
   if (std::all_of(plan.materials.begin(), plan.materials.end(),
                   [](Material material) { return material == Material::kPlain; }))
     plan.materials.clear();

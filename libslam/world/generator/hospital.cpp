@@ -44,8 +44,8 @@ class Hospital {
     }
     site_.canvas.raiseWalls(site_.outer_wall);
     site_.glaze();
-    for (const auto& [bed, shape] : beds_)
-      if (site_.options.clutter > 0) site_.canvas.place(bed, shape);
+    for (const Rect& piece : fixtures_)
+      if (site_.options.clutter > 0) site_.canvas.place(piece);
     furnish(site_);
     furnishCorridors();
     site_.addWindows();
@@ -114,7 +114,8 @@ class Hospital {
       const int shift = (room.width() - site_.door) / 2;
       for (const Rect& r : {room, twin}) {
         site_.carveRoom(r, use, front);
-        site_.canvas.carveDoor(site_.doorway(r, front, r.x0 + shift, site_.door));
+        const int at = r.x0 == room.x0 ? r.x0 + shift : r.x1 - shift - site_.door;
+        site_.canvas.carveDoor(site_.doorway(r, front, at, site_.door));
       }
       return;
     }
@@ -147,11 +148,11 @@ class Hospital {
     const int spare = depth - bath_v - w, beds = std::max(1, spare / site_.cells(215));
     for (int i = 0; i < beds; ++i) {
       const int v = bath_v + w + (spare * (2 * i + 1) / beds - bed_width) / 2;
-      beds_.push_back({toPlan(0, v, bed_length, v + bed_width), Shape::kSolid});
+      fixtures_.push_back(toPlan(0, v, bed_length, v + bed_width));
     }
     const int wardrobe = site_.cells(60);
-    beds_.push_back({toPlan(length - wardrobe, depth - site_.cells(110), length, depth), Shape::kSolid});
-    beds_.push_back({toPlan(0, 0, site_.cells(40), site_.cells(50)), Shape::kSolid});  // basin
+    fixtures_.push_back(toPlan(length - wardrobe, depth - site_.cells(110), length, depth));
+    fixtures_.push_back(toPlan(0, 0, site_.cells(40), site_.cells(50)));  // basin
   }
 
   /// Little stands in them, and not the same in both halves: all that tells one place from another.
@@ -169,7 +170,7 @@ class Hospital {
 
   Site& site_;
   std::vector<std::pair<int, int>> segments_, crossings_;  ///< [begin, end) in x, western half and middle
-  std::vector<std::pair<Rect, Shape>> beds_;
+  std::vector<Rect> fixtures_;                             ///< of every ward the same
   std::vector<Rect> corridors_;
 };
 

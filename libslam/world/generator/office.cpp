@@ -116,7 +116,7 @@ class Office {
       }
   }
 
-  /// Open plans stand on pillars, where no desk stands.
+  /// Open plans stand on pillars, whatever the furniture; some come up through desks.
   void raisePillars() {
     const int side = site_.cells(45), bay = site_.cells(720);
     for (const Room& room : site_.rooms) {
@@ -127,7 +127,7 @@ class Office {
         for (int k = 1; k <= ny; ++k) {
           const int x = r.x0 + r.width() * i / (nx + 1) - side / 2,
                     y = r.y0 + r.height() * k / (ny + 1) - side / 2;
-          site_.canvas.place({x, y, x + side, y + side});
+          site_.canvas.fill({x, y, x + side, y + side});
         }
     }
   }
@@ -145,7 +145,8 @@ class Office {
       }
     }
     for (const Rect& lobby : lobbies_)
-      site_.canvas.placeAlong(random, lobby, Side::kEast, site_.cells(120), site_.cells(40));
+      if (random.chance(site_.options.clutter))
+        site_.canvas.placeAlong(random, lobby, Side::kEast, site_.cells(120), site_.cells(40));
   }
 
   Site& site_;

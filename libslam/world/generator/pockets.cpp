@@ -8,7 +8,7 @@ namespace slam::world {
 namespace {
 
 template <class What>
-void forCells(const Run& run, What what) {
+void forCells(const RegionRun& run, What what) {
   for (size_t i = run.begin; i < run.end; ++i) what(i);
 }
 
@@ -16,10 +16,10 @@ void forCells(const Run& run, What what) {
 void fillUnconnected(Plan& plan, const std::vector<char>& admissible) {
   std::vector<char> is_free(plan.cells.size());
   for (size_t i = 0; i < is_free.size(); ++i) is_free[i] = plan.cells[i] == Cell::kFree;
-  const std::vector<Run> runs = regionRuns(plan.columns, is_free);
+  const std::vector<RegionRun> runs = regionRuns(plan.columns, is_free);
   std::vector<char> is_reached(runs.size(), 0);
-  for (const Run& run : runs) forCells(run, [&](size_t i) { is_reached[run.region] |= admissible[i]; });
-  for (const Run& run : runs)
+  for (const RegionRun& run : runs) forCells(run, [&](size_t i) { is_reached[run.region] |= admissible[i]; });
+  for (const RegionRun& run : runs)
     if (!is_reached[run.region]) forCells(run, [&](size_t i) { plan.cells[i] = Cell::kOccupied; });
 }
 
@@ -28,12 +28,12 @@ void fillUnconnected(Plan& plan, const std::vector<char>& admissible) {
 void fillPockets(Plan& plan, double radius_cells) {
   for (;;) {
     std::vector<char> admissible = admissibleCells(plan, radius_cells);
-    const std::vector<Run> runs = regionRuns(plan.columns, admissible);
+    const std::vector<RegionRun> runs = regionRuns(plan.columns, admissible);
     if (runs.empty()) return;
     const size_t largest = largestRegionOf(runs);
     std::vector<char> pockets(admissible.size(), 0);
     bool has_pockets = false;
-    for (const Run& run : runs)
+    for (const RegionRun& run : runs)
       if (run.region != largest)
         forCells(run, [&](size_t i) { has_pockets = true, pockets[i] = 1, admissible[i] = 0; });
     fillUnconnected(plan, admissible);

@@ -47,12 +47,12 @@ void Site::requireInside(const std::string& kind, int least_width, int least_hei
   if (width >= least_width && height >= least_height) return;
   const auto metres = [this](int cells_inside) {  // up to the next decimetre
     const double m = (cells_inside + 2 * canvas.scale().rim) * options.resolution_m;
-    return core::formatNumber(std::ceil(m * 10 - 1e-6) / 10);
+    return core::formatNumber(std::max(5.0, std::ceil(m * 10 - 1e-6) / 10));
   };
   throw core::InputError("[building] width_m, height_m: found " + core::formatNumber(options.width_m) +
                          " x " + core::formatNumber(options.height_m) + ", expected at least " +
-                         metres(least_width) + " x " + metres(least_height) + " for '" + kind +
-                         "' with these corridors and rooms");
+                         metres(std::max(least_width, least_height)) + " x " + metres(least_height) +
+                         " for '" + kind + "', either way round");
 }
 
 Rect Site::doorway(const Rect& r, Side front, int at, int length) const {
@@ -88,10 +88,16 @@ void Site::glaze() {
   const int post = cells(20);
   for (const Room& r : rooms) {
     const bool is_glass = random.chance(options.glass);
+    const Rect& rect = r.rect;
+    const bool is_inside = r.front == Side::kWest    ? rect.x0 > 0
+                           : r.front == Side::kEast  ? rect.x1 < width
+                           : r.front == Side::kSouth ? rect.y0 > 0
+                                                     : rect.y1 < height;
+    if (!is_glass || !is_inside || r.use == Use::kCorridor) continue;
     const bool runs_in_x = r.front == Side::kNorth || r.front == Side::kSouth;
     const int begin = (runs_in_x ? r.rect.x0 : r.rect.y0) + post;
     const int end = (runs_in_x ? r.rect.x1 : r.rect.y1) - post;
-    if (is_glass) canvas.makeOf(Material::kGlass, doorway(r.rect, r.front, begin, end - begin));
+    canvas.makeOf(Material::kGlass, doorway(r.rect, r.front, begin, end - begin));
   }
 }
 

@@ -53,7 +53,7 @@ struct Site {
   void addRoom(const Rect& rect, Use use, Side front);
   /// Carves the room too.
   void carveRoom(const Rect& rect, Use use, Side front);
-  /// Makes the front wall of some rooms of glass, by the option's share. After the walls were raised.
+  /// Makes the inner front wall of some rooms of glass, by the option's share. After the walls were raised.
   void glaze();
   /// Hollows a window out of every outer wall of a room, half as long as it. After furniture, which keeps to
   /// the wall.
