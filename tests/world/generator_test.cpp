@@ -101,14 +101,16 @@ TEST_P(Generator, KeepsItsPromisesForManySeedsAndSizes) {
         sized(std::round(random.uniform(50, 450)) / 10, std::round(random.uniform(50, 350)) / 10,
               0.02 * static_cast<double>(2 + random.below(4)));
     options.clutter = random.uniform(), options.glass = random.chance(0.5) ? random.uniform() : 0;
-    options.door_m = random.uniform(0.8, 1.2), options.wall_m = random.uniform(0.1, 0.3);
-    options.outer_wall_m = random.uniform(0.1, 0.5);
+    options.door_m = random.uniform(0.8, 2.0), options.wall_m = random.uniform(0.1, 0.5);
+    options.outer_wall_m = random.uniform(0.1, 1.0);
+    if (random.chance(0.5)) options.corridor_m = random.uniform(1, 8);
+    if (random.chance(0.5)) options.room_m = std::exp(random.uniform(std::log(2.5), std::log(80)));
     try {
       const GeneratedBuilding building = generateBuilding(GetParam(), options, seed);
       ASSERT_EQ(brokenPromiseOf(building.plan, options), "")
           << "seed " << seed << ", " << options.width_m << " x " << options.height_m << " m at "
-          << options.resolution_m << " m, clutter " << options.clutter << ", door " << options.door_m
-          << ", walls " << options.wall_m << " and " << options.outer_wall_m;
+          << options.resolution_m << " m, glass " << options.glass << ", clutter " << options.clutter
+          << ", door " << options.door_m << ", walls " << options.wall_m << " and " << options.outer_wall_m;
       ++drawn;
     } catch (const core::InputError& e) {
       ASSERT_NE(std::string(e.what()).find("expected at least"), std::string::npos) << e.what();

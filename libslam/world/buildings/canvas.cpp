@@ -119,6 +119,8 @@ bool Canvas::noneFree(const Rect& rect) const {
 
 bool Canvas::leavesWaysOpen(const Rect& piece) const {
   if (!allFree(piece)) return false;
+  for (const Rect& place : kept_free_)
+    if (place.overlaps(piece)) return false;
   const bool west = noneFree({piece.x0 - 1, piece.y0, piece.x0, piece.y1});
   const bool east = noneFree({piece.x1, piece.y0, piece.x1 + 1, piece.y1});
   const bool south = noneFree({piece.x0, piece.y0 - 1, piece.x1, piece.y0});
@@ -190,6 +192,13 @@ bool Canvas::placeInside(core::RandomStream& random, const Rect& room, int width
     if (place({x, y, x + width, y + height}, shape)) return true;
   }
   return false;
+}
+
+std::vector<Rect> Canvas::doors() const {
+  std::vector<Rect> doors;
+  for (const Door& d : plan_.doors)
+    doors.push_back({d.x0 - scale_.rim, d.y0 - scale_.rim, d.x1 - scale_.rim, d.y1 - scale_.rim});
+  return doors;
 }
 
 void Canvas::makeOf(Material material, const Rect& rect) {

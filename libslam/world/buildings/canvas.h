@@ -13,6 +13,9 @@ struct Rect {
   int x0, y0, x1, y1;
   int width() const { return x1 - x0; }
   int height() const { return y1 - y0; }
+  bool overlaps(const Rect& other) const {
+    return x0 < other.x1 && other.x0 < x1 && y0 < other.y1 && other.y0 < y1;
+  }
 };
 
 enum class Side { kWest, kEast, kSouth, kNorth };
@@ -55,7 +58,9 @@ class Canvas {
   void fill(const Rect& rect);
   void fillDisc(const Rect& bounds);
 
-  /// True where a piece leaves every way open: each of its sides is either flush with something solid all
+  /// No piece is placed on these, until others are given: the ways through doors.
+  void keepFree(std::vector<Rect> places) { kept_free_ = std::move(places); }
+  /// True where a piece leaves every way open and what is to be kept free: each of its sides is either flush with something solid all
   /// along, or has a passage of free cells before it; not both of two opposite sides are flush.
   bool leavesWaysOpen(const Rect& piece) const;
   /// Draws a piece where it leaves every way open; else returns false and draws nothing.
@@ -75,6 +80,7 @@ class Canvas {
   Plan plan(const std::string& name) const;
 
   const CanvasScale& scale() const { return scale_; }
+  std::vector<Rect> doors() const;
 
  private:
   size_t index(int x, int y) const {
@@ -91,6 +97,7 @@ class Canvas {
 
   CanvasScale scale_;
   Plan plan_;
+  std::vector<Rect> kept_free_;
 };
 
 /// A whole number from low to high, both included.

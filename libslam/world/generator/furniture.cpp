@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <string>
 
 #include "libslam/world/generator/floor.h"
@@ -184,6 +185,17 @@ void furnishOpenPlan(Site& site, core::RandomStream& random, const Rect& r) {
       site.canvas.placeAlong(random, r, pickSide(random), site.cells(160), site.cells(45));
 }
 
+/// Nobody puts a cupboard where a door opens: a step's length before and behind every door.
+std::vector<Rect> waysThroughDoors(const Site& site) {
+  const int step = site.cells(90);
+  std::vector<Rect> ways = site.canvas.doors();
+  for (Rect& way : ways) {
+    const bool runs_in_x = way.width() > way.height();
+    (runs_in_x ? way.y0 : way.x0) -= step, (runs_in_x ? way.y1 : way.x1) += step;
+  }
+  return ways;
+}
+
 /// A piece list is for a room of some 18 m2; offices and the like that are larger get it again.
 int timesFurnished(const Site& site, const Room& room) {
   const bool repeats = room.use == Use::kOffice || room.use == Use::kLounge || room.use == Use::kStore ||
@@ -212,9 +224,14 @@ void placeTable(Site& site, const Rect& r, int length_cm, int depth_cm) {
 }
 
 void furnish(Site& site) {
+  const std::vector<Rect> ways = waysThroughDoors(site);
   for (size_t i = 0; i < site.rooms.size(); ++i) {
     const Room& room = site.rooms[i];
     core::RandomStream random(site.seed, "building furniture " + std::to_string(i));
+    std::vector<Rect> own_ways;
+    std::copy_if(ways.begin(), ways.end(), std::back_inserter(own_ways),
+                 [&room](const Rect& way) { return way.overlaps(room.rect); });
+    site.canvas.keepFree(own_ways);
     if (room.use == Use::kOpenPlan) furnishOpenPlan(site, random, room.rect);
     if (room.use == Use::kMeeting && random.chance(site.options.clutter))
       placeTable(site, room.rect, pick(random, 10, 16) * 20, 100);
@@ -223,6 +240,7 @@ void furnish(Site& site) {
       for (int count = often * pick(random, piece.least, piece.most); count > 0; --count)
         if (random.chance(site.options.clutter)) placePiece(site, random, room, piece);
   }
+  site.canvas.keepFree({});
 }
 
 }  // namespace slam::world

@@ -27,7 +27,7 @@ const std::vector<Drawer>& drawers() {
       {{"hospital", "long symmetric corridors between rooms that look all the same, in wings", 60, 44, 2.4,
         3.8},
        drawHospital},
-      {{"cave", "chambers and tunnels in rock: rough walls, loops, not one straight line", 50, 32, 1.6, 11},
+      {{"cave", "chambers and tunnels in rock: rough walls, loops, not one straight line", 50, 32, 1.6, 8},
        drawCave}};
   return all;
 }

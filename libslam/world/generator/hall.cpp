@@ -24,8 +24,9 @@ class Hall {
   /// in the corner of the first.
   void cutSections() {
     const int w = site_.wall;
-    const int nx = std::max(1, (site_.width + site_.room / 2) / site_.room);
-    const int ny = std::max(1, (site_.height + site_.room / 2) / site_.room);
+    const int usual = std::max(site_.room, site_.cells(1000));
+    const int nx = std::max(1, (site_.width + usual / 2) / usual);
+    const int ny = std::max(1, (site_.height + usual / 2) / usual);
     for (int k = 0; k < ny; ++k)
       for (int i = 0; i < nx; ++i) {
         const Rect section{(site_.width + w) * i / nx, (site_.height + w) * k / ny,

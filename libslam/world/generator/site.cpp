@@ -13,12 +13,18 @@ int centimetres(double metres) {
   return static_cast<int>(std::lround(100 * metres));
 }
 
+/// At least half an inner wall, which is raised from both sides.
+int outerWall(const BuildingOptions& options, const CanvasScale& scale) {
+  return std::max(scale.cells(centimetres(options.outer_wall_m)),
+                  (scale.cells(centimetres(options.wall_m)) + 1) / 2);
+}
+
 CanvasScale scaleOf(const BuildingOptions& options) {
   CanvasScale scale;
   scale.resolution_m = options.resolution_m;
-  scale.rim = scale.cells(centimetres(options.outer_wall_m)) + 1;
+  scale.rim = outerWall(options, scale) + 1;
   const int beside_robot = static_cast<int>(std::floor(kRobotRadius_m / options.resolution_m - 0.5)) + 1;
-  scale.passage = 2 * beside_robot + 2;
+  scale.passage = 2 * beside_robot + 2 + scale.cells(15);
   return scale;
 }
 
@@ -37,7 +43,7 @@ Site::Site(const BuildingOptions& o, std::uint64_t building_seed)
       width(inside(o.width_m, scaleOf(o))),
       height(inside(o.height_m, scaleOf(o))),
       wall(cells(centimetres(o.wall_m))),
-      outer_wall(cells(centimetres(o.outer_wall_m))),
+      outer_wall(outerWall(o, canvas.scale())),
       corridor(cells(centimetres(o.corridor_m))),
       door(std::max(cells(centimetres(o.door_m)), static_cast<int>(std::ceil(0.8 / o.resolution_m - 1e-9)))),
       room(cells(centimetres(o.room_m))),
