@@ -1,4 +1,4 @@
-#include <cmath>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -9,6 +9,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/report/picture.h"
+#include "libslam/world/building.h"
 #include "libslam/world/generator.h"
 
 namespace slam::apps {
@@ -42,10 +43,24 @@ core::IniFile configOf(const Context& context, const Arguments& arguments) {
   return config;
 }
 
+/// One of the kinds, or one of the committed worlds, whose size is fixed, with another seed.
+world::GeneratedBuilding draw(const std::string& kind, const core::IniFile& config,
+                              const world::BuildingOptions& options, std::uint64_t seed) {
+  const auto& kinds = world::buildingKinds();
+  const bool is_kind = std::any_of(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == kind; });
+  const auto fixed = world::buildingNames();
+  if (is_kind || std::find(fixed.begin(), fixed.end(), kind) == fixed.end())
+    return world::generateBuilding(kind, options, seed);
+  if (config.hasSection("building"))
+    throw core::InputError("'" + kind + "' has one size and no options, expected only a seed");
+  return {world::makeBuilding(kind, seed), 0};
+}
+
 int makeWorld(const Context& context, const Arguments& arguments) {
   world::BuildingOptions options;
   std::vector<core::ParameterReport> parameters;
-  core::readParameters(configOf(context, arguments), world::BuildingOptions::table(), options, &parameters);
+  const core::IniFile config = configOf(context, arguments);
+  core::readParameters(config, world::BuildingOptions::table(), options, &parameters);
   if (context.print_config) {
     printParameters(parameters, context.json);
     return 0;
@@ -61,7 +76,7 @@ int makeWorld(const Context& context, const Arguments& arguments) {
   for (const std::string& file : {path, picture}) core::refuseToOverwrite(file, context.overwrite);
   if (!arguments.preview.empty()) core::refuseToOverwrite(arguments.preview, context.overwrite);
 
-  auto building = world::generateBuilding(arguments.kind, options, context.seed);
+  auto building = draw(arguments.kind, config, options, context.seed);
   world::Plan& plan = building.plan;
   plan.name = std::filesystem::path(path).stem().string();
   world::savePlan(plan, path);
@@ -86,8 +101,10 @@ int makeWorld(const Context& context, const Arguments& arguments) {
               << "\n";
     return 0;
   }
-  std::printf("%g x %g m, %d x %d cells of %g m, %d rooms, %zu doors, %.0f m2 free\n", width_m, height_m,
-              plan.columns, plan.rows, plan.resolution_m, building.rooms, plan.doors.size(), free_m2);
+  std::printf("%g x %g m, %d x %d cells of %g m, ", width_m, height_m, plan.columns, plan.rows,
+              plan.resolution_m);
+  if (building.rooms > 0) std::printf("%d rooms, %zu doors, ", building.rooms, plan.doors.size());
+  std::printf("%.0f m2 free\n", free_m2);
   for (const auto& file : files) std::printf("  %s\n", file.get<std::string>().c_str());
   std::printf("next: rasterslam simulate %s\n", path.c_str());
   return 0;
@@ -98,7 +115,11 @@ int makeWorld(const Context& context, const Arguments& arguments) {
 void addWorldMake(CLI::App& world, Context& context) {
   auto* command = world.add_subcommand("make", "draw a building of any size; writes a plan");
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("kind", arguments->kind, "flat | office | hall | hospital | cave")->required();
+  command
+      ->add_option(
+          "kind", arguments->kind,
+          "flat | office | hall | hospital | cave; office_loop, pillar_hall, corridor or maze of fixed size")
+      ->required();
   addOutput(command, context, "the yaml to write, its picture beside it (default KIND.yaml)");
   command->add_option("--size", arguments->size, "width x height in metres, each 5 to 200, such as 80x50");
   command->add_option("--resolution", arguments->resolution_m, "metres a cell, 0.02 to 0.1 (default 0.05)");

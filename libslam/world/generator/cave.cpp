@@ -67,8 +67,9 @@ class Cave {
  private:
   /// One to a square of the usual distance, off its middle, so large that rock remains at the rim.
   void layChambers() {
-    const int nx = std::max(1, (width_ + site_.room / 2) / site_.room);
-    const int ny = std::max(1, (height_ + site_.room / 2) / site_.room);
+    // Closer in a small cave, which would else be a single bubble.
+    const int usual = std::min(site_.room, std::max(site_.cells(350), height_ * 2 / 3));
+    const int nx = std::max(1, (width_ + usual / 2) / usual), ny = std::max(1, (height_ + usual / 2) / usual);
     columns_ = nx;
     for (int k = 0; k < ny; ++k)
       for (int i = 0; i < nx; ++i) {
@@ -78,7 +79,7 @@ class Cave {
         const int x = std::clamp(sx / 2 + sx * i + pick(random_, -sx / 4, sx / 4), rim, width_ - rim);
         const int y = std::clamp(sy / 2 + sy * k + pick(random_, -sy / 4, sy / 4), rim, height_ - rim);
         const int most = std::min({x, y, width_ - x, height_ - y}) * 3 / 4;
-        const int radius = std::min(most, std::min(sx, sy) * pick(random_, 20, 42) / 100);
+        const int radius = std::min(most, std::min(sx, sy) * pick(random_, 28, 46) / 100);
         chambers_.push_back({x, y, radius});
         site_.addRoom({x - radius / 2, y - radius / 2, x + radius / 2, y + radius / 2}, Use::kCorridor,
                       Side::kSouth);
@@ -90,7 +91,7 @@ class Cave {
     const Noise large(random_, width_, height_, site_.cells(620)),
         middle(random_, width_, height_, site_.cells(290)), small(random_, width_, height_, site_.cells(130)),
         fine(random_, width_, height_, site_.cells(55)), finest(random_, width_, height_, site_.cells(22));
-    const int rim = std::min(site_.cells(320), std::min(width_, height_) / 4);
+    const int rim = std::min(site_.cells(320), std::min(width_, height_) / 7);
     std::vector<int> noise(static_cast<size_t>(width_)), wave(noise.size());
     for (int y = 0; y < height_; ++y) {
       std::fill(noise.begin(), noise.end(), 0);
@@ -111,14 +112,15 @@ class Cave {
 
   /// Raises the field towards a chamber's middle.
   void hollow(const Chamber& c) {
-    const std::int64_t sure = site_.cells(75), reach = std::max<std::int64_t>(sure, c.radius + c.radius / 2);
+    const std::int64_t sure = std::max(site_.cells(75), c.radius * 6 / 10),
+                       reach = std::max<std::int64_t>(sure, c.radius + c.radius / 2);
     const std::int64_t r2 = static_cast<std::int64_t>(c.radius) * c.radius;
     for (auto y = std::max<std::int64_t>(0, c.y - reach); y < std::min<std::int64_t>(height_, c.y + reach);
          ++y)
       for (auto x = std::max<std::int64_t>(0, c.x - reach); x < std::min<std::int64_t>(width_, c.x + reach);
            ++x) {
         const std::int64_t d2 = (x - c.x) * (x - c.x) + (y - c.y) * (y - c.y);
-        const std::int64_t raise = kRock + 900 * (r2 - d2) / std::max<std::int64_t>(1, r2);
+        const std::int64_t raise = kRock + 1500 * (r2 - d2) / std::max<std::int64_t>(1, r2);
         auto& here = field(static_cast<int>(x), static_cast<int>(y));
         if (d2 <= sure * sure)
           here = 4000;

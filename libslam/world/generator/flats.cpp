@@ -191,12 +191,12 @@ void drawFlats(Site& site) {
   if (is_one) {
     Flat(site, {0, 0, site.width, site.height}, Side::kSouth).carve(0, site.width, false);
   } else {
-    const int least = site.cells(700);
-    const FloorPlan plan{site.cells(850), site.cells(420), site.cells(1500), site.cells(4500), least};
+    const int least = site.cells(700), court = site.cells(600);
+    const FloorPlan plan{site.cells(850), site.cells(420), site.cells(1500), site.cells(4500), least, court};
     const Floor floor = layFloor(site, "flat", plan);
     std::vector<Row> rows = floor.rows;
     for (const Block& block : floor.blocks)
-      for (const Row& row : rowsOf(site, block.rect, site.cells(420))) rows.push_back(row);
+      for (const Row& row : rowsOf(site, block.rect, site.cells(420), court)) rows.push_back(row);
     for (const Row& row : rows) {
       const bool runs_in_x = row.front == Side::kNorth || row.front == Side::kSouth;
       for (const RowRoom& flat : cutRow(site, row, least, site.cells(1250))) {

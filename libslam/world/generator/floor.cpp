@@ -33,7 +33,7 @@ Floor layNet(Site& site, const FloorPlan& plan, int count) {
   const int c = site.corridor, w = site.wall, strip = c + 2 * w;
   // Depths from south to north: an outer row, two to each block, an outer row.
   const std::vector<int> depths =
-      share(site.layout, site.height - count * strip - (count - 1) * w, 2 * count);
+      share(site.layout, site.height - count * strip - (count - 1) * plan.between, 2 * count);
   const int spare = (site.width - 2 * strip - plan.least_block) / 2;
   const bool has_ends = spare >= plan.least_depth;
   const int usual = std::min(spare, depths.front());
@@ -47,7 +47,7 @@ Floor layNet(Site& site, const FloorPlan& plan, int count) {
   for (int k = 0; k < count; ++k) {
     ys.push_back(y);
     floor.corridors.push_back({x0, y, x1, y + c});
-    if (k + 1 < count) y += c + w + depths[2 * k + 1] + w + depths[2 * k + 2] + w;
+    if (k + 1 < count) y += c + w + depths[2 * k + 1] + plan.between + depths[2 * k + 2] + w;
   }
   const int y0 = ys.front(), y1 = ys.back() + c;
   floor.corridors.push_back({x0, y0, x0 + c, y1});
@@ -76,11 +76,11 @@ Floor layNet(Site& site, const FloorPlan& plan, int count) {
 Floor layFloor(Site& site, const std::string& kind, const FloorPlan& plan) {
   const int w = site.wall, strip = site.corridor + 2 * w;
   site.requireInside(kind, plan.least_room, site.corridor + w + plan.least_depth);
-  const int pitch = strip + 2 * plan.depth + w;
-  int count = std::max(1, (site.height + w + pitch / 2) / pitch);
+  const int pitch = strip + 2 * plan.depth + plan.between;
+  int count = std::max(1, (site.height + plan.between + pitch / 2) / pitch);
   // share() takes up to a tenth off a row.
-  while (count > 1 &&
-         site.height - count * strip - (count - 1) * w < 2 * count * plan.least_depth * 10 / 9 + count)
+  while (count > 1 && site.height - count * strip - (count - 1) * plan.between <
+                          2 * count * plan.least_depth * 10 / 9 + count)
     --count;
   if (site.width < 2 * strip + plan.least_block + 2 * plan.least_room) count = 1;
   Floor floor = count == 1 ? layOneCorridor(site, plan) : layNet(site, plan, count);
@@ -103,14 +103,15 @@ std::vector<RowRoom> cutRow(Site& site, const Row& row, int least, int most) {
   return rooms;
 }
 
-std::vector<Row> rowsOf(Site& site, const Rect& block, int least_depth) {
-  const int spare = block.height() - site.wall;
+std::vector<Row> rowsOf(Site& site, const Rect& block, int least_depth, int between) {
+  const int spare = block.height() - between;
   if (spare < 2 * least_depth)
     return {{block, site.layout.below(2) == 0 ? Side::kNorth : Side::kSouth, block.x0, block.x1}};
   const int south = std::max(least_depth, share(site.layout, spare, 2)[0]);
   const int cut = block.y0 + std::min(south, spare - least_depth);
+  if (between > site.wall) site.courts.push_back({block.x0, cut, block.x1, cut + between});
   return {{{block.x0, block.y0, block.x1, cut}, Side::kSouth, block.x0, block.x1},
-          {{block.x0, cut + site.wall, block.x1, block.y1}, Side::kNorth, block.x0, block.x1}};
+          {{block.x0, cut + between, block.x1, block.y1}, Side::kNorth, block.x0, block.x1}};
 }
 
 Side opposite(Side side) {

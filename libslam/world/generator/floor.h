@@ -29,6 +29,7 @@ struct FloorPlan {
   int depth, least_depth;       ///< of a row of rooms
   int least_block, most_block;  ///< length of a block along the long corridors
   int least_room;               ///< length of a row's shortest room
+  int between;                  ///< between two rows back to back: a wall, or a court for daylight
 };
 
 /// Long corridors in x at the distance of two rows of rooms; two or more are joined by a corridor at each end,
@@ -44,8 +45,8 @@ struct RowRoom {
 };
 std::vector<RowRoom> cutRow(Site& site, const Row& row, int least, int most);
 
-/// A block as two rows back to back, or as one where it is too shallow for two.
-std::vector<Row> rowsOf(Site& site, const Rect& block, int least_depth);
+/// A block as two rows with a wall or a court between their backs, or as one row where it is too shallow for two.
+std::vector<Row> rowsOf(Site& site, const Rect& block, int least_depth, int between);
 
 Side opposite(Side side);
 

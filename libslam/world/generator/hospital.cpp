@@ -35,6 +35,7 @@ class Hospital {
       const int depth = is_top ? site_.height - y : section.depth;
       carveRow(y, depth, Side::kSouth);
       y += depth + (section.court > 0 ? section.court : w);
+      if (section.court > 0 && !is_top) site_.courts.push_back({0, y - section.court, site_.width, y});
       if (is_top) break;
       if (section.rows_between == 2) carveRow(y, section.depth, Side::kNorth), y += section.depth + w;
     }
@@ -53,12 +54,16 @@ class Hospital {
 
  private:
   int leastDepth() const { return site_.cells(450); }
+  int bathLength() const { return site_.cells(150); }
+  /// Beside a ward's bathroom there is its entrance.
+  int leastWard() const { return bathLength() + 2 * site_.wall + site_.door + 2 * site_.nook; }
+  int usualWard() const { return std::max(site_.room, leastWard()); }
   int strip() const { return site_.corridor + 2 * site_.wall; }
 
   /// The section that comes nearest to usual rows and courts.
   Section chooseSection() const {
     const int w = site_.wall, usual = site_.cells(560), usual_court = site_.cells(800);
-    site_.requireInside("hospital", 4 * site_.cells(300) + strip(), strip() + 2 * leastDepth());
+    site_.requireInside("hospital", 2 * usualWard() + strip(), strip() + 2 * leastDepth());
     Section best;
     int least = std::numeric_limits<int>::max();
     const auto consider = [&](const Section& section, int penalty) {
@@ -83,7 +88,7 @@ class Hospital {
     const int w = site_.wall, c = site_.corridor;
     const int middle = (site_.width - c) / 2;
     crossings_.push_back({middle, site_.width - middle});
-    const int half = middle - w, least = 3 * site_.room;
+    const int half = middle - w, least = 3 * usualWard();
     if (half < 2 * least + strip()) {
       segments_.push_back({0, half});
       return;
@@ -98,7 +103,8 @@ class Hospital {
     for (size_t s = 0; s < segments_.size(); ++s) {
       const auto [begin, end] = segments_[s];
       const int w = site_.wall, length = end - begin + w;
-      const int count = std::max(1, (length + site_.room / 2) / site_.room);
+      const int count =
+          std::clamp((length + usualWard() / 2) / usualWard(), 1, std::max(1, length / leastWard()));
       for (int i = 0; i < count; ++i) {
         const int x0 = begin + length * i / count, x1 = begin + length * (i + 1) / count - w;
         const bool is_staff = s + 1 == segments_.size() && i + 1 == count;
@@ -125,7 +131,7 @@ class Hospital {
 
   /// A bathroom beside the entrance, the beds behind it with their heads at its wall's side.
   void carveWard(const Rect& r, Side front, bool is_mirrored) {
-    const int w = site_.wall, bath_u = site_.cells(150), bath_v = site_.cells(185);
+    const int w = site_.wall, bath_u = bathLength(), bath_v = site_.cells(185);
     // u along the corridor from the bathroom's side, v away from it.
     const auto toPlan = [&](int u0, int v0, int u1, int v1) {
       const int x0 = is_mirrored ? r.x1 - u1 : r.x0 + u0, x1 = is_mirrored ? r.x1 - u0 : r.x0 + u1;
@@ -138,11 +144,11 @@ class Hospital {
     site_.carveRoom(main, Use::kWard, front);
     site_.canvas.carve(bath);
     const Side to_entry = is_mirrored ? Side::kWest : Side::kEast;
-    const int bath_door = (bath.height() - site_.door) / 2;
-    site_.canvas.carveDoor(site_.doorway(bath, to_entry, bath.y0 + bath_door, site_.door));
+    const int bath_door = std::min(site_.door, site_.cells(90));
+    site_.canvas.carveDoor(
+        site_.doorway(bath, to_entry, bath.y0 + (bath.height() - bath_door) / 2, bath_door));
     // The entrance keeps to the side away from the bathroom's door.
-    const int nook = std::min(site_.nook, entry.width() - site_.door);
-    const int at = is_mirrored ? entry.x0 + nook : entry.x1 - nook - site_.door;
+    const int at = is_mirrored ? entry.x0 + site_.nook : entry.x1 - site_.nook - site_.door;
     site_.canvas.carveDoor(site_.doorway(r, front, at, site_.door));
     const int bed_length = site_.cells(205), bed_width = site_.cells(95);
     const int spare = depth - bath_v - w, beds = std::max(1, spare / site_.cells(215));

@@ -11,7 +11,8 @@ class Office {
   explicit Office(Site& site) : site_(site), random_(site.layout) {}
 
   void draw() {
-    const FloorPlan plan{site_.cells(520), leastDepth(), site_.cells(900), site_.cells(3400), leastRoom()};
+    const FloorPlan plan{site_.cells(520),  leastDepth(), site_.cells(900),
+                         site_.cells(3400), leastRoom(),  site_.wall};
     const Floor floor = layFloor(site_, "office", plan);
     for (const Row& row : floor.rows) carveRow(row);
     for (size_t i = 0; i < floor.blocks.size(); ++i) carveBlock(floor.blocks[i].rect, i);
@@ -70,11 +71,11 @@ class Office {
     if (chance < 22) return carveOpenPlan(block);
     if (chance < 34 && index > 0 && is_deep && block.width() > site_.cells(1000))
       return carveCourtyard(block);
-    for (const Row& row : rowsOf(site_, block, leastDepth())) carveRow(row);
+    for (const Row& row : rowsOf(site_, block, leastDepth(), site_.wall)) carveRow(row);
   }
 
   /// A light well: nobody enters it, the walls around it are outer walls.
-  void carveCourtyard(const Rect&) {}
+  void carveCourtyard(const Rect& block) { site_.courts.push_back(block); }
 
   int lobby() const { return site_.cells(240); }
   int toilets() const { return site_.cells(340); }
@@ -98,7 +99,7 @@ class Office {
     }
     for (const Rect& part : {Rect{block.x0, block.y0, core - w, block.y1},
                              Rect{core + coreWidth() + w, block.y0, block.x1, block.y1}})
-      for (const Row& row : rowsOf(site_, part, leastDepth())) carveRow(row);
+      for (const Row& row : rowsOf(site_, part, leastDepth(), site_.wall)) carveRow(row);
     // The doors of two lifts, shut: shallow niches towards the shaft.
     const int lift = site_.cells(110), middle = (block.y0 + block.y1) / 2;
     for (const int at : {middle - lift - site_.cells(40), middle + site_.cells(40)})

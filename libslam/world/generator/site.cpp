@@ -117,6 +117,11 @@ void Site::addWindows() {
     if (r.rect.x1 == width) hollow(r.rect, Side::kEast, r.rect.height());
     if (r.rect.y0 == 0) hollow(r.rect, Side::kSouth, r.rect.width());
     if (r.rect.y1 == height) hollow(r.rect, Side::kNorth, r.rect.width());
+    for (const Rect& court : courts) {
+      if (court.x0 > r.rect.x0 || court.x1 < r.rect.x1) continue;
+      if (r.rect.y1 == court.y0) hollow(r.rect, Side::kNorth, r.rect.width());
+      if (r.rect.y0 == court.y1) hollow(r.rect, Side::kSouth, r.rect.width());
+    }
   }
 }
 

@@ -55,8 +55,8 @@ struct Site {
   void carveRoom(const Rect& rect, Use use, Side front);
   /// Makes the inner front wall of some rooms of glass, by the option's share. After the walls were raised.
   void glaze();
-  /// Hollows a window out of every outer wall of a room, half as long as it. After furniture, which keeps to
-  /// the wall.
+  /// Hollows a window out of every wall of a room to the outside or a court, half as long as it. After
+  /// furniture, which keeps to the wall.
   void addWindows();
 
   BuildingOptions options;
@@ -68,6 +68,7 @@ struct Site {
   int room;  ///< the usual length of a room along its corridor
   int nook;  ///< least wall beside a door
   std::vector<Room> rooms;
+  std::vector<Rect> courts;  ///< open air inside the building: never carved
 };
 
 /// The robot for whom all is made.
