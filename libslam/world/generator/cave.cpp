@@ -239,7 +239,7 @@ class Cave {
   std::int16_t& field(int x, int y) { return field_[static_cast<size_t>(y) * width_ + x]; }
   std::int16_t field(int x, int y) const { return field_[static_cast<size_t>(y) * width_ + x]; }
 
-  static constexpr int kRock = 330;  // how far the noise must rise to be open
+  static constexpr int kRock = 520;  // how far the noise must rise to be open
   Site& site_;
   core::RandomStream& random_;
   int width_, height_, columns_ = 1;
