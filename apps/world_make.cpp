@@ -73,18 +73,20 @@ int makeWorld(const Context& context, const Arguments& arguments) {
       std::filesystem::absolute(arguments.preview) == std::filesystem::absolute(picture))
     throw core::InputError("--preview: found '" + arguments.preview +
                            "', expected another file than the plan's own picture");
-  for (const std::string& file : {path, picture}) core::refuseToOverwrite(file, context.overwrite);
-  if (!arguments.preview.empty()) core::refuseToOverwrite(arguments.preview, context.overwrite);
+  std::vector<std::string> files = {path, picture};
+  if (options.glass > 0)
+    files.push_back(std::filesystem::path(path).replace_extension(".materials.png").string());
+  if (!arguments.preview.empty()) files.push_back(arguments.preview);
+  for (const auto& file : files) core::refuseToOverwrite(file, context.overwrite);
 
   auto building = draw(arguments.kind, config, options, context.seed);
   world::Plan& plan = building.plan;
   plan.name = std::filesystem::path(path).stem().string();
   world::savePlan(plan, path);
-  nlohmann::ordered_json files = {path, picture};
-  if (!arguments.preview.empty()) {
+  if (!arguments.preview.empty())
     report::drawPlan(plan, {}, plan.name + ", seed " + std::to_string(context.seed), arguments.preview);
-    files.push_back(arguments.preview);
-  }
+  const auto isMissing = [](const std::string& file) { return !std::filesystem::exists(file); };
+  files.erase(std::remove_if(files.begin(), files.end(), isMissing), files.end());  // no glass in the end
   size_t free = 0, glass = 0;
   for (const world::Cell cell : plan.cells) free += cell == world::Cell::kFree;
   for (const world::Material material : plan.materials) glass += material == world::Material::kGlass;
@@ -105,7 +107,7 @@ int makeWorld(const Context& context, const Arguments& arguments) {
               plan.resolution_m);
   if (building.rooms > 0) std::printf("%d rooms, %zu doors, ", building.rooms, plan.doors.size());
   std::printf("%.0f m2 free\n", free_m2);
-  for (const auto& file : files) std::printf("  %s\n", file.get<std::string>().c_str());
+  for (const auto& file : files) std::printf("  %s\n", file.c_str());
   std::printf("next: rasterslam simulate %s\n", path.c_str());
   return 0;
 }

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -42,6 +43,10 @@ TEST(WorldMake, SaysTheSameInJsonAndDrawsAPreview) {
   EXPECT_GT(json["doors"], 1);
   EXPECT_GT(json["free_m2"], 30.0);
   EXPECT_GT(json["glass_cells"], 0);
+  ASSERT_EQ(json["files"].size(), 4U);  // yaml, picture, materials, preview
+  const auto plan = world::loadPlan(folder / "flat.yaml");
+  EXPECT_EQ(std::count(plan.materials.begin(), plan.materials.end(), world::Material::kGlass),
+            json["glass_cells"]);
   for (const std::string file : json["files"]) EXPECT_TRUE(std::filesystem::exists(folder / file)) << file;
   EXPECT_TRUE(std::filesystem::exists(folder / "p.png"));
 }

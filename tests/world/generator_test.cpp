@@ -135,7 +135,7 @@ TEST_P(Generator, DrawsTheSameCellsOnAnyMachine) {
                                                      {"office", "fdbfa51327d96150"},
                                                      {"hall", "86ee538e1e5e1344"},
                                                      {"hospital", "d4536b8af39faf6f"},
-                                                     {"cave", "403e5473f1c798ac"}};
+                                                     {"cave", "3d18b5de91a132cf"}};
   BuildingOptions options = sized(34, 26);
   options.glass = 0.3;
   const Plan plan = generateBuilding(GetParam(), options, 1).plan;
