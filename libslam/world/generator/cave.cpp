@@ -100,8 +100,8 @@ class Cave {
       small.addRow(y, 3, noise), fine.addRow(y, 2, noise), finest.addRow(y, 1, noise);
       for (int x = 0; x < width_; ++x) {
         const int from_rim = std::min(std::min(x, y), std::min(width_ - 1 - x, height_ - 1 - y));
-        const int wavy_rim =
-            rim + static_cast<int>(std::int64_t{rim} * wave[static_cast<size_t>(x)] / (16 * Noise::kOne));
+        const int wavy_rim = rim + static_cast<int>(std::int64_t{rim} * wave[static_cast<size_t>(x)] /
+                                                    (std::int64_t{16} * Noise::kOne));
         const std::int64_t near = std::max(0, wavy_rim - from_rim);
         const std::int64_t rock = kRock + 3000 * near * near / (std::int64_t{rim} * rim);
         field(x, y) = static_cast<std::int16_t>(

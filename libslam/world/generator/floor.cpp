@@ -7,8 +7,8 @@ namespace {
 
 /// `total` in `count` parts that differ by chance by up to a tenth of their size.
 std::vector<int> share(core::RandomStream& random, int total, int count) {
-  std::vector<int> parts;
-  for (int i = 0; i < count; ++i) parts.push_back(total / count + (i < total % count ? 1 : 0));
+  std::vector<int> parts(static_cast<size_t>(count), total / count);
+  for (int i = 0; i < total % count; ++i) ++parts[i];
   const int most = total / count / 10;
   for (int i = 0; i + 1 < count; i += 2) {
     const int shift = pick(random, -most, most);

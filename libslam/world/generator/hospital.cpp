@@ -71,12 +71,12 @@ class Hospital {
     };
     for (int n = 1; n * strip() < site_.height; ++n)
       for (const int between : {1, 2}) {
-        if (n == 1 && between == 2) continue;
+        if (n == 1 && between == 2) continue;  // there is nothing in between
         const int rows = 2 + (n - 1) * between;
         const int depth = (site_.height - n * strip() - (n - 1) * (between - 1) * w) / rows;
         if (depth >= leastDepth())
           consider({n, between, depth, 0}, std::abs(depth - usual) + site_.cells(30));
-        if (between == 1) continue;
+        if (between == 1 || n == 1) continue;
         const int court = (site_.height - n * strip() - rows * usual) / (n - 1);
         if (court >= site_.cells(400)) consider({n, 2, usual, court}, std::abs(court - usual_court) / 10);
       }
