@@ -234,7 +234,28 @@ bool allZero(const cv::Mat& image, int channel) {
   return true;
 }
 
-Picture decode(const Bytes& file) {
+/// To 5, 6 and 5 bits; empty for a picture in gray, also one that is stored in colour.
+template <class T>
+std::vector<std::uint16_t> coloursOf(const cv::Mat& image) {
+  std::vector<std::uint16_t> colours;
+  const int channels = image.channels();
+  if (channels < 3) return colours;
+  constexpr int kShift = std::numeric_limits<T>::digits;
+  bool is_gray = true;
+  colours.reserve(image.total());
+  for (int row = 0; row < image.rows; ++row) {
+    const T* pixel = image.ptr<T>(row);
+    for (int column = 0; column < image.cols; ++column, pixel += channels) {
+      const int blue = pixel[0] >> (kShift - 5), green = pixel[1] >> (kShift - 6), red = pixel[2] >> (kShift - 5);
+      is_gray = is_gray && pixel[0] == pixel[1] && pixel[1] == pixel[2];
+      colours.push_back(static_cast<std::uint16_t>(red << 11 | green << 5 | blue));
+    }
+  }
+  if (is_gray) colours.clear();
+  return colours;
+}
+
+Picture decode(const Bytes& file, bool with_colours) {
   cv::Mat image;
   try {
     const cv::Mat encoded(1, static_cast<int>(file.size()), CV_8U, const_cast<char*>(file.data()));
@@ -243,9 +264,14 @@ Picture decode(const Bytes& file) {
     image.release();
   }
   if (image.empty()) throw file.damaged("it cannot be decoded");
-  if (image.depth() == CV_16U) return fromDecoded<std::uint16_t>(image);
+  if (image.depth() == CV_16U) {
+    Picture picture = fromDecoded<std::uint16_t>(image);
+    if (with_colours) picture.colours = coloursOf<std::uint16_t>(image);
+    return picture;
+  }
   if (image.depth() != CV_8U) throw file.error("the picture's channels are neither 8 nor 16 bits wide");
   Picture picture = fromDecoded<std::uint8_t>(image);
+  if (with_colours) picture.colours = coloursOf<std::uint8_t>(image);
   // The fourth byte of most 32-bit BMPs is no alpha but reserved, and then 0 everywhere.
   if (file.startsWith("BM") && image.channels() == 4 && allZero(image, 3)) picture.opaque.clear();
   return picture;
@@ -253,7 +279,7 @@ Picture decode(const Bytes& file) {
 
 }  // namespace
 
-Picture readPicture(const std::string& path) {
+Picture readPicture(const std::string& path, bool with_colours) {
   const std::string content = core::readTextFile(path);
   const Bytes file(path, content);
   if (content.empty()) throw file.error("is empty, expected a picture (bmp, png, pgm, jpg)");
@@ -266,7 +292,7 @@ Picture readPicture(const std::string& path) {
     requireWholeBmp(file);
   else
     throw file.error("is not a picture that can be read (bmp, png, pgm, jpg)");
-  return decode(file);
+  return decode(file, with_colours);
 }
 
 std::string encodePng(int columns, int rows, const std::vector<std::uint8_t>& gray) {

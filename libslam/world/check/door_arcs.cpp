@@ -1,0 +1,218 @@
+#include "libslam/world/check/door_arcs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "libslam/world/check/sheet.h"
+
+namespace slam::world::check {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kMostPixels = 1600;  ///< larger pictures are looked at smaller: their leaves are long enough
+constexpr double kLeastRadius = 9, kMostRadius = 160;
+constexpr double kThinLine = 5;  ///< pixels; arcs and leaves are no thicker
+
+bool isInk(const cv::Mat& ink, const cv::Point2d& p) {
+  const int x = static_cast<int>(std::lround(p.x)), y = static_cast<int>(std::lround(p.y));
+  return x >= 0 && y >= 0 && x < ink.cols && y < ink.rows && ink.at<std::uint8_t>(y, x);
+}
+
+cv::Point2d along(double angle_rad) {
+  return {std::cos(angle_rad), std::sin(angle_rad)};
+}
+
+/// A thin line's point and the direction across it.
+struct LinePoint {
+  cv::Point2f at, normal;
+};
+
+std::vector<LinePoint> linePoints(const cv::Mat& ink) {
+  cv::Mat thin = ink & ~thickStrokes(ink, kThinLine + 0.5), smooth, tensor;
+  cv::GaussianBlur(thin, smooth, {}, 1.0);
+  cv::cornerEigenValsAndVecs(smooth, tensor, 7, 3);
+  std::vector<LinePoint> points;
+  for (int y = 0; y < thin.rows; ++y)
+    for (int x = 0; x < thin.cols; ++x) {
+      if (!thin.at<std::uint8_t>(y, x)) continue;
+      const auto& e = tensor.at<cv::Vec6f>(y, x);
+      // The eigenvector of the larger value: brightness changes along it.
+      const bool first = e[0] >= e[1];
+      const float large = first ? e[0] : e[1], little = first ? e[1] : e[0];
+      if (large < 3 * little) continue;
+      points.push_back({cv::Point2f(static_cast<float>(x), static_cast<float>(y)),
+                        first ? cv::Point2f(e[2], e[3]) : cv::Point2f(e[4], e[5])});
+    }
+  return points;
+}
+
+/// Where many normals meet at this radius.
+std::vector<cv::Point2d> centresAt(const std::vector<LinePoint>& points, double radius, cv::Size size) {
+  constexpr int kBin = 2;
+  cv::Mat votes(size.height / kBin + 1, size.width / kBin + 1, CV_32F, cv::Scalar(0));
+  for (const auto& p : points)
+    for (const float side : {-1.0F, 1.0F}) {
+      const cv::Point2f c = p.at + p.normal * (side * static_cast<float>(radius));
+      if (c.x >= 0 && c.y >= 0 && c.x < static_cast<float>(size.width) && c.y < static_cast<float>(size.height))
+        votes.at<float>(static_cast<int>(c.y) / kBin, static_cast<int>(c.x) / kBin) += 1;
+    }
+  cv::Mat sums, highest;
+  cv::boxFilter(votes, sums, CV_32F, {3, 3}, {-1, -1}, false);
+  cv::dilate(sums, highest, cv::Mat::ones(5, 5, CV_8U));
+  const auto least = static_cast<float>(0.8 * radius);
+  std::vector<cv::Point2d> centres;
+  for (int y = 0; y < sums.rows; ++y)
+    for (int x = 0; x < sums.cols; ++x)
+      if (const float v = sums.at<float>(y, x); v >= least && v >= highest.at<float>(y, x))
+        centres.emplace_back(kBin * x + 0.5, kBin * y + 0.5);
+  return centres;
+}
+
+/// The longest piece of a circle that is drawn.
+struct Run {
+  double middle_rad = 0, length_rad = 0;
+};
+
+Run longestRun(const cv::Mat& ink, const cv::Point2d& centre, double radius) {
+  const int steps = std::max(48, static_cast<int>(2 * kPi * radius));
+  std::vector<char> drawn(static_cast<size_t>(steps));
+  for (int i = 0; i < steps; ++i)
+    drawn[static_cast<size_t>(i)] = isInk(ink, centre + radius * along(2 * kPi * i / steps));
+  if (std::count(drawn.begin(), drawn.end(), 0) == 0) return {0, 2 * kPi};
+  int best = 0, best_end = 0, length = 0;
+  for (int i = 0; i < 2 * steps; ++i) {
+    length = drawn[static_cast<size_t>(i % steps)] ? length + 1 : 0;
+    if (length > best) best = length, best_end = i;
+  }
+  return {2 * kPi * (best_end - 0.5 * (best - 1)) / steps, 2 * kPi * best / steps};
+}
+
+double coverage(const cv::Mat& ink, const cv::Point2d& from, double angle_rad, double near, double far) {
+  const int steps = std::max(3, static_cast<int>(std::abs(far - near)));
+  int drawn = 0;
+  for (int i = 0; i <= steps; ++i) drawn += isInk(ink, from + (near + (far - near) * i / steps) * along(angle_rad));
+  return static_cast<double>(drawn) / (steps + 1);
+}
+
+/// The picture with its lines a little and much broader, so that a candidate may be off a little.
+struct Ink {
+  cv::Mat exact, broad, broadest;
+};
+
+struct Candidate {
+  DoorArc door;
+  double quality = 0;
+};
+
+/// How well the line is drawn from the hinge in about this direction.
+double leafCoverage(const Ink& ink, const cv::Point2d& hinge, double radius, double& angle_rad) {
+  double best = -1;
+  const double first = angle_rad;
+  for (int turn = -6; turn <= 6; ++turn) {
+    const double angle = first + turn * (2 * kPi / 180);
+    const double drawn = coverage(ink.broad, hinge, angle, 0.15 * radius, 0.92 * radius);
+    if (drawn > best + 1e-9 || (drawn > best - 1e-9 && std::abs(angle - first) < std::abs(angle_rad - first)))
+      best = drawn, angle_rad = angle;
+  }
+  return best;
+}
+
+/// How much the direction looks like a wall with a doorway from the hinge on.
+double wallAround(const Ink& ink, const cv::Point2d& hinge, double radius, double angle_rad) {
+  const double margin = 3;
+  return coverage(ink.broad, hinge, angle_rad, -0.35 * radius - margin, -margin) +
+         coverage(ink.broad, hinge, angle_rad, 1.0 * radius + margin, 1.35 * radius + margin);
+}
+
+/// Quality 0: no door.
+Candidate examine(const Ink& ink, const cv::Point2d& centre, double radius) {
+  Candidate best;
+  for (double dr = -2; dr <= 2; dr += 1)
+    for (int dy = -3; dy <= 3; ++dy)
+      for (int dx = -3; dx <= 3; ++dx) {
+        const cv::Point2d c = centre + cv::Point2d(dx, dy);
+        const Run run = longestRun(ink.broad, c, radius + dr);
+        // A quarter, and what the breadth of leaf and jamb adds to it.
+        const double extra = 2 * 3 / radius;
+        if (run.length_rad < 1.2 || run.length_rad > kPi / 2 + extra + 0.15) continue;
+        const double drawn = [&] {
+          int count = 0, steps = static_cast<int>(radius * 1.4);
+          for (int i = 0; i < steps; ++i)
+            count += isInk(ink.exact, c + (radius + dr) * along(run.middle_rad + 1.4 * (1.0 * i / steps - 0.5)));
+          return static_cast<double>(count) / steps;
+        }();
+        const double quality = drawn + 0.3 * std::min(run.length_rad, kPi / 2) - 0.01 * (std::abs(dx) + std::abs(dy));
+        if (quality <= best.quality) continue;
+        best.quality = quality;
+        best.door.hinge = c;
+        best.door.radius = radius + dr;
+        best.door.leaf_rad = run.middle_rad;
+      }
+  if (best.quality <= 0) return {};
+  DoorArc& door = best.door;
+  // Nothing just inside and outside of it: an arc and no rim of something solid.
+  const double middle = door.leaf_rad;
+  for (const double off : {-0.25, 0.25}) {
+    int filled = 0;
+    for (int i = 0; i <= 20; ++i)
+      filled += isInk(ink.exact, door.hinge + door.radius * (1 + off) * along(middle + 1.0 * (i / 20.0 - 0.5)));
+    if (filled > 8) return {};
+  }
+  double one = middle - kPi / 4, other = middle + kPi / 4;
+  const double walls_one = wallAround(ink, door.hinge, door.radius, one);
+  const double walls_other = wallAround(ink, door.hinge, door.radius, other);
+  const double leaf_one = leafCoverage(ink, door.hinge, door.radius, one);
+  const double leaf_other = leafCoverage(ink, door.hinge, door.radius, other);
+  const bool one_is_leaf = std::abs(walls_one - walls_other) > 0.3 ? walls_one < walls_other : leaf_one > leaf_other;
+  if ((one_is_leaf ? leaf_one : leaf_other) < 0.85) return {};
+  if (std::max(walls_one, walls_other) < 0.5) return {};
+  door.leaf_rad = one_is_leaf ? one : other;
+  door.opening_rad = one_is_leaf ? middle + kPi / 4 : middle - kPi / 4;
+  best.quality += one_is_leaf ? leaf_one : leaf_other;
+  return best;
+}
+
+bool isSame(const DoorArc& a, const DoorArc& b) {
+  // The arcs' middles; hinges of two doors may share a post.
+  const auto middle = [](const DoorArc& d) {
+    return d.hinge + std::sqrt(0.5) * d.radius * (along(d.leaf_rad) + along(d.opening_rad));
+  };
+  return cv::norm(middle(a) - middle(b)) < 0.4 * std::max(a.radius, b.radius);
+}
+
+}  // namespace
+
+std::vector<DoorArc> findDoorArcs(const cv::Mat& full_ink) {
+  const int longest = std::max(full_ink.cols, full_ink.rows);
+  const int scale = (longest + kMostPixels - 1) / kMostPixels;
+  Ink ink;
+  ink.exact = full_ink;
+  if (scale > 1) {
+    cv::resize(full_ink, ink.exact, {}, 1.0 / scale, 1.0 / scale, cv::INTER_AREA);
+    ink.exact = ink.exact > 60;
+  }
+  if (ink.exact.rows < 2 * kLeastRadius || ink.exact.cols < 2 * kLeastRadius) return {};
+  cv::dilate(ink.exact, ink.broad, cv::Mat::ones(3, 3, CV_8U));
+  const std::vector<LinePoint> points = linePoints(ink.exact);
+  const double most = std::min(kMostRadius, 0.2 * std::max(ink.exact.cols, ink.exact.rows));
+  std::vector<Candidate> candidates;
+  for (double radius = kLeastRadius; radius <= most; radius = std::max(radius + 1.5, 1.04 * radius))
+    for (const auto& centre : centresAt(points, radius, ink.exact.size())) {
+      const Candidate candidate = examine(ink, centre, radius);
+      if (candidate.quality > 0) candidates.push_back(candidate);
+    }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.quality > b.quality; });
+  std::vector<DoorArc> doors;
+  for (const auto& candidate : candidates)
+    if (std::none_of(doors.begin(), doors.end(), [&](const DoorArc& d) { return isSame(d, candidate.door); }))
+      doors.push_back(candidate.door);
+  for (auto& door : doors) {
+    door.hinge = (door.hinge + cv::Point2d(0.5, 0.5)) * scale - cv::Point2d(0.5, 0.5);
+    door.radius *= scale;
+  }
+  return doors;
+}
+
+}  // namespace slam::world::check
