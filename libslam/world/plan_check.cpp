@@ -20,8 +20,8 @@ struct Rule {
   void (*look)(Sheet&);
   const char* meaning;
 };
-const std::array<Rule, 14>& rules() {
-  static const std::array<Rule, 14> all = {{
+const std::array<Rule, 15>& rules() {
+  static const std::array<Rule, 15> all = {{
       {"size", check::checkSize, "one pixel, all wall, all free, too large for the memory"},
       {"colours", check::checkColours, "which colours count as wall and which as free"},
       {"thresholds", check::checkThresholds, "walls that are pale or smoothed, JPEG noise, uneven light"},
@@ -32,6 +32,7 @@ const std::array<Rule, 14>& rules() {
       {"doors", check::checkDoors, "doors drawn as leaf and quarter circle, closed to a robot"},
       {"leaks", check::checkLeaks, "gaps between the inside of a drawing and the outside"},
       {"outside", check::checkOutside, "the outside of a drawing is free instead of unknown"},
+      {"specks", check::checkSpecks, "unknown specks amid the free space of a robot's map"},
       {"rays", check::checkRays, "rays through windows and gaps in a robot's map"},
       {"isolated", check::checkIsolated, "free areas that the robot cannot reach"},
       {"open_edge", check::checkOpenEdge, "free space that ends without a wall"},
@@ -89,12 +90,6 @@ std::vector<T> inPlanOrder(const cv::Mat& raster) {
   return values;
 }
 
-/// The gray of unknown cells as map servers write it: 205, or 206 where rounded up.
-bool isMapServersGray(std::uint16_t gray) {
-  const int level = gray / 257;
-  return level == 205 || level == 206;
-}
-
 /// A map says where it knows nothing: the usual gray by areas, or with a yaml any unknown along its edge. What
 /// pale lines and noise leave between the thresholds is no such area.
 bool looksLikeAMap(const Sheet& sheet, bool has_yaml) {
@@ -103,7 +98,7 @@ bool looksLikeAMap(const Sheet& sheet, bool has_yaml) {
   int usual = 0, levels = 0;
   std::array<int, 256> histogram{};
   for (const std::uint16_t gray : sheet.picture.gray) {
-    usual += isMapServersGray(gray);
+    usual += check::isMapServersGray(gray);
     ++histogram[gray / 257U];
   }
   for (const int count : histogram) levels += count > static_cast<int>(sheet.picture.gray.size() / 1000);

@@ -18,7 +18,7 @@ double sideCoverage(const cv::Mat& piece, int side, int depth) {
 
 bool framesThePage(const cv::Mat& piece, const cv::Rect& box, const cv::Size& page) {
   if (box.width < 0.8 * page.width || box.height < 0.8 * page.height) return false;
-  const int depth = std::max(2, std::min(page.width, page.height) / 200);
+  const int depth = std::max(4, std::min(page.width, page.height) / 100);
   if (box.width <= 4 * depth || box.height <= 4 * depth) return false;
   for (int side = 0; side < 4; ++side)
     if (sideCoverage(piece, side, depth) < 0.95) return false;
@@ -27,29 +27,24 @@ bool framesThePage(const cv::Mat& piece, const cv::Rect& box, const cv::Size& pa
   return cv::countNonZero(piece(inner)) < 0.4 * cv::countNonZero(piece);
 }
 
-/// Among the other pieces one encloses a fair part of the frame: the building. Without it the frame may well
-/// be the outer wall of a hall.
-bool holdsABuilding(const Regions& pieces, int frame) {
-  const cv::Rect box = pieces.box(frame);
-  for (int label = 1; label < pieces.count; ++label) {
-    const cv::Rect other = pieces.box(label);
-    if (label == frame || other.area() < 0.15 * box.area()) continue;
-    cv::Mat walls = pieces.labels(other) == label;
-    const cv::Mat outside = reachedFromEdge(~walls);
-    if (cv::countNonZero(~walls & ~outside) > 0.3 * other.area()) return true;
-  }
-  return false;
+/// What else is drawn encloses a fair part of the frame, doorways thought shut: the building. Without it the
+/// frame may well be the outer wall of a hall with pillars.
+bool holdsABuilding(const cv::Mat& ink, const cv::Mat& frame, const cv::Rect& box) {
+  const double doorway = 0.04 * std::max(box.width, box.height);
+  const cv::Mat walls = grown((ink & ~frame)(box), doorway / 2);
+  return cv::countNonZero(~reachedFromEdge(~walls) & ~walls) > 0.1 * box.area();
 }
 
 }  // namespace
 
 void checkBorder(Sheet& sheet) {
   if (sheet.is_map && !sheet.isAskedFor("border")) return;
-  const Regions pieces = regionsOf(sheet.mask(Cell::kOccupied), 8);
+  const cv::Mat ink = sheet.mask(Cell::kOccupied);
+  const Regions pieces = regionsOf(ink, 8);
   for (int label = 1; label < pieces.count; ++label) {
     const cv::Rect box = pieces.box(label);
     const cv::Mat piece = pieces.labels(box) == label;
-    if (!framesThePage(piece, box, sheet.cells.size()) || !holdsABuilding(pieces, label)) continue;
+    if (!framesThePage(piece, box, sheet.cells.size()) || !holdsABuilding(ink, pieces.labels == label, box)) continue;
     Finding finding;
     finding.key = "border";
     finding.severity = Severity::kWarning;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kMostPixels = 1600;  ///< larger pictures are looked at smaller: their leaves are long enough
-constexpr double kLeastRadius = 9, kMostRadius = 160;
+constexpr double kLeastRadius = 11, kMostRadius = 160;
 constexpr double kThinLine = 5;  ///< pixels; arcs and leaves are no thicker
 
 bool isInk(const cv::Mat& ink, const cv::Point2d& p) {
@@ -47,25 +47,35 @@ std::vector<LinePoint> linePoints(const cv::Mat& ink) {
   return points;
 }
 
-/// Where many normals meet at this radius.
+/// Where the normals of a quarter circle's worth of points meet at this radius. The votes' directions tell a
+/// quarter from a straight line and from a full circle: the mean of exp(2 i angle) has length 1 for a line,
+/// sin(x) / x with x = pi / 2 for a quarter, 0 for a half or a whole.
 std::vector<cv::Point2d> centresAt(const std::vector<LinePoint>& points, double radius, cv::Size size) {
   constexpr int kBin = 2;
-  cv::Mat votes(size.height / kBin + 1, size.width / kBin + 1, CV_32F, cv::Scalar(0));
-  for (const auto& p : points)
+  cv::Mat votes(size.height / kBin + 1, size.width / kBin + 1, CV_32FC3, cv::Scalar::all(0));
+  for (const auto& p : points) {
+    // The doubled angle is the same for the normal and its opposite.
+    const float cosine = p.normal.x * p.normal.x - p.normal.y * p.normal.y, sine = 2 * p.normal.x * p.normal.y;
     for (const float side : {-1.0F, 1.0F}) {
       const cv::Point2f c = p.at + p.normal * (side * static_cast<float>(radius));
       if (c.x >= 0 && c.y >= 0 && c.x < static_cast<float>(size.width) && c.y < static_cast<float>(size.height))
-        votes.at<float>(static_cast<int>(c.y) / kBin, static_cast<int>(c.x) / kBin) += 1;
+        votes.at<cv::Vec3f>(static_cast<int>(c.y) / kBin, static_cast<int>(c.x) / kBin) +=
+            cv::Vec3f(1, cosine, sine);
     }
-  cv::Mat sums, highest;
+  }
+  cv::Mat sums, counts, highest;
   cv::boxFilter(votes, sums, CV_32F, {3, 3}, {-1, -1}, false);
-  cv::dilate(sums, highest, cv::Mat::ones(5, 5, CV_8U));
+  cv::extractChannel(sums, counts, 0);
+  cv::dilate(counts, highest, cv::Mat::ones(3, 3, CV_8U));
   const auto least = static_cast<float>(0.8 * radius);
   std::vector<cv::Point2d> centres;
   for (int y = 0; y < sums.rows; ++y)
-    for (int x = 0; x < sums.cols; ++x)
-      if (const float v = sums.at<float>(y, x); v >= least && v >= highest.at<float>(y, x))
-        centres.emplace_back(kBin * x + 0.5, kBin * y + 0.5);
+    for (int x = 0; x < sums.cols; ++x) {
+      const cv::Vec3f& v = sums.at<cv::Vec3f>(y, x);
+      if (v[0] < least || v[0] < highest.at<float>(y, x)) continue;
+      const float spread = std::hypot(v[1], v[2]) / v[0];
+      if (spread > 0.35F && spread < 0.85F) centres.emplace_back(kBin * x + 0.5, kBin * y + 0.5);
+    }
   return centres;
 }
 
@@ -95,9 +105,9 @@ double coverage(const cv::Mat& ink, const cv::Point2d& from, double angle_rad, d
   return static_cast<double>(drawn) / (steps + 1);
 }
 
-/// The picture with its lines a little and much broader, so that a candidate may be off a little.
+/// The picture, and the same with its lines a pixel broader all round: a candidate may be off a little.
 struct Ink {
-  cv::Mat exact, broad, broadest;
+  cv::Mat exact, broad;
 };
 
 struct Candidate {
@@ -125,50 +135,72 @@ double wallAround(const Ink& ink, const cv::Point2d& hinge, double radius, doubl
          coverage(ink.broad, hinge, angle_rad, 1.0 * radius + margin, 1.35 * radius + margin);
 }
 
+/// How much of the exact circle is drawn, 40 degrees to both sides of a direction.
+double arcCoverage(const Ink& ink, const cv::Point2d& centre, double radius, double middle_rad) {
+  const int steps = static_cast<int>(radius * 1.4);
+  int drawn = 0;
+  for (int i = 0; i <= steps; ++i)
+    drawn += isInk(ink.exact, centre + radius * along(middle_rad + 1.4 * (static_cast<double>(i) / steps - 0.5)));
+  return static_cast<double>(drawn) / (steps + 1);
+}
+
+/// The best quarter circle near by; quality 0 when there is none. leaf_rad is its middle.
+Candidate bestQuarter(const Ink& ink, const Candidate& start, int reach, int step) {
+  Candidate best;
+  for (int dr = -reach; dr <= reach; dr += step)
+    for (int dy = -reach; dy <= reach; dy += step)
+      for (int dx = -reach; dx <= reach; dx += step) {
+        DoorArc arc = start.door;
+        arc.hinge += cv::Point2d(dx, dy);
+        arc.radius += dr;
+        const Run run = longestRun(ink.broad, arc.hinge, arc.radius);
+        // A quarter, less what a hole may take and more by what the breadth of leaf and jamb adds.
+        if (run.length_rad < 1.2 || run.length_rad > kPi / 2 + 6 / arc.radius + 0.15) continue;
+        arc.leaf_rad = run.middle_rad;
+        const double drawn = arcCoverage(ink, arc.hinge, arc.radius, run.middle_rad);
+        const double quality = drawn + 0.3 * std::min(run.length_rad, kPi / 2) - 0.01 * (std::abs(dx) + std::abs(dy));
+        if (drawn > 0.5 && quality > best.quality) best = {arc, quality};
+      }
+  return best;
+}
+
+/// The sector between leaf and arc is empty floor.
+bool isSwept(const Ink& ink, const DoorArc& arc, double middle_rad) {
+  int drawn = 0, asked = 0;
+  for (double r = 0.35; r < 0.86; r += 0.1)
+    for (double angle = -0.6; angle < 0.65; angle += 0.1, ++asked)
+      drawn += isInk(ink.exact, arc.hinge + r * arc.radius * along(middle_rad + angle));
+  return drawn < 0.08 * asked;
+}
+
+/// Most walls run along the picture's axes: an angle that nearly does is taken to do so.
+double alongTheAxes(double angle_rad) {
+  const double axis = std::round(angle_rad / (kPi / 2)) * (kPi / 2);
+  return std::abs(angle_rad - axis) < 6 * kPi / 180 ? axis : angle_rad;
+}
+
 /// Quality 0: no door.
 Candidate examine(const Ink& ink, const cv::Point2d& centre, double radius) {
-  Candidate best;
-  for (double dr = -2; dr <= 2; dr += 1)
-    for (int dy = -3; dy <= 3; ++dy)
-      for (int dx = -3; dx <= 3; ++dx) {
-        const cv::Point2d c = centre + cv::Point2d(dx, dy);
-        const Run run = longestRun(ink.broad, c, radius + dr);
-        // A quarter, and what the breadth of leaf and jamb adds to it.
-        const double extra = 2 * 3 / radius;
-        if (run.length_rad < 1.2 || run.length_rad > kPi / 2 + extra + 0.15) continue;
-        const double drawn = [&] {
-          int count = 0, steps = static_cast<int>(radius * 1.4);
-          for (int i = 0; i < steps; ++i)
-            count += isInk(ink.exact, c + (radius + dr) * along(run.middle_rad + 1.4 * (1.0 * i / steps - 0.5)));
-          return static_cast<double>(count) / steps;
-        }();
-        const double quality = drawn + 0.3 * std::min(run.length_rad, kPi / 2) - 0.01 * (std::abs(dx) + std::abs(dy));
-        if (quality <= best.quality) continue;
-        best.quality = quality;
-        best.door.hinge = c;
-        best.door.radius = radius + dr;
-        best.door.leaf_rad = run.middle_rad;
-      }
+  Candidate start;
+  start.door.hinge = centre;
+  start.door.radius = radius;
+  Candidate best = bestQuarter(ink, start, 2, 2);
+  if (best.quality > 0) best = bestQuarter(ink, best, 1, 1);
   if (best.quality <= 0) return {};
   DoorArc& door = best.door;
-  // Nothing just inside and outside of it: an arc and no rim of something solid.
   const double middle = door.leaf_rad;
-  for (const double off : {-0.25, 0.25}) {
-    int filled = 0;
-    for (int i = 0; i <= 20; ++i)
-      filled += isInk(ink.exact, door.hinge + door.radius * (1 + off) * along(middle + 1.0 * (i / 20.0 - 0.5)));
-    if (filled > 8) return {};
-  }
+  if (!isSwept(ink, door, middle)) return {};
   double one = middle - kPi / 4, other = middle + kPi / 4;
   const double walls_one = wallAround(ink, door.hinge, door.radius, one);
   const double walls_other = wallAround(ink, door.hinge, door.radius, other);
   const double leaf_one = leafCoverage(ink, door.hinge, door.radius, one);
   const double leaf_other = leafCoverage(ink, door.hinge, door.radius, other);
-  const bool one_is_leaf = std::abs(walls_one - walls_other) > 0.3 ? walls_one < walls_other : leaf_one > leaf_other;
+  const bool one_is_leaf =
+      std::abs(walls_one - walls_other) > 0.3 ? walls_one < walls_other : leaf_one > leaf_other;
   if ((one_is_leaf ? leaf_one : leaf_other) < 0.85) return {};
   if (std::max(walls_one, walls_other) < 0.5) return {};
-  door.leaf_rad = one_is_leaf ? one : other;
-  door.opening_rad = one_is_leaf ? middle + kPi / 4 : middle - kPi / 4;
+  door.leaf_rad = alongTheAxes(one_is_leaf ? one : other);
+  door.opening_rad = door.leaf_rad + (one_is_leaf ? kPi / 2 : -kPi / 2);
   best.quality += one_is_leaf ? leaf_one : leaf_other;
   return best;
 }

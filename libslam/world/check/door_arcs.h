@@ -14,7 +14,7 @@ struct DoorArc {
 /// All quarter circles whose one end is joined to their centre by a line, the leaf, and whose other lies on
 /// the far side of a doorway. Centres are voted for along the normals of thin lines (Ballard, "Generalizing
 /// the Hough transform to detect arbitrary shapes", Pattern Recognition 13(2), 1981), radius by radius, and
-/// each candidate is then held against the ink. Radii from 9 pixels to a fifth of the picture.
+/// each candidate is then held against the ink. Radii from 11 pixels to a fifth of the picture.
 std::vector<DoorArc> findDoorArcs(const cv::Mat& ink);
 
 }  // namespace slam::world::check

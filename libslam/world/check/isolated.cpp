@@ -5,8 +5,17 @@
 namespace slam::world::check {
 namespace {
 
+/// More than this share of the free space is not hidden: then what keeps the robot out should be mended.
+constexpr double kMostHidden = 0.5;
+
 void hide(Sheet& sheet, const cv::Mat& where, Finding finding) {
   finding.key = "isolated";
+  if (cv::countNonZero(where) > kMostHidden * cv::countNonZero(sheet.mask(Cell::kFree))) {
+    finding.severity = Severity::kWarning;
+    finding.remedy = "leaves so much as it is: open the doors in the picture, or give a smaller --robot-side";
+    sheet.findings.push_back(std::move(finding));
+    return;
+  }
   finding.is_mendable = true;
   finding.remedy = finding.count == 1 ? "makes it unknown" : "makes them unknown";
   sheet.paint(where, Cell::kUnknown, Change::kHidden);

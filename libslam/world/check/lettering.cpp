@@ -65,8 +65,10 @@ std::vector<Glyph> glyphsOf(const Regions& pieces, int most_height) {
     if (!is_letter_sized) continue;
     const cv::Mat piece = pieces.labels(glyph.box) == label;
     glyph.is_written = glyph.box.width >= 3 && convexity(piece) < kConvex;
-    glyph.is_word = glyph.is_written && glyph.box.width > 1.6 * glyph.box.height && strokesAcross(piece) >= 4;
-    if (glyph.box.width > 1.6 * glyph.box.height && !glyph.is_word) continue;
+    const bool is_broad = glyph.box.width > 1.6 * glyph.box.height;
+    const int strokes = is_broad && glyph.is_written ? strokesAcross(piece) : 0;
+    glyph.is_word = strokes >= 4;
+    if (is_broad && strokes < 3) continue;
     glyphs.push_back(glyph);
   }
   std::sort(glyphs.begin(), glyphs.end(), [](const Glyph& a, const Glyph& b) {
@@ -149,7 +151,7 @@ Lettering acrossOnly(const cv::Mat& ink) {
       return std::abs(word.height - height) <= std::max(1.0, 0.2 * height);
     });
     const bool is_word = row.size() == 1 && glyphs[row.front()].is_word;
-    if (has_known_height && (is_word || (row.size() == 2 && !areAllAlike(glyphs, row)))) accept(row);
+    if (has_known_height && (is_word || (row.size() >= 2 && !areAllAlike(glyphs, row)))) accept(row);
   }
   // Dots, commas and strokes that are too small for a glyph of their own.
   for (const Word& word : found.words) {

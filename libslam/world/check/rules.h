@@ -16,6 +16,7 @@ void checkDimensions(Sheet& sheet);
 void checkDoors(Sheet& sheet);
 void checkLeaks(Sheet& sheet);
 void checkOutside(Sheet& sheet);
+void checkSpecks(Sheet& sheet);
 void checkRays(Sheet& sheet);
 void checkIsolated(Sheet& sheet);
 void checkOpenEdge(Sheet& sheet);

@@ -3,6 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "libslam/world/check/door_arcs.h"
+#include "libslam/world/check/lettering.h"
 #include "libslam/world/check/passages.h"
 #include "libslam/world/check/rules.h"
 
@@ -27,19 +28,33 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+/// The values within 15 % of the one that has most such company, of equals the largest.
+std::vector<double> commonest(const std::vector<double>& values) {
+  std::vector<double> best;
+  for (const double middle : values) {
+    std::vector<double> near;
+    for (const double v : values)
+      if (std::abs(v - middle) <= 0.15 * middle) near.push_back(v);
+    if (near.size() > best.size() || (near.size() == best.size() && median(near) > median(best))) best = near;
+  }
+  return best;
+}
+
 Evidence evidenceOf(const Sheet& sheet) {
   const cv::Mat ink = sheet.mask(Cell::kOccupied);
   if (!sheet.is_map) {
     std::vector<double> radii;
-    for (const DoorArc& door : findDoorArcs(ink)) radii.push_back(door.radius);
+    for (const DoorArc& door : findDoorArcs(ink & ~findLettering(ink).ink)) radii.push_back(door.radius);
+    radii = commonest(radii);
     if (!radii.empty())
       return {median(radii), counted(static_cast<int>(radii.size()), "door leaf", "door leaves") + " of " +
                                  std::to_string(std::lround(median(radii))) + " pixels"};
   }
   std::vector<double> widths;
   const double least_area = 0.0005 * static_cast<double>(ink.total());
+  // A few pixels are too coarse to tell a door by.
   for (const Passage& passage : findPassages(sheet.mask(Cell::kFree), least_area).passages)
-    widths.push_back(passage.width);
+    if (passage.width >= 4) widths.push_back(passage.width);
   if (widths.size() < 3) return {};
   // Widths that agree are doors; a spread is a crowd of unlike gaps.
   std::sort(widths.begin(), widths.end());

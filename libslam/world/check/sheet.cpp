@@ -103,8 +103,7 @@ Reach reachOfRobot(const Sheet& sheet) {
   const cv::Mat free = sheet.mask(Cell::kFree);
   // Distances are between centres, and a cell reaches half a side towards the robot's centre.
   const double radius = sheet.toPixels(sheet.options.robot_side_m * std::sqrt(0.5));
-  const cv::Mat solid = sheet.mask(Cell::kOccupied);
-  const cv::Mat places = (clearance(~solid, true) > radius + 0.5) & free;
+  const cv::Mat places = clearance(free, true) > radius + 0.5;
   const Regions regions = regionsOf(places, 4);
   Reach reach{cv::Mat(free.size(), CV_8U, cv::Scalar(0)), cv::Mat(free.size(), CV_8U, cv::Scalar(0))};
   int best = 0;

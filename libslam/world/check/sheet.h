@@ -60,13 +60,18 @@ cv::Mat thickStrokes(const cv::Mat& ink, double diameter);
 /// as not marked when `edge_counts`. CV_32F.
 cv::Mat clearance(const cv::Mat& mask, bool edge_counts);
 
-/// What a robot can do in it.
+/// What a robot can do in it, when it keeps to free cells: the unknown stops it as walls do, because there
+/// walls are built in the end.
 struct Reach {
   cv::Mat body;     ///< cells that the body can cover from the best start
   cv::Mat pockets;  ///< cells that the body could cover from somewhere else only
 };
 Reach reachOfRobot(const Sheet& sheet);
 
+/// The gray of unknown cells as map servers write it: 205, or 206 where rounded up.
+inline bool isMapServersGray(std::uint16_t gray) {
+  return gray / 257 == 205 || gray / 257 == 206;
+}
 /// Memory that a simulation takes for so many cells.
 double megabytesToSimulate(size_t cells);
 

@@ -109,24 +109,55 @@ void checkDrawing(Sheet& sheet) {
   sheet.findings.push_back(finding);
 }
 
+cv::Mat usualGray(const Sheet& sheet) {
+  cv::Mat usual(sheet.cells.size(), CV_8U);
+  for (int y = 0; y < usual.rows; ++y)
+    for (int x = 0; x < usual.cols; ++x)
+      usual.at<std::uint8_t>(y, x) =
+          isMapServersGray(sheet.picture.gray[static_cast<size_t>(y) * usual.cols + x]) ? 255 : 0;
+  return usual;
+}
+
+/// With the thresholds of some yaml files the gray that map servers write for unknown is free.
+void hideUsualGray(Sheet& sheet) {
+  const cv::Mat hidden = usualGray(sheet) & sheet.mask(Cell::kFree);
+  const int count = cv::countNonZero(hidden);
+  if (count == 0) return;
+  Finding finding;
+  finding.key = "thresholds";
+  finding.count = count;
+  finding.severity = Severity::kWarning;
+  finding.text = "gray 205 and 206, which map servers write for unknown (" +
+                 percent(static_cast<double>(count) / static_cast<double>(hidden.total())) +
+                 " of the picture), counts as free with free_thresh " +
+                 core::formatNumber(sheet.reading.free_threshold);
+  finding.remedy = "makes it unknown";
+  finding.is_mendable = true;
+  sheet.paint(hidden, Cell::kUnknown, Change::kHidden);
+  sheet.findings.push_back(finding);
+}
+
 /// In a map gray has a meaning; only thin gray, which no unknown area is, can be a pale wall.
 void checkMap(Sheet& sheet) {
   const cv::Mat unknown = sheet.mask(Cell::kUnknown);
   cv::Mat flat;
   cv::morphologyEx(unknown, flat, cv::MORPH_OPEN, cv::Mat::ones(3, 3, CV_8U), {-1, -1}, 1, cv::BORDER_REPLICATE);
   const cv::Mat walls = sheet.mask(Cell::kOccupied);
-  const cv::Mat pale = unknown & ~flat & (darknessOf(sheet) > kCut) & grown(walls, 1.5);
-  const int count = cv::countNonZero(pale);
+  const cv::Mat between = unknown & ~flat & grown(walls, 1.5) & ~usualGray(sheet), darkness = darknessOf(sheet);
+  const cv::Mat dark = between & (darkness > kCut), pale = between & ~dark;
+  const int count = cv::countNonZero(between);
   if (count == 0) return;
   Finding finding;
   finding.key = "thresholds";
   finding.count = count;
   finding.severity = count > cv::countNonZero(walls) / 50 ? Severity::kWarning : Severity::kNote;
-  finding.text = counted(count, "dark gray pixel", "dark gray pixels") + " beside walls (" +
-                 percent(static_cast<double>(count) / cv::countNonZero(walls)) + " of them) counted as unknown";
-  finding.remedy = "takes them for wall";
+  finding.text = counted(count, "gray pixel", "gray pixels") + " beside walls (" +
+                 percent(static_cast<double>(count) / cv::countNonZero(walls)) +
+                 " as many as wall pixels), as smoothing leaves them, count as unknown";
+  finding.remedy = "takes the darker ones for wall and the paler ones for free";
   finding.is_mendable = true;
-  sheet.paint(pale, Cell::kOccupied, Change::kAdded);
+  sheet.paint(dark, Cell::kOccupied, Change::kAdded);
+  sheet.paint(pale, Cell::kFree, Change::kNone);
   sheet.findings.push_back(finding);
 }
 
@@ -134,10 +165,12 @@ void checkMap(Sheet& sheet) {
 
 void checkThresholds(Sheet& sheet) {
   if (!sheet.goes_by_gray) return;
-  if (sheet.is_map)
-    checkMap(sheet);
-  else
+  if (!sheet.is_map) {
     checkDrawing(sheet);
+    return;
+  }
+  hideUsualGray(sheet);
+  checkMap(sheet);
 }
 
 }  // namespace slam::world::check
