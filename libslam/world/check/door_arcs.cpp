@@ -128,11 +128,17 @@ double leafCoverage(const Ink& ink, const cv::Point2d& hinge, double radius, dou
   return best;
 }
 
-/// How much the direction looks like a wall with a doorway from the hinge on.
+/// How much the direction looks like a wall with a doorway from the hinge on: ink behind the hinge and beyond
+/// the doorway, up to 3 pixels beside the line.
 double wallAround(const Ink& ink, const cv::Point2d& hinge, double radius, double angle_rad) {
-  const double margin = 3;
-  return coverage(ink.broad, hinge, angle_rad, -0.35 * radius - margin, -margin) +
-         coverage(ink.broad, hinge, angle_rad, 1.0 * radius + margin, 1.35 * radius + margin);
+  constexpr double kMargin = 3;
+  double behind = 0, beyond = 0;
+  for (int shift = -3; shift <= 3; ++shift) {
+    const cv::Point2d from = hinge + shift * along(angle_rad + kPi / 2);
+    behind = std::max(behind, coverage(ink.exact, from, angle_rad, -0.35 * radius - kMargin, -kMargin));
+    beyond = std::max(beyond, coverage(ink.exact, from, angle_rad, radius + kMargin, 1.35 * radius + kMargin));
+  }
+  return behind + beyond;
 }
 
 /// How much of the exact circle is drawn, 40 degrees to both sides of a direction.
@@ -245,6 +251,20 @@ std::vector<DoorArc> findDoorArcs(const cv::Mat& full_ink) {
     door.radius *= scale;
   }
   return doors;
+}
+
+double usualRadius(const std::vector<DoorArc>& doors) {
+  std::vector<double> best;
+  for (const DoorArc& middle : doors) {
+    std::vector<double> near;
+    for (const DoorArc& door : doors)
+      if (std::abs(door.radius - middle.radius) <= 0.15 * middle.radius) near.push_back(door.radius);
+    std::sort(near.begin(), near.end());
+    const bool is_better = near.size() > best.size() ||
+                           (near.size() == best.size() && near[near.size() / 2] > best[best.size() / 2]);
+    if (is_better) best = near;
+  }
+  return best.empty() ? 0 : best[best.size() / 2];
 }
 
 }  // namespace slam::world::check

@@ -17,4 +17,7 @@ struct DoorArc {
 /// each candidate is then held against the ink. Radii from 11 pixels to a fifth of the picture.
 std::vector<DoorArc> findDoorArcs(const cv::Mat& ink);
 
+/// The radius that most others are within 15 % of, of equals the largest; their median. 0 without doors.
+double usualRadius(const std::vector<DoorArc>& doors);
+
 }  // namespace slam::world::check

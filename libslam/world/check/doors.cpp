@@ -3,6 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "libslam/world/check/door_arcs.h"
+#include "libslam/world/check/lettering.h"
 #include "libslam/world/check/rules.h"
 
 namespace slam::world::check {
@@ -32,27 +33,52 @@ class DoorFrame {
   cv::Size size_;
 };
 
-/// Ink of the arc, of the leaf, and of lines drawn across the doorway parallel to the wall.
-cv::Mat inkOfDoor(const DoorArc& door, const cv::Mat& thin, double line) {
-  const DoorFrame frame(door, thin.size());
+/// The usual breadth of the strokes at these places.
+template <class PlaceOf>
+double strokeBreadth(const cv::Mat& depth, PlaceOf place_of) {
+  std::vector<float> depths;
+  for (int i = 0; i <= 40; ++i) {
+    const cv::Point at = place_of(i / 40.0);
+    const cv::Rect around = cv::Rect(at.x - 1, at.y - 1, 3, 3) & cv::Rect({}, depth.size());
+    if (around.empty()) continue;
+    double most = 0;
+    cv::minMaxLoc(depth(around), nullptr, &most);
+    if (most > 0) depths.push_back(static_cast<float>(most));
+  }
+  if (depths.empty()) return 1;
+  std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2), depths.end());
+  return 2.0 * depths[depths.size() / 2];
+}
+
+/// Ink of the arc, of the leaf, and of lines drawn across the doorway parallel to the wall. Ink that is
+/// thicker than these strokes are is wall.
+cv::Mat inkOfDoor(const DoorArc& door, const cv::Mat& ink, const cv::Mat& depth) {
+  const DoorFrame frame(door, ink.size());
   const double r = door.radius;
-  cv::Mat mask(thin.size(), CV_8U, cv::Scalar(0));
+  const double arc = strokeBreadth(depth, [&](double t) {
+    const double angle = 0.2 + 1.1 * t;
+    return cv::Point(frame.at(r * std::cos(angle), r * std::sin(angle)));
+  });
+  const double leaf = strokeBreadth(depth, [&](double t) { return cv::Point(frame.at(0, r * (0.2 + 0.6 * t))); });
+  const cv::Mat fine = ink & ~thickStrokes(ink, arc + 2), slab = ink & ~thickStrokes(ink, std::max(arc, leaf) + 2);
+
+  cv::Mat swept(ink.size(), CV_8U, cv::Scalar(0)), leaf_strip = swept.clone(), doorway = swept.clone();
   const auto degrees = [](double angle) { return angle * 180 / CV_PI; };
   double turn = door.leaf_rad - door.opening_rad;
   turn = std::atan2(std::sin(turn), std::cos(turn));
-  // Up to the jamb on one side and past the leaf's edge on the other.
+  // From just before the jamb to past the leaf's edge.
   const double first = door.opening_rad + std::copysign(2 / r, turn), last = first + turn * 1.12;
-  cv::ellipse(mask, door.hinge, cv::Size2d(r, r), 0, degrees(std::min(first, last)), degrees(std::max(first, last)),
-              cv::Scalar(255), static_cast<int>(std::ceil(line)) + 3);
-  frame.fill(mask, -line - 1, line + 1.5, 1.5, r + 3);
-  // The doorway: each row of pixels parallel to the wall that is mostly ink is a sill or a face drawn through.
-  const double margin = 2;
+  cv::ellipse(swept, door.hinge, cv::Size2d(r, r), 0, degrees(std::min(first, last)),
+              degrees(std::max(first, last)), cv::Scalar(255), static_cast<int>(std::ceil(arc)) + 4);
+  frame.fill(leaf_strip, -leaf - 1.5, leaf + 1.5, 1.5, r + 3);
+  // Each row of pixels parallel to the wall that is mostly ink is a sill or a face drawn through.
+  constexpr double kMargin = 2;
   for (double v = -0.45 * r; v <= 0.15 * r; v += 0.5) {
     int drawn = 0, asked = 0;
-    for (double u = margin; u <= r - margin; u += 0.5, ++asked) drawn += frame.isInk(thin, u, v);
-    if (drawn > 0.7 * asked) frame.fill(mask, margin, r - margin, v - 0.8, v + 0.8);
+    for (double u = kMargin; u <= r - kMargin; u += 0.5, ++asked) drawn += frame.isInk(fine, u, v);
+    if (drawn > 0.7 * asked) frame.fill(doorway, kMargin, r - kMargin, v - 0.8, v + 0.8);
   }
-  return mask & thin;
+  return ((swept | doorway) & fine) | (leaf_strip & slab);
 }
 
 /// What is left of strokes that were taken away: specks within the door's sweep.
@@ -83,16 +109,17 @@ std::string range(std::vector<double> values) {
 void checkDoors(Sheet& sheet) {
   if (sheet.is_map && !sheet.isAskedFor("doors")) return;
   cv::Mat ink = sheet.mask(Cell::kOccupied);
-  const std::vector<DoorArc> doors = findDoorArcs(ink);
+  const std::vector<DoorArc> doors = findDoorArcs(ink & ~findLettering(ink).ink);
   Finding finding;
   std::vector<double> leaves_m;
   cv::Mat opened(ink.size(), CV_8U, cv::Scalar(0));
+  const double usual = usualRadius(doors);
   for (const DoorArc& door : doors) {
+    // One building's leaves are of a kind; what is far from it is a letter or a curved wall.
     const double leaf_m = door.radius * sheet.resolution_m;
+    if (door.radius < 0.6 * usual || door.radius > 1.5 * usual) continue;
     if (leaf_m < 0.4 * sheet.options.door_m || leaf_m > 2.5 * sheet.options.door_m) continue;
-    const double line = std::max(2.0, 0.06 * door.radius);
-    const cv::Mat thin = ink & ~thickStrokes(ink, 2.5 * line);
-    cv::Mat drawn = inkOfDoor(door, thin, line);
+    const cv::Mat drawn = inkOfDoor(door, ink, clearance(ink, false));
     ink.setTo(0, drawn);
     const cv::Mat specks = specksWithin(door, ink);
     ink.setTo(0, specks);

@@ -23,32 +23,15 @@ struct Evidence {
   std::string text;
 };
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
-/// The values within 15 % of the one that has most such company, of equals the largest.
-std::vector<double> commonest(const std::vector<double>& values) {
-  std::vector<double> best;
-  for (const double middle : values) {
-    std::vector<double> near;
-    for (const double v : values)
-      if (std::abs(v - middle) <= 0.15 * middle) near.push_back(v);
-    if (near.size() > best.size() || (near.size() == best.size() && median(near) > median(best))) best = near;
-  }
-  return best;
-}
-
 Evidence evidenceOf(const Sheet& sheet) {
   const cv::Mat ink = sheet.mask(Cell::kOccupied);
   if (!sheet.is_map) {
-    std::vector<double> radii;
-    for (const DoorArc& door : findDoorArcs(ink & ~findLettering(ink).ink)) radii.push_back(door.radius);
-    radii = commonest(radii);
-    if (!radii.empty())
-      return {median(radii), counted(static_cast<int>(radii.size()), "door leaf", "door leaves") + " of " +
-                                 std::to_string(std::lround(median(radii))) + " pixels"};
+    const std::vector<DoorArc> doors = findDoorArcs(ink & ~findLettering(ink).ink);
+    if (!doors.empty()) {
+      const double usual = usualRadius(doors);
+      return {usual, counted(static_cast<int>(doors.size()), "door leaf", "door leaves") + " of about " +
+                         std::to_string(std::lround(usual)) + " pixels"};
+    }
   }
   std::vector<double> widths;
   const double least_area = 0.0005 * static_cast<double>(ink.total());
@@ -60,8 +43,8 @@ Evidence evidenceOf(const Sheet& sheet) {
   std::sort(widths.begin(), widths.end());
   const double low = widths[widths.size() / 4], high = widths[widths.size() * 3 / 4];
   if (high > 1.5 * low) return {};
-  return {median(widths), std::to_string(widths.size()) + " passages of about " +
-                              std::to_string(std::lround(median(widths))) + " pixels"};
+  return {widths[widths.size() / 2], std::to_string(widths.size()) + " passages of about " +
+                              std::to_string(std::lround(widths[widths.size() / 2])) + " pixels"};
 }
 
 std::string resolutionText(double resolution_m) {
