@@ -197,18 +197,40 @@ Candidate examine(const Ink& ink, const cv::Point2d& centre, double radius) {
   const double middle = door.leaf_rad;
   if (!isSwept(ink, door, middle)) return {};
   double one = middle - kPi / 4, other = middle + kPi / 4;
-  const double walls_one = wallAround(ink, door.hinge, door.radius, one);
-  const double walls_other = wallAround(ink, door.hinge, door.radius, other);
   const double leaf_one = leafCoverage(ink, door.hinge, door.radius, one);
   const double leaf_other = leafCoverage(ink, door.hinge, door.radius, other);
+  one = alongTheAxes(one), other = alongTheAxes(other);
+  const double walls_one = wallAround(ink, door.hinge, door.radius, one);
+  const double walls_other = wallAround(ink, door.hinge, door.radius, other);
   const bool one_is_leaf =
       std::abs(walls_one - walls_other) > 0.3 ? walls_one < walls_other : leaf_one > leaf_other;
   if ((one_is_leaf ? leaf_one : leaf_other) < 0.85) return {};
   if (std::max(walls_one, walls_other) < 0.5) return {};
-  door.leaf_rad = alongTheAxes(one_is_leaf ? one : other);
+  door.leaf_rad = one_is_leaf ? one : other;
   door.opening_rad = door.leaf_rad + (one_is_leaf ? kPi / 2 : -kPi / 2);
   best.quality += one_is_leaf ? leaf_one : leaf_other;
   return best;
+}
+
+/// An angle's deviation from another, up to right angles.
+double offSquare(double angle_rad, double other_rad) {
+  return std::abs(std::remainder(angle_rad - other_rad, kPi / 2));
+}
+
+/// The walls of a building stand at right angles; what stands athwart most doors is a letter or a curve.
+void keepTheSquare(std::vector<DoorArc>& doors) {
+  constexpr double kSquare = 8 * kPi / 180;
+  long most = 0;
+  double usual = 0;
+  for (const DoorArc& door : doors) {
+    const auto count = std::count_if(doors.begin(), doors.end(), [&](const DoorArc& other) {
+      return offSquare(door.leaf_rad, other.leaf_rad) < kSquare;
+    });
+    if (count > most) most = count, usual = door.leaf_rad;
+  }
+  doors.erase(std::remove_if(doors.begin(), doors.end(),
+                             [&](const DoorArc& door) { return offSquare(door.leaf_rad, usual) >= kSquare; }),
+              doors.end());
 }
 
 bool isSame(const DoorArc& a, const DoorArc& b) {
@@ -246,6 +268,7 @@ std::vector<DoorArc> findDoorArcs(const cv::Mat& full_ink) {
   for (const auto& candidate : candidates)
     if (std::none_of(doors.begin(), doors.end(), [&](const DoorArc& d) { return isSame(d, candidate.door); }))
       doors.push_back(candidate.door);
+  keepTheSquare(doors);
   for (auto& door : doors) {
     door.hinge = (door.hinge + cv::Point2d(0.5, 0.5)) * scale - cv::Point2d(0.5, 0.5);
     door.radius *= scale;

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 #include "libslam/world/check/rules.h"
@@ -25,12 +26,15 @@ void hide(Sheet& sheet, const cv::Mat& where, Finding finding) {
 /// Areas with walls all round, or unknown.
 void hideEnclosed(Sheet& sheet, const cv::Mat& body, double least_room) {
   const Regions areas = regionsOf(sheet.mask(Cell::kFree), 4);
+  // A robot would fit into a room; a hollow wall may have the area, but not the width.
+  const double radius = sheet.toPixels(sheet.options.robot_side_m * std::sqrt(0.5));
+  const std::vector<char> wide = labelsUnder(areas, clearance(sheet.mask(Cell::kFree), true) > radius + 0.5);
   std::vector<char> reached = labelsUnder(areas, body), rooms(reached.size(), 0), nooks(reached.size(), 0);
   Finding room_finding, nook_finding;
   double rooms_area = 0, nooks_area = 0, largest = 0;
   for (int label = 1; label < areas.count; ++label) {
     if (reached[static_cast<size_t>(label)]) continue;
-    const bool is_room = areas.area(label) >= least_room;
+    const bool is_room = areas.area(label) >= least_room && wide[static_cast<size_t>(label)];
     Finding& finding = is_room ? room_finding : nook_finding;
     (is_room ? rooms : nooks)[static_cast<size_t>(label)] = 1;
     (is_room ? rooms_area : nooks_area) += areas.area(label);

@@ -81,7 +81,7 @@ bool standTogether(const Glyph& a, const Glyph& b) {
   const int low = std::min(a.box.height, b.box.height), high = std::max(a.box.height, b.box.height);
   const int overlap = std::min(a.box.br().y, b.box.br().y) - std::max(a.box.y, b.box.y);
   const int gap = b.box.x - a.box.br().x;
-  return high <= 2.2 * low && overlap >= 0.5 * low && gap <= 0.9 * high;
+  return high <= 2.2 * low && overlap >= 0.5 * low && gap <= 1.1 * high;
 }
 
 std::vector<std::vector<size_t>> rowsOf(const std::vector<Glyph>& glyphs, int most_height) {
