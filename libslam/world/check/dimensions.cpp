@@ -15,7 +15,7 @@ struct Stroke {
 
 /// Pixels of a line's end that an arrow head or an oblique tick may take.
 int endSize(const cv::Size& size) {
-  return std::clamp(std::max(size.width, size.height) / 120, 5, 24);
+  return std::clamp(std::max(size.width, size.height) / 120, 5, 40);
 }
 
 /// Thickness of the ink at a pixel, upwards and downwards.

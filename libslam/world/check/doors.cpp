@@ -52,8 +52,9 @@ double strokeBreadth(const cv::Mat& depth, PlaceOf place_of) {
 
 /// Ink of the arc, of the leaf, and of lines drawn across the doorway parallel to the wall. Ink that is
 /// thicker than these strokes are is wall.
-cv::Mat inkOfDoor(const DoorArc& door, const cv::Mat& ink, const cv::Mat& depth) {
+cv::Mat inkOfDoor(const DoorArc& door, const cv::Mat& ink) {
   const DoorFrame frame(door, ink.size());
+  const cv::Mat depth = clearance(ink, false);
   const double r = door.radius;
   const double arc = strokeBreadth(depth, [&](double t) {
     const double angle = 0.2 + 1.1 * t;
@@ -98,6 +99,13 @@ cv::Mat specksWithin(const DoorArc& door, const cv::Mat& ink) {
   return specks & sweep;
 }
 
+/// What has to be looked at for one door.
+cv::Rect surroundings(const DoorArc& door, const cv::Size& size) {
+  const int reach = static_cast<int>(1.5 * door.radius) + 10;
+  const cv::Point hinge = door.hinge;
+  return cv::Rect(hinge.x - reach, hinge.y - reach, 2 * reach + 1, 2 * reach + 1) & cv::Rect({}, size);
+}
+
 std::string range(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::string low = metres(values.front()), high = metres(values.back());
@@ -119,11 +127,15 @@ void checkDoors(Sheet& sheet) {
     const double leaf_m = door.radius * sheet.resolution_m;
     if (door.radius < 0.6 * usual || door.radius > 1.5 * usual) continue;
     if (leaf_m < 0.4 * sheet.options.door_m || leaf_m > 2.5 * sheet.options.door_m) continue;
-    const cv::Mat drawn = inkOfDoor(door, ink, clearance(ink, false));
-    ink.setTo(0, drawn);
-    const cv::Mat specks = specksWithin(door, ink);
-    ink.setTo(0, specks);
-    opened |= drawn | specks;
+    const cv::Rect area = surroundings(door, ink.size());
+    DoorArc local = door;
+    local.hinge -= cv::Point2d(area.tl());
+    cv::Mat local_ink = ink(area);
+    const cv::Mat drawn = inkOfDoor(local, local_ink);
+    local_ink.setTo(0, drawn);
+    const cv::Mat specks = specksWithin(local, local_ink);
+    local_ink.setTo(0, specks);
+    opened(area) |= drawn | specks;
     leaves_m.push_back(leaf_m);
     finding.places.push_back(sheet.place(door.hinge));
   }
