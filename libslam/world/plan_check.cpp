@@ -193,7 +193,7 @@ PlanCheck checkPlan(const std::string& path, const PlanCheckOptions& options) {
   PlanCheck result;
   result.before = loadPlan(path, reading);
   result.before.resolution_m = reading.resolution_m;
-  Sheet sheet{options, source.picture, reading, {}, {}, {}, {}, {}, {}, {}};
+  Sheet sheet{options, source.picture, reading, {}, {}, {}, {}, {}, {}, {}, {}};
   sheet.has_scale = source.has_yaml || options.resolution_m;
   sheet.goes_by_gray = !source.map.is_raw && source.picture.opaque.empty();
   sheet.resolution_m = reading.resolution_m;

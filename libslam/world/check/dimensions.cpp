@@ -72,14 +72,18 @@ cv::Mat horizontalDimensions(const cv::Mat& ink, const cv::Mat& lettering, std::
   for (int label = 1; label < regions.count; ++label) {
     const cv::Rect box = regions.box(label);
     if (box.height > broadest) continue;
-    const Stroke stroke{box.x, box.br().x - 1, box.y + box.height / 2};
-    if (usualThickness(ink, stroke) > broadest) continue;
+    // Without the walls that it ends at: their columns are tall.
+    Stroke stroke{box.x, box.br().x - 1, box.y + box.height / 2};
+    while (stroke.x0 < stroke.x1 && thickness(ink, stroke.x0, stroke.y) > 3 * end_size) ++stroke.x0;
+    while (stroke.x0 < stroke.x1 && thickness(ink, stroke.x1, stroke.y) > 3 * end_size) --stroke.x1;
+    if (stroke.x1 - stroke.x0 < least_length || usualThickness(ink, stroke) > broadest) continue;
     const cv::Rect left = decoration(ink, stroke, true, end_size), right = decoration(ink, stroke, false, end_size);
     if (left.empty() || right.empty()) continue;
     const int reach = std::clamp(box.width / 3, 15, 8 * end_size);
     const cv::Rect beside = cv::Rect(box.x, stroke.y - reach, box.width, 2 * reach) & cv::Rect({}, ink.size());
     if (cv::countNonZero(lettering(beside)) == 0) continue;
-    for (const cv::Rect& part : {box, left, right}) cv::rectangle(gone, part, cv::Scalar(255), cv::FILLED);
+    const cv::Rect line(stroke.x0, box.y, stroke.x1 - stroke.x0 + 1, box.height);
+    for (const cv::Rect& part : {line, left, right}) cv::rectangle(gone, part, cv::Scalar(255), cv::FILLED);
     walls(box).setTo(0, regions.labels(box) == label);
     places.push_back(box.tl());
   }

@@ -15,8 +15,9 @@ constexpr double kLeastRadius = 11, kMostRadius = 160;
 constexpr double kThinLine = 5;  ///< pixels; arcs and leaves are no thicker
 
 bool isInk(const cv::Mat& ink, const cv::Point2d& p) {
-  const int x = static_cast<int>(std::lround(p.x)), y = static_cast<int>(std::lround(p.y));
-  return x >= 0 && y >= 0 && x < ink.cols && y < ink.rows && ink.at<std::uint8_t>(y, x);
+  if (!(p.x >= 0 && p.y >= 0)) return false;
+  const int x = static_cast<int>(p.x + 0.5), y = static_cast<int>(p.y + 0.5);
+  return x < ink.cols && y < ink.rows && ink.at<std::uint8_t>(y, x);
 }
 
 cv::Point2d along(double angle_rad) {
@@ -105,9 +106,10 @@ double coverage(const cv::Mat& ink, const cv::Point2d& from, double angle_rad, d
   return static_cast<double>(drawn) / (steps + 1);
 }
 
-/// The picture, and the same with its lines a pixel broader all round: a candidate may be off a little.
+/// The picture, and the same with its lines one and three pixels broader all round: a candidate may be off a
+/// little.
 struct Ink {
-  cv::Mat exact, broad;
+  cv::Mat exact, broad, broadest;
 };
 
 struct Candidate {
@@ -185,8 +187,23 @@ double alongTheAxes(double angle_rad) {
   return std::abs(angle_rad - axis) < 6 * kPi / 180 ? axis : angle_rad;
 }
 
+/// A first glance, at 32 points of the circle: a quarter or somewhat more is drawn.
+bool mayBeADoor(const Ink& ink, const cv::Point2d& centre, double radius) {
+  constexpr int kPoints = 32;
+  int drawn = 0, longest = 0, run = 0;
+  for (int i = 0; i < 2 * kPoints; ++i) {
+    const cv::Point2d direction = along(2 * kPi * i / kPoints);
+    const bool is_drawn = isInk(ink.broadest, centre + radius * direction);
+    run = is_drawn ? run + 1 : 0;
+    longest = std::max(longest, run);
+    drawn += i < kPoints && is_drawn;
+  }
+  return longest >= 6 && longest <= 20 && drawn < kPoints;
+}
+
 /// Quality 0: no door.
 Candidate examine(const Ink& ink, const cv::Point2d& centre, double radius) {
+  if (!mayBeADoor(ink, centre, radius)) return {};
   Candidate start;
   start.door.hinge = centre;
   start.door.radius = radius;
@@ -254,6 +271,7 @@ std::vector<DoorArc> findDoorArcs(const cv::Mat& full_ink) {
   }
   if (ink.exact.rows < 2 * kLeastRadius || ink.exact.cols < 2 * kLeastRadius) return {};
   cv::dilate(ink.exact, ink.broad, cv::Mat::ones(3, 3, CV_8U));
+  cv::dilate(ink.exact, ink.broadest, cv::Mat::ones(7, 7, CV_8U));
   const std::vector<LinePoint> points = linePoints(ink.exact);
   const double most = std::min(kMostRadius, 0.2 * std::max(ink.exact.cols, ink.exact.rows));
   std::vector<Candidate> candidates;

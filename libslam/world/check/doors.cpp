@@ -3,7 +3,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "libslam/world/check/door_arcs.h"
-#include "libslam/world/check/lettering.h"
 #include "libslam/world/check/rules.h"
 
 namespace slam::world::check {
@@ -117,7 +116,7 @@ std::string range(std::vector<double> values) {
 void checkDoors(Sheet& sheet) {
   if (sheet.is_map && !sheet.isAskedFor("doors")) return;
   cv::Mat ink = sheet.mask(Cell::kOccupied);
-  const std::vector<DoorArc> doors = findDoorArcs(ink & ~findLettering(ink).ink);
+  const std::vector<DoorArc> doors = doorArcsOf(sheet);
   Finding finding;
   std::vector<double> leaves_m;
   cv::Mat opened(ink.size(), CV_8U, cv::Scalar(0));

@@ -60,8 +60,10 @@ void hideEnclosed(Sheet& sheet, const cv::Mat& body, double least_room) {
 }
 
 /// Rooms that are open, but too narrowly for the robot.
-void hideTooNarrow(Sheet& sheet, const cv::Mat& pockets, double least_room) {
-  const Regions areas = regionsOf(pockets & sheet.mask(Cell::kFree), 4);
+void hideTooNarrow(Sheet& sheet, const Reach& reach, double least_room) {
+  const Regions connected = regionsOf(sheet.mask(Cell::kFree), 4);
+  const cv::Mat open = maskOf(connected, labelsUnder(connected, reach.body));
+  const Regions areas = regionsOf(reach.pockets & open, 4);
   std::vector<char> chosen(static_cast<size_t>(areas.count), 0);
   Finding finding;
   double area = 0;
@@ -86,7 +88,7 @@ void checkIsolated(Sheet& sheet) {
   const Reach reach = reachOfRobot(sheet);
   if (cv::countNonZero(reach.body) == 0) return;  // no robot, no reach: another finding
   const double least_room = sheet.toPixels(1) * sheet.toPixels(1) * sheet.options.least_room_m2;
-  hideTooNarrow(sheet, reach.pockets, least_room);
+  hideTooNarrow(sheet, reach, least_room);
   hideEnclosed(sheet, reach.body, least_room);
 }
 

@@ -3,7 +3,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "libslam/world/check/door_arcs.h"
-#include "libslam/world/check/lettering.h"
 #include "libslam/world/check/passages.h"
 #include "libslam/world/check/rules.h"
 
@@ -23,10 +22,10 @@ struct Evidence {
   std::string text;
 };
 
-Evidence evidenceOf(const Sheet& sheet) {
+Evidence evidenceOf(Sheet& sheet) {
   const cv::Mat ink = sheet.mask(Cell::kOccupied);
   if (!sheet.is_map) {
-    const std::vector<DoorArc> doors = findDoorArcs(ink & ~findLettering(ink).ink);
+    const std::vector<DoorArc> doors = doorArcsOf(sheet);
     if (!doors.empty()) {
       const double usual = usualRadius(doors);
       return {usual, counted(static_cast<int>(doors.size()), "door leaf", "door leaves") + " of about " +

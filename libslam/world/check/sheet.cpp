@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <opencv2/imgproc.hpp>
 
+#include "libslam/world/check/lettering.h"
+
 namespace slam::world::check {
 
 int Sheet::paint(const cv::Mat& where, Cell cell, Change change) {
@@ -97,6 +99,14 @@ cv::Mat thickStrokes(const cv::Mat& ink, double diameter) {
   const double least = (diameter + 1) / 2;
   const cv::Mat middle = clearance(ink, false) >= least;
   return grown(middle, least - 0.4) & ink;
+}
+
+const std::vector<DoorArc>& doorArcsOf(Sheet& sheet) {
+  if (!sheet.door_arcs) {
+    const cv::Mat ink = sheet.mask(Cell::kOccupied);
+    sheet.door_arcs = findDoorArcs(ink & ~findLettering(ink).ink);
+  }
+  return *sheet.door_arcs;
 }
 
 Reach reachOfRobot(const Sheet& sheet) {

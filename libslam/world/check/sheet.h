@@ -1,9 +1,11 @@
 #pragma once
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "libslam/world/check/door_arcs.h"
 #include "libslam/world/picture_file.h"
 #include "libslam/world/plan_check.h"
 
@@ -21,6 +23,7 @@ struct Sheet {
   cv::Mat cells;               ///< CV_8U, values of Cell
   cv::Mat changes;             ///< CV_8U, values of Change
   std::vector<Finding> findings;
+  std::optional<std::vector<DoorArc>> door_arcs;  ///< once they have been looked for: doorArcsOf()
 
   cv::Mat mask(Cell cell) const { return cells == static_cast<int>(cell); }  ///< 255 where it is
   /// Sets the cells under the mask; those that already are so stay unchanged. Returns how many changed.
@@ -59,6 +62,9 @@ cv::Mat thickStrokes(const cv::Mat& ink, double diameter);
 /// Distance of each marked cell's centre to the nearest centre of one that is not; the picture's edge counts
 /// as not marked when `edge_counts`. CV_32F.
 cv::Mat clearance(const cv::Mat& mask, bool edge_counts);
+
+/// The doors drawn on the sheet when this was first asked, lettering left out.
+const std::vector<DoorArc>& doorArcsOf(Sheet& sheet);
 
 /// What a robot can do in it, when it keeps to free cells: the unknown stops it as walls do, because there
 /// walls are built in the end.
