@@ -481,7 +481,7 @@ TEST_F(PlanChecks, MendsRealMapsOnceAndLeavesTheirWallsStanding) {
 TEST_F(PlanChecks, SurvivesAnyPicture) {
   core::RandomStream random(7, "pictures");
   const auto below = [&](int limit) { return static_cast<int>(random.uniform() * limit); };
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < 100; ++i) {
     cv::Mat picture(1 + below(64), 1 + below(64), CV_8U, cv::Scalar(below(2) * 255));
     const int kind = below(3);
     for (int y = 0; y < picture.rows; ++y)

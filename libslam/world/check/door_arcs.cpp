@@ -75,7 +75,7 @@ std::vector<cv::Point2d> centresAt(const std::vector<LinePoint>& points, double 
       const cv::Vec3f& v = sums.at<cv::Vec3f>(y, x);
       if (v[0] < least || v[0] < highest.at<float>(y, x)) continue;
       const float spread = std::hypot(v[1], v[2]) / v[0];
-      if (spread > 0.35F && spread < 0.85F) centres.emplace_back(kBin * x + 0.5, kBin * y + 0.5);
+      if (spread > 0.35F && spread < 0.85F) centres.emplace_back(kBin * x, kBin * y);
     }
   return centres;
 }
@@ -85,18 +85,47 @@ struct Run {
   double middle_rad = 0, length_rad = 0;
 };
 
-Run longestRun(const cv::Mat& ink, const cv::Point2d& centre, double radius) {
-  const int steps = std::max(48, static_cast<int>(2 * kPi * radius));
-  std::vector<char> drawn(static_cast<size_t>(steps));
-  for (int i = 0; i < steps; ++i)
-    drawn[static_cast<size_t>(i)] = isInk(ink, centre + radius * along(2 * kPi * i / steps));
-  if (std::count(drawn.begin(), drawn.end(), 0) == 0) return {0, 2 * kPi};
-  int best = 0, best_end = 0, length = 0;
-  for (int i = 0; i < 2 * steps; ++i) {
-    length = drawn[static_cast<size_t>(i % steps)] ? length + 1 : 0;
+/// The pixels of circles about a pixel, by radius in halves.
+class Rings {
+ public:
+  explicit Rings(double most_radius) : rings_(static_cast<size_t>(2 * most_radius) + 2) {
+    for (size_t i = 0; i < rings_.size(); ++i) {
+      const double radius = 0.5 * static_cast<double>(i);
+      const int steps = std::max(48, static_cast<int>(2 * kPi * radius));
+      for (int k = 0; k < steps; ++k) rings_[i].emplace_back(radius * along(2 * kPi * k / steps));
+    }
+  }
+  const std::vector<cv::Point>& at(double radius) const {
+    return rings_[std::min(rings_.size() - 1, static_cast<size_t>(2 * radius + 0.5))];
+  }
+
+ private:
+  std::vector<std::vector<cv::Point>> rings_;
+};
+
+/// Nothing where less than a sixth of every fourth pixel is drawn.
+Run longestRun(const cv::Mat& ink, const cv::Point& centre, const std::vector<cv::Point>& ring) {
+  const auto isDrawn = [&](size_t i) {
+    const cv::Point p = centre + ring[i];
+    return p.x >= 0 && p.y >= 0 && p.x < ink.cols && p.y < ink.rows && ink.at<std::uint8_t>(p) != 0;
+  };
+  const size_t steps = ring.size();
+  size_t drawn = 0;
+  for (size_t i = 0; i < steps; i += 4) drawn += isDrawn(i);
+  if (24 * drawn < steps) return {};
+  if (4 * drawn + 4 > steps) {
+    size_t i = 0;
+    while (i < steps && isDrawn(i)) ++i;
+    if (i == steps) return {0, 2 * kPi};
+  }
+  size_t best = 0, best_end = 0, length = 0;
+  for (size_t i = 0; i < 2 * steps; ++i) {
+    length = isDrawn(i < steps ? i : i - steps) ? length + 1 : 0;
     if (length > best) best = length, best_end = i;
   }
-  return {2 * kPi * (best_end - 0.5 * (best - 1)) / steps, 2 * kPi * best / steps};
+  const double step_rad = 2 * kPi / static_cast<double>(steps);
+  return {step_rad * (static_cast<double>(best_end) - 0.5 * (static_cast<double>(best) - 1)),
+          step_rad * static_cast<double>(best)};
 }
 
 double coverage(const cv::Mat& ink, const cv::Point2d& from, double angle_rad, double near, double far) {
@@ -117,17 +146,20 @@ struct Candidate {
   double quality = 0;
 };
 
-/// How well the line is drawn from the hinge in about this direction.
+/// How well a line is drawn from the hinge in about this direction; turns the angle to where it is drawn best.
 double leafCoverage(const Ink& ink, const cv::Point2d& hinge, double radius, double& angle_rad) {
-  double best = -1;
-  const double first = angle_rad;
+  double best = -1, best_drawn = 0, best_angle = angle_rad;
   for (int turn = -6; turn <= 6; ++turn) {
-    const double angle = first + turn * (2 * kPi / 180);
+    const double angle = angle_rad + turn * (2 * kPi / 180);
     const double drawn = coverage(ink.broad, hinge, angle, 0.15 * radius, 0.92 * radius);
-    if (drawn > best + 1e-9 || (drawn > best - 1e-9 && std::abs(angle - first) < std::abs(angle_rad - first)))
-      best = drawn, angle_rad = angle;
+    // Many directions cover the broad line; the exact one tells which goes along it.
+    const double value = drawn + 0.5 * coverage(ink.exact, hinge, angle, 0.15 * radius, 0.92 * radius);
+    const bool is_nearer = std::abs(angle - angle_rad) < std::abs(best_angle - angle_rad);
+    if (value > best + 1e-9 || (value > best - 1e-9 && is_nearer))
+      best = value, best_drawn = drawn, best_angle = angle;
   }
-  return best;
+  angle_rad = best_angle;
+  return best_drawn;
 }
 
 /// How much the direction looks like a wall with a doorway from the hinge on: ink behind the hinge and beyond
@@ -143,6 +175,14 @@ double wallAround(const Ink& ink, const cv::Point2d& hinge, double radius, doubl
   return behind + beyond;
 }
 
+/// The middle of a quarter circle from what is drawn of it. What touches its ends makes it longer, so where the
+/// drawn run holds the quarter between two of the picture's axes, it is taken for that one.
+double middleOf(const Run& run) {
+  const double diagonal = (std::round(run.middle_rad / (kPi / 2) - 0.5) + 0.5) * (kPi / 2);
+  const bool holds_quarter = std::abs(run.middle_rad - diagonal) + kPi / 4 - 0.1 < run.length_rad / 2;
+  return holds_quarter ? diagonal : run.middle_rad;
+}
+
 /// How much of the exact circle is drawn, 40 degrees to both sides of a direction.
 double arcCoverage(const Ink& ink, const cv::Point2d& centre, double radius, double middle_rad) {
   const int steps = static_cast<int>(radius * 1.4);
@@ -153,7 +193,7 @@ double arcCoverage(const Ink& ink, const cv::Point2d& centre, double radius, dou
 }
 
 /// The best quarter circle near by; quality 0 when there is none. leaf_rad is its middle.
-Candidate bestQuarter(const Ink& ink, const Candidate& start, int reach, int step) {
+Candidate bestQuarter(const Ink& ink, const Rings& rings, const Candidate& start, int reach, int step) {
   Candidate best;
   for (int dr = -reach; dr <= reach; dr += step)
     for (int dy = -reach; dy <= reach; dy += step)
@@ -161,11 +201,11 @@ Candidate bestQuarter(const Ink& ink, const Candidate& start, int reach, int ste
         DoorArc arc = start.door;
         arc.hinge += cv::Point2d(dx, dy);
         arc.radius += dr;
-        const Run run = longestRun(ink.broad, arc.hinge, arc.radius);
+        const Run run = longestRun(ink.broad, arc.hinge, rings.at(arc.radius));
         // A quarter, less what a hole may take and more by what the breadth of leaf and jamb adds.
         if (run.length_rad < 1.2 || run.length_rad > kPi / 2 + 6 / arc.radius + 0.15) continue;
-        arc.leaf_rad = run.middle_rad;
-        const double drawn = arcCoverage(ink, arc.hinge, arc.radius, run.middle_rad);
+        arc.leaf_rad = middleOf(run);
+        const double drawn = arcCoverage(ink, arc.hinge, arc.radius, arc.leaf_rad);
         const double quality = drawn + 0.3 * std::min(run.length_rad, kPi / 2) - 0.01 * (std::abs(dx) + std::abs(dy));
         if (drawn > 0.5 && quality > best.quality) best = {arc, quality};
       }
@@ -187,28 +227,20 @@ double alongTheAxes(double angle_rad) {
   return std::abs(angle_rad - axis) < 6 * kPi / 180 ? axis : angle_rad;
 }
 
-/// A first glance, at 32 points of the circle: a quarter or somewhat more is drawn.
-bool mayBeADoor(const Ink& ink, const cv::Point2d& centre, double radius) {
-  constexpr int kPoints = 32;
-  int drawn = 0, longest = 0, run = 0;
-  for (int i = 0; i < 2 * kPoints; ++i) {
-    const cv::Point2d direction = along(2 * kPi * i / kPoints);
-    const bool is_drawn = isInk(ink.broadest, centre + radius * direction);
-    run = is_drawn ? run + 1 : 0;
-    longest = std::max(longest, run);
-    drawn += i < kPoints && is_drawn;
-  }
-  return longest >= 6 && longest <= 20 && drawn < kPoints;
+/// A first glance: a quarter of the broadened circle or somewhat more is drawn.
+bool mayBeADoor(const Ink& ink, const Rings& rings, const cv::Point2d& centre, double radius) {
+  const double length = longestRun(ink.broadest, centre, rings.at(radius)).length_rad;
+  return length > 1.2 && length < 4;
 }
 
 /// Quality 0: no door.
-Candidate examine(const Ink& ink, const cv::Point2d& centre, double radius) {
-  if (!mayBeADoor(ink, centre, radius)) return {};
+Candidate examine(const Ink& ink, const Rings& rings, const cv::Point2d& centre, double radius) {
+  if (!mayBeADoor(ink, rings, centre, radius)) return {};
   Candidate start;
   start.door.hinge = centre;
   start.door.radius = radius;
-  Candidate best = bestQuarter(ink, start, 2, 2);
-  if (best.quality > 0) best = bestQuarter(ink, best, 1, 1);
+  Candidate best = bestQuarter(ink, rings, start, 2, 2);
+  if (best.quality > 0) best = bestQuarter(ink, rings, best, 1, 1);
   if (best.quality <= 0) return {};
   DoorArc& door = best.door;
   const double middle = door.leaf_rad;
@@ -250,6 +282,24 @@ void keepTheSquare(std::vector<DoorArc>& doors) {
               doors.end());
 }
 
+/// Doors hang on walls: what is drawn at the hinge reaches far beyond the leaf. A stool between chairs does not.
+void keepThoseOnWalls(const cv::Mat& ink, std::vector<Candidate>& candidates) {
+  const Regions pieces = regionsOf(ink, 8);
+  const auto hangsOnAWall = [&](const DoorArc& door) {
+    for (int y = -2; y <= 2; ++y)
+      for (int x = -2; x <= 2; ++x) {
+        const cv::Point at = cv::Point(door.hinge) + cv::Point(x, y);
+        if (!isInk(ink, at)) continue;
+        const cv::Rect box = pieces.box(pieces.labels.at<int>(at));
+        if (std::max(box.width, box.height) >= 3 * door.radius) return true;
+      }
+    return false;
+  };
+  candidates.erase(std::remove_if(candidates.begin(), candidates.end(),
+                                  [&](const Candidate& c) { return !hangsOnAWall(c.door); }),
+                   candidates.end());
+}
+
 bool isSame(const DoorArc& a, const DoorArc& b) {
   // The arcs' middles; hinges of two doors may share a post.
   const auto middle = [](const DoorArc& d) {
@@ -274,12 +324,14 @@ std::vector<DoorArc> findDoorArcs(const cv::Mat& full_ink) {
   cv::dilate(ink.exact, ink.broadest, cv::Mat::ones(7, 7, CV_8U));
   const std::vector<LinePoint> points = linePoints(ink.exact);
   const double most = std::min(kMostRadius, 0.2 * std::max(ink.exact.cols, ink.exact.rows));
+  const Rings rings(most + 4);
   std::vector<Candidate> candidates;
-  for (double radius = kLeastRadius; radius <= most; radius = std::max(radius + 1.5, 1.04 * radius))
+  for (double radius = kLeastRadius; radius <= most; radius = std::max(radius + 1.5, std::round(2.08 * radius) / 2))
     for (const auto& centre : centresAt(points, radius, ink.exact.size())) {
-      const Candidate candidate = examine(ink, centre, radius);
-      if (candidate.quality > 0) candidates.push_back(candidate);
+      const Candidate candidate = examine(ink, rings, centre, radius);
+      if (candidate.quality > 0 && candidate.door.radius >= kLeastRadius) candidates.push_back(candidate);
     }
+  keepThoseOnWalls(ink.broad, candidates);
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.quality > b.quality; });
   std::vector<DoorArc> doors;

@@ -125,7 +125,7 @@ void checkDoors(Sheet& sheet) {
     // One building's leaves are of a kind; what is far from it is a letter or a curved wall.
     const double leaf_m = door.radius * sheet.resolution_m;
     if (door.radius < 0.6 * usual || door.radius > 1.5 * usual) continue;
-    if (leaf_m < 0.4 * sheet.options.door_m || leaf_m > 2.5 * sheet.options.door_m) continue;
+    if (leaf_m < 0.6 * sheet.options.door_m || leaf_m > 1.8 * sheet.options.door_m) continue;
     const cv::Rect area = surroundings(door, ink.size());
     DoorArc local = door;
     local.hinge -= cv::Point2d(area.tl());
