@@ -54,7 +54,8 @@ std::string padded(std::string text, size_t width) {
 
 void printFindings(const world::PlanCheck& check, bool fixed) {
   for (const auto& finding : check.findings) {
-    printWrapped(padded(world::severityName(finding.severity), 8) + padded(finding.key, 11) + " ", finding.text + ".");
+    printWrapped(padded(world::severityName(finding.severity), 8) + padded(finding.key, 11) + " ",
+                 finding.text + ".");
     const std::string does = finding.is_mendable ? (fixed ? "mended: " : "--fix ") : "";
     printWrapped(std::string(20, ' '), does + finding.remedy + ".");
   }
@@ -63,16 +64,16 @@ void printFindings(const world::PlanCheck& check, bool fixed) {
 void printFigures(const world::PlanCheck& check) {
   const auto& f = check.figures;
   const auto& plan = check.after;
-  std::printf("size        %d x %d pixels of %s m: %.1f x %.1f m, walls %.1f x %.1f m\n", plan.columns, plan.rows,
-              core::formatNumber(plan.resolution_m).c_str(), plan.columns * plan.resolution_m,
+  std::printf("size        %d x %d pixels of %s m: %.1f x %.1f m, walls %.1f x %.1f m\n", plan.columns,
+              plan.rows, core::formatNumber(plan.resolution_m).c_str(), plan.columns * plan.resolution_m,
               plan.rows * plan.resolution_m, f.width_m, f.height_m);
-  std::printf("cells       %.1f %% free, %.1f %% wall, %.1f %% unknown; %.0f MB to simulate in\n", 100 * f.free_share,
-              100 * f.occupied_share, 100 * f.unknown_share, f.megabytes);
+  std::printf("cells       %.1f %% free, %.1f %% wall, %.1f %% unknown; %.0f MB to simulate in\n",
+              100 * f.free_share, 100 * f.occupied_share, 100 * f.unknown_share, f.megabytes);
   std::printf("free        %.1f m2, of which the robot covers %.1f m2\n", f.free_m2, f.reachable_m2);
   std::printf("rooms       %d", f.rooms);
   if (const auto& widths = f.door_widths_m; !widths.empty())
-    std::printf(", %zu passages %.2f to %.2f m wide, median %.2f m", widths.size(), widths.front(), widths.back(),
-                widths[widths.size() / 2]);
+    std::printf(", %zu passages %.2f to %.2f m wide, median %.2f m", widths.size(), widths.front(),
+                widths.back(), widths[widths.size() / 2]);
   std::printf("\n");
 }
 
@@ -116,8 +117,27 @@ world::PlanCheck checkAgain(const std::string& yaml_path, world::PlanCheckOption
   return world::checkPlan(yaml_path, options);
 }
 
-std::string pictureBeside(const std::string& yaml_path) {
+std::string pictureOf(const std::string& yaml_path) {
+  return fs::path(yaml_path).replace_extension(".png").string();
+}
+std::string changesBeside(const std::string& yaml_path) {
   return fs::path(yaml_path).replace_extension(".before_after.png").string();
+}
+
+/// The mended plan goes beside the one that was read, never over it.
+void requireWritable(const std::string& yaml_path, const std::vector<std::string>& inputs, bool overwrite) {
+  const std::string suffix = fs::path(yaml_path).extension();
+  if (suffix != ".yaml" && suffix != ".yml")
+    throw core::InputError("--output: found '" + yaml_path + "', expected a name that ends with .yaml");
+  for (const auto& path : {yaml_path, pictureOf(yaml_path), changesBeside(yaml_path)}) {
+    for (const auto& input : inputs) {
+      std::error_code ignored;
+      if (fs::equivalent(path, input, ignored))
+        throw core::InputError("--output: found '" + yaml_path + "', which would replace the plan's own " +
+                               input);
+    }
+    core::refuseToOverwrite(path, overwrite);
+  }
 }
 
 int checkWorld(const Context& context, const Arguments& arguments) {
@@ -138,23 +158,10 @@ int checkWorld(const Context& context, const Arguments& arguments) {
   std::string fixed_path = context.output;
   if (fixed_path.empty())
     fixed_path = (fs::path(plan_path).parent_path() / fs::path(plan_path).stem()).string() + ".fixed.yaml";
-  if (arguments.fix) {
-    const std::string suffix = fs::path(fixed_path).extension();
-    if (suffix != ".yaml" && suffix != ".yml")
-      throw core::InputError("--output: found '" + fixed_path + "', expected a name that ends with .yaml");
-    const std::string picture = fs::path(fixed_path).replace_extension(".png");
-    for (const auto& path : {fixed_path, picture, pictureBeside(fixed_path)}) {
-      std::error_code ignored;
-      if (fs::equivalent(path, plan_path, ignored))
-        throw core::InputError("--output: found '" + fixed_path + "', which would replace the plan itself");
-      core::refuseToOverwrite(path, context.overwrite);
-    }
-  }
-
   const auto check = world::checkPlan(plan_path, options);
+  if (arguments.fix) requireWritable(fixed_path, check.files, context.overwrite);
   if (!context.json) {
     std::printf("plan        %s, read as a %s\n", plan_path.c_str(), check.is_map ? "map" : "drawing");
-    std::fflush(stdout);
     printFindings(check, arguments.fix);
     if (check.findings.empty()) std::cout << "nothing to mend\n";
   }
@@ -164,11 +171,11 @@ int checkWorld(const Context& context, const Arguments& arguments) {
   if (arguments.fix && check.isMendable()) {
     world::savePlan(check.after, fixed_path);
     report::drawPlanChanges(check.before, check.after, check.changes, fs::path(plan_path).filename().string(),
-                            pictureBeside(fixed_path));
+                            changesBeside(fixed_path));
     const auto again = checkAgain(fixed_path, options);
     is_usable = again.isUsable();
     json["fixed"] = toJson(again);
-    json["files"] = {fixed_path, fs::path(fixed_path).replace_extension(".png").string(), pictureBeside(fixed_path)};
+    json["files"] = {fixed_path, pictureOf(fixed_path), changesBeside(fixed_path)};
     if (!context.json) {
       std::cout << "\nafter fixing:\n";
       printFindings(again, false);
@@ -178,7 +185,6 @@ int checkWorld(const Context& context, const Arguments& arguments) {
       std::cout << "next: rasterslam simulate " << fixed_path << "\n";
     }
   } else if (!context.json) {
-    std::fflush(stdout);
     printFigures(check);
     if (check.isMendable()) std::cout << "next: rasterslam world check " << arguments.plan << " --fix\n";
   }
@@ -190,7 +196,8 @@ std::string footer() {
   std::string text = "What is looked for, in this order (--only and --skip take these keys):\n";
   for (const auto& [key, meaning] : world::planCheckKeys()) text += "  " + padded(key, 12) + meaning + "\n";
   return text +
-         "Exit code: 0 the plan can be used (also with warnings), 3 it cannot as it is; with --fix of the result.\n"
+         "Exit code: 0 the plan can be used (also with warnings), 3 it cannot as it is; with --fix of the "
+         "result.\n"
          "Examples:\n"
          "  rasterslam world check plan.png\n"
          "  rasterslam world check plan.png --resolution 0.02 --fix -o flat.yaml\n"
@@ -202,15 +209,20 @@ std::string footer() {
 void addWorldCheck(CLI::App& world, Context& context) {
   auto* command = world.add_subcommand("check", "say what is wrong with a plan, and mend it");
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("plan", arguments->plan, "bmp, png, pgm, jpg, a ROS map yaml, or a world by name")->required();
-  command->add_flag("--fix", arguments->fix, "write a mended copy and a picture of the changes; the plan stays");
+  command->add_option("plan", arguments->plan, "bmp, png, pgm, jpg, a ROS map yaml, or a world by name")
+      ->required();
+  command->add_flag("--fix", arguments->fix,
+                    "write a mended copy and a picture of the changes; the plan stays");
   addOutput(command, context, "with --fix: the yaml to write (default NAME.fixed.yaml beside the plan)");
-  command->add_option("--resolution", arguments->resolution_m, "metres per pixel, over any yaml and any estimate")
+  command
+      ->add_option("--resolution", arguments->resolution_m,
+                   "metres per pixel, over any yaml and any estimate")
       ->check(CLI::PositiveNumber);
   command->add_option("--robot-side", arguments->robot_side_m, "side of the robot that has to pass, metres")
       ->check(CLI::PositiveNumber);
-  command->add_option("--close-gaps", arguments->widest_gap_m,
-                      "widest gap in a drawing's outline that is closed, metres (default 2)")
+  command
+      ->add_option("--close-gaps", arguments->widest_gap_m,
+                   "widest gap in a drawing's outline that is closed, metres (default 2)")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--only", arguments->only, "look for these keys only")->delimiter(',');
   command->add_option("--skip", arguments->skip, "do not look for these keys")->delimiter(',');

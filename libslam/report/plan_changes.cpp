@@ -56,7 +56,8 @@ std::vector<Change> withoutRemoved(std::vector<Change> changes) {
   return changes;
 }
 
-void drawMap(Canvas& canvas, const MapView& view, const world::Plan& plan, const std::vector<Change>& changes) {
+void drawMap(Canvas& canvas, const MapView& view, const world::Plan& plan,
+             const std::vector<Change>& changes) {
   const LabelRaster labels = labelsOf(plan, changes);
   const double side_m = 1 / (view.pixelsPerMetre() * Canvas::kSubpixels);
   canvas.paint(view.box, [&](Pixel pixel) { return colourOf(labels.at(view.toWorld(pixel), side_m)); });
@@ -67,7 +68,8 @@ std::vector<LegendEntry> legendOf(const std::vector<Change>& changes) {
   std::vector<LegendEntry> entries = {{LegendEntry::Kind::kBox, kWall, "wall"}};
   for (const Look& look : kLooks)
     if (const auto cells = std::count(changes.begin(), changes.end(), look.change); cells > 0)
-      entries.push_back({LegendEntry::Kind::kBox, look.colour, look.name + (" (" + std::to_string(cells) + ")")});
+      entries.push_back(
+          {LegendEntry::Kind::kBox, look.colour, look.name + (" (" + std::to_string(cells) + ")")});
   return entries;
 }
 
@@ -85,16 +87,18 @@ void drawPlanChanges(const world::Plan& before, const world::Plan& mended, const
   const double width_m = after.columns * after.resolution_m, height_m = after.rows * after.resolution_m;
   const bool beside = height_m > 0.6 * width_m;
   const int across = beside ? 2 : 1, down = beside ? 1 : 2;
-  const double scale = std::min({(kMostWidth / across - kMargin) / width_m,
-                                 ((kMostHeight - kTitleHeight) / down - kHeadHeight) / height_m,
-                                 8 / after.resolution_m});
-  const double map_width = std::max(1.0, std::round(width_m * scale)), map_height = std::max(1.0, std::round(height_m * scale));
+  const double scale =
+      std::min({(kMostWidth / across - kMargin) / width_m,
+                ((kMostHeight - kTitleHeight) / down - kHeadHeight) / height_m, 8 / after.resolution_m});
+  const double map_width = std::max(1.0, std::round(width_m * scale)),
+               map_height = std::max(1.0, std::round(height_m * scale));
   const double content = std::max(kLeastMapWidth, across * map_width + (across - 1) * kMargin);
   const LegendStrip legend(legendOf(changes), content, scale);
-  const double total = kTitleHeight + down * (kHeadHeight + map_height) + (down - 1) * kMargin + legend.height();
+  const double total =
+      kTitleHeight + down * (kHeadHeight + map_height) + (down - 1) * kMargin + legend.height();
   Canvas canvas(static_cast<int>(content + 2 * kMargin), static_cast<int>(total + 2 * kMargin));
-  canvas.text({kMargin, kMargin + kTitleSize}, Canvas::fitText(title, kTitleSize, content, true), kTitleSize, kInk,
-              Align::kLeft, true);
+  canvas.text({kMargin, kMargin + kTitleSize}, Canvas::fitText(title, kTitleSize, content, true), kTitleSize,
+              kInk, Align::kLeft, true);
   const Window window{0, 0, map_width / scale, map_height / scale};
   for (int i = 0; i < 2; ++i) {
     const double x = kMargin + (beside ? i * (map_width + kMargin) : 0);

@@ -246,7 +246,8 @@ std::vector<std::uint16_t> coloursOf(const cv::Mat& image) {
   for (int row = 0; row < image.rows; ++row) {
     const T* pixel = image.ptr<T>(row);
     for (int column = 0; column < image.cols; ++column, pixel += channels) {
-      const int blue = pixel[0] >> (kShift - 5), green = pixel[1] >> (kShift - 6), red = pixel[2] >> (kShift - 5);
+      const int blue = pixel[0] >> (kShift - 5), green = pixel[1] >> (kShift - 6),
+                red = pixel[2] >> (kShift - 5);
       is_gray = is_gray && pixel[0] == pixel[1] && pixel[1] == pixel[2];
       colours.push_back(static_cast<std::uint16_t>(red << 11 | green << 5 | blue));
     }

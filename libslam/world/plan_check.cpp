@@ -46,7 +46,8 @@ void requireKnown(const std::vector<std::string>& keys, const std::string& where
   for (const Rule& rule : rules()) known.emplace_back(rule.key);
   for (const auto& key : keys)
     if (std::find(known.begin(), known.end(), key) == known.end())
-      throw core::InputError(where + ": found '" + key + "', expected one of the keys of 'world check --help'" +
+      throw core::InputError(where + ": found '" + key +
+                             "', expected one of the keys of 'world check --help'" +
                              core::didYouMean(key, known));
 }
 
@@ -64,7 +65,8 @@ struct Source {
 Source readSource(const std::string& path) {
   Source source;
   std::string suffix = std::filesystem::path(path).extension().string();
-  std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
   source.has_yaml = suffix == ".yaml" || suffix == ".yml";
   source.map.image_path = path;
   if (source.has_yaml) source.map = readMapYaml(path);
@@ -133,7 +135,8 @@ PlanFigures figuresOf(const Sheet& sheet) {
   const double least_room = sheet.toPixels(1) * sheet.toPixels(1) * sheet.options.least_room_m2;
   const check::Passages found = check::findPassages(free, least_room);
   figures.rooms = found.rooms;
-  for (const auto& passage : found.passages) figures.door_widths_m.push_back(passage.width * sheet.resolution_m);
+  for (const auto& passage : found.passages)
+    figures.door_widths_m.push_back(passage.width * sheet.resolution_m);
   std::sort(figures.door_widths_m.begin(), figures.door_widths_m.end());
   figures.megabytes = check::megabytesToSimulate(sheet.cells.total());
   return figures;
@@ -146,7 +149,8 @@ const core::ParameterTable<PlanCheckOptions>& PlanCheckOptions::table() {
   static const core::ParameterTable<O> rows(
       "check",
       {{"robot_side_m", &O::robot_side_m, 0.4, 0.01, 10.0, "side of the square robot that has to pass"},
-       {"widest_gap_m", &O::widest_gap_m, 2.0, 0.0, 100.0, "gaps in a drawing's outline up to here are closed"},
+       {"widest_gap_m", &O::widest_gap_m, 2.0, 0.0, 100.0,
+        "gaps in a drawing's outline up to here are closed"},
        {"least_room_m2", &O::least_room_m2, 1.5, 0.01, 1e6, "a free area from here on counts as a room"},
        {"door_m", &O::door_m, 0.85, 0.2, 10.0, "a usual door leaf, for the scale"},
        {"widest_spur_m", &O::widest_spur_m, 0.6, 0.0, 100.0,
@@ -215,6 +219,8 @@ PlanCheck checkPlan(const std::string& path, const PlanCheckOptions& options) {
   result.after.cells = inPlanOrder<Cell>(sheet.cells);
   result.changes = inPlanOrder<Change>(sheet.changes);
   result.is_map = sheet.is_map;
+  result.files = {path};
+  if (source.has_yaml) result.files.push_back(source.map.image_path);
   result.figures = figuresOf(sheet);
   return result;
 }

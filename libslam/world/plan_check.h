@@ -43,21 +43,21 @@ struct Finding {
 struct PlanFigures {
   double width_m = 0, height_m = 0;  ///< of the box around the walls
   double free_m2 = 0;
-  double reachable_m2 = 0;             ///< free area that the robot's body can cover from its start
+  double reachable_m2 = 0;  ///< free area that the robot's body can cover from its start
   double free_share = 0, occupied_share = 0, unknown_share = 0;
-  int rooms = 0;                       ///< spaces joined by passages that are clearly narrower than they are
-  std::vector<double> door_widths_m;   ///< of these passages, ascending
-  double megabytes = 0;                ///< of memory while simulating in it
+  int rooms = 0;                      ///< spaces joined by passages that are clearly narrower than they are
+  std::vector<double> door_widths_m;  ///< of these passages, ascending
+  double megabytes = 0;               ///< of memory while simulating in it
 };
 
 /// How to look at a plan; section [check].
 struct PlanCheckOptions {
-  double robot_side_m;       ///< of the square robot that has to pass
-  double widest_gap_m;       ///< gaps in the outline up to here are closed
-  double least_room_m2;      ///< a free area from here on counts as a room
-  double door_m;             ///< a usual door, for the scale
-  double widest_spur_m;      ///< what sticks out of the outer wall farther than this is no wall
-  std::optional<double> resolution_m;  ///< given by the caller, over any yaml
+  double robot_side_m;                  ///< of the square robot that has to pass
+  double widest_gap_m;                  ///< gaps in the outline up to here are closed
+  double least_room_m2;                 ///< a free area from here on counts as a room
+  double door_m;                        ///< a usual door, for the scale
+  double widest_spur_m;                 ///< what sticks out of the outer wall farther than this is no wall
+  std::optional<double> resolution_m;   ///< given by the caller, over any yaml
   std::vector<std::string> only, skip;  ///< keys; empty `only`: all
   PlanCheckOptions();
   static const core::ParameterTable<PlanCheckOptions>& table();
@@ -70,14 +70,15 @@ struct PlanCheckKey {
 const std::vector<PlanCheckKey>& planCheckKeys();
 
 struct PlanCheck {
-  std::vector<Finding> findings;  ///< in the order of the keys
-  Plan before;                    ///< as loadPlan reads it
-  Plan after;                     ///< mended; the same cells where there is nothing to mend
-  std::vector<Change> changes;    ///< as the cells of `after`
-  PlanFigures figures;            ///< of `after`
-  bool is_map = false;            ///< else a drawing
+  std::vector<Finding> findings;   ///< in the order of the keys
+  Plan before;                     ///< as loadPlan reads it
+  Plan after;                      ///< mended; the same cells where there is nothing to mend
+  std::vector<Change> changes;     ///< as the cells of `after`
+  PlanFigures figures;             ///< of `after`
+  bool is_map = false;             ///< else a drawing
+  std::vector<std::string> files;  ///< that were read: the yaml and the picture that it names, or the picture
 
-  bool isUsable() const;   ///< no finding is an error
+  bool isUsable() const;    ///< no finding is an error
   bool isMendable() const;  ///< mending would change cells or write a scale
 };
 

@@ -8,14 +8,14 @@ namespace slam::world {
 /// What an architect draws, in pixels of a sheet; every part can be left out.
 struct ArchitectStyle {
   double pixels_per_metre = 40;
-  bool filled_walls = true;    ///< else two thin lines
-  bool doors = true;           ///< leaf, arc and sill across the doorway; else open doorways
-  bool front_door = true;      ///< else a closed wall
+  bool filled_walls = true;  ///< else two thin lines
+  bool doors = true;         ///< leaf, arc and sill across the doorway; else open doorways
+  bool front_door = true;    ///< else a closed wall
   bool room_names = true;
-  bool dimensions = true;      ///< outside below, and one across the living room
-  bool page_border = true;     ///< with a title block
-  bool smooth = true;          ///< anti-aliased
-  bool furniture = true;       ///< outlines, and a row of chairs
+  bool dimensions = true;   ///< outside below, and one across the living room
+  bool page_border = true;  ///< with a title block
+  bool smooth = true;       ///< anti-aliased
+  bool furniture = true;    ///< outlines, and a row of chairs
 };
 
 /// A flat of 10 x 7.5 m with four rooms around a corridor on a white sheet of 14 x 11.5 m. In metres from the
@@ -33,7 +33,9 @@ class ArchitectPlan {
 
   const cv::Mat& sheet() const { return sheet_; }
   /// Middles of the rooms, metres from the upper left corner: places that a robot must reach.
-  static std::vector<cv::Point2d> roomMiddles() { return {{3.5, 3.6}, {7.4, 3.2}, {10.9, 3.4}, {6.8, 5.75}, {4.2, 8.7}, {9.9, 8.9}}; }
+  static std::vector<cv::Point2d> roomMiddles() {
+    return {{3.5, 3.6}, {7.4, 3.2}, {10.9, 3.4}, {6.8, 5.75}, {4.2, 8.7}, {9.9, 8.9}};
+  }
   cv::Point pixel(const cv::Point2d& metres) const { return {at(metres.x), at(metres.y)}; }
 
  private:
@@ -61,15 +63,16 @@ class ArchitectPlan {
   void door(double x, double face_y, int side, double other_face_y) {
     if (!style_.doors) return;
     line(x, face_y, x, face_y + side * kLeaf, 2);
-    cv::ellipse(sheet_, at(x, face_y), cv::Size(at(kLeaf), at(kLeaf)), 0, side < 0 ? -90 : 0, side < 0 ? 0 : 90,
-                cv::Scalar(0), 1, smoothness());
+    cv::ellipse(sheet_, at(x, face_y), cv::Size(at(kLeaf), at(kLeaf)), 0, side < 0 ? -90 : 0,
+                side < 0 ? 0 : 90, cv::Scalar(0), 1, smoothness());
     line(x, face_y, x + kLeaf, face_y);
     line(x, other_face_y, x + kLeaf, other_face_y);
   }
   void drawWalls() {
     // Outer walls, the front door in the left one's place: the upper wall of the corridor's end.
     wall(2 - kOuter, 2 - kOuter, 12 + kOuter, 2);
-    horizontalWall(2 - kOuter, 12 + kOuter, 9.5, kOuter, style_.front_door ? std::vector<double>{6.2} : std::vector<double>{});
+    horizontalWall(2 - kOuter, 12 + kOuter, 9.5, kOuter,
+                   style_.front_door ? std::vector<double>{6.2} : std::vector<double>{});
     wall(2 - kOuter, 2, 2, 9.5);
     wall(12, 2, 12 + kOuter, 9.5);
     // Rooms above the corridor, the corridor, rooms below.
@@ -87,7 +90,7 @@ class ArchitectPlan {
     const auto box = [&](double x, double y, double w, double h) {
       cv::rectangle(sheet_, at(x, y), at(x + w, y + h), cv::Scalar(0), 1);
     };
-    box(2.0, 2.0, 0.6, 2.0);                                       // shelf
+    box(2.0, 2.0, 0.6, 2.0);                                          // shelf
     for (int i = 0; i < 4; ++i) box(10.0 + 0.5 * i, 2.25, 0.4, 0.4);  // a row of chairs
     box(9.8, 2.75, 2.0, 0.3);
     cv::circle(sheet_, at(8.4, 2.6), at(0.3), cv::Scalar(0), 1, smoothness());
@@ -110,7 +113,8 @@ class ArchitectPlan {
   void dimension(double x0, double x1, double y, const std::string& figure) {
     line(x0, y, x1, y);
     for (const auto& [x, into] : {std::pair(x0, 1), std::pair(x1, -1)}) {
-      const std::vector<cv::Point> head = {at(x, y), at(x + into * 0.25, y - 0.08), at(x + into * 0.25, y + 0.08)};
+      const std::vector<cv::Point> head = {at(x, y), at(x + into * 0.25, y - 0.08),
+                                           at(x + into * 0.25, y + 0.08)};
       cv::fillConvexPoly(sheet_, head, cv::Scalar(0), smoothness());
     }
     text(figure, 0.5 * (x0 + x1) - 0.4, y - 0.12, 0.3);

@@ -33,11 +33,12 @@ class PlanChecks : public ::testing::Test {
     return folder_ / name;
   }
   /// A yaml beside a picture.
-  std::string write(const cv::Mat& picture, double resolution_m, const std::string& free_thresh = "0.196") const {
+  std::string write(const cv::Mat& picture, double resolution_m,
+                    const std::string& free_thresh = "0.196") const {
     write(picture);
-    std::ofstream(folder_ / "plan.yaml") << "image: plan.png\nresolution: " << resolution_m
-                                         << "\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: "
-                                         << free_thresh << "\n";
+    std::ofstream(folder_ / "plan.yaml")
+        << "image: plan.png\nresolution: " << resolution_m
+        << "\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: " << free_thresh << "\n";
     return folder_ / "plan.yaml";
   }
   static PlanCheckOptions only(std::vector<std::string> keys, double resolution_m = 0) {
@@ -104,7 +105,8 @@ int roomsReached(const Plan& plan, const ArchitectPlan& drawn) {
   const core::Point2 cell = worldToCells(plan, core::position(*start));
   const int home = labels.at<int>(plan.rows - 1 - static_cast<int>(cell.y), static_cast<int>(cell.x));
   int reached = 0;
-  for (const auto& middle : ArchitectPlan::roomMiddles()) reached += home > 0 && labels.at<int>(drawn.pixel(middle)) == home;
+  for (const auto& middle : ArchitectPlan::roomMiddles())
+    reached += home > 0 && labels.at<int>(drawn.pixel(middle)) == home;
   return reached;
 }
 
@@ -208,7 +210,8 @@ TEST_F(PlanChecks, ReadsAnUnevenlyLitPhotographAndAJpeg) {
     for (int x = 0; x < dim.cols; ++x)
       dim.at<std::uint8_t>(y, x) =
           static_cast<std::uint8_t>(plan.sheet().at<std::uint8_t>(y, x) * (0.95 - 0.45 * x / dim.cols));
-  const cv::Mat walls = maskOf(checkPlan(write(plan.sheet()), only({"thresholds"}, 0.025)).after, Cell::kOccupied);
+  const cv::Mat walls =
+      maskOf(checkPlan(write(plan.sheet()), only({"thresholds"}, 0.025)).after, Cell::kOccupied);
   for (const std::string name : {"dim.png", "dim.jpg"}) {
     const PlanCheck check = checkPlan(write(dim, name), only({"thresholds"}, 0.025));
     const cv::Mat found = maskOf(check.after, Cell::kOccupied);
@@ -220,7 +223,7 @@ TEST_F(PlanChecks, ReadsAnUnevenlyLitPhotographAndAJpeg) {
 
 TEST_F(PlanChecks, SaysWhichColoursCountAsWall) {
   cv::Mat sheet(40, 60, CV_8UC3, cv::Scalar(255, 255, 255));
-  cv::rectangle(sheet, {5, 5, 50, 30}, cv::Scalar(120, 0, 0), 3);               // dark blue, in BGR
+  cv::rectangle(sheet, {5, 5, 50, 30}, cv::Scalar(120, 0, 0), 3);                 // dark blue, in BGR
   cv::rectangle(sheet, {20, 15, 10, 10}, cv::Scalar(190, 255, 255), cv::FILLED);  // pale yellow
   const PlanCheck check = checkPlan(write(sheet), only({"colours"}, 0.05));
   ASSERT_TRUE(find(check, "colours"));
@@ -251,12 +254,13 @@ TEST_F(PlanChecks, TakesNoPillarChairOrTableForText) {
   cv::Mat sheet = paper(400, 300);
   box(sheet, 5, 5, 395, 295, 0, 4);
   for (int i = 0; i < 12; ++i) {
-    box(sheet, 40 + 26 * i, 40, 50 + 26 * i, 50, 0);                               // pillars
-    box(sheet, 40 + 14 * i, 80, 50 + 14 * i, 90, 0, 1);                            // a row of chairs
-    cv::circle(sheet, cv::Point(45 + 16 * i, 120), 6, cv::Scalar(0), 1);           // round stools
+    box(sheet, 40 + 26 * i, 40, 50 + 26 * i, 50, 0);                      // pillars
+    box(sheet, 40 + 14 * i, 80, 50 + 14 * i, 90, 0, 1);                   // a row of chairs
+    cv::circle(sheet, cv::Point(45 + 16 * i, 120), 6, cv::Scalar(0), 1);  // round stools
     cv::line(sheet, cv::Point(40 + 5 * i, 150), cv::Point(40 + 5 * i, 175), cv::Scalar(0));  // stairs
-    const std::vector<cv::Point> shell = {{40 + 14 * i, 200}, {40 + 14 * i, 210}, {50 + 14 * i, 210}, {50 + 14 * i, 200}};
-    cv::polylines(sheet, shell, false, cv::Scalar(0));                             // seats, open to one side
+    const std::vector<cv::Point> shell = {
+        {40 + 14 * i, 200}, {40 + 14 * i, 210}, {50 + 14 * i, 210}, {50 + 14 * i, 200}};
+    cv::polylines(sheet, shell, false, cv::Scalar(0));  // seats, open to one side
   }
   const PlanCheck check = checkPlan(write(sheet), only({"text", "dimensions", "doors", "border"}, 0.05));
   EXPECT_EQ(keysOf(check), "");
@@ -265,7 +269,8 @@ TEST_F(PlanChecks, TakesNoPillarChairOrTableForText) {
 
 TEST_F(PlanChecks, TakesDimensionLinesAwayAndLeavesWhatTheyCrossWhole) {
   ArchitectStyle style;
-  style.page_border = style.doors = style.furniture = style.smooth = style.dimensions = style.room_names = false;
+  style.page_border = style.doors = style.furniture = style.smooth = style.dimensions = style.room_names =
+      false;
   const cv::Mat walls = ArchitectPlan(style).sheet() == 0;
   style.dimensions = true;
   const PlanCheck check = checkPlan(write(ArchitectPlan(style).sheet()), only({"dimensions", "text"}, 0.025));
@@ -300,7 +305,8 @@ TEST_F(PlanChecks, TakesNoRoundTableOrColumnForADoor) {
   box(sheet, 10, 10, 290, 290, 0, 5);
   cv::circle(sheet, cv::Point(80, 80), 30, cv::Scalar(0), 1);
   cv::circle(sheet, cv::Point(200, 80), 18, cv::Scalar(0), cv::FILLED);
-  cv::ellipse(sheet, cv::Point(290, 290), cv::Size(80, 80), 0, 180, 270, cv::Scalar(0), 2);  // a shower's wall
+  cv::ellipse(sheet, cv::Point(290, 290), cv::Size(80, 80), 0, 180, 270, cv::Scalar(0),
+              2);  // a shower's wall
   const PlanCheck check = checkPlan(write(sheet), only({"doors"}, 0.05));
   EXPECT_EQ(keysOf(check), "");
 }
@@ -365,9 +371,9 @@ TEST_F(PlanChecks, MakesRoomsWithoutAWayInUnknown) {
   cv::Mat sheet = roomOnPaper();
   sheet.setTo(205, sheet == 255);
   box(sheet, 40, 40, 160, 140, 255);
-  box(sheet, 116, 40, 120, 140, 0);   // two rooms without a door
+  box(sheet, 116, 40, 120, 140, 0);  // two rooms without a door
   box(sheet, 60, 60, 70, 70, 0);
-  box(sheet, 63, 63, 67, 67, 255);    // a hollow pillar
+  box(sheet, 63, 63, 67, 67, 255);  // a hollow pillar
   const std::string path = write(sheet, 0.05);
   const PlanCheck check = checkPlan(path, {});
   EXPECT_EQ(keysOf(check), "isolated isolated");
@@ -391,7 +397,7 @@ TEST_F(PlanChecks, ClearsARobotsMapOfRaysAndSpecksAndWallsItsEdge) {
   cv::Mat sheet(160, 200, CV_8U, cv::Scalar(205));
   box(sheet, 35, 35, 125, 125, 0);
   box(sheet, 40, 40, 120, 120, 254);
-  box(sheet, 120, 60, 125, 100, 205);                                         // an open side of 40 pixels
+  box(sheet, 120, 60, 125, 100, 205);                                           // an open side of 40 pixels
   cv::line(sheet, cv::Point(100, 80), cv::Point(199, 60), cv::Scalar(254), 2);  // rays through it
   cv::line(sheet, cv::Point(100, 80), cv::Point(199, 110), cv::Scalar(254), 2);
   sheet.at<std::uint8_t>(60, 60) = 205;
@@ -421,7 +427,8 @@ TEST_F(PlanChecks, SaysThatTheUsualGrayOfTheUnknownCountsAsFree) {
 
 TEST_F(PlanChecks, CallsWhatHoldsNoRobotUnusable) {
   EXPECT_THAT(find(checkPlan(write(paper(1, 1)), {}), "size")->text, HasSubstr("a single pixel"));
-  EXPECT_THAT(find(checkPlan(write(paper(30, 20)), {}), "size")->text, HasSubstr("no wall at all in 30 x 20"));
+  EXPECT_THAT(find(checkPlan(write(paper(30, 20)), {}), "size")->text,
+              HasSubstr("no wall at all in 30 x 20"));
   const cv::Mat black(20, 30, CV_8U, cv::Scalar(0));
   EXPECT_THAT(find(checkPlan(write(black), {}), "size")->text, HasSubstr("no free space"));
   for (const cv::Mat& picture : {paper(1, 1), paper(30, 20), black}) {
@@ -443,7 +450,8 @@ TEST_F(PlanChecks, MendsAWholeArchitectsPlanAtOnceAndOnlyOnce) {
       const ArchitectPlan plan(style);
       const PlanCheck check = checkPlan(write(plan.sheet()), {});
       EXPECT_TRUE(check.isUsable());
-      for (const std::string key : {"thresholds", "border", "scale", "dimensions", "doors", "text", "leaks", "outside"})
+      for (const std::string key :
+           {"thresholds", "border", "scale", "dimensions", "doors", "text", "leaks", "outside"})
         EXPECT_TRUE(find(check, key)) << key << " at " << pixels_per_metre;
       EXPECT_EQ(roomsReached(check.after, plan), 6) << pixels_per_metre << (filled ? " filled" : " lines");
       const PlanCheck twice = again(check, {});
@@ -489,14 +497,17 @@ TEST_F(PlanChecks, SurvivesAnyPicture) {
         if (kind == 0)
           picture.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(below(256));
         else if (kind == 1)
-          picture.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(below(8) == 0 ? 0 : below(3) == 0 ? 205 : 254);
+          picture.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(below(8) == 0   ? 0
+                                                                     : below(3) == 0 ? 205
+                                                                                     : 254);
     for (int k = below(12); k > 0; --k)
       cv::line(picture, {below(64), below(64)}, {below(64), below(64)}, cv::Scalar(below(256)), 1 + below(3));
     const PlanCheckOptions options = below(2) ? at(0.01 + random.uniform()) : PlanCheckOptions();
     const PlanCheck check = checkPlan(write(picture), options);
     EXPECT_EQ(check.after.cells.size(), check.before.cells.size());
     EXPECT_EQ(check.changes.size(), check.before.cells.size());
-    for (const Finding& finding : check.findings) EXPECT_FALSE(finding.text.empty() || finding.remedy.empty());
+    for (const Finding& finding : check.findings)
+      EXPECT_FALSE(finding.text.empty() || finding.remedy.empty());
   }
 }
 

@@ -44,7 +44,8 @@ void checkBorder(Sheet& sheet) {
   for (int label = 1; label < pieces.count; ++label) {
     const cv::Rect box = pieces.box(label);
     const cv::Mat piece = pieces.labels(box) == label;
-    if (!framesThePage(piece, box, sheet.cells.size()) || !holdsABuilding(ink, pieces.labels == label, box)) continue;
+    if (!framesThePage(piece, box, sheet.cells.size()) || !holdsABuilding(ink, pieces.labels == label, box))
+      continue;
     Finding finding;
     finding.key = "border";
     finding.severity = Severity::kWarning;

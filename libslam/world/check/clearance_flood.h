@@ -19,7 +19,8 @@ struct Basin {
 class ClearanceFlood {
  public:
   /// `clearance`: CV_32F, 0 where there is no way.
-  explicit ClearanceFlood(cv::Mat clearance) : clearance_(std::move(clearance)), above_(clearance_.total(), kDry) {
+  explicit ClearanceFlood(cv::Mat clearance)
+      : clearance_(std::move(clearance)), above_(clearance_.total(), kDry) {
     sortCells();
   }
 
@@ -78,7 +79,8 @@ class ClearanceFlood {
     return basins_[static_cast<size_t>(kFirstBasin - above_[static_cast<size_t>(root)])];
   }
   std::int32_t root(std::int32_t cell) {
-    for (std::int32_t up = above_[static_cast<size_t>(cell)]; up >= 0; up = above_[static_cast<size_t>(cell)]) {
+    for (std::int32_t up = above_[static_cast<size_t>(cell)]; up >= 0;
+         up = above_[static_cast<size_t>(cell)]) {
       if (const std::int32_t next = above_[static_cast<size_t>(up)]; next >= 0)
         above_[static_cast<size_t>(cell)] = next;
       cell = up;
@@ -106,7 +108,8 @@ class ClearanceFlood {
       for (int y = 0; y < clearance_.rows; ++y)
         for (int x = 0; x < clearance_.cols; ++x)
           if (const float c = clearance_.at<float>(y, x); c > 0)
-            action(last - static_cast<size_t>(static_cast<double>(c) * 8), static_cast<std::int32_t>(index({x, y})));
+            action(last - static_cast<size_t>(static_cast<double>(c) * 8),
+                   static_cast<std::int32_t>(index({x, y})));
     };
     forEachCell([&](size_t rank, std::int32_t) { ++first[rank + 1]; });
     for (size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];

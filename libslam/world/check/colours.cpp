@@ -30,7 +30,8 @@ void checkColours(Sheet& sheet) {
   std::map<std::string, Hue> hues;
   int coloured = 0;
   for (size_t i = 0; i < colours.size(); ++i) {
-    const int red = (colours[i] >> 11) << 3, green = (colours[i] >> 5 & 63) << 2, blue = (colours[i] & 31) << 3;
+    const int red = (colours[i] >> 11) << 3, green = (colours[i] >> 5 & 63) << 2,
+              blue = (colours[i] & 31) << 3;
     const char* name = nameOf(red, green, blue);
     if (!name) continue;
     ++coloured;

@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <vector>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "libslam/world/check/lettering.h"
 #include "libslam/world/check/rules.h"
@@ -29,7 +29,8 @@ int thickness(const cv::Mat& ink, int x, int y) {
 int usualThickness(const cv::Mat& ink, const Stroke& stroke) {
   std::vector<int> all;
   const int length = stroke.x1 - stroke.x0;
-  for (int x = stroke.x0 + length / 4; x <= stroke.x1 - length / 4; ++x) all.push_back(thickness(ink, x, stroke.y));
+  for (int x = stroke.x0 + length / 4; x <= stroke.x1 - length / 4; ++x)
+    all.push_back(thickness(ink, x, stroke.y));
   std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2), all.end());
   return all[all.size() / 2];
 }
@@ -56,7 +57,8 @@ cv::Rect decoration(const cv::Mat& ink, const Stroke& stroke, bool left, int end
   for (int i = 3 * end_size; i < 5 * end_size; ++i) plain += height(i) <= usual;
   if (broad < std::max(2, end_size / 3) || broad > 5 * end_size / 2 || plain < 3 * end_size / 2) return {};
   const int inner = column(last + 1), outer = column(-end_size);
-  return cv::Rect(std::min(inner, outer), y0, std::abs(inner - outer) + 1, y1 - y0 + 1) & cv::Rect({}, ink.size());
+  return cv::Rect(std::min(inner, outer), y0, std::abs(inner - outer) + 1, y1 - y0 + 1) &
+         cv::Rect({}, ink.size());
 }
 
 /// Horizontal dimension lines: thin, long, decorated at both ends, with a figure beside. 255 on their ink.
@@ -77,10 +79,12 @@ cv::Mat horizontalDimensions(const cv::Mat& ink, const cv::Mat& lettering, std::
     while (stroke.x0 < stroke.x1 && thickness(ink, stroke.x0, stroke.y) > 3 * end_size) ++stroke.x0;
     while (stroke.x0 < stroke.x1 && thickness(ink, stroke.x1, stroke.y) > 3 * end_size) --stroke.x1;
     if (stroke.x1 - stroke.x0 < least_length || usualThickness(ink, stroke) > broadest) continue;
-    const cv::Rect left = decoration(ink, stroke, true, end_size), right = decoration(ink, stroke, false, end_size);
+    const cv::Rect left = decoration(ink, stroke, true, end_size),
+                   right = decoration(ink, stroke, false, end_size);
     if (left.empty() || right.empty()) continue;
     const int reach = std::clamp(box.width / 3, 15, 8 * end_size);
-    const cv::Rect beside = cv::Rect(box.x, stroke.y - reach, box.width, 2 * reach) & cv::Rect({}, ink.size());
+    const cv::Rect beside =
+        cv::Rect(box.x, stroke.y - reach, box.width, 2 * reach) & cv::Rect({}, ink.size());
     if (cv::countNonZero(lettering(beside)) == 0) continue;
     const cv::Rect line(stroke.x0, box.y, stroke.x1 - stroke.x0 + 1, box.height);
     for (const cv::Rect& part : {line, left, right}) cv::rectangle(gone, part, cv::Scalar(255), cv::FILLED);
@@ -121,7 +125,8 @@ void checkDimensions(Sheet& sheet) {
   finding.key = "dimensions";
   finding.severity = Severity::kWarning;
   finding.text = counted(finding.count, "dimension line", "dimension lines") +
-                 " with arrow heads or ticks and a figure beside, to a robot thin walls" + atPixel(finding.places);
+                 " with arrow heads or ticks and a figure beside, to a robot thin walls" +
+                 atPixel(finding.places);
   finding.remedy = "takes them away; walls that they cross stay whole";
   finding.is_mendable = true;
   sheet.paint(gone, Cell::kFree, Change::kRemoved);

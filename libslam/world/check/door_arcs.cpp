@@ -56,10 +56,12 @@ std::vector<cv::Point2d> centresAt(const std::vector<LinePoint>& points, double 
   cv::Mat votes(size.height / kBin + 1, size.width / kBin + 1, CV_32FC3, cv::Scalar::all(0));
   for (const auto& p : points) {
     // The doubled angle is the same for the normal and its opposite.
-    const float cosine = p.normal.x * p.normal.x - p.normal.y * p.normal.y, sine = 2 * p.normal.x * p.normal.y;
+    const float cosine = p.normal.x * p.normal.x - p.normal.y * p.normal.y,
+                sine = 2 * p.normal.x * p.normal.y;
     for (const float side : {-1.0F, 1.0F}) {
       const cv::Point2f c = p.at + p.normal * (side * static_cast<float>(radius));
-      if (c.x >= 0 && c.y >= 0 && c.x < static_cast<float>(size.width) && c.y < static_cast<float>(size.height))
+      if (c.x >= 0 && c.y >= 0 && c.x < static_cast<float>(size.width) &&
+          c.y < static_cast<float>(size.height))
         votes.at<cv::Vec3f>(static_cast<int>(c.y) / kBin, static_cast<int>(c.x) / kBin) +=
             cv::Vec3f(1, cosine, sine);
     }
@@ -131,7 +133,8 @@ Run longestRun(const cv::Mat& ink, const cv::Point& centre, const std::vector<cv
 double coverage(const cv::Mat& ink, const cv::Point2d& from, double angle_rad, double near, double far) {
   const int steps = std::max(3, static_cast<int>(std::abs(far - near)));
   int drawn = 0;
-  for (int i = 0; i <= steps; ++i) drawn += isInk(ink, from + (near + (far - near) * i / steps) * along(angle_rad));
+  for (int i = 0; i <= steps; ++i)
+    drawn += isInk(ink, from + (near + (far - near) * i / steps) * along(angle_rad));
   return static_cast<double>(drawn) / (steps + 1);
 }
 
@@ -170,7 +173,8 @@ double wallAround(const Ink& ink, const cv::Point2d& hinge, double radius, doubl
   for (int shift = -3; shift <= 3; ++shift) {
     const cv::Point2d from = hinge + shift * along(angle_rad + kPi / 2);
     behind = std::max(behind, coverage(ink.exact, from, angle_rad, -0.35 * radius - kMargin, -kMargin));
-    beyond = std::max(beyond, coverage(ink.exact, from, angle_rad, radius + kMargin, 1.35 * radius + kMargin));
+    beyond =
+        std::max(beyond, coverage(ink.exact, from, angle_rad, radius + kMargin, 1.35 * radius + kMargin));
   }
   return behind + beyond;
 }
@@ -188,7 +192,8 @@ double arcCoverage(const Ink& ink, const cv::Point2d& centre, double radius, dou
   const int steps = static_cast<int>(radius * 1.4);
   int drawn = 0;
   for (int i = 0; i <= steps; ++i)
-    drawn += isInk(ink.exact, centre + radius * along(middle_rad + 1.4 * (static_cast<double>(i) / steps - 0.5)));
+    drawn +=
+        isInk(ink.exact, centre + radius * along(middle_rad + 1.4 * (static_cast<double>(i) / steps - 0.5)));
   return static_cast<double>(drawn) / (steps + 1);
 }
 
@@ -206,7 +211,8 @@ Candidate bestQuarter(const Ink& ink, const Rings& rings, const Candidate& start
         if (run.length_rad < 1.2 || run.length_rad > kPi / 2 + 6 / arc.radius + 0.15) continue;
         arc.leaf_rad = middleOf(run);
         const double drawn = arcCoverage(ink, arc.hinge, arc.radius, arc.leaf_rad);
-        const double quality = drawn + 0.3 * std::min(run.length_rad, kPi / 2) - 0.01 * (std::abs(dx) + std::abs(dy));
+        const double quality =
+            drawn + 0.3 * std::min(run.length_rad, kPi / 2) - 0.01 * (std::abs(dx) + std::abs(dy));
         if (drawn > 0.5 && quality > best.quality) best = {arc, quality};
       }
   return best;
@@ -326,7 +332,8 @@ std::vector<DoorArc> findDoorArcs(const cv::Mat& full_ink) {
   const double most = std::min(kMostRadius, 0.2 * std::max(ink.exact.cols, ink.exact.rows));
   const Rings rings(most + 4);
   std::vector<Candidate> candidates;
-  for (double radius = kLeastRadius; radius <= most; radius = std::max(radius + 1.5, std::round(2.08 * radius) / 2))
+  for (double radius = kLeastRadius; radius <= most;
+       radius = std::max(radius + 1.5, std::round(2.08 * radius) / 2))
     for (const auto& centre : centresAt(points, radius, ink.exact.size())) {
       const Candidate candidate = examine(ink, rings, centre, radius);
       if (candidate.quality > 0 && candidate.door.radius >= kLeastRadius) candidates.push_back(candidate);

@@ -6,8 +6,8 @@ namespace slam::world::check {
 
 /// A door as architects draw it: a leaf that stands open and the quarter circle that its edge sweeps.
 struct DoorArc {
-  cv::Point2d hinge;  ///< pixels
-  double radius = 0;  ///< length of the leaf, pixels
+  cv::Point2d hinge;                     ///< pixels
+  double radius = 0;                     ///< length of the leaf, pixels
   double leaf_rad = 0, opening_rad = 0;  ///< from the hinge, x right and y down; a right angle apart
 };
 

@@ -45,7 +45,8 @@ double strokeBreadth(const cv::Mat& depth, PlaceOf place_of) {
     if (most > 0) depths.push_back(static_cast<float>(most));
   }
   if (depths.empty()) return 1;
-  std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2), depths.end());
+  std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2),
+                   depths.end());
   return 2.0 * depths[depths.size() / 2];
 }
 
@@ -59,8 +60,10 @@ cv::Mat inkOfDoor(const DoorArc& door, const cv::Mat& ink) {
     const double angle = 0.2 + 1.1 * t;
     return cv::Point(frame.at(r * std::cos(angle), r * std::sin(angle)));
   });
-  const double leaf = strokeBreadth(depth, [&](double t) { return cv::Point(frame.at(0, r * (0.2 + 0.6 * t))); });
-  const cv::Mat fine = ink & ~thickStrokes(ink, arc + 2), slab = ink & ~thickStrokes(ink, std::max(arc, leaf) + 2);
+  const double leaf =
+      strokeBreadth(depth, [&](double t) { return cv::Point(frame.at(0, r * (0.2 + 0.6 * t))); });
+  const cv::Mat fine = ink & ~thickStrokes(ink, arc + 2),
+                slab = ink & ~thickStrokes(ink, std::max(arc, leaf) + 2);
 
   cv::Mat swept(ink.size(), CV_8U, cv::Scalar(0)), leaf_strip = swept.clone(), doorway = swept.clone();
   const auto degrees = [](double angle) { return angle * 180 / CV_PI; };

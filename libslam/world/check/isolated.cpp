@@ -44,10 +44,11 @@ void hideEnclosed(Sheet& sheet, const cv::Mat& body, double least_room) {
   }
   if (room_finding.count > 0) {
     room_finding.severity = Severity::kWarning;
-    room_finding.text = counted(room_finding.count, "room has", "rooms have") + " no way in for the robot (" +
-                        metres(sheet.squareMetres(rooms_area)) + " m2" +
-                        (room_finding.count > 1 ? ", the largest " + metres(sheet.squareMetres(largest)) + " m2" : "") +
-                        ")" + atPixel(room_finding.places);
+    room_finding.text =
+        counted(room_finding.count, "room has", "rooms have") + " no way in for the robot (" +
+        metres(sheet.squareMetres(rooms_area)) + " m2" +
+        (room_finding.count > 1 ? ", the largest " + metres(sheet.squareMetres(largest)) + " m2" : "") + ")" +
+        atPixel(room_finding.places);
     hide(sheet, maskOf(areas, rooms), room_finding);
   }
   if (nook_finding.count > 0) {

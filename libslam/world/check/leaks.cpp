@@ -40,15 +40,17 @@ void checkLeaks(Sheet& sheet) {
   if (sheet.is_map && !sheet.isAskedFor("leaks")) return;
   // Round the page runs a strip of paper, wide enough to walk around on.
   const double widest = sheet.toPixels(sheet.options.widest_gap_m);
-  const int strip = static_cast<int>(std::min(widest, 4000.0)) + 3;
+  const int strip = static_cast<int>(std::min(widest / 2, 4000.0)) + 3;
   cv::Mat ink;
-  cv::copyMakeBorder(sheet.mask(Cell::kOccupied), ink, strip, strip, strip, strip, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::copyMakeBorder(sheet.mask(Cell::kOccupied), ink, strip, strip, strip, strip, cv::BORDER_CONSTANT,
+                     cv::Scalar(0));
   ClearanceFlood flood(clearance(~ink, false));
   flood.markOutside({0, 0});
   const double least_area = sheet.toPixels(1) * sheet.toPixels(1) * sheet.options.least_room_m2;
   const double least_clearance = sheet.toPixels(sheet.options.robot_side_m);
   const auto isRoom = [&](const Basin& side, double here) {
-    return static_cast<double>(side.area) >= least_area && side.peak >= kWider * here && side.peak >= least_clearance;
+    return static_cast<double>(side.area) >= least_area && side.peak >= kWider * here &&
+           side.peak >= least_clearance;
   };
   std::vector<Gap> gaps;
   cv::Mat closed(ink.size(), CV_8U, cv::Scalar(0));
@@ -61,8 +63,9 @@ void checkLeaks(Sheet& sheet) {
     const cv::Point from = nearestInk(ink, at, reach, nullptr);
     const cv::Point to = from.x < 0 ? from : nearestInk(ink, at, reach, &from);
     if (to.x < 0) return true;
-    const cv::Rect around(cv::Point(std::min({from.x, to.x, at.x}), std::min({from.y, to.y, at.y})) - cv::Point(3, 3),
-                          cv::Point(std::max({from.x, to.x, at.x}), std::max({from.y, to.y, at.y})) + cv::Point(4, 4));
+    const cv::Rect around(
+        cv::Point(std::min({from.x, to.x, at.x}), std::min({from.y, to.y, at.y})) - cv::Point(3, 3),
+        cv::Point(std::max({from.x, to.x, at.x}), std::max({from.y, to.y, at.y})) + cv::Point(4, 4));
     cv::line(closed, from, at, cv::Scalar(255), 2);
     cv::line(closed, at, to, cv::Scalar(255), 2);
     const cv::Rect inside = around & cv::Rect({}, ink.size());
@@ -83,10 +86,12 @@ void checkLeaks(Sheet& sheet) {
     broadest = std::max(broadest, gap.width);
     finding.places.push_back(sheet.place((gap.from + gap.to) / 2 - cv::Point(strip, strip)));
   }
-  const std::string low = metres(narrowest * sheet.resolution_m), high = metres(broadest * sheet.resolution_m);
-  finding.text = "the inside is open to the outside through " + counted(finding.count, "gap", "gaps") + " of " +
-                 (low == high ? low : low + " to " + high) + " m" + atPixel(finding.places);
-  finding.remedy = "closes them with a wall, being no wider than " + metres(sheet.options.widest_gap_m) + " m";
+  const std::string low = metres(narrowest * sheet.resolution_m),
+                    high = metres(broadest * sheet.resolution_m);
+  finding.text = "the inside is open to the outside through " + counted(finding.count, "gap", "gaps") +
+                 " of " + (low == high ? low : low + " to " + high) + " m" + atPixel(finding.places);
+  finding.remedy =
+      "closes them with a wall, being no wider than " + metres(sheet.options.widest_gap_m) + " m";
   finding.is_mendable = true;
   const cv::Rect page(strip, strip, sheet.cells.cols, sheet.cells.rows);
   sheet.paint(closed(page), Cell::kOccupied, Change::kClosed);

@@ -61,7 +61,8 @@ std::vector<Glyph> glyphsOf(const Regions& pieces, int most_height) {
     glyph.box = pieces.box(label);
     glyph.area = pieces.area(label);
     const bool is_letter_sized = glyph.box.height >= kLeastHeight && glyph.box.height <= most_height &&
-                                 glyph.box.width <= 12 * glyph.box.height && glyph.box.width <= 8 * most_height;
+                                 glyph.box.width <= 12 * glyph.box.height &&
+                                 glyph.box.width <= 8 * most_height;
     if (!is_letter_sized) continue;
     const cv::Mat piece = pieces.labels(glyph.box) == label;
     glyph.is_written = glyph.box.width >= 3 && convexity(piece) < kConvex;
@@ -96,7 +97,8 @@ std::vector<std::vector<size_t>> rowsOf(const std::vector<Glyph>& glyphs, int mo
       if (standTogether(glyphs[i], glyphs[j])) leader[find(j)] = find(i);
   std::vector<std::vector<size_t>> rows(glyphs.size());
   for (size_t i = 0; i < glyphs.size(); ++i) rows[find(i)].push_back(i);
-  rows.erase(std::remove_if(rows.begin(), rows.end(), [](const auto& row) { return row.empty(); }), rows.end());
+  rows.erase(std::remove_if(rows.begin(), rows.end(), [](const auto& row) { return row.empty(); }),
+             rows.end());
   return rows;
 }
 
@@ -117,7 +119,8 @@ Word wordOf(const std::vector<Glyph>& glyphs, const std::vector<size_t>& row) {
     word.box |= glyphs[i].box;
     heights.push_back(glyphs[i].box.height);
   }
-  std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2), heights.end());
+  std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2),
+                   heights.end());
   word.height = heights[heights.size() / 2];
   word.glyphs = static_cast<int>(row.size());
   return word;
@@ -137,7 +140,8 @@ Lettering acrossOnly(const cv::Mat& ink) {
   for (const auto& row : rowsOf(glyphs, most_height)) {
     int written = 0, words = 0;
     for (const size_t i : row) written += glyphs[i].is_written, words += glyphs[i].is_word;
-    if ((row.size() >= 3 && 2 * written >= static_cast<int>(row.size()) && written >= 2 && !areAllAlike(glyphs, row)) ||
+    if ((row.size() >= 3 && 2 * written >= static_cast<int>(row.size()) && written >= 2 &&
+         !areAllAlike(glyphs, row)) ||
         (row.size() == 2 && words == 2) || (row.size() == 2 && words == 1 && written == 2))
       accept(row);
     else if (written > 0)
@@ -175,7 +179,8 @@ Lettering findLettering(const cv::Mat& ink) {
   const Lettering upright = acrossOnly(turned);
   across.ink |= upright.ink.t();
   for (const Word& word : upright.words)
-    across.words.push_back({{word.box.y, word.box.x, word.box.height, word.box.width}, word.glyphs, word.height});
+    across.words.push_back(
+        {{word.box.y, word.box.x, word.box.height, word.box.width}, word.glyphs, word.height});
   return across;
 }
 

@@ -25,8 +25,8 @@ void checkOpenEdge(Sheet& sheet) {
   finding.count = length + at_page;
   finding.severity = share > 0.01 ? Severity::kWarning : Severity::kNote;
   finding.text = "free space meets the unknown without a wall along " + metres(length * sheet.resolution_m) +
-                 " m, and the picture's edge along " + metres(at_page * sheet.resolution_m) + " m (" + percent(share) +
-                 " of its outline): a robot could drive and look out";
+                 " m, and the picture's edge along " + metres(at_page * sheet.resolution_m) + " m (" +
+                 percent(share) + " of its outline): a robot could drive and look out";
   finding.remedy = "builds a wall there, one pixel thick, on the unknown side";
   finding.is_mendable = true;
   cv::Point first;

@@ -23,7 +23,8 @@ void frameEverything(Sheet& sheet) {
   const int margin = static_cast<int>(std::min(sheet.toPixels(1), 4000.0));
   const cv::Rect page(0, 0, sheet.cells.cols, sheet.cells.rows);
   const cv::Rect frame =
-      cv::Rect(walls.x - margin, walls.y - margin, walls.width + 2 * margin, walls.height + 2 * margin) & page;
+      cv::Rect(walls.x - margin, walls.y - margin, walls.width + 2 * margin, walls.height + 2 * margin) &
+      page;
   cv::Mat wall(sheet.cells.size(), CV_8U, cv::Scalar(0)), beyond(sheet.cells.size(), CV_8U, cv::Scalar(255));
   cv::rectangle(wall, frame, cv::Scalar(255), 2);
   cv::rectangle(beyond, frame, cv::Scalar(0), cv::FILLED);
@@ -63,9 +64,12 @@ void checkOutside(Sheet& sheet) {
   finding.key = "outside";
   finding.severity = Severity::kWarning;
   finding.count = pieces.count - 1;
-  finding.text = "the paper around the walls counts as free space (" + metres(sheet.squareMetres(paper)) + " m2)";
-  if (finding.count > 0) finding.text += ", and " + counted(finding.count, "piece", "pieces") + " drawn on it as walls";
-  finding.remedy = std::string("makes the outside unknown") + (finding.count > 0 ? " and takes away what is drawn there" : "");
+  finding.text =
+      "the paper around the walls counts as free space (" + metres(sheet.squareMetres(paper)) + " m2)";
+  if (finding.count > 0)
+    finding.text += ", and " + counted(finding.count, "piece", "pieces") + " drawn on it as walls";
+  finding.remedy = std::string("makes the outside unknown") +
+                   (finding.count > 0 ? " and takes away what is drawn there" : "");
   finding.is_mendable = true;
   // What a removed piece enclosed is outside, too.
   sheet.paint(drawn, Cell::kUnknown, Change::kRemoved);

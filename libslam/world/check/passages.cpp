@@ -27,7 +27,8 @@ cv::Mat thinned(const cv::Mat& distance, int step) {
 }  // namespace
 
 Passages findPassages(const cv::Mat& free, double least_area) {
-  const int step = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(free.total()) / kMostCells))));
+  const int step =
+      std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(free.total()) / kMostCells))));
   const cv::Mat distance = clearance(free, true);
   ClearanceFlood flood(step == 1 ? distance : thinned(distance, step));
   const double block = static_cast<double>(step) * step;

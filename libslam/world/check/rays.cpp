@@ -14,7 +14,8 @@ void checkRays(Sheet& sheet) {
   std::vector<int> open_edge(static_cast<size_t>(strips.count), 0);
   for (int y = 0; y < free.rows; ++y)
     for (int x = 0; x < free.cols; ++x)
-      if (beside_unknown.at<std::uint8_t>(y, x)) ++open_edge[static_cast<size_t>(strips.labels.at<int>(y, x))];
+      if (beside_unknown.at<std::uint8_t>(y, x))
+        ++open_edge[static_cast<size_t>(strips.labels.at<int>(y, x))];
   std::vector<char> chosen(static_cast<size_t>(strips.count), 0);
   Finding finding;
   for (int label = 1; label < strips.count; ++label) {
@@ -30,7 +31,8 @@ void checkRays(Sheet& sheet) {
   finding.severity = share > 0.002 ? Severity::kWarning : Severity::kNote;
   finding.text = counted(finding.count, "free strip", "free strips") + " narrower than the robot (" +
                  metres(sheet.squareMetres(pixels)) + " m2, " + percent(share) +
-                 " of the free space) run into the unknown, as rays do through windows and gaps" + atPixel(finding.places);
+                 " of the free space) run into the unknown, as rays do through windows and gaps" +
+                 atPixel(finding.places);
   finding.remedy = "makes them unknown";
   finding.is_mendable = true;
   sheet.findings.push_back(finding);

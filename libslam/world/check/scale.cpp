@@ -43,7 +43,7 @@ Evidence evidenceOf(Sheet& sheet) {
   const double low = widths[widths.size() / 4], high = widths[widths.size() * 3 / 4];
   if (high > 1.5 * low) return {};
   return {widths[widths.size() / 2], std::to_string(widths.size()) + " passages of about " +
-                              std::to_string(std::lround(widths[widths.size() / 2])) + " pixels"};
+                                         std::to_string(std::lround(widths[widths.size() / 2])) + " pixels"};
 }
 
 std::string resolutionText(double resolution_m) {
@@ -65,7 +65,8 @@ void checkScale(Sheet& sheet) {
   const double side_m = std::max(walls.width, walls.height) * sheet.resolution_m;
   Finding finding;
   finding.key = "scale";
-  const std::string by_doors = evidence.door_pixels > 0 ? evidence.text + " would be " + metres(door_m) + " m" : "";
+  const std::string by_doors =
+      evidence.door_pixels > 0 ? evidence.text + " would be " + metres(door_m) + " m" : "";
 
   if (sheet.has_scale) {
     const bool doors_absurd = evidence.door_pixels > 0 && door_m < kNoDoor_m;
@@ -87,7 +88,8 @@ void checkScale(Sheet& sheet) {
   finding.text = "no yaml says the scale; " + resolutionText(sheet.resolution_m) + " is assumed";
   if (evidence.door_pixels <= 0) {
     finding.text += ", nothing in the picture tells: the walls would span " + metres(side_m) + " m";
-    finding.remedy = "writes a yaml with " + resolutionText(sheet.resolution_m) + "; give --resolution to say better";
+    finding.remedy =
+        "writes a yaml with " + resolutionText(sheet.resolution_m) + "; give --resolution to say better";
     if (side_m < kLeastBuilding_m || side_m > kMostBuilding_m) finding.severity = Severity::kError;
   } else if (door_m >= kLeastDoor_m && door_m <= kMostDoor_m) {
     finding.text += ", and plausible: " + by_doors;

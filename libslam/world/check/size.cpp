@@ -35,8 +35,7 @@ void checkSize(Sheet& sheet) {
     sheet.findings.push_back(unusable("no wall at all in " + size + ": nothing is dark enough"));
   else if (free == 0)
     sheet.findings.push_back(unusable("no free space at all in " + size + ": nothing is bright enough"));
-  else if (const double megabytes = megabytesToSimulate(sheet.cells.total());
-           megabytes > kMuchMemory_MB) {
+  else if (const double megabytes = megabytesToSimulate(sheet.cells.total()); megabytes > kMuchMemory_MB) {
     Finding finding;
     finding.key = "size";
     finding.severity = Severity::kWarning;

@@ -23,7 +23,8 @@ void checkSpecks(Sheet& sheet) {
   }
   if (finding.count == 0) return;
   finding.key = "specks";
-  finding.text = counted(finding.count, "speck", "specks") + " of unknown amid free space" + atPixel(finding.places);
+  finding.text =
+      counted(finding.count, "speck", "specks") + " of unknown amid free space" + atPixel(finding.places);
   finding.remedy = finding.count == 1 ? "makes it free" : "makes them free";
   finding.is_mendable = true;
   sheet.paint(maskOf(areas, chosen), Cell::kFree, Change::kNone);

@@ -18,8 +18,8 @@ void checkText(Sheet& sheet) {
   }
   finding.text = counted(finding.count, "word or figure", "words or figures") + " of " +
                  std::to_string(glyphs) + " letters, " + std::to_string(lettering.words.front().height) +
-                 " pixels high, stand as walls (" + (finding.count >= 3 ? "quite sure" : "fairly sure") + ")" +
-                 atPixel(finding.places);
+                 " pixels high, stand as walls (" + (finding.count >= 3 ? "quite sure" : "fairly sure") +
+                 ")" + atPixel(finding.places);
   finding.remedy = "takes them away; what touches a wall stays";
   finding.is_mendable = true;
   sheet.paint(lettering.ink, Cell::kFree, Change::kRemoved);

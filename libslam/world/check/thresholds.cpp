@@ -41,7 +41,8 @@ cv::Mat paperAround(const cv::Mat& darkness) {
 bool isContinuousTone(const cv::Mat& darkness) {
   std::array<int, 256> used{};
   for (int y = 0; y < darkness.rows; ++y)
-    for (int x = 0; x < darkness.cols; ++x) ++used[static_cast<size_t>(std::lround(darkness.at<float>(y, x) * 255))];
+    for (int x = 0; x < darkness.cols; ++x)
+      ++used[static_cast<size_t>(std::lround(darkness.at<float>(y, x) * 255))];
   return std::count_if(used.begin(), used.end(), [](int count) { return count > 0; }) > 64;
 }
 
@@ -90,11 +91,11 @@ void checkDrawing(Sheet& sheet) {
   Finding finding;
   finding.key = "thresholds";
   finding.count = pale;
-  finding.severity =
-      pale > drawn / 50 || before != after || is_uneven ? Severity::kWarning : Severity::kNote;
+  finding.severity = pale > drawn / 50 || before != after || is_uneven ? Severity::kWarning : Severity::kNote;
   finding.text = counted(pale, "gray pixel", "gray pixels") + " beside or instead of walls (" +
                  percent(static_cast<double>(pale) / drawn) + " of the ink)";
-  if (gained > 0) finding.text += ", " + percent(static_cast<double>(gained) / drawn) + " of the ink is too pale";
+  if (gained > 0)
+    finding.text += ", " + percent(static_cast<double>(gained) / drawn) + " of the ink is too pale";
   if (before < after)
     finding.text += "; " + counted(after - before, "enclosed area runs", "enclosed areas run") +
                     " out through pale walls";
@@ -141,9 +142,11 @@ void hideUsualGray(Sheet& sheet) {
 void checkMap(Sheet& sheet) {
   const cv::Mat unknown = sheet.mask(Cell::kUnknown);
   cv::Mat flat;
-  cv::morphologyEx(unknown, flat, cv::MORPH_OPEN, cv::Mat::ones(3, 3, CV_8U), {-1, -1}, 1, cv::BORDER_REPLICATE);
+  cv::morphologyEx(unknown, flat, cv::MORPH_OPEN, cv::Mat::ones(3, 3, CV_8U), {-1, -1}, 1,
+                   cv::BORDER_REPLICATE);
   const cv::Mat walls = sheet.mask(Cell::kOccupied);
-  const cv::Mat between = unknown & ~flat & grown(walls, 1.5) & ~usualGray(sheet), darkness = darknessOf(sheet);
+  const cv::Mat between = unknown & ~flat & grown(walls, 1.5) & ~usualGray(sheet),
+                darkness = darknessOf(sheet);
   const cv::Mat dark = between & (darkness > kCut), pale = between & ~dark;
   const int count = cv::countNonZero(between);
   if (count == 0) return;
