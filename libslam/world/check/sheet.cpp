@@ -12,7 +12,10 @@ namespace slam::world::check {
 int Sheet::paint(const cv::Mat& where, Cell cell, Change change) {
   const cv::Mat differs = where & (cells != static_cast<int>(cell));
   cells.setTo(static_cast<int>(cell), differs);
-  changes.setTo(static_cast<int>(change), differs);
+  // What was taken away and is then outside stays shown as taken away.
+  const cv::Mat is_told = change == Change::kHidden ? cv::Mat(changes == static_cast<int>(Change::kRemoved))
+                                                    : cv::Mat(cells.size(), CV_8U, cv::Scalar(0));
+  changes.setTo(static_cast<int>(change), differs & ~is_told);
   return cv::countNonZero(differs);
 }
 
