@@ -1,0 +1,18 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "libslam/world/plan.h"
+#include "libslam/world/plan_check.h"
+
+namespace slam::report {
+
+/// A plan before and after mending, at the same scale: beside each other where it is taller than wide, else
+/// one above the other. Both show what changes in colour: on the left what goes, on the right what came; the
+/// legend names only the changes that occur, with their cells. The picture's size, bytes and errors as in
+/// picture.h. REQUIRES rasters and changes of one size (ContractError).
+void drawPlanChanges(const world::Plan& before, const world::Plan& after,
+                     const std::vector<world::Change>& changes, const std::string& title,
+                     const std::string& png_path);
+
+}  // namespace slam::report

@@ -1,0 +1,230 @@
+#include "libslam/world/plan_check.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+
+#include "libslam/core/error.h"
+#include "libslam/world/check/passages.h"
+#include "libslam/world/check/rules.h"
+#include "libslam/world/map_yaml.h"
+
+namespace slam::world {
+namespace {
+using check::Sheet;
+
+/// In the order in which they look: what a rule mends the later ones see mended.
+struct Rule {
+  const char* key;
+  void (*look)(Sheet&);
+  const char* meaning;
+};
+const std::array<Rule, 15>& rules() {
+  static const std::array<Rule, 15> all = {{
+      {"size", check::checkSize, "one pixel, all wall, all free, too large for the memory"},
+      {"colours", check::checkColours, "which colours count as wall and which as free"},
+      {"thresholds", check::checkThresholds, "walls that are pale or smoothed, JPEG noise, uneven light"},
+      {"border", check::checkBorder, "a frame around the page"},
+      {"scale", check::checkScale, "metres a pixel: missing, implausible, estimated from doors"},
+      {"dimensions", check::checkDimensions, "dimension lines with arrow heads or ticks"},
+      {"doors", check::checkDoors, "doors drawn as leaf and quarter circle, closed to a robot"},
+      {"text", check::checkText, "room names and figures that would be walls"},
+      {"leaks", check::checkLeaks, "gaps between the inside of a drawing and the outside"},
+      {"outside", check::checkOutside, "the outside of a drawing is free instead of unknown"},
+      {"specks", check::checkSpecks, "unknown specks amid the free space of a robot's map"},
+      {"rays", check::checkRays, "rays through windows and gaps in a robot's map"},
+      {"isolated", check::checkIsolated, "free areas that the robot cannot reach"},
+      {"open_edge", check::checkOpenEdge, "free space that ends without a wall"},
+      {"start", check::checkStart, "no place for the robot to start"},
+  }};
+  return all;
+}
+
+void requireKnown(const std::vector<std::string>& keys, const std::string& where) {
+  std::vector<std::string> known;
+  for (const Rule& rule : rules()) known.emplace_back(rule.key);
+  for (const auto& key : keys)
+    if (std::find(known.begin(), known.end(), key) == known.end())
+      throw core::InputError(where + ": found '" + key +
+                             "', expected one of the keys of 'world check --help'" +
+                             core::didYouMean(key, known));
+}
+
+bool contains(const std::vector<std::string>& list, const std::string& word) {
+  return std::find(list.begin(), list.end(), word) != list.end();
+}
+
+/// The picture behind a plan, and how it is read.
+struct Source {
+  Picture picture;
+  std::vector<Colour> colours;
+  MapYaml map;
+  bool has_yaml = false;
+};
+
+Source readSource(const std::string& path) {
+  Source source;
+  std::string suffix = std::filesystem::path(path).extension().string();
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  source.has_yaml = suffix == ".yaml" || suffix == ".yml";
+  source.map.image_path = path;
+  if (source.has_yaml) source.map = readMapYaml(path);
+  source.picture = readPicture(source.map.image_path);
+  source.colours = readColourPicture(source.map.image_path).pixels;
+  return source;
+}
+
+cv::Mat cellsOf(const Plan& plan) {
+  cv::Mat cells(plan.rows, plan.columns, CV_8U);
+  for (int row = 0; row < plan.rows; ++row)
+    for (int column = 0; column < plan.columns; ++column)
+      cells.at<std::uint8_t>(plan.rows - 1 - row, column) = static_cast<std::uint8_t>(plan.at(column, row));
+  return cells;
+}
+
+/// From the picture's rows to the plan's.
+template <class T>
+std::vector<T> inPlanOrder(const cv::Mat& raster) {
+  std::vector<T> values;
+  values.reserve(raster.total());
+  for (int y = raster.rows; y-- > 0;)
+    for (int x = 0; x < raster.cols; ++x) values.push_back(static_cast<T>(raster.at<std::uint8_t>(y, x)));
+  return values;
+}
+
+/// A map says where it knows nothing: the usual gray by areas, or with a yaml any unknown along its edge. What
+/// pale lines and noise leave between the thresholds is no such area.
+bool looksLikeAMap(const Sheet& sheet, bool has_yaml) {
+  const cv::Mat unknown = sheet.mask(Cell::kUnknown);
+  if (!sheet.goes_by_gray) return has_yaml;
+  int usual = 0, levels = 0;
+  std::array<int, 256> histogram{};
+  for (const std::uint16_t gray : sheet.picture.gray) {
+    usual += check::isMapServersGray(gray);
+    ++histogram[gray / 257U];
+  }
+  for (const int count : histogram) levels += count > static_cast<int>(sheet.picture.gray.size() / 1000);
+  if (levels <= 12 && usual > static_cast<int>(sheet.picture.gray.size() / 200)) return true;
+  if (!has_yaml) return false;
+  cv::Mat rim(unknown.size(), CV_8U, cv::Scalar(0));
+  rim.row(0).setTo(255), rim.row(rim.rows - 1).setTo(255);
+  rim.col(0).setTo(255), rim.col(rim.cols - 1).setTo(255);
+  return 2 * cv::countNonZero(rim & unknown) > cv::countNonZero(rim);
+}
+
+PlanFigures figuresOf(const Sheet& sheet) {
+  PlanFigures figures;
+  const auto total = static_cast<double>(sheet.cells.total());
+  const cv::Mat free = sheet.mask(Cell::kFree), walls = sheet.mask(Cell::kOccupied);
+  int left = walls.cols, right = 0, top = walls.rows, bottom = 0;
+  for (int y = 0; y < walls.rows; ++y)
+    for (int x = 0; x < walls.cols; ++x)
+      if (walls.at<std::uint8_t>(y, x)) {
+        left = std::min(left, x), right = std::max(right, x + 1);
+        top = std::min(top, y), bottom = std::max(bottom, y + 1);
+      }
+  if (right > left) {
+    figures.width_m = (right - left) * sheet.resolution_m;
+    figures.height_m = (bottom - top) * sheet.resolution_m;
+  }
+  figures.free_share = cv::countNonZero(free) / total;
+  figures.occupied_share = cv::countNonZero(walls) / total;
+  figures.unknown_share = 1 - figures.free_share - figures.occupied_share;
+  figures.free_m2 = sheet.squareMetres(figures.free_share * total);
+  figures.reachable_m2 = sheet.squareMetres(cv::countNonZero(check::reachOfRobot(sheet).body));
+  const double least_room = sheet.toPixels(1) * sheet.toPixels(1) * sheet.options.least_room_m2;
+  const check::Passages found = check::findPassages(free, least_room);
+  figures.rooms = found.rooms;
+  for (const auto& passage : found.passages)
+    figures.door_widths_m.push_back(passage.width * sheet.resolution_m);
+  std::sort(figures.door_widths_m.begin(), figures.door_widths_m.end());
+  figures.megabytes = check::megabytesToSimulate(sheet.cells.total());
+  return figures;
+}
+
+}  // namespace
+
+const core::ParameterTable<PlanCheckOptions>& PlanCheckOptions::table() {
+  using O = PlanCheckOptions;
+  static const core::ParameterTable<O> rows(
+      "check",
+      {{"robot_side_m", &O::robot_side_m, 0.4, 0.01, 10.0, "side of the square robot that has to pass"},
+       {"widest_gap_m", &O::widest_gap_m, 2.0, 0.0, 100.0,
+        "gaps in a drawing's outline up to here are closed"},
+       {"least_room_m2", &O::least_room_m2, 1.5, 0.01, 1e6, "a free area from here on counts as a room"},
+       {"door_m", &O::door_m, 0.85, 0.2, 10.0, "a usual door leaf, for the scale"},
+       {"widest_spur_m", &O::widest_spur_m, 0.6, 0.0, 100.0,
+        "thin lines farther out than this are no part of the outer wall"}});
+  return rows;
+}
+
+PlanCheckOptions::PlanCheckOptions() {
+  table().setDefaults(*this);
+}
+
+std::string severityName(Severity severity) {
+  static const char* const kNames[] = {"note", "warning", "error"};
+  return kNames[static_cast<int>(severity)];
+}
+
+const std::vector<PlanCheckKey>& planCheckKeys() {
+  static const std::vector<PlanCheckKey> keys = [] {
+    std::vector<PlanCheckKey> list;
+    for (const Rule& rule : rules()) list.push_back({rule.key, rule.meaning});
+    return list;
+  }();
+  return keys;
+}
+
+bool PlanCheck::isUsable() const {
+  return std::none_of(findings.begin(), findings.end(),
+                      [](const Finding& f) { return f.severity == Severity::kError; });
+}
+
+bool PlanCheck::isMendable() const {
+  return std::any_of(findings.begin(), findings.end(), [](const Finding& f) { return f.is_mendable; });
+}
+
+PlanCheck checkPlan(const std::string& path, const PlanCheckOptions& options) {
+  requireKnown(options.only, "--only");
+  requireKnown(options.skip, "--skip");
+  const Source source = readSource(path);
+  PlanOptions reading = source.map.options;
+  if (options.resolution_m) reading.resolution_m = *options.resolution_m;
+  reading.allow_empty = true;
+  requireSensible(reading, path);
+
+  PlanCheck result;
+  result.before = loadPlan(path, reading);
+  result.before.resolution_m = reading.resolution_m;
+  Sheet sheet{options, source.picture, source.colours, reading, {}, {}, {}, {}, {}, {}, {}, {}};
+  sheet.has_scale = source.has_yaml || options.resolution_m;
+  sheet.goes_by_gray = !source.map.is_raw && source.picture.opaque.empty();
+  sheet.resolution_m = reading.resolution_m;
+  sheet.cells = cellsOf(result.before);
+  sheet.changes = cv::Mat(sheet.cells.size(), CV_8U, cv::Scalar(0));
+  sheet.is_map = looksLikeAMap(sheet, source.has_yaml);
+
+  for (const Rule& rule : rules()) {
+    const bool is_wanted = options.only.empty() || contains(options.only, rule.key);
+    if (!is_wanted || contains(options.skip, rule.key)) continue;
+    rule.look(sheet);
+    const bool is_hopeless = rule.look == check::checkSize && !sheet.findings.empty() &&
+                             sheet.findings.back().severity == Severity::kError;
+    if (is_hopeless) break;
+  }
+  result.findings = sheet.findings;
+  result.after = result.before;
+  result.after.resolution_m = sheet.resolution_m;
+  result.after.cells = inPlanOrder<Cell>(sheet.cells);
+  result.changes = inPlanOrder<Change>(sheet.changes);
+  result.is_map = sheet.is_map;
+  result.files = {path};
+  if (source.has_yaml) result.files.push_back(source.map.image_path);
+  result.figures = figuresOf(sheet);
+  return result;
+}
+
+}  // namespace slam::world

@@ -1,0 +1,125 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "libslam/core/files.h"
+#include "tests/apps/program.h"
+#include "tests/world/architect_plan.h"
+
+namespace slam::apps {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+void drawPlan(const testing::TempFolder& folder) {
+  cv::imwrite(folder / "plan.png", world::ArchitectPlan(world::ArchitectStyle{}).sheet());
+}
+
+TEST(WorldCheck, SaysThatACommittedWorldHasNothingToMend) {
+  const auto result = rasterslam("world check flat");
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("nothing to mend"));
+  EXPECT_THAT(result.out, HasSubstr("272 x 212 pixels of 0.05 m"));
+  EXPECT_THAT(result.out, HasSubstr("passages"));
+}
+
+TEST(WorldCheck, KeepsToEightyColumns) {
+  const testing::TempFolder folder;
+  drawPlan(folder);
+  std::istringstream lines(rasterslam("world check plan.png", folder.path()).out);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
+}
+
+TEST(WorldCheck, MendsAPlanInWhichTheRobotThenDrives) {
+  const testing::TempFolder folder;
+  drawPlan(folder);
+  const std::string original = core::fileSha256(folder / "plan.png");
+  const auto fixed = rasterslam("world check plan.png --fix", folder.path());
+  ASSERT_EQ(fixed.exit_code, 0) << fixed.err;
+  EXPECT_THAT(fixed.out, HasSubstr("after fixing:\nnothing to mend\n"));
+  EXPECT_EQ(core::fileSha256(folder / "plan.png"), original);
+  for (const std::string file : {"plan.fixed.yaml", "plan.fixed.png", "plan.fixed.before_after.png"})
+    EXPECT_TRUE(fs::exists(folder / file)) << file;
+  EXPECT_GT(cv::imread(folder / "plan.fixed.before_after.png").cols, 600);
+  const auto drive = rasterslam("simulate plan.fixed.yaml -o run.rawlog --duration 20 -q", folder.path());
+  EXPECT_EQ(drive.exit_code, 0) << drive.err;
+  EXPECT_THAT(drive.out, HasSubstr(" 0 collisions"));
+
+  const auto refused = rasterslam("world check plan.png --fix", folder.path());
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_THAT(refused.err, HasSubstr("--overwrite"));
+  EXPECT_EQ(rasterslam("world check plan.png --fix --overwrite", folder.path()).exit_code, 0);
+  const auto nothing = rasterslam("world check plan.fixed.yaml --fix -o again.yaml", folder.path());
+  EXPECT_EQ(nothing.exit_code, 0);
+  EXPECT_FALSE(fs::exists(folder / "again.yaml"));
+}
+
+TEST(WorldCheck, NeverWritesOverThePlanItself) {
+  const testing::TempFolder folder;
+  drawPlan(folder);
+  const std::string original = core::fileSha256(folder / "plan.png");
+  const auto result = rasterslam("world check plan.png --fix -o plan.yaml --overwrite", folder.path());
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err, HasSubstr("would replace the plan"));
+  EXPECT_EQ(core::fileSha256(folder / "plan.png"), original);
+  // Nor the picture that a yaml names.
+  std::ofstream(folder / "map.yaml") << "image: plan.png\nresolution: 0.025\norigin: [0, 0, 0]\n";
+  const auto through_yaml = rasterslam("world check map.yaml --fix -o plan.yaml --overwrite", folder.path());
+  EXPECT_EQ(through_yaml.exit_code, 3);
+  EXPECT_EQ(core::fileSha256(folder / "plan.png"), original);
+}
+
+TEST(WorldCheck, GivesItsFindingsAsJson) {
+  const testing::TempFolder folder;
+  drawPlan(folder);
+  const auto result = rasterslam("world check plan.png --json --fix -o out.yaml", folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["kind"], "drawing");
+  EXPECT_TRUE(json["usable"].get<bool>());
+  bool has_doors = false;
+  for (const auto& finding : json["findings"])
+    if (finding["key"] == "doors") {
+      has_doors = true;
+      EXPECT_EQ(finding["count"], 7);
+      EXPECT_EQ(finding["severity"], "warning");
+      EXPECT_EQ(finding["places"].size(), 7u);
+    }
+  EXPECT_TRUE(has_doors);
+  EXPECT_TRUE(json["fixed"]["findings"].empty());
+  EXPECT_EQ(json["files"].size(), 3u);
+}
+
+TEST(WorldCheck, EndsWithThreeWhereThePlanCannotBeUsed) {
+  const testing::TempFolder folder;
+  cv::imwrite(folder / "white.png", cv::Mat(20, 30, CV_8U, cv::Scalar(255)));
+  const auto white = rasterslam("world check white.png --fix", folder.path());
+  EXPECT_EQ(white.exit_code, 3);
+  EXPECT_THAT(white.out, HasSubstr("no wall at all"));
+  EXPECT_FALSE(fs::exists(folder / "white.fixed.yaml"));
+  EXPECT_EQ(rasterslam("world check none.png", folder.path()).exit_code, 3);
+  EXPECT_EQ(rasterslam("world check flat --only dors").exit_code, 3);
+  EXPECT_EQ(rasterslam("world check flat --robot-side -1").exit_code, 2);
+  const auto huge_robot = rasterslam("world check flat --robot-side 9");
+  EXPECT_EQ(huge_robot.exit_code, 3);
+  EXPECT_THAT(huge_robot.out, HasSubstr("no place for a robot of side 9"));
+  const auto out_of_range = rasterslam("world check flat --robot-side 1e9");
+  EXPECT_EQ(out_of_range.exit_code, 3);
+  EXPECT_THAT(out_of_range.err, HasSubstr("--robot-side"));
+}
+
+TEST(WorldCheck, NamesEveryKeyInItsHelp) {
+  const auto help = rasterslam("world check --help");
+  EXPECT_EQ(help.exit_code, 0);
+  for (const std::string key :
+       {"thresholds", "scale", "doors", "leaks", "text", "isolated", "open_edge", "Exit code"})
+    EXPECT_THAT(help.out, HasSubstr(key));
+}
+
+}  // namespace
+}  // namespace slam::apps
