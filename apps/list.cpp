@@ -12,6 +12,7 @@
 #include "libslam/run/explore.h"
 #include "libslam/run/goal_methods.h"
 #include "libslam/run/resources.h"
+#include "libslam/world/generator.h"
 
 namespace slam::apps {
 namespace {
@@ -57,6 +58,8 @@ std::vector<Entry> entriesOf(const std::string& what) {
       entries.emplace_back(name, navigate::strategyMeaning(name));
   } else if (what == "navigators") {
     for (const auto& name : run::goalMethodNames()) entries.emplace_back(name, run::goalMethodMeaning(name));
+  } else if (what == "buildings") {
+    for (const auto& kind : world::buildingKinds()) entries.emplace_back(kind.name, kind.meaning);
   } else if (what == "worlds") {
     for (const auto& name : run::namesInFolder(run::worldsFolder(), ".yaml")) {
       const auto plan = world::loadPlan(run::worldsFolder() + "/" + name + ".yaml");
@@ -88,12 +91,14 @@ int list(const Context& context, const std::string& what) {
 }  // namespace
 
 void addList(CLI::App& app, Context& context) {
-  auto* command =
-      app.add_subcommand("list", "list methods, strategies, navigators, worlds, lidars or metrics");
+  auto* command = app.add_subcommand(
+      "list", "list methods, strategies, navigators, worlds, buildings, lidars or metrics");
   auto what = std::make_shared<std::string>();
-  command->add_option("what", *what, "methods | strategies | navigators | worlds | lidars | metrics")
+  command
+      ->add_option("what", *what, "methods | strategies | navigators | worlds | buildings | lidars | metrics")
       ->required()
-      ->check(CLI::IsMember({"methods", "strategies", "navigators", "worlds", "lidars", "metrics"}));
+      ->check(
+          CLI::IsMember({"methods", "strategies", "navigators", "worlds", "buildings", "lidars", "metrics"}));
   addJson(command, context);
   command->footer("Example:\n  rasterslam list methods");
   command->callback([&context, what] { context.action = [&context, what] { return list(context, *what); }; });

@@ -186,14 +186,51 @@ void addPlotObstacles(CLI::App& plot, Context& context) {
   });
 }
 
+// --- plot plans
+
+int plotPlans(const Context& context, const std::vector<std::string>& plans) {
+  const std::string path = picturePath(context, "plans.png");
+  std::vector<report::Panel> panels;
+  auto list = nlohmann::ordered_json::array();
+  for (const auto& name : plans) {
+    report::Panel panel;
+    panel.map = world::loadPlan(run::resolvePlan(name));
+    panel.T_world_map =
+        core::inverse(panel.map.T_world_plan);  // beside one another, each from its own corner
+    panel.title = panel.map.name;
+    panel.subtitle = core::formatNumber(panel.map.columns * panel.map.resolution_m) + " x " +
+                     core::formatNumber(panel.map.rows * panel.map.resolution_m) + " m";
+    list.push_back({{"plan", name}, {"size", panel.subtitle}});
+    panels.push_back(std::move(panel));
+  }
+  report::drawPanels(panels, path);
+  say(context, {{"file", path}, {"plans", list}}, path);
+  return 0;
+}
+
+void addPlotPlans(CLI::App& plot, Context& context) {
+  auto* command = plot.add_subcommand(
+      "plans", "floor plans of one size side by side (what reaches further than half of them is cut)");
+  auto plans = std::make_shared<std::vector<std::string>>();
+  command->add_option("plans", *plans, "1 to 8 plans: bmp, png, pgm, jpg, a ROS map yaml, or a world by name")
+      ->required()
+      ->expected(1, 8);
+  addOutput(command, context, "the picture to write (default plans.png)");
+  addJson(command, context);
+  command->footer("Example:\n  rasterslam plot plans flat office_loop pillar_hall -o plans.png");
+  command->callback(
+      [&context, plans] { context.action = [&context, plans] { return plotPlans(context, *plans); }; });
+}
+
 }  // namespace
 
 void addPlot(CLI::App& app, Context& context) {
   auto* command =
-      app.add_subcommand("plot", "draw one thing: a scan, an operation log, the local obstacle map");
+      app.add_subcommand("plot", "draw one thing: a scan, an operation log, plans, the local obstacle map");
   command->require_subcommand(1);
   addPlotScan(*command, context);
   addPlotOperations(*command, context);
+  addPlotPlans(*command, context);
   addPlotObstacles(*command, context);
 }
 

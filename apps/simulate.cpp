@@ -36,7 +36,7 @@ int simulate(const Context& context, const Arguments& arguments) {
   const auto recording = run::record(plan, config, context.seed, log_path, manifest, progress);
   if (context.json) {
     std::cout << nlohmann::ordered_json{{"files", recording.files},
-                                        {"scans", recording.truth.size()},
+                                        {"scans", recording.scans},
                                         {"duration_s", recording.duration_s},
                                         {"path_length_m", recording.path_length_m},
                                         {"collisions", recording.collisions.size()}}
@@ -44,8 +44,8 @@ int simulate(const Context& context, const Arguments& arguments) {
               << "\n";
     return 0;
   }
-  std::printf("%zu scans in %.1f s over %.1f m, %zu collisions\n", recording.truth.size(),
-              recording.duration_s, recording.path_length_m, recording.collisions.size());
+  std::printf("%zu scans in %.1f s over %.1f m, %zu collisions\n", recording.scans, recording.duration_s,
+              recording.path_length_m, recording.collisions.size());
   for (const auto& file : recording.files) std::printf("  %s\n", file.c_str());
   std::printf("next: rasterslam compare %s\n", log_path.c_str());
   return 0;

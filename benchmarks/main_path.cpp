@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "libslam/logs/trajectory_io.h"
 #include "libslam/run/evaluate.h"
 #include "libslam/run/record.h"
 #include "libslam/run/resources.h"
@@ -31,9 +32,9 @@ const std::vector<core::Pose2>& poses() {
     core::IniFile ini;
     ini.set("simulation", "duration_s", "300", "benchmark");
     std::vector<core::Pose2> result;
-    const auto recording =
-        run::record(plan(), run::readRecordConfig(ini), 1, folder / "run.rawlog", {}, core::silentProgress());
-    for (size_t i = 0; i < recording.truth.size(); i += 10) result.push_back(recording.truth[i].pose);
+    run::record(plan(), run::readRecordConfig(ini), 1, folder / "run.rawlog", {}, core::silentProgress());
+    const auto truth = logs::readTum(folder / "run.gt.tum");
+    for (size_t i = 0; i < truth.size(); i += 10) result.push_back(truth[i].pose);
     return result;
   }();
   return visited;
@@ -82,7 +83,7 @@ void simulate(benchmark::State& state) {
   for (auto _ : state) {
     const auto recording = run::record(plan(), config, 1, folder / "run.rawlog", {}, core::silentProgress());
     simulated_s += recording.duration_s;
-    scans += double(recording.truth.size());
+    scans += double(recording.scans);
   }
   state.counters["simulated_s/s"] = benchmark::Counter(simulated_s, benchmark::Counter::kIsRate);
   state.counters["scans/s"] = benchmark::Counter(scans, benchmark::Counter::kIsRate);

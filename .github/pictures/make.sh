@@ -1,11 +1,15 @@
 #!/usr/bin/env bash
-# Makes the README's picture and the results that it quotes: ./.github/pictures/make.sh (after ./bootstrap.sh build)
+# Makes the README's pictures and the results that it quotes: ./.github/pictures/make.sh (after ./bootstrap.sh build)
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 build/release/apps/rasterslam demo --quiet -o "$out/demo" >"$out/tables.txt"
 cp "$out/demo/simulated/maps.png" .github/pictures/maps.png
+for kind in flat office hall hospital cave; do
+  build/release/apps/rasterslam world make "$kind" --size 60x42 --seed 3 -o "$out/$kind.yaml" >"$out/made.txt"
+done
+build/release/apps/rasterslam plot plans "$out"/{flat,office,hall,hospital,cave}.yaml -o .github/pictures/buildings.png --overwrite
 for part in simulated real; do
   mkdir -p "benchmarks/results/demo/$part"
   cp "$out/demo/$part"/{scores.csv,scores.txt,cost.csv} "benchmarks/results/demo/$part/"

@@ -72,13 +72,25 @@ std::string readTextFile(const std::string& path) {
 }
 
 void writeFileAtomically(const std::string& path, std::string_view content) {
-  PendingFile pending(path);
-  std::ofstream out(pending.path(), std::ios::binary | std::ios::trunc);
-  if (!out) throw IoError(path + ": cannot be written: " + std::strerror(errno));
-  out.write(content.data(), static_cast<std::streamsize>(content.size()));
-  out.close();
-  if (!out) throw IoError(path + ": writing failed: " + std::strerror(errno));
-  pending.commit();
+  GrowingFile file(path);
+  file.append(content);
+  file.commit();
+}
+
+GrowingFile::GrowingFile(const std::string& final_path)
+    : final_path_(final_path), file_(final_path), out_(file_.path(), std::ios::binary | std::ios::trunc) {
+  if (!out_) throw IoError(final_path_ + ": cannot be written: " + std::strerror(errno));
+}
+
+void GrowingFile::append(std::string_view text) {
+  out_.write(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!out_) throw IoError(final_path_ + ": writing failed: " + std::strerror(errno));
+}
+
+void GrowingFile::commit() {
+  out_.close();
+  if (!out_) throw IoError(final_path_ + ": writing failed: " + std::strerror(errno));
+  file_.commit();
 }
 
 PendingFile::PendingFile(std::string final_path, bool keep_suffix)

@@ -1,4 +1,5 @@
 #pragma once
+#include <fstream>
 #include <string>
 #include <string_view>
 
@@ -29,6 +30,21 @@ class PendingFile {
  private:
   std::string final_path_, temporary_path_;
   bool committed_ = false;
+};
+
+/// A text file that grows while it is written: a PendingFile with its stream. Errors: IoError with the final path, at
+/// the latest from commit().
+class GrowingFile {
+ public:
+  explicit GrowingFile(const std::string& final_path);
+  void append(std::string_view text);
+  /// Everything to the disk, and the final name. Without it nothing is left.
+  void commit();
+
+ private:
+  std::string final_path_;
+  PendingFile file_;
+  std::ofstream out_;
 };
 
 /// The same for a folder: made empty beside the final name, renamed by commit(), removed otherwise.

@@ -3,11 +3,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <initializer_list>
 #include <string_view>
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 
 namespace slam::logs {
 namespace {
@@ -29,16 +29,6 @@ void appendNumber(std::string& text, double value, int decimals) {
   if (digits.front() == '-' && digits.find_first_not_of("-0.") == std::string_view::npos)
     digits.remove_prefix(1);
   text += digits;
-}
-
-void requireWritable(const core::Trajectory& trajectory) {
-  if (trajectory.empty()) throw core::ContractError("a trajectory without poses cannot be written");
-  for (size_t i = 0; i < trajectory.size(); ++i) {
-    if (!std::isfinite(trajectory[i].time_s) || !core::isFinite(trajectory[i].pose))
-      throw core::ContractError("a trajectory to write holds a number that is not finite");
-    if (i > 0 && trajectory[i].time_s < trajectory[i - 1].time_s)
-      throw core::ContractError("a trajectory to write has stamps that run back");
-  }
 }
 
 struct Line {
@@ -131,21 +121,54 @@ core::Trajectory toTrajectory(const std::vector<Line>& lines, const Format& form
   return trajectory;
 }
 
+void writeAll(const core::Trajectory& trajectory, const std::string& path, TrajectoryWriter::Format format) {
+  TrajectoryWriter writer(path, format);
+  for (const auto& pose : trajectory) writer.write(pose);
+  writer.close();
+}
+
 }  // namespace
 
-void writeTum(const core::Trajectory& trajectory, const std::string& path) {
-  requireWritable(trajectory);
-  std::string text = "# time x y z qx qy qz qw\n";
-  for (const auto& [time_s, pose] : trajectory) {
-    const double half_rad = core::wrapToPi(pose.phi) / 2;
-    appendNumber(text, time_s, kTimeDecimals);
-    for (const double value : {pose.x, pose.y, 0.0, 0.0, 0.0, std::sin(half_rad), std::cos(half_rad)}) {
-      text += ' ';
-      appendNumber(text, value, kTumDecimals);
+TrajectoryWriter::TrajectoryWriter(const std::string& path, Format format) : file_(path), format_(format) {
+  if (format_ == Format::kTum) file_.append("# time x y z qx qy qz qw\n");
+}
+
+void TrajectoryWriter::write(const core::StampedPose& stamped) {
+  const auto& [time_s, pose] = stamped;
+  if (!std::isfinite(time_s) || !core::isFinite(pose))
+    throw core::ContractError("a trajectory to write holds a number that is not finite");
+  if (!is_first_ && time_s < last_time_s_)
+    throw core::ContractError("a trajectory to write has stamps that run back");
+  if (is_first_) start_ = pose;
+  is_first_ = false;
+  last_time_s_ = time_s;
+
+  line_.clear();
+  appendNumber(line_, time_s, kTimeDecimals);
+  const auto append = [&](std::initializer_list<double> values, int decimals) {
+    for (const double value : values) {
+      line_ += ' ';
+      appendNumber(line_, value, decimals);
     }
-    text += '\n';
+  };
+  if (format_ == Format::kTum) {
+    const double half_rad = core::wrapToPi(pose.phi) / 2;
+    append({pose.x, pose.y, 0.0, 0.0, 0.0, std::sin(half_rad), std::cos(half_rad)}, kTumDecimals);
+  } else {
+    const auto T_start_robot = core::between(start_, pose);
+    append({T_start_robot.x, T_start_robot.y, T_start_robot.phi}, kMrptDecimals);
   }
-  core::writeFileAtomically(path, text);
+  line_ += '\n';
+  file_.append(line_);
+}
+
+void TrajectoryWriter::close() {
+  if (is_first_) throw core::ContractError("a trajectory without poses cannot be written");
+  file_.commit();
+}
+
+void writeTum(const core::Trajectory& trajectory, const std::string& path) {
+  writeAll(trajectory, path, TrajectoryWriter::Format::kTum);
 }
 
 core::Trajectory readTum(const std::string& path) {
@@ -153,18 +176,7 @@ core::Trajectory readTum(const std::string& path) {
 }
 
 void writeMrptGroundTruth(const core::Trajectory& truth, const std::string& path) {
-  requireWritable(truth);
-  std::string text;
-  for (const auto& [time_s, pose] : truth) {
-    const auto T_start_robot = core::between(truth.front().pose, pose);
-    appendNumber(text, time_s, kTimeDecimals);
-    for (const double value : {T_start_robot.x, T_start_robot.y, T_start_robot.phi}) {
-      text += ' ';
-      appendNumber(text, value, kMrptDecimals);
-    }
-    text += '\n';
-  }
-  core::writeFileAtomically(path, text);
+  writeAll(truth, path, TrajectoryWriter::Format::kMrptGroundTruth);
 }
 
 core::Trajectory readMrptGroundTruth(const std::string& path) {

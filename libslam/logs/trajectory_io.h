@@ -1,6 +1,7 @@
 #pragma once
 #include <string>
 
+#include "libslam/core/files.h"
 #include "libslam/core/pose2.h"
 
 namespace slam::logs {
@@ -21,6 +22,24 @@ core::Trajectory readTum(const std::string& path);
 /// 6 decimals, no comment.
 void writeMrptGroundTruth(const core::Trajectory& truth, const std::string& path);
 core::Trajectory readMrptGroundTruth(const std::string& path);
+
+/// Both writers' files pose by pose, for a trajectory that is not kept. Pose by pose the same bytes and the same
+/// requirements; close() without a pose is a ContractError too. Without close() nothing is left.
+class TrajectoryWriter {
+ public:
+  enum class Format { kTum, kMrptGroundTruth };
+  TrajectoryWriter(const std::string& path, Format format);
+  void write(const core::StampedPose& pose);
+  void close();
+
+ private:
+  core::GrowingFile file_;
+  Format format_;
+  bool is_first_ = true;
+  core::Pose2 start_;
+  double last_time_s_ = 0;
+  std::string line_;
+};
 
 /// By content: four numbers in the first line of numbers is MRPT's, eight is TUM.
 core::Trajectory readTrajectory(const std::string& path);

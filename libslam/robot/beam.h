@@ -16,7 +16,7 @@ double rayOffset(const LidarOptions& options, int ray);
 /// over three times the (lower) median gap, which is how a spot on one surface differs however slanted that
 /// is. Without an edge: the mean. With one: the mean of the nearer side, as of a device that takes the first
 /// echo; or, if `mixes`, near + where * (far - near) with the mean of the farther side: what devices read that
-/// measure both sides as one (Ye and Borenstein, ICRA 2002, section IV; that the share is uniform is ours).
+/// measure both sides as one (Ye and Borenstein, ICRA 2002; that the share is uniform is ours).
 /// REQUIRES at least one ray.
 double beamRange(std::vector<double> ray_ranges_m, bool mixes, double where);
 

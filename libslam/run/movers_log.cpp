@@ -1,7 +1,7 @@
 #include "libslam/run/movers_log.h"
 
 #include <cmath>
-#include <cstdio>
+#include <sstream>
 
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
@@ -40,23 +40,23 @@ std::string rounded(double value) {
 
 }  // namespace
 
-MoversLog::MoversLog(const std::string& path)
-    : path_(path), file_(path), out_(file_.path(), std::ios::binary) {
-  out_ << "time_s,kind,id,x_m,y_m,heading_rad,state\n";
+MoversLog::MoversLog(const std::string& path) : file_(path) {
+  file_.append("time_s,kind,id,x_m,y_m,heading_rad,state\n");
 }
 
 void MoversLog::add(const sim::Simulator& simulator) {
   const auto& scene = simulator.scene();
   const auto& plan = scene.plan();
   const std::string time = core::formatNumber(simulator.time_s());
+  std::ostringstream lines;
   if (const auto* crowd = scene.crowd()) {
     size_t id = 0;
     for (const auto& person : crowd->people()) {
       const core::Point2 p = plan.T_world_plan * person.p;
       const double heading_rad =
           core::wrapToPi(plan.T_world_plan.phi + std::atan2(person.heading.y, person.heading.x));
-      out_ << time << ",person," << id++ << ',' << rounded(p.x) << ',' << rounded(p.y) << ','
-           << rounded(heading_rad) << ',' << nameOf(person.state) << '\n';
+      lines << time << ",person," << id++ << ',' << rounded(p.x) << ',' << rounded(p.y) << ','
+            << rounded(heading_rad) << ',' << nameOf(person.state) << '\n';
     }
   }
   if (const auto* doors = scene.doors()) {
@@ -68,15 +68,14 @@ void MoversLog::add(const sim::Simulator& simulator) {
       doors_[i] = door.state;
       const core::Point2 p = world::cellsToWorld(
           plan, {0.5 * (door.cells.x0 + door.cells.x1), 0.5 * (door.cells.y0 + door.cells.y1)});
-      out_ << time << ",door," << door.id << ',' << rounded(p.x) << ',' << rounded(p.y) << ",,"
-           << nameOf(door.state) << '\n';
+      lines << time << ",door," << door.id << ',' << rounded(p.x) << ',' << rounded(p.y) << ",,"
+            << nameOf(door.state) << '\n';
     }
   }
+  file_.append(lines.str());
 }
 
 void MoversLog::commit() {
-  out_.close();
-  if (!out_) throw core::IoError(path_ + ": cannot be written");
   file_.commit();
 }
 

@@ -1,5 +1,4 @@
 #pragma once
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -26,9 +25,7 @@ class MoversLog {
   void commit();
 
  private:
-  std::string path_;
-  core::PendingFile file_;
-  std::ofstream out_;
+  core::GrowingFile file_;
   std::vector<sim::DoorState> doors_;  ///< as last written
 };
 

@@ -51,7 +51,7 @@ world::Plan planOfVisit(const world::Plan& plan, const sim::LivingOptions& livin
 
 /// What came out of a recording.
 struct Recording {
-  core::Trajectory truth;
+  std::size_t scans = 0;
   std::vector<sim::Collision> collisions;
   double duration_s = 0, path_length_m = 0;
   std::vector<std::string> files;

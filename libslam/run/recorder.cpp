@@ -40,14 +40,28 @@ struct Recorder::State {
       : log_path(path),
         config(record_config),
         log(path, record_config.simulation.log_form == "action" ? logs::RawlogForm::kActionFrame
-                                                                : logs::RawlogForm::kObservationOnly) {}
+                                                                : logs::RawlogForm::kObservationOnly),
+        tum(logStem(path) + ".gt.tum", logs::TrajectoryWriter::Format::kTum),
+        mrpt_truth(path + ".GT.txt", logs::TrajectoryWriter::Format::kMrptGroundTruth),
+        operations(logStem(path) + ".operations.txt") {}
+
+  void addTruth(const core::StampedPose& pose) {
+    tum.write(pose);
+    mrpt_truth.write(pose);
+    if (scans++ == 0) first_time_s = pose.time_s, last = pose.pose;
+    path_length_m += core::distance(last, pose.pose);
+    last = pose.pose;
+  }
 
   std::string log_path;
   RecordConfig config;
   logs::LogWriter log;
   std::unique_ptr<odometry::ScanOdometry> scan_odometry = foundingOdometry();
-  std::vector<sim::Operation> operations;
-  core::Trajectory truth;
+  logs::TrajectoryWriter tum, mrpt_truth;
+  core::GrowingFile operations;
+  size_t scans = 0;
+  double first_time_s = 0, path_length_m = 0;
+  core::Pose2 last;
   std::optional<MoversLog> movers;
   std::chrono::steady_clock::time_point wall_start = std::chrono::steady_clock::now();
 };
@@ -60,7 +74,7 @@ Recorder::~Recorder() = default;
 void Recorder::begin(const sim::Simulator& simulator, const sim::Sensed& sensed) {
   state_->scan_odometry->update(sensed.scan);
   state_->log.write(toLogEntry(sensed));
-  state_->truth.push_back({simulator.time_s(), simulator.truth()});
+  state_->addTruth({simulator.time_s(), simulator.truth()});
   if (!simulator.scene().isAlive()) return;
   state_->movers.emplace(logStem(state_->log_path) + ".movers.csv");
   state_->movers->add(simulator);
@@ -69,24 +83,25 @@ void Recorder::begin(const sim::Simulator& simulator, const sim::Sensed& sensed)
 void Recorder::add(const robot::Command& command, const sim::Simulator& simulator,
                    const sim::Sensed& sensed) {
   const auto kind = isTurn(command) ? odometry::MotionKind::kTurn : odometry::MotionKind::kMove;
-  state_->operations.push_back(toOperation(command, state_->scan_odometry->update(sensed.scan, kind)));
+  state_->operations.append(
+      sim::formatOperation(toOperation(command, state_->scan_odometry->update(sensed.scan, kind))));
   state_->log.write(toLogEntry(sensed));
-  state_->truth.push_back({simulator.time_s(), simulator.truth()});
+  state_->addTruth({simulator.time_s(), simulator.truth()});
   if (state_->movers) state_->movers->add(simulator);
 }
 
 Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, core::Manifest manifest) {
   State& state = *state_;
   Recording recording;
-  recording.truth = state.truth;
   const std::string stem = logStem(state.log_path);
   state.log.close();
-  logs::writeTum(recording.truth, stem + ".gt.tum");
-  logs::writeMrptGroundTruth(recording.truth, state.log_path + ".GT.txt");
-  core::writeFileAtomically(stem + ".operations.txt", sim::formatOperations(state.operations));
+  state.tum.close();
+  state.mrpt_truth.close();
+  state.operations.commit();
   recording.collisions = simulator.collisions();
-  recording.duration_s = simulator.time_s() - state.truth.front().time_s;
-  recording.path_length_m = core::pathLength(recording.truth);
+  recording.scans = state.scans;
+  recording.duration_s = simulator.time_s() - state.first_time_s;
+  recording.path_length_m = state.path_length_m;
   recording.files = {state.log_path, state.log_path + ".GT.txt", stem + ".gt.tum", stem + ".operations.txt",
                      stem + ".manifest.json"};
   if (state.movers) state.movers->commit(), recording.files.push_back(stem + ".movers.csv");
@@ -112,7 +127,7 @@ Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, 
   if (is_later_visit)
     manifest.files[name(stem) + ".plan.yaml"] =
         "true plan of this visit, furniture moved: rasterslam eval --plan";
-  manifest.results["scans"] = std::to_string(recording.truth.size());
+  manifest.results["scans"] = std::to_string(recording.scans);
   manifest.results["duration_s"] = core::formatNumber(recording.duration_s);
   manifest.results["path_length_m"] = core::formatNumber(recording.path_length_m);
   manifest.results["collisions"] = std::to_string(recording.collisions.size());

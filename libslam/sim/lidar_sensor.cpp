@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "libslam/robot/beam.h"
-#include "libslam/world/wall_hit.h"
 
 namespace slam::sim {
 namespace {
@@ -21,14 +20,23 @@ core::Point2 along(const core::Point2& p, const core::Point2& direction, double 
   return {p.x + length * direction.x, p.y + length * direction.y};
 }
 
-double castOneRay(const Scene& scene, const core::Point2& p_world, double angle_rad, double max_range_m) {
-  thread_local std::vector<float> range_m;
-  scene.castScan({p_world.x, p_world.y, angle_rad}, 0, 1, 1, max_range_m, range_m);
-  return range_m[0];
-}
-
 bool areEqual(const core::Pose2& a, const core::Pose2& b) {
   return a.x == b.x && a.y == b.y && a.phi == b.phi;
+}
+
+/// The wall that a ray met after range_m if it is not plain; nullopt for plain walls, for what is not in the
+/// plan, and for a ray that starts in the wall.
+std::optional<world::WallHit> specialWall(const world::Plan& plan, const LidarSensor::Ray& ray,
+                                          double range_m) {
+  // Ranges are floats: this far apart, the scene's answer and the plan's wall are the same place.
+  constexpr double kSamePlace = 1e-6;
+  if (world::isPlainAt(plan, along(ray.p_world, ray.direction(), range_m))) return std::nullopt;
+  const auto wall = world::findWall(plan, ray.p_world, ray.angle_rad);
+  const bool is_met = wall && wall->distance_m <= range_m * (1 + kSamePlace) + kSamePlace;
+  if (!is_met || wall->material == world::Material::kPlain) return std::nullopt;
+  const bool starts_inside = wall->face_x == 0 && wall->face_y == 0;
+  if (starts_inside && wall->material != world::Material::kDark) return std::nullopt;
+  return wall;
 }
 
 /// The poses of a lidar at its beams; one when it stood still.
@@ -52,12 +60,21 @@ std::vector<core::Pose2> beamPoses(const robot::LidarOptions& options, const cor
 
 }  // namespace
 
+core::Point2 LidarSensor::Ray::direction() const {
+  return {std::cos(angle_rad), std::sin(angle_rad)};
+}
+
 LidarSensor::LidarSensor(const robot::LidarOptions& options, std::uint64_t seed)
     : options_(options),
       random_(seed, "lidar"),
       mixed_random_(seed, "lidar mixed"),
       glass_random_(seed, "lidar glass") {
   robot::requireSensible(options);
+  const int rays = options.beam_width_rad > 0 ? robot::kRaysPerBeam : 1;
+  for (int ray = 0; ray < rays; ++ray) {
+    const double offset_rad = rays > 1 ? robot::rayOffset(options, ray) : 0;
+    beams_.emplace_back(robot::firstAngle(options) + offset_rad, robot::beamStep(options), options.beams);
+  }
 }
 
 double LidarSensor::memory_s() const {
@@ -78,7 +95,7 @@ robot::Scan LidarSensor::sense(const Scene& scene, const core::Pose2& T_world_ro
   if (options_.beam_width_rad > 0)
     castWideBeams(scene, scan.ranges_m);
   else
-    castBeams(scene, 0, scan.ranges_m);
+    castBeams(scene, beams_[0], scan.ranges_m);
   robot::applyLidarErrors(options_, random_, scan.ranges_m);
   return scan;
 }
@@ -86,10 +103,11 @@ robot::Scan LidarSensor::sense(const Scene& scene, const core::Pose2& T_world_ro
 void LidarSensor::castWideBeams(const Scene& scene, std::vector<float>& out_ranges_m) {
   std::array<std::vector<float>, robot::kRaysPerBeam> rays_m;
   for (int ray = 0; ray < robot::kRaysPerBeam; ++ray)
-    castBeams(scene, robot::rayOffset(options_, ray), rays_m[static_cast<size_t>(ray)]);
+    castBeams(scene, beams_[static_cast<size_t>(ray)], rays_m[static_cast<size_t>(ray)]);
   out_ranges_m.resize(rays_m[0].size());
   for (size_t beam = 0; beam < out_ranges_m.size(); ++beam) {
     std::vector<double> ranges_m;
+    ranges_m.reserve(rays_m.size());
     for (const auto& ray_m : rays_m) ranges_m.push_back(ray_m[beam]);
     bool mixes = false;
     double where = 0;
@@ -101,74 +119,65 @@ void LidarSensor::castWideBeams(const Scene& scene, std::vector<float>& out_rang
   }
 }
 
-void LidarSensor::castBeams(const Scene& scene, double offset_rad, std::vector<float>& out_ranges_m) {
-  const double first_rad = robot::firstAngle(options_) + offset_rad, step_rad = robot::beamStep(options_);
+void LidarSensor::castBeams(const Scene& scene, const world::BeamTable& beams,
+                            std::vector<float>& out_ranges_m) {
   const bool stood_still = T_world_lidar_.size() == 1;
-  if (stood_still)
-    scene.castScan(T_world_lidar_[0], first_rad, step_rad, options_.beams, options_.max_range_m,
-                   out_ranges_m);
+  if (stood_still) scene.castScan(T_world_lidar_[0], beams, options_.max_range_m, out_ranges_m);
   out_ranges_m.resize(static_cast<size_t>(options_.beams));
   const bool has_materials = !scene.plan().materials.empty();
   if (stood_still && !has_materials) return;
   for (size_t beam = 0; beam < out_ranges_m.size(); ++beam) {
     const core::Pose2& T_world_lidar = T_world_lidar_[stood_still ? 0 : beam];
     const core::Point2 p_world = core::position(T_world_lidar);
-    const double angle_rad = T_world_lidar.phi + first_rad + static_cast<double>(beam) * step_rad;
+    const double angle_rad =
+        T_world_lidar.phi + beams.firstAngle() + static_cast<double>(beam) * beams.step();
     double range_m =
-        stood_still ? out_ranges_m[beam] : castOneRay(scene, p_world, angle_rad, options_.max_range_m);
-    if (has_materials) range_m = followRay(scene, p_world, angle_rad, range_m);
+        stood_still ? out_ranges_m[beam] : scene.castRay(p_world, angle_rad, options_.max_range_m);
+    if (has_materials) range_m = followRay(scene, {p_world, angle_rad, 0}, range_m);
     out_ranges_m[beam] = static_cast<float>(range_m);
   }
 }
 
-double LidarSensor::followRay(const Scene& scene, core::Point2 p_world, double angle_rad, double range_m) {
-  // Ranges are floats: this far apart, the scene's answer and the plan's wall are the same place.
-  constexpr double kSamePlace = 1e-6;
-  constexpr double kLeastCosine = 0.01;
-  const world::Plan& plan = scene.plan();
-  // So that rounding leaves no ray in the wall that it has just left.
-  const double clearance_m = 1e-6 * plan.resolution_m;
-  double travelled_m = 0;
+double LidarSensor::followRay(const Scene& scene, Ray ray, double range_m) {
   for (int turn = 0; turn < kMostTurns; ++turn) {
     if (std::isinf(range_m)) return kInfinity;
-    const core::Point2 direction{std::cos(angle_rad), std::sin(angle_rad)};
-    if (world::isPlainAt(plan, along(p_world, direction, range_m))) return travelled_m + range_m;
-    const auto hit = world::findWall(plan, p_world, angle_rad);
-    const bool is_wall = hit && hit->distance_m <= range_m * (1 + kSamePlace) + kSamePlace;
-    const world::Material material = is_wall ? hit->material : world::Material::kPlain;
-    const bool has_face = is_wall && (hit->face_x != 0 || hit->face_y != 0);
-    const bool ends_here =
-        material == world::Material::kPlain || material == world::Material::kDark || !has_face;
-    if (ends_here) {
-      const bool too_dark = material == world::Material::kDark && options_.dark_range_m > 0 &&
-                            travelled_m + range_m > options_.dark_range_m;
-      return too_dark ? kInfinity : travelled_m + range_m;
-    }
-    const auto [normal, steps_m] = world::surfaceAt(plan, *hit);
-    // The estimated plane of a wall off the axes may face away from a ray that grazes it.
-    const double cosine = std::max(kLeastCosine, -(direction.x * normal.x + direction.y * normal.y));
-    bool mirrors = true;
-    if (material == world::Material::kGlass) {
-      const double incidence_rad = std::acos(std::min(1.0, cosine));
-      if (glass_random_.chance(robot::glassEcho(options_, incidence_rad))) return travelled_m + range_m;
-      mirrors = glass_random_.chance(robot::glassReflectance(options_, incidence_rad));
-    }
-    double onward_m = hit->leaves_m + clearance_m;
-    if (mirrors) {
-      const core::Point2 reflected = along(direction, normal, 2 * cosine);
-      const double clear_m = (steps_m + clearance_m) / cosine;
-      angle_rad = std::atan2(reflected.y, reflected.x);
-      p_world = along(along(p_world, direction, hit->distance_m), reflected, clear_m);
-      onward_m = hit->distance_m + clear_m;
-    } else {
-      p_world = along(p_world, direction, onward_m);
-    }
-    travelled_m += onward_m;
-    if (options_.max_range_m > 0 && travelled_m >= options_.max_range_m) return kInfinity;
-    range_m = castOneRay(scene, p_world, angle_rad,
-                         options_.max_range_m > 0 ? options_.max_range_m - travelled_m : 0);
+    const double way_m = ray.travelled_m + range_m;
+    const auto wall = specialWall(scene.plan(), ray, range_m);
+    if (!wall) return way_m;
+    if (wall->material == world::Material::kDark)
+      return options_.dark_range_m > 0 && way_m > options_.dark_range_m ? kInfinity : way_m;
+    const auto onward = sendOn(scene.plan(), ray, *wall);
+    if (!onward) return way_m;
+    ray = *onward;
+    if (options_.max_range_m > 0 && ray.travelled_m >= options_.max_range_m) return kInfinity;
+    range_m = scene.castRay(ray.p_world, ray.angle_rad,
+                            options_.max_range_m > 0 ? options_.max_range_m - ray.travelled_m : 0);
   }
   return kInfinity;
+}
+
+std::optional<LidarSensor::Ray> LidarSensor::sendOn(const world::Plan& plan, const Ray& ray,
+                                                    const world::WallHit& wall) {
+  constexpr double kLeastCosine = 0.01;
+  const core::Point2 direction = ray.direction();
+  const auto [normal, steps_m] = world::surfaceAt(plan, wall);
+  // The estimated plane of a wall off the axes may face away from a ray that grazes it.
+  const double cosine = std::max(kLeastCosine, -(direction.x * normal.x + direction.y * normal.y));
+  // So that rounding leaves no ray in the wall that it has just left.
+  const double clearance_m = 1e-6 * plan.resolution_m;
+  if (wall.material == world::Material::kGlass) {
+    const double incidence_rad = std::acos(std::min(1.0, cosine));
+    if (glass_random_.chance(robot::glassEcho(options_, incidence_rad))) return std::nullopt;
+    if (!glass_random_.chance(robot::glassReflectance(options_, incidence_rad))) {
+      const double through_m = wall.leaves_m + clearance_m;
+      return Ray{along(ray.p_world, direction, through_m), ray.angle_rad, ray.travelled_m + through_m};
+    }
+  }
+  const core::Point2 reflected = along(direction, normal, 2 * cosine);
+  const double clear_m = (steps_m + clearance_m) / cosine;
+  const core::Point2 p_world_hit = along(ray.p_world, direction, wall.distance_m);
+  return Ray{along(p_world_hit, reflected, clear_m), std::atan2(reflected.y, reflected.x),
+             ray.travelled_m + wall.distance_m + clear_m};
 }
 
 }  // namespace slam::sim

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "libslam/core/pose2.h"
@@ -8,6 +9,7 @@
 #include "libslam/robot/scan.h"
 #include "libslam/sim/recent_path.h"
 #include "libslam/sim/scene.h"
+#include "libslam/world/wall_hit.h"
 
 namespace slam::sim {
 
@@ -27,13 +29,22 @@ namespace slam::sim {
 /// (world::surfaceAt()), glass answers, mirrors or lets through as robot::glassEcho() and
 /// robot::glassReflectance() draw it, for each ray anew; a range is the length of the whole way. Transmission
 /// does not bend or weaken. The way of a ray ends at its kMostTurns-th pane or mirror: no return. Dark
-/// surfaces beyond dark_range_m give none. What is in the scene and not in its plan is plain.
+/// surfaces beyond dark_range_m give none. A mirror that a pane touches from behind is a wall to rays through the
+/// pane. What is in the scene and not in its plan is plain.
 ///
 /// Streams: "lidar" (as robot::applyLidarErrors()), "lidar mixed", "lidar glass". Effects that are off neither
 /// draw nor cost.
 class LidarSensor {
  public:
   static constexpr int kMostTurns = 16;
+
+  /// On its way, after travelled_m of it.
+  struct Ray {
+    core::Point2 p_world;
+    double angle_rad;
+    double travelled_m;
+    core::Point2 direction() const;
+  };
 
   /// InputError as robot::requireSensible().
   LidarSensor(const robot::LidarOptions& options, std::uint64_t seed);
@@ -45,12 +56,16 @@ class LidarSensor {
                     double time_s);
 
  private:
-  void castBeams(const Scene& scene, double offset_rad, std::vector<float>& out_ranges_m);
+  void castBeams(const Scene& scene, const world::BeamTable& beams, std::vector<float>& out_ranges_m);
   void castWideBeams(const Scene& scene, std::vector<float>& out_ranges_m);
-  double followRay(const Scene& scene, core::Point2 p_world, double angle_rad, double range_m);
+  /// The length of the whole way of a ray that meets something after range_m.
+  double followRay(const Scene& scene, Ray ray, double range_m);
+  /// Past a pane or off a mirror; nullopt when a pane answers.
+  std::optional<Ray> sendOn(const world::Plan& plan, const Ray& ray, const world::WallHit& wall);
 
   robot::LidarOptions options_;
   core::RandomStream random_, mixed_random_, glass_random_;
+  std::vector<world::BeamTable> beams_;     ///< one for each ray of a beam
   std::vector<core::Pose2> T_world_lidar_;  ///< of the present scan: one for each beam, or one for all
 };
 

@@ -41,17 +41,19 @@ double stepOf(const Operation& move) {
 
 }  // namespace
 
+std::string formatOperation(const Operation& operation) {
+  const bool known = operation.kind == 'm' || operation.kind == 't';
+  if (!known || !std::isfinite(operation.first) || !std::isfinite(operation.second))
+    throw core::ContractError("formatOperation: expected kind m or t and finite readings");
+  std::string line(1, operation.kind);
+  line += ' ' + core::formatNumber(operation.first);
+  if (operation.kind == 'm') line += ' ' + core::formatNumber(operation.second);
+  return line + '\n';
+}
+
 std::string formatOperations(const std::vector<Operation>& operations) {
   std::string text;
-  for (const auto& operation : operations) {
-    const bool known = operation.kind == 'm' || operation.kind == 't';
-    if (!known || !std::isfinite(operation.first) || !std::isfinite(operation.second))
-      throw core::ContractError("formatOperations: expected kind m or t and finite readings");
-    text += operation.kind;
-    text += ' ' + core::formatNumber(operation.first);
-    if (operation.kind == 'm') text += ' ' + core::formatNumber(operation.second);
-    text += '\n';
-  }
+  for (const auto& operation : operations) text += formatOperation(operation);
   return text;
 }
 

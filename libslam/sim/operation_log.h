@@ -19,7 +19,9 @@ struct Operation {
   double second = 0;  ///< m: front reading in metres; t: unused
 };
 
-/// REQUIRES known kinds and finite readings (ContractError). No operation gives the empty text.
+/// One line, with its end. REQUIRES a known kind and finite readings (ContractError).
+std::string formatOperation(const Operation& operation);
+/// All lines. No operation gives the empty text.
 std::string formatOperations(const std::vector<Operation>& operations);
 
 /// Reads what formatOperations wrote; `name` stands for the file in errors. InputError with file and line

@@ -1,6 +1,7 @@
 #include "libslam/sim/scene.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
@@ -25,12 +26,21 @@ Scene::Scene(const world::Plan& plan, const LivingOptions& living, std::uint64_t
   placeBodies();
 }
 
-void Scene::castScan(const core::Pose2& T_world_lidar, double first_angle_rad, double step_rad, int beams,
-                     double max_range_m, std::vector<float>& out_ranges_m) const {
-  caster_.castScan(T_world_lidar, world::BeamTable(first_angle_rad, step_rad, beams), max_range_m,
-                   out_ranges_m);
+void Scene::castScan(const core::Pose2& T_world_lidar, const world::BeamTable& beams, double max_range_m,
+                     std::vector<float>& out_ranges_m) const {
+  caster_.castScan(T_world_lidar, beams, max_range_m, out_ranges_m);
   if (!bodies_.empty())
-    sim::castScan(bodies_, T_world_lidar, first_angle_rad, step_rad, max_range_m, out_ranges_m);
+    sim::castScan(bodies_, T_world_lidar, beams.firstAngle(), beams.step(), max_range_m, out_ranges_m);
+}
+
+double Scene::castRay(const core::Point2& p_world, double angle_rad, double max_range_m) const {
+  double range_m = caster_.castRay(p_world, angle_rad, max_range_m);
+  const core::Point2 direction{std::cos(angle_rad), std::sin(angle_rad)};
+  for (const Disc& body : bodies_) {
+    const double body_m = sim::castRay(body, p_world, direction);
+    if (body_m < range_m && (max_range_m <= 0 || body_m <= max_range_m)) range_m = body_m;
+  }
+  return range_m;
 }
 
 bool Scene::discCollides(const core::Point2& p_world, double radius_m) const {

@@ -27,10 +27,11 @@ class Scene {
   /// The plan as it is now: the cells of a closed door are occupied.
   const world::Plan& plan() const { return changing_ ? *changing_ : plan_; }
   const world::Plan& planWithDoorsOpen() const { return plan_; }
-  /// As world::castScan(), and people are met like walls. A part of a sweep that looks from a pose of its own is a
-  /// scan of fewer beams.
-  void castScan(const core::Pose2& T_world_lidar, double first_angle_rad, double step_rad, int beams,
-                double max_range_m, std::vector<float>& out_ranges_m) const;
+  /// As world::castScan(), and people are met like walls.
+  void castScan(const core::Pose2& T_world_lidar, const world::BeamTable& beams, double max_range_m,
+                std::vector<float>& out_ranges_m) const;
+  /// As world::castRay(), and people are met like walls.
+  double castRay(const core::Point2& p_world, double angle_rad, double max_range_m) const;
   /// As world::discCollides(); and people count.
   bool discCollides(const core::Point2& p_world, double radius_m) const;
   /// What the lidar meets besides the plan, world frame.

@@ -6,7 +6,8 @@
 
 namespace slam::world {
 
-BeamTable::BeamTable(double first_angle_rad, double step_rad, int beams) {
+BeamTable::BeamTable(double first_angle_rad, double step_rad, int beams)
+    : first_angle_rad_(first_angle_rad), step_rad_(step_rad) {
   for (int i = 0; i < beams; ++i) {
     const double angle_rad = first_angle_rad + i * step_rad;
     if (!std::isfinite(angle_rad)) throw core::ContractError("BeamTable: expected finite angles");

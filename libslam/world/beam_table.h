@@ -15,10 +15,13 @@ class BeamTable {
   BeamTable(double first_angle_rad, double step_rad, int beams);
 
   int size() const { return static_cast<int>(cosines_.size()); }
+  double firstAngle() const { return first_angle_rad_; }
+  double step() const { return step_rad_; }
   const double* cosines() const { return cosines_.data(); }
   const double* sines() const { return sines_.data(); }
 
  private:
+  double first_angle_rad_ = 0, step_rad_ = 0;
   std::vector<double> cosines_, sines_;
 };
 

@@ -3,30 +3,55 @@
 #include <algorithm>
 
 namespace slam::world {
+namespace {
 
-std::vector<size_t> largestRegion(int columns_of_raster, std::vector<char> marked) {
-  const auto columns = static_cast<size_t>(columns_of_raster);
-  std::vector<size_t> largest, region;
-  for (size_t seed = 0; seed < marked.size(); ++seed) {
-    if (!marked[seed]) continue;
-    region.assign(1, seed);
-    marked[seed] = 0;
-    const auto add = [&](bool exists, size_t index) {
-      if (!exists || !marked[index]) return;
-      marked[index] = 0;
-      region.push_back(index);
-    };
-    for (size_t done = 0; done < region.size(); ++done) {
-      const size_t index = region[done];
-      add(index % columns > 0, index - 1);
-      add(index % columns + 1 < columns, index + 1);
-      add(index >= columns, index - columns);
-      add(index + columns < marked.size(), index + columns);
+/// The first run of the region so far; shortens the way there for the next one who asks.
+size_t rootOf(std::vector<RegionRun>& runs, size_t run) {
+  while (runs[run].region != run) run = runs[run].region = runs[runs[run].region].region;
+  return run;
+}
+
+void join(std::vector<RegionRun>& runs, size_t a, size_t b) {
+  a = rootOf(runs, a), b = rootOf(runs, b);
+  runs[std::max(a, b)].region = std::min(a, b);
+}
+
+}  // namespace
+
+std::vector<RegionRun> regionRuns(int columns, const std::vector<char>& marked) {
+  const auto width = static_cast<size_t>(columns);
+  std::vector<RegionRun> runs;
+  size_t below = 0;  // the first run that may touch the current one from the row below
+  for (size_t row = 0; row < marked.size(); row += width) {
+    for (size_t i = row; i < row + width; ++i) {
+      if (!marked[i]) continue;
+      const size_t begin = i;
+      while (i < row + width && marked[i]) ++i;
+      const size_t run = runs.size();
+      runs.push_back({begin, i, run});
+      while (below < run && runs[below].end + width <= begin) ++below;
+      for (size_t other = below; other < run && runs[other].begin + width < i; ++other)
+        join(runs, other, run);
     }
-    if (region.size() > largest.size()) largest.swap(region);
   }
-  std::sort(largest.begin(), largest.end());
-  return largest;
+  for (size_t run = 0; run < runs.size(); ++run) runs[run].region = rootOf(runs, run);
+  return runs;
+}
+
+size_t largestRegionOf(const std::vector<RegionRun>& runs) {
+  std::vector<size_t> cells(runs.size(), 0);
+  for (const RegionRun& run : runs) cells[run.region] += run.end - run.begin;
+  return static_cast<size_t>(std::max_element(cells.begin(), cells.end()) - cells.begin());
+}
+
+std::vector<size_t> largestRegion(int columns, const std::vector<char>& marked) {
+  const std::vector<RegionRun> runs = regionRuns(columns, marked);
+  std::vector<size_t> indices;
+  if (runs.empty()) return indices;
+  const size_t largest = largestRegionOf(runs);
+  for (const RegionRun& run : runs)
+    for (size_t i = run.begin; run.region == largest && i < run.end; ++i) indices.push_back(i);
+  return indices;
 }
 
 }  // namespace slam::world

@@ -38,7 +38,7 @@ struct Surface {
 ///
 /// Exact for walls along the plan's axes, also beside corners, ends and other materials, and for slopes 1 : n
 /// of which two steps are in reach; for other straight walls off by at most one cell over the steps in reach,
-/// some 2 degrees. A curved wall gets its chord. An edge one cell wide is no staircase: its own face.
+/// less than a degree. A curved wall gets its chord. An edge one cell wide is no staircase: its own face.
 /// REQUIRES a hit with a face (ContractError).
 Surface surfaceAt(const Plan& plan, const WallHit& hit);
 

@@ -84,6 +84,29 @@ TEST(BadInput, PlansThatAreNone) {
   expectRefusal(folder, "compare white.png", 3, "no obstacle");
 }
 
+TEST(BadInput, BuildingsThatCannotBe) {
+  const testing::TempFolder folder;
+  std::ofstream(folder / "taken.png") << "a picture of somebody's";
+  expectRefusal(folder, "world make hospitl", 3, "did you mean 'hospital'?");
+  expectRefusal(folder, "world make office --size 80", 3, "--size: found '80', expected width x height");
+  expectRefusal(folder, "world make office --size 80x4", 3, "--size: found '80x4', expected width x height");
+  expectRefusal(folder, "world make office --size 80x500", 3,
+                "--size: section [building], key 'height_m': found '500', expected a number from 0 to 200");
+  expectRefusal(folder, "world make office --size nanx20", 3, "--size: found 'nanx20'");
+  expectRefusal(folder, "world make hospital --size 9x7", 3, "found 9 x 7, expected at least ");
+  expectRefusal(folder, "world make cave --resolution 0.5", 3,
+                "--resolution: section [building], key 'resolution_m': found '0.5'");
+  expectRefusal(folder, "world make cave --set building.cluter=0", 3, "did you mean 'clutter'?");
+  expectRefusal(folder, "world make cave --set bilding.clutter=0", 3, "did you mean 'building'?");
+  expectRefusal(folder, "world make maze --size 20x20", 3, "'maze' has one size and no options");
+  expectRefusal(folder, "world make cave -o cave.png", 3, "expected a name that ends with .yaml");
+  expectRefusal(folder, "world make cave -o taken.yaml", 3, "taken.png: exists; give --overwrite");
+  expectRefusal(folder, "world make cave --preview cave.png", 3, "expected another file");
+  expectRefusal(folder, "world make cave --preview taken.png", 3, "taken.png: exists; give --overwrite");
+  expectRefusal(folder, "world make cave -o nowhere/cave.yaml", 1, "nowhere/cave");
+  expectRefusal(folder, "plot plans taken.png", 3, "taken.png");
+}
+
 TEST(BadInput, StartsAndKeysThatCannotBe) {
   const testing::TempFolder folder;
   cv::imwrite(folder / "room.png", roomPicture());

@@ -8,9 +8,6 @@
 namespace slam::robot {
 namespace {
 
-using core::degToRad;
-using core::kPi;
-
 /// Bounds are five standard errors of the estimator: by chance a right program fails once in a million.
 constexpr double kSigmas = 5;
 
@@ -35,6 +32,7 @@ void expectNear(const core::Pose2& found, const core::Pose2& expected, double to
 std::vector<Command> wandering(int count) {
   core::RandomStream random(7, "test commands");
   std::vector<Command> commands;
+  commands.reserve(static_cast<size_t>(count));
   for (int i = 0; i < count; ++i)
     commands.push_back({random.uniform(-0.5, 0.5), random.uniform(-1, 1), random.uniform(0, 0.4)});
   return commands;

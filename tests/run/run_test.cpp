@@ -6,6 +6,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/compare.h"
@@ -59,9 +60,12 @@ TEST(Record, TheTruthHasOnePoseForEveryScanAndStartsWhereAsked) {
   ASSERT_TRUE(start.has_value());
   config.simulation.start = core::formatNumber(start->x) + " " + core::formatNumber(start->y) + " 90";
   const auto recording = record(plan, config, 1, folder / "run.rawlog", {}, core::silentProgress());
-  EXPECT_EQ(recording.truth.size(), 51U);  // 10 s at 5 Hz and the first look
-  EXPECT_EQ(recording.truth.front().pose.x, start->x);
-  EXPECT_NEAR(recording.truth.front().pose.phi, core::kPi / 2, 1e-12);
+  const auto truth = logs::readTum(folder / "run.gt.tum");
+  EXPECT_EQ(recording.scans, 51U);  // 10 s at 5 Hz and the first look
+  EXPECT_EQ(truth.size(), recording.scans);
+  EXPECT_NEAR(truth.front().pose.x, start->x, 1e-9);
+  EXPECT_NEAR(truth.front().pose.phi, core::kPi / 2, 1e-8);
+  EXPECT_NEAR(recording.path_length_m, core::pathLength(truth), 1e-6);
   EXPECT_NEAR(recording.duration_s, 10, 1e-9);
   const std::string operations = core::readTextFile(folder / "run.operations.txt");
   EXPECT_EQ(std::count(operations.begin(), operations.end(), '\n'), 50);

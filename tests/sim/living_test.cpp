@@ -110,7 +110,7 @@ TEST(LivingWorld, TheScanIsTheNearerOfWallAndLeg) {
   for (int i = 0; i < 50; ++i) {
     const auto scan = simulator.step({0, 0, 0.1}).scan;
     std::vector<float> walls;
-    Scene(plan).castScan(simulator.truth(), scan.first_angle_rad, scan.step_rad, 721, 0, walls);
+    Scene(plan).castScan(simulator.truth(), {scan.first_angle_rad, scan.step_rad, 721}, 0, walls);
     for (size_t k = 0; k < walls.size(); ++k) {
       const double angle = simulator.truth().phi + scan.angle(k);
       double nearest = walls[k];
@@ -127,9 +127,9 @@ TEST(LivingWorld, APartOfASweepIsAScanOfFewerBeams) {
   const world::Plan plan = twoRooms();
   const Scene scene(plan, people(8), 2, {{3, 3}, 0.3});
   std::vector<float> whole, part;
-  scene.castScan({3, 3, 0.3}, -2, 0.01, 400, 5, whole);
+  scene.castScan({3, 3, 0.3}, {-2, 0.01, 400}, 5, whole);
   for (int i = 0; i < 400; i += 7) {
-    scene.castScan({3, 3, 0.3}, -2 + i * 0.01, 0.01, 1, 5, part);
+    scene.castScan({3, 3, 0.3}, {-2 + i * 0.01, 0.01, 1}, 5, part);
     ASSERT_EQ(part.front(), whole[static_cast<size_t>(i)]);
   }
 }

@@ -51,11 +51,25 @@ TEST(RecentPath, StandsStillAfterAnObstacle) {
   expectPose(path.poseBefore(now, 2), {0, 0, 0});
 }
 
+TEST(RecentPath, CountsTheTimeAgainstAnObstacleToo) {
+  RecentPath path(10);
+  path.add({0, 0, 0}, {1, 0, 1}, 1);
+  path.add({1, 0, 0}, {1, 0, 0.5}, 2);   // 1.5 s against a wall
+  path.add({1.5, 0, 0}, {-1, 0, 1}, 1);  // and back
+  const core::Pose2 now{0.5, 0, 0};
+  expectPose(path.poseBefore(now, 0.5), {1, 0, 0});
+  expectPose(path.poseBefore(now, 2), {1.5, 0, 0});
+  expectPose(path.poseBefore(now, 2.75), {1.25, 0, 0});
+  expectPose(path.poseBefore(now, 3.25), {0.75, 0, 0});
+}
+
 TEST(RecentPath, RemembersAsLongAsItSays) {
   RecentPath path(1.0);
   for (int i = 0; i < 100; ++i) path.add({0.1 * i, 0, 0}, {1, 0, 0.1}, 0.1);
-  for (double ago_s = 0.05; ago_s < 1; ago_s += 0.1)
+  for (int i = 0; i < 10; ++i) {
+    const double ago_s = 0.05 + 0.1 * i;
     expectPose(path.poseBefore({10, 0, 0}, ago_s), {10 - ago_s, 0, 0}, 1e-12);
+  }
 }
 
 }  // namespace

@@ -190,14 +190,13 @@ struct Recording {
   std::string truth, odometry, scans;
 };
 
-Recording record(const robot::LidarOptions& lidar, const robot::OdometryOptions& odometry,
-                 std::uint64_t seed) {
+Recording record(const robot::LidarOptions& lidar, const robot::OdometryOptions& odometry, std::uint64_t seed,
+                 const Plan& plan = room(6, 4)) {
   const auto append = [](std::string& bytes, const Pose2& pose) {
     char raw[sizeof pose];
     std::memcpy(raw, &pose, sizeof pose);
     bytes.append(raw, sizeof raw);
   };
-  const Plan plan = room(6, 4);
   Simulator simulator(plan, {}, lidar, odometry, {3, 2, 0.5}, seed);
   Recording recording;
   for (const auto& command : wanderingCommands(200)) {
@@ -240,6 +239,64 @@ TEST(Simulator, LidarAndOdometryNoiseDoNotTouchEachOther) {
   EXPECT_EQ(perfect.truth, plain.truth);
   EXPECT_EQ(perfect.scans, plain.scans);
   EXPECT_NE(perfect.odometry, plain.odometry);
+}
+
+/// A room with a pane, a mirror and a dark wall.
+Plan roomOfMaterials() {
+  Plan plan = room(6, 4);
+  plan.materials.assign(plan.cells.size(), world::Material::kPlain);
+  const auto make = [&](int column, int row, world::Material material) {
+    occupy(plan, column, row);
+    plan.materials[static_cast<size_t>(row) * plan.columns + column] = material;
+  };
+  for (int row = 5; row < 70; ++row) {
+    make(100, row, world::Material::kGlass);
+    make(0, row, world::Material::kMirror);
+    make(119, row, world::Material::kDark);
+  }
+  return plan;
+}
+
+robot::LidarOptions everyLidarError() {
+  robot::LidarOptions options = circle(90, 0.01);
+  options.max_range_m = 12, options.min_range_m = 0.1, options.drop_out = 0.05;
+  options.sigma_share = 0.01, options.quantum_m = 0.001;
+  options.beam_width_rad = degToRad(0.8), options.mixed_pixels = 0.5;
+  options.sweep = 0.9, options.sweep_clockwise = true, options.latency_s = 0.05;
+  options.mount_error_x_m = 0.02, options.mount_error_y_m = -0.01, options.mount_error_yaw_rad = 0.01;
+  options.dark_range_m = 3;
+  return options;
+}
+
+robot::OdometryOptions everyOdometryError() {
+  robot::OdometryOptions options;
+  options.wheel_base_error = 0.03, options.wheel_radius_left_error = 0.01;
+  options.slips_per_m = 1, options.tick_m = 0.002;
+  options.gyro = true, options.gyro_bias_radps = 1e-3, options.gyro_bias_walk_radps = 1e-4;
+  options.gyro_noise_radps = 1e-3;
+  return options;
+}
+
+// As the golden bytes of recordings: a change says why.
+TEST(Simulator, HasGoldenBytesWithEveryErrorOn) {
+  const auto all = record(everyLidarError(), everyOdometryError(), 5, roomOfMaterials());
+  EXPECT_EQ(all.odometry, "82542d0b2366d4c42dc0b7321356776ae9dcf1f6cd1afcdd4e63e612784317ce");
+  EXPECT_EQ(all.scans, "96bab84ef524a5e78537c37cec8d686dad26765a0ca3db2c82880b4103be4b1f");
+  const auto again = record(everyLidarError(), everyOdometryError(), 5, roomOfMaterials());
+  EXPECT_EQ(again.scans, all.scans);
+  EXPECT_EQ(again.odometry, all.odometry);
+}
+
+TEST(Simulator, NoErrorOfASensorMovesTheTruthOrTheOtherSensor) {
+  const auto plain = record(circle(90, 0.02), {}, 5, roomOfMaterials());
+  const auto poor_lidar = record(everyLidarError(), {}, 5, roomOfMaterials());
+  EXPECT_EQ(poor_lidar.truth, plain.truth);
+  EXPECT_EQ(poor_lidar.odometry, plain.odometry);
+  EXPECT_NE(poor_lidar.scans, plain.scans);
+  const auto poor_odometry = record(circle(90, 0.02), everyOdometryError(), 5, roomOfMaterials());
+  EXPECT_EQ(poor_odometry.truth, plain.truth);
+  EXPECT_NE(poor_odometry.odometry, plain.odometry);
+  EXPECT_EQ(poor_odometry.scans, plain.scans);
 }
 
 TEST(Simulator, ALidarWithoutLimitReportsThePlansDiagonalAsItsMaximumRange) {

@@ -1,6 +1,8 @@
 #include "libslam/world/buildings/canvas.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 
 #include "libslam/world/region.h"
 
@@ -24,15 +26,27 @@ Rect atWall(const Rect& room, Side wall, int along, int length, int depth) {
 
 }  // namespace
 
-Canvas::Canvas(int width, int height) {
-  plan_.columns = width + 2 * kRim;
-  plan_.rows = height + 2 * kRim;
+int CanvasScale::cells(int length_cm) const {
+  const std::int64_t cell_um = std::llround(resolution_m * 1e6), length_um = std::int64_t{10000} * length_cm;
+  return static_cast<int>(std::max<std::int64_t>(1, (length_um + cell_um / 2) / cell_um));
+}
+
+Canvas::Canvas(int width, int height, const CanvasScale& scale) : scale_(scale) {
+  plan_.columns = width + 2 * scale.rim;
+  plan_.rows = height + 2 * scale.rim;
+  plan_.resolution_m = scale.resolution_m;
   plan_.cells.assign(static_cast<size_t>(plan_.columns) * plan_.rows, Cell::kUnknown);
 }
 
 void Canvas::carve(const Rect& rect) {
   for (int y = rect.y0; y < rect.y1; ++y)
     for (int x = rect.x0; x < rect.x1; ++x) at(x, y) = Cell::kFree;
+}
+
+void Canvas::carveDoor(const Rect& rect) {
+  carve(rect);
+  plan_.doors.push_back(
+      {rect.x0 + scale_.rim, rect.y0 + scale_.rim, rect.x1 + scale_.rim, rect.y1 + scale_.rim});
 }
 
 void Canvas::fill(const Rect& rect) {
@@ -50,15 +64,30 @@ void Canvas::fillDisc(const Rect& bounds) {
 }
 
 void Canvas::raiseWalls(int thickness) {
-  const Plan carved = plan_;
-  for (int row = 0; row < carved.rows; ++row)
-    for (int column = 0; column < carved.columns; ++column) {
-      if (carved.at(column, row) != Cell::kFree) continue;
-      for (int y = row - thickness; y <= row + thickness; ++y)
-        for (int x = column - thickness; x <= column + thickness; ++x)
-          if (carved.contains(x, y) && carved.at(x, y) != Cell::kFree)
-            at(x - kRim, y - kRim) = Cell::kOccupied;
+  // A square reaches as far in x as in y, so first the rows are widened and then the columns.
+  const int columns = plan_.columns, rows = plan_.rows;
+  std::vector<char> near_in_row(plan_.cells.size(), 0);
+  for (int row = 0; row < rows; ++row) {
+    const size_t begin = static_cast<size_t>(row) * columns;
+    int next = 0;  // marked up to here
+    for (int column = 0; column < columns; ++column) {
+      if (plan_.cells[begin + column] != Cell::kFree) continue;
+      for (next = std::max(next, column - thickness); next < std::min(columns, column + thickness + 1);
+           ++next)
+        near_in_row[begin + next] = 1;
     }
+  }
+  std::vector<char> near(static_cast<size_t>(columns));
+  for (int row = 0; row < rows; ++row) {
+    std::fill(near.begin(), near.end(), 0);
+    for (int y = std::max(0, row - thickness); y <= std::min(rows - 1, row + thickness); ++y) {
+      const char* other = near_in_row.data() + static_cast<size_t>(y) * columns;
+      for (int column = 0; column < columns; ++column) near[column] |= other[column];
+    }
+    Cell* cells = plan_.cells.data() + static_cast<size_t>(row) * columns;
+    for (int column = 0; column < columns; ++column)
+      if (near[column] && cells[column] != Cell::kFree) cells[column] = Cell::kOccupied;
+  }
 }
 
 void Canvas::recess(const Rect& room, Side wall, int along, int length, int depth) {
@@ -90,13 +119,16 @@ bool Canvas::noneFree(const Rect& rect) const {
 
 bool Canvas::leavesWaysOpen(const Rect& piece) const {
   if (!allFree(piece)) return false;
+  for (const Rect& place : kept_free_)
+    if (place.overlaps(piece)) return false;
   const bool west = noneFree({piece.x0 - 1, piece.y0, piece.x0, piece.y1});
   const bool east = noneFree({piece.x1, piece.y0, piece.x1 + 1, piece.y1});
   const bool south = noneFree({piece.x0, piece.y0 - 1, piece.x1, piece.y0});
   const bool north = noneFree({piece.x0, piece.y1, piece.x1, piece.y1 + 1});
   if ((west && east) || (south && north)) return false;
-  const Rect with_passage{piece.x0 - (west ? 0 : kPassage), piece.y0 - (south ? 0 : kPassage),
-                          piece.x1 + (east ? 0 : kPassage), piece.y1 + (north ? 0 : kPassage)};
+  const int passage = scale_.passage;
+  const Rect with_passage{piece.x0 - (west ? 0 : passage), piece.y0 - (south ? 0 : passage),
+                          piece.x1 + (east ? 0 : passage), piece.y1 + (north ? 0 : passage)};
   return allFree(with_passage);
 }
 
@@ -115,27 +147,29 @@ void Canvas::draw(const Rect& piece, Shape shape, Side back) {
     case Shape::kDisc:
       fillDisc(piece);
       return;
-    case Shape::kLegs:
-      for (const int x : {x0, x1 - 2})
-        for (const int y : {y0, y1 - 2}) fill({x, y, x + 2, y + 2});
+    case Shape::kLegs: {
+      const int leg = scale_.cells(10);
+      for (const int x : {x0, x1 - leg})
+        for (const int y : {y0, y1 - leg}) fill({x, y, x + leg, y + leg});
       return;
+    }
     case Shape::kDesk:
       break;
   }
   // The chair stands so close between drawers and panel that no robot fits in beside or behind it.
-  constexpr int kDrawers = 8, kPanel = 2, kChair = 8;
+  const int drawers = scale_.cells(40), panel = scale_.cells(10), chair = scale_.cells(40);
   if (back == Side::kSouth || back == Side::kNorth) {
-    fill({x0, y0, x0 + kDrawers, y1});
-    fill({x1 - kPanel, y0, x1, y1});
-    const int x = (x0 + kDrawers + x1 - kPanel - kChair) / 2;
-    const int y = back == Side::kSouth ? y1 - kChair - 1 : y0 + 1;
-    fillDisc({x, y, x + kChair, y + kChair});
+    fill({x0, y0, x0 + drawers, y1});
+    fill({x1 - panel, y0, x1, y1});
+    const int x = (x0 + drawers + x1 - panel - chair) / 2;
+    const int y = back == Side::kSouth ? y1 - chair - 1 : y0 + 1;
+    fillDisc({x, y, x + chair, y + chair});
   } else {
-    fill({x0, y0, x1, y0 + kDrawers});
-    fill({x0, y1 - kPanel, x1, y1});
-    const int x = back == Side::kWest ? x1 - kChair - 1 : x0 + 1;
-    const int y = (y0 + kDrawers + y1 - kPanel - kChair) / 2;
-    fillDisc({x, y, x + kChair, y + kChair});
+    fill({x0, y0, x1, y0 + drawers});
+    fill({x0, y1 - panel, x1, y1});
+    const int x = back == Side::kWest ? x1 - chair - 1 : x0 + 1;
+    const int y = (y0 + drawers + y1 - panel - chair) / 2;
+    fillDisc({x, y, x + chair, y + chair});
   }
 }
 
@@ -160,15 +194,31 @@ bool Canvas::placeInside(core::RandomStream& random, const Rect& room, int width
   return false;
 }
 
+std::vector<Rect> Canvas::doors() const {
+  std::vector<Rect> doors;
+  for (const Door& d : plan_.doors)
+    doors.push_back({d.x0 - scale_.rim, d.y0 - scale_.rim, d.x1 - scale_.rim, d.y1 - scale_.rim});
+  return doors;
+}
+
+void Canvas::makeOf(Material material, const Rect& rect) {
+  if (plan_.materials.empty()) plan_.materials.assign(plan_.cells.size(), Material::kPlain);
+  for (int y = rect.y0; y < rect.y1; ++y)
+    for (int x = rect.x0; x < rect.x1; ++x)
+      if (at(x, y) == Cell::kOccupied) plan_.materials[index(x, y)] = material;
+}
+
 Plan Canvas::plan(const std::string& name) const {
   Plan plan = plan_;
   plan.name = name;
   std::vector<char> is_free(plan.cells.size());
   for (size_t i = 0; i < plan.cells.size(); ++i) is_free[i] = plan.cells[i] == Cell::kFree;
-  const std::vector<size_t> reachable = largestRegion(plan.columns, is_free);
-  for (Cell& cell : plan.cells)
-    if (cell == Cell::kFree) cell = Cell::kOccupied;
-  for (const size_t index : reachable) plan.cells[index] = Cell::kFree;
+  const std::vector<RegionRun> runs = regionRuns(plan.columns, is_free);
+  const size_t largest = runs.empty() ? 0 : largestRegionOf(runs);
+  for (const RegionRun& run : runs)
+    if (run.region != largest)
+      std::fill(plan.cells.begin() + static_cast<std::ptrdiff_t>(run.begin),
+                plan.cells.begin() + static_cast<std::ptrdiff_t>(run.end), Cell::kOccupied);
   return plan;
 }
 
