@@ -66,6 +66,8 @@ void addSimulate(CLI::App& app, Context& context) {
   command->footer(
       "Examples:\n"
       "  rasterslam simulate flat -o run.rawlog --seed 7\n"
+      "  rasterslam simulate office_loop --set living.people=8   # people walk about: run.movers.csv says "
+      "where\n"
       "  rasterslam simulate plan.png --lidar utm30lx --strategy longest_ray --set robot.side_m=0.3");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return simulate(context, *arguments); };

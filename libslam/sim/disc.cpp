@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace slam::sim {
@@ -22,10 +23,12 @@ class Fan {
     const double turn = 2 * core::kPi;
     const double low = bearing_rad - half_width_rad - first_, high = low + 2 * half_width_rad;
     const double span = last * step_;
-    for (double k = std::ceil((-high - step_) / turn); low + k * turn <= span + step_; ++k) {
-      const double begin = std::max(0.0, std::floor((low + k * turn) / step_));
-      const double end = std::min(last, std::ceil((high + k * turn) / step_));
-      for (double i = begin; i <= end; ++i) visit(static_cast<size_t>(i));
+    const auto first_turn = static_cast<std::int64_t>(std::ceil((-high - step_) / turn));
+    for (std::int64_t k = first_turn; low + static_cast<double>(k) * turn <= span + step_; ++k) {
+      const double shift = static_cast<double>(k) * turn;
+      const auto begin = static_cast<std::int64_t>(std::max(0.0, std::floor((low + shift) / step_)));
+      const auto end = static_cast<std::int64_t>(std::min(last, std::ceil((high + shift) / step_)));
+      for (std::int64_t i = begin; i <= end; ++i) visit(static_cast<size_t>(i));
     }
   }
 

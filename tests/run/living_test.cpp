@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <sstream>
 
-#include "libslam/logs/trajectory_io.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/logs/trajectory_io.h"
 #include "libslam/run/compare.h"
 #include "libslam/run/explore.h"
 #include "libslam/run/reach_goal.h"
