@@ -11,12 +11,12 @@ namespace slam::world {
 /// Section [building]: what generateBuilding() draws. Where 0 stands for "the kind's own", buildingKinds() has
 /// the value.
 struct BuildingOptions {
-  double width_m, height_m;
-  double resolution_m;
-  double corridor_m, room_m, door_m;
-  double wall_m, outer_wall_m;
-  double clutter;
-  double glass;
+  double width_m{}, height_m{};
+  double resolution_m{};
+  double corridor_m{}, room_m{}, door_m{};
+  double wall_m{}, outer_wall_m{};
+  double clutter{};
+  double glass{};
 
   BuildingOptions() { table().setDefaults(*this); }
   static const core::ParameterTable<BuildingOptions>& table();
