@@ -11,10 +11,6 @@ namespace {
 
 constexpr double kContactTolerance_m = 0.001;
 
-double diagonal(const world::Plan& plan) {
-  return plan.resolution_m * std::hypot(plan.columns, plan.rows);
-}
-
 std::string describe(const core::Pose2& pose) {
   char text[100];
   std::snprintf(text, sizeof text, "(%.3f m, %.3f m, %.1f deg)", pose.x, pose.y, core::radToDeg(pose.phi));
@@ -50,10 +46,9 @@ Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
                      const core::Pose2& start, std::uint64_t seed, double start_time_s)
     : scene_(plan),
       robot_(robot),
-      lidar_(lidar),
-      odometry_(odometry),
-      lidar_random_(seed, "lidar"),
-      odometry_random_(seed, "odometry"),
+      lidar_(lidar, seed),
+      odometer_(odometry, seed),
+      path_(lidar_.memory_s()),
       T_world_robot_(start),
       start_time_s_(start_time_s) {
   requireFreeStart(plan, start, robot::circumscribedRadius(robot_));
@@ -65,17 +60,7 @@ double Simulator::time_s() const {
 
 Sensed Simulator::sense() {
   Sensed sensed;
-  robot::Scan& scan = sensed.scan;
-  scan.time_s = time_s();
-  scan.first_angle_rad = robot::firstAngle(lidar_);
-  scan.step_rad = robot::beamStep(lidar_);
-  scan.min_range_m = lidar_.min_range_m;
-  scan.max_range_m = lidar_.max_range_m > 0 ? lidar_.max_range_m : diagonal(scene_.plan());
-  scan.range_sigma_m = lidar_.sigma_m;
-  scan.T_robot_lidar = robot::mountingPose(lidar_);
-  scene_.castScan(T_world_robot_ * scan.T_robot_lidar, scan.first_angle_rad, scan.step_rad, lidar_.beams,
-                  lidar_.max_range_m, scan.ranges_m);
-  robot::applyLidarErrors(lidar_, lidar_random_, scan.ranges_m);
+  sensed.scan = lidar_.sense(scene_, T_world_robot_, path_, time_s());
   sensed.T_odom_robot = T_odom_robot_;
   sensed.T_previous_robot = T_previous_robot_;
   sensed.collided = collided_;
@@ -85,12 +70,13 @@ Sensed Simulator::sense() {
 Sensed Simulator::step(const robot::Command& command) {
   requireValid(command);
   const double driven_s = freeDuration(command);
-  const core::Pose2 T_before_after = robot::driveMotion(command, driven_s);
-  T_world_robot_ = T_world_robot_ * T_before_after;
+  const robot::Command driven{command.speed_mps, command.turn_rate_radps, driven_s};
+  path_.add(T_world_robot_, driven, command.duration_s);
+  T_world_robot_ = T_world_robot_ * robot::driveMotion(driven);
   collided_ = driven_s < command.duration_s;
   if (collided_) collisions_.push_back({time_s() + driven_s, T_world_robot_});
   elapsed_ns_ += std::llround(command.duration_s * 1e9);
-  T_previous_robot_ = robot::sampleOdometry(T_before_after, odometry_, odometry_random_);
+  T_previous_robot_ = odometer_.update(driven, command.duration_s);
   T_odom_robot_ = T_odom_robot_ * T_previous_robot_;
   return sense();
 }

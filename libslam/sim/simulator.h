@@ -4,11 +4,12 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/core/random.h"
 #include "libslam/robot/drive.h"
 #include "libslam/robot/lidar.h"
-#include "libslam/robot/odometry_noise.h"
+#include "libslam/robot/odometer.h"
 #include "libslam/robot/scan.h"
+#include "libslam/sim/lidar_sensor.h"
+#include "libslam/sim/recent_path.h"
 #include "libslam/sim/scene.h"
 #include "libslam/world/plan.h"
 
@@ -30,13 +31,12 @@ struct Collision {
 
 /// The true world in motion: advances the truth by one command and senses it. Has its own clock (start_time_s
 /// plus the durations of the commands, summed in whole nanoseconds so that nothing drifts), its own random
-/// streams ("lidar", "odometry"), and no noise on the truth. The disc around the footprint never enters a
+/// streams (those of LidarSensor and robot::Odometer), and no noise on the truth. The disc around the footprint never enters a
 /// wall: a command that would collide is cut at the last free moment (to 1 mm of travel) and recorded; time
 /// still passes. A turn in place never collides, for the disc is free. Between two checks of the path (at
 /// most a quarter of a cell or 1 cm apart) the disc may cut a wall's corner by less than 0.1 mm.
 ///
-/// A lidar without a maximum range reports the plan's diagonal as Scan::max_range_m. Errors: start not
-/// finite, in a wall, outside the plan or nearer to either than the disc's radius (InputError naming the pose
+/// Errors: lidar options that contradict each other (robot::requireSensible()); start not finite, in a wall, outside the plan or nearer to either than the disc's radius (InputError naming the pose
 /// and the radius); a command that is not finite or has a negative duration (ContractError).
 class Simulator {
  public:
@@ -63,9 +63,9 @@ class Simulator {
 
   Scene scene_;
   robot::RobotOptions robot_;
-  robot::LidarOptions lidar_;
-  robot::OdometryOptions odometry_;
-  core::RandomStream lidar_random_, odometry_random_;
+  LidarSensor lidar_;
+  robot::Odometer odometer_;
+  RecentPath path_;
   core::Pose2 T_world_robot_, T_odom_robot_, T_previous_robot_;
   double start_time_s_;
   std::int64_t elapsed_ns_ = 0;

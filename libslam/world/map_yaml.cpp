@@ -17,8 +17,8 @@ namespace slam::world {
 namespace {
 
 const std::vector<std::string>& knownKeys() {
-  static const std::vector<std::string> keys = {"image",  "resolution",      "origin",     "mode",
-                                                "negate", "occupied_thresh", "free_thresh"};
+  static const std::vector<std::string> keys = {"image",  "resolution",      "origin",      "mode",
+                                                "negate", "occupied_thresh", "free_thresh", "materials"};
   return keys;
 }
 
@@ -230,8 +230,11 @@ MapYaml readMapYaml(const std::string& path) {
   const Entries entries = parse(core::readTextFile(path), path);
   const Values values(entries, path);
   MapYaml map;
-  const std::filesystem::path image(values.text("image"));
-  map.image_path = (std::filesystem::path(path).parent_path() / image).string();
+  const auto besideYaml = [&](const std::string& name) {
+    return (std::filesystem::path(path).parent_path() / name).string();
+  };
+  map.image_path = besideYaml(values.text("image"));
+  if (values.find("materials")) map.materials_path = besideYaml(values.text("materials"));
   map.options.resolution_m = values.number("resolution", 1e-6, 1e6, "metres per pixel, a number above 0");
   map.options.T_world_plan = values.pose("origin");
   if (values.find("negate")) map.options.negate = values.flag("negate");
@@ -250,7 +253,8 @@ MapYaml readMapYaml(const std::string& path) {
   return map;
 }
 
-std::string formatMapYaml(const std::string& image_name, const PlanOptions& options) {
+std::string formatMapYaml(const std::string& image_name, const PlanOptions& options,
+                          const std::string& materials_name) {
   const auto& origin = options.T_world_plan;
   std::string text = "image: " + quotedWhereNeeded(image_name) + "\n";
   text += "mode: trinary\n";
@@ -260,6 +264,7 @@ std::string formatMapYaml(const std::string& image_name, const PlanOptions& opti
   text += std::string("negate: ") + (options.negate ? "1" : "0") + "\n";
   text += "occupied_thresh: " + core::formatNumber(options.occupied_threshold) + "\n";
   text += "free_thresh: " + core::formatNumber(options.free_threshold) + "\n";
+  if (!materials_name.empty()) text += "materials: " + quotedWhereNeeded(materials_name) + "\n";
   return text;
 }
 

@@ -9,18 +9,21 @@ namespace slam::world {
 struct MapYaml {
   std::string image_path;  ///< beside the yaml unless absolute
   PlanOptions options;
-  bool is_raw = false;  ///< mode raw: the pixel is the occupancy in percent, above 100 unknown
+  std::string materials_path;  ///< as image_path; empty when the key is absent
+  bool is_raw = false;         ///< mode raw: the pixel is the occupancy in percent, above 100 unknown
 };
 
 /// Reads a map yaml. A small strict reader of the part of YAML that such files use (one key and value a line,
 /// lists [a, b, c] or one item a line, quotes, comments), because the general ones that are at hand let
 /// duplicate keys and malformed lines pass. Keys: image, resolution, origin (required), negate,
-/// occupied_thresh, free_thresh, mode. Errors (InputError with file, line and key): missing file, unknown key
+/// occupied_thresh, free_thresh, mode, materials (ours). Errors (InputError with file, line and key): missing file, unknown key
 /// (with the nearest known one), missing or duplicate key, malformed value, nan, out of range.
 MapYaml readMapYaml(const std::string& path);
 
-/// The text that readMapYaml reads back to the same; `image_name` relative to the yaml.
-std::string formatMapYaml(const std::string& image_name, const PlanOptions& options);
+/// The text that readMapYaml reads back to the same; names relative to the yaml, no key for an empty
+/// `materials_name`.
+std::string formatMapYaml(const std::string& image_name, const PlanOptions& options,
+                          const std::string& materials_name = "");
 
 /// InputError naming `where` for a resolution, placement or threshold that no plan can have.
 void requireSensible(const PlanOptions& options, const std::string& where);

@@ -234,29 +234,26 @@ bool allZero(const cv::Mat& image, int channel) {
   return true;
 }
 
-/// To 5, 6 and 5 bits; empty for a picture in gray, also one that is stored in colour.
+/// T: the channel type. OpenCV's channels are blue, green, red.
 template <class T>
-std::vector<std::uint16_t> coloursOf(const cv::Mat& image) {
-  std::vector<std::uint16_t> colours;
+ColourPicture coloursFromDecoded(const cv::Mat& image) {
   const int channels = image.channels();
-  if (channels < 3) return colours;
-  constexpr int kShift = std::numeric_limits<T>::digits;
-  bool is_gray = true;
-  colours.reserve(image.total());
+  const int last_colour = channels >= 3 ? 2 : 0;
+  const auto upperBits = [](T value) { return static_cast<std::uint8_t>(value >> (8 * (sizeof(T) - 1))); };
+  ColourPicture picture;
+  picture.columns = image.cols;
+  picture.rows = image.rows;
+  picture.pixels.reserve(image.total());
   for (int row = 0; row < image.rows; ++row) {
     const T* pixel = image.ptr<T>(row);
-    for (int column = 0; column < image.cols; ++column, pixel += channels) {
-      const int blue = pixel[0] >> (kShift - 5), green = pixel[1] >> (kShift - 6),
-                red = pixel[2] >> (kShift - 5);
-      is_gray = is_gray && pixel[0] == pixel[1] && pixel[1] == pixel[2];
-      colours.push_back(static_cast<std::uint16_t>(red << 11 | green << 5 | blue));
-    }
+    for (int column = 0; column < image.cols; ++column, pixel += channels)
+      picture.pixels.push_back(
+          {upperBits(pixel[last_colour]), upperBits(pixel[last_colour / 2]), upperBits(pixel[0])});
   }
-  if (is_gray) colours.clear();
-  return colours;
+  return picture;
 }
 
-Picture decode(const Bytes& file, bool with_colours) {
+cv::Mat decode(const Bytes& file) {
   cv::Mat image;
   try {
     const cv::Mat encoded(1, static_cast<int>(file.size()), CV_8U, const_cast<char*>(file.data()));
@@ -265,26 +262,27 @@ Picture decode(const Bytes& file, bool with_colours) {
     image.release();
   }
   if (image.empty()) throw file.damaged("it cannot be decoded");
-  if (image.depth() == CV_16U) {
-    Picture picture = fromDecoded<std::uint16_t>(image);
-    if (with_colours) picture.colours = coloursOf<std::uint16_t>(image);
-    return picture;
-  }
-  if (image.depth() != CV_8U) throw file.error("the picture's channels are neither 8 nor 16 bits wide");
+  if (image.depth() != CV_8U && image.depth() != CV_16U)
+    throw file.error("the picture's channels are neither 8 nor 16 bits wide");
+  return image;
+}
+
+Picture fromDecoded(const Bytes& file, const cv::Mat& image) {
+  if (image.depth() == CV_16U) return fromDecoded<std::uint16_t>(image);
   Picture picture = fromDecoded<std::uint8_t>(image);
-  if (with_colours) picture.colours = coloursOf<std::uint8_t>(image);
   // The fourth byte of most 32-bit BMPs is no alpha but reserved, and then 0 everywhere.
   if (file.startsWith("BM") && image.channels() == 4 && allZero(image, 3)) picture.opaque.clear();
   return picture;
 }
 
-}  // namespace
+bool isPgm(const Bytes& file) {
+  return file.startsWith("P5") || file.startsWith("P2");
+}
 
-Picture readPicture(const std::string& path, bool with_colours) {
-  const std::string content = core::readTextFile(path);
-  const Bytes file(path, content);
-  if (content.empty()) throw file.error("is empty, expected a picture (bmp, png, pgm, jpg)");
-  if (file.startsWith("P5") || file.startsWith("P2")) return readPgm(file);
+/// Of any format but PGM, which its own reader checks.
+void requireWhole(const Bytes& file) {
+  if (file.size() == 0) throw file.error("is empty, expected a picture (bmp, png, pgm, jpg)");
+  if (isPgm(file)) return;
   if (file.startsWith("\x89PNG\r\n\x1a\n"))
     requireWholePng(file);
   else if (file.startsWith("\xFF\xD8"))
@@ -293,14 +291,54 @@ Picture readPicture(const std::string& path, bool with_colours) {
     requireWholeBmp(file);
   else
     throw file.error("is not a picture that can be read (bmp, png, pgm, jpg)");
-  return decode(file, with_colours);
 }
 
-std::string encodePng(int columns, int rows, const std::vector<std::uint8_t>& gray) {
-  const cv::Mat image(rows, columns, CV_8U, const_cast<std::uint8_t*>(gray.data()));
+template <class Pixel>
+std::string encodeMat(int columns, int rows, int type, const std::vector<Pixel>& pixels) {
+  const cv::Mat image(rows, columns, type, const_cast<Pixel*>(pixels.data()));
   std::vector<std::uint8_t> bytes;
   cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9});
   return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace
+
+Picture readPicture(const std::string& path) {
+  const std::string content = core::readTextFile(path);
+  const Bytes file(path, content);
+  requireWhole(file);
+  return isPgm(file) ? readPgm(file) : fromDecoded(file, decode(file));
+}
+
+ColourPicture readColourPicture(const std::string& path) {
+  const std::string content = core::readTextFile(path);
+  const Bytes file(path, content);
+  requireWhole(file);
+  if (isPgm(file)) {
+    const Picture gray = readPgm(file);
+    ColourPicture picture{gray.columns, gray.rows, {}, {}};
+    for (const std::uint16_t value : gray.gray) {
+      const auto level = static_cast<std::uint8_t>(value >> 8);
+      picture.pixels.push_back({level, level, level});
+    }
+    return picture;
+  }
+  const cv::Mat image = decode(file);
+  ColourPicture picture = image.depth() == CV_16U ? coloursFromDecoded<std::uint16_t>(image)
+                                                  : coloursFromDecoded<std::uint8_t>(image);
+  picture.opaque = fromDecoded(file, image).opaque;
+  return picture;
+}
+
+std::string encodePng(int columns, int rows, const std::vector<std::uint8_t>& gray) {
+  return encodeMat(columns, rows, CV_8UC1, gray);
+}
+
+std::string encodePng(int columns, int rows, const std::vector<Colour>& pixels) {
+  std::vector<std::uint8_t> channels;
+  channels.reserve(3 * pixels.size());
+  for (const Colour& pixel : pixels) channels.insert(channels.end(), {pixel.blue, pixel.green, pixel.red});
+  return encodeMat(columns, rows, CV_8UC3, channels);
 }
 
 }  // namespace slam::world

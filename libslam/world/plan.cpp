@@ -7,12 +7,14 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <system_error>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
 #include "libslam/world/map_yaml.h"
+#include "libslam/world/materials_file.h"
 #include "libslam/world/picture_file.h"
 
 namespace slam::world {
@@ -69,16 +71,24 @@ Plan planFromPicture(const Picture& picture, const PlanOptions& options, CellOfP
   return plan;
 }
 
+void requireNamedFile(const std::string& yaml_path, const std::string& key, const std::string& path) {
+  if (!fs::exists(path))
+    throw core::InputError(yaml_path + ": key '" + key + "': found '" + path + "', which does not exist");
+}
+
 Plan loadFromYaml(const std::string& path) {
   const MapYaml map = readMapYaml(path);
-  if (!fs::exists(map.image_path))
-    throw core::InputError(path + ": key 'image': found '" + map.image_path + "', which does not exist");
+  requireNamedFile(path, "image", map.image_path);
   const Picture picture = readPicture(map.image_path);
   const CellRule rule(map.options, map.is_raw);
-  return planFromPicture(picture, map.options, [&](size_t pixel) {
+  Plan plan = planFromPicture(picture, map.options, [&](size_t pixel) {
     const bool transparent = !picture.opaque.empty() && !picture.opaque[pixel];
     return transparent ? Cell::kUnknown : rule.fromGray(picture.gray[pixel]);
   });
+  if (map.materials_path.empty()) return plan;
+  requireNamedFile(path, "materials", map.materials_path);
+  readMaterials(map.materials_path, plan);
+  return plan;
 }
 
 Plan loadFromPicture(const std::string& path, const PlanOptions& options) {
@@ -91,16 +101,32 @@ Plan loadFromPicture(const std::string& path, const PlanOptions& options) {
   });
 }
 
-std::uint8_t grayOf(Cell cell) {
-  return cell == Cell::kOccupied ? 0 : cell == Cell::kFree ? 254 : 205;
-}
+/// Files of which all or none come to be.
+class PendingFiles {
+ public:
+  void add(const std::string& path, const std::string& content) {
+    const auto& file = files_.emplace_back(std::make_unique<core::PendingFile>(path));
+    paths_.push_back(path);
+    std::ofstream out(file->path(), std::ios::binary | std::ios::trunc);
+    out.write(content.data(), static_cast<std::streamsize>(content.size()));
+    out.close();
+    if (!out) throw core::IoError(path + ": cannot be written: " + std::strerror(errno));
+  }
+  void commit() {
+    size_t committed = 0;
+    try {
+      for (; committed < files_.size(); ++committed) files_[committed]->commit();
+    } catch (...) {
+      std::error_code ignored;
+      while (committed > 0) fs::remove(paths_[--committed], ignored);
+      throw;
+    }
+  }
 
-void writeBytes(const std::string& pending_path, const std::string& content, const std::string& final_path) {
-  std::ofstream out(pending_path, std::ios::binary | std::ios::trunc);
-  out.write(content.data(), static_cast<std::streamsize>(content.size()));
-  out.close();
-  if (!out) throw core::IoError(final_path + ": cannot be written: " + std::strerror(errno));
-}
+ private:
+  std::vector<std::unique_ptr<core::PendingFile>> files_;
+  std::vector<std::string> paths_;
+};
 
 /// Distance along one axis from a point to the nearest point of cell [index, index + 1).
 double gap(double coordinate, int index) {
@@ -125,18 +151,17 @@ void savePlan(const Plan& plan, const std::string& yaml_path) {
   PlanOptions options;
   options.resolution_m = plan.resolution_m;
   options.T_world_plan = plan.T_world_plan;
-  const std::string image_path = fs::path(yaml_path).replace_extension(".png").string();
-  core::PendingFile image(image_path), yaml(yaml_path);
-  writeBytes(image.path(), encodePng(plan.columns, plan.rows, gray), image_path);
-  writeBytes(yaml.path(), formatMapYaml(fs::path(image_path).filename().string(), options), yaml_path);
-  image.commit();
-  try {
-    yaml.commit();
-  } catch (...) {
-    std::error_code ignored;
-    fs::remove(image_path, ignored);
-    throw;
-  }
+  const auto beside = [&](const char* suffix) {
+    return fs::path(yaml_path).replace_extension(suffix).string();
+  };
+  const auto fileName = [](const std::string& path) { return fs::path(path).filename().string(); };
+  const std::string image_path = beside(".png");
+  const std::string materials_path = plan.materials.empty() ? "" : beside(".materials.png");
+  PendingFiles files;
+  files.add(image_path, encodePng(plan.columns, plan.rows, gray));
+  if (!materials_path.empty()) files.add(materials_path, encodeMaterials(plan));
+  files.add(yaml_path, formatMapYaml(fileName(image_path), options, fileName(materials_path)));
+  files.commit();
 }
 
 core::Point2 worldToCells(const Plan& plan, const core::Point2& p_world) {

@@ -48,7 +48,7 @@ struct PlanOptions {
 };
 
 /// Reads a plan: a ROS map yaml (by its suffix; image, resolution, origin, negate, thresholds, mode
-/// trinary/scale/raw; of `options` only allow_empty counts), or a picture bmp, png, pgm, jpg with `options`.
+/// trinary/scale/raw, and ours: materials, see materials_file.h; of `options` only allow_empty counts), or a picture bmp, png, pgm, jpg with `options`.
 ///
 /// Gray is the mean of the colours, 8 or 16 bits. A bare picture with an alpha channel that is not opaque
 /// everywhere follows the founding raster lidar: alpha at its maximum is an obstacle, anything less is free;
@@ -57,13 +57,13 @@ struct PlanOptions {
 /// as the occupancy in percent, above 100 unknown, and ignores negate.
 ///
 /// Errors (InputError, one line with path and key): missing, a folder, truncated or not a picture, yaml that
-/// names a missing picture, unknown or duplicate key, key missing / malformed / out of range, no obstacle at
+/// names a missing picture, materials that readMaterials() refuses, unknown or duplicate key, key missing / malformed / out of range, no obstacle at
 /// all, no free cell at all, more than 2^28 cells or 2^15 on a side (the reach of castRay's proof).
 Plan loadPlan(const std::string& path, const PlanOptions& options = {});
 
 /// Writes a picture beside the yaml (NAME.yaml, NAME.png; 254 free, 0 occupied, 205 unknown) and the ROS yaml
-/// that loads it back to the same cells, resolution and placement, bit for bit. Both or neither are written.
-/// Errors: IoError.
+/// that loads it back to the same cells, resolution, placement and materials, bit for bit; a plan with
+/// materials has NAME.materials.png too. All or none are written. Errors: IoError.
 void savePlan(const Plan& plan, const std::string& yaml_path);
 
 /// Cell coordinates (column, row as reals) of a point in the world, and back.

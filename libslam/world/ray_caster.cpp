@@ -22,9 +22,10 @@ double castWithin(const Plan& plan, const core::Point2& origin, const core::Poin
   return distance;
 }
 
-double castFromCells(const Plan& plan, const core::Point2& origin, double angle_rad, double max_range_m) {
-  return castInMetres(plan, angle_rad, max_range_m, [&](const core::Point2& direction, double limit) {
-    return castWithin(plan, origin, direction, limit);
+double castFromCells(const Plan& plan, const core::Point2& origin, const core::Point2& direction,
+                     double max_range_m) {
+  return castInMetres(plan, direction, max_range_m, [&](const core::Point2& d, double limit) {
+    return castWithin(plan, origin, d, limit);
   });
 }
 
@@ -35,17 +36,17 @@ double castRayInCells(const Plan& plan, const core::Point2& origin, const core::
 }
 
 double castRay(const Plan& plan, const core::Point2& origin_world, double angle_rad, double max_range_m) {
-  return castFromCells(plan, worldToCells(plan, origin_world), angle_rad, max_range_m);
+  return castFromCells(plan, worldToCells(plan, origin_world), rayDirection(plan, angle_rad), max_range_m);
 }
 
-void castScan(const Plan& plan, const core::Pose2& T_world_lidar, double first_angle_rad, double step_rad,
-              int beams, double max_range_m, std::vector<float>& out_ranges_m) {
-  out_ranges_m.resize(beams > 0 ? static_cast<size_t>(beams) : 0);
+void castScan(const Plan& plan, const core::Pose2& T_world_lidar, const BeamTable& beams, double max_range_m,
+              std::vector<float>& out_ranges_m) {
   const core::Point2 origin = worldToCells(plan, core::position(T_world_lidar));
-  for (int i = 0; i < beams; ++i) {
-    const double angle_rad = T_world_lidar.phi + first_angle_rad + i * step_rad;
-    out_ranges_m[static_cast<size_t>(i)] =
-        static_cast<float>(castFromCells(plan, origin, angle_rad, max_range_m));
+  const Rotation turn(T_world_lidar.phi - plan.T_world_plan.phi);
+  out_ranges_m.resize(static_cast<size_t>(beams.size()));
+  for (size_t i = 0; i < out_ranges_m.size(); ++i) {
+    const core::Point2 direction = turn * core::Point2{beams.cosines()[i], beams.sines()[i]};
+    out_ranges_m[i] = static_cast<float>(castFromCells(plan, origin, direction, max_range_m));
   }
 }
 

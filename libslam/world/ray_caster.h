@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/world/beam_table.h"
 #include "libslam/world/plan.h"
 
 namespace slam::world {
@@ -29,8 +30,9 @@ double castRay(const Plan& plan, const core::Point2& origin_world, double angle_
 /// axes; in cells. Here the plan's symmetries hold to the bit, ties apart.
 double castRayInCells(const Plan& plan, const core::Point2& origin, const core::Point2& direction);
 
-/// Beam i at T_world_lidar.phi + first_angle_rad + i * step_rad; out gets `beams` ranges.
-void castScan(const Plan& plan, const core::Pose2& T_world_lidar, double first_angle_rad, double step_rad,
-              int beams, double max_range_m, std::vector<float>& out_ranges_m);
+/// All beams of a table; out gets one range each. Beam i runs along the table's direction turned by the heading as
+/// Rotation does it, which is castRay() along the sum of the angles but for some 1e-16.
+void castScan(const Plan& plan, const core::Pose2& T_world_lidar, const BeamTable& beams, double max_range_m,
+              std::vector<float>& out_ranges_m);
 
 }  // namespace slam::world

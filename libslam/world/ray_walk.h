@@ -115,15 +115,14 @@ inline core::Point2 rayDirection(const Plan& plan, double angle_rad) {
   return {std::cos(angle_in_plan), std::sin(angle_in_plan)};
 }
 
-/// A ray in metres along angle_rad in the world from a cast in cells: `cast(direction, limit)` answers the
-/// distance in cells and may answer anything greater than `limit` for hits beyond it. Infinity beyond
+/// A ray in metres along a unit vector in the plan's axes from a cast in cells: `cast(direction, limit)` answers
+/// the distance in cells and may answer anything greater than `limit` for hits beyond it. Infinity beyond
 /// max_range_m; <= 0 means no limit.
 template <class Cast>
-double castInMetres(const Plan& plan, double angle_rad, double max_range_m, Cast cast) {
+double castInMetres(const Plan& plan, const core::Point2& direction, double max_range_m, Cast cast) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
-  const double distance_m =
-      plan.resolution_m * cast(rayDirection(plan, angle_rad), limit_m / plan.resolution_m);
+  const double distance_m = plan.resolution_m * cast(direction, limit_m / plan.resolution_m);
   return distance_m <= limit_m ? distance_m : kInfinity;
 }
 

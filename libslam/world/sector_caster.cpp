@@ -3,68 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <thread>
 
+#include "libslam/core/error.h"
 #include "libslam/world/ray_walk.h"
-#include "libslam/world/sector_march.h"
 
 namespace slam::world {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// The code of a free cell below a free cell whose successors have codes with this minimum.
-inline std::uint8_t codeBefore(std::uint8_t successors) {
-  const std::uint8_t code =
-      std::max(successors, kWallAbove);  // the next column has to be looked at either way
-  return static_cast<std::uint8_t>(code + (code < kLongestSkip));
-}
-
-/// The codes of one column of `size` cells from its walls (size + 1 of them, the last outside) and from the
-/// codes of the column after it (size + 1 as well).
-void fillColumn(const std::uint8_t* __restrict wall, const std::uint8_t* __restrict next, int size,
-                std::uint8_t* __restrict codes) {
-  for (int v = 0; v < size; ++v) {
-    const std::uint8_t free_code = codeBefore(std::min(next[v], next[v + 1]));
-    const std::uint8_t below_wall = wall[v + 1] != 0 ? kWallAbove : free_code;
-    codes[v] = wall[v] != 0 ? kWall : below_wall;
-  }
-  codes[size] = kNeverHits;
-}
-
-/// Walls of the plan, 1 or 0, with the minor axis contiguous.
-std::vector<std::uint8_t> wallsOf(const Plan& plan, bool x_is_major) {
-  constexpr int kBlock = 64;  // a transposition by blocks keeps both sides in the cache
-  const size_t columns = static_cast<size_t>(plan.columns), rows = static_cast<size_t>(plan.rows);
-  std::vector<std::uint8_t> walls(columns * rows);
-  if (!x_is_major) {
-    std::transform(plan.cells.begin(), plan.cells.end(), walls.begin(),
-                   [](Cell cell) { return static_cast<std::uint8_t>(cell == Cell::kOccupied); });
-    return walls;
-  }
-  for (size_t row = 0; row < rows; row += kBlock)
-    for (size_t column = 0; column < columns; column += kBlock)
-      for (size_t r = row; r < std::min(rows, row + kBlock); ++r)
-        for (size_t c = column; c < std::min(columns, column + kBlock); ++c)
-          walls[c * rows + r] = plan.cells[r * columns + c] == Cell::kOccupied;
-  return walls;
-}
-
-/// One octant; `walls` has `size_u` lines of `size_v`.
-void fillOctant(const std::vector<std::uint8_t>& walls, int size_u, int size_v, bool u_falls, bool v_falls,
-                std::uint8_t* codes) {
-  const size_t stride = static_cast<size_t>(size_v) + 1;
-  std::fill_n(codes + static_cast<size_t>(size_u) * stride, stride, kNeverHits);
-  std::vector<std::uint8_t> wall(stride, 0);
-  for (int u = size_u - 1; u >= 0; --u) {
-    const std::uint8_t* line = walls.data() + static_cast<size_t>(u_falls ? size_u - 1 - u : u) * size_v;
-    if (v_falls)
-      std::reverse_copy(line, line + size_v, wall.begin());
-    else
-      std::copy(line, line + size_v, wall.begin());
-    std::uint8_t* column = codes + static_cast<size_t>(u) * stride;
-    fillColumn(wall.data(), column + stride, size_v, column);
-  }
-}
+/// Sixteen bits, one of them a sign, hold a column and a row.
+constexpr int kLargestSide = 32766;
 
 /// std::floor for what fits an int, without a call where the processor has no such instruction.
 inline int floorToInt(double x) {
@@ -72,129 +21,207 @@ inline int floorToInt(double x) {
   return truncated - (truncated > x);
 }
 
-struct Octant {
-  bool x_is_major = true, x_falls = false, y_falls = false;
-
-  size_t index() const { return (x_is_major ? 4U : 0U) + (x_falls ? 2U : 0U) + (y_falls ? 1U : 0U); }
-};
-
 Octant octantOf(const core::Point2& direction) {
   return {std::abs(direction.x) >= std::abs(direction.y), !(direction.x >= 0), !(direction.y >= 0)};
 }
 
-/// Consecutive beams of one octant from one origin, until they are cast.
-struct OctantBeams {
-  Octant octant;
-  GrowingAxis major, minor;
-  SectorView view;
-  int count = 0, first_beam = 0;
-  double major_direction[kMarchBlock], minor_direction[kMarchBlock];
+Octant octantAt(int index) {
+  return {(index & 4) != 0, (index & 2) != 0, (index & 1) != 0};
+}
 
-  bool takes(const Octant& other) const {
-    return count > 0 && count < kMarchBlock && other.index() == octant.index();
+/// An octant from one origin: axes that grow along its rays, and its codes.
+struct OctantView {
+  GrowingAxis major, minor;
+  std::ptrdiff_t stride;
+  const std::uint8_t* codes;  ///< cell (u, v) is at codes[u * stride + v]
+
+  OctantView(const SectorTable& table, const Octant& octant, const core::Point2& origin) {
+    const GrowingAxis x = growingAxis(origin.x, octant.x_falls ? -1.0 : 1.0, table.columns(), 0);
+    const GrowingAxis y = growingAxis(origin.y, octant.y_falls ? -1.0 : 1.0, table.rows(), 0);
+    major = octant.x_is_major ? x : y;
+    minor = octant.x_is_major ? y : x;
+    stride = minor.end - minor.begin + 1;
+    // Cell (0, 0) of a mirrored axis is the cell outside that every table has.
+    codes = table.codes(octant) - major.begin * stride - minor.begin;
   }
-  void add(const core::Point2& direction) {
-    const double along_x = std::abs(direction.x), along_y = std::abs(direction.y);
-    major_direction[count] = octant.x_is_major ? along_x : along_y;
-    minor_direction[count++] = octant.x_is_major ? along_y : along_x;
-  }
+  bool contains() const { return major.contains(major.origin) && minor.contains(minor.origin); }
 };
 
-SectorView viewOf(const GrowingAxis& major, const GrowingAxis& minor, const std::uint8_t* codes) {
-  const std::ptrdiff_t stride = minor.end - minor.begin + 1;
-  // Cell (0, 0) of a mirrored axis is the cell outside that every table has.
-  return {codes - major.begin * stride - minor.begin, stride, minor.end, major.origin, minor.origin};
+const ScanKernel* kernelFor(Instructions instructions) {
+  if (!isSupported(instructions))
+    throw core::ContractError("SectorCaster: the processor lacks the instructions");
+  if (instructions == Instructions::kPortable) return &kPortableKernel;
+  const bool widest =
+      instructions == Instructions::kAvx512 || (instructions == Instructions::kFastest && hasAvx512());
+  if (widest) return &kAvx512Kernel;
+  return hasAvx2() ? &kAvx2Kernel : &kPortableKernel;
 }
 
-/// The first look-up of all beams is one: that of the origin's cell, whose row is not the row of its face.
-void lookAtOrigin(const OctantBeams& beams, MarchingRays& rays, EndedRays& ended) {
-  const int u = floorToInt(beams.view.origin_u), v = floorToInt(beams.view.origin_v);
-  const int code = beams.view.codes[u * beams.view.stride + v];
-  rays.count = ended.count = 0;
-  GrowingAxis major = beams.major, minor = beams.minor;
-  for (int i = 0; i < beams.count; ++i) {
-    major.direction = beams.major_direction[i];
-    minor.direction = beams.minor_direction[i];
-    const double slope = raySlope(major, minor);
-    if (code == kWall || code == kNeverHits ||
-        (code == kWallAbove && rowAt(major, minor, slope, u + 1) >= v + 1)) {
-      ended.u[ended.count] = u;
-      ended.v[ended.count] = v;
-      ended.code[ended.count] = code;
-      ended.beam[ended.count++] = i;
-    } else {
-      rays.slope[rays.count] = slope;
-      rays.u[rays.count] = u + std::max(code - 1, 1);
-      rays.beam[rays.count++] = i;
+/// The end of the run of equal octants that starts at `begin`.
+int endOfRun(const std::int32_t* octant, int begin, int count) {
+  constexpr int kStep = 16;
+  int end = begin + 1;
+  while (end + kStep <= count) {
+    std::int32_t differences = 0;
+    for (int i = 0; i < kStep; ++i) differences |= octant[end + i] ^ octant[begin];
+    if (differences != 0) break;
+    end += kStep;
+  }
+  while (end < count && octant[end] == octant[begin]) ++end;
+  return end;
+}
+
+/// Casts up to kMarchBlock beams of a scan from one origin.
+class BlockCast {
+ public:
+  BlockCast(const SectorTable& table, const ScanKernel& kernel, const core::Point2& origin,
+            double resolution_m, double limit_m)
+      : table_(table), kernel_(kernel), origin_(origin), resolution_m_(resolution_m), limit_m_(limit_m) {}
+
+  void cast(const double* cosines, const double* sines, int count, const Rotation& turn, float* ranges_m) {
+    kernel_.aim(cosines, sines, count, turn.cosine, turn.sine, beams_);
+    findRuns(count);
+    layOut();
+    for (int i = 0; i < runs_; ++i) start(run_[i]);
+    kernel_.march(marches_, octants_);
+    for (int i = 0; i < octants_; ++i) readEnds(marches_[i]);
+    for (int i = 0; i < runs_; ++i) measure(run_[i], ranges_m);
+  }
+  /// Calls cast_again(beam) for the beams whose ranges are not known.
+  template <class CastAgain>
+  void resolve(int count, CastAgain cast_again) const {
+    bool any = false;
+    for (int i = 0; i < octants_; ++i) any |= marches_[i].any_ambiguous;
+    if (!any) return;
+    for (int beam = 0; beam < count; ++beam)
+      if (hit_[beam] == kAmbiguousHit) cast_again(beam);
+  }
+
+ private:
+  /// Consecutive beams of one octant.
+  struct Run {
+    int begin, end, slot;
+  };
+
+  void findRuns(int count) {
+    runs_ = 0;
+    for (int begin = 0; begin < count; begin = run_[runs_++].end)
+      run_[runs_] = {begin, endOfRun(beams_.octant, begin, count), 0};
+  }
+
+  /// A march for every octant that has beams, and room for them.
+  void layOut() {
+    int beams_of[8] = {}, slot_of[8];
+    for (int i = 0; i < runs_; ++i) beams_of[beams_.octant[run_[i].begin]] += run_[i].end - run_[i].begin;
+    octants_ = 0;
+    int room = 0;
+    for (int index = 0; index < 8; ++index) {
+      if (beams_of[index] == 0) continue;
+      const OctantView view(table_, octantAt(index), origin_);
+      // On the plan's border an origin is inside for some directions and outside for others.
+      const bool inside = view.contains();
+      const int u = inside ? floorToInt(view.major.origin) : 0,
+                v = inside ? floorToInt(view.minor.origin) : 0;
+      frames_[octants_] = {view.major.origin, view.minor.origin, double(u),
+                           double(v),         resolution_m_,     limit_m_};
+      OctantMarch& march = marches_[octants_];
+      march.codes = inside ? view.codes + u * view.stride + v : &kNeverHits;
+      march.stride = static_cast<std::int32_t>(view.stride);
+      march.end_row = view.minor.end - v;
+      // Two columns more than the range needs: rounding must not end a march before the last hit within range.
+      march.last_column = static_cast<std::int32_t>(std::min(limit_m_ / resolution_m_, 1e6)) + 2;
+      march.origin_u = view.major.origin - u;
+      march.origin_v = view.minor.origin - v;
+      march.rays = march.ends = 0;
+      march.any_ambiguous = false;
+      march.cell = cell_ + room;
+      march.slope = slope_ + room;
+      march.row = row_ + room;
+      march.rise = rise_ + room;
+      march.ended_cell = ended_cell_ + room;
+      march.ended_hit = ended_hit_ + room;
+      slot_of[index] = octants_++;
+      room += beams_of[index] + kMarchPadding;
+    }
+    for (int i = 0; i < runs_; ++i) run_[i].slot = slot_of[beams_.octant[run_[i].begin]];
+  }
+
+  /// The first look-up of all beams is one: that of the origin's cell, whose row is not the row of its face.
+  void start(const Run& run) {
+    OctantMarch& march = marches_[run.slot];
+    const std::uint8_t code = *march.codes;
+    if (code == kWall || code == kNeverHits) {
+      std::fill(hit_ + run.begin, hit_ + run.end, code == kWall ? Hit{0} : kNoHit);
+      return;
+    }
+    if (code != kWallAbove) {
+      kernel_.begin(march, beams_, run.begin, run.end, code - 1);
+      return;
+    }
+    const HitFrame& frame = frames_[run.slot];
+    for (int beam = run.begin; beam < run.end; ++beam) {
+      const GrowingAxis major{frame.origin_u, beams_.major[beam], 0, 0, 0, 0};
+      const GrowingAxis minor{frame.origin_v, beams_.minor[beam], 0, 0, 0, 0};
+      const int next_u = static_cast<int>(frame.cell_u) + 1;
+      if (rowAt(major, minor, raySlope(major, minor), next_u) >= frame.cell_v + 1)
+        hit_[beam] = 1;  // above row 0 of column 0
+      else
+        kernel_.begin(march, beams_, beam, beam + 1, 1);
     }
   }
-}
 
-double distanceInCells(const OctantBeams& beams, const EndedRays& ended, int i) {
-  if (ended.code[i] == kNeverHits) return kInfinity;
-  const int beam = static_cast<int>(ended.beam[i]), u = static_cast<int>(ended.u[i]);
-  GrowingAxis major = beams.major, minor = beams.minor;
-  major.direction = beams.major_direction[beam];
-  minor.direction = beams.minor_direction[beam];
-  const bool enters_above = ended.code[i] == kWallAbove;
-  return RayEntry(major, minor, u, enters_above ? static_cast<int>(ended.v[i]) + 1 : u, enters_above)
-      .distance();
-}
-
-using March = void (*)(const SectorView&, MarchingRays&, EndedRays&);
-
-/// Writes the ranges of beams that see a wall within the limit, and leaves the others.
-void castBeams(const OctantBeams& beams, March march, double resolution_m, double limit_m, float* ranges_m) {
-  if (beams.count == 0 || !beams.major.contains(beams.major.origin) ||
-      !beams.minor.contains(beams.minor.origin))
-    return;
-  MarchingRays rays;
-  EndedRays ended;
-  lookAtOrigin(beams, rays, ended);
-  while (rays.count > 0) march(beams.view, rays, ended);
-  for (int i = 0; i < ended.count; ++i) {
-    const double distance_m = resolution_m * distanceInCells(beams, ended, i);
-    if (distance_m <= limit_m)
-      ranges_m[beams.first_beam + static_cast<int>(ended.beam[i])] = static_cast<float>(distance_m);
+  void readEnds(const OctantMarch& march) {
+    for (int i = 0; i < march.ends; ++i) hit_[march.ended_cell[i] & 0xFFFF] = march.ended_hit[i];
   }
-}
+
+  void measure(const Run& run, float* ranges_m) const {
+    kernel_.measure(beams_.major + run.begin, beams_.minor + run.begin, hit_ + run.begin, run.end - run.begin,
+                    frames_[run.slot], ranges_m + run.begin);
+  }
+
+  static constexpr int kRoom = kMarchBlock + 8 * kMarchPadding;
+
+  const SectorTable& table_;
+  const ScanKernel& kernel_;
+  const core::Point2 origin_;
+  const double resolution_m_, limit_m_;
+  int runs_ = 0, octants_ = 0;
+  // What is written before it is read is not set to anything.
+  AimedBeams beams_;
+  Run run_[kMarchBlock];
+  OctantMarch marches_[8];
+  HitFrame frames_[8];
+  std::uint32_t cell_[kRoom], ended_cell_[kRoom];
+  float slope_[kRoom];
+  std::int64_t row_[kRoom], rise_[kRoom];
+  Hit ended_hit_[kRoom], hit_[kMarchBlock];
+};
 
 }  // namespace
 
+bool isSupported(Instructions instructions) {
+  if (instructions == Instructions::kAvx2) return hasAvx2();
+  if (instructions == Instructions::kAvx512) return hasAvx512();
+  return true;
+}
+
 SectorCaster::SectorCaster(const Plan& plan, Instructions instructions)
-    : uses_avx2_(instructions == Instructions::kFastest && processorHasAvx2()) {
+    : kernel_(kernelFor(instructions)), table_(plan) {
   frame_.columns = plan.columns;
   frame_.rows = plan.rows;
   frame_.resolution_m = plan.resolution_m;
   frame_.T_world_plan = plan.T_world_plan;
-  const size_t octant_size = (static_cast<size_t>(plan.columns) + 1) * (static_cast<size_t>(plan.rows) + 1);
-  codes_.resize(8 * octant_size + kCodePadding);
-  std::uint8_t* codes = codes_.data();
-  for (const bool x_is_major : {false, true}) {
-    const std::vector<std::uint8_t> walls = wallsOf(plan, x_is_major);
-    const int size_u = x_is_major ? plan.columns : plan.rows, size_v = x_is_major ? plan.rows : plan.columns;
-    for (const bool x_falls : {false, true})
-      for (const bool y_falls : {false, true}) {
-        fillOctant(walls, size_u, size_v, x_is_major ? x_falls : y_falls, x_is_major ? y_falls : x_falls,
-                   codes);
-        codes += octant_size;
-      }
-  }
-}
-
-const std::uint8_t* SectorCaster::octantTable(size_t octant) const {
-  return codes_.data() + (codes_.size() - kCodePadding) / 8 * octant;
 }
 
 double SectorCaster::castRayInCells(const core::Point2& origin, const core::Point2& direction) const {
   if (!isFiniteRay(origin, direction)) return kInfinity;
-  const GrowingAxis x = growingAxis(origin.x, direction.x, frame_.columns, 0);
-  const GrowingAxis y = growingAxis(origin.y, direction.y, frame_.rows, 0);
   const Octant octant = octantOf(direction);
-  const GrowingAxis &major = octant.x_is_major ? x : y, &minor = octant.x_is_major ? y : x;
-  if (!major.contains(major.origin) || !minor.contains(minor.origin)) return kInfinity;
+  OctantView view(table_, octant, origin);
+  if (!view.contains()) return kInfinity;
+  GrowingAxis &major = view.major, &minor = view.minor;
+  major.direction = std::abs(octant.x_is_major ? direction.x : direction.y);
+  minor.direction = std::abs(octant.x_is_major ? direction.y : direction.x);
 
-  const SectorView view = viewOf(major, minor, octantTable(octant.index()));
   const double slope = raySlope(major, minor);
   int u = floorToInt(major.origin), v = floorToInt(minor.origin);
   while (true) {
@@ -210,45 +237,64 @@ double SectorCaster::castRayInCells(const core::Point2& origin, const core::Poin
 
 double SectorCaster::castRay(const core::Point2& origin_world, double angle_rad, double max_range_m) const {
   const core::Point2 origin = worldToCells(frame_, origin_world);
-  return castInMetres(frame_, angle_rad, max_range_m, [&](const core::Point2& direction, double) {
-    return castRayInCells(origin, direction);
-  });
+  return castInMetres(
+      frame_, rayDirection(frame_, angle_rad), max_range_m,
+      [&](const core::Point2& direction, double) { return castRayInCells(origin, direction); });
 }
 
-void SectorCaster::castScan(const core::Pose2& T_world_lidar, double first_angle_rad, double step_rad,
-                            int beams, double max_range_m, std::vector<float>& out_ranges_m) const {
-  out_ranges_m.resize(beams > 0 ? static_cast<size_t>(beams) : 0);
-  const core::Point2 origin = worldToCells(frame_, core::position(T_world_lidar));
-  const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
-  std::fill(out_ranges_m.begin(), out_ranges_m.end(), std::numeric_limits<float>::infinity());
+void SectorCaster::castScan(const core::Pose2& T_world_lidar, const BeamTable& beams, double max_range_m,
+                            std::vector<float>& out_ranges_m) const {
+  out_ranges_m.resize(static_cast<size_t>(beams.size()));
+  castBeams(T_world_lidar, beams, 0, beams.size(), max_range_m, out_ranges_m.data());
+}
 
-  const March march = uses_avx2_ ? marchAvx2 : marchPortable;
-  OctantBeams batch;
-  const auto castBatch = [&] {
-    castBeams(batch, march, frame_.resolution_m, limit_m, out_ranges_m.data());
-    batch.count = 0;
-  };
-  for (int i = 0; i < beams; ++i) {
-    const double angle_rad = T_world_lidar.phi + first_angle_rad + i * step_rad;
-    const core::Point2 direction = rayDirection(frame_, angle_rad);
-    if (!isFiniteRay(origin, direction)) {
-      castBatch();
-      continue;
-    }
-    const Octant octant = octantOf(direction);
-    if (!batch.takes(octant)) {
-      castBatch();
-      const GrowingAxis x = growingAxis(origin.x, direction.x, frame_.columns, 0);
-      const GrowingAxis y = growingAxis(origin.y, direction.y, frame_.rows, 0);
-      batch.octant = octant;
-      batch.major = octant.x_is_major ? x : y;
-      batch.minor = octant.x_is_major ? y : x;
-      batch.view = viewOf(batch.major, batch.minor, octantTable(octant.index()));
-      batch.first_beam = i;
-    }
-    batch.add(direction);
+void SectorCaster::castBeams(const core::Pose2& T_world_lidar, const BeamTable& beams, int first, int count,
+                             double max_range_m, float* out_ranges_m) const {
+  const core::Point2 origin = worldToCells(frame_, core::position(T_world_lidar));
+  const Rotation turn(T_world_lidar.phi - frame_.T_world_plan.phi);
+  if (!isFiniteRay(origin, {turn.cosine, turn.sine})) {
+    std::fill_n(out_ranges_m, count, std::numeric_limits<float>::infinity());
+    return;
   }
-  castBatch();
+  const double* cosines = beams.cosines() + first;
+  const double* sines = beams.sines() + first;
+  const auto castOne = [&](int beam) {
+    const core::Point2 direction = turn * core::Point2{cosines[beam], sines[beam]};
+    out_ranges_m[beam] =
+        static_cast<float>(castInMetres(frame_, direction, max_range_m, [&](const core::Point2& d, double) {
+          return castRayInCells(origin, d);
+        }));
+  };
+  if (std::max(frame_.columns, frame_.rows) > kLargestSide) {
+    for (int beam = 0; beam < count; ++beam) castOne(beam);
+    return;
+  }
+  const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
+  const int blocks = (count + kMarchBlock - 1) / kMarchBlock;
+  for (int i = 0, done = 0; i < blocks; ++i) {
+    BlockCast block(table_, *kernel_, origin, frame_.resolution_m, limit_m);
+    const int size = (count - done) / (blocks - i);  // even blocks
+    block.cast(cosines + done, sines + done, size, turn, out_ranges_m + done);
+    block.resolve(size, [&](int beam) { castOne(done + beam); });
+    done += size;
+  }
+}
+
+void SectorCaster::castScans(const std::vector<core::Pose2>& T_world_lidars, const BeamTable& beams,
+                             double max_range_m, int threads, std::vector<float>& out_ranges_m) const {
+  const size_t scans = T_world_lidars.size(), size = static_cast<size_t>(beams.size());
+  out_ranges_m.resize(scans * size);
+  const auto castFrom = [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i)
+      castBeams(T_world_lidars[i], beams, 0, beams.size(), max_range_m, out_ranges_m.data() + i * size);
+  };
+  const size_t workers =
+      std::clamp<size_t>(static_cast<size_t>(std::max(threads, 1)), 1, std::max<size_t>(scans, 1));
+  std::vector<std::thread> others;
+  for (size_t w = 1; w < workers; ++w)
+    others.emplace_back(castFrom, scans * w / workers, scans * (w + 1) / workers);
+  castFrom(0, scans / workers);
+  for (auto& other : others) other.join();
 }
 
 }  // namespace slam::world

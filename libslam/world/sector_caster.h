@@ -1,46 +1,54 @@
 #pragma once
-#include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/world/beam_table.h"
 #include "libslam/world/plan.h"
+#include "libslam/world/sector_march.h"
+#include "libslam/world/sector_table.h"
 
 namespace slam::world {
 
 /// What castScan() may use of the processor. The ranges are the same bits.
-enum class Instructions { kPortable, kFastest };
+enum class Instructions { kPortable, kAvx2, kAvx512, kFastest };
 
-/// castRay() and castScan() with the same bits on every ray, many times faster once a table is made of the
-/// plan: for each of the eight octants of direction and each cell, how many columns of the major axis a ray
-/// may skip whatever its slope. The walk of castRay() may restart at any column, so a skip costs no exactness.
+/// False for what this processor lacks.
+bool isSupported(Instructions instructions);
+
+/// castRay() and castScan() with the same bits on every ray, many times faster once a SectorTable is made of the
+/// plan. castScan() advances all beams of a scan together, one look-up each per pass, eight or sixteen at a time
+/// where the processor has the registers; it is the fast one.
 ///
-/// castScan() advances all beams of an octant together, one look-up each per pass, four at a time where the
-/// processor has AVX2; it is the fast one.
-///
-/// Memory: 8 bytes per cell, and one more row and column. Construction: some milliseconds per million cells,
-/// paid back by some dozens of scans. The plan is not needed afterwards; a plan that changes needs a new
-/// caster. Calls from several threads at once are safe.
+/// Memory: 8 bytes per cell, and one more row and column. Construction: some milliseconds per million cells, paid
+/// back by some dozens of scans. The plan is not needed afterwards. Calls from several threads at once are safe,
+/// but for update().
 class SectorCaster {
  public:
+  /// ContractError for instructions that the processor lacks.
   explicit SectorCaster(const Plan& plan, Instructions instructions = Instructions::kFastest);
 
   /// As world::castScan().
-  void castScan(const core::Pose2& T_world_lidar, double first_angle_rad, double step_rad, int beams,
-                double max_range_m, std::vector<float>& out_ranges_m) const;
+  void castScan(const core::Pose2& T_world_lidar, const BeamTable& beams, double max_range_m,
+                std::vector<float>& out_ranges_m) const;
+  /// Beams first .. first + count - 1 of the table only; out_ranges_m gets `count` ranges.
+  void castBeams(const core::Pose2& T_world_lidar, const BeamTable& beams, int first, int count,
+                 double max_range_m, float* out_ranges_m) const;
+  /// The same scan from every pose, one after the other in out_ranges_m. Up to `threads` threads; the ranges do not
+  /// depend on how many.
+  void castScans(const std::vector<core::Pose2>& T_world_lidars, const BeamTable& beams, double max_range_m,
+                 int threads, std::vector<float>& out_ranges_m) const;
   /// As world::castRay().
   double castRay(const core::Point2& origin_world, double angle_rad, double max_range_m) const;
   /// As world::castRayInCells().
   double castRayInCells(const core::Point2& origin, const core::Point2& direction) const;
 
- private:
-  const std::uint8_t* octantTable(std::size_t octant) const;
+  /// As SectorTable::update(): a door was shut, a thing was put somewhere.
+  void update(const Plan& plan, int x0, int y0, int x1, int y1) { table_.update(plan, x0, y0, x1, y1); }
 
-  bool uses_avx2_;
+ private:
+  const ScanKernel* kernel_;
   Plan frame_;  ///< size and placement; no cells
-  /// Eight tables over cells counted from the octant's own corner, the minor axis contiguous, with a last row
-  /// and column of cells outside the plan.
-  std::vector<std::uint8_t> codes_;
+  SectorTable table_;
 };
 
 }  // namespace slam::world

@@ -96,12 +96,49 @@ TEST(BadInput, StartsAndKeysThatCannotBe) {
                 "typo.ini:3: section [lidar], unknown key 'max_rnage_m'; did you mean 'max_range_m'?");
   expectRefusal(folder, "simulate room.png --set lidar.beams=1", 3,
                 "--set: section [lidar], key 'beams': found '1', expected a whole number from 2 to 100000");
+  expectRefusal(folder, "simulate room.png --set lidar.beams=0", 3,
+                "expected a whole number from 2 to 100000");
+  expectRefusal(folder, "simulate room.png --set lidar.fov_deg=361", 3,
+                "--set: section [lidar], key 'fov_deg': found '361', expected a number from 1 to 360");
+  expectRefusal(folder, "simulate room.png --set lidar.sigma_m=nan", 3,
+                "key 'sigma_m': found 'nan', expected a number from 0 to 10");
+  expectRefusal(folder, "simulate room.png --set lidar.sweep=-0.1", 3, "key 'sweep': found '-0.1'");
+  expectRefusal(folder, "simulate room.png --set lidar.min_range_m=30", 3,
+                "section [lidar], key 'min_range_m': found '30', expected less than max_range_m = 30");
+  expectRefusal(folder, "simulate room.png --set odometry.wheel_base_m=0", 3,
+                "key 'wheel_base_m': found '0', expected a number from 0.01 to 10");
+  expectRefusal(folder, "simulate room.png --set odometry.slips_per_m=-1", 3, "key 'slips_per_m'");
   expectRefusal(folder, "simulate room.png --set lidar.beems=1", 3, "did you mean 'beams'?");
   expectRefusal(folder, "simulate room.png --set ladar.beams=9", 3, "did you mean 'lidar'?");
   expectRefusal(folder, "simulate room.png --lidar lms292", 3, "did you mean 'lms291'?");
   expectRefusal(folder, "simulate room.png --strategy quadrat", 3, "did you mean 'quadrant'?");
   expectRefusal(folder, "simulate room.png --set robot.side_m=3", 3, "no free place");
   expectRefusal(folder, "simulate room.png --duration 2 -o /dev/null/run.rawlog", 1, "/dev/null/run.rawlog");
+}
+
+TEST(BadInput, MaterialsThatAreNone) {
+  const testing::TempFolder folder;
+  cv::imwrite(folder / "room.png", roomPicture());
+  cv::imwrite(folder / "small.png", cv::Mat(20, 20, CV_8UC1, cv::Scalar(255)));
+  cv::Mat painted(40, 60, CV_8UC3, cv::Scalar(255, 255, 255));
+  painted.at<cv::Vec3b>(7, 31) = {0, 255, 255};
+  cv::imwrite(folder / "yellow.png", painted);
+  const auto writeYaml = [&](const std::string& name, const std::string& materials) {
+    std::ofstream(folder / name) << "image: room.png\nresolution: 0.05\norigin: [0, 0, 0]\nmaterials: "
+                                 << materials << "\n";
+  };
+  writeYaml("lost.yaml", "none.png");
+  writeYaml("small.yaml", "small.png");
+  writeYaml("yellow.yaml", "yellow.png");
+  writeYaml("none.yaml", "");
+  expectRefusal(folder, "simulate lost.yaml", 3,
+                "lost.yaml: key 'materials': found 'none.png', which does not");
+  expectRefusal(folder, "simulate small.yaml", 3,
+                "small.png: the materials have 20 x 20 pixels, expected 60 x 40 as the plan");
+  expectRefusal(folder, "simulate yellow.yaml", 3,
+                "yellow.png: pixel (31, 7): found colour 255 255 0, expected");
+  expectRefusal(folder, "simulate none.yaml", 3,
+                "none.yaml:4: key 'materials': found '', expected one value");
 }
 
 TEST(BadInput, LogsThatAreNone) {

@@ -19,6 +19,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     // the truth's side
     {"world", {"core"}},
     {"sim", {"core", "robot", "world"}},
+    {"mrptworld", {"core", "world"}},
     {"metrics", {"core", "world"}},
     {"report", {"core", "robot", "world", "metrics"}},
     // the robot's side

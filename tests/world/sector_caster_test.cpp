@@ -4,10 +4,12 @@
 
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <limits>
 #include <string>
 
 #include "drawn_plan.h"
+#include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "libslam/world/ray_caster.h"
 
@@ -26,8 +28,10 @@ bool sameBits(Number a, Number b) {
 /// Counts rays on which the caster and the reference differ, and tells the first of them.
 class Comparison {
  public:
-  explicit Comparison(const Plan& plan)
-      : plan_(plan), caster_(plan), portable_(plan, Instructions::kPortable) {}
+  explicit Comparison(const Plan& plan) : plan_(plan), caster_(plan) {
+    for (const auto instructions : {Instructions::kPortable, Instructions::kAvx2, Instructions::kAvx512})
+      if (isSupported(instructions)) casters_.emplace_back(plan, instructions);
+  }
 
   void inCells(const core::Point2& origin, const core::Point2& direction) {
     count(castRayInCells(plan_, origin, direction), caster_.castRayInCells(origin, direction), origin,
@@ -38,9 +42,10 @@ class Comparison {
           caster_.castRay(origin_world, angle_rad, max_range_m), origin_world, angle_rad);
   }
   void scan(const core::Pose2& pose, double first_rad, double step_rad, int beams, double max_range_m) {
-    castScan(plan_, pose, first_rad, step_rad, beams, max_range_m, expected_);
-    for (const SectorCaster* caster : {&caster_, &portable_}) {
-      caster->castScan(pose, first_rad, step_rad, beams, max_range_m, found_);
+    const BeamTable table(first_rad, step_rad, beams);
+    castScan(plan_, pose, table, max_range_m, expected_);
+    for (const SectorCaster& caster : casters_) {
+      caster.castScan(pose, table, max_range_m, found_);
       ASSERT_EQ(found_.size(), expected_.size());
       for (size_t i = 0; i < found_.size(); ++i)
         count(expected_[i], found_[i], core::position(pose), pose.phi + first_rad + double(i) * step_rad);
@@ -81,7 +86,8 @@ class Comparison {
   }
 
   const Plan& plan_;
-  SectorCaster caster_, portable_;
+  SectorCaster caster_;
+  std::deque<SectorCaster> casters_;  ///< one for each instruction set of this processor
   std::int64_t rays_ = 0, hits_ = 0, differences_ = 0;
   std::string first_;
   std::vector<float> expected_, found_;
@@ -206,13 +212,13 @@ TEST(SectorCaster, AnswersInfinityForAPoseThatIsNotFiniteOrOutside) {
   }
   EXPECT_EQ(caster.castRay({1.5, 1.5}, kNaN, 0), kInfinity);
   std::vector<float> ranges(3, -1.0F);
-  caster.castScan({1.5, 1.5, kNaN}, 0, 0.1, 5, 0, ranges);
+  caster.castScan({1.5, 1.5, kNaN}, {0, 0.1, 5}, 0, ranges);
   EXPECT_EQ(ranges, std::vector<float>(5, std::numeric_limits<float>::infinity()));
-  caster.castScan({kNaN, 1.5, 0}, 0, 0.1, 9, 0, ranges);
+  caster.castScan({kNaN, 1.5, 0}, {0, 0.1, 9}, 0, ranges);
   EXPECT_EQ(ranges, std::vector<float>(9, std::numeric_limits<float>::infinity()));
-  caster.castScan({1.5, 1.5, 0}, 0, 0.1, 0, 0, ranges);
+  caster.castScan({1.5, 1.5, 0}, {0, 0.1, 0}, 0, ranges);
   EXPECT_TRUE(ranges.empty());
-  caster.castScan({1.5, 1.5, 0}, 0, 0.1, -1, 0, ranges);
+  caster.castScan({1.5, 1.5, 0}, {0, 0.1, -1}, 0, ranges);
   EXPECT_TRUE(ranges.empty());
 }
 
@@ -230,15 +236,51 @@ TEST(SectorCaster, DecidesTiesAtCornersInAScanAsTheReferenceDoes) {
   compare.expectNoDifference(50000);
 }
 
-TEST(SectorCaster, CastsTheBeamsBetweenThoseWithoutADirection) {
+TEST(SectorCaster, CastsBeamsInAnyOrderAndOfAnyNumber) {
   const Plan plan = scatteredPlan(50, 50, 1, 30);
   Comparison compare(plan);
   const core::Point2 p = cellsToWorld(plan, {25.3, 24.6});
-  for (const double step : {kNaN, kInfinity, 1e308, 5e307, -1e308})
-    compare.scan({p.x, p.y, 0.3}, 0, step, 9, 0);
-  for (const double step : {0.0, 1.0, 2.5, -0.01}) compare.scan({p.x, p.y, 0.3}, 40, step, 700, 0);
-  compare.expectNoDifference(5000);
-  EXPECT_GT(compare.hits(), 2000);
+  for (const double step : {0.0, 1.0, 2.5, -0.01, 100.7})
+    for (const int beams : {1, 2, 7, 700, 2048, 2049, 5000})
+      compare.scan({p.x, p.y, 0.3}, 40, step, beams, 0);
+  compare.expectNoDifference(40000);
+  EXPECT_GT(compare.hits(), 10000);
+  EXPECT_THROW(BeamTable(0, kNaN, 2), core::ContractError);
+  EXPECT_THROW(BeamTable(kInfinity, 0, 1), core::ContractError);
+}
+
+TEST(SectorCaster, CastsAsManyScansAsThereArePosesWithAnyNumberOfThreads) {
+  const Plan plan = scatteredPlan(120, 80, 5, 90);
+  const SectorCaster caster(plan);
+  const BeamTable table(-2, 0.01, 333);
+  core::RandomStream random(8, "batch");
+  std::vector<core::Pose2> poses;
+  std::vector<float> expected, one, found;
+  for (int i = 0; i < 41; ++i) {
+    const core::Point2 p = anyPoint(random, plan);
+    poses.push_back({p.x, p.y, random.uniform(-4, 4)});
+    caster.castScan(poses.back(), table, 3, one);
+    expected.insert(expected.end(), one.begin(), one.end());
+  }
+  for (const int threads : {-1, 1, 2, 3, 41, 100}) {
+    caster.castScans(poses, table, 3, threads, found);
+    ASSERT_EQ(found.size(), expected.size());
+    EXPECT_EQ(std::memcmp(found.data(), expected.data(), sizeof(float) * found.size()), 0) << threads;
+  }
+  caster.castScans({}, table, 3, 2, found);
+  EXPECT_TRUE(found.empty());
+}
+
+TEST(SectorCaster, CastsPartOfATable) {
+  const Plan plan = scatteredPlan(120, 80, 5, 90);
+  const SectorCaster caster(plan);
+  const BeamTable table(-3, 0.01, 600);
+  const core::Point2 p = cellsToWorld(plan, {60.2, 40.7});
+  std::vector<float> all, part(600, -1.0F);
+  caster.castScan({p.x, p.y, 1}, table, 0, all);
+  caster.castBeams({p.x, p.y, 1}, table, 100, 57, 0, part.data());
+  EXPECT_TRUE(std::equal(part.begin(), part.begin() + 57, all.begin() + 100));
+  EXPECT_EQ(part[57], -1.0F);
 }
 
 TEST(SectorCaster, OutlivesAndIgnoresThePlanItWasMadeFrom) {
