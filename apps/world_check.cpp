@@ -129,7 +129,8 @@ void requireWritable(const std::string& yaml_path, const std::vector<std::string
   const std::string suffix = fs::path(yaml_path).extension();
   if (suffix != ".yaml" && suffix != ".yml")
     throw core::InputError("--output: found '" + yaml_path + "', expected a name that ends with .yaml");
-  for (const auto& path : {yaml_path, pictureOf(yaml_path), changesBeside(yaml_path)}) {
+  const std::string materials = fs::path(yaml_path).replace_extension(".materials.png");
+  for (const auto& path : {yaml_path, pictureOf(yaml_path), materials, changesBeside(yaml_path)}) {
     for (const auto& input : inputs) {
       std::error_code ignored;
       if (fs::equivalent(path, input, ignored))

@@ -46,9 +46,11 @@ void requireKnown(const std::vector<std::string>& keys, const std::string& where
   for (const Rule& rule : rules()) known.emplace_back(rule.key);
   for (const auto& key : keys)
     if (std::find(known.begin(), known.end(), key) == known.end())
-      throw core::InputError(where + ": found '" + key +
-                             "', expected one of the keys of 'world check --help'" +
-                             core::didYouMean(key, known));
+      throw core::InputError(std::string(where)
+                                 .append(": found '")
+                                 .append(key)
+                                 .append("', expected one of the keys of 'world check --help'")
+                                 .append(core::didYouMean(key, known)));
 }
 
 bool contains(const std::vector<std::string>& list, const std::string& word) {
@@ -58,7 +60,7 @@ bool contains(const std::vector<std::string>& list, const std::string& word) {
 /// The picture behind a plan, and how it is read.
 struct Source {
   Picture picture;
-  std::vector<Colour> colours;
+  ColourPicture colours;
   MapYaml map;
   bool has_yaml = false;
 };
@@ -72,7 +74,7 @@ Source readSource(const std::string& path) {
   source.map.image_path = path;
   if (source.has_yaml) source.map = readMapYaml(path);
   source.picture = readPicture(source.map.image_path);
-  source.colours = readColourPicture(source.map.image_path).pixels;
+  source.colours = readColourPicture(source.map.image_path);
   return source;
 }
 
@@ -112,6 +114,19 @@ bool looksLikeAMap(const Sheet& sheet, bool has_yaml) {
   rim.row(0).setTo(255), rim.row(rim.rows - 1).setTo(255);
   rim.col(0).setTo(255), rim.col(rim.cols - 1).setTo(255);
   return 2 * cv::countNonZero(rim & unknown) > cv::countNonZero(rim);
+}
+
+/// What is no wall any more is made of nothing, and a door stands in free space only.
+void dropWhatIsGone(Plan& plan) {
+  for (size_t i = 0; i < plan.materials.size(); ++i)
+    if (plan.cells[i] != Cell::kOccupied) plan.materials[i] = Material::kPlain;
+  const auto isBlocked = [&](const Door& door) {
+    for (int row = door.y0; row < door.y1; ++row)
+      for (int column = door.x0; column < door.x1; ++column)
+        if (plan.at(column, row) != Cell::kFree) return true;
+    return false;
+  };
+  plan.doors.erase(std::remove_if(plan.doors.begin(), plan.doors.end(), isBlocked), plan.doors.end());
 }
 
 PlanFigures figuresOf(const Sheet& sheet) {
@@ -199,7 +214,7 @@ PlanCheck checkPlan(const std::string& path, const PlanCheckOptions& options) {
   PlanCheck result;
   result.before = loadPlan(path, reading);
   result.before.resolution_m = reading.resolution_m;
-  Sheet sheet{options, source.picture, source.colours, reading, {}, {}, {}, {}, {}, {}, {}, {}};
+  Sheet sheet{options, source.picture, source.colours.pixels, reading, {}, {}, {}, {}, {}, {}, {}, {}};
   sheet.has_scale = source.has_yaml || options.resolution_m;
   sheet.goes_by_gray = !source.map.is_raw && source.picture.opaque.empty();
   sheet.resolution_m = reading.resolution_m;
@@ -219,10 +234,12 @@ PlanCheck checkPlan(const std::string& path, const PlanCheckOptions& options) {
   result.after = result.before;
   result.after.resolution_m = sheet.resolution_m;
   result.after.cells = inPlanOrder<Cell>(sheet.cells);
+  dropWhatIsGone(result.after);
   result.changes = inPlanOrder<Change>(sheet.changes);
   result.is_map = sheet.is_map;
   result.files = {path};
   if (source.has_yaml) result.files.push_back(source.map.image_path);
+  if (!source.map.materials_path.empty()) result.files.push_back(source.map.materials_path);
   result.figures = figuresOf(sheet);
   return result;
 }

@@ -70,13 +70,14 @@ struct PlanCheckKey {
 const std::vector<PlanCheckKey>& planCheckKeys();
 
 struct PlanCheck {
-  std::vector<Finding> findings;   ///< in the order of the keys
-  Plan before;                     ///< as loadPlan reads it
-  Plan after;                      ///< mended; the same cells where there is nothing to mend
-  std::vector<Change> changes;     ///< as the cells of `after`
-  PlanFigures figures;             ///< of `after`
-  bool is_map = false;             ///< else a drawing
-  std::vector<std::string> files;  ///< that were read: the yaml and the picture that it names, or the picture
+  std::vector<Finding> findings;  ///< in the order of the keys
+  Plan before;                    ///< as loadPlan reads it
+  Plan after;                     ///< mended; the same cells where there is nothing to mend
+  std::vector<Change> changes;    ///< as the cells of `after`
+  PlanFigures figures;            ///< of `after`
+  bool is_map = false;            ///< else a drawing
+  std::vector<std::string>
+      files;  ///< that were read: the picture, or the yaml and the pictures that it names
 
   bool isUsable() const;    ///< no finding is an error
   bool isMendable() const;  ///< mending would change cells or write a scale

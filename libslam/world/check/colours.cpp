@@ -25,11 +25,11 @@ const char* nameOf(int red, int green, int blue) {
 }  // namespace
 
 void checkColours(Sheet& sheet) {
-  const auto& colours = sheet.colours;
+  const auto& pixels = sheet.pixels;
   std::map<std::string, Hue> hues;
   int coloured = 0;
-  for (size_t i = 0; i < colours.size(); ++i) {
-    const char* name = nameOf(colours[i].red, colours[i].green, colours[i].blue);
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const char* name = nameOf(pixels[i].red, pixels[i].green, pixels[i].blue);
     if (!name) continue;
     ++coloured;
     Hue& hue = hues[name];
@@ -55,9 +55,9 @@ void checkColours(Sheet& sheet) {
   std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) {
     return a.first != b.first ? a.first > b.first : a.second < b.second;
   });
-  finding.text = percent(static_cast<double>(coloured) / static_cast<double>(colours.size())) +
+  finding.text = percent(static_cast<double>(coloured) / static_cast<double>(pixels.size())) +
                  " of the pixels are coloured; only brightness is read: ";
-  for (size_t i = 0; i < rows.size(); ++i) finding.text += (i ? ", " : "") + rows[i].second;
+  for (size_t i = 0; i < rows.size(); ++i) finding.text.append(i ? ", " : "").append(rows[i].second);
   finding.remedy = "leaves it so; redraw in black what should be a wall";
   sheet.findings.push_back(finding);
 }

@@ -16,7 +16,7 @@ constexpr double kThinLine = 5;  ///< pixels; arcs and leaves are no thicker
 
 bool isInk(const cv::Mat& ink, const cv::Point2d& p) {
   if (!(p.x >= 0 && p.y >= 0)) return false;
-  const int x = static_cast<int>(p.x + 0.5), y = static_cast<int>(p.y + 0.5);
+  const int x = cvRound(p.x), y = cvRound(p.y);
   return x < ink.cols && y < ink.rows && ink.at<std::uint8_t>(y, x);
 }
 
@@ -98,7 +98,7 @@ class Rings {
     }
   }
   const std::vector<cv::Point>& at(double radius) const {
-    return rings_[std::min(rings_.size() - 1, static_cast<size_t>(2 * radius + 0.5))];
+    return rings_[std::min(rings_.size() - 1, static_cast<size_t>(cvRound(2 * radius)))];
   }
 
  private:
@@ -221,9 +221,9 @@ Candidate bestQuarter(const Ink& ink, const Rings& rings, const Candidate& start
 /// The sector between leaf and arc is empty floor.
 bool isSwept(const Ink& ink, const DoorArc& arc, double middle_rad) {
   int drawn = 0, asked = 0;
-  for (double r = 0.35; r < 0.86; r += 0.1)
-    for (double angle = -0.6; angle < 0.65; angle += 0.1, ++asked)
-      drawn += isInk(ink.exact, arc.hinge + r * arc.radius * along(middle_rad + angle));
+  for (int i = 0; i <= 5; ++i)
+    for (int k = -6; k <= 6; ++k, ++asked)
+      drawn += isInk(ink.exact, arc.hinge + (0.35 + 0.1 * i) * arc.radius * along(middle_rad + 0.1 * k));
   return drawn < 0.08 * asked;
 }
 
@@ -314,6 +314,15 @@ bool isSame(const DoorArc& a, const DoorArc& b) {
   return cv::norm(middle(a) - middle(b)) < 0.4 * std::max(a.radius, b.radius);
 }
 
+/// In halves of pixels, so close that a circle between two is found by its neighbours.
+std::vector<double> radiiUpTo(double most) {
+  std::vector<double> radii = {kLeastRadius};
+  while (radii.back() <= most)
+    radii.push_back(std::max(radii.back() + 1.5, std::round(2.08 * radii.back()) / 2));
+  radii.pop_back();
+  return radii;
+}
+
 }  // namespace
 
 std::vector<DoorArc> findDoorArcs(const cv::Mat& full_ink) {
@@ -332,8 +341,7 @@ std::vector<DoorArc> findDoorArcs(const cv::Mat& full_ink) {
   const double most = std::min(kMostRadius, 0.2 * std::max(ink.exact.cols, ink.exact.rows));
   const Rings rings(most + 4);
   std::vector<Candidate> candidates;
-  for (double radius = kLeastRadius; radius <= most;
-       radius = std::max(radius + 1.5, std::round(2.08 * radius) / 2))
+  for (const double radius : radiiUpTo(most))
     for (const auto& centre : centresAt(points, radius, ink.exact.size())) {
       const Candidate candidate = examine(ink, rings, centre, radius);
       if (candidate.quality > 0 && candidate.door.radius >= kLeastRadius) candidates.push_back(candidate);

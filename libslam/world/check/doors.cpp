@@ -75,11 +75,13 @@ cv::Mat inkOfDoor(const DoorArc& door, const cv::Mat& ink) {
               degrees(std::max(first, last)), cv::Scalar(255), static_cast<int>(std::ceil(arc)) + 4);
   frame.fill(leaf_strip, -leaf - 1.5, leaf + 1.5, 1.5, r + 3);
   // Each row of pixels parallel to the wall that is mostly ink is a sill or a face drawn through.
-  constexpr double kMargin = 2;
-  for (double v = -0.45 * r; v <= 0.15 * r; v += 0.5) {
-    int drawn = 0, asked = 0;
-    for (double u = kMargin; u <= r - kMargin; u += 0.5, ++asked) drawn += frame.isInk(fine, u, v);
-    if (drawn > 0.7 * asked) frame.fill(doorway, kMargin, r - kMargin, v - 0.8, v + 0.8);
+  constexpr double kMargin = 2, kStep = 0.5;
+  const int columns = static_cast<int>((r - 2 * kMargin) / kStep);
+  for (int row = static_cast<int>(-0.45 * r / kStep); row <= static_cast<int>(0.15 * r / kStep); ++row) {
+    const double v = row * kStep;
+    int drawn = 0;
+    for (int column = 0; column <= columns; ++column) drawn += frame.isInk(fine, kMargin + column * kStep, v);
+    if (drawn > 0.7 * (columns + 1)) frame.fill(doorway, kMargin, r - kMargin, v - 0.8, v + 0.8);
   }
   return ((swept | doorway) & fine) | (leaf_strip & slab);
 }

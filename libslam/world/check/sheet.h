@@ -15,14 +15,14 @@ namespace slam::world::check {
 struct Sheet {
   const PlanCheckOptions& options;
   const Picture& picture;
-  const std::vector<Colour>& colours;  ///< of the picture's pixels
-  PlanOptions reading;                 ///< thresholds and placement with which `cells` was read
-  bool has_scale = false;              ///< the resolution is given, by a yaml or by the caller
-  bool goes_by_gray = true;            ///< false: by transparency, or raw percents
-  bool is_map = false;                 ///< else a drawing
-  double resolution_m = 0.05;          ///< the best known so far
-  cv::Mat cells;                       ///< CV_8U, values of Cell
-  cv::Mat changes;                     ///< CV_8U, values of Change
+  const std::vector<Colour>& pixels;  ///< the picture's colours
+  PlanOptions reading;                ///< thresholds and placement with which `cells` was read
+  bool has_scale = false;             ///< the resolution is given, by a yaml or by the caller
+  bool goes_by_gray = true;           ///< false: by transparency, or raw percents
+  bool is_map = false;                ///< else a drawing
+  double resolution_m = 0.05;         ///< the best known so far
+  cv::Mat cells;                      ///< CV_8U, values of Cell
+  cv::Mat changes;                    ///< CV_8U, values of Change
   std::vector<Finding> findings;
   std::optional<std::vector<DoorArc>> door_arcs;  ///< once they have been looked for: doorArcsOf()
 
@@ -30,7 +30,7 @@ struct Sheet {
   /// Sets the cells under the mask; those that already are so stay unchanged. Returns how many changed.
   int paint(const cv::Mat& where, Cell cell, Change change);
   double toPixels(double length_m) const { return length_m / resolution_m; }
-  double squareMetres(double pixels) const { return pixels * resolution_m * resolution_m; }
+  double squareMetres(double cell_count) const { return cell_count * resolution_m * resolution_m; }
   FindingPlace place(const cv::Point& pixel) const;
   /// Explicitly asked for, so also where it is usually not looked for.
   bool isAskedFor(const std::string& key) const;
