@@ -32,17 +32,19 @@ Octant octantAt(int index) {
 /// An octant from one origin: axes that grow along its rays, and its codes.
 struct OctantView {
   GrowingAxis major, minor;
-  std::ptrdiff_t stride;
-  const std::uint8_t* codes;  ///< cell (u, v) is at codes[u * stride + v]
+  int tiles;
+  const std::uint8_t* codes;
 
   OctantView(const SectorTable& table, const Octant& octant, const core::Point2& origin) {
     const GrowingAxis x = growingAxis(origin.x, octant.x_falls ? -1.0 : 1.0, table.columns(), 0);
     const GrowingAxis y = growingAxis(origin.y, octant.y_falls ? -1.0 : 1.0, table.rows(), 0);
     major = octant.x_is_major ? x : y;
     minor = octant.x_is_major ? y : x;
-    stride = minor.end - minor.begin + 1;
-    // Cell (0, 0) of a mirrored axis is the cell outside that every table has.
-    codes = table.codes(octant) - major.begin * stride - minor.begin;
+    tiles = table.tiles(octant);
+    codes = table.codes(octant);
+  }
+  std::uint8_t codeAt(int u, int v) const {
+    return codes[SectorTable::offsetOf(tiles, u - major.begin, v - minor.begin)];
   }
   bool contains() const { return major.contains(major.origin) && minor.contains(minor.origin); }
 };
@@ -125,8 +127,11 @@ class BlockCast {
       frames_[octants_] = {view.major.origin, view.minor.origin, double(u),
                            double(v),         resolution_m_,     limit_m_};
       OctantMarch& march = marches_[octants_];
-      march.codes = inside ? view.codes + u * view.stride + v : &kNeverHits;
-      march.stride = static_cast<std::int32_t>(view.stride);
+      first_code_[octants_] = inside ? view.codeAt(u, v) : kNeverHits;
+      march.codes = view.codes;
+      march.tiles = view.tiles;
+      march.first_u = u - view.major.begin;
+      march.first_v = v - view.minor.begin;
       march.end_row = view.minor.end - v;
       // Two columns more than the range needs: rounding must not end a march before the last hit within range.
       march.last_column = static_cast<std::int32_t>(std::min(limit_m_ / resolution_m_, 1e6)) + 2;
@@ -149,7 +154,7 @@ class BlockCast {
   /// The first look-up of all beams is one: that of the origin's cell, whose row is not the row of its face.
   void start(const Run& run) {
     OctantMarch& march = marches_[run.slot];
-    const std::uint8_t code = *march.codes;
+    const std::uint8_t code = first_code_[run.slot];
     if (code == kWall || code == kNeverHits) {
       std::fill(hit_ + run.begin, hit_ + run.end, code == kWall ? Hit{0} : kNoHit);
       return;
@@ -191,6 +196,7 @@ class BlockCast {
   Run run_[kMarchBlock];
   OctantMarch marches_[8];
   HitFrame frames_[8];
+  std::uint8_t first_code_[8];  ///< of the origin's cell
   std::uint32_t cell_[kRoom], ended_cell_[kRoom];
   float slope_[kRoom];
   std::int64_t row_[kRoom], rise_[kRoom];
@@ -225,7 +231,7 @@ double SectorCaster::castRayInCells(const core::Point2& origin, const core::Poin
   const double slope = raySlope(major, minor);
   int u = floorToInt(major.origin), v = floorToInt(minor.origin);
   while (true) {
-    const std::uint8_t code = view.codes[u * view.stride + v];
+    const std::uint8_t code = view.codeAt(u, v);
     if (code == kWall) return RayEntry(major, minor, u, u, false).distance();
     if (code == kNeverHits) return kInfinity;
     u += std::max(code - 1, 1);

@@ -139,7 +139,8 @@ void passPortable(OctantMarch& octant) {
     const auto column = static_cast<std::int32_t>(cell >> 16);
     const auto whole = static_cast<std::int32_t>(row >> kFixedBits);
     const std::int32_t v = std::min(whole, octant.end_row);
-    const int code = (octant.codes[column * octant.stride + v] + 1) & 255;
+    const auto offset = SectorTable::offsetOf(octant.tiles, octant.first_u + column, octant.first_v + v);
+    const int code = (octant.codes[offset] + 1) & 255;
     const std::int64_t within = row & (kFixedOne - 1);
     // One test for "close to the line below or above".
     const bool near_line = ((within + kFixedRowError) & (kFixedOne - 1)) < 2 * kFixedRowError;
@@ -227,14 +228,25 @@ SLAM_AVX2 inline void storePacked(std::uint32_t* to, __m256i lanes, __m256i orde
 struct Avx2Octant {
   __m256 origin_u, origin_v;
   __m256i end_row, last_column;
-  __m256i strides;  ///< row and column are 16 bits each of a lane: one instruction multiplies both and adds
+  // Row and column are 16 bits each of a lane: one instruction multiplies both and adds.
+  __m256i first, tile_strides, cell_strides;
 
   SLAM_AVX2 explicit Avx2Octant(const OctantMarch& octant)
       : origin_u(_mm256_set1_ps(static_cast<float>(octant.origin_u))),
         origin_v(_mm256_set1_ps(static_cast<float>(octant.origin_v))),
         end_row(_mm256_set1_epi32(octant.end_row)),
         last_column(_mm256_set1_epi32(octant.last_column)),
-        strides(_mm256_set1_epi32(octant.stride << 16 | 1)) {}
+        first(_mm256_set1_epi32(octant.first_u << 16 | octant.first_v)),
+        tile_strides(_mm256_set1_epi32(octant.tiles << 16 | 1)),
+        cell_strides(_mm256_set1_epi32(SectorTable::kTileSide << 16 | 1)) {}
+
+  /// SectorTable::offsetOf() the cells at the columns of `cell` and the rows `v`.
+  SLAM_AVX2 SLAM_INLINE __m256i offsets(__m256i cell, __m256i v) const {
+    const __m256i place = _mm256_add_epi16(_mm256_blend_epi16(cell, v, 0x55), first);
+    const __m256i tile = _mm256_madd_epi16(_mm256_srli_epi16(place, 3), tile_strides);
+    const __m256i within = _mm256_madd_epi16(_mm256_and_si256(place, _mm256_set1_epi16(7)), cell_strides);
+    return _mm256_add_epi32(_mm256_slli_epi32(tile, 6), within);
+  }
 };
 
 /// Advances rays i .. i+7, or as many of them as there are.
@@ -250,7 +262,7 @@ SLAM_AVX2 SLAM_INLINE void advanceAvx2(OctantMarch& octant, const Avx2Octant& co
   const __m256i whole = _mm256_cvttps_epi32(row);
   const __m256 within = _mm256_sub_ps(row, _mm256_cvtepi32_ps(whole)), next = _mm256_add_ps(within, slope);
   const __m256i v = _mm256_min_epi32(whole, constant.end_row);
-  const __m256i index = _mm256_madd_epi16(_mm256_blend_epi16(cell, v, 0x55), constant.strides);
+  const __m256i index = constant.offsets(cell, v);
   const auto* codes = reinterpret_cast<const int*>(octant.codes);
   int existing = 255;
   __m256i bytes;
@@ -324,7 +336,9 @@ SLAM_AVX512 inline void passAvx512(OctantMarch& octant) {
                origin_v = _mm512_set1_ps(static_cast<float>(octant.origin_v));
   const __m512i end_row = _mm512_set1_epi32(octant.end_row);
   const __m512i last_column = _mm512_set1_epi32(octant.last_column);
-  const __m512i strides = _mm512_set1_epi32(octant.stride << 16 | 1);
+  const __m512i first = _mm512_set1_epi32(octant.first_u << 16 | octant.first_v);
+  const __m512i tile_strides = _mm512_set1_epi32(octant.tiles << 16 | 1);
+  const __m512i cell_strides = _mm512_set1_epi32(SectorTable::kTileSide << 16 | 1);
   const __m512 half = _mm512_set1_ps(0.5F), one = _mm512_set1_ps(1);
   const int count = octant.rays;
   int kept = 0, ends = octant.ends;
@@ -337,7 +351,10 @@ SLAM_AVX512 inline void passAvx512(OctantMarch& octant) {
     const __m512i whole = _mm512_cvttps_epi32(row);
     const __m512 within = _mm512_sub_ps(row, _mm512_cvtepi32_ps(whole)), next = _mm512_add_ps(within, slope);
     const __m512i v = _mm512_min_epi32(whole, end_row);
-    const __m512i index = _mm512_madd_epi16(_mm512_mask_blend_epi16(0x55555555U, cell, v), strides);
+    const __m512i place = _mm512_add_epi16(_mm512_mask_blend_epi16(0x55555555U, cell, v), first);
+    const __m512i tile = _mm512_madd_epi16(_mm512_srli_epi16(place, 3), tile_strides);
+    const __m512i in_tile = _mm512_madd_epi16(_mm512_and_si512(place, _mm512_set1_epi16(7)), cell_strides);
+    const __m512i index = _mm512_add_epi32(_mm512_slli_epi32(tile, 6), in_tile);
     const __m512i bytes = _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), exists, index, octant.codes, 1);
     const __m512i code =
         _mm512_and_si512(_mm512_add_epi32(bytes, _mm512_set1_epi32(1)), _mm512_set1_epi32(255));

@@ -26,12 +26,12 @@ constexpr Hit kAmbiguousHit = 0xFFFFFFFE;
 /// Rays of one octant from one origin, and those that have ended. A ray is on the near face of its column. The arrays
 /// have room for all rays and kMarchPadding more.
 struct OctantMarch {
-  const std::uint8_t*
-      codes;  ///< of the origin's cell; the cell `row` up and `column` on is at column * stride + row
-  std::int32_t stride;
-  std::int32_t end_row;       ///< the first row outside
-  std::int32_t last_column;   ///< what is hit beyond is out of range
-  double origin_u, origin_v;  ///< within the cell
+  const std::uint8_t* codes;      ///< of the octant, as SectorTable has them
+  std::int32_t tiles;             ///< along the minor axis
+  std::int32_t first_u, first_v;  ///< the origin's cell
+  std::int32_t end_row;           ///< the first row outside
+  std::int32_t last_column;       ///< what is hit beyond is out of range
+  double origin_u, origin_v;      ///< within the cell
 
   int rays;
   std::uint32_t* cell;  ///< column * 2^16 + the beam's number in the block

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <new>
 #include <vector>
 
@@ -66,21 +67,31 @@ std::vector<std::uint8_t> wallsOf(const Plan& plan, bool x_is_major) {
   return walls;
 }
 
+constexpr int kSide = SectorTable::kTileSide;
+
+/// Puts a whole column, `tiles` * 8 codes, into its places.
+void storeColumn(const std::uint8_t* column, int tiles, int u, std::uint8_t* codes) {
+  std::uint8_t* to = codes + SectorTable::offsetOf(tiles, u, 0);
+  for (int tile = 0; tile < tiles; ++tile)
+    std::memcpy(to + tile * kSide * kSide, column + tile * kSide, kSide);
+}
+
 /// One octant; `walls` has `size_u` lines of `size_v`.
 void fillOctant(const std::vector<std::uint8_t>& walls, int size_u, int size_v, bool u_falls, bool v_falls,
-                std::uint8_t* codes) {
-  const size_t stride = static_cast<size_t>(size_v) + 1;
-  std::fill_n(codes + static_cast<size_t>(size_u) * stride, stride, kNeverHits);
-  std::vector<std::uint8_t> wall(stride, 0);
+                int tiles, std::uint8_t* codes) {
+  const size_t padded = static_cast<size_t>(tiles) * kSide;
+  std::vector<std::uint8_t> wall(padded + 1, 0), next(padded + 1, kNeverHits), column(padded + 1, kNeverHits);
+  const int columns = (size_u / kSide + 1) * kSide;
+  for (int u = columns - 1; u >= size_u; --u) storeColumn(next.data(), tiles, u, codes);
   for (int u = size_u - 1; u >= 0; --u) {
     const std::uint8_t* line = walls.data() + static_cast<size_t>(u_falls ? size_u - 1 - u : u) * size_v;
     if (v_falls)
       std::reverse_copy(line, line + size_v, wall.begin());
     else
       std::copy(line, line + size_v, wall.begin());
-    std::uint8_t* column = codes + static_cast<size_t>(u) * stride;
-    fillColumn(wall.data(), column + stride, size_v, column);
-    column[size_v] = kNeverHits;
+    fillColumn(wall.data(), next.data(), size_v, column.data());
+    storeColumn(column.data(), tiles, u, codes);
+    std::swap(column, next);
   }
 }
 
@@ -111,15 +122,15 @@ void forEachOctant(AnyOctant do_octant) {
 /// Carries a change of walls in `changed_u` by `changed_v` to all codes of the octant that depend on it: from the
 /// last column back to the first that nothing changed in.
 void updateOctant(const Plan& plan, const Octant& octant, const Span& changed_u, const Span& changed_v,
-                  std::uint8_t* codes) {
+                  int tiles, std::uint8_t* codes) {
   const int size_v = octant.x_is_major ? plan.rows : plan.columns;
-  const size_t stride = static_cast<size_t>(size_v) + 1;
   const auto isWall = [&](int u, int v) {
     const int along_x = octant.x_is_major ? u : v, along_y = octant.x_is_major ? v : u;
     return v < size_v && plan.at(octant.x_falls ? plan.columns - 1 - along_x : along_x,
                                  octant.y_falls ? plan.rows - 1 - along_y : along_y) == Cell::kOccupied;
   };
-  std::vector<std::uint8_t> wall(stride), before(stride);
+  const size_t room = static_cast<size_t>(size_v) + 2;
+  std::vector<std::uint8_t> wall(room), next(room), column(room);
   Span dirty;
   for (int u = changed_u.end - 1; u >= 0; --u) {
     // A code depends on its own cell, the one above, and the two of the next column.
@@ -128,14 +139,18 @@ void updateOctant(const Plan& plan, const Octant& octant, const Span& changed_u,
                      dirty.empty() ? Span{} : Span{dirty.begin - 1, dirty.end});
     if (span.empty()) return;
     span.begin = std::max(span.begin, 0);
-    std::uint8_t* column = codes + static_cast<size_t>(u) * stride;
-    for (int v = span.begin; v <= span.end; ++v) wall[v] = isWall(u, v);
-    std::copy(column + span.begin, column + span.end, before.begin() + span.begin);
-    fillColumn(wall.data() + span.begin, column + stride + span.begin, span.end - span.begin,
-               column + span.begin);
-    const auto differs = [&](int v) { return column[v] != before[v]; };
+    for (int v = span.begin; v <= span.end; ++v) {
+      wall[v] = isWall(u, v);
+      next[v] = codes[SectorTable::offsetOf(tiles, u + 1, v)];
+    }
+    fillColumn(wall.data() + span.begin, next.data() + span.begin, span.end - span.begin,
+               column.data() + span.begin);
+    const Span looked_at = span;
+    const auto differs = [&](int v) { return column[v] != codes[SectorTable::offsetOf(tiles, u, v)]; };
     while (!span.empty() && !differs(span.begin)) ++span.begin;
     while (!span.empty() && !differs(span.end - 1)) --span.end;
+    for (int v = looked_at.begin; v < looked_at.end; ++v)
+      codes[SectorTable::offsetOf(tiles, u, v)] = column[v];
     dirty = span;
   }
 }
@@ -149,7 +164,7 @@ void SectorTable::Free::operator()(std::uint8_t* bytes) const {
 SectorTable::SectorTable(const Plan& plan)
     : columns_(plan.columns),
       rows_(plan.rows),
-      octant_size_((static_cast<size_t>(plan.columns) + 1) * (static_cast<size_t>(plan.rows) + 1)),
+      octant_size_(static_cast<size_t>(tilesFor(plan.columns)) * tilesFor(plan.rows) * kTileSide * kTileSide),
       codes_(allocate(8 * octant_size_ + kPadding)) {
   std::fill_n(codes_.get() + 8 * octant_size_, kPadding, kNeverHits);
   std::vector<std::uint8_t> walls;
@@ -157,7 +172,7 @@ SectorTable::SectorTable(const Plan& plan)
     if (!octant.x_falls && !octant.y_falls) walls = wallsOf(plan, octant.x_is_major);
     fillOctant(walls, octant.x_is_major ? columns_ : rows_, octant.x_is_major ? rows_ : columns_,
                octant.x_is_major ? octant.x_falls : octant.y_falls,
-               octant.x_is_major ? octant.y_falls : octant.x_falls, codes(octant));
+               octant.x_is_major ? octant.y_falls : octant.x_falls, tiles(octant), codes(octant));
   });
 }
 
@@ -169,7 +184,7 @@ void SectorTable::update(const Plan& plan, int x0, int y0, int x1, int y1) {
   forEachOctant([&](const Octant& octant) {
     const Span along_x = mirrored(x, octant.x_falls, columns_), along_y = mirrored(y, octant.y_falls, rows_);
     updateOctant(plan, octant, octant.x_is_major ? along_x : along_y, octant.x_is_major ? along_y : along_x,
-                 codes(octant));
+                 tiles(octant), codes(octant));
   });
 }
 

@@ -23,7 +23,9 @@ struct Octant {
 /// its slope: K(u, v) = 1 + min(K(u + 1, v), K(u + 1, v + 1)) where (u, v) and (u, v + 1) are free. The walk of
 /// castRay() may restart at any column, so a skip costs no exactness.
 ///
-/// Memory: 8 bytes per cell, and one more row and column of cells outside the plan.
+/// Memory: 8 bytes per cell, and one more row and column of cells outside the plan, rounded up to whole tiles: cells
+/// lie in tiles of 8 x 8, one cache line each, because the rays of a scan look at neighbouring cells of neighbouring
+/// columns.
 class SectorTable {
  public:
   explicit SectorTable(const Plan& plan);
@@ -35,16 +37,26 @@ class SectorTable {
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  /// Codes over cells counted from the octant's own corner: cell (u, v) is at u * (size_v + 1) + v.
-  /// Three bytes behind the last code of all octants may be read.
+  /// Codes over cells counted from the octant's own corner: cell (u, v) is at offsetOf(tiles(octant), u, v). Three
+  /// bytes behind the last code of all octants may be read.
   const std::uint8_t* codes(const Octant& octant) const {
     return codes_.get() + octant.index() * octant_size_;
+  }
+  /// Tiles along the minor axis.
+  int tiles(const Octant& octant) const { return tilesFor(octant.x_is_major ? rows_ : columns_); }
+
+  static constexpr int kTileSide = 8;
+  static std::ptrdiff_t offsetOf(int tiles, int u, int v) {
+    const std::ptrdiff_t tile = static_cast<std::ptrdiff_t>(u >> 3) * tiles + (v >> 3);
+    return tile * (kTileSide * kTileSide) + (u & 7) * kTileSide + (v & 7);
   }
 
  private:
   struct Free {
     void operator()(std::uint8_t* bytes) const;
   };
+  /// For `cells` of an axis and one outside.
+  static int tilesFor(int cells) { return cells / kTileSide + 1; }
   std::uint8_t* codes(const Octant& octant) { return codes_.get() + octant.index() * octant_size_; }
 
   int columns_, rows_;

@@ -12,7 +12,8 @@ namespace slam::world {
 namespace {
 
 bool sameCodes(const SectorTable& a, const SectorTable& b) {
-  const auto size = (static_cast<size_t>(a.columns()) + 1) * (static_cast<size_t>(a.rows()) + 1);
+  const auto size =
+      static_cast<size_t>(a.codes(Octant{false, false, true}) - a.codes(Octant{false, false, false}));
   return std::memcmp(a.codes(Octant{false, false, false}), b.codes(Octant{false, false, false}), 8 * size) ==
          0;
 }
@@ -38,8 +39,10 @@ TEST(SectorTable, CountsTheColumnsThatAreFreeForEverySlope) {
                                ".....",  //
                                "....."});
   const SectorTable table(plan);
-  const std::uint8_t* right_and_up = table.codes(Octant{true, false, false});
-  const auto at = [&](int u, int v) { return int{right_and_up[u * 4 + v]}; };
+  const Octant right_and_up{true, false, false};
+  const auto at = [&](int u, int v) {
+    return int{table.codes(right_and_up)[SectorTable::offsetOf(table.tiles(right_and_up), u, v)]};
+  };
   EXPECT_EQ(at(4, 2), kWall);
   EXPECT_EQ(at(4, 1), kWallAbove);
   EXPECT_EQ(at(3, 1), 2);  // its own column only: at the next the wall may be above
