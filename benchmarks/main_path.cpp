@@ -12,6 +12,7 @@
 #include "libslam/run/resources.h"
 #include "libslam/run/worker.h"
 #include "libslam/testing/temp_folder.h"
+#include "libslam/world/generator.h"
 #include "libslam/world/ray_caster.h"
 
 namespace {
@@ -73,6 +74,42 @@ void castMrpt(benchmark::State& state) {
       benchmark::Counter(double(state.iterations()) * kBeams / 1e6, benchmark::Counter::kIsRate);
 }
 BENCHMARK(castMrpt)->Name("cast/MRPT laserScanSimulator (approximate)")->MinTime(0.5);
+
+/// Truth, odometry and a scan with noise per step, without a file. 361 beams over 180 degrees.
+void senseOnly(benchmark::State& state) {
+  robot::LidarOptions lidar;
+  lidar.fov_rad = core::kPi;
+  lidar.beams = 361;
+  const auto start = world::findStartPose(plan(), 0.5);
+  sim::Simulator simulator(plan(), {}, lidar, {}, *start, 1);
+  for (auto _ : state) {
+    const auto sensed = simulator.step({0, 0.5, 0.1});
+    benchmark::DoNotOptimize(sensed.scan.ranges_m.data());
+  }
+  state.counters["scans/s"] = benchmark::Counter(double(state.iterations()), benchmark::Counter::kIsRate);
+}
+BENCHMARK(senseOnly)->Name("simulate, 361 beams with noise, no file")->MinTime(0.5);
+
+void simulateAnHour(benchmark::State& state) {
+  const testing::TempFolder folder;
+  core::IniFile ini;
+  for (const auto& [key, value] : {std::pair{"rate_hz", "10"}, std::pair{"beams", "361"}})
+    ini.set("lidar", key, value, "benchmark");
+  ini.set("simulation", "duration_s", "3600", "benchmark");
+  const auto config = run::readRecordConfig(ini);
+  world::BuildingOptions options;
+  options.width_m = options.height_m = 100;
+  const world::Plan building = world::generateBuilding("office", options, 1).plan;
+  double scans = 0;
+  for (auto _ : state)
+    scans +=
+        double(run::record(building, config, 1, folder / "run.rawlog", {}, core::silentProgress()).scans);
+  state.counters["scans/s"] = benchmark::Counter(scans, benchmark::Counter::kIsRate);
+}
+BENCHMARK(simulateAnHour)
+    ->Name("an hour at 10 Hz in an office of 100 x 100 m, 361 beams, written")
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
 
 void simulate(benchmark::State& state) {
   const testing::TempFolder folder;
