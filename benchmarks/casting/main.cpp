@@ -25,6 +25,7 @@
 #include "libslam/core/files.h"
 #include "libslam/core/random.h"
 #include "libslam/report/table.h"
+#include "libslam/world/generator.h"
 #include "libslam/world/plan.h"
 #include "libslam/world/ray_caster.h"
 #include "libslam/world/sector_caster.h"
@@ -172,8 +173,7 @@ struct Engine {
   std::vector<double> seconds, ratios;  ///< per scan; MRPT's over this engine's in the same round
 };
 
-void addRows(const std::string& path, const Arguments& arguments, report::Table& table) {
-  const world::Plan plan = world::loadPlan(path);
+void addRows(const world::Plan& plan, const Arguments& arguments, report::Table& table) {
   const auto poses = freePoses(plan, kPoses, "casting benchmark");
   const world::BeamTable beams(kFirstAngle_rad, kStep_rad, kBeams);
   std::vector<float> ranges;
@@ -256,7 +256,16 @@ int benchmark(const Arguments& arguments) {
                    {"bits_differ", "rays that differ", 0},
                    {"making_ms_per_megacell", "making (ms/Mcell)", 2},
                    {"two_threads", "2 threads", 2}};
-  for (const auto& plan : plans) addRows(plan, arguments, table);
+  for (const auto& path : plans) addRows(world::loadPlan(path), arguments, table);
+  if (arguments.plans.empty())
+    for (const auto& kind : world::buildingKinds()) {
+      world::BuildingOptions options;
+      options.width_m = 100;
+      options.height_m = 80;
+      world::Plan plan = world::generateBuilding(kind.name, options, 1).plan;
+      plan.name = kind.name + " 100 x 80 m";
+      addRows(plan, arguments, table);
+    }
   std::cout << report::toText(table);
   if (!arguments.csv.empty()) core::writeFileAtomically(arguments.csv, report::toCsv(table));
   return 0;

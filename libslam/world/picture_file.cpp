@@ -59,7 +59,8 @@ void requireSensibleSize(const Bytes& file, std::int64_t columns, std::int64_t r
   if (columns <= 0 || rows <= 0) throw file.error("the picture has " + found + ", expected at least one");
   if (columns > kMaxPlanSide || rows > kMaxPlanSide || columns * rows > kMaxPlanCells)
     throw file.error("the picture has " + found + ", expected at most " + std::to_string(kMaxPlanSide) +
-                     " on a side and 2^28 in all");
+                     " on a side and 2^28 in all (to simulate in takes some 13 bytes a pixel: " +
+                     std::to_string((columns * rows * 13 + 500000000) / 1000000000) + " GB)");
 }
 
 /// PNG (ISO/IEC 15948, section 5): signature, then chunks of length, type, data, CRC; IHDR first, IEND last.

@@ -273,9 +273,13 @@ TEST_F(Plans, RefuseWhatIsNoPicture) {
   EXPECT_EQ(errorOf(write("none.pgm", std::string("P5 0 4 255\n"))),
             ": the picture has 0 x 4 pixels, expected at least one");
   EXPECT_EQ(errorOf(write("huge.pgm", std::string("P5 30000 30000 255\n"))),
-            ": the picture has 30000 x 30000 pixels, expected at most 32768 on a side and 2^28 in all");
-  EXPECT_EQ(errorOf(write("long.pgm", std::string("P5 40000 1 255\n"))),
-            ": the picture has 40000 x 1 pixels, expected at most 32768 on a side and 2^28 in all");
+            ": the picture has 30000 x 30000 pixels, expected at most 32768 on a side and 2^28 in all (to "
+            "simulate in "
+            "takes some 13 bytes a pixel: 12 GB)");
+  EXPECT_EQ(
+      errorOf(write("long.pgm", std::string("P5 40000 1 255\n"))),
+      ": the picture has 40000 x 1 pixels, expected at most 32768 on a side and 2^28 in all (to simulate in "
+      "takes some 13 bytes a pixel: 0 GB)");
 }
 
 TEST_F(Plans, MayBeEmptyWhereThatIsAllowed) {
