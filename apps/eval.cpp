@@ -1,22 +1,51 @@
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
 #include "libslam/core/error.h"
+#include "libslam/logs/relations_io.h"
+#include "libslam/logs/trajectory_io.h"
 #include "libslam/run/compare.h"
 #include "libslam/run/evaluate.h"
+#include "libslam/run/relation_tables.h"
 #include "libslam/run/resources.h"
 
 namespace slam::apps {
 namespace {
 
 struct Arguments {
-  std::string folder, truth, plan;
+  std::string folder, truth, plan, relations;
 };
 
+/// Of a run's folder, or of a trajectory by itself.
+int evaluateByRelations(const Context& context, const Arguments& arguments) {
+  if (!arguments.truth.empty() || !arguments.plan.empty())
+    throw core::InputError("--relations: is a truth of its own, expected no --truth and no --plan beside it");
+  const auto relations = logs::readRelations(arguments.relations);
+  const bool is_run = std::filesystem::is_directory(arguments.folder);
+  const auto estimate =
+      is_run ? run::loadRun(arguments.folder).estimate : logs::readTrajectory(arguments.folder);
+  const auto error = metrics::relationError(relations, estimate);
+  if (error.scored == 0)
+    throw core::InputError(arguments.relations + ": no stamp in common with " + arguments.folder +
+                           ", expected the relations of the same log");
+  const auto table = run::relationTable(arguments.folder, error);
+  const auto worst = run::worstRelationsTable(relations, error);
+  if (context.json)
+    std::cout << nlohmann::ordered_json{{"relations", nlohmann::ordered_json::parse(report::toJson(table))},
+                                        {"worst", nlohmann::ordered_json::parse(report::toJson(worst))}}
+                     .dump(2)
+              << "\n";
+  else
+    std::cout << report::toText(table) << "\n" << report::toText(worst);
+  return 0;
+}
+
 int evaluateRun(const Context& context, const Arguments& arguments) {
+  if (!arguments.relations.empty()) return evaluateByRelations(context, arguments);
   const auto run_folder = run::loadRun(arguments.folder);
   const std::string plan_path = arguments.plan.empty() ? "" : run::resolvePlan(arguments.plan);
   if (arguments.truth.empty() && !plan_path.empty())
@@ -55,11 +84,16 @@ void addEval(CLI::App& app, Context& context) {
   command->add_option("--truth", arguments->truth, "true path: TUM, or MRPT's .GT.txt");
   command->add_option("--plan", arguments->plan,
                       "true plan, to score the map too (needs a TUM truth in the plan's frame)");
+  command->add_option(
+      "--relations", arguments->relations,
+      "relations of the Freiburg benchmark (t1 t2 x y z roll pitch yaw per line): the truth of real "
+      "logs; FOLDER may then be a trajectory too");
   addJson(command, context);
   command->footer(
       "Examples:\n"
       "  rasterslam eval out --truth run.gt.tum\n"
-      "  rasterslam eval out --truth run.gt.tum --plan flat --json");
+      "  rasterslam eval out --truth run.gt.tum --plan flat --json\n"
+      "  rasterslam eval path.tum --relations intel.relations");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return evaluateRun(context, *arguments); };
   });

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "libslam/core/error.h"
+#include "libslam/logs/fixed_number.h"
 
 namespace slam::logs {
 namespace {
@@ -18,18 +19,6 @@ constexpr int kMrptDecimals = 6;
 
 // A quaternion in a text file has a length near 1; a shorter one than this holds no direction.
 constexpr double kShortestQuaternion = 1e-6;
-
-void appendNumber(std::string& text, double value, int decimals) {
-  // Fixed notation of the largest double has 309 digits before the point.
-  std::array<char, 400> buffer{};
-  const auto result =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, decimals);
-  std::string_view digits(buffer.data(), static_cast<size_t>(result.ptr - buffer.data()));
-  // "-0.000" would make equal poses differ in their bytes.
-  if (digits.front() == '-' && digits.find_first_not_of("-0.") == std::string_view::npos)
-    digits.remove_prefix(1);
-  text += digits;
-}
 
 struct Line {
   size_t number = 0;  ///< from 1

@@ -1,8 +1,10 @@
 #pragma once
 #include <algorithm>
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "libslam/core/random.h"
 #include "libslam/world/plan.h"
 
 namespace slam::world {
@@ -25,6 +27,19 @@ inline Plan drawnPlan(const std::vector<std::string>& lines, double resolution_m
     }
   const auto isPlain = [](Material material) { return material == Material::kPlain; };
   if (std::all_of(plan.materials.begin(), plan.materials.end(), isPlain)) plan.materials.clear();
+  return plan;
+}
+
+/// One cell in `one_in` is a wall; the rim is open.
+inline Plan scatteredPlan(int columns, int rows, std::uint64_t seed, int one_in) {
+  Plan plan;
+  plan.columns = columns;
+  plan.rows = rows;
+  plan.resolution_m = 0.05;
+  core::RandomStream random(seed, "scattered plan");
+  for (int i = 0; i < columns * rows; ++i)
+    plan.cells.push_back(random.below(static_cast<std::uint64_t>(one_in)) == 0 ? Cell::kOccupied
+                                                                               : Cell::kFree);
   return plan;
 }
 

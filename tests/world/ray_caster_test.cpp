@@ -28,19 +28,6 @@ const Plan& room() {
   return plan;
 }
 
-/// One cell in `one_in` is a wall; the rim is open.
-Plan scatteredPlan(int columns, int rows, std::uint64_t seed, int one_in) {
-  Plan plan;
-  plan.columns = columns;
-  plan.rows = rows;
-  plan.resolution_m = 0.05;
-  core::RandomStream random(seed, "scattered plan");
-  for (int i = 0; i < columns * rows; ++i)
-    plan.cells.push_back(random.below(static_cast<std::uint64_t>(one_in)) == 0 ? Cell::kOccupied
-                                                                               : Cell::kFree);
-  return plan;
-}
-
 /// An origin and a unit vector without libm's sine, so that its bits are the same on every machine.
 struct Ray {
   core::Point2 origin, direction;

@@ -98,16 +98,9 @@ class Comparison {
   std::vector<float> expected_, found_;
 };
 
-Plan scatteredPlan(int columns, int rows, std::uint64_t seed, int one_in) {
-  Plan plan;
-  plan.columns = columns;
-  plan.rows = rows;
-  plan.resolution_m = 0.05;
+Plan placedPlan(int columns, int rows, std::uint64_t seed, int one_in) {
+  Plan plan = scatteredPlan(columns, rows, seed, one_in);
   plan.T_world_plan = {3, -2, 0.7};
-  core::RandomStream random(seed, "scattered plan");
-  for (int i = 0; i < columns * rows; ++i)
-    plan.cells.push_back(random.below(static_cast<std::uint64_t>(one_in)) == 0 ? Cell::kOccupied
-                                                                               : Cell::kFree);
   return plan;
 }
 
@@ -193,7 +186,7 @@ INSTANTIATE_TEST_SUITE_P(SectorCaster, OfEveryPlan,
 
 TEST(SectorCaster, EqualsTheReferenceAtEveryDensityOfWallsAndWithOpenRims) {
   for (const int one_in : {1, 2, 8, 60, 1000, 1000000}) {
-    const Plan plan = scatteredPlan(150, 110, 7, one_in);
+    const Plan plan = placedPlan(150, 110, 7, one_in);
     Comparison compare(plan);
     core::RandomStream random(11, "densities");
     for (int i = 0; i < 40; ++i) {
@@ -207,7 +200,7 @@ TEST(SectorCaster, EqualsTheReferenceAtEveryDensityOfWallsAndWithOpenRims) {
 }
 
 TEST(SectorCaster, SkipsFartherThanOneByteCounts) {
-  Plan plan = scatteredPlan(1500, 40, 1, 1000000000);
+  Plan plan = placedPlan(1500, 40, 1, 1000000000);
   for (int row = 0; row < plan.rows; ++row)
     plan.cells[static_cast<size_t>(row) * 1500 + 1400] = Cell::kOccupied;
   Comparison compare(plan);
@@ -260,7 +253,7 @@ TEST(SectorCaster, AnswersInfinityForAPoseThatIsNotFiniteOrOutside) {
 }
 
 TEST(SectorCaster, DecidesTiesAtCornersInAScanAsTheReferenceDoes) {
-  Plan plan = scatteredPlan(60, 60, 9, 12);
+  Plan plan = placedPlan(60, 60, 9, 12);
   plan.resolution_m = 1;  // so that quarters of cells stay exact, and with them the ties
   plan.T_world_plan = {};
   Comparison compare(plan);
@@ -274,7 +267,7 @@ TEST(SectorCaster, DecidesTiesAtCornersInAScanAsTheReferenceDoes) {
 }
 
 TEST(SectorCaster, CastsBeamsInAnyOrderAndOfAnyNumber) {
-  const Plan plan = scatteredPlan(50, 50, 1, 30);
+  const Plan plan = placedPlan(50, 50, 1, 30);
   Comparison compare(plan);
   const core::Point2 p = cellsToWorld(plan, {25.3, 24.6});
   for (const double step : {0.0, 1.0, 2.5, -0.01, 100.7})
@@ -287,7 +280,7 @@ TEST(SectorCaster, CastsBeamsInAnyOrderAndOfAnyNumber) {
 }
 
 TEST(SectorCaster, CastsAsManyScansAsThereArePosesWithAnyNumberOfThreads) {
-  const Plan plan = scatteredPlan(120, 80, 5, 90);
+  const Plan plan = placedPlan(120, 80, 5, 90);
   const SectorCaster caster(plan);
   const BeamTable table(-2, 0.01, 333);
   core::RandomStream random(8, "batch");
@@ -309,7 +302,7 @@ TEST(SectorCaster, CastsAsManyScansAsThereArePosesWithAnyNumberOfThreads) {
 }
 
 TEST(SectorCaster, CastsPartOfATable) {
-  const Plan plan = scatteredPlan(120, 80, 5, 90);
+  const Plan plan = placedPlan(120, 80, 5, 90);
   const SectorCaster caster(plan);
   const BeamTable table(-3, 0.01, 600);
   const core::Point2 p = cellsToWorld(plan, {60.2, 40.7});

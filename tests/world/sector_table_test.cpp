@@ -18,17 +18,6 @@ bool sameCodes(const SectorTable& a, const SectorTable& b) {
          0;
 }
 
-Plan scatteredPlan(int columns, int rows, int one_in) {
-  Plan plan;
-  plan.columns = columns;
-  plan.rows = rows;
-  core::RandomStream random(1, "scattered plan");
-  for (int i = 0; i < columns * rows; ++i)
-    plan.cells.push_back(random.below(static_cast<std::uint64_t>(one_in)) == 0 ? Cell::kOccupied
-                                                                               : Cell::kFree);
-  return plan;
-}
-
 void fill(Plan& plan, int x0, int y0, int x1, int y1, Cell cell) {
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) plan.cells[static_cast<size_t>(y) * plan.columns + x] = cell;
@@ -54,7 +43,7 @@ TEST(SectorTable, CountsTheColumnsThatAreFreeForEverySlope) {
 
 TEST(SectorTable, AnUpdateGivesTheTableThatANewOneWouldBe) {
   for (const int one_in : {5, 200, 5000}) {
-    Plan plan = scatteredPlan(330, 270, one_in);
+    Plan plan = scatteredPlan(330, 270, 1, one_in);
     SectorTable table(plan);
     core::RandomStream random(2, "update");
     for (int i = 0; i < 60; ++i) {
@@ -72,7 +61,7 @@ TEST(SectorTable, AnUpdateGivesTheTableThatANewOneWouldBe) {
 }
 
 TEST(SectorTable, AnUpdateReachesTheBordersAndIgnoresWhatIsOutside) {
-  Plan plan = scatteredPlan(40, 30, 1000000);
+  Plan plan = scatteredPlan(40, 30, 1, 1000000);
   SectorTable table(plan);
   fill(plan, 0, 0, 40, 1, Cell::kOccupied);
   table.update(plan, -5, -5, 45, 1);
@@ -83,7 +72,7 @@ TEST(SectorTable, AnUpdateReachesTheBordersAndIgnoresWhatIsOutside) {
   table.update(plan, 50, 0, 60, 10);
   table.update(plan, 5, 5, 5, 9);
   EXPECT_TRUE(sameCodes(table, SectorTable(plan)));
-  EXPECT_THROW(table.update(scatteredPlan(41, 30, 10), 0, 0, 1, 1), core::ContractError);
+  EXPECT_THROW(table.update(scatteredPlan(41, 30, 1, 10), 0, 0, 1, 1), core::ContractError);
 }
 
 }  // namespace

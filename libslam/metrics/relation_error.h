@@ -1,0 +1,43 @@
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "libslam/core/pose2.h"
+#include "libslam/core/relation.h"
+
+namespace slam::metrics {
+
+/// Over the relations that could be scored; NaN without any.
+struct RelationStatistics {
+  double mean, deviation;                ///< of the errors; the deviation is that of the sample (n - 1)
+  double mean_square, square_deviation;  ///< of their squares
+  double median, max;
+};
+
+/// Error of a trajectory against relations (Kümmerle et al., Autonomous Robots 27(4), 2009): for each relation
+/// E = T_from_to^-1 (x_from^-1 x_to) with x the estimate; its translational error is the length of E's translation, its
+/// rotational error |angle of E|. No alignment, and a map that is bent far away costs nothing here.
+///
+/// The pose at a relation's stamp is that of the estimate's pose with the same stamp (to 1 microsecond, the benchmark's
+/// resolution; of several the first). Where there is none it is interpolated between the neighbouring stamps, and
+/// counted; outside the estimate's time span the relation is not scored, and counted. Stamps may be in any order.
+struct RelationError {
+  RelationStatistics translation_m, rotation_rad;
+  std::size_t scored = 0;
+  std::size_t interpolated = 0;  ///< of these, how many with a pose between two stamps
+  std::size_t unmatched = 0;     ///< not scored
+  struct Scored {
+    std::size_t index;  ///< into the relations
+    double translation_m, rotation_rad;
+  };
+  std::vector<Scored> worst;  ///< by translation, of equals the first
+};
+RelationError relationError(const core::Relations& relations, const core::Trajectory& estimate,
+                            std::size_t worst = 5);
+
+/// Relations that a truth gives: from each pose to the next one at least `step_m` of path away, and to the nearest
+/// earlier pose within `near_m` that is more than `apart_s` before it (a place seen again), where there is one. Stamps
+/// must not run back. REQUIRES step_m > 0.
+core::Relations relationsOf(const core::Trajectory& truth, double step_m, double near_m, double apart_s);
+
+}  // namespace slam::metrics

@@ -1,0 +1,92 @@
+#include "libslam/metrics/relation_error.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/core/error.h"
+
+namespace slam::metrics {
+namespace {
+
+using core::kPi;
+
+core::Trajectory straight() {
+  return {{10, {0, 0, 0}}, {11, {1, 0, 0}}, {12, {2, 0, 0}}, {13, {2, 0, kPi / 2}}, {14, {2, 1, kPi / 2}}};
+}
+
+TEST(RelationError, IsTheLengthAndTheAngleOfWhatIsLeftOfTheRelation) {
+  // Annotated: a metre ahead; driven: a metre ahead, twice as far as said, and a turn that was said to be a bit less.
+  const core::Relations relations = {{10, 11, {1, 0, 0}},
+                                     {10, 12, {1.9, 0, 0}},
+                                     {12, 13, {0, 0, kPi / 2 - 0.1}},
+                                     {14, 12, {-1, 0, -kPi / 2}}};
+  const auto error = relationError(relations, straight());
+  EXPECT_EQ(error.scored, 4U);
+  EXPECT_EQ(error.interpolated, 0U);
+  EXPECT_EQ(error.unmatched, 0U);
+  EXPECT_NEAR(error.translation_m.mean, 0.1 / 4, 1e-12);
+  EXPECT_NEAR(error.translation_m.max, 0.1, 1e-12);
+  EXPECT_NEAR(error.translation_m.median, 0, 1e-12);
+  // Sample deviation of 0, 0, 0, 0.1, by hand: sqrt((3 * 0.025^2 + 0.075^2) / 3).
+  EXPECT_NEAR(error.translation_m.deviation, 0.05, 1e-12);
+  EXPECT_NEAR(error.translation_m.mean_square, 0.01 / 4, 1e-12);
+  EXPECT_NEAR(error.translation_m.square_deviation, 0.005, 1e-12);
+  EXPECT_NEAR(error.rotation_rad.mean, 0.1 / 4, 1e-12);
+  ASSERT_FALSE(error.worst.empty());
+  EXPECT_EQ(error.worst[0].index, 1U);
+}
+
+TEST(RelationError, DoesNotCareWhereTheMapLies) {
+  const core::Relations relations = {{10, 12, {1.9, 0.1, 0.02}}, {11, 14, {1, 1, kPi / 2}}};
+  core::Trajectory moved = straight();
+  for (auto& [time_s, pose] : moved) pose = core::Pose2{5, -7, 2.3} * pose;
+  const auto a = relationError(relations, straight()), b = relationError(relations, moved);
+  EXPECT_NEAR(a.translation_m.mean, b.translation_m.mean, 1e-12);
+  EXPECT_NEAR(a.rotation_rad.mean, b.rotation_rad.mean, 1e-12);
+}
+
+TEST(RelationError, CountsWhatItInterpolatesAndWhatItCannotScore) {
+  const core::Relations relations = {{10.5, 11, {0.5, 0, 0}}, {9, 11, {1, 0, 0}}, {10, 14.1, {2, 1, 0}}};
+  const auto error = relationError(relations, straight());
+  EXPECT_EQ(error.scored, 1U);
+  EXPECT_EQ(error.interpolated, 1U);
+  EXPECT_EQ(error.unmatched, 2U);
+  EXPECT_NEAR(error.translation_m.mean, 0, 1e-12);
+  const auto nothing = relationError(relations, {});
+  EXPECT_EQ(nothing.unmatched, 3U);
+  EXPECT_TRUE(std::isnan(nothing.translation_m.mean));
+  EXPECT_TRUE(nothing.worst.empty());
+}
+
+// The Intel log has 631 scans whose stamp runs back: file order must not matter.
+TEST(RelationError, MatchesByStampWhateverTheOrder) {
+  const core::Relations relations = {{10, 12, {1.9, 0, 0}}, {13, 14, {1, 0.2, 0}}};
+  core::Trajectory shuffled = straight();
+  std::swap(shuffled[0], shuffled[3]);
+  std::swap(shuffled[1], shuffled[2]);
+  EXPECT_EQ(relationError(relations, shuffled).translation_m.mean,
+            relationError(relations, straight()).translation_m.mean);
+}
+
+TEST(RelationsOf, ATruthHaveNoErrorAgainstItAndCloseItsLoops) {
+  core::Trajectory circle;
+  for (int i = 0; i <= 200; ++i) {
+    const double angle_rad = 4 * kPi * i / 200;  // two rounds
+    circle.push_back({100.0 + i, {5 * std::cos(angle_rad), 5 * std::sin(angle_rad), angle_rad + kPi / 2}});
+  }
+  const auto relations = relationsOf(circle, 1, 0.5, 30);
+  const auto steps = std::count_if(relations.begin(), relations.end(),
+                                   [](const auto& r) { return r.to_time_s - r.from_time_s < 30; });
+  EXPECT_NEAR(static_cast<double>(steps), 50, 2);  // of 63 m, every fourth pose of 0.31 m
+  EXPECT_GT(static_cast<long>(relations.size()) - steps, 20);
+  const auto error = relationError(relations, circle);
+  EXPECT_EQ(error.scored, relations.size());
+  EXPECT_LT(error.translation_m.max, 1e-12);
+  EXPECT_THROW(relationsOf(circle, 0, 1, 1), core::ContractError);
+  EXPECT_TRUE(relationsOf({}, 1, 1, 1).empty());
+}
+
+}  // namespace
+}  // namespace slam::metrics
