@@ -22,7 +22,7 @@ namespace {
 
 /// Where the picture goes; refused before any work is done.
 std::string picturePath(const Context& context, const std::string& default_name) {
-  const std::string path = context.output.empty() ? default_name : context.output;
+  std::string path = context.output.empty() ? default_name : context.output;
   core::refuseToOverwrite(path, context.overwrite);
   return path;
 }

@@ -37,7 +37,6 @@ void printWrapped(const std::string& heading, const std::string& text) {
     if (!is_first && used + 1 + word.size() > kTextWidth) {
       std::cout << line << "\n";
       line.assign(heading.size(), ' ');
-      used = heading.size();
       is_first = true;
     }
     line += (is_first ? "" : " ") + word;

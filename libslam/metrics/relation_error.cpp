@@ -40,6 +40,7 @@ RelationStatistics statisticsOf(const std::vector<double>& errors) {
   constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   if (errors.empty()) return {kNothing, kNothing, kNothing, kNothing, kNothing, kNothing};
   std::vector<double> squared;
+  squared.reserve(errors.size());
   for (const double error : errors) squared.push_back(error * error);
   const auto [mean, deviation] = meanAndDeviation(errors);
   const auto [mean_square, square_deviation] = meanAndDeviation(squared);

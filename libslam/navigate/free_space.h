@@ -29,8 +29,9 @@ struct FreeSpace {
   int rowOf(double y_m) const { return static_cast<int>(std::floor((y_m - y_min_m) / resolution_m)); }
   core::Point2 centreOf(std::size_t cell) const {
     const auto width = static_cast<std::size_t>(columns);
-    return {x_min_m + (static_cast<double>(cell % width) + 0.5) * resolution_m,
-            y_min_m + (static_cast<double>(cell / width) + 0.5) * resolution_m};
+    const std::size_t column = cell % width, row = cell / width;
+    return {x_min_m + (static_cast<double>(column) + 0.5) * resolution_m,
+            y_min_m + (static_cast<double>(row) + 0.5) * resolution_m};
   }
   /// Unknown beyond the raster.
   std::uint8_t at(const core::Point2& p_map) const {

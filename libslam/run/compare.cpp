@@ -183,7 +183,7 @@ std::string findPlan(const std::string& log_path) {
   const std::string path = logStem(log_path) + ".manifest.json";
   if (!fs::exists(path)) return "";
   const auto manifest = core::readManifest(path);
-  const std::string own = logStem(log_path) + ".plan.yaml";
+  std::string own = logStem(log_path) + ".plan.yaml";
   if (manifest.files.count(fs::path(own).filename().string()) > 0 && fs::exists(own)) return own;
   for (const auto& [input, hash] : manifest.inputs)
     if (fs::exists(input) && core::fileSha256(input) == hash) return input;

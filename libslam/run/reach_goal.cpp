@@ -141,7 +141,7 @@ double markSize(const world::Plan& plan) {
 
 /// The steps of one manoeuvre share a colour: the palette has eight.
 std::string manoeuvreOf(const std::string& state) {
-  for (const std::string manoeuvre : {"AVOID", "OPEN", "STUCK"})
+  for (std::string manoeuvre : {"AVOID", "OPEN", "STUCK"})
     if (state.compare(0, manoeuvre.size(), manoeuvre) == 0) return manoeuvre;
   return state;
 }

@@ -41,8 +41,9 @@ Walkways::Walkways(const world::Plan& plan, double radius_m, std::uint64_t seed,
 
 core::Point2 Walkways::centreOf(size_t cell) const {
   const auto columns = static_cast<size_t>(columns_);
-  return {resolution_m_ * (static_cast<double>(cell % columns) + 0.5),
-          resolution_m_ * (static_cast<double>(cell / columns) + 0.5)};
+  const size_t column = cell % columns, row = cell / columns;
+  return {resolution_m_ * (static_cast<double>(column) + 0.5),
+          resolution_m_ * (static_cast<double>(row) + 0.5)};
 }
 
 void Walkways::fill(const world::Plan& plan, int x0, int y0, int x1, int y1, Mask& mask) const {

@@ -8,7 +8,13 @@
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #define SLAM_X86_KERNELS 1
+// GCC 12 warns about its own avx512 header (GCC bug 105593).
+#pragma GCC diagnostic push
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 #include <immintrin.h>
+#pragma GCC diagnostic pop
 #endif
 
 namespace slam::world {

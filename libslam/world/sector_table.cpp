@@ -67,21 +67,21 @@ std::vector<std::uint8_t> wallsOf(const Plan& plan, bool x_is_major) {
   return walls;
 }
 
-constexpr int kSide = SectorTable::kTileSide;
+constexpr std::ptrdiff_t kSide = SectorTable::kTileSide;
 
 /// Puts a whole column, `tiles` * 8 codes, into its places.
 void storeColumn(const std::uint8_t* column, int tiles, int u, std::uint8_t* codes) {
   std::uint8_t* to = codes + SectorTable::offsetOf(tiles, u, 0);
   for (int tile = 0; tile < tiles; ++tile)
-    std::memcpy(to + tile * kSide * kSide, column + tile * kSide, kSide);
+    std::memcpy(to + tile * kSide * kSide, column + tile * kSide, SectorTable::kTileSide);
 }
 
 /// One octant; `walls` has `size_u` lines of `size_v`.
 void fillOctant(const std::vector<std::uint8_t>& walls, int size_u, int size_v, bool u_falls, bool v_falls,
                 int tiles, std::uint8_t* codes) {
-  const size_t padded = static_cast<size_t>(tiles) * kSide;
+  const size_t padded = static_cast<size_t>(tiles) * SectorTable::kTileSide;
   std::vector<std::uint8_t> wall(padded + 1, 0), next(padded + 1, kNeverHits), column(padded + 1, kNeverHits);
-  const int columns = (size_u / kSide + 1) * kSide;
+  const int columns = (size_u / SectorTable::kTileSide + 1) * SectorTable::kTileSide;
   for (int u = columns - 1; u >= size_u; --u) storeColumn(next.data(), tiles, u, codes);
   for (int u = size_u - 1; u >= 0; --u) {
     const std::uint8_t* line = walls.data() + static_cast<size_t>(u_falls ? size_u - 1 - u : u) * size_v;

@@ -45,10 +45,10 @@ class SectorTable {
   /// Tiles along the minor axis.
   int tiles(const Octant& octant) const { return tilesFor(octant.x_is_major ? rows_ : columns_); }
 
-  static constexpr int kTileSide = 8;
+  static constexpr int kTileSide = 8, kTileCells = 64;
   static std::ptrdiff_t offsetOf(int tiles, int u, int v) {
-    const std::ptrdiff_t tile = static_cast<std::ptrdiff_t>(u >> 3) * tiles + (v >> 3);
-    return tile * (kTileSide * kTileSide) + (u & 7) * kTileSide + (v & 7);
+    const std::ptrdiff_t tile_u = u >> 3, in_tile_u = u & 7;
+    return (tile_u * tiles + (v >> 3)) * kTileCells + in_tile_u * kTileSide + (v & 7);
   }
 
  private:
