@@ -301,6 +301,29 @@ TEST(SectorCaster, CastsAsManyScansAsThereArePosesWithAnyNumberOfThreads) {
   EXPECT_TRUE(found.empty());
 }
 
+// A column and a row share 32 bits while rays march, up to sides of 32766 cells; longer plans go ray by ray.
+TEST(SectorCaster, EqualsTheReferenceInTheLongestPlans) {
+  for (const int length : {32766, 32767, 32768})
+    for (const bool lying : {true, false}) {
+      Plan plan;
+      plan.columns = lying ? length : 3;
+      plan.rows = lying ? 3 : length;
+      plan.resolution_m = 1;
+      plan.cells.assign(static_cast<size_t>(length) * 3, Cell::kFree);
+      plan.cells.front() = plan.cells.back() = Cell::kOccupied;
+      Comparison compare(plan);
+      core::RandomStream random(static_cast<std::uint64_t>(length), "long plans");
+      for (int i = 0; i < 60; ++i) {
+        const double along = i % 3 == 0 ? 1.5 : i % 3 == 1 ? length - 1.5 : random.uniform(0, length);
+        const double across = random.uniform(0, 3), ahead = (lying ? 0 : kPi / 2) + (i % 2 == 0 ? 0 : kPi);
+        compare.scan({lying ? along : across, lying ? across : along, ahead}, -2e-5, 4e-7, 101, 0);
+        compare.scan({lying ? along : across, lying ? across : along, ahead}, -kPi, 0.4, 16, 0);
+      }
+      compare.expectNoDifference(10000);
+      EXPECT_GT(compare.hits(), 100);
+    }
+}
+
 TEST(SectorCaster, CastsPartOfATable) {
   const Plan plan = placedPlan(120, 80, 5, 90);
   const SectorCaster caster(plan);
