@@ -12,8 +12,6 @@ namespace slam::world {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Sixteen bits, one of them a sign, hold a column and a row.
-constexpr int kLargestSide = 32766;
 
 /// std::floor for what fits an int, without a call where the processor has no such instruction.
 inline int floorToInt(double x) {
@@ -271,10 +269,6 @@ void SectorCaster::castBeams(const core::Pose2& T_world_lidar, const BeamTable& 
           return castRayInCells(origin, d);
         }));
   };
-  if (std::max(frame_.columns, frame_.rows) > kLargestSide) {
-    for (int beam = 0; beam < count; ++beam) castOne(beam);
-    return;
-  }
   const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
   const int blocks = (count + kMarchBlock - 1) / kMarchBlock;
   for (int i = 0, done = 0; i < blocks; ++i) {

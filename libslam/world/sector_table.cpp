@@ -155,6 +155,13 @@ void updateOctant(const Plan& plan, const Octant& octant, const Span& changed_u,
   }
 }
 
+/// The longest side: up to here castRay() is proved, and a column and a row have 16 bits each in a march.
+int requireSide(int cells) {
+  constexpr int kLongest = 1 << 15;
+  if (cells > kLongest) throw core::ContractError("SectorTable: a plan of more than 2^15 cells on a side");
+  return cells;
+}
+
 }  // namespace
 
 void SectorTable::Free::operator()(std::uint8_t* bytes) const {
@@ -162,8 +169,8 @@ void SectorTable::Free::operator()(std::uint8_t* bytes) const {
 }
 
 SectorTable::SectorTable(const Plan& plan)
-    : columns_(plan.columns),
-      rows_(plan.rows),
+    : columns_(requireSide(plan.columns)),
+      rows_(requireSide(plan.rows)),
       octant_size_(static_cast<size_t>(tilesFor(plan.columns)) * tilesFor(plan.rows) * kTileSide * kTileSide),
       codes_(allocate(8 * octant_size_ + kPadding)) {
   std::fill_n(codes_.get() + 8 * octant_size_, kPadding, kNeverHits);

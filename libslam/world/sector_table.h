@@ -28,6 +28,7 @@ struct Octant {
 /// columns.
 class SectorTable {
  public:
+  /// ContractError for a plan of more than 2^15 cells on a side.
   explicit SectorTable(const Plan& plan);
 
   /// Cells x0 .. x1-1 by y0 .. y1-1 of the plan have other walls now: the table becomes what a new one would be.

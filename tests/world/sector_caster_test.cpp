@@ -301,7 +301,7 @@ TEST(SectorCaster, CastsAsManyScansAsThereArePosesWithAnyNumberOfThreads) {
   EXPECT_TRUE(found.empty());
 }
 
-// A column and a row share 32 bits while rays march, up to sides of 32766 cells; longer plans go ray by ray.
+// A column and a row share 32 bits while rays march.
 TEST(SectorCaster, EqualsTheReferenceInTheLongestPlans) {
   for (const int length : {32766, 32767, 32768})
     for (const bool lying : {true, false}) {
@@ -322,6 +322,11 @@ TEST(SectorCaster, EqualsTheReferenceInTheLongestPlans) {
       compare.expectNoDifference(10000);
       EXPECT_GT(compare.hits(), 100);
     }
+  Plan longer;
+  longer.columns = 32769;
+  longer.rows = 1;
+  longer.cells.assign(32769, Cell::kFree);
+  EXPECT_THROW(SectorCaster{longer}, core::ContractError);
 }
 
 TEST(SectorCaster, CastsPartOfATable) {
