@@ -103,7 +103,7 @@ void addExplore(CLI::App& app, Context& context) {
       "--strategy takes several names, separated by commas: one row each.\n"
       "Exit codes: 0 ok, also when the robot got stuck; 3 bad input; 4 when the SLAM method failed.\n"
       "Examples:\n"
-      "  rasterslam explore flat --strategy nearest_frontier --slam icp_exact -o out\n"
+      "  rasterslam explore flat --strategy nearest_frontier --slam rbpf_exact -o out\n"
       "  rasterslam explore office_loop --strategy longest_ray,quadrant --seeds 10 --tables-only -o out");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return explorePlan(context, *arguments); };

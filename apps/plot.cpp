@@ -198,8 +198,11 @@ int plotPlans(const Context& context, const std::vector<std::string>& plans) {
     panel.T_world_map =
         core::inverse(panel.map.T_world_plan);  // beside one another, each from its own corner
     panel.title = panel.map.name;
-    panel.subtitle = core::formatNumber(panel.map.columns * panel.map.resolution_m) + " x " +
-                     core::formatNumber(panel.map.rows * panel.map.resolution_m) + " m";
+    panel.is_true = true;
+    char size[64];
+    std::snprintf(size, sizeof size, "%g x %g m", panel.map.columns * panel.map.resolution_m,
+                  panel.map.rows * panel.map.resolution_m);
+    panel.subtitle = size;
     list.push_back({{"plan", name}, {"size", panel.subtitle}});
     panels.push_back(std::move(panel));
   }
@@ -209,8 +212,7 @@ int plotPlans(const Context& context, const std::vector<std::string>& plans) {
 }
 
 void addPlotPlans(CLI::App& plot, Context& context) {
-  auto* command = plot.add_subcommand(
-      "plans", "floor plans of one size side by side (what reaches further than half of them is cut)");
+  auto* command = plot.add_subcommand("plans", "floor plans side by side, all at one scale");
   auto plans = std::make_shared<std::vector<std::string>>();
   command->add_option("plans", *plans, "1 to 8 plans: bmp, png, pgm, jpg, a ROS map yaml, or a world by name")
       ->required()

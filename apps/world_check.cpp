@@ -222,7 +222,8 @@ void addWorldCheck(CLI::App& world, Context& context) {
       ->check(CLI::PositiveNumber);
   command
       ->add_option("--close-gaps", arguments->widest_gap_m,
-                   "widest gap in a drawing's outline that is closed, metres (default 2)")
+                   "widest gap in a drawing's outline that is closed, metres (default " +
+                       core::formatNumber(world::PlanCheckOptions().widest_gap_m) + ")")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--only", arguments->only, "look for these keys only")->delimiter(',');
   command->add_option("--skip", arguments->skip, "do not look for these keys")->delimiter(',');

@@ -124,7 +124,9 @@ void addWorldMake(CLI::App& world, Context& context) {
       ->required();
   addOutput(command, context, "the yaml to write, its picture beside it (default KIND.yaml)");
   command->add_option("--size", arguments->size, "width x height in metres, each 5 to 200, such as 80x50");
-  command->add_option("--resolution", arguments->resolution_m, "metres a cell, 0.02 to 0.1 (default 0.05)");
+  command->add_option(
+      "--resolution", arguments->resolution_m,
+      "metres a cell (default " + core::formatNumber(world::BuildingOptions().resolution_m) + ")");
   command->add_option("--preview", arguments->preview, "also draw the plan into this png, with a scale");
   addSeed(command, context);
   addConfig(command, context);

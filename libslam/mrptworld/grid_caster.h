@@ -36,7 +36,8 @@ class GridCaster {
                           size_t N = 361, float noise_std = 0, unsigned decimation = 1,
                           float angle_noise_std = 0) const;
 
-  /// Cells x0 .. x1-1 by y0 .. y1-1 of the grid have changed. REQUIRES the same size and placement.
+  /// Cells x0 .. x1-1 by y0 .. y1-1 of the grid have changed. REQUIRES the same size (ContractError) and placement.
+  /// Cost: as SectorTable::update(), and a copy of the plan where unknown cells stop rays.
   void update(const mrpt::maps::COccupancyGridMap2D& grid, int x0, int y0, int x1, int y1);
 
   const world::Plan& plan() const { return plan_; }

@@ -202,6 +202,7 @@ Window commonWindow(const std::vector<Panel>& panels) {
     if (!window.isEmpty()) {
       left.push_back(-window.x0), bottom.push_back(-window.y0);
       right.push_back(window.x1), top.push_back(window.y1);
+      if (panel.is_true) truth.include(window);
     }
     for (const auto& path : panel.paths) (path.is_truth ? truth : estimates).include(windowOf(path.path));
   }

@@ -47,12 +47,13 @@ void drawDifference(const world::Plan& plan, const world::Plan& map, const core:
 
 /// One map per method, all in the same window of the world at the same scale, in the grid that shows them
 /// largest: the picture of a comparison. The window holds what half of the maps reach, so that one that has
-/// gone astray does not shrink the rest, and the true path. REQUIRES 1 to 8 panels.
+/// gone astray does not shrink the rest, and what is true: paths and plans, whole. REQUIRES 1 to 8 panels.
 struct Panel {
   std::string title, subtitle;
   world::Plan map;               ///< in its own map frame
   core::Pose2 T_world_map;       ///< not finite: the map is left out
   std::vector<DrawnPath> paths;  ///< in the world frame
+  bool is_true = false;          ///< the map is a true plan
 };
 void drawPanels(const std::vector<Panel>& panels, const std::string& png_path);
 

@@ -58,7 +58,8 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
 
 /// Truth beside a log as `record()` leaves it; "" when there is none.
 std::string findTruth(const std::string& log_path);
-/// The plan that a log was simulated in, from its manifest: the one beside the log of a later visit; "" when unknown or no longer the same file.
+/// The plan that a log was simulated in, from its manifest: the one beside the log of a later visit; "" when unknown or
+/// no longer the same file.
 std::string findPlan(const std::string& log_path);
 
 }  // namespace slam::run

@@ -7,8 +7,8 @@
 
 namespace slam::run {
 
-/// Writes what a simulated robot senses and does, as record() documents it: every scan goes to the log at
-/// once, where people and doors are too, the rest at finish(). Without finish() nothing is left behind.
+/// Writes what a simulated robot senses and does, as record() documents it: each file grows as it comes, so that memory
+/// does not, and gets its name at finish(). Without finish() nothing is left behind.
 class Recorder {
  public:
   Recorder(const std::string& log_path, const RecordConfig& config);

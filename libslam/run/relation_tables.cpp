@@ -29,6 +29,7 @@ report::Table relationTable(const std::string& name, const metrics::RelationErro
                    {"max", "max", 3}};
   table.rows = {rowOf("translation (m)", error.translation_m, 1),
                 rowOf("rotation (deg)", error.rotation_rad, core::radToDeg(1))};
+  table.notes.push_back("Squares are in m2 and deg2.");
   if (error.interpolated > 0)
     table.notes.push_back(std::to_string(error.interpolated) +
                           " relations name a stamp between two poses: interpolated.");

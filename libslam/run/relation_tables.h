@@ -1,4 +1,6 @@
 #pragma once
+#include <string>
+
 #include "libslam/core/relation.h"
 #include "libslam/metrics/relation_error.h"
 #include "libslam/report/table.h"

@@ -20,7 +20,7 @@ struct AimedBeams {
 using Hit = std::uint32_t;
 constexpr Hit kNoHit = 0xFFFFFFFF;
 /// A march may compute in float with an error bound. A ray that came so near to a grid line that the bound does not
-/// tell its row ends with this, and has to be cast again in double: some in ten thousand.
+/// tell its row ends with this, and has to be cast again in double; few do.
 constexpr Hit kAmbiguousHit = 0xFFFFFFFE;
 
 /// Rays of one octant from one origin, and those that have ended. A ray is on the near face of its column. The arrays

@@ -110,6 +110,14 @@ TEST(Plot, DrawsTheTurnAwayExperimentWithCameraAndLidar) {
   EXPECT_THAT(again.err, HasSubstr("obstacles.png: exists; give --overwrite to replace it"));
 }
 
+TEST(Plot, SaysTheSizesOfPlansShort) {
+  const testing::TempFolder folder;
+  const auto drawn = rasterslam("plot plans flat office_loop --json", folder.path());
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_THAT(drawn.out, HasSubstr("\"13.6 x 10.6 m\""));  // not 13.600000000000001
+  EXPECT_TRUE(isPicture(folder / "plans.png"));
+}
+
 TEST(Plot, PrintsAndChecksTheObstacleParameters) {
   const testing::TempFolder folder;
   const auto printed = rasterslam("plot obstacles --print-config --set camera.pitch_deg=30", folder.path());

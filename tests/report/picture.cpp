@@ -284,6 +284,29 @@ TEST(DrawPanels, IsNotShrunkByOneMapThatWentAstray) {
   EXPECT_GT(with(-1000, "left.png"), good / 2);
 }
 
+// A plan that is larger than its neighbours is shown whole: only then do walls stand in its part of the picture.
+TEST(DrawPanels, ShowsTruePlansWholeHoweverUnlikeTheirSizes) {
+  const TempFolder folder;
+  world::Plan yard;
+  yard.columns = yard.rows = 400;
+  yard.resolution_m = room().resolution_m;
+  yard.cells.assign(400 * 400, world::Cell::kFree);
+  for (int i = 0; i < 400; ++i)
+    for (const int k : {i, 399 * 400 + i, i * 400, i * 400 + 399})
+      yard.cells[static_cast<size_t>(k)] = world::Cell::kOccupied;
+  const core::Pose2 T_world_yard{-200 * yard.resolution_m, -200 * yard.resolution_m, 0};
+  const auto wallsWith = [&](bool is_true, const std::string& name) {
+    drawPanels({{"yard", "", yard, T_world_yard, {}, is_true},
+                {"a", "", room(), {}, {}, is_true},
+                {"b", "", room(), {}, {}, is_true}},
+               folder / name);
+    const cv::Mat picture = load(folder / name);
+    return countOf(picture(cv::Rect(0, 0, picture.cols / 3, picture.rows / 2)), kWall);
+  };
+  EXPECT_EQ(wallsWith(false, "cut.png"), 0);
+  EXPECT_GT(wallsWith(true, "whole.png"), 100);
+}
+
 TEST(DrawPanels, RefusesNoneAndMoreThanEight) {
   const TempFolder folder;
   EXPECT_THROW(drawPanels({}, folder / "none.png"), core::ContractError);
