@@ -13,7 +13,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/logs/mrpt_time.h"
-#include "libslam/logs/rawlog_stream.h"
+#include "libslam/logs/object_stream.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::logs {
@@ -78,13 +78,13 @@ std::optional<core::Pose2> incrementOf(const CActionCollection& actions) {
 /// From the objects of a rawlog, whatever its form, to scans with increments.
 class StepReader {
  public:
-  explicit StepReader(const std::string& path) : path_(path), objects_(path) {}
+  explicit StepReader(const std::string& path) : path_(path), objects_(openLog(path)) {}
 
   std::optional<Step> next() {
     while (ready_.empty()) {
-      const auto object = objects_.next();
+      const auto object = objects_->next();
       if (!object) return std::nullopt;
-      counts_.entries = objects_.count();
+      counts_.entries = objects_->count();
       take(*object);
     }
     Step step = std::move(ready_.front());
@@ -92,7 +92,7 @@ class StepReader {
     return step;
   }
   const LogCounts& counts() const { return counts_; }
-  double fractionRead() const { return objects_.fractionRead(); }
+  double fractionRead() const { return objects_->fractionRead(); }
 
  private:
   struct Reading {
@@ -188,11 +188,11 @@ class StepReader {
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw core::InputError(path_ + ": entry " + std::to_string(objects_.count()) + ": " + what);
+    throw core::InputError(path_ + ": " + objects_->place() + ": " + what);
   }
 
   std::string path_;
-  RawlogObjects objects_;
+  std::unique_ptr<ObjectSource> objects_;
   LogCounts counts_;
   Motion motion_;
   bool has_actions_ = false;  ///< an action with an increment was met: bare readings count no more

@@ -9,9 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace mrpt::serialization {
-class CSerializable;
-}
+#include "libslam/logs/object_stream.h"
 
 namespace slam::logs {
 
@@ -69,13 +67,14 @@ class UnpackingStream : public mrpt::io::CStream {
 /// The objects of a rawlog, one after the other. A packed file is unpacked once before, for its checksum.
 /// Errors (InputError with the path): empty file, not a rawlog, truncated, damaged; with byte offset and
 /// number of objects read before.
-class RawlogObjects {
+class RawlogObjects : public ObjectSource {
  public:
   explicit RawlogObjects(const std::string& path);
-  /// nullptr at the proper end. Objects that MRPT stores as null pointers are passed over.
-  std::shared_ptr<mrpt::serialization::CSerializable> next();
-  std::uint64_t count() const { return count_; }
-  double fractionRead() const;
+  /// Objects that MRPT stores as null pointers are passed over.
+  std::shared_ptr<mrpt::serialization::CSerializable> next() override;
+  std::uint64_t count() const override { return count_; }
+  double fractionRead() const override;
+  std::string place() const override { return "entry " + std::to_string(count_); }
   const UnpackingStream& stream() const { return stream_; }
 
  private:

@@ -1,0 +1,64 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace mrpt::serialization {
+class CSerializable;
+}
+
+namespace slam::logs {
+
+/// A log of any format as a stream of MRPT objects, in the order of the file: CActionCollection and
+/// CSensoryFrame, or bare observations. A format that is not MRPT's gives
+///   a laser scan            CObservation2DRangeScan, label = the lidar's name in the log, sensorPose = mounting
+///   absolute odometry       CObservationOdometry
+///   the true robot pose     CObservationRobotPose labelled kTruthLabel: never an estimator's input
+///   text that it must keep  CObservationComment (parameters, remarks)
+/// all with the stamp of the message itself; an odometry reading that the log stores with a scan comes right
+/// before that scan with the scan's stamp.
+class ObjectSource {
+ public:
+  virtual ~ObjectSource() = default;
+  /// nullptr at the proper end. Good objects before damage come first, then the InputError.
+  virtual std::shared_ptr<mrpt::serialization::CSerializable> next() = 0;
+  /// Objects given so far.
+  virtual std::uint64_t count() const = 0;
+  /// How far in the file, 0..1, for progress.
+  virtual double fractionRead() const = 0;
+  /// Where the newest object stands: "entry 12", "line 77", for messages.
+  virtual std::string place() const = 0;
+  /// What was passed over, in one line, or "": "3 lines of 2 unknown kinds (SONAR, NMEA-GGA)".
+  virtual std::string skipped() const { return ""; }
+};
+
+inline constexpr const char* kTruthLabel = "TRUTH";
+
+enum class LogFormat { kRawlog, kCarmen, kRos1Bag, kRos2Db3, kMcap };
+
+/// "MRPT rawlog", "CARMEN log", ...
+const char* formatName(LogFormat format);
+
+/// By the first bytes of the (unpacked) content, never by the name. Errors (InputError with the path): missing,
+/// a folder, empty, none of the formats.
+LogFormat detectLogFormat(const std::string& path);
+
+/// Errors: as detectLogFormat(), and those of each format's reader.
+std::unique_ptr<ObjectSource> openLog(const std::string& path);
+
+/// Streams objects into a file, written beside (path + ".tmp") and renamed by close(). Without close() nothing
+/// is left behind. Same objects, same bytes.
+class ObjectSink {
+ public:
+  virtual ~ObjectSink() = default;
+  /// An object that the format cannot hold is counted and dropped. Errors: IoError with the path.
+  virtual void write(const mrpt::serialization::CSerializable& object) = 0;
+  virtual void close() = 0;
+  /// What could not be held, in one line, or "".
+  virtual std::string dropped() const { return ""; }
+};
+
+/// kRawlog writes objects as they come; turning one of MRPT's two forms into the other is a step before.
+std::unique_ptr<ObjectSink> createLog(const std::string& path, LogFormat format);
+
+}  // namespace slam::logs
