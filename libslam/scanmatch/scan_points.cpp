@@ -1,0 +1,97 @@
+#include "libslam/scanmatch/scan_points.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slam::scanmatch {
+namespace {
+
+/// Two returns of neighbouring beams lie on one surface unless it would be seen at more than about 80 degrees.
+constexpr double kSteepest = 6;
+constexpr int kLeastNeighbours = 2, kMostNeighbours = 10;
+
+double squaredDistance(const core::Point2& a, const core::Point2& b) {
+  const double dx = a.x - b.x, dy = a.y - b.y;
+  return dx * dx + dy * dy;
+}
+
+/// Unit vector across the best line through points[first..last], or (0, 0).
+core::Point2 normalThrough(const std::vector<core::Point2>& points, int first, int last) {
+  const int n = last - first + 1;
+  if (n < 3) return {};
+  double mx = 0, my = 0;
+  for (int i = first; i <= last; ++i) mx += points[i].x, my += points[i].y;
+  mx /= n, my /= n;
+  double xx = 0, xy = 0, yy = 0;
+  for (int i = first; i <= last; ++i) {
+    const double x = points[i].x - mx, y = points[i].y - my;
+    xx += x * x, xy += x * y, yy += y * y;
+  }
+  const double half = (xx - yy) / 2, root = std::sqrt(half * half + xy * xy);
+  const double along = (xx + yy) / 2 + root, across = (xx + yy) / 2 - root;
+  if (!(along > 0) || across > 0.1 * along) return {};
+  const core::Point2 tangent = half >= 0 ? core::Point2{half + root, xy} : core::Point2{xy, root - half};
+  const double length = std::sqrt(tangent.x * tangent.x + tangent.y * tangent.y);
+  if (!(length > 0)) return {};
+  return {-tangent.y / length, tangent.x / length};
+}
+
+}  // namespace
+
+std::vector<SurfacePoint> surfacePoints(const robot::Scan& scan, const ScanPointOptions& options) {
+  std::vector<core::Point2> points;
+  std::vector<int> beams;
+  const int size = static_cast<int>(scan.ranges_m.size());
+  points.reserve(static_cast<size_t>(size)), beams.reserve(static_cast<size_t>(size));
+  double c = 0, s = 0;
+  const double step_c = std::cos(scan.step_rad), step_s = std::sin(scan.step_rad);
+  for (int i = 0; i < size; ++i) {
+    // Anew at every 32nd beam, between them by rotation: good to 1e-14.
+    if (i % 32 == 0) {
+      const double angle = scan.T_robot_lidar.phi + scan.angle(static_cast<size_t>(i));
+      c = std::cos(angle), s = std::sin(angle);
+    } else {
+      const double turned = c * step_c - s * step_s;
+      s = s * step_c + c * step_s, c = turned;
+    }
+    const double r = scan.ranges_m[static_cast<size_t>(i)];
+    if (!robot::isReturn(scan.ranges_m[static_cast<size_t>(i)]) || r > options.max_range_m) continue;
+    points.push_back({scan.T_robot_lidar.x + r * c, scan.T_robot_lidar.y + r * s});
+    beams.push_back(i);
+  }
+  const int n = static_cast<int>(points.size());
+  const core::Point2 eye{scan.T_robot_lidar.x, scan.T_robot_lidar.y};
+  // joined[k]: point k lies on one surface with point k + 1
+  std::vector<char> joined(static_cast<size_t>(std::max(n, 1)), 0);
+  for (int k = 0; k + 1 < n; ++k) {
+    if (beams[k + 1] - beams[k] > 2) continue;
+    const double range = std::sqrt(std::min(squaredDistance(points[k], eye), squaredDistance(points[k + 1], eye)));
+    const double gap = kSteepest * range * scan.step_rad * (beams[k + 1] - beams[k]) + 0.05;
+    joined[k] = squaredDistance(points[k], points[k + 1]) <= gap * gap;
+  }
+  std::vector<SurfacePoint> result;
+  result.reserve(static_cast<size_t>(n));
+  const double reach2 = options.normal_reach_m * options.normal_reach_m;
+  const double spacing2 = options.spacing_m * options.spacing_m;
+  int last_kept = -1;
+  for (int k = 0; k < n; ++k) {
+    if (last_kept >= 0 && squaredDistance(points[k], points[last_kept]) < spacing2) continue;
+    last_kept = k;
+    int first = k, last = k;
+    while (k - first < kMostNeighbours && first > 0 && joined[first - 1] &&
+           (k - first < kLeastNeighbours || squaredDistance(points[first - 1], points[k]) < reach2))
+      --first;
+    while (last - k < kMostNeighbours && last + 1 < n && joined[last] &&
+           (last - k < kLeastNeighbours || squaredDistance(points[last + 1], points[k]) < reach2))
+      ++last;
+    SurfacePoint point;
+    point.p = points[k];
+    point.n = normalThrough(points, first, last);
+    if (point.n.x * (eye.x - point.p.x) + point.n.y * (eye.y - point.p.y) < 0)
+      point.n = {-point.n.x, -point.n.y};
+    result.push_back(point);
+  }
+  return result;
+}
+
+}  // namespace slam::scanmatch

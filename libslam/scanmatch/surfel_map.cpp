@@ -1,0 +1,109 @@
+#include "libslam/scanmatch/surfel_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace slam::scanmatch {
+namespace {
+
+/// A neighbourhood this flat (variance across to along) is a wall.
+const double kFlat = getenv("FLAT") ? atof(getenv("FLAT")) : 0.15;
+
+}  // namespace
+
+void SurfelMap::clear(const core::Point2& centre, double reach_m) {
+  const auto side = static_cast<std::int64_t>(std::ceil(2 * reach_m / cell_m_)) + 6;
+  if (side != side_) {
+    side_ = side;
+    sums_of_.assign(static_cast<size_t>(side * side), -1);
+    surfel_of_.assign(static_cast<size_t>(side * side), -1);
+  } else {
+    for (const auto cell : cells_) sums_of_[static_cast<size_t>(cell)] = -1;
+    for (const auto cell : surfel_cells_) surfel_of_[static_cast<size_t>(cell)] = -1;
+  }
+  per_cell_ = 1 / cell_m_;
+  extent_m_ = (static_cast<double>(side_) - 0.5) * cell_m_;
+  origin_ = {(std::floor((centre.x - reach_m) * per_cell_) - 3) * cell_m_,
+             (std::floor((centre.y - reach_m) * per_cell_) - 3) * cell_m_};
+  sums_.clear(), cells_.clear(), surfels_.clear(), surfel_cells_.clear();
+}
+
+void SurfelMap::add(const std::vector<SurfacePoint>& points, const core::Pose2& T_map_robot) {
+  const double c = std::cos(T_map_robot.phi), s = std::sin(T_map_robot.phi);
+  const double tx = T_map_robot.x - origin_.x, ty = T_map_robot.y - origin_.y;
+  for (const auto& point : points) {
+    const double x = tx + c * point.p.x - s * point.p.y, y = ty + s * point.p.x + c * point.p.y;
+    const auto column = static_cast<std::int64_t>(std::floor(x * per_cell_));
+    const auto row = static_cast<std::int64_t>(std::floor(y * per_cell_));
+    // The rim stays empty so that neighbours need no check.
+    if (column < 2 || row < 2 || column >= side_ - 2 || row >= side_ - 2) continue;
+    const std::int64_t cell = row * side_ + column;
+    std::int32_t& index = sums_of_[static_cast<size_t>(cell)];
+    if (index < 0) {
+      index = static_cast<std::int32_t>(sums_.size());
+      sums_.emplace_back();
+      cells_.push_back(cell);
+    }
+    const double dx = x - (static_cast<double>(column) + 0.5) * cell_m_;
+    const double dy = y - (static_cast<double>(row) + 0.5) * cell_m_;
+    Sums& sums = sums_[static_cast<size_t>(index)];
+    sums.n += 1, sums.x += dx, sums.y += dy;
+    sums.xx += dx * dx, sums.xy += dx * dy, sums.yy += dy * dy;
+  }
+}
+
+void SurfelMap::finish() {
+  for (const std::int64_t touched : cells_) {
+    for (int dr = -1; dr <= 1; ++dr)
+      for (int dc = -1; dc <= 1; ++dc) {
+        const std::int64_t cell = touched + dr * side_ + dc;
+        std::int32_t& index = surfel_of_[static_cast<size_t>(cell)];
+        if (index != -1) continue;
+        Sums pooled;
+        for (int r = -1; r <= 1; ++r)
+          for (int k = -1; k <= 1; ++k) {
+            const std::int32_t at = sums_of_[static_cast<size_t>(cell + r * side_ + k)];
+            if (at < 0) continue;
+            const Sums& sums = sums_[static_cast<size_t>(at)];
+            const double w = (r == 0 ? 1.0 : 0.5) * (k == 0 ? 1.0 : 0.5);
+            const double ox = k * cell_m_, oy = r * cell_m_;
+            pooled.n += w * sums.n;
+            pooled.x += w * (sums.x + sums.n * ox), pooled.y += w * (sums.y + sums.n * oy);
+            pooled.xx += w * (sums.xx + 2 * ox * sums.x + sums.n * ox * ox);
+            pooled.xy += w * (sums.xy + ox * sums.y + oy * sums.x + sums.n * ox * oy);
+            pooled.yy += w * (sums.yy + 2 * oy * sums.y + sums.n * oy * oy);
+          }
+        surfel_cells_.push_back(cell);
+        if (pooled.n < 2) {
+          index = -2;
+          continue;
+        }
+        const double mx = pooled.x / pooled.n, my = pooled.y / pooled.n;
+        const double xx = pooled.xx / pooled.n - mx * mx, yy = pooled.yy / pooled.n - my * my;
+        const double xy = pooled.xy / pooled.n - mx * my;
+        const double half = (xx - yy) / 2, root = std::sqrt(half * half + xy * xy);
+        const double along = (xx + yy) / 2 + root, across = std::max((xx + yy) / 2 - root, 0.0);
+        const double blur2 = blur_m_ * blur_m_;
+        // A wall says nothing of where along it one stands, although the points of one cell have a middle.
+        const double information_across = 1 / (across + blur2);
+        const double information_along = across < kFlat * along ? 0 : 1 / (along + blur2);
+        // Unit vector along, from the row that does not cancel.
+        double ux = half >= 0 ? half + root : xy, uy = half >= 0 ? xy : root - half;
+        const double length = std::sqrt(ux * ux + uy * uy);
+        if (length > 0)
+          ux /= length, uy /= length;
+        else
+          ux = 1, uy = 0;
+        const double gain = information_along - information_across;
+        const double cx = (static_cast<double>(cell % side_) + 0.5) * cell_m_;
+        const double cy = (static_cast<double>(cell / side_) + 0.5) * cell_m_;
+        index = static_cast<std::int32_t>(surfels_.size());
+        surfels_.push_back({static_cast<float>(cx + mx), static_cast<float>(cy + my),
+                            static_cast<float>(information_across + gain * ux * ux), static_cast<float>(gain * ux * uy),
+                            static_cast<float>(information_across + gain * uy * uy)});
+      }
+  }
+}
+
+}  // namespace slam::scanmatch

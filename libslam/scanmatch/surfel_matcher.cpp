@@ -1,0 +1,91 @@
+#include "libslam/scanmatch/surfel_matcher.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+namespace slam::scanmatch {
+namespace {
+
+struct System {
+  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d g = Eigen::Vector3d::Zero();
+  double weight_sum = 0;
+};
+
+System accumulate(const std::vector<SurfacePoint>& points, const SurfelMap& map, const core::Pose2& T, double kernel) {
+  const double c = std::cos(T.phi), s = std::sin(T.phi);
+  const double tx = T.x - map.origin().x, ty = T.y - map.origin().y;
+  const double inverse_kernel2 = 1 / (kernel * kernel);
+  double hxx = 0, hxy = 0, hyy = 0, hxt = 0, hyt = 0, htt = 0, gx = 0, gy = 0, gt = 0, weights = 0;
+  for (const auto& point : points) {
+    const double rx = c * point.p.x - s * point.p.y, ry = s * point.p.x + c * point.p.y;
+    const Surfel* surfel = map.at(tx + rx, ty + ry);
+    if (!surfel) continue;
+    const double dx = tx + rx - surfel->x, dy = ty + ry - surfel->y;
+    const double ax = surfel->xx * dx + surfel->xy * dy, ay = surfel->xy * dx + surfel->yy * dy;
+    const double q = dx * ax + dy * ay;
+    const double root = 1 / (1 + q * inverse_kernel2);
+    const double w = root * root;
+    weights += w;
+    // J = [1 0 -ry; 0 1 rx]
+    const double lxx = w * surfel->xx, lxy = w * surfel->xy, lyy = w * surfel->yy;
+    const double jx = -lxx * ry + lxy * rx, jy = -lxy * ry + lyy * rx;
+    hxx += lxx, hxy += lxy, hyy += lyy;
+    hxt += jx, hyt += jy, htt += -ry * jx + rx * jy;
+    const double wax = w * ax, way = w * ay;
+    gx += wax, gy += way, gt += -ry * wax + rx * way;
+  }
+  System system;
+  system.H << hxx, hxy, hxt, hxy, hyy, hyt, hxt, hyt, htt;
+  system.g << gx, gy, gt;
+  system.weight_sum = weights;
+  return system;
+}
+
+}  // namespace
+
+MatchResult alignToSurfels(const std::vector<SurfacePoint>& points, const SurfelMap& map, const core::Pose2& T_start,
+                           const PosePrior& prior, const MatchOptions& options) {
+  MatchResult result;
+  result.T_map_robot = T_start;
+  if (points.empty()) return result;
+  for (; result.iterations < options.max_iterations; ++result.iterations) {
+    core::Pose2& T = result.T_map_robot;
+    const System system = accumulate(points, map, T, options.kernel);
+    result.information = options.information_scale * system.H;
+    result.score = system.weight_sum / static_cast<double>(points.size());
+    const Eigen::Vector3d from_prior(T.x - prior.mean.x, T.y - prior.mean.y,
+                                     core::angleDifference(T.phi, prior.mean.phi));
+    const Eigen::Matrix3d H = result.information + prior.information;
+    const Eigen::Vector3d g = options.information_scale * system.g + prior.information * from_prior;
+    const Eigen::LDLT<Eigen::Matrix3d> solver(H + 1e-9 * Eigen::Matrix3d::Identity());
+    const Eigen::Vector3d step = solver.solve(-g);
+    if (!step.allFinite()) break;
+    T = {T.x + step.x(), T.y + step.y(), core::wrapToPi(T.phi + step.z())};
+    if (step.head<2>().squaredNorm() < 1e-7 && std::abs(step.z()) < 1e-4) break;
+  }
+  return result;
+}
+
+double surfelScore(const std::vector<SurfacePoint>& points, const SurfelMap& map, const core::Pose2& T_map_robot,
+                   double kernel, int stride) {
+  const double c = std::cos(T_map_robot.phi), s = std::sin(T_map_robot.phi);
+  const double tx = T_map_robot.x - map.origin().x, ty = T_map_robot.y - map.origin().y;
+  const double inverse_kernel2 = 1 / (kernel * kernel);
+  double sum = 0;
+  int count = 0;
+  for (size_t i = 0; i < points.size(); i += static_cast<size_t>(stride)) {
+    ++count;
+    const auto& p = points[i].p;
+    const double x = tx + c * p.x - s * p.y, y = ty + s * p.x + c * p.y;
+    const Surfel* surfel = map.at(x, y);
+    if (!surfel) continue;
+    const double dx = x - surfel->x, dy = y - surfel->y;
+    const double q = surfel->xx * dx * dx + 2 * surfel->xy * dx * dy + surfel->yy * dy * dy;
+    const double root = 1 / (1 + q * inverse_kernel2);
+    sum += root * root;
+  }
+  return count ? sum / count : 0;
+}
+
+}  // namespace slam::scanmatch
