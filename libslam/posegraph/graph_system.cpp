@@ -1,0 +1,82 @@
+#include "libslam/posegraph/graph_system.h"
+
+#include <numeric>
+#include <string>
+
+#include "libslam/core/error.h"
+#include "libslam/posegraph/edge_error.h"
+#include "libslam/posegraph/parts.h"
+
+namespace slam::posegraph {
+namespace {
+
+void requireTiedDown(const PoseGraph& graph, const std::vector<char>& is_used) {
+  Parts parts(graph);
+  for (size_t i = 0; i < graph.edges().size(); ++i)
+    if (is_used[i]) parts.join(graph.edges()[i]);
+  for (int node = 0; node < graph.nodeCount(); ++node)
+    if (!parts.isHeld(node))
+      throw core::InputError("pose graph: node " + std::to_string(node) +
+                             ": found no chain of edges to a fixed node or a prior, expected one (" +
+                             std::to_string(graph.nodeCount()) + " nodes)");
+}
+
+}  // namespace
+
+GraphSystem::GraphSystem(const PoseGraph& graph, const std::vector<char>& is_used) {
+  requireTiedDown(graph, is_used);
+  int variables = 0;
+  for (int node = 0; node < graph.nodeCount(); ++node)
+    variable_.push_back(graph.isFixed(node) ? -1 : variables++);
+  std::vector<std::pair<int, int>> blocks;
+  for (size_t i = 0; i < graph.edges().size(); ++i) {
+    if (!is_used[i]) continue;
+    const Edge& edge = graph.edges()[i];
+    Term term{static_cast<int>(i), edge.from == kMap ? -1 : variableOf(edge.from), variableOf(edge.to), -1};
+    if (term.a >= 0 && term.b >= 0) {
+      term.block = static_cast<int>(blocks.size());
+      blocks.emplace_back(term.a, term.b);
+    }
+    terms_.push_back(term);
+  }
+  cholesky_.analyse(variables, blocks);
+  gradient_.resize(static_cast<size_t>(variables));
+}
+
+double GraphSystem::linearise(const PoseGraph& graph, const std::vector<core::Pose2>& poses,
+                              const std::vector<double>& weights) {
+  cholesky_.setZero();
+  std::fill(gradient_.begin(), gradient_.end(), Eigen::Vector3d::Zero());
+  double chi2 = 0;
+  for (const Term& term : terms_) {
+    const double w = weights[static_cast<size_t>(term.edge)];
+    const Edge& edge = graph.edges()[static_cast<size_t>(term.edge)];
+    const core::Pose2 a = edge.from == kMap ? core::Pose2() : poses[static_cast<size_t>(edge.from)];
+    const EdgeQuadratic q = edgeQuadratic(a, poses[static_cast<size_t>(edge.to)], edge);
+    chi2 += w * q.chi2;
+    if (term.a >= 0) {
+      cholesky_.addDiagonal(term.a, w * q.aa);
+      gradient_[static_cast<size_t>(term.a)] += w * q.g_a;
+    }
+    if (term.b >= 0) {
+      cholesky_.addDiagonal(term.b, w * q.bb);
+      gradient_[static_cast<size_t>(term.b)] += w * q.g_b;
+    }
+    if (term.block >= 0) cholesky_.addBlock(term.block, w * q.ab);
+  }
+  return chi2;
+}
+
+bool GraphSystem::step(double damping, std::vector<Eigen::Vector3d>& step, double& predicted) {
+  if (!cholesky_.factorize(damping)) return false;
+  step = gradient_;
+  cholesky_.solve(step);
+  predicted = 0;
+  for (size_t i = 0; i < step.size(); ++i) {
+    step[i] = -step[i];
+    predicted -= gradient_[i].dot(step[i]);
+  }
+  return true;
+}
+
+}  // namespace slam::posegraph

@@ -1,0 +1,41 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "libslam/posegraph/block_cholesky.h"
+#include "libslam/posegraph/pose_graph.h"
+
+namespace slam::posegraph {
+
+/// The normal equations of a graph: one block row per node that is not fixed. What optimize() and Marginals share.
+class GraphSystem {
+ public:
+  /// Takes the graph's structure; edges between fixed nodes and edges given as unused are left out. Errors: InputError
+  /// for a node that no chain of used edges ties to a fixed node or to a prior.
+  GraphSystem(const PoseGraph& graph, const std::vector<char>& is_used);
+
+  /// Fills the equations at these poses, edge i counting `weights[i]` times; returns the weighted chi2.
+  double linearise(const PoseGraph& graph, const std::vector<core::Pose2>& poses, const std::vector<double>& weights);
+  /// The Gauss-Newton step of linearise()'s equations, one per variable, and what chi2 should fall by. False when the
+  /// equations are singular. `damping` as in BlockCholesky::factorize().
+  bool step(double damping, std::vector<Eigen::Vector3d>& step, double& predicted);
+
+  /// Which block row a node has; -1 when it is fixed.
+  int variableOf(int node) const { return variable_[static_cast<size_t>(node)]; }
+  const BlockCholesky& factor() const { return cholesky_; }
+  /// As step() without the step. REQUIRES linearise() before.
+  bool factorize() { return cholesky_.factorize(); }
+
+ private:
+  struct Term {
+    int edge, a, b;  ///< block rows of the edge's ends, -1: fixed or the map
+    int block;       ///< of the pair (a, b) in cholesky_, -1 when one end is fixed
+  };
+  std::vector<int> variable_;
+  std::vector<Term> terms_;
+  BlockCholesky cholesky_;
+  std::vector<Eigen::Vector3d> gradient_;
+  std::vector<char> is_used_;
+};
+
+}  // namespace slam::posegraph
