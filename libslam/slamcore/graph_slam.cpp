@@ -148,6 +148,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
     const Pose2 predicted = T_before * increment;
     PosePrior prior;
     prior.mean = predicted;
+    prior.kernel = o_.odometry_kernel;
     Pose2 start = predicted;
     const double own = surfelScore(points, maps_.coarse, predicted, o_.kernel, 3);
     double best = own + 0.02;
@@ -183,6 +184,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
         weak.mean = found;
         weak.information.diagonal() << 10, 10, 10;
         const auto other = match(points, maps_, found, weak, false);
+        if (verbose) std::printf("  recover scan %zu: %.2f -> %.2f, off odometry %.2f m %.1f deg (was %.2f m %.1f deg)\n", records_.size(), result.score, other.score, core::distance(other.T_map_robot, predicted), core::radToDeg(core::angleDifference(other.T_map_robot.phi, predicted.phi)), core::distance(result.T_map_robot, predicted), core::radToDeg(core::angleDifference(result.T_map_robot.phi, predicted.phi)));
         if (other.score > result.score + 0.05) result = other, step.recovered = step.odometry_distrusted = true;
       }
     }
@@ -246,8 +248,8 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<SurfacePoint> p
     odometry.T_from_to = distrusted ? core::between(poseOf(k - 1), T) : T_odom_since_keyframe_;
     const double move = std::hypot(odometry.T_from_to.x, odometry.T_from_to.y), turn = std::abs(odometry.T_from_to.phi);
     const double factor = distrusted ? 5 : 1;
-    const double sigma_xy = factor * (o_.odometry_xy_m + o_.odometry_xy_per_m * move);
-    const double sigma_turn = factor * (o_.odometry_turn_rad + o_.odometry_turn_per_rad * turn);
+    const double sigma_xy = factor * (o_.edge_xy_m + o_.edge_xy_per_m * move);
+    const double sigma_turn = factor * (o_.edge_turn_rad + o_.edge_turn_per_rad * turn);
     odometry.information.setZero();
     odometry.information.diagonal() << 1 / (sigma_xy * sigma_xy), 1 / (sigma_xy * sigma_xy), 1 / (sigma_turn * sigma_turn);
     graph_.addEdge(odometry);
@@ -291,13 +293,40 @@ double GraphSlam::conflict(int viewer, const Pose2& T_viewer_points, const std::
   return passed + agreed == 0 ? 0 : static_cast<double>(passed) / (passed + agreed);
 }
 
+/// Length of the shortest way from a keyframe to every earlier one, along the path driven and through closed loops:
+/// what its drift grows with.
+std::vector<double> GraphSlam::pathTo(int keyframe) const {
+  std::vector<int> gates;
+  for (const auto& [a, b] : closures_) gates.push_back(a), gates.push_back(b);
+  const auto along = [&](int a, int b) {
+    return std::abs(keyframes_[static_cast<size_t>(a)].path_m - keyframes_[static_cast<size_t>(b)].path_m);
+  };
+  std::vector<double> way(gates.size());
+  std::vector<char> done(gates.size(), 0);
+  for (size_t g = 0; g < gates.size(); ++g) way[g] = along(gates[g], keyframe);
+  for (size_t round = 0; round < gates.size(); ++round) {
+    size_t next = gates.size();
+    for (size_t g = 0; g < gates.size(); ++g)
+      if (!done[g] && (next == gates.size() || way[g] < way[next])) next = g;
+    done[next] = 1;
+    for (size_t g = 0; g < gates.size(); ++g)
+      way[g] = std::min(way[g], way[next] + ((next ^ 1U) == g ? 0 : along(gates[next], gates[g])));
+  }
+  std::vector<double> result(static_cast<size_t>(keyframe));
+  for (int k = 0; k < keyframe; ++k) {
+    double best = along(k, keyframe);
+    for (size_t g = 0; g < gates.size(); ++g) best = std::min(best, way[g] + along(gates[g], k));
+    result[static_cast<size_t>(k)] = best;
+  }
+  return result;
+}
+
 void GraphSlam::searchLoop() {
   const int k = static_cast<int>(keyframes_.size()) - 1;
   last_search_m_ = path_m_;
   const Timer timer{times.loops};
   const Pose2 T = poseOf(k);
-  const double open_m = path_m_ - last_loop_m_;
-  const double reach = std::min(o_.loop_base_m + o_.loop_per_m * open_m, o_.loop_most_m);
+  const auto way = pathTo(k);
   // Those nearby that are not connected the short way.
   const auto local = keyframesAround(k, core::position(T), o_.map_path_m, 1e9);
   std::vector<char> is_local(keyframes_.size(), 0);
@@ -306,7 +335,7 @@ void GraphSlam::searchLoop() {
   for (int i = 0; i < k; ++i) {
     if (is_local[static_cast<size_t>(i)]) continue;
     const double d = core::distance(poseOf(i), T);
-    if (d < reach + 1) candidates.push_back({d, i});
+    if (d < std::min(o_.loop_base_m + o_.loop_per_m * way[static_cast<size_t>(i)], o_.loop_most_m) + 1) candidates.push_back({d, i});
   }
   if (candidates.empty()) return;
   std::sort(candidates.begin(), candidates.end());
@@ -327,6 +356,8 @@ void GraphSlam::searchLoop() {
     if (++trials > 2) break;
     ++counts.searches;
     const Pose2 T_c = poseOf(candidate);
+    const double open_m = way[static_cast<size_t>(candidate)];
+    const double reach = std::min(o_.loop_base_m + o_.loop_per_m * open_m, o_.loop_most_m);
     auto around = keyframesAround(candidate, core::position(T_c), 15, 10);
     for (const int a : keyframesAround(candidate, core::position(T_c), 25, 1e9)) tried[static_cast<size_t>(a)] = 1;
     around.erase(std::remove_if(around.begin(), around.end(), [&](int a) { return is_local[static_cast<size_t>(a)]; }), around.end());
@@ -439,27 +470,40 @@ void GraphSlam::followHypotheses() {
 
 void GraphSlam::accept(const Hypothesis& h) {
   ++counts.confirmed;
+  const auto poses_before = graph_.poses();
+  const double chi2_before = graph_.chi2();
+  const int first_edge = static_cast<int>(graph_.edges().size());
+  const double way_m = pathTo(h.first)[static_cast<size_t>(h.old_keyframe)];
   for (const auto& m : h.matches) {
     posegraph::Edge edge;
     edge.from = m.old_keyframe, edge.to = m.keyframe, edge.T_from_to = m.T_old_keyframe, edge.information = m.information;
     edge.kind = posegraph::EdgeKind::kLoop;
     graph_.addEdge(edge);
-    link(m.old_keyframe, m.keyframe);
   }
-  if (verbose) std::printf("  ACCEPT kf %d -> %d after %.0f m open, %zu edges\n", h.first, h.old_keyframe, path_m_ - last_loop_m_, h.matches.size());
+  if (verbose) std::printf("  ACCEPT scan %d -> %d kf %d -> %d after %.0f m open, %zu edges\n", keyframes_[static_cast<size_t>(h.first)].scan, keyframes_[static_cast<size_t>(h.old_keyframe)].scan, h.first, h.old_keyframe, path_m_ - last_loop_m_, h.matches.size());
   last_loop_m_ = path_m_;
   last_search_m_ = path_m_;
-  optimiseGraph();
+  const double chi2 = optimiseGraph();
+  if (chi2 - chi2_before > o_.loop_chi2_per_m * way_m) {
+    // Nothing that was measured on the way allows this.
+    ++counts.rejected;
+    for (int e = first_edge; e < static_cast<int>(graph_.edges().size()); ++e) graph_.setOn(e, false);
+    for (int k = 0; k < graph_.nodeCount(); ++k) graph_.setPose(k, poses_before[static_cast<size_t>(k)]);
+    if (verbose) std::printf("  REJECT: chi2 %.1f -> %.1f, way %.0f m\n", chi2_before, chi2, way_m);
+    return;
+  }
+  for (const auto& m : h.matches) link(m.old_keyframe, m.keyframe);
+  closures_.push_back({h.matches.back().old_keyframe, h.matches.back().keyframe});
 }
 
-void GraphSlam::optimiseGraph() {
+double GraphSlam::optimiseGraph() {
   const Timer timer{times.optimise};
   ++counts.optimisations;
   posegraph::OptimizeOptions options;
   options.robust = false;
   const auto result = optimize(graph_, options);
-  counts.switched_off = static_cast<int>(result.switched_off.size());
   if (verbose) std::printf("  optimise %zu nodes %zu edges: chi2 %.1f -> %.1f, %d iterations, off %zu\n", keyframes_.size(), graph_.edges().size(), result.initial_chi2, result.final_chi2, result.iterations, result.switched_off.size());
+  return result.final_chi2;
 }
 
 std::vector<Pose2> GraphSlam::poses() const {

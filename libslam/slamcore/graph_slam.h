@@ -24,17 +24,20 @@ struct GraphSlamOptions {
   double map_radius_m = 8, map_reach_m = 30, map_path_m = 25;
   int map_keyframes = 40;
   double odometry_xy_m = 0.02, odometry_xy_per_m = 0.1, odometry_turn_rad = 0.01, odometry_turn_per_rad = 0.2;
+  double edge_xy_m = 0.02, edge_xy_per_m = 0.1, edge_turn_rad = 0.01, edge_turn_per_rad = 0.2;
+  double odometry_kernel = 2;
   double distrust_gain = 0.1;   ///< another start must explain this much more of the scan
   double recover_score = 0.65;
   int edges_per_keyframe = 8;
   // loops
   bool loops = true;
-  double loop_every_m = 0.5, loop_base_m = 1.5, loop_per_m = 0.02, loop_most_m = 12;
+  double loop_every_m = 0.5, loop_base_m = 1.5, loop_per_m = 0.03, loop_most_m = 25;
   double loop_query_m = 4, loop_cell_m = 0.1;
   double loop_search_score = 0.5, loop_score = 0.6, loop_track_score = 0.6;
   int loop_confirmations = 3;
   double loop_confirm_m = 1.0;
   double loop_conflict = 0.1;
+  double loop_chi2_per_m = 20;
   // end
   int refine_rounds = 3;
   bool refine_scans = true;
@@ -57,7 +60,7 @@ class GraphSlam {
   size_t keyframeCount() const { return keyframes_.size(); }
 
   struct Counts {
-    int searches = 0, found = 0, confirmed = 0, dropped = 0, optimisations = 0, switched_off = 0, recoveries = 0,
+    int searches = 0, found = 0, confirmed = 0, dropped = 0, optimisations = 0, rejected = 0, recoveries = 0,
         distrusted = 0;
   } counts;
   struct Times {
@@ -107,11 +110,12 @@ class GraphSlam {
   void addMatchEdges(int keyframe, const std::vector<int>& others, const core::Pose2& T_matched,
                      const Eigen::Matrix3d& information, int most, posegraph::EdgeKind kind);
   void link(int a, int b);
+  std::vector<double> pathTo(int keyframe) const;
   void searchLoop();
   void followHypotheses();
   bool confirm(Hypothesis& hypothesis, int keyframe);
   void accept(const Hypothesis& hypothesis);
-  void optimiseGraph();
+  double optimiseGraph();
   double conflict(int viewer, const core::Pose2& T_viewer_points, const std::vector<core::Point2>& points) const;
 
   GraphSlamOptions o_;
@@ -126,6 +130,7 @@ class GraphSlam {
   double path_m_ = 0, last_loop_m_ = 0, last_search_m_ = -1e9;
   bool distrusted_since_keyframe_ = false;
   std::vector<Hypothesis> hypotheses_;
+  std::vector<std::pair<int, int>> closures_;
   mutable std::vector<double> reached_;  // scratch of keyframesAround()
   std::unordered_map<std::int64_t, std::vector<int>> places_;
 };
