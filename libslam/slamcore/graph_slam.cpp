@@ -91,7 +91,10 @@ std::vector<int> GraphSlam::keyframesAround(int start, const Point2& centre, dou
     queue.pop();
     if (d > reached_[static_cast<size_t>(k)]) continue;
     const double away = core::distance(core::position(poseOf(k)), centre);
-    if (away <= radius_m) near.push_back({away, k});
+    if (away <= radius_m)
+      near.push_back({away, k});
+    else if (away > 1.5 * radius_m)
+      continue;
     for (const int other : neighbours_[static_cast<size_t>(k)]) {
       const double reach = d + core::distance(poseOf(k), poseOf(other));
       double& best = reached_[static_cast<size_t>(other)];
@@ -218,7 +221,11 @@ void GraphSlam::addMatchEdges(int keyframe, const std::vector<int>& others, cons
     if (other == keyframe) continue;
     bool apart = true;
     for (const int c : chosen) apart &= std::abs(c - other) > 2;
-    if (apart) chosen.push_back(other);
+    if (!apart) continue;
+    const auto& points = keyframes_[static_cast<size_t>(keyframe)].points;
+    const View seen = view(other, core::between(poseOf(other), T_matched), points);
+    if (other != keyframe - 1 && (seen.conflict() > o_.link_conflict || seen.agreed < o_.link_agreed * seen.points)) continue;
+    chosen.push_back(other);
     if (static_cast<int>(chosen.size()) == most) break;
   }
   if (chosen.empty()) return;
@@ -266,13 +273,15 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<SurfacePoint> p
   rebuildMap(poseOf(k));
 }
 
-/// Share of the points that the viewer's beams passed: where it saw farther than the point.
-double GraphSlam::conflict(int viewer, const Pose2& T_viewer_points, const std::vector<Point2>& points) const {
+/// Which of the points the viewer saw too, and which its beams passed: where it saw farther than the point.
+GraphSlam::View GraphSlam::view(int viewer, const Pose2& T_viewer_points, const std::vector<SurfacePoint>& points) const {
   const auto& ranges = keyframes_[static_cast<size_t>(viewer)].ranges_m;
   const Pose2 T_lidar_points = core::inverse(geometry_.T_robot_lidar) * T_viewer_points;
   const double c = std::cos(T_lidar_points.phi), s = std::sin(T_lidar_points.phi);
-  int passed = 0, agreed = 0;
-  for (const auto& p : points) {
+  View result;
+  result.points = static_cast<int>(points.size());
+  for (const auto& point : points) {
+    const auto& p = point.p;
     const double x = T_lidar_points.x + c * p.x - s * p.y, y = T_lidar_points.y + s * p.x + c * p.y;
     const double beam = core::wrapToPi(std::atan2(y, x) - geometry_.first_angle_rad) / geometry_.step_rad;
     const auto i = static_cast<long>(std::lround(beam));
@@ -286,11 +295,11 @@ double GraphSlam::conflict(int viewer, const Pose2& T_viewer_points, const std::
       least = std::min(least, static_cast<double>(r));
     }
     if (nearest < 0.3)
-      ++agreed;
+      ++result.agreed;
     else if (least < 1e8 && least > d + 0.3)
-      ++passed;
+      ++result.passed;
   }
-  return passed + agreed == 0 ? 0 : static_cast<double>(passed) / (passed + agreed);
+  return result;
 }
 
 /// Length of the shortest way from a keyframe to every earlier one, along the path driven and through closed loops:
@@ -321,10 +330,7 @@ std::vector<double> GraphSlam::pathTo(int keyframe) const {
   return result;
 }
 
-void GraphSlam::searchLoop() {
-  const int k = static_cast<int>(keyframes_.size()) - 1;
-  last_search_m_ = path_m_;
-  const Timer timer{times.loops};
+std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first, int query_last) {
   const Pose2 T = poseOf(k);
   const auto way = pathTo(k);
   // Those nearby that are not connected the short way.
@@ -337,11 +343,12 @@ void GraphSlam::searchLoop() {
     const double d = core::distance(poseOf(i), T);
     if (d < std::min(o_.loop_base_m + o_.loop_per_m * way[static_cast<size_t>(i)], o_.loop_most_m) + 1) candidates.push_back({d, i});
   }
-  if (candidates.empty()) return;
+  if (verbose && getenv("DBG")) { double best=1e9; int bi=-1; for(int i=0;i<k;++i){ double d=core::distance(poseOf(i),T); if(keyframes_[k].path_m-keyframes_[i].path_m>60&&d<best) best=d,bi=i;} std::printf("dbg kf %d scan %d cand %zu nearest far %d d %.2f way %.1f local %d scan %d\n",k,keyframes_[k].scan,candidates.size(),bi,best,bi>=0?way[bi]:0,bi>=0?is_local[bi]:0,bi>=0?keyframes_[bi].scan:0);}
+  if (candidates.empty()) return std::nullopt;
   std::sort(candidates.begin(), candidates.end());
 
   std::vector<Point2> query;
-  for (int i = k; i >= 0 && keyframes_[static_cast<size_t>(k)].path_m - keyframes_[static_cast<size_t>(i)].path_m < o_.loop_query_m && k - i < 30; --i) {
+  for (int i = query_last; i >= query_first; --i) {
     const Pose2 T_k_i = core::between(T, poseOf(i));
     for (const auto& p : keyframes_[static_cast<size_t>(i)].points) query.push_back(T_k_i * p.p);
   }
@@ -368,6 +375,7 @@ void GraphSlam::searchLoop() {
     const scanmatch::LikelihoodPyramid pyramid(points, o_.loop_cell_m, 1.2 * o_.loop_cell_m, 6);
     const scanmatch::SearchWindow window{reach, std::min(0.1 + 0.002 * open_m, 0.6)};
     const auto found = searchBest(pyramid, coarse_query, T, window, o_.loop_search_score);
+    if (verbose && !found) std::printf("  none  kf %d scan %d -> %d scan %d d %.2f reach %.1f way %.0f\n", k, keyframes_[static_cast<size_t>(k)].scan, candidate, keyframes_[static_cast<size_t>(candidate)].scan, d, reach, open_m);
     if (!found) continue;
     LevelMaps maps(o_);
     fill(maps, around, core::position(found->T_map_robot));
@@ -379,9 +387,7 @@ void GraphSlam::searchLoop() {
     int views = 0;
     for (const int a : around) {
       if (core::distance(poseOf(a), refined.T_map_robot) > 4) continue;
-      std::vector<Point2> own;
-      for (const auto& p : keyframes_[static_cast<size_t>(k)].points) own.push_back(p.p);
-      conflicting += conflict(a, core::between(poseOf(a), refined.T_map_robot), own);
+      conflicting += view(a, core::between(poseOf(a), refined.T_map_robot), keyframes_[static_cast<size_t>(k)].points).conflict();
       if (++views == 6) break;
     }
     if (views) conflicting /= views;
@@ -392,16 +398,54 @@ void GraphSlam::searchLoop() {
                   core::radToDeg(core::angleDifference(refined.T_map_robot.phi, T.phi)), good ? "FOUND" : "");
     if (!good) continue;
     ++counts.found;
-    bool known = false;
-    for (const auto& h : hypotheses_) {
-      const Pose2 expected = h.T_map_first * core::between(poseOf(h.first), T);
-      known |= core::distance(expected, refined.T_map_robot) < 0.5 && std::abs(core::angleDifference(expected.phi, refined.T_map_robot.phi)) < 0.1;
-    }
-    if (known) continue;
     Hypothesis hypothesis;
     hypothesis.first = k, hypothesis.old_keyframe = candidate, hypothesis.T_map_first = refined.T_map_robot;
     hypothesis.begun_m = path_m_;
-    if (confirm(hypothesis, k)) hypotheses_.push_back(hypothesis);
+    return hypothesis;
+  }
+  return std::nullopt;
+}
+
+void GraphSlam::searchLoop() {
+  const Timer timer{times.loops};
+  const int k = static_cast<int>(keyframes_.size()) - 1;
+  last_search_m_ = path_m_;
+  int first = k;
+  while (first > 0 && k - first < 30 && path_m_ - keyframes_[static_cast<size_t>(first - 1)].path_m < o_.loop_query_m) --first;
+  auto hypothesis = findLoop(k, first, k);
+  if (!hypothesis) return;
+  for (const auto& h : hypotheses_) {
+    const Pose2 expected = h.T_map_first * core::between(poseOf(h.first), poseOf(k));
+    if (core::distance(expected, hypothesis->T_map_first) < 0.5 &&
+        std::abs(core::angleDifference(expected.phi, hypothesis->T_map_first.phi)) < 0.1)
+      return;
+  }
+  if (confirm(*hypothesis, k)) hypotheses_.push_back(*hypothesis);
+}
+
+/// With the whole log known a place can be looked at from both sides, and what was too far to be searched for online
+/// may be near now.
+void GraphSlam::searchRemainingLoops() {
+  const Timer timer{times.final_loops};
+  const int n = static_cast<int>(keyframes_.size());
+  double last_m = -1e9;
+  for (int k = 0; k < n; ++k) {
+    const double at_m = keyframes_[static_cast<size_t>(k)].path_m;
+    if (at_m - last_m < 2 * o_.loop_every_m) continue;
+    last_m = at_m;
+    int first = k, last = k;
+    while (first > 0 && at_m - keyframes_[static_cast<size_t>(first - 1)].path_m < o_.loop_query_m / 2) --first;
+    while (last + 1 < n && keyframes_[static_cast<size_t>(last + 1)].path_m - at_m < o_.loop_query_m / 2) ++last;
+    auto hypothesis = findLoop(k, first, last);
+    if (!hypothesis) continue;
+    const Hypothesis found = *hypothesis;
+    Hypothesis forth = found, back = found;
+    int tried = 0, good = 0;
+    for (int j = k; j <= last; ++j) ++tried, good += confirm(forth, j);
+    for (int j = k - 1; j >= first; --j) ++tried, good += confirm(back, j);
+    if (good < o_.loop_confirmations || 2 * good < tried) continue;
+    forth.matches.insert(forth.matches.end(), back.matches.begin(), back.matches.end());
+    accept(forth);
   }
 }
 
@@ -421,12 +465,10 @@ bool GraphSlam::confirm(Hypothesis& h, int k) {
   prior.information.diagonal() << 100, 100, 1000;
   const auto& points = keyframes_[static_cast<size_t>(k)].points;
   const auto result = match(points, maps, expected, prior, false);
-  std::vector<Point2> own;
-  for (const auto& p : points) own.push_back(p.p);
   double conflicting = 0;
   int views = 0;
   for (const int a : around) {
-    conflicting += conflict(a, core::between(poseOf(a), result.T_map_robot), own);
+    conflicting += view(a, core::between(poseOf(a), result.T_map_robot), points).conflict();
     if (++views == 6) break;
   }
   conflicting /= views;
@@ -468,7 +510,7 @@ void GraphSlam::followHypotheses() {
   }
 }
 
-void GraphSlam::accept(const Hypothesis& h) {
+bool GraphSlam::accept(const Hypothesis& h) {
   ++counts.confirmed;
   const auto poses_before = graph_.poses();
   const double chi2_before = graph_.chi2();
@@ -490,10 +532,11 @@ void GraphSlam::accept(const Hypothesis& h) {
     for (int e = first_edge; e < static_cast<int>(graph_.edges().size()); ++e) graph_.setOn(e, false);
     for (int k = 0; k < graph_.nodeCount(); ++k) graph_.setPose(k, poses_before[static_cast<size_t>(k)]);
     if (verbose) std::printf("  REJECT: chi2 %.1f -> %.1f, way %.0f m\n", chi2_before, chi2, way_m);
-    return;
+    return false;
   }
   for (const auto& m : h.matches) link(m.old_keyframe, m.keyframe);
   closures_.push_back({h.matches.back().old_keyframe, h.matches.back().keyframe});
+  return true;
 }
 
 double GraphSlam::optimiseGraph() {
@@ -515,6 +558,7 @@ std::vector<Pose2> GraphSlam::poses() const {
 
 void GraphSlam::finish() {
   const Timer timer{times.finish};
+  if (o_.loops && o_.final_loops) searchRemainingLoops();
   const int n = static_cast<int>(keyframes_.size());
   LevelMaps maps(o_);
   std::vector<std::vector<int>> scans_of(keyframes_.size());

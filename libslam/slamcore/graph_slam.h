@@ -36,9 +36,11 @@ struct GraphSlamOptions {
   double loop_search_score = 0.5, loop_score = 0.6, loop_track_score = 0.6;
   int loop_confirmations = 3;
   double loop_confirm_m = 1.0;
+  double link_conflict = 0.2, link_agreed = 0.3;
   double loop_conflict = 0.1;
   double loop_chi2_per_m = 20;
   // end
+  bool final_loops = true;
   int refine_rounds = 3;
   bool refine_scans = true;
 };
@@ -64,7 +66,7 @@ class GraphSlam {
         distrusted = 0;
   } counts;
   struct Times {
-    double points = 0, match = 0, map = 0, loops = 0, optimise = 0, finish = 0;
+    double points = 0, match = 0, map = 0, loops = 0, optimise = 0, finish = 0, final_loops = 0;
   } times;
   bool verbose = false;
 
@@ -103,6 +105,7 @@ class GraphSlam {
   scanmatch::MatchResult match(const std::vector<scanmatch::SurfacePoint>& points, const LevelMaps& maps,
                                const core::Pose2& T_start, const scanmatch::PosePrior& prior, bool with_coarse) const;
   std::vector<int> keyframesAround(int start, const core::Point2& centre, double path_m, double radius_m) const;
+  std::vector<int> localKeyframes(int keyframe) const;
   void rebuildMap(const core::Pose2& T);
   void fill(LevelMaps& maps, const std::vector<int>& keyframes, const core::Point2& centre) const;
   void addKeyframe(const robot::Scan& scan, std::vector<scanmatch::SurfacePoint> points, const core::Pose2& T,
@@ -111,12 +114,18 @@ class GraphSlam {
                      const Eigen::Matrix3d& information, int most, posegraph::EdgeKind kind);
   void link(int a, int b);
   std::vector<double> pathTo(int keyframe) const;
+  std::optional<Hypothesis> findLoop(int keyframe, int query_first, int query_last);
   void searchLoop();
+  void searchRemainingLoops();
   void followHypotheses();
   bool confirm(Hypothesis& hypothesis, int keyframe);
-  void accept(const Hypothesis& hypothesis);
+  bool accept(const Hypothesis& hypothesis);
   double optimiseGraph();
-  double conflict(int viewer, const core::Pose2& T_viewer_points, const std::vector<core::Point2>& points) const;
+  struct View {
+    int agreed = 0, passed = 0, points = 0;
+    double conflict() const { return agreed + passed == 0 ? 0 : static_cast<double>(passed) / (agreed + passed); }
+  };
+  View view(int viewer, const core::Pose2& T_viewer_points, const std::vector<scanmatch::SurfacePoint>& points) const;
 
   GraphSlamOptions o_;
   posegraph::PoseGraph graph_;
