@@ -71,42 +71,43 @@ void GraphSlam::fill(LevelMaps& maps, const std::vector<int>& keyframes, const P
   for (auto* map : {&maps.coarse, &maps.middle, &maps.fine}) {
     map->clear(centre, o_.map_reach_m);
     for (const int k : keyframes) map->add(keyframes_[static_cast<size_t>(k)].points, poseOf(k));
-    map->finish();
   }
 }
 
-/// Keyframes that chains of edges of at most path_m connect with `start`, within radius_m of the centre, the nearest
+/// Keyframes that chains of links of at most path_m connect with `start`, within radius_m of the centre, the nearest
 /// first.
 std::vector<int> GraphSlam::keyframesAround(int start, const Point2& centre, double path_m, double radius_m) const {
+  const auto& poses = graph_.poses();
   reached_.resize(keyframes_.size(), -1);
-  std::vector<int> touched;
-  using Item = std::pair<double, int>;
-  std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;
-  queue.push({0, start});
+  touched_.clear(), queue_.clear();
   reached_[static_cast<size_t>(start)] = 0;
-  touched.push_back(start);
-  std::vector<Item> near;
-  while (!queue.empty()) {
-    const auto [d, k] = queue.top();
-    queue.pop();
+  touched_.push_back(start);
+  queue_.push_back({0, start});
+  const double near2 = radius_m * radius_m, far2 = 2.25 * near2;
+  std::vector<std::pair<double, int>> near;
+  while (!queue_.empty()) {
+    std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
+    const auto [d, k] = queue_.back();
+    queue_.pop_back();
     if (d > reached_[static_cast<size_t>(k)]) continue;
-    const double away = core::distance(core::position(poseOf(k)), centre);
-    if (away <= radius_m)
-      near.push_back({away, k});
-    else if (away > 1.5 * radius_m)
-      continue;
-    for (const int other : neighbours_[static_cast<size_t>(k)]) {
-      const double reach = d + core::distance(poseOf(k), poseOf(other));
-      double& best = reached_[static_cast<size_t>(other)];
+    const double dx = poses[static_cast<size_t>(k)].x - centre.x, dy = poses[static_cast<size_t>(k)].y - centre.y;
+    const double away2 = dx * dx + dy * dy;
+    if (away2 <= near2) near.push_back({away2, k});
+    if (away2 > far2) continue;
+    for (const Link& link : neighbours_[static_cast<size_t>(k)]) {
+      const double reach = d + link.length_m;
+      double& best = reached_[static_cast<size_t>(link.to)];
       if (reach > path_m || (best >= 0 && best <= reach)) continue;
-      if (best < 0) touched.push_back(other);
+      if (best < 0) touched_.push_back(link.to);
       best = reach;
-      queue.push({reach, other});
+      queue_.push_back({reach, link.to});
+      std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
     }
   }
-  for (const int k : touched) reached_[static_cast<size_t>(k)] = -1;
+  for (const int k : touched_) reached_[static_cast<size_t>(k)] = -1;
   std::sort(near.begin(), near.end());
   std::vector<int> result;
+  result.reserve(near.size());
   for (const auto& item : near) result.push_back(item.second);
   return result;
 }
@@ -119,8 +120,9 @@ void GraphSlam::rebuildMap(const Pose2& T) {
 }
 
 void GraphSlam::link(int a, int b) {
-  neighbours_[static_cast<size_t>(a)].push_back(b);
-  neighbours_[static_cast<size_t>(b)].push_back(a);
+  const double length_m = core::distance(poseOf(a), poseOf(b));
+  neighbours_[static_cast<size_t>(a)].push_back({b, length_m});
+  neighbours_[static_cast<size_t>(b)].push_back({a, length_m});
 }
 
 GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previous_robot, bool has_odometry) {
@@ -546,6 +548,8 @@ double GraphSlam::optimiseGraph() {
   options.robust = false;
   const auto result = optimize(graph_, options);
   if (verbose) std::printf("  optimise %zu nodes %zu edges: chi2 %.1f -> %.1f, %d iterations, off %zu\n", keyframes_.size(), graph_.edges().size(), result.initial_chi2, result.final_chi2, result.iterations, result.switched_off.size());
+  for (size_t k = 0; k < neighbours_.size(); ++k)
+    for (Link& link : neighbours_[k]) link.length_m = core::distance(poseOf(static_cast<int>(k)), poseOf(link.to));
   return result.final_chi2;
 }
 
@@ -585,7 +589,6 @@ void GraphSlam::finish() {
       if (around.empty()) continue;
       maps.fine.clear(core::position(T), o_.map_reach_m);
       for (const int a : around) maps.fine.add(keyframes_[static_cast<size_t>(a)].points, poseOf(a));
-      maps.fine.finish();
       none.mean = T;
       const auto result = alignToSurfels(keyframes_[static_cast<size_t>(k)].points, maps.fine, T, none, options);
       if (!last_round) {

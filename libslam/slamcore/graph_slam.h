@@ -41,8 +41,8 @@ struct GraphSlamOptions {
   double loop_chi2_per_m = 20;
   // end
   bool final_loops = true;
-  int refine_rounds = 3;
-  bool refine_scans = true;
+  int refine_rounds = 0;
+  bool refine_scans = false;
 };
 
 class GraphSlam {
@@ -130,7 +130,11 @@ class GraphSlam {
   GraphSlamOptions o_;
   posegraph::PoseGraph graph_;
   std::vector<Keyframe> keyframes_;
-  std::vector<std::vector<int>> neighbours_;
+  struct Link {
+    int to;
+    double length_m;
+  };
+  std::vector<std::vector<Link>> neighbours_;
   std::vector<Record> records_;
   LevelMaps maps_;
   std::vector<int> map_keyframes_;
@@ -140,7 +144,10 @@ class GraphSlam {
   bool distrusted_since_keyframe_ = false;
   std::vector<Hypothesis> hypotheses_;
   std::vector<std::pair<int, int>> closures_;
-  mutable std::vector<double> reached_;  // scratch of keyframesAround()
+  // Scratch of keyframesAround().
+  mutable std::vector<double> reached_;
+  mutable std::vector<int> touched_;
+  mutable std::vector<std::pair<double, int>> queue_;
   std::unordered_map<std::int64_t, std::vector<int>> places_;
 };
 
