@@ -16,6 +16,7 @@ namespace {
 constexpr double kBridgeWeight = 1e-6;
 /// Between rounds poses need not be found to more than so many standard deviations.
 constexpr double kCoarse = 0.03;
+constexpr int kCoarseIterations = 20;
 /// Errors spread: next to a wrong loop, right ones look wrong too. Only those near the worst are switched off at once.
 constexpr double kNearWorst = 0.25;
 /// Building: this share of the loops that fit is taken in a round, but at least so many, and all that the graph is
@@ -65,31 +66,34 @@ LoopChoice LoopSearch::build() {
 
 void LoopSearch::improve(LoopChoice& choice) {
   const std::vector<core::Pose2> start = choice.poses;
-  settle(choice, options_.tolerance);
+  settleFinely(choice);
   LoopChoice best = choice;
+  bool is_settled = true;
   for (int round = 0; round < kMostRounds; ++round) {
     const auto verdicts = judge(choice, true);
     const double most = limit(choice, verdicts), worst = worstThatIsOn(choice, verdicts);
-    bool changed = false;
+    const std::vector<char> before = choice.on;
     for (size_t n = 0; n < loops_.size(); ++n) {
       char& is_on = choice.on[loops_[n]];
       const bool fits = verdicts[n].chi2 <= most;
       if (is_on ? !fits && verdicts[n].chi2 >= kNearWorst * worst : fits && kNearWorst * worst <= most) {
         is_on = !is_on;
         is_parked_[n] = !is_on && !is_bridge_[n];
-        changed = true;
       }
     }
     keepTogether(choice, verdicts);
-    if (!changed) return;
-    settle(choice, options_.tolerance);
+    if (choice.on == before) break;
+    choice.poses = start;  // wrong loops may have folded the graph past the way back
+    settleCoarsely(choice);
+    is_settled = false;
     if (cost(choice) < cost(best)) best = choice;
   }
-  choice = best;
+  choice = std::move(best);
+  if (!is_settled) settleFinely(choice);
 }
 
 void LoopSearch::build(LoopChoice& choice) {
-  settle(choice, kCoarse);
+  settleCoarsely(choice);
   for (int round = 0; round < kMostRounds; ++round) {
     const auto verdicts = judge(choice, false);
     const double most = limit(choice, verdicts), worst = worstThatIsOn(choice, verdicts);
@@ -107,13 +111,21 @@ void LoopSearch::build(LoopChoice& choice) {
       }
     }
     if (!changed) break;
-    settle(choice, kCoarse);
+    settleCoarsely(choice);
   }
   for (size_t n = 0; n < loops_.size(); ++n) is_parked_[n] = !choice.on[loops_[n]] && !is_bridge_[n];
   keepTogether(choice, judge(choice, true));
 }
 
-void LoopSearch::settle(LoopChoice& choice, double tolerance) {
+void LoopSearch::settleFinely(LoopChoice& choice) {
+  settle(choice, options_.tolerance, options_.max_iterations);
+}
+
+void LoopSearch::settleCoarsely(LoopChoice& choice) {
+  settle(choice, std::max(kCoarse, options_.tolerance), std::min(kCoarseIterations, options_.max_iterations));
+}
+
+void LoopSearch::settle(LoopChoice& choice, double tolerance, int max_iterations) {
   std::vector<char> used = choice.on;
   weights_.assign(choice.on.begin(), choice.on.end());
   for (size_t n = 0; n < loops_.size(); ++n) {
@@ -121,8 +133,7 @@ void LoopSearch::settle(LoopChoice& choice, double tolerance) {
     if (is_bridge_[n] && !choice.on[loops_[n]]) weights_[loops_[n]] = kBridgeWeight;
   }
   system_.emplace(graph_, used);
-  Descent end =
-      descend(graph_, *system_, std::move(choice.poses), weights_, tolerance, options_.max_iterations);
+  Descent end = descend(graph_, *system_, std::move(choice.poses), weights_, tolerance, max_iterations);
   iterations_ += end.iterations;
   choice.poses = std::move(end.poses);
   choice.chi2 = end.chi2;

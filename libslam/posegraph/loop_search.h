@@ -39,7 +39,9 @@ class LoopSearch {
   };
   void improve(LoopChoice& choice);
   void build(LoopChoice& choice);
-  void settle(LoopChoice& choice, double tolerance);
+  void settleFinely(LoopChoice& choice);
+  void settleCoarsely(LoopChoice& choice);
+  void settle(LoopChoice& choice, double tolerance, int max_iterations);
   std::vector<Verdict> judge(const LoopChoice& choice, bool with_parked);
   double limit(const LoopChoice& choice, const std::vector<Verdict>& verdicts) const;
   double worstThatIsOn(const LoopChoice& choice, const std::vector<Verdict>& verdicts) const;
