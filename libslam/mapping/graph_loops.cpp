@@ -1,0 +1,296 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <unordered_set>
+
+#include "libslam/mapping/graph_slam.h"
+#include "libslam/posegraph/optimize.h"
+
+namespace slam::mapping {
+namespace {
+
+using core::Point2;
+using core::Pose2;
+using scanmatch::PosePrior;
+using scanmatch::SurfacePoint;
+
+/// The search's raster, and its surfaces' width.
+constexpr double kSearchCell_m = 0.1, kSearchSigma_m = 0.12;
+constexpr int kSearchLevels = 6;
+/// The search turns by this much at least, and more per metre of path.
+constexpr double kSearchTurn_rad = 0.1, kSearchTurnPerMetre_rad = 0.002, kSearchTurnMost_rad = 0.6;
+constexpr double kQuerySpacing_m = 0.4, kQueryMatchSpacing_m = 0.1;
+/// Places tried in one search.
+constexpr int kMostPlaces = 2;
+/// The old map around a place: within this path and radius of a keyframe.
+constexpr double kPlacePath_m = 15, kPlaceRadius_m = 10;
+/// Old keyframes whose view of the new points is asked.
+constexpr int kViewers = 6;
+constexpr double kViewerDistance_m = 4;
+/// A confirmation may correct the hypothesis by this much.
+constexpr double kConfirmStep_m = 0.3, kConfirmTurn_rad = 0.06;
+constexpr int kConfirmEdges = 4, kMostFailures = 2;
+constexpr int kMostQueryKeyframes = 30;
+
+/// One point per square of this side, in the order they come.
+std::vector<Point2> thinned(const std::vector<Point2>& points, double side_m) {
+  std::unordered_set<std::int64_t> taken;
+  std::vector<Point2> kept;
+  for (const auto& p : points) {
+    const auto column = static_cast<std::int64_t>(std::floor(p.x / side_m));
+    const auto row = static_cast<std::int64_t>(std::floor(p.y / side_m));
+    if (taken.insert(column * (std::int64_t{1} << 32) + row).second) kept.push_back(p);
+  }
+  return kept;
+}
+
+std::vector<SurfacePoint> asSurface(const std::vector<Point2>& points) {
+  std::vector<SurfacePoint> result;
+  result.reserve(points.size());
+  for (const auto& p : points) result.push_back({p, {}});
+  return result;
+}
+
+}  // namespace
+
+/// Length of the shortest way from a keyframe to every earlier one, along the path driven and through closed loops:
+/// what the drift between them grows with.
+std::vector<double> GraphSlam::pathTo(int k) const {
+  // Gates 2 i and 2 i + 1 are the two ends of closure i, which lie in one place.
+  std::vector<int> gates;
+  for (const auto& [a, b] : closures_) gates.push_back(a), gates.push_back(b);
+  const auto along = [&](int a, int b) { return std::abs(keyframe(a).path_m - keyframe(b).path_m); };
+  std::vector<double> way(gates.size());
+  std::vector<char> done(gates.size(), 0);
+  for (size_t g = 0; g < gates.size(); ++g) way[g] = along(gates[g], k);
+  for (size_t round = 0; round < gates.size(); ++round) {
+    size_t next = gates.size();
+    for (size_t g = 0; g < gates.size(); ++g)
+      if (!done[g] && (next == gates.size() || way[g] < way[next])) next = g;
+    done[next] = 1;
+    for (size_t g = 0; g < gates.size(); ++g)
+      way[g] = std::min(way[g], way[next] + ((next ^ 1U) == g ? 0 : along(gates[next], gates[g])));
+  }
+  std::vector<double> result(static_cast<size_t>(k));
+  for (int i = 0; i < k; ++i) {
+    double shortest = along(i, k);
+    for (size_t g = 0; g < gates.size(); ++g) shortest = std::min(shortest, way[g] + along(gates[g], i));
+    result[static_cast<size_t>(i)] = shortest;
+  }
+  return result;
+}
+
+/// Looks for a place where the scans of the keyframes [query_first, query_last] around k were seen before.
+std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first, int query_last) {
+  const Pose2 T = graph_.pose(k);
+  const auto way = pathTo(k);
+  const auto reachOf = [&](int old) {
+    return std::min(options_.loop_reach_m + options_.loop_reach_per_m * way[static_cast<size_t>(old)],
+                    options_.loop_reach_most_m);
+  };
+  std::vector<char> is_local(keyframes_.size(), 0);
+  for (const int local : keyframesAround(k, core::position(T), options_.map_path_m, 1e9))
+    is_local[static_cast<size_t>(local)] = 1;
+  std::vector<std::pair<double, int>> candidates;
+  for (int old = 0; old < k; ++old) {
+    if (is_local[static_cast<size_t>(old)]) continue;
+    const double away_m = core::distance(graph_.pose(old), T);
+    if (away_m < reachOf(old) + 1) candidates.push_back({away_m, old});
+  }
+  if (candidates.empty()) return std::nullopt;
+  std::sort(candidates.begin(), candidates.end());
+
+  std::vector<Point2> query;
+  for (int i = query_last; i >= query_first; --i) {
+    const Pose2 T_k_i = core::between(T, graph_.pose(i));
+    for (const auto& point : keyframe(i).points) query.push_back(T_k_i * point.p);
+  }
+  const auto search_points = thinned(query, kQuerySpacing_m);
+  const auto match_points = asSurface(thinned(query, kQueryMatchSpacing_m));
+
+  std::vector<char> is_tried(keyframes_.size(), 0);
+  int places = 0;
+  for (const auto& [away_m, old] : candidates) {
+    if (is_tried[static_cast<size_t>(old)]) continue;
+    if (++places > kMostPlaces) break;
+    const Point2 centre = core::position(graph_.pose(old));
+    for (const int tried : keyframesAround(old, centre, options_.map_path_m, 1e9))
+      is_tried[static_cast<size_t>(tried)] = 1;
+    auto around = keyframesAround(old, centre, kPlacePath_m, kPlaceRadius_m);
+    around.erase(std::remove_if(around.begin(), around.end(), [&](int a) { return is_local[static_cast<size_t>(a)] != 0; }),
+                 around.end());
+    if (static_cast<int>(around.size()) > options_.map_keyframes)
+      around.resize(static_cast<size_t>(options_.map_keyframes));
+    std::vector<Point2> place;
+    for (const int a : around)
+      for (const auto& point : keyframe(a).points) place.push_back(graph_.pose(a) * point.p);
+    const scanmatch::LikelihoodPyramid pyramid(place, kSearchCell_m, kSearchSigma_m, kSearchLevels);
+    const scanmatch::SearchWindow window{
+        reachOf(old),
+        std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * way[static_cast<size_t>(old)], kSearchTurnMost_rad)};
+    const auto found = searchBest(pyramid, search_points, T, window, options_.loop_search_score);
+    if (!found) continue;
+    note("searched", found->score, old);
+    LevelMaps maps(options_);
+    fill(maps, around, core::position(found->T_map_robot));
+    PosePrior flat;
+    flat.mean = found->T_map_robot;
+    flat.information.setIdentity();
+    const auto matched = match(match_points, maps, found->T_map_robot, flat, false);
+    double conflict = 0;
+    int viewers = 0;
+    for (const int a : around) {
+      if (viewers == kViewers) break;
+      if (core::distance(graph_.pose(a), matched.T_map_robot) > kViewerDistance_m) continue;
+      conflict += view(a, core::between(graph_.pose(a), matched.T_map_robot), keyframe(k).points).conflict();
+      ++viewers;
+    }
+    if (matched.score < options_.loop_score || conflict > 2 * options_.loop_conflict * viewers) continue;
+    note("found", matched.score, old);
+    Hypothesis hypothesis;
+    hypothesis.keyframe = k, hypothesis.old_keyframe = old;
+    hypothesis.T_map_robot = matched.T_map_robot;
+    hypothesis.begun_m = path_m_;
+    return hypothesis;
+  }
+  return std::nullopt;
+}
+
+/// Whether keyframe k by itself fits the old map where the hypothesis puts it; the hypothesis moves on to k then.
+bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
+  const Pose2 expected =
+      hypothesis.T_map_robot * core::between(graph_.pose(hypothesis.keyframe), graph_.pose(k));
+  std::vector<int> around;
+  for (const int old : keyframesAround(hypothesis.old_keyframe, core::position(expected), options_.map_path_m,
+                                       options_.map_radius_m)) {
+    const bool is_old = old < k && keyframe(k).path_m - keyframe(old).path_m > options_.map_path_m / 2;
+    if (is_old && static_cast<int>(around.size()) < options_.map_keyframes) around.push_back(old);
+  }
+  if (around.empty()) return false;
+  LevelMaps maps(options_);
+  fill(maps, around, core::position(expected));
+  PosePrior prior;
+  prior.mean = expected;
+  prior.information.diagonal() << 100, 100, 1000;
+  const auto& points = keyframe(k).points;
+  const auto matched = match(points, maps, expected, prior, false);
+  const size_t viewers = std::min<size_t>(around.size(), kViewers);
+  double conflict = 0;
+  for (size_t i = 0; i < viewers; ++i)
+    conflict += view(around[i], core::between(graph_.pose(around[i]), matched.T_map_robot), points).conflict();
+  if (matched.score < options_.loop_confirm_score ||
+      conflict >= options_.loop_conflict * static_cast<double>(viewers) ||
+      core::distance(matched.T_map_robot, expected) > kConfirmStep_m ||
+      std::abs(core::angleDifference(matched.T_map_robot.phi, expected.phi)) > kConfirmTurn_rad)
+    return false;
+  const size_t partners = std::min<size_t>(around.size(), kConfirmEdges);
+  for (size_t i = 0; i < partners; ++i) {
+    posegraph::Edge edge;
+    edge.from = around[i], edge.to = k;
+    edge.T_from_to = core::between(graph_.pose(around[i]), matched.T_map_robot);
+    edge.information = (toBodyAxes(matched.information, matched.T_map_robot.phi) + 1e-6 * Eigen::Matrix3d::Identity()) /
+                       static_cast<double>(kConfirmEdges);
+    edge.kind = posegraph::EdgeKind::kLoop;
+    hypothesis.edges.push_back(edge);
+  }
+  hypothesis.keyframe = k, hypothesis.old_keyframe = around.front();
+  hypothesis.T_map_robot = matched.T_map_robot;
+  ++hypothesis.confirmations;
+  return true;
+}
+
+/// Follows the hypotheses to the newest keyframe, accepts what is confirmed, and searches for more.
+void GraphSlam::closeLoops() {
+  const int k = lastKeyframe();
+  for (size_t i = 0; i < hypotheses_.size();) {
+    Hypothesis& hypothesis = hypotheses_[i];
+    if (!confirm(hypothesis, k)) ++hypothesis.failures;
+    if (hypothesis.failures > kMostFailures) {
+      note("dropped", hypothesis.confirmations, hypothesis.old_keyframe);
+      hypotheses_.erase(hypotheses_.begin() + static_cast<long>(i));
+    } else if (hypothesis.confirmations >= options_.loop_confirmations &&
+               path_m_ - hypothesis.begun_m >= options_.loop_confirm_m) {
+      const Hypothesis confirmed = hypothesis;
+      hypotheses_.clear();
+      accept(confirmed);
+    } else {
+      ++i;
+    }
+  }
+  if (path_m_ - searched_m_ < options_.loop_every_m) return;
+  searched_m_ = path_m_;
+  int first = k;
+  while (first > 0 && k - first < kMostQueryKeyframes && path_m_ - keyframe(first - 1).path_m < options_.loop_path_m)
+    --first;
+  auto found = findLoop(k, first, k);
+  if (!found) return;
+  for (const auto& known : hypotheses_) {
+    const Pose2 expected = known.T_map_robot * core::between(graph_.pose(known.keyframe), graph_.pose(k));
+    if (core::distance(expected, found->T_map_robot) < 0.5 &&
+        std::abs(core::angleDifference(expected.phi, found->T_map_robot.phi)) < 0.1)
+      return;
+  }
+  if (confirm(*found, k)) hypotheses_.push_back(*found);
+}
+
+/// With the whole path known a place can be looked at from both sides, and what drift had carried out of reach may have
+/// come near.
+void GraphSlam::searchRemainingLoops() {
+  hypotheses_.clear();
+  const int n = graph_.nodeCount();
+  double searched_m = -1e9;
+  for (int k = 0; k < n; ++k) {
+    const double at_m = keyframe(k).path_m;
+    if (at_m - searched_m < 2 * options_.loop_every_m) continue;
+    searched_m = at_m;
+    int first = k, last = k;
+    while (first > 0 && at_m - keyframe(first - 1).path_m < options_.loop_path_m / 2) --first;
+    while (last + 1 < n && keyframe(last + 1).path_m - at_m < options_.loop_path_m / 2) ++last;
+    const auto found = findLoop(k, first, last);
+    if (!found) continue;
+    Hypothesis forth = *found, back = *found;
+    for (int i = k; i <= last; ++i) confirm(forth, i);
+    for (int i = k - 1; i >= first; --i) confirm(back, i);
+    const int confirmations = forth.confirmations + back.confirmations;
+    if (confirmations < options_.loop_confirmations || 2 * confirmations < last - first + 1) continue;
+    forth.edges.insert(forth.edges.end(), back.edges.begin(), back.edges.end());
+    accept(forth);
+  }
+}
+
+bool GraphSlam::accept(const Hypothesis& hypothesis) {
+  const int k = hypothesis.keyframe, old = hypothesis.old_keyframe;
+  note("confirmed", hypothesis.confirmations, old);
+  const auto poses_before = graph_.poses();
+  const double chi2_before = graph_.chi2();
+  const double way_m = k > old ? pathTo(k)[static_cast<size_t>(old)] : pathTo(old)[static_cast<size_t>(k)];
+  std::vector<int> edges;
+  for (const auto& edge : hypothesis.edges) edges.push_back(graph_.addEdge(edge));
+  const double chi2 = optimiseGraph();
+  if (chi2 - chi2_before > options_.loop_chi2_per_m * way_m) {
+    // Nothing that was measured on the way allows for this.
+    for (const int edge : edges) graph_.setOn(edge, false);
+    for (int i = 0; i < graph_.nodeCount(); ++i) graph_.setPose(i, poses_before[static_cast<size_t>(i)]);
+    note("rejected", chi2 - chi2_before, old);
+    return false;
+  }
+  for (const auto& edge : hypothesis.edges) link(edge.from, edge.to);
+  for (size_t i = 0; i < links_.size(); ++i)
+    for (Link& link : links_[i])
+      link.length_m = core::distance(graph_.pose(static_cast<int>(i)), graph_.pose(link.to));
+  closures_.push_back({old, k});
+  ++revision_;
+  searched_m_ = path_m_;
+  note("accepted", way_m, old);
+  note("optimised", chi2);
+  return true;
+}
+
+double GraphSlam::optimiseGraph() {
+  // Loops are judged whole, by accept(); one edge of a loop is no loop.
+  posegraph::OptimizeOptions options;
+  options.robust = "none";
+  return optimize(graph_, options).final_chi2;
+}
+
+}  // namespace slam::mapping

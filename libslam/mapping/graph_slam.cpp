@@ -1,0 +1,445 @@
+#include "libslam/mapping/graph_slam.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "libslam/core/error.h"
+
+namespace slam::mapping {
+namespace {
+
+using core::Point2;
+using core::Pose2;
+using scanmatch::MatchResult;
+using scanmatch::PosePrior;
+using scanmatch::SurfacePoint;
+
+/// In standard deviations of a surfel: farther points hardly count.
+constexpr double kKernel = 3;
+/// Neighbouring beams err together, and surfels are estimates: a point tells a fifth of what an independent one would.
+constexpr double kInformationScale = 0.2;
+/// The local map reaches this far from the robot.
+constexpr double kMapReach_m = 30;
+/// Starts are compared on every third point of the coarse map.
+constexpr int kStartStride = 3;
+/// Another start must explain this much more than odometry's to be taken at all.
+constexpr double kStartGain = 0.02;
+constexpr double kStartTurns_rad[] = {-0.15, -0.07, 0.07, 0.15};
+/// The lattice of recover().
+constexpr int kLatticeTurns = 10, kLatticeSteps = 4;
+constexpr double kLatticeTurn_rad = 0.03, kLatticeStep_m = 0.1, kRecoverGain = 0.05;
+/// Least share of the information along the worst direction of movement; below, a corridor or an open field.
+constexpr double kDegenerate = 0.02;
+/// An edge of odometry that was not to be trusted.
+constexpr double kDistrustedFactor = 5;
+/// Two partners of a keyframe are this many keyframes apart: neighbours would say the same twice.
+constexpr int kPartnerStep = 3;
+
+Eigen::Matrix3d diagonal(double sigma_xy, double sigma_turn) {
+  return Eigen::Vector3d(1 / (sigma_xy * sigma_xy), 1 / (sigma_xy * sigma_xy), 1 / (sigma_turn * sigma_turn))
+      .asDiagonal();
+}
+
+}  // namespace
+
+Eigen::Matrix3d toBodyAxes(const Eigen::Matrix3d& information, double phi_rad) {
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn(0, 0) = turn(1, 1) = std::cos(phi_rad);
+  turn(1, 0) = std::sin(phi_rad), turn(0, 1) = -turn(1, 0);
+  const Eigen::Matrix3d body = turn.transpose() * information * turn;
+  return 0.5 * (body + body.transpose());
+}
+
+GraphOptions::GraphOptions() {
+  table().setDefaults(*this);
+}
+
+const core::ParameterTable<GraphOptions>& GraphOptions::table() {
+  using O = GraphOptions;
+  static const core::ParameterTable<O> kTable(
+      "graph",
+      {{"point_spacing_m", &O::point_spacing_m, 0.05, 0.0, 10.0, "points of one scan are at least this far apart"},
+       {"max_range_m", &O::max_range_m, 40.0, 0.1, 1000.0, "farther returns are not matched"},
+       {"cell_m", &O::cell_m, 0.1, 0.01, 2.0, "cell of the finest surfel map; two more have double and fourfold cells"},
+       {"blur_m", &O::blur_m, 0.03, 0.001, 1.0, "standard deviation added to the finest surfels"},
+       {"odometry_xy_m", &O::odometry_xy_m, 0.02, 1e-4, 10.0, "standard deviation of an increment, always"},
+       {"odometry_xy_per_m", &O::odometry_xy_per_m, 0.1, 0.0, 10.0, "and per metre driven"},
+       {"odometry_turn_deg", &O::odometry_turn_rad, 0.573, 1e-3, 90.0, "of its turn, always"},
+       {"odometry_turn_per_rad", &O::odometry_turn_per_rad, 0.2, 0.0, 10.0, "and per angle turned"},
+       {"odometry_kernel", &O::odometry_kernel, 2.0, 0.0, 100.0,
+        "standard deviations beyond which odometry loses its hold; 0: never"},
+       {"distrust_gain", &O::distrust_gain, 0.1, 0.0, 1.0,
+        "odometry is dropped when another start explains this much more of the scan"},
+       {"recover_score", &O::recover_score, 0.65, 0.0, 1.0, "a match that explains less is searched for around"},
+       {"keyframe_distance_m", &O::keyframe_distance_m, 0.3, 0.0, 100.0, "travel after which a scan becomes a keyframe"},
+       {"keyframe_angle_deg", &O::keyframe_angle_rad, 17.2, 0.0, 360.0, "turn after which it does"},
+       {"keyframe_score", &O::keyframe_score, 0.75, 0.0, 1.0, "it does, too, when the map explains less of it"},
+       {"map_keyframes", &O::map_keyframes, 40, 1, 10000, "a scan is matched to so many keyframes, the nearest"},
+       {"map_radius_m", &O::map_radius_m, 8.0, 0.1, 1000.0, "within this distance"},
+       {"map_path_m", &O::map_path_m, 25.0, 0.1, 1e6, "and this length of links"},
+       {"edges_per_keyframe", &O::edges_per_keyframe, 8, 1, 100, "a keyframe's match is shared among so many edges"},
+       {"link_conflict", &O::link_conflict, 0.2, 0.0, 1.0, "no edge to a keyframe that sees through more of the points"},
+       {"link_agreed", &O::link_agreed, 0.3, 0.0, 1.0, "or that sees less of them"},
+       {"loops", &O::loops, true, "look for places seen again"},
+       {"loop_every_m", &O::loop_every_m, 0.5, 0.01, 1000.0, "travel between two searches"},
+       {"loop_reach_m", &O::loop_reach_m, 1.5, 0.0, 1000.0, "a place is searched for within this distance"},
+       {"loop_reach_per_m", &O::loop_reach_per_m, 0.03, 0.0, 1.0, "and so much more per metre of path to it"},
+       {"loop_reach_most_m", &O::loop_reach_most_m, 25.0, 0.1, 1000.0, "but not farther"},
+       {"loop_path_m", &O::loop_path_m, 4.0, 0.1, 100.0, "the scans of this length of path are searched for together"},
+       {"loop_search_score", &O::loop_search_score, 0.5, 0.0, 1.0, "least score of a place on the search's raster"},
+       {"loop_score", &O::loop_score, 0.6, 0.0, 1.0, "and of the same after matching"},
+       {"loop_confirm_score", &O::loop_confirm_score, 0.6, 0.0, 1.0, "least score of each keyframe that confirms it"},
+       {"loop_conflict", &O::loop_conflict, 0.1, 0.0, 1.0, "most of its points that old beams may pass through"},
+       {"loop_confirmations", &O::loop_confirmations, 3, 1, 100, "keyframes that must confirm a loop"},
+       {"loop_confirm_m", &O::loop_confirm_m, 1.0, 0.0, 100.0, "over at least this path"},
+       {"loop_chi2_per_m", &O::loop_chi2_per_m, 20.0, 0.0, 1e6,
+        "a loop that costs the graph more per metre of path it closes is wrong"},
+       {"refine_rounds", &O::refine_rounds, 0, 0, 100,
+        "at the end all keyframes are matched to one another again so many times"}});
+  return kTable;
+}
+
+GraphSlam::LevelMaps::LevelMaps(const GraphOptions& o)
+    : fine(o.cell_m, o.blur_m), middle(2 * o.cell_m, o.blur_m + 0.02), coarse(4 * o.cell_m, o.blur_m + 0.07) {}
+
+GraphSlam::GraphSlam(const GraphOptions& options) : options_(options), maps_(options) {}
+
+void GraphSlam::note(const char* event, double value, int other_keyframe, const std::string& detail) {
+  journal_.push_back({static_cast<int>(records_.size()), event, value,
+                      other_keyframe < 0 ? -1 : keyframe(other_keyframe).scan, detail});
+}
+
+Pose2 GraphSlam::currentPose() const {
+  return graph_.pose(lastKeyframe()) * T_keyframe_robot_;
+}
+
+std::vector<SurfacePoint> GraphSlam::pointsOf(const robot::Scan& scan) const {
+  scanmatch::ScanPointOptions options;
+  options.spacing_m = options_.point_spacing_m;
+  options.max_range_m = options_.max_range_m;
+  return surfacePoints(scan, options);
+}
+
+MatchResult GraphSlam::match(const std::vector<SurfacePoint>& points, const LevelMaps& maps, const Pose2& T_start,
+                             const PosePrior& prior, bool with_coarse) const {
+  scanmatch::MatchOptions options;
+  options.kernel = kKernel;
+  options.information_scale = kInformationScale;
+  options.max_iterations = 3;
+  Pose2 T = T_start;
+  if (with_coarse) T = alignToSurfels(points, maps.coarse, T, prior, options).T_map_robot;
+  T = alignToSurfels(points, maps.middle, T, prior, options).T_map_robot;
+  options.max_iterations = 10;
+  return alignToSurfels(points, maps.fine, T, prior, options);
+}
+
+void GraphSlam::fill(LevelMaps& maps, const std::vector<int>& keyframes, const Point2& centre) const {
+  for (auto* map : {&maps.fine, &maps.middle, &maps.coarse}) {
+    map->clear(centre, kMapReach_m);
+    for (const int k : keyframes) map->add(keyframe(k).points, graph_.pose(k));
+  }
+}
+
+/// Keyframes that chains of links of at most path_m connect with `start`, within radius_m of the centre, the nearest
+/// first. Chains do not lead far outside of the circle.
+std::vector<int> GraphSlam::keyframesAround(int start, const Point2& centre, double path_m, double radius_m) const {
+  const auto& poses = graph_.poses();
+  reached_.resize(keyframes_.size(), -1);
+  touched_.clear(), queue_.clear();
+  reached_[static_cast<size_t>(start)] = 0;
+  touched_.push_back(start);
+  queue_.push_back({0, start});
+  const double near2 = radius_m * radius_m, far2 = 2.25 * near2;
+  std::vector<std::pair<double, int>> near;
+  while (!queue_.empty()) {
+    std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
+    const auto [length_m, k] = queue_.back();
+    queue_.pop_back();
+    if (length_m > reached_[static_cast<size_t>(k)]) continue;
+    const double dx = poses[static_cast<size_t>(k)].x - centre.x, dy = poses[static_cast<size_t>(k)].y - centre.y;
+    const double away2 = dx * dx + dy * dy;
+    if (away2 <= near2) near.push_back({away2, k});
+    if (away2 > far2) continue;
+    for (const Link& link : links_[static_cast<size_t>(k)]) {
+      const double reach = length_m + link.length_m;
+      double& best = reached_[static_cast<size_t>(link.to)];
+      if (reach > path_m || (best >= 0 && best <= reach)) continue;
+      if (best < 0) touched_.push_back(link.to);
+      best = reach;
+      queue_.push_back({reach, link.to});
+      std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
+    }
+  }
+  for (const int k : touched_) reached_[static_cast<size_t>(k)] = -1;
+  std::sort(near.begin(), near.end());
+  std::vector<int> result;
+  result.reserve(near.size());
+  for (const auto& item : near) result.push_back(item.second);
+  return result;
+}
+
+void GraphSlam::updateMap() {
+  const Point2 centre = core::position(currentPose());
+  map_keyframes_ = keyframesAround(lastKeyframe(), centre, options_.map_path_m, options_.map_radius_m);
+  if (static_cast<int>(map_keyframes_.size()) > options_.map_keyframes)
+    map_keyframes_.resize(static_cast<size_t>(options_.map_keyframes));
+  fill(maps_, map_keyframes_, centre);
+}
+
+void GraphSlam::link(int a, int b) {
+  const double length_m = core::distance(graph_.pose(a), graph_.pose(b));
+  links_[static_cast<size_t>(a)].push_back({b, length_m});
+  links_[static_cast<size_t>(b)].push_back({a, length_m});
+}
+
+/// The best pose on a lattice around the predicted one, refined without regard to odometry.
+std::optional<MatchResult> GraphSlam::recover(const std::vector<SurfacePoint>& points, const Pose2& predicted,
+                                              const Pose2& matched) const {
+  Pose2 best = matched;
+  const double before = surfelScore(points, maps_.middle, matched, kKernel, 2);
+  double best_score = before;
+  for (int turn = -kLatticeTurns; turn <= kLatticeTurns; ++turn)
+    for (int x = -kLatticeSteps; x <= kLatticeSteps; ++x)
+      for (int y = -kLatticeSteps; y <= kLatticeSteps; ++y) {
+        const Pose2 candidate{predicted.x + kLatticeStep_m * x, predicted.y + kLatticeStep_m * y,
+                              predicted.phi + kLatticeTurn_rad * turn};
+        const double score = surfelScore(points, maps_.middle, candidate, kKernel, 2);
+        if (score > best_score) best_score = score, best = candidate;
+      }
+  if (!(best_score > before)) return std::nullopt;
+  PosePrior weak;
+  weak.mean = best;
+  weak.information.diagonal() << 10, 10, 10;
+  return match(points, maps_, best, weak, false);
+}
+
+/// Matches a scan to the map around. Fills in its points and the information that they give, map axes.
+GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previous_robot, bool has_odometry,
+                                 std::vector<SurfacePoint>& points, Eigen::Matrix3d& information) {
+  points = pointsOf(scan);
+  const Pose2 T_before = currentPose();
+  const Pose2 increment = has_odometry ? T_previous_robot : T_previous_robot_;
+  const double move_m = std::hypot(increment.x, increment.y), turn_rad = std::abs(increment.phi);
+  const double unknown = has_odometry ? 0 : 0.5;
+  double sigma_xy = options_.odometry_xy_m + options_.odometry_xy_per_m * move_m + unknown;
+  double sigma_turn = options_.odometry_turn_rad + options_.odometry_turn_per_rad * turn_rad + unknown;
+  const Pose2 predicted = T_before * increment;
+
+  Pose2 start = predicted;
+  const double own = surfelScore(points, maps_.coarse, predicted, kKernel, kStartStride);
+  double best = own + kStartGain;
+  const auto consider = [&](const Pose2& candidate) {
+    const double score = surfelScore(points, maps_.coarse, candidate, kKernel, kStartStride);
+    if (score > best) best = score, start = candidate;
+  };
+  consider(T_before * T_previous_robot_);
+  // Some robots count backwards motion forwards.
+  consider(T_before * core::inverse(increment));
+  for (const double turn : kStartTurns_rad) consider({predicted.x, predicted.y, predicted.phi + turn});
+
+  PosePrior prior;
+  prior.mean = predicted;
+  prior.kernel = options_.odometry_kernel;
+  bool distrusted = best > own + options_.distrust_gain;
+  if (distrusted) {
+    prior.mean = start;
+    sigma_xy = 3 * sigma_xy + 0.1, sigma_turn = 3 * sigma_turn + 0.05;
+    note("distrusted", best - own);
+  }
+  prior.information = diagonal(sigma_xy, sigma_turn);
+  MatchResult result = match(points, maps_, start, prior, true);
+  if (result.score < options_.recover_score) {
+    const auto other = recover(points, predicted, result.T_map_robot);
+    if (other && other->score > result.score + kRecoverGain) {
+      result = *other;
+      distrusted = true;
+      note("recovered", result.score);
+    }
+  }
+  if (result.score < options_.recover_score) note("poor", result.score);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> movement(result.information.topLeftCorner<2, 2>(),
+                                                                Eigen::EigenvaluesOnly);
+  const double share = movement.eigenvalues()(1) > 0 ? movement.eigenvalues()(0) / movement.eigenvalues()(1) : 0;
+  if (share < kDegenerate) note("degenerate", share);
+
+  odometry_holds_ = odometry_holds_ && has_odometry && !distrusted;
+  information = result.information;
+  T_previous_robot_ = core::between(T_before, result.T_map_robot);
+  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), result.T_map_robot);
+  T_odometry_ = T_odometry_ * increment;
+  path_m_ += std::hypot(T_previous_robot_.x, T_previous_robot_.y);
+  Step step;
+  step.T_map_robot = result.T_map_robot;
+  step.score = result.score;
+  step.covariance = (information + prior.information).inverse();
+  return step;
+}
+
+GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previous_robot, bool has_odometry) {
+  if (scan.ranges_m.size() < 2) throw core::ContractError("GraphSlam: a scan of fewer than 2 beams");
+  Step step;
+  if (keyframes_.empty()) {
+    addKeyframe(scan, pointsOf(scan), {}, Eigen::Matrix3d::Zero());
+    step.is_keyframe = true;
+    step.covariance.setZero();
+  } else {
+    std::vector<SurfacePoint> points;
+    Eigen::Matrix3d information;
+    step = track(scan, T_previous_robot, has_odometry, points, information);
+    step.is_keyframe =
+        std::hypot(T_keyframe_robot_.x, T_keyframe_robot_.y) > options_.keyframe_distance_m ||
+        std::abs(T_keyframe_robot_.phi) > options_.keyframe_angle_rad || step.score < options_.keyframe_score;
+    if (step.is_keyframe) addKeyframe(scan, std::move(points), step.T_map_robot, information);
+    step.T_map_robot = currentPose();
+  }
+  records_.push_back({lastKeyframe(), T_keyframe_robot_});
+  return step;
+}
+
+GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_previous_robot, bool has_odometry) {
+  if (keyframes_.empty()) throw core::ContractError("GraphSlam: localise() without a map");
+  std::vector<SurfacePoint> points;
+  Eigen::Matrix3d information;
+  const Step step = track(scan, T_previous_robot, has_odometry, points, information);
+  // The map moves on with the robot, to the keyframe that is nearest now.
+  const auto near = keyframesAround(lastKeyframe(), core::position(step.T_map_robot), 1e9, 1e9);
+  map_keyframes_.assign(near.begin(), near.begin() + std::min<long>(options_.map_keyframes, static_cast<long>(near.size())));
+  fill(maps_, map_keyframes_, core::position(step.T_map_robot));
+  records_.push_back({lastKeyframe(), T_keyframe_robot_});
+  return step;
+}
+
+void GraphSlam::addKnownKeyframe(const robot::Scan& scan, const Pose2& T_map_robot) {
+  if (!records_.empty()) throw core::ContractError("GraphSlam: known keyframes come before the first scan");
+  const Pose2 T_last = keyframes_.empty() ? Pose2{} : graph_.pose(lastKeyframe());
+  T_odometry_ = core::between(T_last, T_map_robot);
+  path_m_ += std::hypot(T_odometry_.x, T_odometry_.y);
+  const bool loops = std::exchange(options_.loops, false);
+  addKeyframe(scan, pointsOf(scan), T_map_robot, diagonal(0.02, 0.005));
+  options_.loops = loops;
+}
+
+void GraphSlam::startAt(const Pose2& T_map_robot) {
+  if (keyframes_.empty()) throw core::ContractError("GraphSlam: startAt() without a map");
+  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T_map_robot);
+  T_previous_robot_ = {};
+  const auto near = keyframesAround(lastKeyframe(), core::position(T_map_robot), 1e9, 1e9);
+  map_keyframes_.assign(near.begin(), near.begin() + std::min<long>(options_.map_keyframes, static_cast<long>(near.size())));
+  fill(maps_, map_keyframes_, core::position(T_map_robot));
+}
+
+double GraphSlam::View::conflict() const {
+  return agreed + passed == 0 ? 0 : static_cast<double>(passed) / (agreed + passed);
+}
+
+GraphSlam::View GraphSlam::view(int viewer, const Pose2& T_viewer_points,
+                                const std::vector<SurfacePoint>& points) const {
+  // Half of what two walls are apart at least; and beams are compared with their neighbours.
+  constexpr double kSame_m = 0.3;
+  const auto& ranges = keyframe(viewer).ranges_m;
+  const Pose2 T_lidar_points = core::inverse(geometry_.T_robot_lidar) * T_viewer_points;
+  const double c = std::cos(T_lidar_points.phi), s = std::sin(T_lidar_points.phi);
+  View result;
+  for (const auto& point : points) {
+    const double x = T_lidar_points.x + c * point.p.x - s * point.p.y;
+    const double y = T_lidar_points.y + s * point.p.x + c * point.p.y;
+    double angle = std::atan2(y, x) - geometry_.first_angle_rad;
+    if (angle < 0) angle += 2 * core::kPi;
+    const auto beam = std::lround(angle / geometry_.step_rad);
+    if (beam < 1 || beam + 1 >= static_cast<long>(ranges.size())) continue;
+    const double distance_m = std::hypot(x, y);
+    double off_m = 1e9, nearest_m = 1e9;
+    for (long b = beam - 1; b <= beam + 1; ++b) {
+      const float range_m = ranges[static_cast<size_t>(b)];
+      if (!robot::isReturn(range_m)) continue;
+      off_m = std::min(off_m, std::abs(range_m - distance_m));
+      nearest_m = std::min(nearest_m, static_cast<double>(range_m));
+    }
+    if (off_m < kSame_m)
+      ++result.agreed;
+    else if (nearest_m < 1e9 && nearest_m > distance_m + kSame_m)
+      ++result.passed;
+  }
+  return result;
+}
+
+/// The keyframes that a match is shared among: the nearest, not two in a row, and only those whose beams agree.
+std::vector<int> GraphSlam::partnersOf(int k, const std::vector<int>& near, const Pose2& T_map_robot) const {
+  std::vector<int> partners;
+  const auto& points = keyframe(k).points;
+  for (const int other : near) {
+    if (other == k) continue;
+    const bool apart = std::none_of(partners.begin(), partners.end(),
+                                    [&](int partner) { return std::abs(partner - other) < kPartnerStep; });
+    if (!apart) continue;
+    if (other != k - 1) {
+      const View seen = view(other, core::between(graph_.pose(other), T_map_robot), points);
+      if (seen.conflict() > options_.link_conflict ||
+          seen.agreed < options_.link_agreed * static_cast<double>(points.size()))
+        continue;
+    }
+    partners.push_back(other);
+    if (static_cast<int>(partners.size()) == options_.edges_per_keyframe) break;
+  }
+  return partners;
+}
+
+/// What the scans cannot see, odometry has to hold; where it was wrong, the matched motion stands in for it, weakly.
+int GraphSlam::addOdometryEdge(int k) {
+  posegraph::Edge edge;
+  edge.from = k - 1, edge.to = k;
+  edge.T_from_to = odometry_holds_ ? T_odometry_ : core::between(graph_.pose(k - 1), graph_.pose(k));
+  const double factor = odometry_holds_ ? 1 : kDistrustedFactor;
+  const double move_m = std::hypot(edge.T_from_to.x, edge.T_from_to.y), turn_rad = std::abs(edge.T_from_to.phi);
+  edge.information = diagonal(factor * (options_.odometry_xy_m + options_.odometry_xy_per_m * move_m),
+                              factor * (options_.odometry_turn_rad + options_.odometry_turn_per_rad * turn_rad));
+  return graph_.addEdge(edge);
+}
+
+void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<SurfacePoint> points, const Pose2& T_map_robot,
+                            const Eigen::Matrix3d& information) {
+  if (keyframes_.empty()) geometry_ = scan, geometry_.ranges_m.clear();
+  const int k = graph_.addNode(T_map_robot);
+  keyframes_.push_back({static_cast<int>(records_.size()), std::move(points), scan.ranges_m, path_m_, -1});
+  links_.emplace_back();
+  if (k == 0) {
+    graph_.setFixed(0);
+  } else {
+    keyframes_.back().odometry_edge = addOdometryEdge(k);
+    link(k - 1, k);
+    const auto partners = partnersOf(k, map_keyframes_, T_map_robot);
+    const Eigen::Matrix3d share = (toBodyAxes(information, T_map_robot.phi) + 1e-6 * Eigen::Matrix3d::Identity()) /
+                                  static_cast<double>(std::max<size_t>(partners.size(), 1));
+    for (const int partner : partners) {
+      posegraph::Edge edge;
+      edge.from = partner, edge.to = k;
+      edge.T_from_to = core::between(graph_.pose(partner), T_map_robot);
+      edge.information = share;
+      graph_.addEdge(edge);
+      link(partner, k);
+    }
+  }
+  T_keyframe_robot_ = {};
+  T_odometry_ = {};
+  odometry_holds_ = true;
+  if (options_.loops && k > 0) closeLoops();
+  updateMap();
+}
+
+std::vector<Pose2> GraphSlam::poses() const {
+  std::vector<Pose2> result;
+  result.reserve(records_.size());
+  for (const auto& record : records_) result.push_back(graph_.pose(record.keyframe) * record.T_keyframe_robot);
+  return result;
+}
+
+void GraphSlam::finish() {
+  if (keyframes_.empty()) return;
+  if (options_.loops) searchRemainingLoops();
+  if (options_.refine_rounds > 0) refine();
+}
+
+}  // namespace slam::mapping

@@ -1,0 +1,205 @@
+#pragma once
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "libslam/core/parameters.h"
+#include "libslam/core/pose2.h"
+#include "libslam/posegraph/pose_graph.h"
+#include "libslam/robot/scan.h"
+#include "libslam/scanmatch/correlative_search.h"
+#include "libslam/scanmatch/surfel_matcher.h"
+
+namespace slam::mapping {
+
+/// Section [graph].
+struct GraphOptions {
+  double point_spacing_m, max_range_m;
+  double cell_m, blur_m;
+  double odometry_xy_m, odometry_xy_per_m, odometry_turn_rad, odometry_turn_per_rad, odometry_kernel;
+  double distrust_gain, recover_score;
+  double keyframe_distance_m, keyframe_angle_rad, keyframe_score;
+  int map_keyframes;
+  double map_radius_m, map_path_m;
+  int edges_per_keyframe;
+  double link_conflict, link_agreed;
+  bool loops;
+  double loop_every_m, loop_reach_m, loop_reach_per_m, loop_reach_most_m;
+  double loop_path_m, loop_search_score, loop_score, loop_confirm_score, loop_conflict;
+  int loop_confirmations;
+  double loop_confirm_m, loop_chi2_per_m;
+  int refine_rounds;
+  GraphOptions();
+  static const core::ParameterTable<GraphOptions>& table();
+};
+
+/// What a method has to say of its own work.
+struct JournalEntry {
+  int scan;            ///< counted from 0
+  std::string event;   ///< one word: see each method
+  double value;        ///< see the event
+  int other_scan;      ///< the scan it refers to, -1: none
+  std::string detail;  ///< for people
+};
+
+/// Graph SLAM with a planar lidar: every scan is matched to the keyframes around it, keyframes are tied to those that
+/// they share a view with, and places that are seen again are recognised. Map frame: the robot's pose at the first scan.
+///
+/// Every scan: the surfel map of the keyframes near the robot is matched from the best of several starts (odometry, the
+/// last motion, odometry backwards, turned a little); odometry holds the match as a robust prior, and is let go where
+/// another start explains clearly more of the scan. A match that explains too little is searched for on a lattice.
+/// The keyframes near are those that chains of links of `map_path_m` reach, so that a place seen again is not mixed in
+/// before its loop is closed.
+/// Every keyframe gets edges to the keyframes it was matched to, weighed with the match's information, provided that
+/// their beams agree with its points; and a weak one from odometry.
+/// Loops: the last metres of the path are searched for, by branch and bound, around every place that drift could have
+/// carried apart; what is found is followed for some keyframes, each of which must fit the old map by itself, and
+/// accepted together, unless the graph as a whole then contradicts what was measured on the way.
+///
+/// Without odometry the last motion stands in for it. The lidar's geometry is that of the first scan.
+///
+/// Journal: `distrusted` (odometry; value = gain in score), `recovered` (found on the lattice; value = score), `poor`
+/// (value = score; below half of recover_score: the robot may be lost), `degenerate` (value = share of information
+/// along the open direction), `searched` (value = best score), `found` (value = score), `confirmed`, `dropped`,
+/// `accepted` (value = metres of path that the loop closes), `rejected` (value = the chi2 it would cost), `optimised`
+/// (value = chi2).
+///
+/// Deterministic: the same scans give the same bytes. Cost per scan: about 0.1 ms with 180 beams. Memory: about 10 KB
+/// per keyframe.
+/// Sources: Biber and Strasser, IROS 2003 (surfels); Olson, ICRA 2009, and Hess et al., ICRA 2016 (search); Grisetti et
+/// al., IEEE ITS Magazine 2(4), 2010 (graph). Following a loop before closing it, links by common view, and the choice
+/// among starts are ours.
+class GraphSlam {
+ public:
+  explicit GraphSlam(const GraphOptions& options);
+
+  struct Step {
+    core::Pose2 T_map_robot;
+    Eigen::Matrix3d covariance;  ///< against the keyframes around, map frame: x, y (m), phi (rad)
+    double score = 1;            ///< share of the scan that the map explains
+    bool is_keyframe = false;
+  };
+  /// REQUIRES at least 2 beams. T_previous_robot is read when has_odometry.
+  Step process(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
+  /// The same without changing the map: where the robot is in what is known. REQUIRES a keyframe.
+  Step localise(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
+
+  /// Looks for the loops that are left, now that the whole path is known, and refines all poses jointly
+  /// (`refine_rounds`). What process() gave stays; poses() changes.
+  void finish();
+
+  /// One per process(), as everything known now has it.
+  std::vector<core::Pose2> poses() const;
+
+  int keyframeCount() const { return graph_.nodeCount(); }
+  const core::Pose2& keyframePose(int keyframe) const { return graph_.pose(keyframe); }
+  /// Grows when keyframes that were there before have moved.
+  int revision() const { return revision_; }
+  const posegraph::PoseGraph& graph() const { return graph_; }
+  const std::vector<JournalEntry>& journal() const { return journal_; }
+
+  /// A keyframe of a map that is continued, at a known pose, tied to the one before. Before the first scan only.
+  void addKnownKeyframe(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  /// Where the robot is at the first scan after known keyframes.
+  void startAt(const core::Pose2& T_map_robot);
+
+ private:
+  struct Keyframe {
+    int scan;
+    std::vector<scanmatch::SurfacePoint> points;
+    std::vector<float> ranges_m;
+    double path_m;  ///< driven since the start
+    int odometry_edge;
+  };
+  struct Record {
+    int keyframe;
+    core::Pose2 T_keyframe_robot;
+  };
+  struct Link {
+    int to;
+    double length_m;
+  };
+  /// Surfels of the same points with cells of one, two and four times cell_m.
+  struct LevelMaps {
+    scanmatch::SurfelMap fine, middle, coarse;
+    explicit LevelMaps(const GraphOptions& options);
+  };
+  /// A place that may have been recognised, while it is followed.
+  struct Hypothesis {
+    int keyframe;             ///< that it has come to
+    int old_keyframe;         ///< nearest of the old ones there
+    core::Pose2 T_map_robot;  ///< of `keyframe`, as the old ones have it
+    double begun_m;
+    int confirmations = 0, failures = 0;
+    std::vector<posegraph::Edge> edges;
+  };
+  /// What one keyframe's beams say of another's points.
+  struct View {
+    int agreed = 0, passed = 0;  ///< seen too; beams went on behind the point
+    double conflict() const;
+  };
+
+  // graph_slam.cpp: scans and keyframes
+  Step track(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry,
+             std::vector<scanmatch::SurfacePoint>& points, Eigen::Matrix3d& information);
+  std::vector<scanmatch::SurfacePoint> pointsOf(const robot::Scan& scan) const;
+  scanmatch::MatchResult match(const std::vector<scanmatch::SurfacePoint>& points, const LevelMaps& maps,
+                               const core::Pose2& T_start, const scanmatch::PosePrior& prior,
+                               bool with_coarse) const;
+  std::optional<scanmatch::MatchResult> recover(const std::vector<scanmatch::SurfacePoint>& points,
+                                                const core::Pose2& predicted, const core::Pose2& matched) const;
+  void fill(LevelMaps& maps, const std::vector<int>& keyframes, const core::Point2& centre) const;
+  std::vector<int> keyframesAround(int start, const core::Point2& centre, double path_m, double radius_m) const;
+  void updateMap();
+  void addKeyframe(const robot::Scan& scan, std::vector<scanmatch::SurfacePoint> points,
+                   const core::Pose2& T_map_robot, const Eigen::Matrix3d& information);
+  int addOdometryEdge(int keyframe);
+  std::vector<int> partnersOf(int keyframe, const std::vector<int>& near, const core::Pose2& T_map_robot) const;
+  void link(int a, int b);
+  View view(int viewer, const core::Pose2& T_viewer_points,
+            const std::vector<scanmatch::SurfacePoint>& points) const;
+  void note(const char* event, double value, int other_keyframe = -1, const std::string& detail = "");
+  core::Pose2 currentPose() const;
+  const Keyframe& keyframe(int k) const { return keyframes_[static_cast<size_t>(k)]; }
+  int lastKeyframe() const { return static_cast<int>(keyframes_.size()) - 1; }
+
+  // graph_loops.cpp: places seen again
+  void closeLoops();
+  void searchRemainingLoops();
+  std::optional<Hypothesis> findLoop(int keyframe, int query_first, int query_last);
+  bool confirm(Hypothesis& hypothesis, int keyframe) const;
+  bool accept(const Hypothesis& hypothesis);
+  std::vector<double> pathTo(int keyframe) const;
+  double optimiseGraph();
+
+  // graph_refine.cpp
+  void refine();
+
+  GraphOptions options_;
+  posegraph::PoseGraph graph_;
+  std::vector<Keyframe> keyframes_;
+  std::vector<std::vector<Link>> links_;
+  std::vector<std::pair<int, int>> closures_;  ///< keyframes that accepted loops join
+  std::vector<Hypothesis> hypotheses_;
+  std::vector<Record> records_;
+  std::vector<JournalEntry> journal_;
+  LevelMaps maps_;
+  std::vector<int> map_keyframes_;
+  robot::Scan geometry_;  ///< of the first scan, without its ranges
+  core::Pose2 T_keyframe_robot_, T_previous_robot_, T_odometry_;  ///< the last: since the last keyframe
+  bool odometry_holds_ = true;                                    ///< since the last keyframe
+  double path_m_ = 0, searched_m_ = 0;
+  int revision_ = 0;
+  // Scratch of keyframesAround().
+  mutable std::vector<double> reached_;
+  mutable std::vector<int> touched_;
+  mutable std::vector<std::pair<double, int>> queue_;
+};
+
+/// Information over (x, y, phi) of a pose, its position in the map's axes, turned into the body's own; symmetric.
+Eigen::Matrix3d toBodyAxes(const Eigen::Matrix3d& information, double phi_rad);
+
+}  // namespace slam::mapping
