@@ -58,7 +58,7 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
                            "/trajectory.tum, expected the truth of the same log");
   const auto detail = context.json ? run::Detail::kFull : run::Detail::kShort;
   const auto table =
-      truth ? run::accuracyTable({evaluation}, *truth, detail) : run::agreementTable({evaluation});
+      truth ? run::accuracyTable({evaluation}, *truth, detail) : run::agreementTable({evaluation}, detail);
   const auto cost = run::costTable({evaluation});
   if (context.json) {
     std::cout << nlohmann::ordered_json{{"scores", nlohmann::ordered_json::parse(report::toJson(table))},

@@ -242,9 +242,9 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   }
   setAgreement(runs, comparison.evaluations);
   comparison.accuracy = truth ? accuracyTable(comparison.evaluations, *truth, Detail::kShort)
-                              : agreementTable(comparison.evaluations);
-  comparison.full_accuracy =
-      truth ? accuracyTable(comparison.evaluations, *truth, Detail::kFull) : comparison.accuracy;
+                              : agreementTable(comparison.evaluations, Detail::kShort);
+  comparison.full_accuracy = truth ? accuracyTable(comparison.evaluations, *truth, Detail::kFull)
+                                   : agreementTable(comparison.evaluations, Detail::kFull);
   if (!runs.empty()) {
     const std::string steps = runs.front().manifest.results.at("steps_without_odometry");
     if (steps != "0")
