@@ -35,6 +35,7 @@ void addCompare(CLI::App& app, Context& context);
 void addNavigate(CLI::App& app, Context& context);
 void addInfo(CLI::App& app, Context& context);
 void addPlot(CLI::App& app, Context& context);
+void addRelations(CLI::App& app, Context& context);
 void addWorld(CLI::App& app, Context& context);
 void addWorldMake(CLI::App& world, Context& context);
 void addWorldCheck(CLI::App& world, Context& context);

@@ -35,7 +35,7 @@ inline constexpr double kSpeck_m = 0.3;
 inline constexpr double kSmallestArea_m2 = 0.05;
 
 /// The same for a map that is turned by a quarter, mirrored, or padded with unknown cells. An empty map: NaN, 0, 0.
-/// Cost: linear in the cells; about 10 microseconds per occupied cell.
+/// Cost: a quarter of a second for a map of 1500 x 1000 cells.
 MapStructure mapStructure(const world::Plan& map);
 
 }  // namespace slam::metrics
