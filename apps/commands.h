@@ -26,6 +26,7 @@ struct Context {
   std::string programPath() const;
 };
 
+void addData(CLI::App& app, Context& context);
 void addDemo(CLI::App& app, Context& context);
 void addSimulate(CLI::App& app, Context& context);
 void addRun(CLI::App& app, Context& context);
@@ -35,6 +36,7 @@ void addCompare(CLI::App& app, Context& context);
 void addNavigate(CLI::App& app, Context& context);
 void addInfo(CLI::App& app, Context& context);
 void addPlot(CLI::App& app, Context& context);
+void addRelations(CLI::App& app, Context& context);
 void addWorld(CLI::App& app, Context& context);
 void addWorldMake(CLI::App& world, Context& context);
 void addWorldCheck(CLI::App& world, Context& context);

@@ -13,7 +13,7 @@ namespace slam::apps {
 namespace {
 
 struct Arguments {
-  std::string input, truth, plan;
+  std::string input, truth, plan, relations;
   std::vector<std::string> methods = {"naive", "naive_correlation", "naive_flow", "icp",
                                       "rbpf",  "rbpf_exact"};
   SimulationFlags flags;
@@ -35,7 +35,11 @@ int compareMethods(const Context& context, const Arguments& arguments) {
                            " is a log. Give methods their own .ini in --methods");
   (is_plan ? request.plan_path : request.log_path) =
       is_plan ? run::resolvePlan(arguments.input) : arguments.input;
+  if (is_plan && !arguments.relations.empty())
+    throw core::InputError("--relations belongs to a log; " + arguments.input +
+                           " is a plan, whose simulation knows the whole truth");
   request.truth_path = arguments.truth;
+  request.relations_path = arguments.relations;
   if (!arguments.plan.empty()) request.truth_plan_path = run::resolvePlan(arguments.plan);
   request.methods = arguments.methods;
   request.methods_folder = run::configsFolder() + "/methods";
@@ -48,16 +52,23 @@ int compareMethods(const Context& context, const Arguments& arguments) {
   request.resume = arguments.resume;
   ConsoleProgress progress(context.quiet);
   const auto comparison = run::compare(request, context.manifest(), progress);
-  if (context.json)
-    std::cout << nlohmann::ordered_json{{"scores", nlohmann::ordered_json::parse(
-                                                       report::toJson(comparison.full_accuracy))},
-                                        {"cost",
-                                         nlohmann::ordered_json::parse(report::toJson(comparison.cost))}}
-                     .dump(2)
-              << "\n";
-  else
+  if (context.json) {
+    const auto parsed = [](const report::Table& table) {
+      return nlohmann::ordered_json::parse(report::toJson(table));
+    };
+    nlohmann::ordered_json json{{"scores", parsed(comparison.full_accuracy)}};
+    if (comparison.relations) {
+      json["relations"] = parsed(*comparison.relations);
+      json["worst_relations"] = parsed(*comparison.worst_relations);
+    }
+    json["cost"] = parsed(comparison.cost);
+    std::cout << json.dump(2) << "\n";
+  } else {
+    if (comparison.relations) std::cout << report::toText(*comparison.relations) << "\n";
     std::cout << report::toText(comparison.accuracy) << "\n"
               << report::toText(comparison.cost) << "\nmaps, paths, pictures: " << request.output << "\n";
+    if (comparison.relations) std::cout << "worst relations: " << request.output << "/relations.txt\n";
+  }
   return static_cast<int>(comparison.failed ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);
 }
 
@@ -74,6 +85,11 @@ void addCompare(CLI::App& app, Context& context) {
   command->add_option("--truth", arguments->truth, "true path (default: the one beside the log, if any)");
   command->add_option("--plan", arguments->plan,
                       "true plan for the map scores (default: the one the log was made in)");
+  command->add_option(
+      "--relations", arguments->relations,
+      "score every path by relations (Freiburg benchmark: t1 t2 x y z roll pitch yaw per line): the pose "
+      "with the same stamp to 1 us, else interpolated between its neighbours; outside the path's time "
+      "not scored");
   command->add_option("--threads", arguments->threads, "methods side by side")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
@@ -88,6 +104,7 @@ void addCompare(CLI::App& app, Context& context) {
       "Examples:\n"
       "  rasterslam compare run.rawlog -o out\n"
       "  rasterslam compare office_loop -o out --methods icp,rbpf_exact,my_icp.ini --seed 5\n"
+      "  rasterslam compare intel.clf --relations intel.relations --methods naive_wheel,icp,rbpf_exact\n"
       "  rasterslam compare \"/usr/share/mrpt/datasets/2006-01ENE-21-SENA_Telecom "
       "Faculty_one_loop_only.rawlog\"");
   command->callback([&context, arguments] {

@@ -25,15 +25,18 @@ int evaluateByRelations(const Context& context, const Arguments& arguments) {
   if (!arguments.truth.empty() || !arguments.plan.empty())
     throw core::InputError("--relations: is a truth of its own, expected no --truth and no --plan beside it");
   const auto relations = logs::readRelations(arguments.relations);
-  const bool is_run = std::filesystem::is_directory(arguments.folder);
-  const auto estimate =
-      is_run ? run::loadRun(arguments.folder).estimate : logs::readTrajectory(arguments.folder);
-  const auto error = metrics::relationError(relations, estimate);
-  if (error.scored == 0)
+  std::vector<run::RelationScore> scores;
+  if (std::filesystem::is_directory(arguments.folder))
+    scores = run::scoreByRelations(run::loadRun(arguments.folder), relations);
+  else
+    scores = {{std::filesystem::path(arguments.folder).filename().string(),
+               metrics::relationError(relations, logs::readTrajectory(arguments.folder))}};
+  if (scores[0].error.scored == 0)
     throw core::InputError(arguments.relations + ": no stamp in common with " + arguments.folder +
                            ", expected the relations of the same log");
-  const auto table = run::relationTable(arguments.folder, error);
-  const auto worst = run::worstRelationsTable(relations, error);
+  const auto detail = context.json ? run::Detail::kFull : run::Detail::kShort;
+  const auto table = run::relationTable(scores, detail);
+  const auto worst = run::worstRelationsTable(relations, scores, detail);
   if (context.json)
     std::cout << nlohmann::ordered_json{{"relations", nlohmann::ordered_json::parse(report::toJson(table))},
                                         {"worst", nlohmann::ordered_json::parse(report::toJson(worst))}}
@@ -58,7 +61,7 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
                            "/trajectory.tum, expected the truth of the same log");
   const auto detail = context.json ? run::Detail::kFull : run::Detail::kShort;
   const auto table =
-      truth ? run::accuracyTable({evaluation}, *truth, detail) : run::agreementTable({evaluation});
+      truth ? run::accuracyTable({evaluation}, *truth, detail) : run::agreementTable({evaluation}, detail);
   const auto cost = run::costTable({evaluation});
   if (context.json) {
     std::cout << nlohmann::ordered_json{{"scores", nlohmann::ordered_json::parse(report::toJson(table))},
@@ -87,7 +90,9 @@ void addEval(CLI::App& app, Context& context) {
   command->add_option(
       "--relations", arguments->relations,
       "relations of the Freiburg benchmark (t1 t2 x y z roll pitch yaw per line): the truth of real "
-      "logs; FOLDER may then be a trajectory too");
+      "logs; FOLDER may then be a trajectory too. Poses at their stamps: the same stamp to 1 us, else "
+      "interpolated "
+      "between the neighbours; outside the path's time not scored");
   addJson(command, context);
   command->footer(
       "Examples:\n"

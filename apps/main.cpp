@@ -50,7 +50,9 @@ int main(int argc, char** argv) {
   slam::apps::addNavigate(app, context);
   slam::apps::addInfo(app, context);
   slam::apps::addPlot(app, context);
+  slam::apps::addRelations(app, context);
   slam::apps::addWorld(app, context);
+  slam::apps::addData(app, context);
   slam::apps::addList(app, context);
   try {
     app.parse(argc, argv);

@@ -42,6 +42,7 @@ struct MapBuilder::State {
   std::unique_ptr<odometry::ScanOdometry> scan_odometry;
   std::optional<robot::Scan> previous_scan;
   bool scan_odometry_saw_previous = false;
+  std::vector<size_t> updates;  ///< of the particles' paths: the scan at which each of their poses stood
 };
 
 MapBuilder::MapBuilder() = default;
@@ -239,6 +240,20 @@ void seedMrpt(const MapBuilder::State& state) {
       mrpt::random::CRandomGenerator(static_cast<uint32_t>(stream.bits() >> 32));
 }
 
+const mrpt::maps::CMultiMetricMapPDF* particlesOf(const MapBuilder& method) {
+  const auto* rbpf = dynamic_cast<const CMetricMapBuilderRBPF*>(method.builder.get());
+  return rbpf != nullptr ? &rbpf->mapPDF : nullptr;
+}
+
+/// Every particle's path grows by one pose when the filter is updated, which is not at every scan.
+void noteUpdate(MapBuilder& method) {
+  const auto* particles = particlesOf(method);
+  if (particles == nullptr || particles->m_particles.empty()) return;
+  MapBuilder::State& state = *method.state;
+  while (state.updates.size() < particles->m_particles.front().d->robotPath.size())
+    state.updates.push_back(state.steps);
+}
+
 }  // namespace
 
 MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, std::uint64_t seed) {
@@ -285,8 +300,28 @@ core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core:
   requireFinite(method, state.T_map_robot, "the pose");
   requireBoundedMap(method, state.T_map_robot, 0);
   state.previous_scan = scan;
+  noteUpdate(method);
   ++state.steps;
   return state.T_map_robot;
+}
+
+std::optional<core::Trajectory> finalPath(const MapBuilder& method, const core::Trajectory& online) {
+  const auto* particles = particlesOf(method);
+  if (particles == nullptr) return std::nullopt;
+  const auto& updates = method.state->updates;
+  if (online.size() != method.state->steps || updates.empty())
+    throw core::ContractError("finalPath: expected the " + std::to_string(method.state->steps) +
+                              " poses given online");
+  const auto best = std::max_element(particles->m_particles.begin(), particles->m_particles.end(),
+                                     [](const auto& a, const auto& b) { return a.log_w < b.log_w; });
+  core::Trajectory path = online;
+  for (size_t i = 0; i < updates.size(); ++i) {
+    const core::Pose2 T_map_robot = robot::fromMrpt(mrpt::math::TPose2D(best->d->robotPath[i]));
+    const size_t end = i + 1 < updates.size() ? updates[i + 1] : path.size();
+    for (size_t scan = updates[i]; scan < end; ++scan)
+      path[scan].pose = T_map_robot * core::between(online[updates[i]].pose, online[scan].pose);
+  }
+  return path;
 }
 
 std::vector<std::string> methodNames(const std::string& methods_folder) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -70,6 +71,12 @@ core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core:
 
 /// The map as it is now.
 gridmap::OccupancyRaster currentMap(const MapBuilder& method);
+
+/// The path that belongs to the map as it is now, where the method keeps another one than it gave online: for rbpf that of
+/// the most likely particle, whose map currentMap() is. One pose for each of `online`, the poses that processScan() gave
+/// so far. Where the filter only counted wheels (between two updates) the pose is that at the last update, moved on by the
+/// wheels. nullopt for the other methods: there what was given online is all there is. REQUIRES online to be complete.
+std::optional<core::Trajectory> finalPath(const MapBuilder& method, const core::Trajectory& online);
 
 /// Writes map.yaml + map.png (ROS map_server, trinary), map.gridmap.gz (a plain COccupancyGridMap2D),
 /// map.simplemap and map.3Dscene (stock MRPT classes only) into an existing folder. `estimate` is drawn as

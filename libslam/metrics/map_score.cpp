@@ -167,17 +167,16 @@ MapScore scoreMap(const world::Plan& plan, const SeenMask& seen, const world::Pl
   return score;
 }
 
-MapSharpness mapSharpness(const std::vector<float>& occupancy, float unknown_value) {
-  size_t known = 0, occupied = 0;
+double mapEntropy(const std::vector<float>& occupancy, float unknown_value) {
+  size_t known = 0;
   double entropy_bits = 0;
   for (const float p : occupancy) {
-    if (!(p >= 0 && p <= 1)) return {kNaN, kNaN};
+    if (!(p >= 0 && p <= 1)) return kNaN;
     if (p == unknown_value) continue;
     ++known;
-    occupied += p > unknown_value;
     entropy_bits += entropyBits(p);
   }
-  return {known == 0 ? kNaN : entropy_bits / static_cast<double>(known), shareOf(occupied, known)};
+  return known == 0 ? kNaN : entropy_bits / static_cast<double>(known);
 }
 
 }  // namespace slam::metrics

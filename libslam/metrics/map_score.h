@@ -45,14 +45,9 @@ SeenMask seenCells(const world::Plan& plan, const core::Trajectory& truth, const
 MapScore scoreMap(const world::Plan& plan, const SeenMask& seen, const world::Plan& map,
                   const core::Pose2& T_world_map, double tolerance_m);
 
-/// Without truth: how sharp a map is. Mean binary entropy (bits, 0 to 1) of the cells that are not unknown,
-/// from occupancy probabilities (Droeschel and Behnke, ICRA 2018; blind to a warped map); and the share of
-/// occupied cells, those above `unknown_value`, among the known (Filatov et al. 2017, arXiv 1708.02354).
-/// Without known cells, or with a value outside 0 to 1: both NaN.
-struct MapSharpness {
-  double mean_entropy_bits;
-  double occupied_share;
-};
-MapSharpness mapSharpness(const std::vector<float>& occupancy, float unknown_value = 0.5F);
+/// Without truth: how sure a map is of its cells. Map entropy: the mean binary entropy (Shannon; bits, 0 to 1) of the cells
+/// that are not `unknown_value`, from occupancy probabilities. Blind to a bent map, and a matter of how many scans a cell
+/// got as much as of their agreement. Without known cells, or with a value outside 0 to 1: NaN.
+double mapEntropy(const std::vector<float>& occupancy, float unknown_value = 0.5F);
 
 }  // namespace slam::metrics

@@ -70,8 +70,9 @@ RelationError relationError(const core::Relations& relations, const core::Trajec
       continue;
     }
     result.interpolated += from.is_between || to.is_between;
-    const core::Pose2 error = core::between(relations[i].T_from_to, core::between(from.pose, to.pose));
-    all.push_back({i, std::hypot(error.x, error.y), std::abs(core::wrapToPi(error.phi))});
+    const core::Pose2 T_from_to = core::between(from.pose, to.pose);
+    const core::Pose2 error = core::between(relations[i].T_from_to, T_from_to);
+    all.push_back({i, std::hypot(error.x, error.y), std::abs(core::wrapToPi(error.phi)), T_from_to});
     translations_m.push_back(all.back().translation_m);
     rotations_rad.push_back(all.back().rotation_rad);
   }

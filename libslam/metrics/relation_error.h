@@ -29,6 +29,7 @@ struct RelationError {
   struct Scored {
     std::size_t index;  ///< into the relations
     double translation_m, rotation_rad;
+    core::Pose2 T_from_to;  ///< as the estimate has it
   };
   std::vector<Scored> worst;  ///< by translation, of equals the first
 };

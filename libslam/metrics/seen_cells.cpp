@@ -4,23 +4,16 @@
 #include <limits>
 
 #include "libslam/metrics/map_score.h"
+#include "libslam/metrics/view_thinning.h"
 #include "libslam/world/ray_walk.h"
 
 namespace slam::metrics {
 namespace {
 
-constexpr double kThinDistance_m = 0.1;
-constexpr double kThinAngle_rad = core::degToRad(5);
-
 /// One byte per cell: std::vector<bool> is too slow to mark 10^8 cells in.
 struct Marks {
   std::vector<unsigned char> wall, free;
 };
-
-bool worthCasting(const core::Pose2& last_used, const core::Pose2& pose) {
-  return core::distance(last_used, pose) > kThinDistance_m ||
-         std::abs(core::angleDifference(last_used.phi, pose.phi)) > kThinAngle_rad;
-}
 
 /// Marks what one ray sees; all in cells.
 void markRay(const world::Plan& plan, const core::Point2& origin, double angle_in_plan,
@@ -49,7 +42,7 @@ SeenMask seenCells(const world::Plan& plan, const core::Trajectory& truth, const
   const core::Pose2* last_used = nullptr;
   for (const auto& stamped : truth) {
     if (!core::isFinite(stamped.pose)) continue;
-    if (last_used && &stamped != &truth.back() && !worthCasting(*last_used, stamped.pose)) continue;
+    if (last_used && &stamped != &truth.back() && !isNewView(*last_used, stamped.pose)) continue;
     last_used = &stamped.pose;
     const auto T_world_lidar = stamped.pose * T_robot_lidar;
     const auto origin = world::worldToCells(plan, core::position(T_world_lidar));

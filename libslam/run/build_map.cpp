@@ -16,6 +16,8 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/map_score.h"
 #include "libslam/run/cpu_time.h"
+#include "libslam/run/map_plan.h"
+#include "libslam/run/self_score.h"
 
 namespace slam::run {
 namespace {
@@ -59,6 +61,7 @@ Cost summarize(std::vector<double> milliseconds, double log_seconds) {
 const std::map<std::string, std::string>& fileNotes() {
   static const std::map<std::string, std::string> notes = {
       {"trajectory.tum", "estimated pose of every scan, TUM form: rasterslam eval, evo"},
+      {"trajectory_final.tum", "the same as the method has it in the end: rasterslam eval --relations, evo"},
       {"map.yaml", "ROS map: map_server, ros-map-yaml2mrpt; its picture is map.png"},
       {"map.png", "the map as a picture"},
       {"map.gridmap.gz", "MRPT occupancy grid: pf-localization, GridmapNavSimul"},
@@ -67,6 +70,20 @@ const std::map<std::string, std::string>& fileNotes() {
       {"timing.csv", "CPU milliseconds of every scan"},
   };
   return notes;
+}
+
+/// Scans of a log may carry stamps that run back; a trajectory does not.
+core::Trajectory inStampOrder(core::Trajectory trajectory) {
+  std::stable_sort(trajectory.begin(), trajectory.end(),
+                   [](const auto& a, const auto& b) { return a.time_s < b.time_s; });
+  return trajectory;
+}
+
+void describeSelfScore(const SelfScore& score, std::map<std::string, std::string>& results) {
+  results["self.mean_map_entropy"] = core::formatNumber(score.sharpness.mean_map_entropy);
+  results["self.wall_thickness_m"] = core::formatNumber(score.sharpness.wall_thickness_m);
+  results["self.on_wall_share"] = core::formatNumber(score.agreement.on_wall_share);
+  results["self.through_wall_share"] = core::formatNumber(score.agreement.through_wall_share);
 }
 
 }  // namespace
@@ -112,10 +129,13 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   const double log_seconds = run.estimate.back().time_s - run.estimate.front().time_s;
   run.cost = summarize(milliseconds, log_seconds);
   run.cost.peak_memory_mb = measure_memory ? memory.peakMb() : std::numeric_limits<double>::quiet_NaN();
+  run.final_estimate = mapping::finalPath(method, run.estimate);
   const auto map = mapping::currentMap(method);
-  const auto sharpness = metrics::mapSharpness(map.occupancy);
+  const auto self = selfScore(log_path, run.final_estimate.value_or(run.estimate), toPlan(map), progress);
 
-  logs::writeTum(run.estimate, output.path() + "/trajectory.tum");
+  logs::writeTum(inStampOrder(run.estimate), output.path() + "/trajectory.tum");
+  if (run.final_estimate)
+    logs::writeTum(inStampOrder(*run.final_estimate), output.path() + "/trajectory_final.tum");
   mapping::saveMaps(method, run.estimate, output.path());
   std::ostringstream timing;
   timing << "scan,time_s,cpu_ms\n";
@@ -128,11 +148,12 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   manifest.inputs[log_path] = core::fileSha256(log_path);
   for (const auto& line : method.parameters) manifest.config[line.section + "." + line.info.key] = line.value;
   manifest.files = fileNotes();
+  if (!run.final_estimate) manifest.files.erase("trajectory_final.tum");
   manifest.results["method"] = method_name;
   manifest.results["scans"] = std::to_string(run.estimate.size());
   manifest.results["steps_without_odometry"] = std::to_string(run.steps_without_odometry);
-  manifest.results["map_mean_entropy_bits"] = core::formatNumber(sharpness.mean_entropy_bits);
-  manifest.results["map_occupied_share"] = core::formatNumber(sharpness.occupied_share);
+  manifest.results["map_mean_entropy_bits"] = core::formatNumber(metrics::mapEntropy(map.occupancy));
+  describeSelfScore(self, manifest.results);
   manifest.times_s["mean_ms_per_scan"] = run.cost.mean_ms_per_scan;
   manifest.times_s["p99_ms_per_scan"] = run.cost.p99_ms_per_scan;
   manifest.times_s["real_time_factor"] = run.cost.real_time_factor;

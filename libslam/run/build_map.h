@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,15 +22,20 @@ struct Cost {
 };
 
 struct MapRun {
-  core::Trajectory estimate;  ///< T_map_robot at every scan, as the method gave it online
+  core::Trajectory
+      estimate;  ///< T_map_robot at every scan, as the method gave it online; in the order of the log
+  std::optional<core::Trajectory>
+      final_estimate;  ///< the same in the end, where the method corrects its past
   Cost cost;
   int steps_without_odometry = 0;  ///< scans after the first for which the log gives no increment
 };
 
 /// Runs a SLAM method over a log and writes a folder:
 ///   trajectory.tum   map.yaml + map.png   map.gridmap.gz   map.simplemap   map.3Dscene   timing.csv
-///   manifest.json
-/// The folder appears whole or not at all. Same log, config and seed: the same bytes but for timing.csv and
+///   trajectory_final.tum (where mapping::finalPath() has one)   manifest.json
+/// Trajectories are written in the order of their stamps, which in a log may run back. The manifest's results also hold
+/// what needs the scans to say it: sharpness of the points and agreement of scans and map (keys `self.*`; self_score.h),
+/// placed at the final poses where there are any. The folder appears whole or not at all. Same log, config and seed: the same bytes but for timing.csv and
 /// the manifest. `measure_memory` only makes sense while nothing else runs in this process. Errors:
 /// InputError (log, config), MethodError (diverged).
 MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,

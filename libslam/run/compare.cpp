@@ -11,9 +11,11 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/logs/log_reader.h"
+#include "libslam/logs/relations_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/report/picture.h"
 #include "libslam/run/build_map.h"
+#include "libslam/run/relation_tables.h"
 #include "libslam/run/worker.h"
 
 namespace slam::run {
@@ -171,6 +173,37 @@ void prepareOutput(const CompareRequest& request) {
   if (error) throw core::IoError(request.output + ": cannot be made: " + error.message());
 }
 
+/// The relations that were asked for. That they belong to another log must not show after an hour.
+core::Relations loadRelations(const CompareRequest& request, const logs::LogInfo& log) {
+  if (request.relations_path.empty()) return {};
+  auto relations = logs::readRelations(request.relations_path);
+  const auto isWithin = [&](double time_s) {
+    return time_s >= log.first_time_s && time_s <= log.last_time_s;
+  };
+  if (std::none_of(relations.begin(), relations.end(), [&](const core::Relation& relation) {
+        return isWithin(relation.from_time_s) && isWithin(relation.to_time_s);
+      }))
+    throw core::InputError(request.relations_path + ": no relation lies within the time of " +
+                           request.log_path + ", expected the relations of the same log");
+  return relations;
+}
+
+void scoreByRelations(const std::vector<RunFolder>& runs, const core::Relations& relations,
+                      const std::string& output, Comparison& comparison) {
+  std::vector<RelationScore> scores;
+  for (const auto& run : runs)
+    for (auto& score : run::scoreByRelations(run, relations)) scores.push_back(std::move(score));
+  comparison.relations = relationTable(scores, Detail::kShort);
+  comparison.worst_relations = worstRelationsTable(relations, scores, Detail::kShort);
+  const auto full = relationTable(scores, Detail::kFull);
+  const auto worst = worstRelationsTable(relations, scores, Detail::kFull);
+  core::writeFileAtomically(output + "/relations.txt", report::toText(*comparison.relations) + "\n" +
+                                                           report::toText(*comparison.worst_relations));
+  core::writeFileAtomically(output + "/relations.csv", report::toCsv(full));
+  core::writeFileAtomically(output + "/relations.json", report::toJson(full));
+  core::writeFileAtomically(output + "/worst_relations.csv", report::toCsv(worst));
+}
+
 }  // namespace
 
 std::string findTruth(const std::string& log_path) {
@@ -194,7 +227,12 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   auto methods = loadMethods(request);
   std::optional<world::Plan> plan;
   if (!request.plan_path.empty()) plan = world::loadPlan(request.plan_path);
-  if (!request.log_path.empty()) logs::requireUsable(logs::inspectLog(request.log_path));
+  core::Relations relations;
+  if (!request.log_path.empty()) {
+    const auto log = logs::inspectLog(request.log_path);
+    logs::requireUsable(log);
+    relations = loadRelations(request, log);
+  }
   prepareOutput(request);
   manifest.seed = request.seed;
   manifest.results["status"] = "incomplete";
@@ -242,15 +280,22 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   }
   setAgreement(runs, comparison.evaluations);
   comparison.accuracy = truth ? accuracyTable(comparison.evaluations, *truth, Detail::kShort)
-                              : agreementTable(comparison.evaluations);
-  comparison.full_accuracy =
-      truth ? accuracyTable(comparison.evaluations, *truth, Detail::kFull) : comparison.accuracy;
+                              : agreementTable(comparison.evaluations, Detail::kShort);
+  comparison.full_accuracy = truth ? accuracyTable(comparison.evaluations, *truth, Detail::kFull)
+                                   : agreementTable(comparison.evaluations, Detail::kFull);
   if (!runs.empty()) {
     const std::string steps = runs.front().manifest.results.at("steps_without_odometry");
     if (steps != "0")
       for (auto* table : {&comparison.accuracy, &comparison.full_accuracy})
         table->notes.push_back(steps + " steps of the log come without odometry; methods that want the " +
                                "wheels get increments estimated from the scans there.");
+  }
+  if (!relations.empty() && !runs.empty()) {
+    manifest.inputs[request.relations_path] = core::fileSha256(request.relations_path);
+    scoreByRelations(runs, relations, request.output, comparison);
+    if (!truth)
+      for (auto* table : {&comparison.accuracy, &comparison.full_accuracy})
+        table->caption = "Beside the relations: what can be said without a truth";
   }
   comparison.cost = costTable(comparison.evaluations);
   const std::string scores = request.output + "/scores";
@@ -263,6 +308,9 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   drawPictures(runs, comparison.evaluations, truth, comparison.log_path, request.output);
 
   manifest.files["scores.txt"] = "accuracy of every method; also .md, .csv, .json";
+  if (comparison.relations)
+    manifest.files["relations.csv"] =
+        "error of every path against the relations; also .txt, .json; the worst in worst_relations.csv";
   manifest.files["cost.csv"] = "time and memory of every method; also .json";
   manifest.files["maps.png"] = "the map of every method, side by side";
   manifest.files["paths.png"] = "all paths on one plan";

@@ -20,7 +20,10 @@ struct CompareRequest {
   std::string truth_path;  ///< "" = look beside the log (STEM.gt.tum, then LOG.GT.txt)
   std::string
       truth_plan_path;  ///< plan to score maps on; "" = the simulated plan, or the one in the log's manifest
-  RecordConfig record;  ///< for plan_path
+  /// Relations to score every path by; "" = none. Belongs to log_path. Errors: when none of them lies within the log's
+  /// time.
+  std::string relations_path;
+  RecordConfig record;               ///< for plan_path
   std::vector<std::string> methods;  ///< names in configs/methods or paths of .ini files
   std::string methods_folder;
   std::string output;  ///< folder
@@ -40,6 +43,7 @@ struct Comparison {
   report::Table accuracy;       ///< what fits 80 columns
   report::Table full_accuracy;  ///< all figures
   report::Table cost;
+  std::optional<report::Table> relations, worst_relations;  ///< when relations were given
   std::string log_path;
   int failed = 0, reused = 0;
 };
@@ -49,6 +53,7 @@ struct Comparison {
 ///   METHOD/                          one buildMap() folder per method, with difference.png where a plan is known
 ///   scores.txt .md                   accuracy, the main figures
 ///   scores.csv .json                 accuracy, all figures; like the two above the same bytes for the same seed, any number of threads
+///   relations.txt .csv .json         with relations: the error of every path against them; worst_relations.csv
 ///   cost.csv .json                   time and memory: differ from run to run
 ///   maps.png paths.png scan.png      pictures
 ///   manifest.json                    how to make it again

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <limits>
 
 #include "libslam/core/error.h"
@@ -21,6 +22,14 @@ double numberOf(const core::Manifest& manifest, const std::string& key, const st
     throw core::InputError(path + "/manifest.json: key 'results." + key + "' is missing");
   double value = kNan;
   core::parseNumber(it->second, value);  // "nan" stays NaN
+  return value;
+}
+
+/// Of a figure that not every run has.
+double numberIfThere(const core::Manifest& manifest, const std::string& key) {
+  const auto it = manifest.results.find(key);
+  double value = kNan;
+  if (it != manifest.results.end()) core::parseNumber(it->second, value);
   return value;
 }
 
@@ -52,6 +61,8 @@ RunFolder loadRun(const std::string& folder) {
     throw core::InputError(folder + ": is not the folder of one method's run (its manifest names no method)");
   run.method = method->second;
   run.estimate = logs::readTum(folder + "/trajectory.tum");
+  const std::string final_path = folder + "/trajectory_final.tum";
+  if (std::filesystem::exists(final_path)) run.final_estimate = logs::readTum(final_path);
   world::PlanOptions options;
   options.allow_empty = true;  // a naive map claims no free space, a diverged one no walls
   run.map = world::loadPlan(folder + "/map.yaml", options);
@@ -82,7 +93,9 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
   e.per_metre = e.per_second = {kNoStatistics, kNoStatistics};
   e.map = {kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
   e.cost = {kNan, kNan, kNan, kNan};
-  e.path_length_m = e.map_mean_entropy_bits = e.map_occupied_share = e.agreement_m = kNan;
+  e.path_length_m = e.map_mean_entropy_bits = e.agreement_m = kNan;
+  e.structure = {kNan, 0, 0};
+  e.mean_map_entropy = e.wall_thickness_m = e.on_wall_share = e.through_wall_share = kNan;
   e.end_pose = {kNan, kNan, kNan};
   return e;
 }
@@ -93,7 +106,11 @@ Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth) {
   e.path_length_m = core::pathLength(run.estimate);
   if (!run.estimate.empty()) e.end_pose = run.estimate.back().pose;
   e.map_mean_entropy_bits = numberOf(run.manifest, "map_mean_entropy_bits", run.path);
-  e.map_occupied_share = numberOf(run.manifest, "map_occupied_share", run.path);
+  e.structure = metrics::mapStructure(run.map);
+  e.mean_map_entropy = numberIfThere(run.manifest, "self.mean_map_entropy");
+  e.wall_thickness_m = numberIfThere(run.manifest, "self.wall_thickness_m");
+  e.on_wall_share = numberIfThere(run.manifest, "self.on_wall_share");
+  e.through_wall_share = numberIfThere(run.manifest, "self.through_wall_share");
   if (!truth) return e;
   e.trajectory = metrics::trajectoryError(truth->trajectory, run.estimate);
   e.per_metre = metrics::relativeErrorOverDistance(truth->trajectory, run.estimate, 1.0);
@@ -103,6 +120,15 @@ Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth) {
                               kWallTolerance_m);
   return e;
 }
+
+namespace {
+
+/// A count of a map that has cells; a failed method has none.
+double countOf(const Evaluation& e, std::size_t count) {
+  return std::isnan(e.structure.occupied_share) ? kNan : static_cast<double>(count);
+}
+
+}  // namespace
 
 const std::vector<MetricInfo>& metricInfos() {
   using E = Evaluation;
@@ -151,11 +177,32 @@ const std::vector<MetricInfo>& metricInfos() {
        [](const E& e) { return core::radToDeg(e.end_pose.phi); }},
       {"agreement_m", "agree m", "median over the other methods of the ATE between their path and this one",
        3, [](const E& e) { return e.agreement_m; }},
-      {"map_entropy_bits", "entropy", "mean entropy of the map's known cells: small is sharp", 4,
+      {"wall_thickness_m", "walls m",
+       "without truth: how far the scans' points lie from the line through those around them, median: "
+       "double walls raise it, blind to a bent map",
+       4, [](const E& e) { return e.wall_thickness_m; }},
+      {"mean_map_entropy", "point entropy",
+       "without truth: mean map entropy of the placed points, nats (Droeschel and Behnke 2018): small is "
+       "sharp, blind to a bent map",
+       3, [](const E& e) { return e.mean_map_entropy; }},
+      {"on_wall_share", "on wall",
+       "without truth: share of the scans' returns that end within 0.10 m of a wall of the map", 3,
+       [](const E& e) { return e.on_wall_share; }},
+      {"through_wall_share", "thro. wall",
+       "without truth: share of the returns whose beam comes out of a wall of the map again before it ends",
+       3, [](const E& e) { return e.through_wall_share; }},
+      {"map_entropy_bits", "cell entropy",
+       "without truth: mean entropy of the map's known cells: small is sharp", 4,
        [](const E& e) { return e.map_mean_entropy_bits; }},
-      {"occupied_share", "occupied",
-       "share of occupied among the known cells (Filatov et al. 2017): double walls raise it", 4,
-       [](const E& e) { return e.map_occupied_share; }},
+      {"occupied_share", "occu- pied",
+       "without truth: share of occupied among the known cells (Filatov et al. 2017): double walls raise it; "
+       "compare maps of one rasteriser only",
+       4, [](const E& e) { return e.structure.occupied_share; }},
+      {"corners", "cor- ners", "without truth: corners, crossings and ends of walls (same source): as above",
+       0, [](const E& e) { return countOf(e, e.structure.corners); }},
+      {"enclosed_areas", "areas",
+       "without truth: free areas cut off from the largest one (same source): as above", 0,
+       [](const E& e) { return countOf(e, e.structure.enclosed_areas); }},
       {"ms_per_scan", "ms/scan", "CPU time per scan, one thread, without reading the log", 3,
        [](const E& e) { return e.cost.mean_ms_per_scan; }},
       {"p99_ms", "p99 ms", "99th percentile of the same", 3,
@@ -206,15 +253,28 @@ report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Tr
   if (truth.plan) add({"wall_f1", "free_iou", "wall_p50_m", "wall_p95_m"});
   if (truth.plan && detail == Detail::kFull)
     add({"wall_precision", "wall_recall", "missed_p50_m", "missed_p95_m", "known_share"});
+  if (detail == Detail::kFull)
+    add({"wall_thickness_m", "mean_map_entropy", "on_wall_share", "through_wall_share", "map_entropy_bits",
+         "occupied_share", "corners", "enclosed_areas"});
   return withNotes(tableOf("Accuracy against the truth", keys, evaluations), evaluations);
 }
 
-report::Table agreementTable(const std::vector<Evaluation>& evaluations) {
-  return withNotes(tableOf("No truth is known for this log: what can be said without it",
-                           {"path_length_m", "end_x_m", "end_y_m", "end_yaw_deg", "agreement_m",
-                            "map_entropy_bits", "occupied_share"},
-                           evaluations),
-                   evaluations);
+report::Table agreementTable(const std::vector<Evaluation>& evaluations, Detail detail) {
+  std::vector<std::string> keys = {"path_length_m", "agreement_m",        "wall_thickness_m",
+                                   "on_wall_share", "through_wall_share", "occupied_share",
+                                   "corners",       "enclosed_areas"};
+  if (detail == Detail::kFull)
+    for (const char* key : {"mean_map_entropy", "map_entropy_bits", "end_x_m", "end_y_m", "end_yaw_deg"})
+      keys.emplace_back(key);
+  auto table = withNotes(
+      tableOf("No truth is known for this log: what can be said without it", keys, evaluations), evaluations);
+  table.notes.emplace_back(
+      "Drawing walls twice makes walls thicker and puts fewer returns on them, more beams through them, and "
+      "more "
+      "occupied cells, corners and areas into the map. A map that is bent as a whole shows in none of these; "
+      "the "
+      "last three compare maps of one rasteriser only. 'rasterslam list metrics' defines them.");
+  return table;
 }
 
 report::Table costTable(const std::vector<Evaluation>& evaluations) {

@@ -5,6 +5,7 @@
 #include "libslam/core/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/metrics/map_score.h"
+#include "libslam/metrics/map_structure.h"
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/report/table.h"
 #include "libslam/run/build_map.h"
@@ -15,7 +16,8 @@ namespace slam::run {
 /// A folder that buildMap() wrote, read back.
 struct RunFolder {
   std::string path, method;
-  core::Trajectory estimate;
+  core::Trajectory estimate;  ///< online
+  std::optional<core::Trajectory> final_estimate;
   world::Plan map;  ///< in the map frame
   core::Manifest manifest;
   Cost cost;
@@ -41,7 +43,10 @@ struct Evaluation {
   Cost cost;
   double path_length_m = 0;
   core::Pose2 end_pose;  ///< T_map_robot at the last scan
-  double map_mean_entropy_bits, map_occupied_share;
+  double map_mean_entropy_bits;
+  metrics::MapStructure structure;
+  /// What only the scans can say (SelfScore); NaN where the run was not made by buildMap().
+  double mean_map_entropy, wall_thickness_m, on_wall_share, through_wall_share;
   double agreement_m;  ///< see setAgreement()
 };
 Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth);
@@ -56,8 +61,9 @@ enum class Detail { kShort, kFull };
 
 /// Accuracy of several runs against the truth: one row each. The same bytes for the same seed.
 report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Truth& truth, Detail detail);
-/// What can be said without truth: length, end pose, sharpness of the map, agreement with the other methods.
-report::Table agreementTable(const std::vector<Evaluation>& evaluations);
+/// What can be said without truth: length, end pose, sharpness of points and map, agreement of the scans with the map and
+/// of the method with the others.
+report::Table agreementTable(const std::vector<Evaluation>& evaluations, Detail detail);
 /// Time and memory; differs from run to run.
 report::Table costTable(const std::vector<Evaluation>& evaluations);
 

@@ -13,6 +13,7 @@
 #include "libslam/report/picture.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/cpu_time.h"
+#include "libslam/run/map_plan.h"
 #include "libslam/run/recorder.h"
 #include "libslam/run/return_to_start.h"
 
@@ -140,20 +141,6 @@ bool opensToTheEdge(const metrics::ExplorableArea& area) {
         return true;
     }
   return false;
-}
-
-world::Plan toPlan(const gridmap::OccupancyRaster& map) {
-  world::Plan plan;
-  plan.columns = map.columns;
-  plan.rows = map.rows;
-  plan.resolution_m = map.resolution_m;
-  plan.T_world_plan = {map.x_min_m, map.y_min_m, 0};
-  plan.cells.reserve(map.occupancy.size());
-  for (const float p : map.occupancy)
-    plan.cells.push_back(p > gridmap::kOccupiedAbove ? world::Cell::kOccupied
-                         : p < gridmap::kFreeBelow   ? world::Cell::kFree
-                                                     : world::Cell::kUnknown);
-  return plan;
 }
 
 /// The loop's state, scan by scan.
@@ -321,13 +308,11 @@ LoopResult Loop::result() const {
   e.decision_max_ms = decisions_.empty() ? kNaN : decision_cost_.max_ms;
 
   const auto raster = localiser_.map();
-  const auto sharpness = metrics::mapSharpness(raster.occupancy);
   RunFolder run;
   run.method = method_.name;
   run.estimate = estimate_;
   run.map = toPlan(raster);
-  run.manifest.results["map_mean_entropy_bits"] = core::formatNumber(sharpness.mean_entropy_bits);
-  run.manifest.results["map_occupied_share"] = core::formatNumber(sharpness.occupied_share);
+  run.manifest.results["map_mean_entropy_bits"] = core::formatNumber(metrics::mapEntropy(raster.occupancy));
   Truth truth;
   truth.trajectory = truth_;
   truth.plan = plan_;
@@ -411,7 +396,6 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
   results["explorable_m2"] = number(e.explorable_m2);
   results["coverage"] = number(e.figures.coverage);
   results["map_mean_entropy_bits"] = number(e.evaluation.map_mean_entropy_bits);
-  results["map_occupied_share"] = number(e.evaluation.map_occupied_share);
   results["peak_memory_mb"] = "nan";  // of a process that does more than this run
   manifest.times_s["decision_mean"] = e.decision_mean_ms / 1000;
   manifest.times_s["decision_max"] = e.decision_max_ms / 1000;

@@ -248,6 +248,40 @@ TEST(MapBuilder, DotsAreCertainAndEverythingElseIsUnknown) {
   EXPECT_EQ(nearby, 1.0F);
 }
 
+TEST(FinalPath, IsThatOfTheBestParticleAndFollowsTheWheelsBetweenItsUpdates) {
+  const auto drive = test::driveThroughRoom(60);
+  auto method = makeMethod("rbpf_exact");
+  const auto online = runDrive(method, drive);
+  const auto path = finalPath(method, online);
+  ASSERT_TRUE(path.has_value());
+  ASSERT_EQ(path->size(), online.size());
+  int steps_of_wheels = 0, other_steps = 0;
+  for (size_t i = 0; i < online.size(); ++i) {
+    EXPECT_EQ((*path)[i].time_s, online[i].time_s);
+    // The particles spread by their likelihood's 0.1 m and the wheels' noise, no more.
+    EXPECT_LT(core::distance((*path)[i].pose, online[i].pose), 0.15) << i;
+    if (i == 0) continue;
+    const auto step = core::between((*path)[i - 1].pose, (*path)[i].pose);
+    const auto by_wheels = core::between(step, drive.entries[i].T_previous_robot);
+    (std::hypot(by_wheels.x, by_wheels.y) < 1e-6 ? steps_of_wheels : other_steps)++;
+  }
+  // An update every 0.3 m or 10 degrees at 0.06 m and 3.5 degrees a scan.
+  EXPECT_GT(other_steps, 10);
+  EXPECT_GT(steps_of_wheels, 30);
+}
+
+TEST(FinalPath, IsOnlyThereWhereItDiffersFromWhatWasGivenOnline) {
+  const auto drive = test::driveThroughRoom(3);
+  for (const char* name : {"naive_wheel", "icp"}) {
+    auto method = makeMethod(name);
+    EXPECT_FALSE(finalPath(method, runDrive(method, drive)).has_value()) << name;
+  }
+  auto method = makeMethod("rbpf_exact");
+  EXPECT_THROW(finalPath(method, {}), core::ContractError);
+  runDrive(method, drive);
+  EXPECT_THROW(finalPath(method, {{0, {}}}), core::ContractError);
+}
+
 TEST(MapFiles, TheRosMapHasTheMapsCellsWithTheTopRowFirst) {
   const testing::TempFolder folder;
   auto method = makeMethod("naive_wheel");

@@ -305,19 +305,15 @@ TEST(MapScore, RefusesAMaskOfAnotherPlanAndANegativeTolerance) {
   EXPECT_THROW(scoreMap(kRoom, kRoomSeen(), kRoom, {}, kNaN), core::ContractError);
 }
 
-TEST(MapSharpness, IsTheMeanEntropyOfKnownCells) {
-  const auto s = mapSharpness({0.0F, 1.0F, 0.5F, 0.25F, 0.75F});
+TEST(MapEntropy, IsTheMeanOverTheKnownCells) {
   const double quarter = 0.25 * 2 + 0.75 * std::log2(4.0 / 3);  // entropy of 1/4, bits
-  EXPECT_NEAR(s.mean_entropy_bits, 2 * quarter / 4, kExact);
-  EXPECT_EQ(s.occupied_share, 0.5);
-  EXPECT_EQ(mapSharpness({0.1F, -0.0F}, 0.1F).mean_entropy_bits, 0);
+  EXPECT_NEAR(mapEntropy({0.0F, 1.0F, 0.5F, 0.25F, 0.75F}), 2 * quarter / 4, kExact);
+  EXPECT_EQ(mapEntropy({0.1F, -0.0F}, 0.1F), 0);
 }
 
-TEST(MapSharpness, IsNaNWithoutKnownCellsOrWithAValueThatIsNoProbability) {
-  for (const auto& cells : {std::vector<float>{}, {0.5F, 0.5F}, {0.1F, std::nanf("")}, {0.1F, 1.5F}}) {
-    EXPECT_TRUE(std::isnan(mapSharpness(cells).mean_entropy_bits));
-    EXPECT_TRUE(std::isnan(mapSharpness(cells).occupied_share));
-  }
+TEST(MapEntropy, IsNaNWithoutKnownCellsOrWithAValueThatIsNoProbability) {
+  for (const auto& cells : {std::vector<float>{}, {0.5F, 0.5F}, {0.1F, std::nanf("")}, {0.1F, 1.5F}})
+    EXPECT_TRUE(std::isnan(mapEntropy(cells)));
 }
 
 }  // namespace

@@ -60,6 +60,41 @@ TEST(RelationError, CountsWhatItInterpolatesAndWhatItCannotScore) {
   EXPECT_TRUE(nothing.worst.empty());
 }
 
+TEST(RelationError, TakesTheSameStampToAMicrosecondAndElseTheStraightLineBetween) {
+  const core::Trajectory path = {{10, {0, 0, 3}}, {11, {1, 0, -3}}, {11, {7, 7, 0}}, {12, {1, 2, -3}}};
+  const auto errorOf = [&](double from_s, double to_s, const core::Pose2& T) {
+    return relationError({{from_s, to_s, T}}, path);
+  };
+  // Of two poses with one stamp the first.
+  const auto same = core::between(path[0].pose, path[1].pose);
+  EXPECT_EQ(errorOf(10, 11, same).interpolated, 0U);
+  EXPECT_NEAR(errorOf(10, 11, same).translation_m.max, 0, 1e-12);
+  EXPECT_EQ(errorOf(10, 11 - 0.9e-6, same).interpolated, 0U);
+  EXPECT_NEAR(errorOf(10, 11 - 0.9e-6, same).translation_m.max, 0, 1e-12);
+  // A quarter of the way, and of the turn from 3 over pi to -3 radians.
+  const core::Pose2 quarter{0.25, 0, 3 + (2 * kPi - 6) / 4};
+  const auto between = errorOf(10, 10.25, core::between(path[0].pose, quarter));
+  EXPECT_EQ(between.interpolated, 1U);
+  EXPECT_NEAR(between.translation_m.max, 0, 1e-12);
+  EXPECT_NEAR(between.rotation_rad.max, 0, 1e-12);
+  EXPECT_EQ(errorOf(10, 11 - 1.1e-6, same).interpolated, 1U);
+  // The first and the last stamp belong to the path, the moments before and after do not.
+  EXPECT_EQ(errorOf(10, 12, same).scored, 1U);
+  EXPECT_EQ(errorOf(10, 12 + 1.1e-6, same).unmatched, 1U);
+  EXPECT_EQ(errorOf(10 - 1.1e-6, 12, same).unmatched, 1U);
+}
+
+TEST(RelationError, SaysOfTheWorstWhatThePathHas) {
+  const core::Relations relations = {{10, 11, {1, 0, 0}}, {12, 14, {0.5, 0, kPi / 2}}};
+  const auto error = relationError(relations, straight(), 1);
+  ASSERT_EQ(error.worst.size(), 1U);
+  EXPECT_EQ(error.worst[0].index, 1U);
+  EXPECT_NEAR(error.worst[0].T_from_to.x, 0, 1e-12);
+  EXPECT_NEAR(error.worst[0].T_from_to.y, 1, 1e-12);
+  EXPECT_NEAR(error.worst[0].T_from_to.phi, kPi / 2, 1e-12);
+  EXPECT_NEAR(error.worst[0].translation_m, std::hypot(0.5, 1), 1e-12);
+}
+
 // The Intel log has 631 scans whose stamp runs back: file order must not matter.
 TEST(RelationError, MatchesByStampWhateverTheOrder) {
   const core::Relations relations = {{10, 12, {1.9, 0, 0}}, {13, 14, {1, 0.2, 0}}};

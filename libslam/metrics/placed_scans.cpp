@@ -1,0 +1,186 @@
+#include "libslam/metrics/placed_scans.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <tuple>
+
+#include "libslam/core/error.h"
+#include "libslam/metrics/statistics.h"
+#include "libslam/metrics/view_thinning.h"
+#include "libslam/world/ray_walk.h"
+
+namespace slam::metrics {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kRounding = 1e-9;  // "within the reach" must not depend on the last digit of a coordinate
+
+/// Points sorted into square bins as wide as the neighbourhood, so that neighbours lie in 3 x 3 bins.
+class Bins {
+ public:
+  explicit Bins(const std::vector<core::Point2>& points) {
+    entries_.reserve(points.size());
+    for (const auto& p : points) {
+      const double column = std::floor(p.x / kNeighbourhood_m), row = std::floor(p.y / kNeighbourhood_m);
+      // Beyond that a diverged pose has put it, where a bin's number would overflow.
+      constexpr double kFarthest = 1e9;
+      if (std::abs(column) < kFarthest && std::abs(row) < kFarthest)
+        entries_.push_back({static_cast<std::int32_t>(row), static_cast<std::int32_t>(column), p});
+    }
+    // Stable: equal bins keep the points' order, and with it every sum its bits.
+    std::stable_sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
+      return std::tie(a.row, a.column) < std::tie(b.row, b.column);
+    });
+  }
+
+  size_t size() const { return entries_.size(); }
+  const core::Point2& point(size_t i) const { return entries_[i].point; }
+
+  template <class Visit>
+  void visitNeighbours(size_t i, Visit visit) const {
+    const Entry& centre = entries_[i];
+    for (std::int32_t row = centre.row - 1; row <= centre.row + 1; ++row) {
+      auto entry =
+          std::lower_bound(entries_.begin(), entries_.end(), std::pair(row, centre.column - 1),
+                           [](const Entry& e, const auto& bin) { return std::pair(e.row, e.column) < bin; });
+      for (; entry != entries_.end() && entry->row == row && entry->column <= centre.column + 1; ++entry) {
+        const double dx = entry->point.x - centre.point.x, dy = entry->point.y - centre.point.y;
+        if (dx * dx + dy * dy <= kNeighbourhood_m * kNeighbourhood_m + kRounding) visit(dx, dy);
+      }
+    }
+  }
+
+ private:
+  struct Entry {
+    std::int32_t row, column;
+    core::Point2 point;
+  };
+  std::vector<Entry> entries_;
+};
+
+struct Spread {
+  size_t neighbours = 0;  ///< without the point itself
+  double entropy = kNaN, thickness_m = kNaN;
+};
+
+Spread spreadAround(const Bins& bins, size_t i) {
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+  // Coordinates from the point itself: far from the origin the sums of squares would cancel.
+  bins.visitNeighbours(i, [&](double dx, double dy) {
+    n += 1;
+    x += dx, y += dy;
+    xx += dx * dx, xy += dx * dy, yy += dy * dy;
+  });
+  constexpr double kAdded = kSmallestSpread_m * kSmallestSpread_m;
+  const double var_x = std::max(0.0, xx / n - x / n * (x / n)),
+               var_y = std::max(0.0, yy / n - y / n * (y / n));
+  const double cov = xy / n - x / n * (y / n);
+  const double half_trace = (var_x + var_y) / 2;
+  const double smaller = half_trace - std::hypot((var_x - var_y) / 2, cov);
+  const double larger = half_trace + std::hypot((var_x - var_y) / 2, cov);
+  Spread spread;
+  spread.neighbours = static_cast<size_t>(n) - 1;
+  spread.thickness_m = std::sqrt(std::max(0.0, smaller));
+  constexpr double kTwoPi = 2 * core::kPi;
+  // ln det(2 pi e S) / 2 with det(2 pi e S) = (2 pi e)^2 det S.
+  spread.entropy =
+      std::log(kTwoPi) + 1 + 0.5 * (std::log(std::max(0.0, smaller) + kAdded) + std::log(larger + kAdded));
+  return spread;
+}
+
+}  // namespace
+
+PointSharpness pointSharpness(const std::vector<core::Point2>& points, std::size_t most) {
+  if (most == 0) throw core::ContractError("pointSharpness: expected a number of points above 0");
+  const Bins bins(points);
+  const size_t step = std::max<size_t>(1, (bins.size() + most - 1) / most);
+  PointSharpness sharpness{kNaN, kNaN, 0, 0};
+  std::vector<double> thicknesses_m;
+  double sum = 0;
+  for (size_t i = 0; i < bins.size(); i += step) {
+    const Spread spread = spreadAround(bins, i);
+    ++sharpness.points;
+    if (spread.neighbours < kFewestNeighbours) {
+      ++sharpness.left_out;
+      continue;
+    }
+    sum += spread.entropy;
+    thicknesses_m.push_back(spread.thickness_m);
+  }
+  if (thicknesses_m.empty()) return sharpness;
+  sharpness.mean_map_entropy = sum / static_cast<double>(thicknesses_m.size());
+  sharpness.wall_thickness_m = quantile(std::move(thicknesses_m), 0.5);
+  return sharpness;
+}
+
+void PlacedScans::add(const core::Pose2& T_map_lidar, const std::vector<core::Point2>& returns_lidar) {
+  if (!core::isFinite(T_map_lidar)) return;
+  if (has_last_ && !isNewView(last_used_, T_map_lidar)) return;
+  last_used_ = T_map_lidar;
+  has_last_ = true;
+  const core::Point2 origin_cells = world::worldToCells(map_, core::position(T_map_lidar));
+  for (const auto& p_lidar : returns_lidar) {
+    const core::Point2 p_map = T_map_lidar * p_lidar;
+    if (!std::isfinite(p_map.x) || !std::isfinite(p_map.y)) continue;
+    points_.push_back(p_map);
+    const core::Point2 end_cells = world::worldToCells(map_, p_map);
+    if (!(end_cells.x >= 0 && end_cells.y >= 0 && end_cells.x < map_.columns && end_cells.y < map_.rows))
+      continue;
+    ++returns_;
+    on_wall_ += endsOnWall(end_cells);
+    through_wall_ += goesThroughWall(origin_cells, end_cells);
+  }
+}
+
+bool PlacedScans::endsOnWall(const core::Point2& end_cells) const {
+  const double reach = kWallReach_m / map_.resolution_m + kRounding;
+  const int first_row = std::max(0, static_cast<int>(std::floor(end_cells.y - reach)));
+  const int last_row = std::min(map_.rows - 1, static_cast<int>(std::floor(end_cells.y + reach)));
+  const int first_column = std::max(0, static_cast<int>(std::floor(end_cells.x - reach)));
+  const int last_column = std::min(map_.columns - 1, static_cast<int>(std::floor(end_cells.x + reach)));
+  for (int row = first_row; row <= last_row; ++row)
+    for (int column = first_column; column <= last_column; ++column)
+      if (map_.at(column, row) == world::Cell::kOccupied &&
+          std::hypot(column + 0.5 - end_cells.x, row + 0.5 - end_cells.y) <= reach)
+        return true;
+  return false;
+}
+
+bool PlacedScans::goesThroughWall(const core::Point2& origin_cells, const core::Point2& end_cells) const {
+  const double length = core::distance(origin_cells, end_cells);
+  if (!(length > 0)) return false;
+  const core::Point2 direction{(end_cells.x - origin_cells.x) / length,
+                               (end_cells.y - origin_cells.y) / length};
+  const double enough = kWallReach_m / map_.resolution_m - kRounding;
+  bool met_wall = false, is_free = false, through = false;
+  double free_length = 0, entered_at = 0;
+  // The length inside a cell is known when the next one is entered.
+  const auto leave = [&](double at) {
+    if (met_wall && is_free) free_length += std::min(at, length) - entered_at;
+    return free_length >= enough;
+  };
+  world::walkRay(map_, origin_cells, direction, length,
+                 [&](const world::Cell* cell, const world::RayEntry& entry) {
+                   const double at = entry.distance();
+                   through = leave(at);
+                   if (through || at >= length) {
+                     is_free = false;
+                     return false;
+                   }
+                   entered_at = at;
+                   is_free = *cell == world::Cell::kFree;
+                   met_wall = met_wall || *cell == world::Cell::kOccupied;
+                   return true;
+                 });
+  return through || leave(length);
+}
+
+ScanAgreement PlacedScans::agreement() const {
+  const double n = static_cast<double>(returns_);
+  if (returns_ == 0) return {kNaN, kNaN, 0};
+  return {static_cast<double>(on_wall_) / n, static_cast<double>(through_wall_) / n, returns_};
+}
+
+}  // namespace slam::metrics
