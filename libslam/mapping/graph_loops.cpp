@@ -117,7 +117,8 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
     for (const int tried : keyframesAround(old, centre, options_.map_path_m, 1e9))
       is_tried[static_cast<size_t>(tried)] = 1;
     auto around = keyframesAround(old, centre, kPlacePath_m, kPlaceRadius_m);
-    around.erase(std::remove_if(around.begin(), around.end(), [&](int a) { return is_local[static_cast<size_t>(a)] != 0; }),
+    around.erase(std::remove_if(around.begin(), around.end(),
+                                [&](int a) { return is_local[static_cast<size_t>(a)] != 0; }),
                  around.end());
     if (static_cast<int>(around.size()) > options_.map_keyframes)
       around.resize(static_cast<size_t>(options_.map_keyframes));
@@ -126,8 +127,8 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
       for (const auto& point : keyframe(a).points) place.push_back(graph_.pose(a) * point.p);
     const scanmatch::LikelihoodPyramid pyramid(place, kSearchCell_m, kSearchSigma_m, kSearchLevels);
     const scanmatch::SearchWindow window{
-        reachOf(old),
-        std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * way[static_cast<size_t>(old)], kSearchTurnMost_rad)};
+        reachOf(old), std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * way[static_cast<size_t>(old)],
+                               kSearchTurnMost_rad)};
     const auto found = searchBest(pyramid, search_points, T, window, options_.loop_search_score);
     if (!found) continue;
     note("searched", found->score, old);
@@ -177,7 +178,8 @@ bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
   const size_t viewers = std::min<size_t>(around.size(), kViewers);
   double conflict = 0;
   for (size_t i = 0; i < viewers; ++i)
-    conflict += view(around[i], core::between(graph_.pose(around[i]), matched.T_map_robot), points).conflict();
+    conflict +=
+        view(around[i], core::between(graph_.pose(around[i]), matched.T_map_robot), points).conflict();
   if (matched.score < options_.loop_confirm_score ||
       conflict >= options_.loop_conflict * static_cast<double>(viewers) ||
       core::distance(matched.T_map_robot, expected) > kConfirmStep_m ||
@@ -188,8 +190,9 @@ bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
     posegraph::Edge edge;
     edge.from = around[i], edge.to = k;
     edge.T_from_to = core::between(graph_.pose(around[i]), matched.T_map_robot);
-    edge.information = (toBodyAxes(matched.information, matched.T_map_robot.phi) + 1e-6 * Eigen::Matrix3d::Identity()) /
-                       static_cast<double>(kConfirmEdges);
+    edge.information =
+        (toBodyAxes(matched.information, matched.T_map_robot.phi) + 1e-6 * Eigen::Matrix3d::Identity()) /
+        static_cast<double>(kConfirmEdges);
     edge.kind = posegraph::EdgeKind::kLoop;
     hypothesis.edges.push_back(edge);
   }
@@ -220,7 +223,8 @@ void GraphSlam::closeLoops() {
   if (path_m_ - searched_m_ < options_.loop_every_m) return;
   searched_m_ = path_m_;
   int first = k;
-  while (first > 0 && k - first < kMostQueryKeyframes && path_m_ - keyframe(first - 1).path_m < options_.loop_path_m)
+  while (first > 0 && k - first < kMostQueryKeyframes &&
+         path_m_ - keyframe(first - 1).path_m < options_.loop_path_m)
     --first;
   auto found = findLoop(k, first, k);
   if (!found) return;

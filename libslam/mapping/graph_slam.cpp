@@ -61,9 +61,11 @@ const core::ParameterTable<GraphOptions>& GraphOptions::table() {
   using O = GraphOptions;
   static const core::ParameterTable<O> kTable(
       "graph",
-      {{"point_spacing_m", &O::point_spacing_m, 0.05, 0.0, 10.0, "points of one scan are at least this far apart"},
+      {{"point_spacing_m", &O::point_spacing_m, 0.05, 0.0, 10.0,
+        "points of one scan are at least this far apart"},
        {"max_range_m", &O::max_range_m, 40.0, 0.1, 1000.0, "farther returns are not matched"},
-       {"cell_m", &O::cell_m, 0.1, 0.01, 2.0, "cell of the finest surfel map; two more have double and fourfold cells"},
+       {"cell_m", &O::cell_m, 0.1, 0.01, 2.0,
+        "cell of the finest surfel map; two more have double and fourfold cells"},
        {"blur_m", &O::blur_m, 0.03, 0.001, 1.0, "standard deviation added to the finest surfels"},
        {"odometry_xy_m", &O::odometry_xy_m, 0.02, 1e-4, 10.0, "standard deviation of an increment, always"},
        {"odometry_xy_per_m", &O::odometry_xy_per_m, 0.1, 0.0, 10.0, "and per metre driven"},
@@ -73,26 +75,36 @@ const core::ParameterTable<GraphOptions>& GraphOptions::table() {
         "standard deviations beyond which odometry loses its hold; 0: never"},
        {"distrust_gain", &O::distrust_gain, 0.1, 0.0, 1.0,
         "odometry is dropped when another start explains this much more of the scan"},
-       {"recover_score", &O::recover_score, 0.65, 0.0, 1.0, "a match that explains less is searched for around"},
-       {"keyframe_distance_m", &O::keyframe_distance_m, 0.3, 0.0, 100.0, "travel after which a scan becomes a keyframe"},
+       {"recover_score", &O::recover_score, 0.65, 0.0, 1.0,
+        "a match that explains less is searched for around"},
+       {"keyframe_distance_m", &O::keyframe_distance_m, 0.3, 0.0, 100.0,
+        "travel after which a scan becomes a keyframe"},
        {"keyframe_angle_deg", &O::keyframe_angle_rad, 17.2, 0.0, 360.0, "turn after which it does"},
-       {"keyframe_score", &O::keyframe_score, 0.75, 0.0, 1.0, "it does, too, when the map explains less of it"},
-       {"map_keyframes", &O::map_keyframes, 40, 1, 10000, "a scan is matched to so many keyframes, the nearest"},
+       {"keyframe_score", &O::keyframe_score, 0.75, 0.0, 1.0,
+        "it does, too, when the map explains less of it"},
+       {"map_keyframes", &O::map_keyframes, 40, 1, 10000,
+        "a scan is matched to so many keyframes, the nearest"},
        {"map_radius_m", &O::map_radius_m, 8.0, 0.1, 1000.0, "within this distance"},
        {"map_path_m", &O::map_path_m, 25.0, 0.1, 1e6, "and this length of links"},
-       {"edges_per_keyframe", &O::edges_per_keyframe, 8, 1, 100, "a keyframe's match is shared among so many edges"},
-       {"link_conflict", &O::link_conflict, 0.2, 0.0, 1.0, "no edge to a keyframe that sees through more of the points"},
+       {"edges_per_keyframe", &O::edges_per_keyframe, 8, 1, 100,
+        "a keyframe's match is shared among so many edges"},
+       {"link_conflict", &O::link_conflict, 0.2, 0.0, 1.0,
+        "no edge to a keyframe that sees through more of the points"},
        {"link_agreed", &O::link_agreed, 0.3, 0.0, 1.0, "or that sees less of them"},
        {"loops", &O::loops, true, "look for places seen again"},
        {"loop_every_m", &O::loop_every_m, 0.5, 0.01, 1000.0, "travel between two searches"},
        {"loop_reach_m", &O::loop_reach_m, 1.5, 0.0, 1000.0, "a place is searched for within this distance"},
        {"loop_reach_per_m", &O::loop_reach_per_m, 0.03, 0.0, 1.0, "and so much more per metre of path to it"},
        {"loop_reach_most_m", &O::loop_reach_most_m, 25.0, 0.1, 1000.0, "but not farther"},
-       {"loop_path_m", &O::loop_path_m, 4.0, 0.1, 100.0, "the scans of this length of path are searched for together"},
-       {"loop_search_score", &O::loop_search_score, 0.5, 0.0, 1.0, "least score of a place on the search's raster"},
+       {"loop_path_m", &O::loop_path_m, 4.0, 0.1, 100.0,
+        "the scans of this length of path are searched for together"},
+       {"loop_search_score", &O::loop_search_score, 0.5, 0.0, 1.0,
+        "least score of a place on the search's raster"},
        {"loop_score", &O::loop_score, 0.6, 0.0, 1.0, "and of the same after matching"},
-       {"loop_confirm_score", &O::loop_confirm_score, 0.6, 0.0, 1.0, "least score of each keyframe that confirms it"},
-       {"loop_conflict", &O::loop_conflict, 0.1, 0.0, 1.0, "most of its points that old beams may pass through"},
+       {"loop_confirm_score", &O::loop_confirm_score, 0.6, 0.0, 1.0,
+        "least score of each keyframe that confirms it"},
+       {"loop_conflict", &O::loop_conflict, 0.1, 0.0, 1.0,
+        "most of its points that old beams may pass through"},
        {"loop_confirmations", &O::loop_confirmations, 3, 1, 100, "keyframes that must confirm a loop"},
        {"loop_confirm_m", &O::loop_confirm_m, 1.0, 0.0, 100.0, "over at least this path"},
        {"loop_chi2_per_m", &O::loop_chi2_per_m, 20.0, 0.0, 1e6,
@@ -103,7 +115,9 @@ const core::ParameterTable<GraphOptions>& GraphOptions::table() {
 }
 
 GraphSlam::LevelMaps::LevelMaps(const GraphOptions& o)
-    : fine(o.cell_m, o.blur_m), middle(2 * o.cell_m, o.blur_m + 0.02), coarse(4 * o.cell_m, o.blur_m + 0.07) {}
+    : fine(o.cell_m, o.blur_m),
+      middle(2 * o.cell_m, o.blur_m + 0.02),
+      coarse(4 * o.cell_m, o.blur_m + 0.07) {}
 
 GraphSlam::GraphSlam(const GraphOptions& options) : options_(options), maps_(options) {}
 
@@ -123,8 +137,8 @@ std::vector<SurfacePoint> GraphSlam::pointsOf(const robot::Scan& scan) const {
   return surfacePoints(scan, options);
 }
 
-MatchResult GraphSlam::match(const std::vector<SurfacePoint>& points, const LevelMaps& maps, const Pose2& T_start,
-                             const PosePrior& prior, bool with_coarse) const {
+MatchResult GraphSlam::match(const std::vector<SurfacePoint>& points, const LevelMaps& maps,
+                             const Pose2& T_start, const PosePrior& prior, bool with_coarse) const {
   scanmatch::MatchOptions options;
   options.kernel = kKernel;
   options.information_scale = kInformationScale;
@@ -145,7 +159,8 @@ void GraphSlam::fill(LevelMaps& maps, const std::vector<int>& keyframes, const P
 
 /// Keyframes that chains of links of at most path_m connect with `start`, within radius_m of the centre, the nearest
 /// first. Chains do not lead far outside of the circle.
-std::vector<int> GraphSlam::keyframesAround(int start, const Point2& centre, double path_m, double radius_m) const {
+std::vector<int> GraphSlam::keyframesAround(int start, const Point2& centre, double path_m,
+                                            double radius_m) const {
   const auto& poses = graph_.poses();
   reached_.resize(keyframes_.size(), -1);
   touched_.clear(), queue_.clear();
@@ -159,7 +174,8 @@ std::vector<int> GraphSlam::keyframesAround(int start, const Point2& centre, dou
     const auto [length_m, k] = queue_.back();
     queue_.pop_back();
     if (length_m > reached_[static_cast<size_t>(k)]) continue;
-    const double dx = poses[static_cast<size_t>(k)].x - centre.x, dy = poses[static_cast<size_t>(k)].y - centre.y;
+    const double dx = poses[static_cast<size_t>(k)].x - centre.x,
+                 dy = poses[static_cast<size_t>(k)].y - centre.y;
     const double away2 = dx * dx + dy * dy;
     if (away2 <= near2) near.push_back({away2, k});
     if (away2 > far2) continue;
@@ -262,7 +278,8 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   if (result.score < options_.recover_score) note("poor", result.score);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> movement(result.information.topLeftCorner<2, 2>(),
                                                                 Eigen::EigenvaluesOnly);
-  const double share = movement.eigenvalues()(1) > 0 ? movement.eigenvalues()(0) / movement.eigenvalues()(1) : 0;
+  const double share =
+      movement.eigenvalues()(1) > 0 ? movement.eigenvalues()(0) / movement.eigenvalues()(1) : 0;
   if (share < kDegenerate) note("degenerate", share);
 
   odometry_holds_ = odometry_holds_ && has_odometry && !distrusted;
@@ -278,20 +295,20 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   return step;
 }
 
-GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previous_robot, bool has_odometry) {
+GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previous_robot,
+                                   bool has_odometry) {
   if (scan.ranges_m.size() < 2) throw core::ContractError("GraphSlam: a scan of fewer than 2 beams");
   Step step;
   if (keyframes_.empty()) {
     addKeyframe(scan, pointsOf(scan), {}, Eigen::Matrix3d::Zero());
     step.is_keyframe = true;
-    step.covariance.setZero();
   } else {
     std::vector<SurfacePoint> points;
     Eigen::Matrix3d information;
     step = track(scan, T_previous_robot, has_odometry, points, information);
-    step.is_keyframe =
-        std::hypot(T_keyframe_robot_.x, T_keyframe_robot_.y) > options_.keyframe_distance_m ||
-        std::abs(T_keyframe_robot_.phi) > options_.keyframe_angle_rad || step.score < options_.keyframe_score;
+    step.is_keyframe = std::hypot(T_keyframe_robot_.x, T_keyframe_robot_.y) > options_.keyframe_distance_m ||
+                       std::abs(T_keyframe_robot_.phi) > options_.keyframe_angle_rad ||
+                       step.score < options_.keyframe_score;
     if (step.is_keyframe) addKeyframe(scan, std::move(points), step.T_map_robot, information);
     step.T_map_robot = currentPose();
   }
@@ -299,14 +316,16 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
   return step;
 }
 
-GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_previous_robot, bool has_odometry) {
+GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_previous_robot,
+                                    bool has_odometry) {
   if (keyframes_.empty()) throw core::ContractError("GraphSlam: localise() without a map");
   std::vector<SurfacePoint> points;
   Eigen::Matrix3d information;
   const Step step = track(scan, T_previous_robot, has_odometry, points, information);
   // The map moves on with the robot, to the keyframe that is nearest now.
   const auto near = keyframesAround(lastKeyframe(), core::position(step.T_map_robot), 1e9, 1e9);
-  map_keyframes_.assign(near.begin(), near.begin() + std::min<long>(options_.map_keyframes, static_cast<long>(near.size())));
+  map_keyframes_.assign(
+      near.begin(), near.begin() + std::min<long>(options_.map_keyframes, static_cast<long>(near.size())));
   fill(maps_, map_keyframes_, core::position(step.T_map_robot));
   records_.push_back({lastKeyframe(), T_keyframe_robot_});
   return step;
@@ -327,7 +346,8 @@ void GraphSlam::startAt(const Pose2& T_map_robot) {
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T_map_robot);
   T_previous_robot_ = {};
   const auto near = keyframesAround(lastKeyframe(), core::position(T_map_robot), 1e9, 1e9);
-  map_keyframes_.assign(near.begin(), near.begin() + std::min<long>(options_.map_keyframes, static_cast<long>(near.size())));
+  map_keyframes_.assign(
+      near.begin(), near.begin() + std::min<long>(options_.map_keyframes, static_cast<long>(near.size())));
   fill(maps_, map_keyframes_, core::position(T_map_robot));
 }
 
@@ -393,17 +413,20 @@ int GraphSlam::addOdometryEdge(int k) {
   edge.from = k - 1, edge.to = k;
   edge.T_from_to = odometry_holds_ ? T_odometry_ : core::between(graph_.pose(k - 1), graph_.pose(k));
   const double factor = odometry_holds_ ? 1 : kDistrustedFactor;
-  const double move_m = std::hypot(edge.T_from_to.x, edge.T_from_to.y), turn_rad = std::abs(edge.T_from_to.phi);
-  edge.information = diagonal(factor * (options_.odometry_xy_m + options_.odometry_xy_per_m * move_m),
-                              factor * (options_.odometry_turn_rad + options_.odometry_turn_per_rad * turn_rad));
+  const double move_m = std::hypot(edge.T_from_to.x, edge.T_from_to.y),
+               turn_rad = std::abs(edge.T_from_to.phi);
+  edge.information =
+      diagonal(factor * (options_.odometry_xy_m + options_.odometry_xy_per_m * move_m),
+               factor * (options_.odometry_turn_rad + options_.odometry_turn_per_rad * turn_rad));
   return graph_.addEdge(edge);
 }
 
-void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<SurfacePoint> points, const Pose2& T_map_robot,
-                            const Eigen::Matrix3d& information) {
+void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<SurfacePoint> points,
+                            const Pose2& T_map_robot, const Eigen::Matrix3d& information) {
   if (keyframes_.empty()) geometry_ = scan, geometry_.ranges_m.clear();
   const int k = graph_.addNode(T_map_robot);
-  keyframes_.push_back({static_cast<int>(records_.size()), std::move(points), scan.ranges_m, path_m_, -1});
+  keyframes_.push_back(
+      {static_cast<int>(records_.size()), scan.time_s, std::move(points), scan.ranges_m, path_m_, -1});
   links_.emplace_back();
   if (k == 0) {
     graph_.setFixed(0);
@@ -411,8 +434,9 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<SurfacePoint> p
     keyframes_.back().odometry_edge = addOdometryEdge(k);
     link(k - 1, k);
     const auto partners = partnersOf(k, map_keyframes_, T_map_robot);
-    const Eigen::Matrix3d share = (toBodyAxes(information, T_map_robot.phi) + 1e-6 * Eigen::Matrix3d::Identity()) /
-                                  static_cast<double>(std::max<size_t>(partners.size(), 1));
+    const Eigen::Matrix3d share =
+        (toBodyAxes(information, T_map_robot.phi) + 1e-6 * Eigen::Matrix3d::Identity()) /
+        static_cast<double>(std::max<size_t>(partners.size(), 1));
     for (const int partner : partners) {
       posegraph::Edge edge;
       edge.from = partner, edge.to = k;
@@ -429,10 +453,18 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<SurfacePoint> p
   updateMap();
 }
 
+robot::Scan GraphSlam::keyframeScan(int k) const {
+  robot::Scan scan = geometry_;
+  scan.time_s = keyframe(k).time_s;
+  scan.ranges_m = keyframe(k).ranges_m;
+  return scan;
+}
+
 std::vector<Pose2> GraphSlam::poses() const {
   std::vector<Pose2> result;
   result.reserve(records_.size());
-  for (const auto& record : records_) result.push_back(graph_.pose(record.keyframe) * record.T_keyframe_robot);
+  for (const auto& record : records_)
+    result.push_back(graph_.pose(record.keyframe) * record.T_keyframe_robot);
   return result;
 }
 

@@ -8,6 +8,7 @@
 
 #include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/mapping/journal.h"
 #include "libslam/posegraph/pose_graph.h"
 #include "libslam/robot/scan.h"
 #include "libslam/scanmatch/correlative_search.h"
@@ -34,15 +35,6 @@ struct GraphOptions {
   int refine_rounds;
   GraphOptions();
   static const core::ParameterTable<GraphOptions>& table();
-};
-
-/// What a method has to say of its own work.
-struct JournalEntry {
-  int scan;            ///< counted from 0
-  std::string event;   ///< one word: see each method
-  double value;        ///< see the event
-  int other_scan;      ///< the scan it refers to, -1: none
-  std::string detail;  ///< for people
 };
 
 /// Graph SLAM with a planar lidar: every scan is matched to the keyframes around it, keyframes are tied to those that
@@ -78,8 +70,9 @@ class GraphSlam {
 
   struct Step {
     core::Pose2 T_map_robot;
-    Eigen::Matrix3d covariance;  ///< against the keyframes around, map frame: x, y (m), phi (rad)
-    double score = 1;            ///< share of the scan that the map explains
+    Eigen::Matrix3d covariance =
+        Eigen::Matrix3d::Zero();  ///< against the keyframes around, map frame: x, y (m), phi (rad)
+    double score = 1;             ///< share of the scan that the map explains
     bool is_keyframe = false;
   };
   /// REQUIRES at least 2 beams. T_previous_robot is read when has_odometry.
@@ -94,6 +87,8 @@ class GraphSlam {
   /// One per process(), as everything known now has it.
   std::vector<core::Pose2> poses() const;
 
+  /// The scan of a keyframe: the first scan's geometry with this one's readings and stamp.
+  robot::Scan keyframeScan(int keyframe) const;
   int keyframeCount() const { return graph_.nodeCount(); }
   const core::Pose2& keyframePose(int keyframe) const { return graph_.pose(keyframe); }
   /// Grows when keyframes that were there before have moved.
@@ -109,6 +104,7 @@ class GraphSlam {
  private:
   struct Keyframe {
     int scan;
+    double time_s;
     std::vector<scanmatch::SurfacePoint> points;
     std::vector<float> ranges_m;
     double path_m;  ///< driven since the start
@@ -150,14 +146,17 @@ class GraphSlam {
                                const core::Pose2& T_start, const scanmatch::PosePrior& prior,
                                bool with_coarse) const;
   std::optional<scanmatch::MatchResult> recover(const std::vector<scanmatch::SurfacePoint>& points,
-                                                const core::Pose2& predicted, const core::Pose2& matched) const;
+                                                const core::Pose2& predicted,
+                                                const core::Pose2& matched) const;
   void fill(LevelMaps& maps, const std::vector<int>& keyframes, const core::Point2& centre) const;
-  std::vector<int> keyframesAround(int start, const core::Point2& centre, double path_m, double radius_m) const;
+  std::vector<int> keyframesAround(int start, const core::Point2& centre, double path_m,
+                                   double radius_m) const;
   void updateMap();
   void addKeyframe(const robot::Scan& scan, std::vector<scanmatch::SurfacePoint> points,
                    const core::Pose2& T_map_robot, const Eigen::Matrix3d& information);
   int addOdometryEdge(int keyframe);
-  std::vector<int> partnersOf(int keyframe, const std::vector<int>& near, const core::Pose2& T_map_robot) const;
+  std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
+                              const core::Pose2& T_map_robot) const;
   void link(int a, int b);
   View view(int viewer, const core::Pose2& T_viewer_points,
             const std::vector<scanmatch::SurfacePoint>& points) const;
@@ -188,7 +187,7 @@ class GraphSlam {
   std::vector<JournalEntry> journal_;
   LevelMaps maps_;
   std::vector<int> map_keyframes_;
-  robot::Scan geometry_;  ///< of the first scan, without its ranges
+  robot::Scan geometry_;                                          ///< of the first scan, without its ranges
   core::Pose2 T_keyframe_robot_, T_previous_robot_, T_odometry_;  ///< the last: since the last keyframe
   bool odometry_holds_ = true;                                    ///< since the last keyframe
   double path_m_ = 0, searched_m_ = 0;

@@ -20,6 +20,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
+#include "libslam/mapping/graph_map_builder.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/mapping/mrpt_compat.h"
 #include "libslam/mapping/naive_map_builder.h"
@@ -83,6 +84,11 @@ std::unique_ptr<mrpt::slam::CMetricMapBuilder> makeBuilder(const MethodConfig& c
                                                            const std::string& name) {
   if (config.method.type == "naive") {
     auto builder = std::make_unique<NaiveMapBuilder>(config.mapping);
+    silence(*builder);
+    return builder;
+  }
+  if (config.method.type == "graph") {
+    auto builder = std::make_unique<GraphMapBuilder>(config.mapping, config.graph);
     silence(*builder);
     return builder;
   }
@@ -240,6 +246,10 @@ void seedMrpt(const MapBuilder::State& state) {
       mrpt::random::CRandomGenerator(static_cast<uint32_t>(stream.bits() >> 32));
 }
 
+GraphMapBuilder* graphOf(const MapBuilder& method) {
+  return dynamic_cast<GraphMapBuilder*>(method.builder.get());
+}
+
 const mrpt::maps::CMultiMetricMapPDF* particlesOf(const MapBuilder& method) {
   const auto* rbpf = dynamic_cast<const CMetricMapBuilderRBPF*>(method.builder.get());
   return rbpf != nullptr ? &rbpf->mapPDF : nullptr;
@@ -273,11 +283,12 @@ MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, 
 
 std::string toMrptConfig(const core::IniFile& config, const std::string& name) {
   const MethodConfig read = readMethodConfig(config);
-  if (read.method.type == "naive") {
+  if (read.method.type != "icp" && read.method.type != "rbpf") {
     const auto* given = config.find("method", "type");
     throw core::InputError((given != nullptr ? given->origin : name) +
-                           ": section [method], key 'type': found 'naive', expected icp or rbpf: no MRPT "
-                           "program runs the naive method");
+                           ": section [method], key 'type': found '" + read.method.type +
+                           "', expected icp or rbpf: no MRPT program runs the " + read.method.type +
+                           " method");
   }
   return mrptConfigText(read, name);
 }
@@ -286,6 +297,21 @@ core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core:
                         bool has_odometry) {
   MapBuilder::State& state = *method.state;
   state.builder_time_s = growingTime(scan.time_s, state.builder_time_s, state.steps == 0);
+
+  if (auto* graph = graphOf(method)) {
+    // Where there is no odometry the graph knows better than two scans alone.
+    core::Pose2 increment = T_previous_robot;
+    if (state.config.method.odometry != "wheel") {
+      increment = motionFromScans(state, scan).T_previous_current;
+      state.scan_odometry_saw_previous = has_odometry = true;
+    }
+    if (state.steps > 0 && has_odometry) requireFinite(method, increment, "the odometry");
+    state.T_map_robot = graph->processScan(scan, increment, has_odometry);
+    requireFinite(method, state.T_map_robot, "the pose");
+    state.previous_scan = scan;
+    ++state.steps;
+    return state.T_map_robot;
+  }
 
   const auto action = makeAction(method, scan, T_previous_robot, has_odometry);
   const core::Pose2 increment = robot::fromMrpt(action->poseChange->getMeanVal().asTPose());
@@ -305,7 +331,25 @@ core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core:
   return state.T_map_robot;
 }
 
+void finishMap(MapBuilder& method) {
+  if (auto* graph = graphOf(method)) graph->finish();
+}
+
+std::vector<JournalEntry> journalOf(const MapBuilder& method) {
+  const auto* graph = graphOf(method);
+  return graph != nullptr ? graph->graph().journal() : std::vector<JournalEntry>();
+}
+
 std::optional<core::Trajectory> finalPath(const MapBuilder& method, const core::Trajectory& online) {
+  if (const auto* graph = graphOf(method)) {
+    const auto poses = graph->graph().poses();
+    if (online.size() != poses.size())
+      throw core::ContractError("finalPath: expected the " + std::to_string(poses.size()) +
+                                " poses given online");
+    core::Trajectory path = online;
+    for (size_t i = 0; i < path.size(); ++i) path[i].pose = poses[i];
+    return path;
+  }
   const auto* particles = particlesOf(method);
   if (particles == nullptr) return std::nullopt;
   const auto& updates = method.state->updates;

@@ -12,17 +12,13 @@ namespace {
 using MappingTable = core::ParameterTable<MappingOptions>;
 using IcpTable = core::ParameterTable<IcpOptions>;
 
-std::vector<MappingTable::Row> commonMappingRows() {
+std::vector<MappingTable::Row> gridRows() {
   return {{"resolution_m", &MappingOptions::resolution_m, 0.05, 0.005, 1.0, "side of a grid cell"},
           {"grid",
            &MappingOptions::grid,
            "stock",
            {"stock", "exact"},
            "MRPT's grid as it is, or with its insertion errors removed"},
-          {"insert_distance_m", &MappingOptions::insert_distance_m, 0.5, 0.0, 100.0,
-           "travel after which a scan becomes a key frame"},
-          {"insert_angle_deg", &MappingOptions::insert_angle_rad, 20.0, 0.0, 360.0,
-           "turn after which a scan becomes a key frame"},
           {"max_insert_range_m", &MappingOptions::max_insert_range_m, 35.0, 0.1, 1000.0,
            "rays change the grid up to this distance"},
           {"occupied_certainty", &MappingOptions::occupied_certainty, 0.65, 0.5, 0.999,
@@ -32,6 +28,13 @@ std::vector<MappingTable::Row> commonMappingRows() {
            "(stock, and lost readings too)"},
           {"max_map_cells", &MappingOptions::max_map_cells, 1.28e8, 1e4, 1e11,
            "the method has failed when its grids, over all particles, would hold more cells"}};
+}
+
+std::vector<MappingTable::Row> keyFrameRows() {
+  return {{"insert_distance_m", &MappingOptions::insert_distance_m, 0.5, 0.0, 100.0,
+           "travel after which a scan becomes a key frame"},
+          {"insert_angle_deg", &MappingOptions::insert_angle_rad, 20.0, 0.0, 360.0,
+           "turn after which a scan becomes a key frame"}};
 }
 
 std::vector<MappingTable::Row> naiveMappingRows() {
@@ -49,8 +52,10 @@ std::vector<MappingTable::Row> matcherMappingRows() {
            "turn after which a scan is matched to the map"}};
 }
 
-MappingTable makeMappingTable(bool naive, bool matcher) {
-  auto rows = commonMappingRows();
+MappingTable makeMappingTable(bool key_frames, bool naive, bool matcher) {
+  auto rows = gridRows();
+  if (key_frames)
+    for (auto& row : keyFrameRows()) rows.push_back(std::move(row));
   if (naive)
     for (auto& row : naiveMappingRows()) rows.push_back(std::move(row));
   if (matcher)
@@ -255,7 +260,7 @@ MethodOptions::MethodOptions() {
 
 const core::ParameterTable<MethodOptions>& MethodOptions::table() {
   static const core::ParameterTable<MethodOptions> kTable(
-      "method", {{"type", &MethodOptions::type, "naive", {"naive", "icp", "rbpf"}, "which builder"},
+      "method", {{"type", &MethodOptions::type, "naive", {"naive", "icp", "rbpf", "graph"}, "which builder"},
                  {"odometry",
                   &MethodOptions::odometry,
                   "wheel",
@@ -265,12 +270,15 @@ const core::ParameterTable<MethodOptions>& MethodOptions::table() {
 }
 
 MappingOptions::MappingOptions() {
-  static const MappingTable kAll = makeMappingTable(true, true);
+  static const MappingTable kAll = makeMappingTable(true, true, true);
   kAll.setDefaults(*this);
 }
 
 const MappingTable& mappingTable(const std::string& type) {
-  static const MappingTable kNaive = makeMappingTable(true, false), kMatcher = makeMappingTable(false, true);
+  static const MappingTable kNaive = makeMappingTable(true, true, false),
+                            kMatcher = makeMappingTable(true, false, true),
+                            kGraph = makeMappingTable(false, false, false);
+  if (type == "graph") return kGraph;
   return type == "naive" ? kNaive : kMatcher;
 }
 
@@ -337,12 +345,14 @@ MethodConfig readMethodConfig(const core::IniFile& ini) {
   core::readParameters(ini, MethodOptions::table(), config.method, &config.report);
   const std::string& type = config.method.type;
   std::vector<std::string> sections = {"method", "mapping", "scan_odometry"};
-  if (type != "naive") sections.push_back("icp");
+  const bool is_mrpt = type == "icp" || type == "rbpf";
+  if (is_mrpt) sections.push_back("icp");
+  if (type == "graph") sections.push_back("graph");
   if (type == "rbpf") sections.insert(sections.end(), {"particles", "motion"});
   core::rejectUnknownSections(ini, sections);
 
   core::readParameters(ini, mappingTable(type), config.mapping, &config.report);
-  if (type != "naive") core::readParameters(ini, icpTable(type), config.icp, &config.report);
+  if (is_mrpt) core::readParameters(ini, icpTable(type), config.icp, &config.report);
   if (type == "rbpf") {
     core::readParameters(ini, ParticleOptions::table(), config.particles, &config.report);
     core::readParameters(ini, MotionOptions::table(), config.motion, &config.report);
@@ -352,6 +362,7 @@ MethodConfig readMethodConfig(const core::IniFile& ini) {
       throw core::InputError(algorithm->origin + ": section [icp], key 'algorithm': found '" +
                              algorithm->value + "', expected classic for type rbpf, which matches to grids");
   }
+  if (type == "graph") core::readParameters(ini, GraphOptions::table(), config.graph, &config.report);
   core::readParameters(ini, odometry::ScanOdometryOptions::table(), config.scan_odometry, &config.report);
   chooseScanOdometry(ini, config);
   for (auto& row : config.report)

@@ -4,13 +4,14 @@
 
 #include "libslam/core/ini.h"
 #include "libslam/core/parameters.h"
+#include "libslam/mapping/graph_slam.h"
 #include "libslam/odometry/scan_odometry.h"
 
 namespace slam::mapping {
 
 /// Section [method]: what kind of builder and which motion increments it is fed.
 struct MethodOptions {
-  std::string type;      ///< naive | icp | rbpf
+  std::string type;      ///< naive | icp | rbpf | graph
   std::string odometry;  ///< wheel | argmax | correlation | range_flow | plicp
   MethodOptions();
   static const core::ParameterTable<MethodOptions>& table();
@@ -19,10 +20,10 @@ struct MethodOptions {
 /// Section [mapping]. A type reads only the rows that it uses (mappingTable).
 struct MappingOptions {
   double resolution_m;
-  std::string grid;  ///< stock | exact
-  std::string draw;  ///< dots | rays; naive only
-  double insert_distance_m, insert_angle_rad;
-  double localize_distance_m, localize_angle_rad;  ///< not naive
+  std::string grid;                                ///< stock | exact
+  std::string draw;                                ///< dots | rays; naive only
+  double insert_distance_m, insert_angle_rad;      ///< not graph
+  double localize_distance_m, localize_angle_rad;  ///< icp and rbpf
   double max_insert_range_m;
   double occupied_certainty;
   bool no_return_is_free;
@@ -79,6 +80,7 @@ struct MethodConfig {
   IcpOptions icp;
   ParticleOptions particles;
   MotionOptions motion;
+  GraphOptions graph;
   odometry::ScanOdometryOptions scan_odometry;
   std::vector<core::ParameterReport> report;
 };

@@ -67,9 +67,23 @@ const std::map<std::string, std::string>& fileNotes() {
       {"map.gridmap.gz", "MRPT occupancy grid: pf-localization, GridmapNavSimul"},
       {"map.simplemap", "MRPT key frames: robot-map-gui, observations2map, pf-localization"},
       {"map.3Dscene", "map and path in 3D: SceneViewer3D"},
+      {"journal.csv", "what the method says of its work: matches, loops, corrections, by scan"},
       {"timing.csv", "CPU milliseconds of every scan"},
   };
   return notes;
+}
+
+std::string journalText(const std::vector<mapping::JournalEntry>& journal, const core::Trajectory& online) {
+  std::ostringstream text;
+  text << "scan,time_s,event,value,other_scan,detail\n";
+  for (const auto& entry : journal) {
+    const auto scan = std::min(static_cast<size_t>(entry.scan), online.size() - 1);
+    text << scan << ',' << core::formatNumber(online[scan].time_s - online.front().time_s) << ','
+         << entry.event << ',' << core::formatNumber(entry.value) << ',';
+    if (entry.other_scan >= 0) text << entry.other_scan;
+    text << ',' << entry.detail << '\n';
+  }
+  return text.str();
 }
 
 /// Scans of a log may carry stamps that run back; a trajectory does not.
@@ -126,6 +140,9 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   progress.end();
   if (run.estimate.empty()) throw core::InputError(log_path + ": holds 0 laser scans, expected at least 1");
 
+  const double finish_begin_s = threadCpuSeconds();
+  mapping::finishMap(method);
+  const double finish_s = threadCpuSeconds() - finish_begin_s;
   const double log_seconds = run.estimate.back().time_s - run.estimate.front().time_s;
   run.cost = summarize(milliseconds, log_seconds);
   run.cost.peak_memory_mb = measure_memory ? memory.peakMb() : std::numeric_limits<double>::quiet_NaN();
@@ -144,16 +161,22 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
            << core::formatNumber(milliseconds[i]) << '\n';
   core::writeFileAtomically(output.path() + "/timing.csv", timing.str());
 
+  const auto journal = mapping::journalOf(method);
+  if (!journal.empty())
+    core::writeFileAtomically(output.path() + "/journal.csv", journalText(journal, run.estimate));
+
   manifest.seed = seed;
   manifest.inputs[log_path] = core::fileSha256(log_path);
   for (const auto& line : method.parameters) manifest.config[line.section + "." + line.info.key] = line.value;
   manifest.files = fileNotes();
+  if (journal.empty()) manifest.files.erase("journal.csv");
   if (!run.final_estimate) manifest.files.erase("trajectory_final.tum");
   manifest.results["method"] = method_name;
   manifest.results["scans"] = std::to_string(run.estimate.size());
   manifest.results["steps_without_odometry"] = std::to_string(run.steps_without_odometry);
   manifest.results["map_mean_entropy_bits"] = core::formatNumber(metrics::mapEntropy(map.occupancy));
   describeSelfScore(self, manifest.results);
+  manifest.times_s["finish_s"] = finish_s;
   manifest.times_s["mean_ms_per_scan"] = run.cost.mean_ms_per_scan;
   manifest.times_s["p99_ms_per_scan"] = run.cost.p99_ms_per_scan;
   manifest.times_s["real_time_factor"] = run.cost.real_time_factor;

@@ -32,7 +32,7 @@ struct MapRun {
 
 /// Runs a SLAM method over a log and writes a folder:
 ///   trajectory.tum   map.yaml + map.png   map.gridmap.gz   map.simplemap   map.3Dscene   timing.csv
-///   trajectory_final.tum (where mapping::finalPath() has one)   manifest.json
+///   trajectory_final.tum (where mapping::finalPath() has one)   journal.csv (where the method keeps one)   manifest.json
 /// Trajectories are written in the order of their stamps, which in a log may run back. The manifest's results also hold
 /// what needs the scans to say it: sharpness of the points and agreement of scans and map (keys `self.*`; self_score.h),
 /// placed at the final poses where there are any. The folder appears whole or not at all. Same log, config and seed: the same bytes but for timing.csv and

@@ -5,7 +5,8 @@
 
 namespace slam::scanmatch {
 
-LikelihoodPyramid::LikelihoodPyramid(const std::vector<core::Point2>& points, double cell_m, double sigma_m, int levels)
+LikelihoodPyramid::LikelihoodPyramid(const std::vector<core::Point2>& points, double cell_m, double sigma_m,
+                                     int levels)
     : cell_m_(cell_m) {
   constexpr int kReach = 3;
   double x_min = 1e300, x_max = -1e300, y_min = 1e300, y_max = -1e300;
@@ -68,7 +69,8 @@ struct Node {
 }  // namespace
 
 std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::vector<core::Point2>& points,
-                                       const core::Pose2& centre, const SearchWindow& window, double least_score) {
+                                       const core::Pose2& centre, const SearchWindow& window,
+                                       double least_score) {
   if (points.empty()) return std::nullopt;
   const double cell_m = map.cellSize();
   double farthest = 1;
@@ -85,8 +87,9 @@ std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::
     auto& cells = turned[static_cast<size_t>(t + turns)];
     cells.reserve(points.size());
     for (const auto& p : points)
-      cells.push_back({static_cast<int>(std::floor((centre.x + c * p.x - s * p.y - map.origin().x) / cell_m)) - reach,
-                       static_cast<int>(std::floor((centre.y + s * p.x + c * p.y - map.origin().y) / cell_m)) - reach});
+      cells.push_back(
+          {static_cast<int>(std::floor((centre.x + c * p.x - s * p.y - map.origin().x) / cell_m)) - reach,
+           static_cast<int>(std::floor((centre.y + s * p.x + c * p.y - map.origin().y) / cell_m)) - reach});
   }
   const auto evaluate = [&](Node& node) {
     int sum = 0;

@@ -23,8 +23,8 @@ class LikelihoodPyramid {
   int value(int level, int column, int row) const {
     const int c = column + pad_, r = row + pad_;
     if (c < 0 || r < 0 || c >= side_x_ || r >= side_y_) return 0;
-    return levels_[static_cast<size_t>(level)][static_cast<size_t>(r) * static_cast<size_t>(side_x_) +
-                                               static_cast<size_t>(c)];
+    return levels_[static_cast<size_t>(level)]
+                  [static_cast<size_t>(r) * static_cast<size_t>(side_x_) + static_cast<size_t>(c)];
   }
 
  private:
@@ -47,6 +47,7 @@ struct SearchResult {
 /// point moves by a cell; nothing when none scores `least_score`. Exhaustive: no better pose of the lattice exists. Of
 /// equal ones the first in a fixed order.
 std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::vector<core::Point2>& points,
-                                       const core::Pose2& centre, const SearchWindow& window, double least_score);
+                                       const core::Pose2& centre, const SearchWindow& window,
+                                       double least_score);
 
 }  // namespace slam::scanmatch

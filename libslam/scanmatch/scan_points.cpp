@@ -65,7 +65,8 @@ std::vector<SurfacePoint> surfacePoints(const robot::Scan& scan, const ScanPoint
   std::vector<char> joined(static_cast<size_t>(std::max(n, 1)), 0);
   for (int k = 0; k + 1 < n; ++k) {
     if (beams[k + 1] - beams[k] > 2) continue;
-    const double range = std::sqrt(std::min(squaredDistance(points[k], eye), squaredDistance(points[k + 1], eye)));
+    const double range =
+        std::sqrt(std::min(squaredDistance(points[k], eye), squaredDistance(points[k + 1], eye)));
     const double gap = kSteepest * range * scan.step_rad * (beams[k + 1] - beams[k]) + 0.05;
     joined[k] = squaredDistance(points[k], points[k + 1]) <= gap * gap;
   }

@@ -95,7 +95,8 @@ std::int32_t SurfelMap::makeSurfel(std::int64_t cell) const {
   const double cy = (static_cast<double>(row) + 0.5) * cell_m_;
   index = static_cast<std::int32_t>(surfels_.size());
   surfels_.push_back({static_cast<float>(cx + mx), static_cast<float>(cy + my),
-                      static_cast<float>(information_across + gain * ux * ux), static_cast<float>(gain * ux * uy),
+                      static_cast<float>(information_across + gain * ux * ux),
+                      static_cast<float>(gain * ux * uy),
                       static_cast<float>(information_across + gain * uy * uy)});
   return index;
 }

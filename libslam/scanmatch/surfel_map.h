@@ -10,8 +10,8 @@ namespace slam::scanmatch {
 /// The points of several scans as one Gaussian per cell, pooled over the cell's neighbourhood: on a wall a flat one,
 /// in clutter a round one (the normal distributions transform: Biber and Strasser, IROS 2003).
 struct Surfel {
-  float x, y;           ///< mean, from the map's origin
-  float xx, xy, yy;     ///< information matrix (inverse covariance), 1/m^2
+  float x, y;        ///< mean, from the map's origin
+  float xx, xy, yy;  ///< information matrix (inverse covariance), 1/m^2
 };
 
 class SurfelMap {
@@ -29,7 +29,8 @@ class SurfelMap {
   /// two threads must not ask the same map.
   const Surfel* at(double x, double y) const {
     if (!(x >= 0 && y >= 0 && x < extent_m_ && y < extent_m_)) return nullptr;
-    const auto column = static_cast<std::int64_t>(x * per_cell_), row = static_cast<std::int64_t>(y * per_cell_);
+    const auto column = static_cast<std::int64_t>(x * per_cell_),
+               row = static_cast<std::int64_t>(y * per_cell_);
     const std::int64_t cell = row * side_ + column;
     std::int32_t index = surfel_of_[static_cast<size_t>(cell)];
     if (index == kUnknown) index = makeSurfel(cell);

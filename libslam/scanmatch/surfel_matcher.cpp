@@ -12,7 +12,8 @@ struct System {
   double weight_sum = 0;
 };
 
-System accumulate(const std::vector<SurfacePoint>& points, const SurfelMap& map, const core::Pose2& T, double kernel) {
+System accumulate(const std::vector<SurfacePoint>& points, const SurfelMap& map, const core::Pose2& T,
+                  double kernel) {
   const double c = std::cos(T.phi), s = std::sin(T.phi);
   const double tx = T.x - map.origin().x, ty = T.y - map.origin().y;
   const double inverse_kernel2 = 1 / (kernel * kernel);
@@ -44,8 +45,8 @@ System accumulate(const std::vector<SurfacePoint>& points, const SurfelMap& map,
 
 }  // namespace
 
-MatchResult alignToSurfels(const std::vector<SurfacePoint>& points, const SurfelMap& map, const core::Pose2& T_start,
-                           const PosePrior& prior, const MatchOptions& options) {
+MatchResult alignToSurfels(const std::vector<SurfacePoint>& points, const SurfelMap& map,
+                           const core::Pose2& T_start, const PosePrior& prior, const MatchOptions& options) {
   MatchResult result;
   result.T_map_robot = T_start;
   if (points.empty()) return result;
@@ -60,7 +61,8 @@ MatchResult alignToSurfels(const std::vector<SurfacePoint>& points, const Surfel
     if (prior.kernel > 0) {
       const double k2 = prior.kernel * prior.kernel;
       const double away = from_prior.head<2>().dot(held.topLeftCorner<2, 2>() * from_prior.head<2>());
-      const double w_xy = 1 / (1 + away / k2), w_turn = 1 / (1 + from_prior.z() * held(2, 2) * from_prior.z() / k2);
+      const double w_xy = 1 / (1 + away / k2),
+                   w_turn = 1 / (1 + from_prior.z() * held(2, 2) * from_prior.z() / k2);
       const Eigen::Vector3d root(w_xy, w_xy, w_turn);
       held = root.asDiagonal() * held * root.asDiagonal();
     }
@@ -75,8 +77,8 @@ MatchResult alignToSurfels(const std::vector<SurfacePoint>& points, const Surfel
   return result;
 }
 
-double surfelScore(const std::vector<SurfacePoint>& points, const SurfelMap& map, const core::Pose2& T_map_robot,
-                   double kernel, int stride) {
+double surfelScore(const std::vector<SurfacePoint>& points, const SurfelMap& map,
+                   const core::Pose2& T_map_robot, double kernel, int stride) {
   const double c = std::cos(T_map_robot.phi), s = std::sin(T_map_robot.phi);
   const double tx = T_map_robot.x - map.origin().x, ty = T_map_robot.y - map.origin().y;
   const double inverse_kernel2 = 1 / (kernel * kernel);

@@ -25,11 +25,12 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     // the robot's side
     {"gridmap", {"core"}},
     {"posegraph", {"core"}},
+    {"scanmatch", {"core", "robot"}},
     {"obstacles", {"core", "robot"}},
     {"navigate", {"core", "robot", "gridmap"}},
     {"mrptnav", {"core", "robot", "navigate"}},
     {"odometry", {"core", "robot"}},
-    {"mapping", {"core", "robot", "gridmap", "odometry"}},
+    {"mapping", {"core", "robot", "gridmap", "odometry", "posegraph", "scanmatch"}},
     // both
     {"run",
      {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "report", "navigate", "mrptnav",

@@ -1,0 +1,194 @@
+#include "libslam/mapping/graph_slam.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "libslam/core/error.h"
+#include "tests/scanmatch/drawn_rooms.h"
+
+namespace slam::mapping {
+namespace {
+
+using scanmatch_test::Lidar;
+using scanmatch_test::look;
+using scanmatch_test::rectangle;
+using scanmatch_test::Wall;
+
+/// A corridor of 2 m around a block of 16 x 10 m, with niches in its outer wall that tell places apart.
+std::vector<Wall> ring() {
+  auto walls = rectangle(0, 0, 20, 14);
+  const auto block = rectangle(2, 2, 18, 12);
+  walls.insert(walls.end(), block.begin(), block.end());
+  for (const double x : {3.0, 6.5, 8.0, 13.5, 16.0}) {
+    const auto pillar = rectangle(x, 0, x + 0.4, 0.3);
+    walls.insert(walls.end(), pillar.begin(), pillar.end());
+  }
+  for (const double y : {4.0, 9.0}) {
+    const auto pillar = rectangle(19.6, y, 20, y + 0.5);
+    walls.insert(walls.end(), pillar.begin(), pillar.end());
+  }
+  for (const double x : {5.0, 11.0, 12.5}) {
+    const auto pillar = rectangle(x, 13.7, x + 0.6, 14);
+    walls.insert(walls.end(), pillar.begin(), pillar.end());
+  }
+  return walls;
+}
+
+/// Along the middle of the corridor, turning on the spot at its corners.
+std::vector<core::Pose2> lapsAround(int laps) {
+  const core::Point2 corners[] = {{1, 1}, {19, 1}, {19, 13}, {1, 13}};
+  std::vector<core::Pose2> path;
+  for (int side = 0; side < 4 * laps; ++side) {
+    const core::Point2 a = corners[side % 4], b = corners[(side + 1) % 4];
+    const double heading = std::atan2(b.y - a.y, b.x - a.x), length = core::distance(a, b);
+    for (double s = 0; s < length; s += 0.1)
+      path.push_back({a.x + s / length * (b.x - a.x), a.y + s / length * (b.y - a.y), heading});
+    for (double turn = 0.1; turn < core::kPi / 2; turn += 0.1) path.push_back({b.x, b.y, heading + turn});
+  }
+  return path;
+}
+
+struct Drive {
+  std::vector<robot::Scan> scans;
+  std::vector<core::Pose2> truth, increments;  ///< truth from the first pose; increments as odometry has them
+};
+
+Drive drive(const std::vector<Wall>& walls, const std::vector<core::Pose2>& path, const Lidar& lidar,
+            double turn_bias_rad, std::uint64_t seed = 1) {
+  core::RandomStream readings(seed, "lidar"), wheels(seed, "wheels");
+  Drive result;
+  for (size_t i = 0; i < path.size(); ++i) {
+    result.scans.push_back(look(walls, path[i], lidar, readings));
+    result.scans.back().time_s = 1000 + 0.2 * static_cast<double>(i);
+    result.truth.push_back(core::between(path[0], path[i]));
+    core::Pose2 moved = i ? core::between(path[i - 1], path[i]) : core::Pose2{};
+    moved.x *= 1.03 + 0.05 * wheels.normal();
+    moved.phi += turn_bias_rad + 0.02 * moved.phi;
+    result.increments.push_back(moved);
+  }
+  return result;
+}
+
+double worstError(const std::vector<core::Pose2>& estimate, const std::vector<core::Pose2>& truth) {
+  double worst = 0;
+  for (size_t i = 0; i < truth.size(); ++i) worst = std::max(worst, core::distance(estimate[i], truth[i]));
+  return worst;
+}
+
+GraphSlam run(const Drive& log, bool with_odometry = true, const GraphOptions& options = {}) {
+  GraphSlam graph(options);
+  for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], with_odometry);
+  graph.finish();
+  return graph;
+}
+
+std::set<std::string> eventsOf(const GraphSlam& graph) {
+  std::set<std::string> events;
+  for (const auto& entry : graph.journal()) events.insert(entry.event);
+  return events;
+}
+
+TEST(GraphSlam, ClosesALoopThatOdometryMissesByMetres) {
+  const auto log = drive(ring(), lapsAround(2), {}, 2e-3);
+  std::vector<core::Pose2> dead_reckoning(1);
+  for (size_t i = 1; i < log.increments.size(); ++i)
+    dead_reckoning.push_back(dead_reckoning.back() * log.increments[i]);
+  ASSERT_GT(worstError(dead_reckoning, log.truth), 5);
+  const auto graph = run(log);
+  EXPECT_LT(worstError(graph.poses(), log.truth), 0.06);
+  EXPECT_TRUE(eventsOf(graph).count("accepted"));
+}
+
+TEST(GraphSlam, NeedsNoOdometry) {
+  const auto log = drive(ring(), lapsAround(1), {}, 0);
+  EXPECT_LT(worstError(run(log, false).poses(), log.truth), 0.15);
+}
+
+TEST(GraphSlam, WorksWithANarrowAndWithAFullCircleLidarAndWithOneThatLooksBackwards) {
+  Lidar narrow, full, backwards;
+  narrow.fov_rad = core::kPi / 2, narrow.beams = 91;
+  full.fov_rad = 2 * core::kPi * 359 / 360, full.beams = 360;
+  backwards.T_robot_lidar = {-0.3, 0.1, core::kPi};
+  for (const Lidar& lidar : {narrow, full, backwards}) {
+    const auto log = drive(ring(), lapsAround(1), lidar, 1e-3);
+    EXPECT_LT(worstError(run(log).poses(), log.truth), 0.15) << lidar.beams;
+  }
+}
+
+TEST(GraphSlam, GivesTheSameBytesAgain) {
+  const auto log = drive(ring(), lapsAround(1), {}, 2e-3);
+  const auto a = run(log).poses(), b = run(log).poses();
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t i = 0; i < a.size(); ++i) {
+    ASSERT_EQ(a[i].x, b[i].x);
+    ASSERT_EQ(a[i].y, b[i].y);
+    ASSERT_EQ(a[i].phi, b[i].phi);
+  }
+}
+
+TEST(GraphSlam, LetsGoOfOdometryThatJumpsAndSaysSo) {
+  auto log = drive(ring(), lapsAround(1), {}, 0);
+  log.increments[60] = {2, -1, 0.4};
+  log.increments[150] = {-0.5, 0, -0.3};
+  const auto graph = run(log);
+  EXPECT_LT(worstError(graph.poses(), log.truth), 0.15);
+  EXPECT_TRUE(eventsOf(graph).count("distrusted") || eventsOf(graph).count("recovered"));
+}
+
+TEST(GraphSlam, CarriesOnThroughScansWithoutAnyReturn) {
+  auto log = drive(ring(), lapsAround(1), {}, 0);
+  for (size_t i = 40; i < 46; ++i)
+    for (float& range : log.scans[i].ranges_m) range = robot::kNoReturn;
+  const auto graph = run(log);
+  EXPECT_LT(worstError(graph.poses(), log.truth), 0.5);
+  EXPECT_TRUE(eventsOf(graph).count("poor"));
+}
+
+TEST(GraphSlam, SaysThatACorridorIsDegenerate) {
+  std::vector<core::Pose2> path;
+  for (int i = 0; i < 60; ++i) path.push_back({0.1 * i, 0, 0});
+  const auto log = drive(rectangle(-100, -1, 100, 1), path, {}, 0);
+  EXPECT_TRUE(eventsOf(run(log)).count("degenerate"));
+}
+
+TEST(GraphSlam, LocalisesInAFinishedMapWithoutChangingIt) {
+  const auto first = drive(ring(), lapsAround(1), {}, 1e-3);
+  auto graph = run(first);
+  const int keyframes = graph.keyframeCount();
+  const auto second = drive(ring(), lapsAround(1), {}, 1e-3, 2);
+  graph.startAt(second.truth[0]);
+  double worst = 0;
+  for (size_t i = 0; i < second.scans.size(); ++i)
+    worst = std::max(worst,
+                     core::distance(graph.localise(second.scans[i], second.increments[i], true).T_map_robot,
+                                    second.truth[i]));
+  EXPECT_LT(worst, 0.15);
+  EXPECT_EQ(graph.keyframeCount(), keyframes);
+}
+
+TEST(GraphSlam, ContinuesAMapOfKnownKeyframes) {
+  const auto log = drive(ring(), lapsAround(1), {}, 1e-3);
+  const auto first = run(log);
+  GraphSlam continued{GraphOptions()};
+  for (int k = 0; k < first.keyframeCount(); ++k)
+    continued.addKnownKeyframe(first.keyframeScan(k), first.keyframePose(k));
+  const auto more = drive(ring(), lapsAround(1), {}, 1e-3, 2);
+  continued.startAt(more.truth[0]);
+  for (size_t i = 0; i < more.scans.size(); ++i)
+    continued.process(more.scans[i], i ? more.increments[i] : core::Pose2{}, true);
+  EXPECT_LT(worstError(continued.poses(), more.truth), 0.15);
+  EXPECT_GT(continued.keyframeCount(), first.keyframeCount());
+}
+
+TEST(GraphSlam, RefusesWhatItsContractRulesOut) {
+  GraphSlam graph{GraphOptions()};
+  EXPECT_THROW(graph.process(robot::Scan(), {}, false), core::ContractError);
+  EXPECT_THROW(graph.startAt({}), core::ContractError);
+  graph.finish();
+  EXPECT_TRUE(graph.poses().empty());
+}
+
+}  // namespace
+}  // namespace slam::mapping

@@ -1,0 +1,123 @@
+#include "libslam/scanmatch/surfel_matcher.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/scanmatch/drawn_rooms.h"
+
+namespace slam::scanmatch {
+namespace {
+
+using scanmatch_test::Lidar;
+using scanmatch_test::look;
+using scanmatch_test::rectangle;
+using scanmatch_test::Wall;
+
+SurfelMap mapOf(const std::vector<Wall>& walls, const std::vector<core::Pose2>& poses) {
+  core::RandomStream chance(1, "map");
+  SurfelMap map(0.1, 0.03);
+  map.clear({}, 30);
+  for (const auto& pose : poses) map.add(surfacePoints(look(walls, pose, {}, chance), {}), pose);
+  return map;
+}
+
+std::vector<core::Pose2> aFewPosesAround(double x) {
+  std::vector<core::Pose2> poses;
+  for (int i = 0; i < 12; ++i) poses.push_back({x + 0.05 * i, 0.02 * i, i * core::kPi / 6});
+  return poses;
+}
+
+TEST(SurfelMap, TellsNothingOfWhereAlongAWallOneStands) {
+  const auto map = mapOf(rectangle(-4, -3, 5, 3), aFewPosesAround(0));
+  const Surfel* surfel = map.at(1.5 - map.origin().x, 3 - map.origin().y);
+  ASSERT_NE(surfel, nullptr);
+  EXPECT_NEAR(surfel->y + map.origin().y, 3, 0.02);
+  EXPECT_GT(surfel->yy, 300);
+  EXPECT_LT(surfel->xx, 1e-2 * surfel->yy);
+}
+
+TEST(SurfelMap, IsEmptyFarFromSurfacesOutsideAndAfterClear) {
+  auto map = mapOf(rectangle(-4, -3, 5, 3), aFewPosesAround(0));
+  EXPECT_EQ(map.at(0 - map.origin().x, 0 - map.origin().y), nullptr);
+  EXPECT_EQ(map.at(-1, 10), nullptr);
+  EXPECT_EQ(map.at(1e300, std::nan("")), nullptr);
+  ASSERT_NE(map.at(1.5 - map.origin().x, 3 - map.origin().y), nullptr);
+  map.clear({}, 30);
+  EXPECT_EQ(map.at(1.5 - map.origin().x, 3 - map.origin().y), nullptr);
+}
+
+TEST(SurfelMap, LeavesOutPointsBeyondItsReachWithoutHarm) {
+  SurfelMap map(0.1, 0.03);
+  map.clear({100, -50}, 2);
+  std::vector<SurfacePoint> points;
+  for (int i = -400; i <= 400; ++i) points.push_back({{100 + 0.01 * i, -50}, {}});
+  map.add(points, {});
+  EXPECT_NE(map.at(101.5 - map.origin().x, -50 - map.origin().y), nullptr);
+  EXPECT_EQ(map.at(103.5 - map.origin().x, -50 - map.origin().y), nullptr);
+}
+
+TEST(SurfelMatcher, FindsADisplacedRoomToMillimetres) {
+  const auto walls = rectangle(-4, -3, 5, 3);
+  const auto map = mapOf(walls, aFewPosesAround(0));
+  core::RandomStream chance(7, "scan");
+  for (int i = 0; i < 20; ++i) {
+    const core::Pose2 truth{0.03 * i, -0.2 + 0.02 * i, 0.3 * i};
+    const auto points = surfacePoints(look(walls, truth, {}, chance), {});
+    const core::Pose2 start{truth.x + 0.06, truth.y - 0.05, truth.phi + 0.02};
+    PosePrior flat;
+    flat.mean = start;
+    flat.information.setIdentity();
+    const auto result = alignToSurfels(points, map, start, flat, {});
+    // 1 cm of noise over some hundred points, and surfels of a dozen scans.
+    EXPECT_LT(core::distance(result.T_map_robot, truth), 0.006) << i;
+    EXPECT_LT(std::abs(core::angleDifference(result.T_map_robot.phi, truth.phi)), 0.003) << i;
+    EXPECT_GT(result.score, 0.8) << i;
+  }
+}
+
+TEST(SurfelMatcher, StaysWithOdometryAlongACorridorAndSaysThatItKnowsNothingThere) {
+  const auto walls = rectangle(-200, -1, 200, 1);
+  const auto map = mapOf(walls, aFewPosesAround(0));
+  core::RandomStream chance(7, "scan");
+  const auto points = surfacePoints(look(walls, {0.5, 0.1, 0}, {}, chance), {});
+  PosePrior odometry;
+  odometry.mean = {0.42, 0.05, 0.01};
+  odometry.information.diagonal() << 2500, 2500, 1e4;
+  const auto result = alignToSurfels(points, map, odometry.mean, odometry, {});
+  EXPECT_NEAR(result.T_map_robot.x, 0.42, 0.01);
+  EXPECT_NEAR(result.T_map_robot.y, 0.1, 0.01);
+  EXPECT_NEAR(result.T_map_robot.phi, 0, 0.003);
+  EXPECT_LT(result.information(0, 0), 0.05 * result.information(1, 1));
+}
+
+TEST(SurfelMatcher, LetsGoOfOdometryThatContradictsTheScanOnlyWithAKernel) {
+  const auto walls = rectangle(-4, -3, 5, 3);
+  const auto map = mapOf(walls, aFewPosesAround(0));
+  core::RandomStream chance(7, "scan");
+  const auto points = surfacePoints(look(walls, {}, {}, chance), {});
+  PosePrior odometry;
+  odometry.mean = {0, 0, 0.1};
+  odometry.information.diagonal() << 2500, 2500, 1e6;
+  MatchOptions options;
+  options.information_scale = 0.2;
+  const auto held = alignToSurfels(points, map, {}, odometry, options);
+  odometry.kernel = 2;
+  const auto free = alignToSurfels(points, map, {}, odometry, options);
+  EXPECT_GT(held.T_map_robot.phi, 0.03);
+  EXPECT_NEAR(free.T_map_robot.phi, 0, 0.004);
+}
+
+TEST(SurfelMatcher, ScoresNothingWhereThereIsNoMap) {
+  SurfelMap map(0.1, 0.03);
+  map.clear({}, 10);
+  const std::vector<SurfacePoint> points = {{{1, 0}, {}}, {{0, 1}, {}}};
+  PosePrior prior;
+  prior.mean = {0.1, 0.2, 0.3};
+  prior.information.setIdentity();
+  const auto result = alignToSurfels(points, map, prior.mean, prior, {});
+  EXPECT_EQ(result.score, 0);
+  EXPECT_NEAR(result.T_map_robot.x, 0.1, 1e-9);
+  EXPECT_EQ(alignToSurfels({}, map, prior.mean, prior, {}).score, 0);
+}
+
+}  // namespace
+}  // namespace slam::scanmatch
