@@ -66,7 +66,7 @@ const core::ParameterTable<GraphOptions>& GraphOptions::table() {
        {"max_range_m", &O::max_range_m, 40.0, 0.1, 1000.0, "farther returns are not matched"},
        {"cell_m", &O::cell_m, 0.1, 0.01, 2.0,
         "cell of the finest surfel map; two more have double and fourfold cells"},
-       {"blur_m", &O::blur_m, 0.03, 0.001, 1.0, "standard deviation added to the finest surfels"},
+       {"blur_m", &O::blur_m, 0.02, 0.001, 1.0, "standard deviation added to the finest surfels"},
        {"odometry_xy_m", &O::odometry_xy_m, 0.02, 1e-4, 10.0, "standard deviation of an increment, always"},
        {"odometry_xy_per_m", &O::odometry_xy_per_m, 0.1, 0.0, 10.0, "and per metre driven"},
        {"odometry_turn_deg", &O::odometry_turn_rad, 0.573, 1e-3, 90.0, "of its turn, always"},

@@ -93,8 +93,9 @@ TEST(LikelihoodPyramid, HoldsTheGreatestOfEveryWindow) {
           for (int c = column; c < column + (1 << level); ++c)
             greatest = std::max(greatest, map.value(0, c, r));
         // Windows that begin before the raster's rim may be taken for empty only if they are.
-        if (column >= -(1 << (map.levels() - 1)) && row >= -(1 << (map.levels() - 1)))
+        if (column >= -(1 << (map.levels() - 1)) && row >= -(1 << (map.levels() - 1))) {
           ASSERT_EQ(map.value(level, column, row), greatest) << level << " " << column << " " << row;
+        }
       }
 }
 
