@@ -10,6 +10,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/logs/ros2_bags.h"
+#include "libslam/logs/ros_bytes.h"
 #include "libslam/logs/ros_logs.h"
 
 // The tables: github.com/ros2/rosbag2, rosbag2_storage_sqlite3, sqlite_storage.cpp. What is written is its
@@ -54,11 +55,29 @@ std::string text(sqlite3_stmt* statement, int column) {
                           : std::string(bytes, static_cast<size_t>(sqlite3_column_bytes(statement, column)));
 }
 
+/// Shorter than its header says (sqlite.org/fileformat.html, 1.3): the size of a page at 16, how many there
+/// are at 28, which holds if the counters at 24 and 92 are the same; all big-endian.
+bool isCut(const std::string& path) {
+  constexpr size_t kHeaderBytes = 100;
+  std::string header;
+  FileBytes file(path);
+  file.read(kHeaderBytes, header);
+  if (header.size() < kHeaderBytes) return true;
+  const auto number = [&header](size_t at, size_t bytes) {
+    std::uint64_t value = 0;
+    for (size_t i = 0; i < bytes; ++i) value = value << 8 | static_cast<unsigned char>(header[at + i]);
+    return value;
+  };
+  const std::uint64_t page_bytes = number(16, 2) == 1 ? 65536 : number(16, 2);
+  return number(24, 4) == number(92, 4) && file.size() < page_bytes * number(28, 4);
+}
+
 class Db3Messages : public RosMessages {
  public:
   explicit Db3Messages(const std::string& path) : path_(path) {
-    core::requireReadableFile(path);
-    if (fs::file_size(path) == 0) throw core::InputError(path + ": is empty");
+    std::string start;
+    FileBytes(path).read(kMagic.size(), start);
+    if (!looksLikeRos2Db3(start)) throw core::InputError(path + ": not a ROS 2 bag (no SQLite database)");
     sqlite3* handle = nullptr;
     const int state = sqlite3_open_v2(readOnlyUri(path).c_str(), &handle,
                                       SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX, nullptr);
@@ -67,17 +86,22 @@ class Db3Messages : public RosMessages {
     sqlite3_limit(handle, SQLITE_LIMIT_LENGTH, kMostBlobBytes);
     // A damaged file must not make SQLite run code that its schema holds, nor trust its pages.
     sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-    sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     sqlite3_exec(handle, "PRAGMA cell_size_check=ON", nullptr, nullptr, nullptr);
+    is_cut_ = isCut(path);
+    // Without this SQLite refuses a file that is shorter than it should be; nothing is written in any case.
+    if (is_cut_) sqlite3_db_config(handle, SQLITE_DBCONFIG_WRITABLE_SCHEMA, 1, nullptr);
     requireTables();
     readTopics();
-    findLast();
-    messages_ = prepare("SELECT topic_id, timestamp, data, id FROM messages ORDER BY timestamp, id");
+    if (!is_cut_) findLast();
+    // Of a cut file the index by time may be lost, the rows before the cut are not.
+    messages_ =
+        prepare(is_cut_ ? "SELECT topic_id, timestamp, data, id FROM messages ORDER BY id"
+                        : "SELECT topic_id, timestamp, data, id FROM messages ORDER BY timestamp, id");
   }
 
   bool next(RosMessage& message) override {
     const int state = sqlite3_step(messages_.get());
-    if (state == SQLITE_DONE) return false;
+    if (state == SQLITE_DONE && !is_cut_) return false;
     if (state != SQLITE_ROW) fail();
     const auto topic = sqlite3_column_int64(messages_.get(), 0);
     const auto found = channels_.find(topic);
@@ -153,6 +177,9 @@ class Db3Messages : public RosMessages {
   }
 
   [[noreturn]] void fail() const {
+    if (is_cut_)
+      throw core::InputError(path_ + ": truncated ROS 2 bag: after " + counted(count_, "message") +
+                             ": the file is shorter than the database that it holds");
     throw core::InputError(path_ + ": damaged or no ROS 2 bag: after " + counted(count_, "message") +
                            ": SQLite says '" + sqlite3_errmsg(database_.get()) + "'");
   }
@@ -163,6 +190,7 @@ class Db3Messages : public RosMessages {
   std::map<std::int64_t, RosChannel> channels_;
   std::uint64_t count_ = 0;
   std::int64_t last_id_ = 0;
+  bool is_cut_ = false;
 };
 
 /// The files of a bag one after the other.
