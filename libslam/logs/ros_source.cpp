@@ -145,22 +145,17 @@ class RosObjects : public ObjectSource {
   void take(const RosMessage& message) {
     const auto& channel = *message.channel;
     const bool is_truth = isTruth(channel.topic);
-    if (!channel.obstacle.empty())
-      passOver(channel);
-    else if (channel.type == kLaserScanType)
-      takeScan(message, decode<RosLaserScan>(message));
-    else if (channel.type == kMultiEchoType)
-      takeScan(message, singleEcho(decode<RosMultiEchoLaserScan>(message)));
-    else if (isTransforms(channel))
-      takeTransforms(message, decode<RosTransforms>(message));
-    else if (channel.type == kOdometryType && is_truth)
-      takeTruth(message, decode<RosOdometry>(message));
-    else if (channel.type == kPoseStampedType && is_truth)
-      takeTruth(message, decode<RosPoseStamped>(message));
-    else if (channel.type == kOdometryType && channel.topic == survey_.odometry_topic)
-      takeOdometry(message, decode<RosOdometry>(message));
-    else
-      passOver(channel);
+    if (!channel.obstacle.empty()) return passOver(channel);
+    if (channel.type == kLaserScanType) return takeScan(message, decode<RosLaserScan>(message));
+    if (channel.type == kMultiEchoType)
+      return takeScan(message, singleEcho(decode<RosMultiEchoLaserScan>(message)));
+    if (isTransforms(channel)) return takeTransforms(message, decode<RosTransforms>(message));
+    if (channel.type == kOdometryType && is_truth) return takeTruth(message, decode<RosOdometry>(message));
+    if (channel.type == kPoseStampedType && is_truth)
+      return takeTruth(message, decode<RosPoseStamped>(message));
+    if (channel.type == kOdometryType && channel.topic == survey_.odometry_topic)
+      return takeOdometry(message, decode<RosOdometry>(message));
+    passOver(channel);
   }
 
   static bool isTransforms(const RosChannel& channel) {
@@ -231,7 +226,7 @@ class RosObjects : public ObjectSource {
   std::optional<CPose3D> mounting(const std::string& frame) const {
     for (const std::string& base : {survey_.base, std::string("base_link"), std::string("base_footprint")}) {
       if (base.empty()) continue;
-      if (const auto T_base_frame = survey_.frames.between(base, frame)) return T_base_frame;
+      if (auto T_base_frame = survey_.frames.between(base, frame)) return T_base_frame;
     }
     return std::nullopt;
   }

@@ -122,7 +122,7 @@ TEST(Ros2Db3, HasOdometryInCdr) {
   EXPECT_EQ(at<double>(bytes, start + 48), -0.7 * 2.5);
   EXPECT_EQ(at<double>(bytes, start + 80), std::sin(0.25));
   EXPECT_EQ(at<double>(bytes, start + 88), std::cos(0.25));
-  EXPECT_EQ(bytes.size(), start + 96 + 36 * 8 + 6 * 8 + 36 * 8);
+  EXPECT_EQ(bytes.size(), start + 96 + 78 * sizeof(double));
 }
 
 TEST(Ros2Db3, InAFolderComesWithItsMetadata) {

@@ -83,7 +83,7 @@ TEST_P(DamagedBag, CutAnywhereSaysSoAfterItsGoodObjects) {
 
 TEST_P(DamagedBag, WithAFlippedByteCrashesNothingAndTakesNoMemory) {
   const auto bytes = wholeBag(40);
-  const size_t before_mb = peakMemoryMb();
+  [[maybe_unused]] const size_t before_mb = peakMemoryMb();
   for (const char flip : {'\xFF', '\x01', '\x80'}) {
     for (size_t at = 0; at < bytes.size(); at += 1 + bytes.size() / 700) {
       auto damaged = bytes;
@@ -91,7 +91,9 @@ TEST_P(DamagedBag, WithAFlippedByteCrashesNothingAndTakesNoMemory) {
       readBytesAsBag(damaged);
     }
   }
+#if !defined(__SANITIZE_ADDRESS__)  // which keeps what was freed
   EXPECT_LT(peakMemoryMb(), before_mb + 100);
+#endif
 }
 
 TEST_P(DamagedBag, OfNothingOrOtherThingsIsRefused) {

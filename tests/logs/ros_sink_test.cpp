@@ -83,7 +83,8 @@ TEST_P(RosContainer, GivesBackWhatWasWritten) {
 TEST_P(RosContainer, KeepsTheOrderOfStampsThatRunBackOrRepeat) {
   std::vector<Object> written;
   for (const int tenths : {5, 3, 3, 9, 1})
-    written.push_back(scanObject(kRosStart_ns + 100'000'000 * tenths, "scan", static_cast<float>(tenths)));
+    written.push_back(
+        scanObject(kRosStart_ns + std::int64_t{100'000'000} * tenths, "scan", static_cast<float>(tenths)));
   write(written);
   const auto found = only<CObservation2DRangeScan>(read());
   ASSERT_EQ(found.size(), written.size());
@@ -136,7 +137,7 @@ TEST_P(RosContainer, SumsTheActionsOfALogOfFrames) {
     movement.computeFromOdometry(mrpt::poses::CPose2D(1, 0, core::kPi / 2), {});
     actions->insert(movement);
     auto frame = std::make_shared<mrpt::obs::CSensoryFrame>();
-    frame->insert(scanObject(kRosStart_ns + i * 1000, "scan"));
+    frame->insert(scanObject(kRosStart_ns + std::int64_t{1000} * i, "scan"));
     written.push_back(actions);
     written.push_back(frame);
   }

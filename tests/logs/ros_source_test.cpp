@@ -105,7 +105,7 @@ TEST(RosSource, FindsTheMountingThroughAChainOfFrames) {
   bag.add("/tf", kTransformsType, kRosStart_ns, transforms({transform("deck", "laser", {0.25, 0, 0})}));
   bag.add("/odom", kOdometryType, kRosStart_ns, rosOdometry(kRosStart_ns, 0));
   bag.add("/scan", kLaserScanType, kRosStart_ns, laserScan("/laser", {1, 2, 3}));
-  const auto& mount = onlyScan(bag)->sensorPose;
+  const auto mount = onlyScan(bag)->sensorPose;
   EXPECT_NEAR(mount.x(), 1, 1e-12);
   EXPECT_NEAR(mount.y(), 0.25, 1e-12);
   EXPECT_NEAR(mount.z(), 0.5, 1e-12);
@@ -193,7 +193,7 @@ TEST(RosSource, TakesOdometryFromTfWhereNothingElseHasIt) {
   FakeBag bag;
   for (int i = 0; i < 3; ++i) {
     auto moved = transform("robot1/odom", "base_footprint", {0.5 * i, 0, 0}, turned(0.1 * i));
-    moved.header.stamp_ns = kRosStart_ns + i * 1000;
+    moved.header.stamp_ns = kRosStart_ns + std::int64_t{1000} * i;
     bag.add("/tf", kOldTransformsType, kRosStart_ns, transforms({transform("a", "b", {}), moved}),
             RosEncoding::kRos1);
   }
