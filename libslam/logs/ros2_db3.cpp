@@ -154,11 +154,11 @@ class Db3Messages : public RosMessages {
     int state = SQLITE_ROW;
     while ((state = sqlite3_step(topics.get())) == SQLITE_ROW) {
       RosChannel channel;
-      channel.topic = text(topics.get(), 1);
-      channel.type = withoutMsg(text(topics.get(), 2));
+      channel.topic = printable(text(topics.get(), 1));
+      channel.type = printable(withoutMsg(text(topics.get(), 2)));
       channel.encoding = RosEncoding::kCdr;
       const auto format = text(topics.get(), 3);
-      if (format != "cdr") channel.obstacle = "serialized as " + format;
+      if (format != "cdr") channel.obstacle = "serialized as " + printable(format);
       channels_.emplace(sqlite3_column_int64(topics.get(), 0), std::move(channel));
     }
     if (state != SQLITE_DONE) fail();
@@ -181,7 +181,7 @@ class Db3Messages : public RosMessages {
       throw core::InputError(path_ + ": truncated ROS 2 bag: after " + counted(count_, "message") +
                              ": the file is shorter than the database that it holds");
     throw core::InputError(path_ + ": damaged or no ROS 2 bag: after " + counted(count_, "message") +
-                           ": SQLite says '" + sqlite3_errmsg(database_.get()) + "'");
+                           ": SQLite says '" + printable(sqlite3_errmsg(database_.get())) + "'");
   }
 
   std::string path_;
@@ -268,7 +268,8 @@ FolderContent readMetadata(const std::string& folder) {
     if (key == "compression_mode") compression = value;
   }
   if (storage != "sqlite3" && storage != "mcap")
-    throw core::InputError(path + ": storage_identifier: found '" + storage + "', expected sqlite3 or mcap");
+    throw core::InputError(path + ": storage_identifier: found '" + printable(storage) +
+                           "', expected sqlite3 or mcap");
   if (!compression.empty() && compression != "NONE" && compression != "none")
     throw core::InputError(path + ": compression_mode: found '" + compression +
                            "', expected none (`ros2 bag convert` writes such a bag)");

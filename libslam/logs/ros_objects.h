@@ -14,8 +14,8 @@ namespace slam::logs {
 
 /// A topic of a bag.
 struct RosChannel {
-  std::string topic;
-  std::string type;  ///< without "/msg"
+  std::string topic;  ///< this and the others: printable()
+  std::string type;   ///< without "/msg"
   RosEncoding encoding = RosEncoding::kRos1;
   /// "" for messages that can be decoded, else why not, such as "encoded as json".
   std::string obstacle;
@@ -60,6 +60,9 @@ class RosBagWriter {
 };
 
 std::unique_ptr<ObjectSink> makeRosSink(std::unique_ptr<RosBagWriter> writer);
+
+/// A name from a file as one line can hold it: control characters become '?', the end of a long one "...".
+std::string printable(std::string_view name);
 
 /// "1 message", "3 messages"
 std::string counted(std::uint64_t count, const char* singular);

@@ -136,7 +136,8 @@ class RosObjects : public ObjectSource {
     if (empty_scans_ > 0) add(counted(empty_scans_, "laser scan") + " without readings");
     if (bad_transforms_ > 0) add(counted(bad_transforms_, "transform") + " that is none");
     for (const auto& frame : unmounted_)
-      add("no transform leads to the lidar's frame '" + frame + "': it is taken as mounted at the origin");
+      add("no transform leads to the lidar's frame '" + printable(frame) +
+          "': it is taken as mounted at the origin");
     add(messages_->remark());
     return text;
   }
@@ -273,7 +274,7 @@ class RosObjects : public ObjectSource {
     auto T_base_lidar = mounting(frame);
     if (!T_base_lidar) {
       T_base_lidar = CPose3D();
-      unmounted_.insert(frame);
+      if (unmounted_.size() < kMostNamedTopics) unmounted_.insert(frame);
     }
     double centre_rad = core::wrapToPi(sweep.first_rad + sweep.aperture_rad / 2);
     const bool is_upside_down = T_base_lidar->getRotationMatrix()(2, 2) < 0;
@@ -379,6 +380,14 @@ class RosObjects : public ObjectSource {
 std::unique_ptr<ObjectSource> makeRosSource(const std::string& path, OpenRosMessages open,
                                             const RosReadOptions& options) {
   return std::make_unique<RosObjects>(path, std::move(open), options);
+}
+
+std::string printable(std::string_view name) {
+  constexpr size_t kMost = 200;
+  std::string text(name.substr(0, kMost));
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < ' ' || c == '\x7F') c = '?';
+  return name.size() > kMost ? text + "..." : text;
 }
 
 std::string counted(std::uint64_t count, const char* singular) {
