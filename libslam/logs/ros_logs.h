@@ -75,15 +75,14 @@ std::unique_ptr<ObjectSource> openRos2Folder(const std::string& path, const RosR
 ///   CObservation2DRangeScan   sensor_msgs/LaserScan; no-return +inf, lost NaN; the mounting on /tf_static
 ///   CObservationOdometry      nav_msgs/Odometry on /odom (covariances 0), and odom -> base_link on /tf
 ///   CObservationRobotPose labelled kTruthLabel   geometry_msgs/PoseStamped on /ground_truth, frame world
-///   CSensoryFrame             what is in it
-///   CActionCollection         odometry, summed up from the origin: of the wheels' reading, else the mean
-/// Other objects are counted and named in dropped(), as are stamps that ROS cannot hold.
+/// Other objects are counted and named in dropped(), as are stamps that ROS cannot hold: MRPT's actions and
+/// sensory frames must be turned into observations before.
 /// A label with "scan" in it is its topic ("front/scan" -> /front/scan); the first other label goes to /scan,
 /// later ones to /scan_LABEL. The frame is the topic without '/scan', "laser" for /scan. An object without a
 /// stamp takes the one before it.
 /// Receive times follow the objects: the stamp, or 1 ns more than the message before where stamps run back or
 /// repeat, so that every reader gives the messages in the order in which they were written.
-/// Memory: the index, some 50 bytes per MB. Same objects, same bytes.
+/// Memory: the index, some 300 bytes per MB. Same objects, same bytes.
 ///
 /// ROS 1 bag, not compressed, chunks of 768 KiB, indexed.
 std::unique_ptr<ObjectSink> createRos1Bag(const std::string& path);

@@ -1,11 +1,7 @@
 #include <mrpt/math/CQuaternion.h>
-#include <mrpt/obs/CActionCollection.h>
-#include <mrpt/obs/CActionRobotMovement2D.h>
-#include <mrpt/obs/CActionRobotMovement3D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
-#include <mrpt/obs/CSensoryFrame.h>
 
 #include <algorithm>
 #include <cmath>
@@ -70,36 +66,15 @@ RosLaserScan toRos(const CObservation2DRangeScan& observation) {
   return scan;
 }
 
-/// The increment in a collection of actions, chosen as LogReader chooses it.
-std::optional<mrpt::poses::CPose2D> incrementOf(const mrpt::obs::CActionCollection& actions) {
-  std::optional<mrpt::poses::CPose2D> matched, spatial;
-  for (const auto& action : actions) {
-    if (const auto* planar = dynamic_cast<const mrpt::obs::CActionRobotMovement2D*>(action.get())) {
-      if (planar->estimationMethod == mrpt::obs::CActionRobotMovement2D::emOdometry)
-        return planar->rawOdometryIncrementReading;
-      if (!matched && planar->poseChange) matched = planar->poseChange->getMeanVal();
-    } else if (const auto* full = dynamic_cast<const mrpt::obs::CActionRobotMovement3D*>(action.get())) {
-      if (!spatial) spatial = mrpt::poses::CPose2D(full->poseChange.mean);
-    }
-  }
-  return matched ? matched : spatial;
-}
-
 class RosObjectSink : public ObjectSink {
  public:
   explicit RosObjectSink(std::unique_ptr<RosBagWriter> writer) : writer_(std::move(writer)) {}
 
   void write(const mrpt::serialization::CSerializable& object) override {
-    if (const auto* actions = dynamic_cast<const mrpt::obs::CActionCollection*>(&object)) {
-      writeActions(*actions);
-    } else if (const auto* frame = dynamic_cast<const mrpt::obs::CSensoryFrame*>(&object)) {
-      for (const auto& observation : *frame)
-        if (observation) writeObservation(*observation);
-    } else if (const auto* observation = dynamic_cast<const CObservation*>(&object)) {
+    if (const auto* observation = dynamic_cast<const CObservation*>(&object))
       writeObservation(*observation);
-    } else {
+    else
       drop(object.GetRuntimeClass()->className);
-    }
   }
 
   void close() override { writer_->close(); }
@@ -123,18 +98,9 @@ class RosObjectSink : public ObjectSink {
       return drop(observation.GetRuntimeClass()->className);
     const auto stamp_ns = stampOf(observation.timestamp);
     if (!stamp_ns) return drop("without a stamp that ROS can hold");
-    if (has_waiting_motion_ && scan != nullptr) writeOdometry(*stamp_ns, summed_);
     if (scan != nullptr) writeScan(*stamp_ns, *scan);
-    if (odometry != nullptr) writeOdometry(*stamp_ns, odometry->odometry, odometry);
+    if (odometry != nullptr) writeOdometry(*stamp_ns, *odometry);
     if (truth != nullptr) writeTruth(*stamp_ns, *truth);
-  }
-
-  /// An increment is known with the scan after it: it gets that scan's stamp.
-  void writeActions(const mrpt::obs::CActionCollection& actions) {
-    const auto increment = incrementOf(actions);
-    if (!increment) return;
-    summed_ = summed_ + *increment;
-    has_waiting_motion_ = true;
   }
 
   std::optional<std::int64_t> stampOf(const mrpt::Clock::time_point& time) {
@@ -173,17 +139,15 @@ class RosObjectSink : public ObjectSink {
     send("/tf_static", kTransformsType, stamp_ns, transforms, true);
   }
 
-  void writeOdometry(std::int64_t stamp_ns, const mrpt::poses::CPose2D& T_odom_base,
-                     const mrpt::obs::CObservationOdometry* reading = nullptr) {
-    has_waiting_motion_ = false;
-    const CPose3D pose(T_odom_base);
+  void writeOdometry(std::int64_t stamp_ns, const mrpt::obs::CObservationOdometry& reading) {
+    const CPose3D pose(reading.odometry);
     RosOdometry odometry;
     odometry.header = {stamp_ns, kOdomFrame};
     odometry.child_frame_id = kBaseFrame;
     odometry.pose = {positionOf(pose), orientationOf(pose)};
-    if (reading != nullptr && reading->hasVelocities) {
-      odometry.linear = {reading->velocityLocal.vx, reading->velocityLocal.vy, 0};
-      odometry.angular = {0, 0, reading->velocityLocal.omega};
+    if (reading.hasVelocities) {
+      odometry.linear = {reading.velocityLocal.vx, reading.velocityLocal.vy, 0};
+      odometry.angular = {0, 0, reading.velocityLocal.omega};
     }
     send("/odom", kOdometryType, stamp_ns, odometry);
     const RosTransforms transforms{
@@ -244,8 +208,6 @@ class RosObjectSink : public ObjectSink {
   std::map<std::string, std::string> topics_;  ///< by label
   std::set<std::string> taken_{"/odom", "/tf", "/tf_static", "/ground_truth"};
   std::map<std::string, CPose3D> mountings_;  ///< by frame
-  mrpt::poses::CPose2D summed_;
-  bool has_waiting_motion_ = false;
   std::optional<std::int64_t> newest_stamp_ns_;
   std::int64_t received_ns_ = 0;
   bool has_sent_ = false;
