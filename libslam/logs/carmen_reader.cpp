@@ -12,6 +12,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
 #include "libslam/logs/carmen_log.h"
+#include "libslam/logs/mrpt_objects.h"
 #include "libslam/logs/mrpt_time.h"
 
 namespace slam::logs {
@@ -52,10 +53,6 @@ bool parse(std::string_view word, double& value) {
   return result.ec == std::errc() && result.ptr == word.data() + word.size() && std::isfinite(value);
 }
 
-mrpt::Clock::time_point toMrptTime(double time_s) {
-  return mrpt::Clock::time_point(mrpt::Clock::duration(mrptTicks(time_s)));
-}
-
 bool isLaserOf(std::string_view kind, std::string_view name) {
   return kind.size() == name.size() + 1 && kind.substr(0, name.size()) == name && kind.back() >= '0' &&
          kind.back() <= '9';
@@ -74,34 +71,6 @@ double roundTo(double value, double step) {
 bool isClose(const core::Pose2& a, const core::Pose2& b, double tolerance) {
   return std::abs(a.x - b.x) <= tolerance && std::abs(a.y - b.y) <= tolerance &&
          std::abs(core::angleDifference(a.phi, b.phi)) <= tolerance;
-}
-
-std::shared_ptr<mrpt::obs::CObservationOdometry> makeOdometry(const core::Pose2& pose, double time_s,
-                                                              const std::string& label) {
-  auto odometry = std::make_shared<mrpt::obs::CObservationOdometry>();
-  odometry->timestamp = toMrptTime(time_s);
-  odometry->sensorLabel = label;
-  odometry->odometry = mrpt::poses::CPose2D(pose.x, pose.y, 0);
-  odometry->odometry.phi(pose.phi);  // the constructor would wrap a heading that counts whole turns
-  return odometry;
-}
-
-std::shared_ptr<mrpt::obs::CObservationRobotPose> makePose(const core::Pose2& pose, double time_s,
-                                                           const std::string& label) {
-  auto observation = std::make_shared<mrpt::obs::CObservationRobotPose>();
-  observation->timestamp = toMrptTime(time_s);
-  observation->sensorLabel = label;
-  observation->pose.mean = mrpt::poses::CPose3D(pose.x, pose.y, 0, pose.phi, 0, 0);
-  observation->pose.cov.setZero();
-  return observation;
-}
-
-std::shared_ptr<mrpt::obs::CObservationComment> makeComment(std::string text, const std::string& label) {
-  auto comment = std::make_shared<mrpt::obs::CObservationComment>();
-  comment->sensorLabel = label;
-  comment->timestamp = mrpt::Clock::time_point();
-  comment->text = std::move(text);
-  return comment;
 }
 
 }  // namespace
@@ -248,7 +217,7 @@ struct CarmenParser::Sweep {
                                                              double accuracy_m, double time_s,
                                                              const std::string& label) const {
     auto scan = std::make_shared<mrpt::obs::CObservation2DRangeScan>();
-    scan->timestamp = toMrptTime(time_s);
+    scan->timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(mrptTicks(time_s)));
     scan->sensorLabel = label;
     scan->rightToLeft = true;
     const double aperture_rad = static_cast<double>(ranges_m.size() - 1) * geometry.step_rad;
@@ -273,13 +242,18 @@ struct CarmenParser::Sweep {
   }
 };
 
+void CarmenSettings::takeLine(std::string_view line) {
+  CarmenParser::Words words{line};
+  if (words.next() != "PARAM") return;
+  const auto name = words.word("a parameter's name"), value = words.next();
+  take(name, value);
+}
+
 void CarmenParser::note(const std::string& key, const std::string& value, double time_s, Objects& objects) {
   std::string& known = notes_[key];
   if (known == value) return;
   known = value;
-  auto comment = makeComment(key + " " + value, kCarmenNote);
-  comment->timestamp = toMrptTime(time_s);
-  objects.push_back(std::move(comment));
+  objects.push_back(makeComment(std::string(kCarmenNote) + key + " " + value, mrptTicks(time_s)));
 }
 
 void CarmenParser::takeOdometry(Words& words, Objects& objects) {
@@ -292,7 +266,7 @@ void CarmenParser::takeOdometry(Words& words, Objects& objects) {
   const double time_s = words.stamp();
   note("host", words.tail(), time_s, objects);
   if (ignored != 0 || notes_.count("ODOM accel")) note("ODOM accel", acceleration, time_s, objects);
-  auto odometry = makeOdometry(pose, time_s, kOdometryLabel);
+  auto odometry = makeOdometry(pose, mrptTicks(time_s), kOdometryLabel);
   odometry->hasVelocities = true;
   odometry->velocityLocal = {tv_mps, 0, rv_radps};
   objects.push_back(std::move(odometry));
@@ -303,8 +277,8 @@ void CarmenParser::takeTruth(Words& words, Objects& objects) {
   const auto T_odom_robot = words.pose("odom_x odom_y odom_theta");
   const double time_s = words.stamp();
   note("host", words.tail(), time_s, objects);
-  objects.push_back(makeOdometry(T_odom_robot, time_s, std::string("TRUEPOS") + kOdometrySuffix));
-  objects.push_back(makePose(T_world_robot, time_s, kTruthLabel));
+  objects.push_back(makeOdometry(T_odom_robot, mrptTicks(time_s), std::string("TRUEPOS") + kOdometrySuffix));
+  objects.push_back(makeRobotPose(T_world_robot, mrptTicks(time_s), kTruthLabel));
 }
 
 void CarmenParser::takeOldLaser(const std::string& kind, Words& words, Objects& objects) {
@@ -316,8 +290,8 @@ void CarmenParser::takeOldLaser(const std::string& kind, Words& words, Objects& 
   const bool is_rear = kind == "RLASER";
   const auto geometry = settings_.geometry(sweep.ranges_m.size(), is_rear, T_odom_robot, T_odom_laser);
   if (!isClose(T_odom_robot * geometry.T_robot_lidar, T_odom_laser, kRounding))
-    objects.push_back(makePose(T_odom_laser, time_s, kind + kPoseSuffix));
-  objects.push_back(makeOdometry(T_odom_robot, time_s, kind + kOdometrySuffix));
+    objects.push_back(makeRobotPose(T_odom_laser, mrptTicks(time_s), kind + kPoseSuffix));
+  objects.push_back(makeOdometry(T_odom_robot, mrptTicks(time_s), kind + kOdometrySuffix));
   objects.push_back(sweep.toScan(geometry, kDefaultAccuracy_m, time_s, kind));
 }
 
@@ -372,7 +346,7 @@ void CarmenParser::takeNewLaser(const std::string& kind, Words& words, Objects& 
   if (!isClose(mount, shown, kMountChange))
     mount = {roundTo(shown.x, kMountStep), roundTo(shown.y, kMountStep), roundTo(shown.phi, kMountStep)};
   geometry.T_robot_lidar = mount;
-  auto odometry = makeOdometry(T_odom_robot, time_s, kind + kOdometrySuffix);
+  auto odometry = makeOdometry(T_odom_robot, mrptTicks(time_s), kind + kOdometrySuffix);
   odometry->hasVelocities = true;
   odometry->velocityLocal = {tv_mps, 0, rv_radps};
   objects.push_back(std::move(odometry));
@@ -380,19 +354,18 @@ void CarmenParser::takeNewLaser(const std::string& kind, Words& words, Objects& 
 }
 
 void CarmenParser::takeText(std::string_view line, Words words, Objects& objects) {
-  auto comment = makeComment(std::string(line), kCarmenLine);
+  auto comment = makeComment(std::string(kCarmenLine) + std::string(line), kNoStamp);
   const auto kind = words.next();
-  if (kind == "PARAM") {
-    const auto name = words.word("a parameter's name"), value = words.next();
-    settings_.take(name, value);
-  }
+  settings_.takeLine(line);
   if (kind == "PARAM" || kind == "SYNC") {
-    // The third word from the end, if there is one that can be a stamp: values may have blanks or be missing.
+    // The third word from the end: a value may have blanks, and some logs have no stamp there.
+    words.next();
+    if (kind == "PARAM") words.next();
     std::vector<std::string_view> all;
     for (auto word = words.next(); !word.empty(); word = words.next()) all.push_back(word);
     double time_s = 0;
     if (all.size() >= 3 && parse(all[all.size() - 3], time_s) && time_s > 0 && time_s < kYear10000_s)
-      comment->timestamp = toMrptTime(time_s);
+      comment->timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(mrptTicks(time_s)));
   }
   objects.push_back(std::move(comment));
 }
