@@ -21,6 +21,7 @@ namespace {
 constexpr size_t kLongestLine = 1 << 20;
 // CARMEN's reader of logs: carmen_laser_laser_message.maximum_range and accuracy of lines that do not say.
 constexpr double kDefaultMaxRange_m = 80, kDefaultAccuracy_m = 0.01;
+constexpr size_t kMostWaitingLines = 10000;
 constexpr double kLargestNumber = 1e6;  // of a range, in metres: far beyond any sensor, within a float
 constexpr double kYear10000_s = 253'402'300'800.0;
 // Odometry and laser pose have six decimals each.
@@ -264,7 +265,7 @@ void CarmenParser::takeOdometry(Words& words, Objects& objects) {
   if (!parse(acceleration, ignored))
     throw core::InputError("found " + quoted(acceleration) + ", expected accel (a finite number)");
   const double time_s = words.stamp();
-  note("host", words.tail(), time_s, objects);
+  begin(time_s, words.tail(), objects);
   if (ignored != 0 || notes_.count("ODOM accel")) note("ODOM accel", acceleration, time_s, objects);
   auto odometry = makeOdometry(pose, mrptTicks(time_s), kOdometryLabel);
   odometry->hasVelocities = true;
@@ -276,7 +277,7 @@ void CarmenParser::takeTruth(Words& words, Objects& objects) {
   const auto T_world_robot = words.pose("true_x true_y true_theta");
   const auto T_odom_robot = words.pose("odom_x odom_y odom_theta");
   const double time_s = words.stamp();
-  note("host", words.tail(), time_s, objects);
+  begin(time_s, words.tail(), objects);
   objects.push_back(makeOdometry(T_odom_robot, mrptTicks(time_s), std::string("TRUEPOS") + kOdometrySuffix));
   objects.push_back(makeRobotPose(T_world_robot, mrptTicks(time_s), kTruthLabel));
 }
@@ -286,7 +287,7 @@ void CarmenParser::takeOldLaser(const std::string& kind, Words& words, Objects& 
   sweep.readRanges(words.count("the number of ranges"), words);
   const auto T_odom_laser = words.pose("x y theta"), T_odom_robot = words.pose("odom_x odom_y odom_theta");
   const double time_s = words.stamp();
-  note("host", words.tail(), time_s, objects);
+  begin(time_s, words.tail(), objects);
   const bool is_rear = kind == "RLASER";
   const auto geometry = settings_.geometry(sweep.ranges_m.size(), is_rear, T_odom_robot, T_odom_laser);
   if (!isClose(T_odom_robot * geometry.T_robot_lidar, T_odom_laser, kRounding))
@@ -324,7 +325,7 @@ void CarmenParser::takeNewLaser(const std::string& kind, Words& words, Objects& 
   const bool is_raw = kind[1] == 'A';
   if (is_raw) {
     const double time_s = words.stamp();
-    note("host", words.tail(), time_s, objects);
+    begin(time_s, words.tail(), objects);
     note(kind + " config", config, time_s, objects);
     objects.push_back(sweep.toScan(geometry, accuracy_m, time_s, kind));
     return;
@@ -337,7 +338,7 @@ void CarmenParser::takeNewLaser(const std::string& kind, Words& words, Objects& 
   std::string safety(safety_start.substr(0, safety_start.size() - words.rest.size()));
   safety.erase(0, safety.find_first_not_of(" \t"));
   const double time_s = words.stamp();
-  note("host", words.tail(), time_s, objects);
+  begin(time_s, words.tail(), objects);
   note(kind + " config", config, time_s, objects);
   note(kind + " safety", safety, time_s, objects);
 
@@ -353,21 +354,22 @@ void CarmenParser::takeNewLaser(const std::string& kind, Words& words, Objects& 
   objects.push_back(sweep.toScan(geometry, accuracy_m, time_s, kind));
 }
 
-void CarmenParser::takeText(std::string_view line, Words words, Objects& objects) {
-  auto comment = makeComment(std::string(kCarmenLine) + std::string(line), kNoStamp);
-  const auto kind = words.next();
+void CarmenParser::takeText(std::string_view line, Objects& objects) {
   settings_.takeLine(line);
-  if (kind == "PARAM" || kind == "SYNC") {
-    // The third word from the end: a value may have blanks, and some logs have no stamp there.
-    words.next();
-    if (kind == "PARAM") words.next();
-    std::vector<std::string_view> all;
-    for (auto word = words.next(); !word.empty(); word = words.next()) all.push_back(word);
-    double time_s = 0;
-    if (all.size() >= 3 && parse(all[all.size() - 3], time_s) && time_s > 0 && time_s < kYear10000_s)
-      comment->timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(mrptTicks(time_s)));
-  }
-  objects.push_back(std::move(comment));
+  waiting_.push_back(std::string(kCarmenLine) + std::string(line));
+  if (newest_ticks_ != kNoStamp || waiting_.size() > kMostWaitingLines) finish(objects);
+}
+
+void CarmenParser::finish(Objects& objects) {
+  for (auto& text : waiting_) objects.push_back(makeComment(std::move(text), newest_ticks_));
+  waiting_.clear();
+}
+
+/// Of the objects of a message.
+void CarmenParser::begin(double time_s, const std::string& host, Objects& objects) {
+  newest_ticks_ = mrptTicks(time_s);
+  finish(objects);
+  note("host", host, time_s, objects);
 }
 
 void CarmenParser::take(std::string_view line, Objects& objects) {
@@ -387,7 +389,7 @@ void CarmenParser::take(std::string_view line, Objects& objects) {
     const auto readings = ahead.next();
     if (readings == "0" || readings == "1") {
       ++skipped_[std::string(kind) + " of fewer than 2 readings"];
-      takeText(line, {line}, objects);
+      takeText(line, objects);
     } else if (is_old_laser) {
       takeOldLaser(std::string(kind), words, objects);
     } else {
@@ -398,7 +400,7 @@ void CarmenParser::take(std::string_view line, Objects& objects) {
     if (kind[0] != '#' && !isKnown(kind))
       ++skipped_[skipped_.size() < kMostKinds || skipped_.count(std::string(kind)) ? std::string(kind)
                                                                                    : "..."];
-    takeText(line, {line}, objects);
+    takeText(line, objects);
   }
 }
 
@@ -476,8 +478,10 @@ bool CarmenObjects::readLine() {
 }
 
 std::shared_ptr<mrpt::serialization::CSerializable> CarmenObjects::next() {
-  while (ready_.empty())
-    if (!readLine()) return nullptr;
+  while (ready_.empty() && readLine()) {
+  }
+  if (ready_.empty()) parser_.finish(ready_);
+  if (ready_.empty()) return nullptr;
   auto object = std::move(ready_.front());
   ready_.pop_front();
   ++count_;

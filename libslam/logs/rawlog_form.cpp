@@ -6,6 +6,7 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CSensoryFrame.h>
 
+#include <algorithm>
 #include <deque>
 #include <utility>
 #include <vector>
@@ -113,6 +114,9 @@ class ToFrames : public Step {
   void takeObservation(const CObservation::Ptr& observation) {
     const bool is_scan = std::dynamic_pointer_cast<CObservation2DRangeScan>(observation) != nullptr;
     others_.push_back(observation);
+    // icp-slam stops at a frame whose first observation has no stamp.
+    if (is_scan && ticksOf(*others_.front()) == kNoStamp)
+      std::rotate(others_.begin(), others_.end() - 1, others_.end());
     if (is_scan)
       giveFrame(actionsOf(*observation));
     else if (others_.size() >= kMostWithoutScan)
