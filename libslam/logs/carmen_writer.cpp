@@ -57,6 +57,13 @@ void appendPose(std::string& text, const core::Pose2& pose) {
   appendNumbers(text, {pose.x, pose.y, pose.phi});
 }
 
+/// In a log whose headings count whole turns the laser's does too.
+core::Pose2 laserPose(const core::Pose2& T_odom_robot, const core::Pose2& T_robot_lidar) {
+  core::Pose2 pose = T_odom_robot * T_robot_lidar;
+  if (std::abs(T_odom_robot.phi) > core::kPi) pose.phi = T_odom_robot.phi + T_robot_lidar.phi;
+  return pose;
+}
+
 bool endsWith(const std::string& text, std::string_view end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
@@ -218,7 +225,7 @@ class CarmenSink : public ObjectSink {
     if (kind != "FLASER" && kind != "RLASER") return false;
     const auto pose = fromMrpt(scan.sensorPose);
     const bool is_rear = kind == "RLASER";
-    auto T_odom_laser = odometry_ * core::Pose2{pose.x, pose.y, is_rear ? core::kPi : 0};
+    auto T_odom_laser = laserPose(odometry_, {pose.x, pose.y, is_rear ? core::kPi : 0});
     if (laser_pose_of_ == kind + kPoseSuffix) T_odom_laser = laser_pose_;
     laser_pose_of_.clear();
     const auto geometry = settings_.geometry(scan.getScanSize(), is_rear, odometry_, T_odom_laser);
@@ -265,7 +272,7 @@ class CarmenSink : public ObjectSink {
     line += ' ' + std::to_string(sweep.remissions.size());
     for (const int remission : sweep.remissions) line += ' ' + std::to_string(remission);
     if (kind[1] == 'A') return writeLine(std::move(line), time_s);
-    appendPose(line, odometry_ * mount);
+    appendPose(line, laserPose(odometry_, mount));
     appendPose(line, odometry_);
     appendNumbers(line, {tv_mps_, rv_radps_});
     writeLine(line + ' ' + noteOr(kind + " safety", kNoSafety), time_s);
