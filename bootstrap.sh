@@ -28,7 +28,7 @@ packages=(
 )
 bench_packages=(libbenchmark-dev)
 # ROS's own libraries, with which tests compare ours; those tests skip where Debian no longer has them.
-oracle_packages=(librosbag-storage-dev libnav-msgs-dev libtf2-msgs-dev libfastcdr-dev)
+oracle_packages=(librosbag-storage-dev libroscpp-core-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev libfastcdr-dev)
 
 say() { printf 'bootstrap: %s\n' "$*" >&2; }
 
@@ -98,8 +98,9 @@ case "$verb" in
     build/release/apps/rasterslam demo "${arguments[@]}"
     ;;
   test)
+    install_missing "${packages[@]}"
     mapfile -t oracles < <(available_packages "${oracle_packages[@]}")
-    install_missing "${packages[@]}" "${oracles[@]}"
+    install_missing "${oracles[@]}"
     build release
     ctest --preset release -j "$(nproc)" "${arguments[@]}"
     ;;
