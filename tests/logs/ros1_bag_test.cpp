@@ -172,7 +172,8 @@ TEST(Ros1Bag, OfAnotherDefinitionIsRefused) {
 #else
 
 TEST(Ros1Bag, IsReadByRosbag) {
-  GTEST_SKIP() << "this test was built without librosbag (Debian: librosbag-storage-dev, libnav-msgs-dev, "
+  GTEST_SKIP() << "this test was built without librosbag (Debian: librosbag-storage-dev, libsensor-msgs-dev, "
+                  "libnav-msgs-dev, "
                   "libtf2-msgs-dev)";
 }
 
