@@ -23,9 +23,12 @@ packages=(
   g++ cmake ninja-build pkg-config
   libmrpt-dev mrpt-apps mrpt-common
   libopencv-dev libeigen3-dev libcli11-dev nlohmann-json3-dev libssl-dev zlib1g-dev libbz2-dev liblzma-dev
+  liblz4-dev libzstd-dev libsqlite3-dev
   libgtest-dev libgmock-dev clang-format-14
 )
 bench_packages=(libbenchmark-dev)
+# ROS's own libraries, with which tests compare ours; those tests skip where Debian no longer has them.
+oracle_packages=(librosbag-storage-dev libroscpp-core-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev libfastcdr-dev)
 
 say() { printf 'bootstrap: %s\n' "$*" >&2; }
 
@@ -58,6 +61,14 @@ install_missing() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2
 }
 
+# Of the packages named, those that this release of Debian has.
+available_packages() {
+  local name
+  for name in "$@"; do
+    [ -z "$(apt-cache madison "$name" 2>/dev/null)" ] || printf '%s\n' "$name"
+  done
+}
+
 build() {
   say "building with preset $1 (about 5 minutes on 2 cores the first time)"
   cmake --preset "$1" >&2
@@ -88,6 +99,8 @@ case "$verb" in
     ;;
   test)
     install_missing "${packages[@]}"
+    mapfile -t oracles < <(available_packages "${oracle_packages[@]}")
+    install_missing "${oracles[@]}"
     build release
     ctest --preset release -j "$(nproc)" "${arguments[@]}"
     ;;

@@ -5,6 +5,7 @@
 #include "libslam/core/error.h"
 #include "libslam/logs/carmen_log.h"
 #include "libslam/logs/rawlog_stream.h"
+#include "libslam/logs/ros_logs.h"
 
 namespace slam::logs {
 
@@ -44,6 +45,7 @@ LogFormat detectLogFormat(const std::string& path) {
 }
 
 std::unique_ptr<ObjectSource> openLog(const std::string& path) {
+  if (looksLikeRos2Folder(path)) return openRos2Folder(path);
   const LogFormat format = detectLogFormat(path);
   switch (format) {
     case LogFormat::kRawlog:
@@ -51,15 +53,29 @@ std::unique_ptr<ObjectSource> openLog(const std::string& path) {
     case LogFormat::kCarmen:
       return std::make_unique<CarmenObjects>(path);
     case LogFormat::kRos1Bag:
+      return openRos1Bag(path);
     case LogFormat::kRos2Db3:
+      return openRos2Db3(path);
     case LogFormat::kMcap:
-      break;
+      return openMcap(path);
   }
-  throw core::InputError(path + ": " + formatName(format) + " cannot be read yet");
+  throw core::ContractError("openLog: unknown format");
 }
 
 std::unique_ptr<ObjectSink> createLog(const std::string& path, LogFormat format) {
-  throw core::InputError(path + ": " + formatName(format) + " cannot be written yet");
+  switch (format) {
+    case LogFormat::kRawlog:
+      return std::make_unique<RawlogSink>(path);
+    case LogFormat::kCarmen:
+      return createCarmenLog(path);
+    case LogFormat::kRos1Bag:
+      return createRos1Bag(path);
+    case LogFormat::kRos2Db3:
+      return createRos2Db3(path);
+    case LogFormat::kMcap:
+      return createMcap(path);
+  }
+  throw core::ContractError("createLog: unknown format");
 }
 
 }  // namespace slam::logs
