@@ -1,6 +1,7 @@
 #include "libslam/logs/mrpt_time.h"
 
 #include <cmath>
+#include <limits>
 
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
@@ -9,6 +10,7 @@ namespace slam::logs {
 namespace {
 
 constexpr std::int64_t kTicksPerSecond = 10'000'000;
+constexpr std::int64_t kNanosecondsPerTick = 100;
 // From 1601-01-01 to 1970-01-01: 134774 days.
 constexpr std::int64_t kUnixEpochTicks = 134'774LL * 86'400LL * kTicksPerSecond;
 constexpr double kYear10000_s = 253'402'300'800.0;
@@ -31,6 +33,19 @@ double secondsFromMrptTicks(std::int64_t ticks) {
   const std::int64_t since_epoch = ticks - kUnixEpochTicks;
   return static_cast<double>(since_epoch / kTicksPerSecond) +
          static_cast<double>(since_epoch % kTicksPerSecond) / static_cast<double>(kTicksPerSecond);
+}
+
+std::int64_t mrptTicksFromUnixNanoseconds(std::int64_t time_ns) {
+  std::int64_t ticks = time_ns / kNanosecondsPerTick, rest = time_ns % kNanosecondsPerTick;
+  if (rest < 0) --ticks, rest += kNanosecondsPerTick;
+  return kUnixEpochTicks + ticks + (2 * rest >= kNanosecondsPerTick ? 1 : 0);
+}
+
+std::int64_t unixNanosecondsFromMrptTicks(std::int64_t ticks) {
+  constexpr std::int64_t kFurthest = std::numeric_limits<std::int64_t>::max() / kNanosecondsPerTick;
+  if (ticks < kUnixEpochTicks - kFurthest || ticks > kUnixEpochTicks + kFurthest)
+    throw core::ContractError("a stamp outside the years 1678 to 2262");
+  return (ticks - kUnixEpochTicks) * kNanosecondsPerTick;
 }
 
 }  // namespace slam::logs

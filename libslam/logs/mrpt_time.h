@@ -16,4 +16,9 @@ inline constexpr std::int64_t kNoStamp = 0;
 std::int64_t mrptTicks(double time_s);
 double secondsFromMrptTicks(std::int64_t ticks);
 
+/// Nanoseconds since the Unix epoch (ROS). Exact for whole ticks, else to the nearest tick.
+std::int64_t mrptTicksFromUnixNanoseconds(std::int64_t time_ns);
+/// Exact. REQUIRES a year from 1678 to 2262 (ContractError).
+std::int64_t unixNanosecondsFromMrptTicks(std::int64_t ticks);
+
 }  // namespace slam::logs

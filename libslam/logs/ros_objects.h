@@ -1,0 +1,70 @@
+#pragma once
+// For the .cpp files of this room only: what ROS bags of every container share.
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "libslam/logs/object_stream.h"
+#include "libslam/logs/ros_logs.h"
+#include "libslam/logs/ros_messages.h"
+
+namespace slam::logs {
+
+/// A topic of a bag.
+struct RosChannel {
+  std::string topic;  ///< this and the others: printable()
+  std::string type;   ///< without "/msg"
+  RosEncoding encoding = RosEncoding::kRos1;
+  /// "" for messages that can be decoded, else why not, such as "encoded as json".
+  std::string obstacle;
+  /// "" or, in a file that says so, the MD5 sum of a definition other than the one that we know.
+  std::string other_md5;
+};
+
+struct RosMessage {
+  const RosChannel* channel = nullptr;
+  std::int64_t received_ns = 0;  ///< when the recorder got it
+  std::string_view bytes;        ///< until the next message
+};
+
+/// The messages of a bag in the order of the file.
+class RosMessages {
+ public:
+  virtual ~RosMessages() = default;
+  /// False at the proper end. Errors: InputError with path, place and reason, after the good messages.
+  virtual bool next(RosMessage& message) = 0;
+  /// 0..1
+  virtual double fractionRead() const = 0;
+  /// What is missing from a bag that is otherwise read, or "".
+  virtual std::string remark() const { return ""; }
+};
+
+/// Opens the bag anew, from its start.
+using OpenRosMessages = std::function<std::unique_ptr<RosMessages>()>;
+
+/// The objects in the messages, by the rules of ros_logs.h.
+std::unique_ptr<ObjectSource> makeRosSource(const std::string& path, OpenRosMessages open,
+                                            const RosReadOptions& options);
+
+/// A bag being written. Channels come in with their first message.
+class RosBagWriter {
+ public:
+  virtual ~RosBagWriter() = default;
+  virtual RosEncoding encoding() const = 0;
+  /// Times never run back. `is_latched`: a subscriber that comes late gets the last message of the topic.
+  virtual void write(const std::string& topic, const std::string& type, bool is_latched, std::int64_t time_ns,
+                     std::string_view bytes) = 0;
+  virtual void close() = 0;
+};
+
+std::unique_ptr<ObjectSink> makeRosSink(std::unique_ptr<RosBagWriter> writer);
+
+/// A name from a file as one line can hold it: control characters become '?', the end of a long one "...".
+std::string printable(std::string_view name);
+
+/// "1 message", "3 messages"
+std::string counted(std::uint64_t count, const char* singular);
+
+}  // namespace slam::logs
