@@ -11,6 +11,7 @@ usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
   demo     build, then simulate a robot, run the SLAM methods, print the table (ARGUMENTS go to `rasterslam demo`)
   test     build, then run all tests
   bench    build with benchmarks, then run them (ARGUMENTS go to the benchmark)
+  fuzz     build every reader of files with clang's fuzzer and let each run a minute (ARGUMENTS go to tests/fuzz/run.sh)
 
   --no-install   do not install packages (for users without root); says what is missing and goes on
 
@@ -27,6 +28,7 @@ packages=(
   libgtest-dev libgmock-dev clang-format-14
 )
 bench_packages=(libbenchmark-dev)
+fuzz_packages=(clang-14 libclang-rt-14-dev)
 
 say() { printf 'bootstrap: %s\n' "$*" >&2; }
 
@@ -96,6 +98,10 @@ case "$verb" in
     install_missing "${packages[@]}" "${bench_packages[@]}"
     build bench
     build/release/benchmarks/rasterslam_bench "${arguments[@]}"
+    ;;
+  fuzz)
+    install_missing "${packages[@]}" "${fuzz_packages[@]}"
+    tests/fuzz/run.sh "${arguments[@]}"
     ;;
   "")
     usage
