@@ -11,6 +11,7 @@ usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
   demo     build, then simulate a robot, run the SLAM methods, print the table (ARGUMENTS go to `rasterslam demo`)
   test     build, then run all tests
   bench    build with benchmarks, then run them (ARGUMENTS go to the benchmark)
+  fuzz     build every reader of files with clang's fuzzer and let each run a minute (ARGUMENTS go to tests/fuzz/run.sh)
 
   --no-install   do not install packages (for users without root); says what is missing and goes on
 
@@ -29,6 +30,7 @@ packages=(
 bench_packages=(libbenchmark-dev)
 # ROS's own libraries, with which tests compare ours; those tests skip where Debian no longer has them.
 oracle_packages=(librosbag-storage-dev libroscpp-core-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev libfastcdr-dev)
+fuzz_packages=(clang-14 libclang-rt-14-dev)
 
 say() { printf 'bootstrap: %s\n' "$*" >&2; }
 
@@ -108,6 +110,10 @@ case "$verb" in
     install_missing "${packages[@]}" "${bench_packages[@]}"
     build bench
     build/release/benchmarks/rasterslam_bench "${arguments[@]}"
+    ;;
+  fuzz)
+    install_missing "${packages[@]}" "${fuzz_packages[@]}"
+    tests/fuzz/run.sh "${arguments[@]}"
     ;;
   "")
     usage

@@ -34,7 +34,7 @@ struct OptimizeResult {
 ///   none    every edge that is on.
 ///   local   on and off as they are to begin with (a new loop should be on); then loops are switched, either way, until
 ///           none costs more than switch_off_chi2 that is on, and none less that is off. For a graph that grows: when
-///           nothing is wrong it costs about half as much again as `none`.
+///           nothing is wrong it costs up to twice as much as `none`.
 ///   global  from no loop at all, taking in those that the graph is surest of first; then as `local`. The poses are
 ///           needed as a start all the same. For a whole graph of which nothing is known: it finds its way when every
 ///           second loop is wrong, and takes some dozens of `none`.
@@ -44,9 +44,12 @@ struct OptimizeResult {
 /// degrees of freedom). Where it is too modest, wrong loops hide in its slack: switch_off_medians finds the scale from
 /// the loops themselves. A loop that alone ties a part of the graph to the rest is never off.
 ///
+/// A graph that grows: from its old poses it takes two or three steps, and new edges may wait. At the minimum the edges
+/// that are added since move no pose by more than the root of the sum of their own chi2() in its standard deviations,
+/// so there is nothing to do until that sum is worth it.
+///
 /// Deterministic: the same graph gives the same bytes. Cost: each step is linear in the edges plus the factorisation;
-/// 1700 nodes with 2500 edges take 3 ms, 3500 with 5500 take 13 ms (benchmarks/results/posegraph.txt). A graph that
-/// grew by a few edges is optimised again in two or three steps from its old poses.
+/// benchmarks/results/posegraph.txt has figures (1700 nodes with 2500 edges in 3 ms, 3500 with 5500 in 13 ms).
 /// Errors: InputError for a node that no chain of edges that are on ties to a fixed node or to a prior; ContractError
 /// for an unknown `robust` or a number out of its row's bounds.
 OptimizeResult optimize(PoseGraph& graph, const OptimizeOptions& options = {});

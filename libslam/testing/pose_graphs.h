@@ -14,8 +14,8 @@ struct DrivenGraph {
   std::vector<core::Pose2> truth;  ///< by node
 };
 
-/// One node per metre; loops to all nodes within 2 m that are at least 20 older. Errors of edges are normal with the covariance that the edges state: 2 cm, 2 cm and 0.5 degrees, times `noise`. The same seed gives the
-/// same graph.
+/// One node per metre; loops to all nodes within 2 m that are at least 20 older. Errors of edges are normal with the
+/// covariance that the edges state: 2 cm, 2 cm and 0.5 degrees, times `noise`. The same seed gives the same graph.
 DrivenGraph driveOnGrid(int nodes, std::uint64_t seed, double noise = 1);
 
 /// Adds false loops, `share` times as many as the graph has loops, each between two nodes at least 20 apart, anywhere;

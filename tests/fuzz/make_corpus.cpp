@@ -1,0 +1,116 @@
+// Writes the seeds of the binary formats: make_corpus FOLDER. The same bytes every time.
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CActionRobotMovement2D.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationComment.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/serialization/CSerializable.h>
+#include <zlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <vector>
+
+#include "libslam/core/files.h"
+#include "libslam/logs/object_stream.h"
+#include "libslam/logs/ros_logs.h"
+
+namespace {
+
+using Objects = std::vector<std::shared_ptr<mrpt::serialization::CSerializable>>;
+
+template <class Observation>
+std::shared_ptr<Observation> stamped(double time_s, const char* label) {
+  auto observation = std::make_shared<Observation>();
+  observation->timestamp = mrpt::Clock::fromDouble(time_s);
+  observation->sensorLabel = label;
+  return observation;
+}
+
+/// Two moments of a robot with a lidar of 8 beams, as bare observations.
+Objects observations() {
+  Objects objects;
+  for (int i = 0; i < 2; ++i) {
+    const double time_s = 1e9 + i;
+    auto odometry = stamped<mrpt::obs::CObservationOdometry>(time_s, "ODOMETRY");
+    odometry->odometry = {0.5 * i, 0.25 * i, 0.1 * i};
+    objects.push_back(odometry);
+    auto scan = stamped<mrpt::obs::CObservation2DRangeScan>(time_s, "scan");
+    scan->aperture = 3.0F, scan->maxRange = 20, scan->rightToLeft = true;
+    scan->resizeScan(8);
+    for (size_t beam = 0; beam < 8; ++beam) {
+      scan->setScanRange(beam, 1.0F + static_cast<float>(beam));
+      scan->setScanRangeValidity(beam, beam != 3);
+    }
+    objects.push_back(scan);
+  }
+  return objects;
+}
+
+Objects frames() {
+  Objects objects;
+  for (const auto& object : observations()) {
+    const auto scan = std::dynamic_pointer_cast<mrpt::obs::CObservation2DRangeScan>(object);
+    if (!scan) continue;
+    auto actions = std::make_shared<mrpt::obs::CActionCollection>();
+    mrpt::obs::CActionRobotMovement2D move;
+    move.timestamp = scan->timestamp;
+    move.computeFromOdometry({0.1, 0, 0.05}, {});
+    actions->insert(move);
+    objects.push_back(actions);
+    auto frame = std::make_shared<mrpt::obs::CSensoryFrame>();
+    frame->insert(scan);
+    objects.push_back(frame);
+  }
+  return objects;
+}
+
+void write(const Objects& objects, std::unique_ptr<slam::logs::ObjectSink> sink) {
+  for (const auto& object : objects) sink->write(*object);
+  sink->close();
+}
+
+std::string folderOf(const std::string& corpus, const char* name) {
+  std::filesystem::create_directories(corpus + "/" + name);
+  return corpus + "/" + name + "/";
+}
+
+/// Packed data hide every change behind a checksum; a fuzzer needs the plain bytes.
+void unpack(const std::string& packed, const std::string& plain) {
+  gzFile in = gzopen(packed.c_str(), "rb");
+  std::ofstream out(plain, std::ios::binary);
+  std::vector<char> buffer(1 << 16);
+  for (int got = 0; (got = gzread(in, buffer.data(), static_cast<unsigned>(buffer.size()))) > 0;)
+    out.write(buffer.data(), got);
+  gzclose(in);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::cerr << "usage: make_corpus FOLDER\n";
+    return 2;
+  }
+  using namespace slam::logs;
+  const std::string corpus = argv[1];
+  const std::string rawlog = folderOf(corpus, "rawlog"), format = folderOf(corpus, "log_format");
+  const std::string packed = format + "frames.rawlog";
+  write(frames(), createLog(packed, LogFormat::kRawlog));
+  unpack(packed, rawlog + "frames.rawlog");
+  const std::string bare = format + "observations.rawlog";
+  write(observations(), createLog(bare, LogFormat::kRawlog));
+  unpack(bare, rawlog + "observations.rawlog");
+  write(observations(), createRos1Bag(folderOf(corpus, "ros1_bag") + "a.bag"));
+  write(observations(), createRos2Db3(folderOf(corpus, "ros2_db3") + "a.db3"));
+  for (const char* compression : {"none", "lz4", "zstd"}) {
+    McapWriteOptions options;
+    options.compression = compression;
+    options.ros1 = std::string(compression) == "lz4";
+    write(observations(), createMcap(folderOf(corpus, "mcap") + compression + ".mcap", options));
+  }
+  return 0;
+}
