@@ -1,8 +1,6 @@
 #include "libslam/logs/log_reader.h"
 
 #include <mrpt/obs/CActionCollection.h>
-#include <mrpt/obs/CActionRobotMovement2D.h>
-#include <mrpt/obs/CActionRobotMovement3D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CSensoryFrame.h>
@@ -12,6 +10,7 @@
 #include <utility>
 
 #include "libslam/core/error.h"
+#include "libslam/logs/action_increment.h"
 #include "libslam/logs/mrpt_time.h"
 #include "libslam/logs/object_stream.h"
 #include "libslam/robot/mrpt_types.h"
@@ -20,8 +19,6 @@ namespace slam::logs {
 namespace {
 
 using mrpt::obs::CActionCollection;
-using mrpt::obs::CActionRobotMovement2D;
-using mrpt::obs::CActionRobotMovement3D;
 using mrpt::obs::CObservation;
 using mrpt::obs::CObservation2DRangeScan;
 using mrpt::obs::CObservationOdometry;
@@ -58,21 +55,6 @@ struct Step {
 
 core::Pose2 fromMrptPose(const mrpt::poses::CPose2D& pose) {
   return {pose.x(), pose.y(), pose.phi()};
-}
-
-std::optional<core::Pose2> incrementOf(const CActionCollection& actions) {
-  std::optional<core::Pose2> matched, spatial;
-  for (const auto& action : actions) {
-    if (const auto* planar = dynamic_cast<const CActionRobotMovement2D*>(action.get())) {
-      if (planar->estimationMethod == CActionRobotMovement2D::emOdometry)
-        return fromMrptPose(planar->rawOdometryIncrementReading);
-      if (!matched && planar->poseChange) matched = fromMrptPose(planar->poseChange->getMeanVal());
-    } else if (const auto* full = dynamic_cast<const CActionRobotMovement3D*>(action.get())) {
-      const auto& mean = full->poseChange.mean;
-      if (!spatial) spatial = core::Pose2{mean.x(), mean.y(), mean.yaw()};
-    }
-  }
-  return matched ? matched : spatial;
 }
 
 /// From the objects of a rawlog, whatever its form, to scans with increments.
