@@ -22,7 +22,7 @@ TEXT
 packages=(
   g++ cmake ninja-build pkg-config
   libmrpt-dev mrpt-apps mrpt-common
-  libopencv-dev libeigen3-dev libcli11-dev nlohmann-json3-dev libssl-dev zlib1g-dev
+  libopencv-dev libeigen3-dev libcli11-dev nlohmann-json3-dev libssl-dev zlib1g-dev libbz2-dev liblzma-dev
   libgtest-dev libgmock-dev clang-format-14
 )
 bench_packages=(libbenchmark-dev)

@@ -5,6 +5,7 @@
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CSensoryFrame.h>
 
+#include <algorithm>
 #include <deque>
 #include <exception>
 #include <utility>
@@ -131,12 +132,23 @@ class StepReader {
     ++counts_.odometry_readings;
     if (has_actions_) return;
     waiting_.push_back({odometry.timestamp.time_since_epoch().count(), pose});
-    if (waiting_.size() > kMostWaitingReadings) useOldestReading();
+    if (waiting_.size() > kMostWaitingReadings) {
+      use(waiting_.front());
+      waiting_.pop_front();
+    }
   }
 
-  void useOldestReading() {
-    const Reading reading = waiting_.front();
-    waiting_.pop_front();
+  /// Up to the one that comes last in the file of those stamped at or before the scan. Later stamps before it are
+  /// passed over: the readings are absolute, so their motion is in it.
+  void useReadingsOf(std::int64_t scan_ticks) {
+    const auto is_due = [scan_ticks](const Reading& reading) { return reading.ticks <= scan_ticks; };
+    const auto end = std::find_if(waiting_.rbegin(), waiting_.rend(), is_due).base();
+    for (auto reading = waiting_.begin(); reading != end; ++reading)
+      if (is_due(*reading)) use(*reading);
+    waiting_.erase(waiting_.begin(), end);
+  }
+
+  void use(const Reading& reading) {
     if (last_reading_) motion_.add(core::between(*last_reading_, reading.T_odom_robot));
     last_reading_ = reading.T_odom_robot;
     motion_.has_reading = true;
@@ -148,7 +160,7 @@ class StepReader {
     if (ticks == kNoStamp) ticks = newest_ticks_;
     if (ticks == kNoStamp)
       fail("laser scan without a time stamp, and no action or odometry before it has one");
-    while (!has_actions_ && !waiting_.empty() && waiting_.front().ticks <= ticks) useOldestReading();
+    if (!has_actions_) useReadingsOf(ticks);
     Step step;
     step.label = observation.sensorLabel;
     try {

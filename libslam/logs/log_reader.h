@@ -28,15 +28,17 @@ struct LogCounts {
   bool has_bare_observations = false;  ///< observations outside of a frame
 };
 
-/// Reads an MRPT rawlog of either form (actions with sensory frames, or bare observations), gzip'ed or plain,
-/// streaming: memory does not grow with the log.
+/// Reads a log of any format that openLog() knows (an MRPT rawlog of either form: actions with sensory frames, or
+/// bare observations; a CARMEN log; ...), packed or plain, streaming: memory does not grow with the log.
 ///
 /// Increments. Actions: of the wheel odometry (CActionRobotMovement2D of kind emOdometry, its raw reading),
 /// else the mean of a scan matching one, else of a CActionRobotMovement3D; several actions before a scan
-/// compose. Bare readings (CObservationOdometry, absolute): those before the scan in the file and stamped at
-/// or before it; later ones wait. No new reading since the last scan: has_odometry is false. As soon as a log
-/// has shown an action with an increment, its bare readings count no more. What moved before the first scan
-/// is dropped: its T_odom_robot is the identity.
+/// compose. Bare readings (CObservationOdometry, absolute): of those before the scan in the file, the last one
+/// stamped at or before it; those after that one wait, those before it with a later stamp are passed over (logs
+/// whose stamps run back hold such: their motion is in the reading that counts). More than 1000 that wait mean
+/// clocks that disagree: then the order in the file decides. No new reading since the last scan: has_odometry
+/// is false. As soon as a log has shown an action with an increment, its bare readings count no more. What moved
+/// before the first scan is dropped: its T_odom_robot is the identity. Scans come in the order of the file.
 ///
 /// Several lidars: the label with the most scans among the first 100 scans (a tie: the one met first) unless
 /// `sensor_label` names one; the motion of skipped scans goes to the next one kept. Several scans of that
@@ -45,16 +47,16 @@ struct LogCounts {
 /// Stamps: a scan without one gets that of the newest action or odometry reading before it; without either,
 /// an InputError.
 ///
-/// Errors (InputError with path): missing, a folder, empty, not a rawlog; truncated: with the byte offset in
+/// Errors (InputError with path): those of openLog() and of the format; of a rawlog: truncated: with the byte offset in
 /// the (compressed) file and the number of good entries (LogCounts::entries) before it, which next() gives
-/// first; corrupt: with the same, where a gzip'ed log is checked whole before its first entry and the number
+/// first; corrupt: with the same, where a packed log is checked whole before its first entry and the number
 /// is an estimate; no scan of the named label (then with the labels that are there); a scan that
 /// robot::fromMrpt refuses, or odometry that is not finite: with the number of the entry. The checksum comes
 /// first because MRPT's parsers may crash on damaged bytes; a plain log has none, nor has one that is cut:
 /// there damage shows only where it breaks the structure. What nobody can tell: a plain log that was cut
 /// exactly between two entries.
 ///
-/// Cost: a gzip'ed log is unpacked twice.
+/// Cost: a packed rawlog is unpacked twice.
 ///
 /// MRPT recomputes the distribution of actions of model mmThrun while it loads them, with numbers from its
 /// generator of the calling thread. What next() gives does not depend on them, but a method that draws from

@@ -1,6 +1,9 @@
 #include "libslam/logs/object_stream.h"
 
+#include <string_view>
+
 #include "libslam/core/error.h"
+#include "libslam/logs/carmen_log.h"
 #include "libslam/logs/rawlog_stream.h"
 
 namespace slam::logs {
@@ -23,12 +26,36 @@ const char* formatName(LogFormat format) {
 
 LogFormat detectLogFormat(const std::string& path) {
   UnpackingStream stream(path);
-  return LogFormat::kRawlog;
+  constexpr size_t kEnough = 1 << 16;  // for the remarks before a CARMEN log's first message
+  const std::string start = stream.peek(kEnough);
+  const auto begins = [&start](std::string_view magic) {
+    return std::string_view(start).substr(0, magic.size()) == magic;
+  };
+  if (begins("#ROSBAG V")) return LogFormat::kRos1Bag;
+  if (begins({"SQLite format 3\0", 16})) return LogFormat::kRos2Db3;
+  if (begins("\x89MCAP0\r\n")) return LogFormat::kMcap;
+  if (looksLikeCarmen(start)) return LogFormat::kCarmen;
+  // Nothing in a file that is not empty is a packed log without entries, or damage that the reader of rawlogs
+  // describes.
+  if (start.empty() ? stream.fileBytes() > 0 : looksLikeRawlog(start)) return LogFormat::kRawlog;
+  requireUndamaged(path);
+  throw core::InputError(path + (start.empty() ? ": is empty" : ": is no log: it starts with other data") +
+                         ", expected an MRPT rawlog, a CARMEN log, a ROS 1 bag, a ROS 2 bag (.db3) or MCAP");
 }
 
 std::unique_ptr<ObjectSource> openLog(const std::string& path) {
-  detectLogFormat(path);
-  return std::make_unique<RawlogObjects>(path);
+  const LogFormat format = detectLogFormat(path);
+  switch (format) {
+    case LogFormat::kRawlog:
+      return std::make_unique<RawlogObjects>(path);
+    case LogFormat::kCarmen:
+      return std::make_unique<CarmenObjects>(path);
+    case LogFormat::kRos1Bag:
+    case LogFormat::kRos2Db3:
+    case LogFormat::kMcap:
+      break;
+  }
+  throw core::InputError(path + ": " + formatName(format) + " cannot be read yet");
 }
 
 std::unique_ptr<ObjectSink> createLog(const std::string& path, LogFormat format) {

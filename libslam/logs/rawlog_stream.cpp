@@ -12,21 +12,15 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 #include <new>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
 
 namespace slam::logs {
 namespace {
-
-constexpr size_t kInputBytes = 1 << 16;
-constexpr size_t kUnpackedBytes = 1 << 13;
-constexpr int kGzipWindowBits = 15 + 16;  // zlib.h, inflateInit2: 16 more than the window means gzip only
 
 [[noreturn]] void notOffered(const char* what) {
   throw core::ContractError(std::string("rawlog stream: ") + what + " is not offered");
@@ -93,25 +87,6 @@ std::uint64_t estimateEntries(const std::string& path) {
   return estimate.count();
 }
 
-/// Unpacks the whole file once. A cut is no damage: what comes before it can be read.
-void requireUndamaged(const std::string& path) {
-  using Failure = UnpackingStream::Failure;
-  UnpackingStream stream(path);
-  if (!stream.isPacked()) return;
-  while (!stream.take().empty()) {
-  }
-  if (stream.failure() == Failure::kChecksum)
-    throw core::InputError(path + ": corrupt: the gzip checksum at " + placeIn(stream) +
-                           " does not match, so one of its about " + std::to_string(estimateEntries(path)) +
-                           " entries is wrong");
-  if (stream.failure() == Failure::kDamaged) {
-    const std::uint64_t begun = estimateEntries(path);
-    throw core::InputError(path + ": corrupt: the gzip data breaks at " + placeIn(stream) + " (" +
-                           stream.failureText() + "), after about " +
-                           std::to_string(begun > 0 ? begun - 1 : 0) + " good entries");
-  }
-}
-
 constexpr size_t kLongestHeader = 4 + 127;
 
 bool isLogEntry(const mrpt::rtti::TRuntimeClassId& id) {
@@ -122,119 +97,27 @@ bool isLogEntry(const mrpt::rtti::TRuntimeClassId& id) {
 
 }  // namespace
 
-UnpackingStream::UnpackingStream(const std::string& path) : input_(kInputBytes) {
-  core::requireReadableFile(path);
-  file_.open(path, std::ios::binary);
-  std::error_code error;
-  file_bytes_ = std::filesystem::file_size(path, error);
-  if (!file_ || error) throw core::InputError(path + ": cannot be read: " + std::strerror(errno));
-  readFile();
-  packed_ = inflater_.avail_in >= 2 && input_[0] == 0x1F && input_[1] == 0x8B;
-  if (packed_ && inflateInit2(&inflater_, kGzipWindowBits) != Z_OK) throw std::bad_alloc();
-  in_member_ = packed_;
-}
-
-UnpackingStream::~UnpackingStream() {
-  if (packed_) inflateEnd(&inflater_);
-}
-
-bool UnpackingStream::readFile() {
-  file_.read(reinterpret_cast<char*>(input_.data()), static_cast<std::streamsize>(input_.size()));
-  inflater_.next_in = input_.data();
-  inflater_.avail_in = static_cast<uInt>(file_.gcount());
-  file_read_ += inflater_.avail_in;
-  return inflater_.avail_in > 0;
-}
-
-std::uint64_t UnpackingStream::fileOffset() const {
-  return file_read_ - inflater_.avail_in;
-}
-
-void UnpackingStream::inflateSome() {
-  const size_t old_size = unpacked_.size();
-  unpacked_.resize(old_size + kUnpackedBytes);
-  inflater_.next_out = unpacked_.data() + old_size;
-  inflater_.avail_out = kUnpackedBytes;
-  const int result = inflate(&inflater_, Z_NO_FLUSH);
-  unpacked_.resize(old_size + kUnpackedBytes - inflater_.avail_out);
-  if (result == Z_STREAM_END) {
-    in_member_ = false;
-  } else if (result != Z_OK && result != Z_BUF_ERROR) {
-    failure_text_ = inflater_.msg ? inflater_.msg : "cannot be unpacked";
-    const bool at_trailer =
-        failure_text_ == "incorrect data check" || failure_text_ == "incorrect length check";
-    pending_failure_ = at_trailer ? Failure::kChecksum : Failure::kDamaged;
+void requireUndamaged(const std::string& path) {
+  using Failure = UnpackingStream::Failure;
+  UnpackingStream stream(path);
+  if (!stream.isPacked()) return;
+  while (!stream.take().empty()) {
+  }
+  if (stream.failure() == Failure::kChecksum)
+    throw core::InputError(path + ": corrupt: the " + stream.packing() + " checksum at " + placeIn(stream) +
+                           " does not match, so one of its about " + std::to_string(estimateEntries(path)) +
+                           " entries is wrong");
+  if (stream.failure() == Failure::kDamaged) {
+    const std::uint64_t begun = estimateEntries(path);
+    throw core::InputError(path + ": corrupt: the " + stream.packing() + " data breaks at " +
+                           placeIn(stream) + " (" + stream.failureText() + "), after about " +
+                           std::to_string(begun > 0 ? begun - 1 : 0) + " good entries");
   }
 }
 
-/// More bytes into unpacked_; false when there are none.
-bool UnpackingStream::fill() {
-  unpacked_.erase(unpacked_.begin(), unpacked_.begin() + static_cast<std::ptrdiff_t>(unpacked_begin_));
-  unpacked_begin_ = 0;
-  const size_t size_before = unpacked_.size();
-  while (unpacked_.size() == size_before && pending_failure_ == Failure::kNone) {
-    if (inflater_.avail_in == 0 && !readFile()) {
-      if (in_member_) pending_failure_ = Failure::kTruncated;
-      break;
-    }
-    if (!packed_) {
-      const size_t count = std::min<size_t>(inflater_.avail_in, kUnpackedBytes);
-      unpacked_.insert(unpacked_.end(), inflater_.next_in, inflater_.next_in + count);
-      inflater_.next_in += count;
-      inflater_.avail_in -= static_cast<uInt>(count);
-      continue;
-    }
-    if (!in_member_) {
-      inflateReset(&inflater_);
-      in_member_ = true;
-    }
-    inflateSome();
-  }
-  return unpacked_.size() > size_before;
-}
-
-std::string UnpackingStream::peek(size_t count) {
-  while (unpacked_.size() - unpacked_begin_ < count && fill()) {
-  }
-  const size_t available = std::min(count, unpacked_.size() - unpacked_begin_);
-  if (available < count) failure_ = pending_failure_;
-  const auto begin = unpacked_.begin() + static_cast<std::ptrdiff_t>(unpacked_begin_);
-  return {begin, begin + static_cast<std::ptrdiff_t>(available)};
-}
-
-std::string UnpackingStream::take() {
-  if (unpacked_begin_ == unpacked_.size() && !fill()) {
-    failure_ = pending_failure_;
-    return "";
-  }
-  std::string piece(unpacked_.begin() + static_cast<std::ptrdiff_t>(unpacked_begin_), unpacked_.end());
-  unpacked_begin_ = unpacked_.size();
-  return piece;
-}
-
-size_t UnpackingStream::Read(void* buffer, size_t count) {
-  auto* target = static_cast<unsigned char*>(buffer);
-  size_t missing = count;
-  while (missing > 0) {
-    if (unpacked_begin_ == unpacked_.size() && !fill()) {
-      failure_ = pending_failure_ == Failure::kNone ? Failure::kTruncated : pending_failure_;
-      throw std::runtime_error("no more bytes");
-    }
-    const size_t step = std::min(missing, unpacked_.size() - unpacked_begin_);
-    std::memcpy(target, unpacked_.data() + unpacked_begin_, step);
-    unpacked_begin_ += step;
-    target += step;
-    missing -= step;
-  }
-  position_ += count;
-  return count;
-}
-
-size_t UnpackingStream::Write(const void*, size_t) {
-  notOffered("writing");
-}
-std::uint64_t UnpackingStream::Seek(std::int64_t, TSeekOrigin) {
-  notOffered("seeking");
+bool looksLikeRawlog(const std::string& start) {
+  const auto header = headerAt(start);
+  return !header.class_name.empty() || header.is_cut;
 }
 
 RawlogObjects::RawlogObjects(const std::string& path) : path_(path), stream_(path) {

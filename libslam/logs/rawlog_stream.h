@@ -4,65 +4,20 @@
 #include <zlib.h>
 
 #include <cstdint>
-#include <fstream>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "libslam/logs/object_stream.h"
+#include "libslam/logs/unpacking_stream.h"
 
 namespace slam::logs {
 
-/// The bytes of a file, unpacked when it is gzip'ed (one or several members) and as they are when not.
-/// Unlike MRPT's stream it knows how the data ended: properly, cut, or damaged (all that was unpacked before
-/// the damage is still delivered).
-class UnpackingStream : public mrpt::io::CStream {
- public:
-  /// Errors: missing, a folder, unreadable (InputError).
-  explicit UnpackingStream(const std::string& path);
-  ~UnpackingStream() override;
-  UnpackingStream(const UnpackingStream&) = delete;
-  UnpackingStream& operator=(const UnpackingStream&) = delete;
+/// True when this start of a file may be an MRPT object, also of a class that is no log's.
+bool looksLikeRawlog(const std::string& start);
 
-  /// Up to `count` of the bytes that come next, without taking them; fewer only at the end of the data.
-  std::string peek(size_t count);
-  /// All of `count` bytes, or a std::runtime_error after noting the failure.
-  size_t Read(void* buffer, size_t count) override;
-
-  /// Whatever is unpacked already, at least one byte; "" at the end of the data.
-  std::string take();
-
-  enum class Failure { kNone, kTruncated, kChecksum, kDamaged };
-  /// Set as soon as bytes are missing that should be there.
-  Failure failure() const { return failure_; }
-  /// zlib's words for a kDamaged stream.
-  const std::string& failureText() const { return failure_text_; }
-
-  bool isPacked() const { return packed_; }
-  std::uint64_t fileBytes() const { return file_bytes_; }
-  /// How many bytes of the file are used up; unpacking runs at most 8 KiB of content ahead of what was read.
-  std::uint64_t fileOffset() const;
-
-  size_t Write(const void*, size_t) override;
-  std::uint64_t Seek(std::int64_t, TSeekOrigin) override;
-  std::uint64_t getTotalBytesCount() const override { return file_bytes_; }
-  std::uint64_t getPosition() const override { return position_; }
-
- private:
-  bool fill();
-  bool readFile();
-  void inflateSome();
-
-  std::ifstream file_;
-  std::uint64_t file_bytes_ = 0, file_read_ = 0, position_ = 0;
-  bool packed_ = false;
-  bool in_member_ = false;  ///< inside a gzip member: the file must not end here
-  z_stream inflater_{};
-  std::vector<unsigned char> input_, unpacked_;
-  size_t unpacked_begin_ = 0;
-  Failure failure_ = Failure::kNone, pending_failure_ = Failure::kNone;
-  std::string failure_text_;
-};
+/// Unpacks a packed file once and throws the InputError that says where it is damaged. A cut is no damage: what
+/// comes before it can be read.
+void requireUndamaged(const std::string& path);
 
 /// The objects of a rawlog, one after the other. A packed file is unpacked once before, for its checksum.
 /// Errors (InputError with the path): empty file, not a rawlog, truncated, damaged; with byte offset and

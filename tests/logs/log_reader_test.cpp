@@ -160,6 +160,23 @@ TEST(LogReader, PairsABareScanWithTheNewestOdometryOfItsTime) {
   EXPECT_THAT(travelled(entries), ElementsAre(0, 0, 3, 3, 10));
 }
 
+TEST(LogReader, LetsNoReadingOfALaterStampBlockThoseAfterItInTheFile) {
+  const testing::TempFolder folder;
+  {
+    RawObjects log(folder / "a.rawlog");
+    log << rawOdometry(kStart_s + 1, 1)
+        << rawScan(kStart_s + 1, "L")
+        // The stamps run back by a second, then go on.
+        << rawOdometry(kStart_s + 2, 2) << rawOdometry(kStart_s + 1.5, 4) << rawScan(kStart_s + 1.5, "L")
+        << rawScan(kStart_s + 2, "L")  // nothing new: what it could have had was passed over
+        << rawOdometry(kStart_s + 3, 9) << rawOdometry(kStart_s + 2.5, 5) << rawScan(kStart_s + 2.6, "L")
+        << rawOdometry(kStart_s + 4, 12) << rawScan(kStart_s + 4, "L");
+  }
+  const auto entries = readLog(folder / "a.rawlog");
+  EXPECT_THAT(measured(entries), ElementsAre(true, true, false, true, true));
+  EXPECT_THAT(travelled(entries), ElementsAre(0, 3, 3, 4, 11));
+}
+
 TEST(LogReader, TakesTheFirstReadingForTheIdentityWhateverItSays) {
   const testing::TempFolder folder;
   {
@@ -295,7 +312,7 @@ TEST(LogReader, RefusesAScanThatNothingGivesAStamp) {
 
 // --- Bad input ------------------------------------------------------------------------------------------
 
-TEST(LogReader, SaysWhatAFileIsThatIsNoRawlog) {
+TEST(LogReader, SaysWhatAFileIsThatIsNoLog) {
   const testing::TempFolder folder;
   const auto errorOf = [&folder](const std::string& bytes) {
     writeBytes(bytes, folder / "x");
@@ -304,11 +321,13 @@ TEST(LogReader, SaysWhatAFileIsThatIsNoRawlog) {
   const std::string path = folder / "x";
   EXPECT_EQ(readOutcome(folder / "none").error, folder / "none" + ": no such file");
   EXPECT_EQ(readOutcome(folder.path()).error, folder.path() + ": is a folder, expected a file");
-  EXPECT_EQ(errorOf(""), path + ": is empty, expected an MRPT rawlog");
-  const std::string other = path + ": is not an MRPT rawlog: it starts with other data";
+  const std::string formats =
+      ", expected an MRPT rawlog, a CARMEN log, a ROS 1 bag, a ROS 2 bag (.db3) or MCAP";
+  EXPECT_EQ(errorOf(""), path + ": is empty" + formats);
+  const std::string other = path + ": is no log: it starts with other data" + formats;
   EXPECT_EQ(errorOf("1 2 3 4\n"), other);
   EXPECT_EQ(errorOf("\x89PNG\r\n\x1A\n and so on"), other);
-  EXPECT_EQ(errorOf("\x1F"), other);
+  EXPECT_EQ(errorOf("\x1F"), path + ": is not an MRPT rawlog: it starts with other data");
   EXPECT_EQ(errorOf(std::string(1000, '\0')), other);
   EXPECT_EQ(errorOf(std::string("\x83"
                                 "Foo",

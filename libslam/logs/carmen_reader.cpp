@@ -1,0 +1,514 @@
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationComment.h>
+#include <mrpt/obs/CObservationOdometry.h>
+#include <mrpt/obs/CObservationRobotPose.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <vector>
+
+#include "libslam/core/error.h"
+#include "libslam/core/parameters.h"
+#include "libslam/logs/carmen_log.h"
+#include "libslam/logs/mrpt_time.h"
+
+namespace slam::logs {
+namespace {
+
+constexpr size_t kLongestLine = 1 << 20;
+// CARMEN's reader of logs: carmen_laser_laser_message.maximum_range and accuracy of lines that do not say.
+constexpr double kDefaultMaxRange_m = 80, kDefaultAccuracy_m = 0.01;
+constexpr double kLargestNumber = 1e6;  // of a range, in metres: far beyond any sensor, within a float
+constexpr double kYear10000_s = 253'402'300'800.0;
+// Odometry and laser pose have six decimals each.
+constexpr double kRounding = 2e-6;
+constexpr double kMountStep = 1e-4, kMountChange = 1e-3;
+
+/// Readings of a sweep that spans so many degrees, of the scanners that are known by this number.
+struct KnownSweep {
+  size_t steps;
+  double span_deg;
+};
+constexpr std::array<KnownSweep, 8> kKnownSweeps = {
+    {{180, 180}, {360, 180}, {400, 100}, {200, 100}, {100, 100}, {540, 270}, {1080, 270}, {720, 180}}};
+constexpr double kOtherSpan_deg = 180;
+
+bool isBlank(char c) {
+  return c == ' ' || c == '\t' || c == '\r';
+}
+
+std::string quoted(std::string_view word) {
+  constexpr size_t kMost = 40;
+  std::string text = "'";
+  for (const char c : word.substr(0, kMost)) text += c < 32 || c == 127 ? '?' : c;
+  return text + (word.size() > kMost ? "...'" : "'");
+}
+
+bool parse(std::string_view word, double& value) {
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
+  const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
+  return result.ec == std::errc() && result.ptr == word.data() + word.size() && std::isfinite(value);
+}
+
+mrpt::Clock::time_point toMrptTime(double time_s) {
+  return mrpt::Clock::time_point(mrpt::Clock::duration(mrptTicks(time_s)));
+}
+
+bool isLaserOf(std::string_view kind, std::string_view name) {
+  return kind.size() == name.size() + 1 && kind.substr(0, name.size()) == name && kind.back() >= '0' &&
+         kind.back() <= '9';
+}
+
+bool isKnown(std::string_view kind) {
+  for (const char* name : {"FLASER", "RLASER", "ODOM", "TRUEPOS", "PARAM", "SYNC"})
+    if (kind == name) return true;
+  return isLaserOf(kind, "ROBOTLASER") || isLaserOf(kind, "RAWLASER");
+}
+
+double roundTo(double value, double step) {
+  return std::round(value / step) * step;
+}
+
+bool isClose(const core::Pose2& a, const core::Pose2& b, double tolerance) {
+  return std::abs(a.x - b.x) <= tolerance && std::abs(a.y - b.y) <= tolerance &&
+         std::abs(core::angleDifference(a.phi, b.phi)) <= tolerance;
+}
+
+std::shared_ptr<mrpt::obs::CObservationOdometry> makeOdometry(const core::Pose2& pose, double time_s,
+                                                              const std::string& label) {
+  auto odometry = std::make_shared<mrpt::obs::CObservationOdometry>();
+  odometry->timestamp = toMrptTime(time_s);
+  odometry->sensorLabel = label;
+  odometry->odometry = mrpt::poses::CPose2D(pose.x, pose.y, 0);
+  odometry->odometry.phi(pose.phi);  // the constructor would wrap a heading that counts whole turns
+  return odometry;
+}
+
+std::shared_ptr<mrpt::obs::CObservationRobotPose> makePose(const core::Pose2& pose, double time_s,
+                                                           const std::string& label) {
+  auto observation = std::make_shared<mrpt::obs::CObservationRobotPose>();
+  observation->timestamp = toMrptTime(time_s);
+  observation->sensorLabel = label;
+  observation->pose.mean = mrpt::poses::CPose3D(pose.x, pose.y, 0, pose.phi, 0, 0);
+  observation->pose.cov.setZero();
+  return observation;
+}
+
+std::shared_ptr<mrpt::obs::CObservationComment> makeComment(std::string text, const std::string& label) {
+  auto comment = std::make_shared<mrpt::obs::CObservationComment>();
+  comment->sensorLabel = label;
+  comment->timestamp = mrpt::Clock::time_point();
+  comment->text = std::move(text);
+  return comment;
+}
+
+}  // namespace
+
+// --- Settings -------------------------------------------------------------------------------------------------
+
+void CarmenSettings::take(std::string_view name, std::string_view value) {
+  struct Row {
+    std::string_view name;
+    std::optional<double> Laser::*member;
+    Laser CarmenSettings::*laser;
+    double lowest, highest;
+  };
+  constexpr double kTiny = 1e-3;
+  static const std::array<Row, 8> kRows = {{
+      {"robot_frontlaser_offset", &Laser::offset_m, &CarmenSettings::front_, -100, 100},
+      {"robot_rearlaser_offset", &Laser::offset_m, &CarmenSettings::rear_, -100, 100},
+      {"robot_front_laser_max", &Laser::max_range_m, &CarmenSettings::front_, kTiny, kLargestNumber},
+      {"robot_rear_laser_max", &Laser::max_range_m, &CarmenSettings::rear_, kTiny, kLargestNumber},
+      {"laser_front_laser_resolution", &Laser::step_deg, &CarmenSettings::front_, kTiny, 180},
+      {"laser_rear_laser_resolution", &Laser::step_deg, &CarmenSettings::rear_, kTiny, 180},
+      {"laser_front_laser_fov", &Laser::fov_deg, &CarmenSettings::front_, kTiny, 360},
+      {"laser_rear_laser_fov", &Laser::fov_deg, &CarmenSettings::rear_, kTiny, 360},
+  }};
+  for (const Row& row : kRows) {
+    if (row.name != name) continue;
+    double number = 0;
+    if (!parse(value, number) || number < row.lowest || number > row.highest)
+      throw core::InputError("parameter " + std::string(name) + ": found " + quoted(value) +
+                             ", expected a number from " + core::formatNumber(row.lowest) + " to " +
+                             core::formatNumber(row.highest));
+    (this->*row.laser).*row.member = number;
+  }
+}
+
+CarmenSettings::Geometry CarmenSettings::geometry(size_t readings, bool is_rear,
+                                                  const core::Pose2& T_odom_robot,
+                                                  const core::Pose2& T_odom_laser) const {
+  const Laser& laser = is_rear ? rear_ : front_;
+  // The whole sweep has an odd number of readings; an even one lacks the last.
+  const size_t steps = readings - readings % 2;
+  double span_deg = kOtherSpan_deg;
+  for (const auto& known : kKnownSweeps)
+    if (known.steps == steps) span_deg = known.span_deg;
+  if (laser.step_deg && *laser.step_deg * static_cast<double>(steps) <= 360 + 1e-6)
+    span_deg = *laser.step_deg * static_cast<double>(steps);
+  Geometry geometry;
+  geometry.step_rad = core::degToRad(span_deg / static_cast<double>(steps));
+  geometry.first_angle_rad = core::degToRad(-laser.fov_deg.value_or(span_deg) / 2);
+  geometry.max_range_m = laser.max_range_m.value_or(kDefaultMaxRange_m);
+  geometry.T_robot_lidar.x = laser.offset_m.value_or(0);
+  if (!is_rear) return geometry;
+  const double shown_x_m = core::between(T_odom_robot, T_odom_laser).x;
+  if (shown_x_m * geometry.T_robot_lidar.x < 0) geometry.T_robot_lidar.x *= -1;
+  geometry.T_robot_lidar.phi = core::kPi;
+  return geometry;
+}
+
+// --- Lines ----------------------------------------------------------------------------------------------------
+
+/// The words of one line, in order.
+struct CarmenParser::Words {
+  std::string_view rest;
+
+  std::string_view next() {
+    size_t begin = 0;
+    while (begin < rest.size() && isBlank(rest[begin])) ++begin;
+    size_t end = begin;
+    while (end < rest.size() && !isBlank(rest[end])) ++end;
+    const std::string_view word = rest.substr(begin, end - begin);
+    rest.remove_prefix(end);
+    return word;
+  }
+  std::string_view word(const char* expected) {
+    const auto found = next();
+    if (found.empty()) throw core::InputError("found the end of the line, expected " + std::string(expected));
+    return found;
+  }
+  double number(const char* expected) {
+    const auto found = word(expected);
+    double value = 0;
+    if (!parse(found, value))
+      throw core::InputError("found " + quoted(found) + ", expected " + expected + " (a finite number)");
+    return value;
+  }
+  core::Pose2 pose(const char* expected) {
+    const double x = number(expected), y = number(expected);
+    return {x, y, number(expected)};
+  }
+  /// How many of something follow: no more than the line has room for.
+  size_t count(const char* expected) {
+    const auto found = word(expected);
+    size_t value = 0;
+    const auto result = std::from_chars(found.data(), found.data() + found.size(), value);
+    if (result.ec != std::errc() || result.ptr != found.data() + found.size() || value > rest.size())
+      throw core::InputError("found " + quoted(found) + ", expected " + expected +
+                             " (a whole number, at most as many as the line has)");
+    return value;
+  }
+  double stamp() {
+    const auto found = word("ipc_timestamp");
+    double time_s = 0;
+    if (!parse(found, time_s) || time_s < 0 || time_s >= kYear10000_s)
+      throw core::InputError("found " + quoted(found) +
+                             ", expected ipc_timestamp (seconds since 1970, before the year 10000)");
+    return time_s;
+  }
+  /// The end of every message; the host.
+  std::string tail() {
+    std::string host(word("ipc_hostname"));
+    number("logger_timestamp");
+    const auto more = next();
+    if (!more.empty()) throw core::InputError("found " + quoted(more) + ", expected the end of the line");
+    return host;
+  }
+};
+
+/// The ranges and remissions of a line.
+struct CarmenParser::Sweep {
+  std::vector<double> ranges_m;
+  std::vector<int> remissions;
+
+  void readRanges(size_t count, Words& words) {
+    ranges_m.resize(count);
+    for (size_t i = 0; i < count; ++i) {
+      double& range_m = ranges_m[i];
+      const auto word = words.next();
+      if (!parse(word, range_m) || std::abs(range_m) > kLargestNumber)
+        throw core::InputError("found " + (word.empty() ? "the end of the line" : quoted(word)) +
+                               ", expected range " + std::to_string(i + 1) + " of " + std::to_string(count) +
+                               " (metres)");
+    }
+  }
+  void readRemissions(Words& words) {
+    const size_t count = words.count("the number of remissions");
+    remissions.resize(count);
+    for (int& remission : remissions) {
+      const double value = words.number("a remission");
+      constexpr double kMost = 2e9;  // MRPT holds them as 32-bit integers
+      remission = static_cast<int>(std::lround(std::clamp(value, -kMost, kMost)));
+    }
+  }
+  std::shared_ptr<mrpt::obs::CObservation2DRangeScan> toScan(const CarmenSettings::Geometry& geometry,
+                                                             double accuracy_m, double time_s,
+                                                             const std::string& label) const {
+    auto scan = std::make_shared<mrpt::obs::CObservation2DRangeScan>();
+    scan->timestamp = toMrptTime(time_s);
+    scan->sensorLabel = label;
+    scan->rightToLeft = true;
+    const double aperture_rad = static_cast<double>(ranges_m.size() - 1) * geometry.step_rad;
+    scan->aperture = static_cast<float>(aperture_rad);
+    scan->maxRange = static_cast<float>(geometry.max_range_m);
+    scan->stdError = static_cast<float>(accuracy_m);
+    // MRPT's beams are centred on the sensor's x axis; a sweep that is not is the same of a turned sensor.
+    const double centre_rad = geometry.first_angle_rad + aperture_rad / 2;
+    const auto& mount = geometry.T_robot_lidar;
+    scan->sensorPose =
+        mrpt::poses::CPose3D(mount.x, mount.y, 0, core::wrapToPi(mount.phi + centre_rad), 0, 0);
+    scan->resizeScan(ranges_m.size());
+    for (size_t i = 0; i < ranges_m.size(); ++i) {
+      scan->setScanRange(i, static_cast<float>(ranges_m[i]));
+      scan->setScanRangeValidity(i, ranges_m[i] > 0 && ranges_m[i] < geometry.max_range_m);
+    }
+    if (remissions.size() == ranges_m.size()) {
+      scan->setScanHasIntensity(true);
+      for (size_t i = 0; i < remissions.size(); ++i) scan->setScanIntensity(i, remissions[i]);
+    }
+    return scan;
+  }
+};
+
+void CarmenParser::note(const std::string& key, const std::string& value, double time_s, Objects& objects) {
+  std::string& known = notes_[key];
+  if (known == value) return;
+  known = value;
+  auto comment = makeComment(key + " " + value, kCarmenNote);
+  comment->timestamp = toMrptTime(time_s);
+  objects.push_back(std::move(comment));
+}
+
+void CarmenParser::takeOdometry(Words& words, Objects& objects) {
+  const auto pose = words.pose("x y theta");
+  const double tv_mps = words.number("tv"), rv_radps = words.number("rv");
+  const std::string acceleration(words.word("accel"));
+  double ignored = 0;
+  if (!parse(acceleration, ignored))
+    throw core::InputError("found " + quoted(acceleration) + ", expected accel (a finite number)");
+  const double time_s = words.stamp();
+  note("host", words.tail(), time_s, objects);
+  if (ignored != 0 || notes_.count("ODOM accel")) note("ODOM accel", acceleration, time_s, objects);
+  auto odometry = makeOdometry(pose, time_s, kOdometryLabel);
+  odometry->hasVelocities = true;
+  odometry->velocityLocal = {tv_mps, 0, rv_radps};
+  objects.push_back(std::move(odometry));
+}
+
+void CarmenParser::takeTruth(Words& words, Objects& objects) {
+  const auto T_world_robot = words.pose("true_x true_y true_theta");
+  const auto T_odom_robot = words.pose("odom_x odom_y odom_theta");
+  const double time_s = words.stamp();
+  note("host", words.tail(), time_s, objects);
+  objects.push_back(makeOdometry(T_odom_robot, time_s, std::string("TRUEPOS") + kOdometrySuffix));
+  objects.push_back(makePose(T_world_robot, time_s, kTruthLabel));
+}
+
+void CarmenParser::takeOldLaser(const std::string& kind, Words& words, Objects& objects) {
+  Sweep sweep;
+  sweep.readRanges(words.count("the number of ranges"), words);
+  const auto T_odom_laser = words.pose("x y theta"), T_odom_robot = words.pose("odom_x odom_y odom_theta");
+  const double time_s = words.stamp();
+  note("host", words.tail(), time_s, objects);
+  const bool is_rear = kind == "RLASER";
+  const auto geometry = settings_.geometry(sweep.ranges_m.size(), is_rear, T_odom_robot, T_odom_laser);
+  if (!isClose(T_odom_robot * geometry.T_robot_lidar, T_odom_laser, kRounding))
+    objects.push_back(makePose(T_odom_laser, time_s, kind + kPoseSuffix));
+  objects.push_back(makeOdometry(T_odom_robot, time_s, kind + kOdometrySuffix));
+  objects.push_back(sweep.toScan(geometry, kDefaultAccuracy_m, time_s, kind));
+}
+
+void CarmenParser::takeNewLaser(const std::string& kind, Words& words, Objects& objects) {
+  const std::string_view config_start = words.rest;
+  words.number("laser_type");
+  CarmenSettings::Geometry geometry;
+  geometry.first_angle_rad = words.number("start_angle");
+  words.number("field_of_view");
+  geometry.step_rad = words.number("angular_resolution");
+  geometry.max_range_m = words.number("maximum_range");
+  const double accuracy_m = words.number("accuracy");
+  words.number("remission_mode");
+  std::string config(config_start.substr(0, config_start.size() - words.rest.size()));
+  config.erase(0, config.find_first_not_of(" \t"));
+
+  Sweep sweep;
+  sweep.readRanges(words.count("the number of ranges"), words);
+  const double steps = static_cast<double>(sweep.ranges_m.size()) - 1;
+  if (!(geometry.step_rad > 0) || geometry.step_rad * steps > 2 * core::kPi + 1e-4 ||
+      std::abs(geometry.first_angle_rad) > 4 * core::kPi)
+    throw core::InputError("found a sweep of " + std::to_string(sweep.ranges_m.size()) + " ranges " +
+                           core::formatNumber(geometry.step_rad) + " rad apart from " +
+                           core::formatNumber(geometry.first_angle_rad) + ", expected at most one turn");
+  if (!(geometry.max_range_m > 0 && geometry.max_range_m <= kLargestNumber))
+    throw core::InputError("found maximum_range " + core::formatNumber(geometry.max_range_m) +
+                           ", expected a number above 0");
+  sweep.readRemissions(words);
+
+  const bool is_raw = kind[1] == 'A';
+  if (is_raw) {
+    const double time_s = words.stamp();
+    note("host", words.tail(), time_s, objects);
+    note(kind + " config", config, time_s, objects);
+    objects.push_back(sweep.toScan(geometry, accuracy_m, time_s, kind));
+    return;
+  }
+  const auto T_odom_laser = words.pose("laser_x laser_y laser_theta"),
+             T_odom_robot = words.pose("odom_x odom_y odom_theta");
+  const double tv_mps = words.number("tv"), rv_radps = words.number("rv");
+  const std::string_view safety_start = words.rest;
+  for (const char* name : {"forward_safety_dist", "side_safety_dist", "turn_axis"}) words.number(name);
+  std::string safety(safety_start.substr(0, safety_start.size() - words.rest.size()));
+  safety.erase(0, safety.find_first_not_of(" \t"));
+  const double time_s = words.stamp();
+  note("host", words.tail(), time_s, objects);
+  note(kind + " config", config, time_s, objects);
+  note(kind + " safety", safety, time_s, objects);
+
+  const auto shown = core::between(T_odom_robot, T_odom_laser);
+  auto& mount = mounts_[kind];
+  if (!isClose(mount, shown, kMountChange))
+    mount = {roundTo(shown.x, kMountStep), roundTo(shown.y, kMountStep), roundTo(shown.phi, kMountStep)};
+  geometry.T_robot_lidar = mount;
+  auto odometry = makeOdometry(T_odom_robot, time_s, kind + kOdometrySuffix);
+  odometry->hasVelocities = true;
+  odometry->velocityLocal = {tv_mps, 0, rv_radps};
+  objects.push_back(std::move(odometry));
+  objects.push_back(sweep.toScan(geometry, accuracy_m, time_s, kind));
+}
+
+void CarmenParser::takeText(std::string_view line, Words words, Objects& objects) {
+  auto comment = makeComment(std::string(line), kCarmenLine);
+  const auto kind = words.next();
+  if (kind == "PARAM") {
+    const auto name = words.word("a parameter's name"), value = words.next();
+    settings_.take(name, value);
+  }
+  if (kind == "PARAM" || kind == "SYNC") {
+    // The third word from the end, if there is one that can be a stamp: values may have blanks or be missing.
+    std::vector<std::string_view> all;
+    for (auto word = words.next(); !word.empty(); word = words.next()) all.push_back(word);
+    double time_s = 0;
+    if (all.size() >= 3 && parse(all[all.size() - 3], time_s) && time_s > 0 && time_s < kYear10000_s)
+      comment->timestamp = toMrptTime(time_s);
+  }
+  objects.push_back(std::move(comment));
+}
+
+void CarmenParser::take(std::string_view line, Objects& objects) {
+  Words words{line};
+  const std::string_view kind = words.next();
+  if (kind.empty()) return;
+  const bool is_old_laser = kind == "FLASER" || kind == "RLASER";
+  const bool is_new_laser = isLaserOf(kind, "ROBOTLASER") || isLaserOf(kind, "RAWLASER");
+  if (kind == "ODOM") {
+    takeOdometry(words, objects);
+  } else if (kind == "TRUEPOS") {
+    takeTruth(words, objects);
+  } else if (is_old_laser || is_new_laser) {
+    Words ahead = words;
+    if (is_new_laser)
+      for (int i = 0; i < 7; ++i) ahead.next();
+    const auto readings = ahead.next();
+    if (readings == "0" || readings == "1") {
+      ++skipped_[std::string(kind) + " of fewer than 2 readings"];
+      takeText(line, {line}, objects);
+    } else if (is_old_laser) {
+      takeOldLaser(std::string(kind), words, objects);
+    } else {
+      takeNewLaser(std::string(kind), words, objects);
+    }
+  } else {
+    constexpr size_t kMostKinds = 100;  // text that is no CARMEN log after all has a new "kind" in every line
+    if (kind[0] != '#' && !isKnown(kind))
+      ++skipped_[skipped_.size() < kMostKinds || skipped_.count(std::string(kind)) ? std::string(kind)
+                                                                                   : "..."];
+    takeText(line, {line}, objects);
+  }
+}
+
+std::string CarmenParser::skipped() const {
+  std::uint64_t lines = 0;
+  std::string kinds;
+  for (const auto& [kind, count] : skipped_) {
+    lines += count;
+    kinds += (kinds.empty() ? "" : ", ") + std::to_string(count) + " " + kind;
+  }
+  if (lines == 0) return "";
+  return std::to_string(lines) + (lines == 1 ? " line" : " lines") + " kept as text only (" + kinds + ")";
+}
+
+// --- Files ----------------------------------------------------------------------------------------------------
+
+bool looksLikeCarmen(std::string_view start) {
+  const auto is_control = [](char c) { return (c >= 0 && c < 32 && c != '\n' && !isBlank(c)) || c == 127; };
+  if (std::any_of(start.begin(), start.end(), is_control)) return false;
+  for (size_t begin = 0; begin < start.size();) {
+    const size_t end = std::min(start.find('\n', begin), start.size());
+    const auto line = start.substr(begin, end - begin);
+    const size_t kind_end = line.find_first_of(" \t");
+    if (kind_end != std::string_view::npos && isKnown(line.substr(0, kind_end))) return true;
+    begin = end + 1;
+  }
+  return false;
+}
+
+CarmenObjects::CarmenObjects(const std::string& path) : path_(path), stream_(path) {}
+
+double CarmenObjects::fractionRead() const {
+  return static_cast<double>(stream_.fileOffset()) / static_cast<double>(stream_.fileBytes());
+}
+
+void CarmenObjects::failAtEnd() const {
+  const std::string place = " at byte " + std::to_string(stream_.fileOffset()) + " of " +
+                            std::to_string(stream_.fileBytes()) + ", after " + std::to_string(line_) +
+                            " good lines";
+  if (stream_.failure() == UnpackingStream::Failure::kTruncated)
+    throw core::InputError(path_ + ": truncated: the " + stream_.packing() + " data end" + place);
+  if (stream_.failure() == UnpackingStream::Failure::kChecksum)
+    throw core::InputError(path_ + ": corrupt: the " + stream_.packing() + " checksum does not match" +
+                           place);
+  throw core::InputError(path_ + ": corrupt: the " + stream_.packing() + " data break (" +
+                         stream_.failureText() + ")" + place);
+}
+
+bool CarmenObjects::readLine() {
+  UnpackingStream::Line line;
+  if (!stream_.takeLine(line, kLongestLine)) {
+    if (stream_.failure() != UnpackingStream::Failure::kNone) failAtEnd();
+    return false;
+  }
+  const std::string where = path_ + ":" + std::to_string(line_ + 1) + ": ";
+  if (!line.is_whole && line.text.size() == kLongestLine)
+    throw core::InputError(where + "found a line of more than 1 MiB, expected shorter ones");
+  std::string last;
+  if (!line.is_whole) {
+    // Half a line can look like a whole one.
+    last = std::string(line.text);
+    stream_.peek(1);
+    if (stream_.failure() != UnpackingStream::Failure::kNone) failAtEnd();
+    line.text = last;
+  }
+  try {
+    parser_.take(line.text, ready_);
+  } catch (const core::InputError& error) {
+    ready_.clear();
+    throw core::InputError(where + (line.is_whole ? "" : "truncated: the last line has no newline, and ") +
+                           error.what());
+  }
+  ++line_;
+  return true;
+}
+
+std::shared_ptr<mrpt::serialization::CSerializable> CarmenObjects::next() {
+  while (ready_.empty())
+    if (!readLine()) return nullptr;
+  auto object = std::move(ready_.front());
+  ready_.pop_front();
+  ++count_;
+  return object;
+}
+
+}  // namespace slam::logs
