@@ -34,6 +34,7 @@ void addExplore(CLI::App& app, Context& context);
 void addCompare(CLI::App& app, Context& context);
 void addNavigate(CLI::App& app, Context& context);
 void addInfo(CLI::App& app, Context& context);
+void addCheck(CLI::App& app, Context& context);
 void addPlot(CLI::App& app, Context& context);
 void addWorld(CLI::App& app, Context& context);
 void addWorldMake(CLI::App& world, Context& context);

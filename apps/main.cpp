@@ -49,6 +49,7 @@ int main(int argc, char** argv) {
   slam::apps::addCompare(app, context);
   slam::apps::addNavigate(app, context);
   slam::apps::addInfo(app, context);
+  slam::apps::addCheck(app, context);
   slam::apps::addPlot(app, context);
   slam::apps::addWorld(app, context);
   slam::apps::addList(app, context);

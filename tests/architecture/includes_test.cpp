@@ -29,6 +29,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"mrptnav", {"core", "robot", "navigate"}},
     {"odometry", {"core", "robot"}},
     {"mapping", {"core", "robot", "gridmap", "odometry"}},
+    // reads logs and matches their scans; nobody's estimate
+    {"doctor", {"core", "robot", "logs", "odometry"}},
     // both
     {"run",
      {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "report", "navigate", "mrptnav",
