@@ -30,6 +30,7 @@ ordered_json toJson(const doctor::StreamFigures& stream) {
           {"first_s", stream.first_s},
           {"last_s", stream.last_s},
           {"median_period_s", stream.median_period_s},
+          {"mean_period_s", stream.mean_period_s},
           {"unstamped", stream.unstamped},
           {"backward", stream.backward},
           {"largest_backward_s", stream.largest_backward_s},
@@ -130,7 +131,7 @@ void printStreams(const std::vector<doctor::StreamFigures>& streams) {
   for (const auto& stream : streams) {
     std::printf("stream  %-26s %-18s %8lu", stream.kind.c_str(), ("'" + stream.label + "'").c_str(),
                 static_cast<unsigned long>(stream.count));
-    if (stream.median_period_s > 0) std::printf("  every %.3f s", stream.median_period_s);
+    if (stream.mean_period_s > 0) std::printf(" %9.2f Hz", 1 / stream.mean_period_s);
     std::printf("\n");
   }
 }

@@ -18,9 +18,12 @@ constexpr double kWrongDistance = 0.1, kWrongTurn = 0.1;
 constexpr double kWrongDrift_rad_per_m = core::degToRad(2.0);
 constexpr double kWrongPosition_m = 0.15, kWrongYaw_rad = core::degToRad(3.0);
 constexpr double kImplausibleMount_m = 2;  // a robot indoors is not longer
+constexpr double kManyAsReturns = 0.05;
 constexpr double kManyDuplicates = 0.01;
 constexpr double kManyLost = 0.2, kManyUnmatched = 0.05;
+constexpr double kGraveDisagreement_m = 2, kManyDisagreements = 0.01;
 constexpr double kLargeStepBack_s = 1;
+constexpr const char* kScanKind = "CObservation2DRangeScan";
 constexpr double kMillimetres_m = 500;  // median reading; between here and 60 it is centimetres
 
 std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
@@ -157,6 +160,7 @@ class Rules {
     std::uint64_t backward = 0;
     for (const auto& stream : f_.streams) {
       backward += stream.backward;
+      if (sharesStamps(stream)) continue;
       if (stream.backward > 0)
         say("backward", stream.largest_backward_s > kLargeStepBack_s ? Severity::kWarning : Severity::kNote,
             text("%s: %lu of %lu stamps are earlier than the one before, by up to %.3f s (at %.3f)",
@@ -171,11 +175,12 @@ class Rules {
       if (!stream.gaps.empty())
         say("gaps", Severity::kWarning,
             text("%s: %lu gaps of more than ten periods (%.3f s), the longest %.2f s after %.3f",
-                 streamName(stream).c_str(), n(stream.gap_count), stream.median_period_s,
-                 stream.gaps.front().length_s, stream.gaps.front().from_s),
+                 streamName(stream).c_str(), n(stream.gap_count),
+                 std::max(stream.median_period_s, stream.mean_period_s), stream.gaps.front().length_s,
+                 stream.gaps.front().from_s),
             "scan matching across a gap may fail: check the map there, or cut the log in two (rasterslam "
             "cut)");
-      if (stream.unstamped > 0 && stream.kind == "CObservation2DRangeScan" && f_.scans_without_time == 0)
+      if (stream.unstamped > 0 && stream.kind == kScanKind && f_.scans_without_time == 0)
         say("unstamped", Severity::kWarning,
             text("%s: %lu of %lu have no stamp; the readers here take that of the newest odometry reading",
                  streamName(stream).c_str(), n(stream.unstamped), n(stream.count)),
@@ -187,6 +192,16 @@ class Rules {
           text("%lu of %lu objects are stamped earlier than the one before them in the file, by up to %.3f s",
                n(f_.backward_in_file), n(f_.objects), f_.largest_backward_in_file_s),
           "the readers here let later odometry wait for its scan; others may need the log sorted by stamp");
+  }
+
+  /// The odometry that a message of the lidar carries has the scan's stamps, and their faults.
+  bool sharesStamps(const StreamFigures& stream) const {
+    if (stream.kind == kScanKind) return false;
+    return std::any_of(f_.streams.begin(), f_.streams.end(), [&stream](const StreamFigures& other) {
+      return other.kind == kScanKind && other.count == stream.count && other.first_s == stream.first_s &&
+             other.last_s == stream.last_s && other.backward == stream.backward &&
+             other.largest_backward_s == stream.largest_backward_s;
+    });
   }
 
   void units() {
@@ -228,8 +243,9 @@ class Rules {
     const std::string what = text(
         "no-return value found at %.2f m (%.2f to %.2f): %lu of %lu readings (%.1f %%)", spike.peak_m,
         spike.low_m, spike.high_m, n(spike.readings), n(r.readings), 100 * share(spike.readings, r.readings));
-    if (spike.as_returns == 0)
-      say("no_return", Severity::kNote, what + ", all marked as such");
+    // A few walls at just that distance are no fault.
+    if (share(spike.as_returns, spike.readings) < kManyAsReturns)
+      say("no_return", Severity::kNote, what + text(", %lu of them not marked as such", n(spike.as_returns)));
     else
       say("no_return", Severity::kWarning,
           what + text("; %lu of them are given as distances: a map gets walls at %.2f m", n(spike.as_returns),
@@ -300,11 +316,8 @@ class Rules {
       return;
     }
     const std::string evidence =
-        text(
-            "%zu pairs of scans half a metre apart lie best on one another when the readings span %.2f times "
-            "that",
-            v.pairs, v.factor.value) +
-        text(" (%.3f to %.3f): %.1f deg", v.factor.low, v.factor.high, stated_deg * v.factor.value);
+        text("%zu pairs of scans half a metre apart lie best on one another over %s times that, %.1f deg",
+             v.pairs, shown(v.factor, 1, 3).c_str(), stated_deg * v.factor.value);
     if (!isViewWrong()) {
       say("view", Severity::kNote, text("field of view %.2f deg; ", stated_deg) + evidence);
       return;
@@ -408,7 +421,9 @@ class Rules {
 
   void disagreements() {
     if (f_.disagreements == 0) return;
-    say("disagree", Severity::kWarning,
+    const bool is_grave = f_.largest_disagreement_m > kGraveDisagreement_m ||
+                          share(f_.disagreements, f_.matched_pairs) > kManyDisagreements;
+    say("disagree", is_grave ? Severity::kWarning : Severity::kNote,
         text("%lu steps where scans and '%s' differ by half a metre or half a radian, the largest by %.2f m "
              "and "
              "%.1f deg at %.3f",

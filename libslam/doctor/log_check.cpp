@@ -140,7 +140,9 @@ class Survey : public LogVisitor {
 
   void takeObservation(const CObservation& observation, bool is_in_frame) override {
     (is_in_frame ? figures_.has_frames : figures_.has_bare_observations) = true;
-    const auto time_s = stampOf(observation.timestamp);
+    // Parameters and remarks may carry the clock of whoever wrote them.
+    const auto* comment = dynamic_cast<const mrpt::obs::CObservationComment*>(&observation);
+    const auto time_s = comment ? std::nullopt : stampOf(observation.timestamp);
     takeStamp(time_s);
     tallyOf(className(observation), observation.sensorLabel).add(time_s);
     figures_.has_truth |= observation.sensorLabel == logs::kTruthLabel;
@@ -150,7 +152,7 @@ class Survey : public LogVisitor {
     if (const auto* scan = dynamic_cast<const CObservation2DRangeScan*>(&observation)) {
       if (lidars_.size() < kMostLidars || lidars_.count(scan->sensorLabel))
         lidars_[scan->sensorLabel].add(*scan);
-    } else if (const auto* comment = dynamic_cast<const mrpt::obs::CObservationComment*>(&observation)) {
+    } else if (comment) {
       has_resolution_ |= comment->text.find("laser_front_laser_resolution") != std::string::npos ||
                          comment->text.find("laser_rear_laser_resolution") != std::string::npos;
     }

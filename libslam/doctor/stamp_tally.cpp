@@ -5,7 +5,7 @@
 namespace slam::doctor {
 namespace {
 
-constexpr std::size_t kMostKept = 64, kMostNamed = 5;
+constexpr std::size_t kMostKept = 4096, kMostNamed = 5;
 constexpr double kShortestGap_s = 1, kPeriodsInGap = 10;
 
 bool isLonger(const Gap& a, const Gap& b) {
@@ -47,8 +47,11 @@ void StampTally::add(std::optional<double> time_s) {
 StreamFigures StampTally::figures() const {
   StreamFigures figures = sums_;
   figures.median_period_s = periods_s_.median();
+  const auto stamped = static_cast<double>(sums_.count - sums_.unstamped);
+  if (stamped > 1) figures.mean_period_s = (sums_.last_s - sums_.first_s) / (stamped - 1);
+  const double period_s = std::max(figures.median_period_s, figures.mean_period_s);
   for (const Gap& gap : longest_)
-    if (gap.length_s > kPeriodsInGap * figures.median_period_s) figures.gaps.push_back(gap);
+    if (gap.length_s > kPeriodsInGap * period_s) figures.gaps.push_back(gap);
   figures.gap_count = figures.gaps.size();
   std::sort(figures.gaps.begin(), figures.gaps.end(), [](const Gap& a, const Gap& b) {
     return a.length_s != b.length_s ? a.length_s > b.length_s : a.from_s < b.from_s;

@@ -20,14 +20,16 @@ struct StreamFigures {
   std::uint64_t count = 0;
   double first_s = 0, last_s = 0;  ///< earliest and latest stamp
   double median_period_s = 0;      ///< between stamps that rise
+  double mean_period_s = 0;        ///< from the earliest to the latest stamp, over all
   std::uint64_t unstamped = 0;
   std::uint64_t backward = 0;  ///< stamps earlier than the one before
   double largest_backward_s = 0;
   double backward_at_s = 0;    ///< the stamp before the largest step back
   std::uint64_t repeated = 0;  ///< stamps equal to the one before
-  /// Pauses of more than ten periods and more than a second, the longest first, at most 5.
+  /// Pauses of more than ten periods (the longer of the two above) and more than a second, the longest first, at
+  /// most 5.
   std::vector<Gap> gaps;
-  std::uint64_t gap_count = 0;  ///< how many there are in all (at least; kept are the 64 longest)
+  std::uint64_t gap_count = 0;  ///< how many there are in all; of more than 4096, at least
 };
 
 class StampTally {
