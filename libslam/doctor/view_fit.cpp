@@ -10,7 +10,7 @@
 namespace slam::doctor {
 namespace {
 
-constexpr double kApart_m = 0.5, kLargestTurn_rad = 0.5;
+constexpr double kApart_m = 0.5, kLargestTurn_rad = 1;
 constexpr std::array<double, 11> kCoarse = {0.4, 0.5, 2.0 / 3, 0.75, 0.85, 1, 1.15, 4.0 / 3, 1.5, 2, 2.5};
 constexpr std::array<double, 6> kFine = {0.88, 0.93, 0.97, 1.03, 1.07, 1.13};
 constexpr std::size_t kFewestPairs = 20;
