@@ -14,7 +14,7 @@
 #include "libslam/core/error.h"
 #include "libslam/doctor/log_visitor.h"
 #include "libslam/doctor/motion_series.h"
-#include "libslam/logs/action_increment.h"
+#include "libslam/logs/log_motion.h"
 #include "libslam/logs/mrpt_time.h"
 #include "libslam/logs/object_stream.h"
 #include "libslam/robot/mrpt_types.h"

@@ -89,7 +89,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   auto method = mapping::makeMapBuilder(method_config, method_name, seed);
   logs::LogReader log(log_path);
   MapRun run;
-  std::vector<double> milliseconds;
+  std::vector<double> milliseconds, stamps_s;
   progress.begin("mapping with " + method_name);
   while (const auto entry = log.next()) {
     if (run.estimate.empty())
@@ -104,11 +104,15 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
       throw core::MethodError(method_name + " diverged at scan " + std::to_string(run.estimate.size() + 1) +
                               ": its pose is not finite");
     run.estimate.push_back({entry->scan.time_s, T_map_robot});
-    progress.update(log.fractionRead(), entry->scan.time_s - run.estimate.front().time_s);
+    stamps_s.push_back(entry->scan.time_s);
+    progress.update(log.fractionRead(), entry->scan.time_s - stamps_s.front());
   }
   progress.end();
   if (run.estimate.empty()) throw core::InputError(log_path + ": holds 0 laser scans, expected at least 1");
 
+  // The log's order is the robot's; that of a trajectory is the stamps', which run back in some logs.
+  std::stable_sort(run.estimate.begin(), run.estimate.end(),
+                   [](const auto& a, const auto& b) { return a.time_s < b.time_s; });
   const double log_seconds = run.estimate.back().time_s - run.estimate.front().time_s;
   run.cost = summarize(milliseconds, log_seconds);
   run.cost.peak_memory_mb = measure_memory ? memory.peakMb() : std::numeric_limits<double>::quiet_NaN();
@@ -120,7 +124,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   std::ostringstream timing;
   timing << "scan,time_s,cpu_ms\n";
   for (size_t i = 0; i < milliseconds.size(); ++i)
-    timing << i << ',' << core::formatNumber(run.estimate[i].time_s - run.estimate.front().time_s) << ','
+    timing << i << ',' << core::formatNumber(stamps_s[i] - stamps_s.front()) << ','
            << core::formatNumber(milliseconds[i]) << '\n';
   core::writeFileAtomically(output.path() + "/timing.csv", timing.str());
 

@@ -21,7 +21,7 @@ struct Cost {
 };
 
 struct MapRun {
-  core::Trajectory estimate;  ///< T_map_robot at every scan, as the method gave it online
+  core::Trajectory estimate;  ///< T_map_robot at every scan, as the method gave it online, in the order of stamps
   Cost cost;
   int steps_without_odometry = 0;  ///< scans after the first for which the log gives no increment
 };
