@@ -27,7 +27,7 @@ using mrpt::obs::CObservation;
 using mrpt::obs::CObservation2DRangeScan;
 using mrpt::obs::CObservationOdometry;
 
-constexpr std::size_t kMostStreams = 256, kMostLidars = 8;
+constexpr std::size_t kMostLidars = 8;
 constexpr const char* kActions = "actions";
 constexpr double kReadingsPerScan = 8;  // odometry that comes oftener is thinned
 
@@ -133,6 +133,32 @@ class OdometryReader {
   bool is_pending_ = false;
 };
 
+/// The stamps of a log's objects, stream by stream.
+class StreamSurvey {
+ public:
+  /// The stamp that counts.
+  std::optional<double> takeObservation(const CObservation& observation) {
+    // Parameters and remarks may carry the clock of whoever wrote them.
+    const bool is_text = dynamic_cast<const mrpt::obs::CObservationComment*>(&observation) != nullptr;
+    const auto time_s = is_text ? std::nullopt : stampOf(observation.timestamp);
+    tallies_.add(className(observation), observation.sensorLabel, time_s);
+    return time_s;
+  }
+  void takeActions(const CActionCollection& actions) {
+    std::optional<double> time_s;
+    for (const auto& action : actions)
+      if (!time_s) time_s = stampOf(action->timestamp);
+    tallies_.add(className(actions), "", time_s);
+  }
+  void takeOther(const mrpt::serialization::CSerializable& object) {
+    tallies_.add(className(object), "", std::nullopt);
+  }
+  std::vector<StreamFigures> figures() const { return tallies_.figures(); }
+
+ private:
+  StreamTallies tallies_;
+};
+
 /// The first reading of a log: stamps and ranges.
 class Survey : public LogVisitor {
  public:
@@ -140,11 +166,8 @@ class Survey : public LogVisitor {
 
   void takeObservation(const CObservation& observation, bool is_in_frame) override {
     (is_in_frame ? figures_.has_frames : figures_.has_bare_observations) = true;
-    // Parameters and remarks may carry the clock of whoever wrote them.
-    const auto* comment = dynamic_cast<const mrpt::obs::CObservationComment*>(&observation);
-    const auto time_s = comment ? std::nullopt : stampOf(observation.timestamp);
+    const auto time_s = streams_.takeObservation(observation);
     takeStamp(time_s);
-    tallyOf(className(observation), observation.sensorLabel).add(time_s);
     figures_.has_truth |= observation.sensorLabel == logs::kTruthLabel;
     if (const auto reading = odometry_.take(observation, is_in_frame)) {
       odometry_tallies_[reading->stream].add(reading->time_s, reading->T_odom_robot);
@@ -152,7 +175,7 @@ class Survey : public LogVisitor {
     if (const auto* scan = dynamic_cast<const CObservation2DRangeScan*>(&observation)) {
       if (lidars_.size() < kMostLidars || lidars_.count(scan->sensorLabel))
         lidars_[scan->sensorLabel].add(*scan);
-    } else if (comment) {
+    } else if (const auto* comment = dynamic_cast<const mrpt::obs::CObservationComment*>(&observation)) {
       has_resolution_ |= comment->text.find("laser_front_laser_resolution") != std::string::npos ||
                          comment->text.find("laser_rear_laser_resolution") != std::string::npos;
     }
@@ -160,22 +183,12 @@ class Survey : public LogVisitor {
   void takeActions(const CActionCollection& actions) override {
     figures_.has_frames = true;
     odometry_.takeActions(actions);
-    std::optional<double> time_s;
-    for (const auto& action : actions)
-      if (!time_s) time_s = stampOf(action->timestamp);
-    tallyOf(className(actions), "").add(time_s);
+    streams_.takeActions(actions);
   }
-  void takeOther(const mrpt::serialization::CSerializable& object) override {
-    tallyOf(className(object), "").add(std::nullopt);
-  }
+  void takeOther(const mrpt::serialization::CSerializable& object) override { streams_.takeOther(object); }
 
   void finish(const std::string& lidar, logs::LogFormat format) {
-    for (const auto& [key, tally] : tallies_) {
-      auto stream = tally.figures();
-      stream.kind = key.first;
-      stream.label = key.second;
-      figures_.streams.push_back(std::move(stream));
-    }
+    figures_.streams = streams_.figures();
     for (const auto& [stream, tally] : odometry_tallies_) figures_.odometry.push_back(tally.figures(stream));
     chooseLidar(lidar);
     // Of all formats, only CARMEN's old laser messages leave out where their readings point to.
@@ -196,11 +209,6 @@ class Survey : public LogVisitor {
     }
     newest_s_ = time_s;
   }
-  StampTally& tallyOf(const std::string& kind, const std::string& label) {
-    const auto found = tallies_.find({kind, label});
-    if (found != tallies_.end()) return found->second;
-    return tallies_.size() < kMostStreams ? tallies_[{kind, label}] : tallies_[{"others", ""}];
-  }
   void chooseLidar(const std::string& wanted) {
     std::uint64_t most = 0;
     std::string labels;
@@ -218,7 +226,7 @@ class Survey : public LogVisitor {
   }
 
   LogFigures& figures_;
-  std::map<std::pair<std::string, std::string>, StampTally> tallies_;
+  StreamSurvey streams_;
   std::map<std::string, RangeTally> lidars_;
   OdometryReader odometry_;
   std::map<std::string, OdometryTally> odometry_tallies_;
@@ -391,6 +399,20 @@ LogCheck checkLog(const std::string& path, const std::string& lidar, core::Progr
   }
   check.findings = findingsOf(figures);
   return check;
+}
+
+std::vector<StreamFigures> streamsOf(const std::string& path) {
+  struct Streams : LogVisitor {
+    StreamSurvey survey;
+    void takeObservation(const CObservation& observation, bool) override {
+      survey.takeObservation(observation);
+    }
+    void takeActions(const CActionCollection& actions) override { survey.takeActions(actions); }
+    void takeOther(const mrpt::serialization::CSerializable& object) override { survey.takeOther(object); }
+  } streams;
+  const auto source = logs::openLog(path);
+  visitAll(*source, streams, core::silentProgress(), {});
+  return streams.survey.figures();
 }
 
 }  // namespace slam::doctor

@@ -91,6 +91,9 @@ struct LogCheck {
 /// finding. Interrupted from `progress`.
 LogCheck checkLog(const std::string& path, const std::string& lidar, core::Progress& progress);
 
+/// The streams of a log alone: one quick pass. A log that breaks off gives what comes before. Errors: as checkLog().
+std::vector<StreamFigures> streamsOf(const std::string& path);
+
 /// The rules alone: what the figures mean and what to do.
 std::vector<Finding> findingsOf(const LogFigures& figures);
 

@@ -5,6 +5,7 @@
 namespace slam::doctor {
 namespace {
 
+constexpr std::size_t kMostStreams = 256;
 constexpr std::size_t kMostKept = 4096, kMostNamed = 5;
 constexpr double kShortestGap_s = 1, kPeriodsInGap = 10;
 
@@ -58,6 +59,28 @@ StreamFigures StampTally::figures() const {
   });
   if (figures.gaps.size() > kMostNamed) figures.gaps.resize(kMostNamed);
   return figures;
+}
+
+void StreamTallies::add(const std::string& kind, const std::string& label, std::optional<double> time_s) {
+  auto found = tallies_.find({kind, label});
+  if (found == tallies_.end()) {
+    const bool has_room = tallies_.size() < kMostStreams;
+    found = tallies_
+                .try_emplace(has_room ? std::pair(kind, label)
+                                      : std::pair<std::string, std::string>("others", ""))
+                .first;
+  }
+  found->second.add(time_s);
+}
+
+std::vector<StreamFigures> StreamTallies::figures() const {
+  std::vector<StreamFigures> all;
+  for (const auto& [key, tally] : tallies_) {
+    all.push_back(tally.figures());
+    all.back().kind = key.first;
+    all.back().label = key.second;
+  }
+  return all;
 }
 
 }  // namespace slam::doctor

@@ -1,7 +1,9 @@
 #pragma once
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "libslam/doctor/thinned_sample.h"
@@ -43,6 +45,18 @@ class StampTally {
   std::optional<double> last_s_;
   ThinnedSample periods_s_;
   std::vector<Gap> longest_;  ///< a heap, the shortest on top
+};
+
+/// The stamps of all streams of a log.
+class StreamTallies {
+ public:
+  /// Streams beyond the 256th are one, of kind "others".
+  void add(const std::string& kind, const std::string& label, std::optional<double> time_s);
+  /// By kind and label.
+  std::vector<StreamFigures> figures() const;
+
+ private:
+  std::map<std::pair<std::string, std::string>, StampTally> tallies_;
 };
 
 }  // namespace slam::doctor
