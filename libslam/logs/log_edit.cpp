@@ -241,10 +241,10 @@ class StepWriter {
     }
   }
 
+  std::optional<ComposedActions> dropped_;
   std::string path_;
   core::PendingFile pending_;
   PackingStream stream_;
-  std::optional<ComposedActions> dropped_;
   EditCounts counts_;
 };
 
@@ -353,7 +353,7 @@ bool filterStep(Step& step, ObservationFilter& filter) {
     return true;
   }
   const auto* frame = dynamic_cast<const CSensoryFrame*>(step.rest->content.get());
-  if (!frame || frame->size() == 0) return true;
+  if (!frame || frame->empty()) return true;
   auto passed_frame = CSensoryFrame::Create();
   bool is_changed = false;
   for (const auto& observation : *frame) {
@@ -361,7 +361,7 @@ bool filterStep(Step& step, ObservationFilter& filter) {
     is_changed |= passed != observation;
     if (passed) passed_frame->insert(passed);
   }
-  if (passed_frame->size() == 0) return false;
+  if (passed_frame->empty()) return false;
   if (is_changed) step.rest = Object{passed_frame, "", true};
   return true;
 }

@@ -106,7 +106,7 @@ TEST(EditCommands, ReplaceNothingUnasked) {
   writeLog(folder, "a.rawlog", 5);
   const auto refused = rasterslam("filter a.rawlog --every 2 -o a.rawlog", folder.path());
   EXPECT_EQ(refused.exit_code, 3);
-  EXPECT_THAT(refused.err, HasSubstr("a.rawlog exists; give --overwrite to replace it"));
+  EXPECT_THAT(refused.err, HasSubstr("a.rawlog: exists; give --overwrite to replace it"));
   EXPECT_EQ(rasterslam("filter a.rawlog --every 2 -o a.rawlog --overwrite -q", folder.path()).exit_code, 0);
   EXPECT_EQ(json::parse(rasterslam("info a.rawlog --json", folder.path()).out)["scans"], 3);
 }
