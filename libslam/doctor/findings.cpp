@@ -244,8 +244,10 @@ class Rules {
         "no-return value found at %.2f m (%.2f to %.2f): %lu of %lu readings (%.1f %%)", spike.peak_m,
         spike.low_m, spike.high_m, n(spike.readings), n(r.readings), 100 * share(spike.readings, r.readings));
     // A few walls at just that distance are no fault.
-    if (share(spike.as_returns, spike.readings) < kManyAsReturns)
-      say("no_return", Severity::kNote, what + text(", %lu of them not marked as such", n(spike.as_returns)));
+    if (spike.as_returns == 0)
+      say("no_return", Severity::kNote, what + ", all marked as such");
+    else if (share(spike.as_returns, spike.readings) < kManyAsReturns)
+      say("no_return", Severity::kNote, what + text(", all but %lu marked as such", n(spike.as_returns)));
     else
       say("no_return", Severity::kWarning,
           what + text("; %lu of them are given as distances: a map gets walls at %.2f m", n(spike.as_returns),
@@ -376,10 +378,16 @@ class Rules {
           text("'%s' %s the scans by %s s: the turns correlate with %.2f, unshifted with %.2f",
                o.stream.c_str(), who, shown(c.offset_s, sign, 3).c_str(), c.correlation,
                c.correlation_at_zero),
-          is_wrong
-              ? text("rasterslam filter LOG -o OUT --shift '%s=%.3f'", o.stream.c_str(), c.offset_s.value)
-              : "");
+          is_wrong ? shiftAdvice(o) : "");
     }
+  }
+
+  static std::string shiftAdvice(const OdometryFigures& odometry) {
+    if (odometry.stream == kActionStream)
+      return "increments in actions have no label to shift: rasterslam convert to observations, then shift "
+             "these";
+    return text("rasterslam filter LOG -o OUT --shift '%s=%.3f'", odometry.stream.c_str(),
+                odometry.clock.offset_s.value);
   }
 
   void scale() {

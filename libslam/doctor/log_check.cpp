@@ -28,7 +28,6 @@ using mrpt::obs::CObservation2DRangeScan;
 using mrpt::obs::CObservationOdometry;
 
 constexpr std::size_t kMostLidars = 8;
-constexpr const char* kActions = "actions";
 constexpr double kReadingsPerScan = 8;  // odometry that comes oftener is thinned
 
 std::optional<double> stampOf(const mrpt::Clock::time_point& stamp) {
@@ -125,7 +124,7 @@ class OdometryReader {
     }
     if (!is_in_frame || !is_pending_) return std::nullopt;
     is_pending_ = false;
-    return Reading{kActions, stampOf(observation.timestamp), pose_};
+    return Reading{kActionStream, stampOf(observation.timestamp), pose_};
   }
 
  private:

@@ -12,9 +12,11 @@
 
 namespace slam::doctor {
 
+inline constexpr const char* kActionStream = "actions";
+
 /// One source of odometry in a log.
 struct OdometryFigures {
-  std::string stream;  ///< the label of its CObservationOdometry; "actions" for increments in actions
+  std::string stream;  ///< the label of its CObservationOdometry; kActionStream for increments in actions
   std::uint64_t readings = 0;
   double path_m = 0, turned_rad = 0;  ///< jumps left out
   /// Steps too far for a robot: more than half a metre and faster than 3 m/s (or five times the speed that it keeps

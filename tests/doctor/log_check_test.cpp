@@ -96,6 +96,16 @@ TEST(LogCheck, FindsTheClockOffset) {
   }
 }
 
+TEST(LogCheck, FindsTheClockOffsetOfIncrementsToo) {
+  Drive drive;
+  drive.is_action_form = true;
+  drive.lead_s = 0.6;
+  const auto result = check(drive);
+  ASSERT_TRUE(result.figures.odometry[0].clock.is_observable);
+  EXPECT_NEAR(result.figures.odometry[0].clock.offset_s.value, 0.6, 0.03);
+  EXPECT_THAT(said(result.findings, "clock"), HasSubstr("rasterslam convert")) << "no label to shift";
+}
+
 TEST(LogCheck, MeasuresTheOdometryAgainstTheScans) {
   Drive drive;
   drive.distance_scale = 0.8;
