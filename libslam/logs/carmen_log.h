@@ -38,12 +38,14 @@ namespace slam::logs {
 //                      the first one: stock icp-slam demands a stamp of everything, and those of PARAM
 //                      lines can be of another clock. (A comment in a rawlog has no label.)
 // What a line says beside, and changes seldom, comes before its objects as CObservationComment of kCarmenNote
-// and "host NAME"; "ODOM accel A"; of ROBOTLASERi "config" (type to remission_mode) and "safety" (the three). Such a
-// note holds until the next one of its kind. With it the way back gives every field again but these:
-// logger_timestamp (seconds since the log's first stamp are written instead), trailing zeros of numbers,
-// digits of a range beyond a float's and of a pose or stamp beyond the sixth decimal, remissions
-// (rounded to whole numbers; none unless there is one a range), the laser pose within 2e-6 m (FLASER) or 1 mm and 0.001 rad (ROBOTLASER) of
-// odometry and mounting.
+// and "host NAME"; "ODOM accel A"; of ROBOTLASERi "config" (type to remission_mode) and "safety" (the three). Such
+// a note holds until the next one of its kind.
+//
+// With all that the way back gives every field again but these: logger_timestamp (seconds since the log's first
+// stamp are written instead), trailing zeros of numbers, digits of a range beyond a float's and of a pose or stamp
+// beyond the sixth decimal, remissions (rounded to whole numbers; none unless there is one a range), the laser
+// pose within 2e-6 m (FLASER) or 1 mm and 0.001 rad (ROBOTLASER) of odometry and mounting. True poses go beside
+// the log (convertLog()).
 //
 // FLASER and RLASER lines have no field of view. Readings are laser_front_laser_resolution (PARAM, degrees)
 // apart; without it 1 deg (180 or 181 readings), 0.5 deg (360, 361, 200, 201, 540, 541), 0.25 deg (400, 401,
@@ -123,7 +125,8 @@ bool looksLikeCarmen(std::string_view start);
 
 /// The objects of a CARMEN log, plain or packed. Errors (InputError): `path:line: ` and the parser's words; a
 /// line of more than 1 MiB; truncated (packed data that end too early, or a last line that has no newline and is
-/// not whole); damaged. What comes before is given first; the reader does not go on after an error.
+/// not whole); damaged. What comes before is given first; the reader does not go on after an error, for a line that
+/// is none of its message's may be the first of many. Messages of unknown kinds it passes over, counted.
 class CarmenObjects : public ObjectSource {
  public:
   explicit CarmenObjects(const std::string& path);

@@ -41,11 +41,14 @@ bool isBlank(char c) {
   return c == ' ' || c == '\t' || c == '\r';
 }
 
-std::string quoted(std::string_view word) {
+std::string printable(std::string_view word) {
   constexpr size_t kMost = 40;
-  std::string text = "'";
+  std::string text;
   for (const char c : word.substr(0, kMost)) text += c < 32 || c == 127 ? '?' : c;
-  return text + (word.size() > kMost ? "...'" : "'");
+  return text + (word.size() > kMost ? "..." : "");
+}
+std::string quoted(std::string_view word) {
+  return "'" + printable(word) + "'";
 }
 
 bool parse(std::string_view word, double& value) {
@@ -397,9 +400,10 @@ void CarmenParser::take(std::string_view line, Objects& objects) {
     }
   } else {
     constexpr size_t kMostKinds = 100;  // text that is no CARMEN log after all has a new "kind" in every line
-    if (kind[0] != '#' && !isKnown(kind))
-      ++skipped_[skipped_.size() < kMostKinds || skipped_.count(std::string(kind)) ? std::string(kind)
-                                                                                   : "..."];
+    if (kind[0] != '#' && !isKnown(kind)) {
+      const std::string name = printable(kind);
+      ++skipped_[skipped_.size() < kMostKinds || skipped_.count(name) > 0 ? name : "..."];
+    }
     takeText(line, objects);
   }
 }

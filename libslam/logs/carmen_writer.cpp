@@ -282,7 +282,7 @@ class CarmenSink : public ObjectSink {
   std::string configOf(const CObservation2DRangeScan& scan, const std::string& kind,
                        double& first_angle_rad) {
     const double step_rad = static_cast<double>(scan.aperture) / static_cast<double>(scan.getScanSize() - 1);
-    const std::string noted = noteOr(kind + " config", "");
+    std::string noted = noteOr(kind + " config", "");
     std::array<double, 7> fields{};
     if (readNumbers(noted, fields) && std::abs(fields[3] - step_rad) < kSameGeometry &&
         std::abs(fields[4] - static_cast<double>(scan.maxRange)) < 1e-4) {

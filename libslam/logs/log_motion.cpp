@@ -43,8 +43,8 @@ void BareOdometry::add(std::int64_t ticks, const core::Pose2& T_odom_robot) {
 Motion BareOdometry::takeUntil(std::int64_t scan_ticks) {
   const auto is_due = [scan_ticks](const Reading& reading) { return reading.ticks <= scan_ticks; };
   const auto end = std::find_if(waiting_.rbegin(), waiting_.rend(), is_due).base();
-  for (auto reading = waiting_.begin(); reading != end; ++reading)
-    if (is_due(*reading)) use(*reading);
+  // Also through those of later stamps: they are absolute, so what they add the next one takes back.
+  for (auto reading = waiting_.begin(); reading != end; ++reading) use(*reading);
   waiting_.erase(waiting_.begin(), end);
   return std::exchange(motion_, Motion{});
 }

@@ -150,7 +150,6 @@ bool looksLikeRawlog(const std::string& start) {
 RawlogObjects::RawlogObjects(const std::string& path) : path_(path), stream_(path) {
   // Linked libraries of which nothing is called are dropped, and their classes with them.
   mrpt::maps::registerAllClasses_mrpt_maps();
-  if (stream_.fileBytes() == 0) throw core::InputError(path + ": is empty, expected an MRPT rawlog");
   // MRPT's parsers trust what they read, to the point of crashing on damaged bytes.
   requireUndamaged(path);
 }

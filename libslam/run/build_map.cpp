@@ -110,6 +110,8 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   progress.end();
   if (run.estimate.empty()) throw core::InputError(log_path + ": holds 0 laser scans, expected at least 1");
 
+  run.path_length_m = core::pathLength(run.estimate);
+  run.end = run.estimate.back().pose;
   // The log's order is the robot's; that of a trajectory is the stamps', which run back in some logs.
   std::stable_sort(run.estimate.begin(), run.estimate.end(),
                    [](const auto& a, const auto& b) { return a.time_s < b.time_s; });

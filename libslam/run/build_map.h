@@ -21,7 +21,10 @@ struct Cost {
 };
 
 struct MapRun {
-  core::Trajectory estimate;  ///< T_map_robot at every scan, as the method gave it online, in the order of stamps
+  core::Trajectory
+      estimate;  ///< T_map_robot at every scan, as the method gave it online, in the order of stamps
+  double path_length_m = 0;  ///< this and the next in the order of the log
+  core::Pose2 end;           ///< T_map_robot at the last scan
   Cost cost;
   int steps_without_odometry = 0;  ///< scans after the first for which the log gives no increment
 };

@@ -177,7 +177,7 @@ TEST(CarmenReader, KeepsTheMountingOfNewLinesUntilTheyContradictIt) {
     return "ROBOTLASER2 0 -0.5 1 0.5 10 0.02 0 3 1 1 1 0 " + laser_x + " 0 3.1415 0 0 0 0 0 0 0 0" + kTail;
   };
   const auto scans =
-      all<CObservation2DRangeScan>(objectsOfText(line("0.250012") + line("0.250031") + line("0.26")));
+      all<CObservation2DRangeScan>(objectsOfText(line("0.250012") + line("0.2507") + line("0.26")));
   EXPECT_NEAR(scans[0]->sensorPose.x(), 0.25, 1e-12);
   EXPECT_EQ(scans[1]->sensorPose.x(), scans[0]->sensorPose.x());
   EXPECT_NEAR(scans[2]->sensorPose.x(), 0.26, 1e-12);
@@ -260,6 +260,11 @@ TEST(CarmenReader, GivesWhatComesBeforeTheEndOfPackedDataThatAreCut) {
     EXPECT_THAT(error, HasSubstr(": truncated: the "));
     EXPECT_THAT(error, HasSubstr("after " + std::to_string(count - 1) + " good lines"));
   }
+  const auto whole = gzip(text);
+  core::writeFileAtomically(folder / "a", whole.substr(0, whole.size() - 4));
+  const auto [all_objects, cut_in_trailer] = failureOf(folder / "a");
+  EXPECT_EQ(all_objects, 2001U) << "a note and every reading";
+  EXPECT_THAT(cut_in_trailer, HasSubstr(": truncated: the gzip data end"));
   auto damaged = xz(text);
   damaged[damaged.size() / 2] ^= 1;
   core::writeFileAtomically(folder / "a", damaged);
