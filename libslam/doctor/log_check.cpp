@@ -27,7 +27,7 @@ using mrpt::obs::CObservation;
 using mrpt::obs::CObservation2DRangeScan;
 using mrpt::obs::CObservationOdometry;
 
-constexpr std::size_t kMostLidars = 8;
+constexpr std::size_t kMostLidars = 8, kMostOdometers = 8;
 constexpr double kReadingsPerScan = 8;  // odometry that comes oftener is thinned
 
 std::optional<double> stampOf(const mrpt::Clock::time_point& stamp) {
@@ -55,7 +55,6 @@ class OdometryTally {
       const bool may_jump = moved_m > kShortest_m && moved_m > kFast_mps * duration_s;
       const bool may_spin = turned_rad > kSmallest_rad && turned_rad > kFast_radps * duration_s;
       if (may_jump || may_spin) {
-        ++suspects_;
         if (moved_m >= largest_m_) largest_m_ = moved_m, largest_at_s_ = time_s.value_or(0);
         if (may_spin || kept_.size() >= kMostKept)
           ++sure_;
@@ -94,7 +93,7 @@ class OdometryTally {
   std::optional<core::Pose2> last_;
   std::optional<double> last_s_;
   ThinnedSample speeds_mps_;
-  std::uint64_t suspects_ = 0, sure_ = 0;
+  std::uint64_t sure_ = 0;
   std::vector<Suspect> kept_;
   double largest_m_ = -1, largest_at_s_ = 0;
 };
@@ -168,7 +167,8 @@ class Survey : public LogVisitor {
     const auto time_s = streams_.takeObservation(observation);
     takeStamp(time_s);
     figures_.has_truth |= observation.sensorLabel == logs::kTruthLabel;
-    if (const auto reading = odometry_.take(observation, is_in_frame)) {
+    const auto reading = odometry_.take(observation, is_in_frame);
+    if (reading && (odometry_tallies_.size() < kMostOdometers || odometry_tallies_.count(reading->stream))) {
       odometry_tallies_[reading->stream].add(reading->time_s, reading->T_odom_robot);
     }
     if (const auto* scan = dynamic_cast<const CObservation2DRangeScan*>(&observation)) {
@@ -245,7 +245,8 @@ class Matching : public LogVisitor {
     if (const auto reading = odometry_.take(observation, is_in_frame)) {
       if (reading->time_s) {
         newest_s_ = reading->time_s;
-        series_.addOdometry(reading->stream, {*reading->time_s, reading->T_odom_robot});
+        if (isKnown(reading->stream))
+          series_.addOdometry(reading->stream, {*reading->time_s, reading->T_odom_robot});
       }
     }
     const auto* scan = dynamic_cast<const CObservation2DRangeScan*>(&observation);
@@ -275,6 +276,11 @@ class Matching : public LogVisitor {
   }
 
  private:
+  bool isKnown(const std::string& stream) const {
+    return std::any_of(figures_.odometry.begin(), figures_.odometry.end(),
+                       [&stream](const OdometryFigures& odometry) { return odometry.stream == stream; });
+  }
+
   void takeScan(const CObservation2DRangeScan& observation) {
     std::optional<double> time_s = stampOf(observation.timestamp);
     if (!time_s) time_s = newest_s_;
