@@ -36,6 +36,8 @@ void addCompare(CLI::App& app, Context& context);
 void addConvert(CLI::App& app, Context& context);
 void addNavigate(CLI::App& app, Context& context);
 void addInfo(CLI::App& app, Context& context);
+void addCheck(CLI::App& app, Context& context);
+void addEditing(CLI::App& app, Context& context);  ///< cut, merge, filter
 void addPlot(CLI::App& app, Context& context);
 void addRelations(CLI::App& app, Context& context);
 void addWorld(CLI::App& app, Context& context);

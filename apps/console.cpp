@@ -6,6 +6,8 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <iostream>
+#include <sstream>
 
 #include "libslam/core/error.h"
 
@@ -18,6 +20,8 @@ extern "C" void onInterrupt(int signal) {
   stop_asked = true;
   std::signal(signal, SIG_DFL);
 }
+
+constexpr std::size_t kTextWidth = 80;
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -79,6 +83,29 @@ void ConsoleProgress::drawBar(double fraction, double log_time_s, bool last) {
   if (last) std::fputc('\n', stderr);
   std::fflush(stderr);
   last_drawn_ = std::chrono::steady_clock::now();
+}
+
+void printWrapped(const std::string& heading, const std::string& text) {
+  std::istringstream words(text);
+  std::string line = heading, word;
+  size_t used = heading.size();
+  bool is_first = true;
+  while (words >> word) {
+    if (!is_first && used + 1 + word.size() > kTextWidth) {
+      std::cout << line << "\n";
+      line.assign(heading.size(), ' ');
+      is_first = true;
+    }
+    line += (is_first ? "" : " ") + word;
+    used = line.size();
+    is_first = false;
+  }
+  std::cout << line << "\n";
+}
+
+std::string padded(std::string text, std::size_t width) {
+  text.resize(std::max(width, text.size() + 1), ' ');
+  return text;
 }
 
 }  // namespace slam::apps

@@ -1,5 +1,6 @@
 #pragma once
 #include <chrono>
+#include <cstddef>
 #include <mutex>
 #include <string>
 
@@ -29,5 +30,10 @@ class ConsoleProgress : public core::Progress {
   int last_tenth_ = -1;
   double log_time_s_ = 0;
 };
+
+/// Words after a heading, broken at 80 columns, further lines under the first; to standard output.
+void printWrapped(const std::string& heading, const std::string& text);
+/// The text and blanks up to the width, one at least.
+std::string padded(std::string text, std::size_t width);
 
 }  // namespace slam::apps

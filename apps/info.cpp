@@ -4,14 +4,30 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
+#include "libslam/doctor/log_check.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/run/compare.h"
 
 namespace slam::apps {
 namespace {
 
+nlohmann::ordered_json toJson(const std::vector<doctor::StreamFigures>& streams) {
+  auto list = nlohmann::ordered_json::array();
+  for (const auto& stream : streams) {
+    const bool has_rate = stream.mean_period_s > 0;
+    list.push_back({{"kind", stream.kind},
+                    {"label", stream.label},
+                    {"count", stream.count},
+                    {"rate_hz", has_rate ? nlohmann::ordered_json(1 / stream.mean_period_s) : nullptr},
+                    {"first_s", stream.first_s},
+                    {"last_s", stream.last_s}});
+  }
+  return list;
+}
+
 int showInfo(const Context& context, const std::string& path) {
   const auto info = logs::inspectLog(path);
+  const auto streams = doctor::streamsOf(path);
   const std::string truth = run::findTruth(path);
   if (context.json) {
     std::cout << nlohmann::ordered_json{{"path", info.path},
@@ -37,7 +53,8 @@ int showInfo(const Context& context, const std::string& path) {
                                         {"no_return_share", info.no_return_share},
                                         {"lost_share", info.lost_share},
                                         {"stamps_run_back", info.stamps_run_back},
-                                        {"truth", truth}}
+                                        {"truth", truth},
+                                        {"streams", toJson(streams)}}
                      .dump(2)
               << "\n";
     return 0;
@@ -59,6 +76,12 @@ int showInfo(const Context& context, const std::string& path) {
   }
   std::printf("odometry    %lu readings, %.1f m\n", static_cast<unsigned long>(info.odometry_readings),
               info.odometry_length_m);
+  for (const auto& stream : streams) {
+    std::printf("stream      %s '%s': %lu", stream.kind.c_str(), stream.label.c_str(),
+                static_cast<unsigned long>(stream.count));
+    if (stream.mean_period_s > 0) std::printf(", %.2f Hz", 1 / stream.mean_period_s);
+    std::printf("\n");
+  }
   std::printf("truth       %s\n", truth.empty() ? "none beside the log" : truth.c_str());
   return 0;
 }

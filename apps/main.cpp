@@ -50,6 +50,8 @@ int main(int argc, char** argv) {
   slam::apps::addConvert(app, context);
   slam::apps::addNavigate(app, context);
   slam::apps::addInfo(app, context);
+  slam::apps::addCheck(app, context);
+  slam::apps::addEditing(app, context);
   slam::apps::addPlot(app, context);
   slam::apps::addRelations(app, context);
   slam::apps::addWorld(app, context);

@@ -3,9 +3,9 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "apps/commands.h"
+#include "apps/console.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/report/plan_changes.h"
@@ -24,32 +24,6 @@ struct Arguments {
   std::vector<std::string> only, skip;
   bool fix = false;
 };
-
-constexpr size_t kTextWidth = 80;
-
-/// Words after a heading, broken at 80 columns, further lines under the first.
-void printWrapped(const std::string& heading, const std::string& text) {
-  std::istringstream words(text);
-  std::string line = heading, word;
-  size_t used = heading.size();
-  bool is_first = true;
-  while (words >> word) {
-    if (!is_first && used + 1 + word.size() > kTextWidth) {
-      std::cout << line << "\n";
-      line.assign(heading.size(), ' ');
-      is_first = true;
-    }
-    line += (is_first ? "" : " ") + word;
-    used = line.size();
-    is_first = false;
-  }
-  std::cout << line << "\n";
-}
-
-std::string padded(std::string text, size_t width) {
-  text.resize(std::max(width, text.size() + 1), ' ');
-  return text;
-}
 
 void printFindings(const world::PlanCheck& check, bool fixed) {
   for (const auto& finding : check.findings) {

@@ -103,6 +103,25 @@ bool isLogEntry(const mrpt::rtti::TRuntimeClassId& id) {
          id.derivedFrom(CLASS_ID(CObservation)) || id.derivedFrom(CLASS_ID(CAction));
 }
 
+/// Reads from another stream and keeps what was read.
+class CopyingStream : public mrpt::io::CStream {
+ public:
+  CopyingStream(UnpackingStream& source, std::string& copy) : source_(source), copy_(copy) {}
+  size_t Read(void* buffer, size_t count) override {
+    const size_t read = source_.Read(buffer, count);
+    copy_.append(static_cast<const char*>(buffer), read);
+    return read;
+  }
+  size_t Write(const void*, size_t) override { notOffered("writing"); }
+  std::uint64_t Seek(std::int64_t, TSeekOrigin) override { notOffered("seeking"); }
+  std::uint64_t getTotalBytesCount() const override { return source_.getTotalBytesCount(); }
+  std::uint64_t getPosition() const override { return source_.getPosition(); }
+
+ private:
+  UnpackingStream& source_;
+  std::string& copy_;
+};
+
 }  // namespace
 
 void requireUndamaged(const std::string& path) {
@@ -166,7 +185,9 @@ void RawlogObjects::checkHeader() {
 }
 
 std::shared_ptr<mrpt::serialization::CSerializable> RawlogObjects::next() {
-  auto archive = mrpt::serialization::archiveFrom<mrpt::io::CStream>(stream_);
+  bytes_.clear();
+  CopyingStream copying(stream_, bytes_);
+  auto archive = mrpt::serialization::archiveFrom<mrpt::io::CStream>(copying);
   for (;;) {
     if (stream_.peek(1).empty()) {
       if (stream_.failure() != UnpackingStream::Failure::kNone) fail(stream_.failure());

@@ -32,6 +32,8 @@ class RawlogObjects : public ObjectSource {
   double fractionRead() const override;
   std::string place() const override { return "entry " + std::to_string(count_); }
   const UnpackingStream& stream() const { return stream_; }
+  /// The newest object as the file has it, with the null pointers before it.
+  const std::string& bytes() const { return bytes_; }
 
  private:
   void checkHeader();
@@ -39,6 +41,7 @@ class RawlogObjects : public ObjectSource {
 
   std::string path_;
   UnpackingStream stream_;
+  std::string bytes_;
   std::uint64_t count_ = 0;
 };
 

@@ -31,6 +31,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"mrptnav", {"core", "robot", "navigate"}},
     {"odometry", {"core", "robot"}},
     {"mapping", {"core", "robot", "gridmap", "odometry", "posegraph", "scanmatch"}},
+    // reads logs and matches their scans; nobody's estimate
+    {"doctor", {"core", "robot", "logs", "odometry"}},
     // both
     {"run",
      {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "report", "navigate", "mrptnav",

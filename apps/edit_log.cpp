@@ -1,0 +1,201 @@
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "apps/commands.h"
+#include "apps/console.h"
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/logs/log_edit.h"
+
+namespace slam::apps {
+namespace {
+
+void addOut(CLI::App* command, Context& context) {
+  addOutput(command, context, "the rawlog to write");
+  command->get_option("--output")->required();
+  addJson(command, context);
+}
+
+int report(const Context& context, const logs::EditCounts& counts) {
+  if (context.json) {
+    std::cout << nlohmann::ordered_json{{"output", context.output},      {"read", counts.read},
+                                        {"unchanged", counts.unchanged}, {"changed", counts.changed},
+                                        {"composed", counts.composed},   {"dropped", counts.dropped},
+                                        {"damage", counts.damage}}
+                     .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+              << "\n";
+    return 0;
+  }
+  const auto n = [](std::uint64_t count) { return static_cast<unsigned long>(count); };
+  std::printf("%lu objects: %lu as they were, %lu changed, %lu dropped\n", n(counts.read),
+              n(counts.unchanged), n(counts.changed), n(counts.dropped));
+  if (counts.composed > 0)
+    std::printf("%lu actions took up the motion of dropped steps\n", n(counts.composed));
+  if (!counts.damage.empty()) printWrapped("the log broke off: ", counts.damage);
+  std::printf("  %s\n", context.output.c_str());
+  return 0;
+}
+
+double number(const std::string& text, const char* flag, const char* expected) {
+  double value = 0;
+  if (!core::parseNumber(text, value))
+    throw core::InputError(std::string(flag) + ": found '" + text + "', expected " + expected);
+  return value;
+}
+
+std::optional<logs::LogMoment> moment(const std::string& text, const char* flag) {
+  if (text.empty()) return std::nullopt;
+  const bool is_absolute = text[0] == '@';
+  const double seconds = number(is_absolute ? text.substr(1) : text, flag,
+                                "seconds after the log's first stamp, or @ and seconds since 1970");
+  return logs::LogMoment{seconds, is_absolute};
+}
+
+struct CutArguments {
+  std::string log, from, to;
+  bool salvage = false;
+};
+
+int cut(const Context& context, const CutArguments& arguments) {
+  core::refuseToOverwrite(context.output, context.overwrite);
+  logs::CutOptions options;
+  options.from = moment(arguments.from, "--from");
+  options.to = moment(arguments.to, "--to");
+  options.salvage = arguments.salvage;
+  if (!options.from && !options.to && !options.salvage)
+    throw core::InputError("cut: found neither --from nor --to nor --salvage, expected one of them");
+  ConsoleProgress progress(context.quiet);
+  return report(context, logs::cutLog(arguments.log, context.output, options, progress));
+}
+
+struct MergeArguments {
+  std::string first, second;
+};
+
+int merge(const Context& context, const MergeArguments& arguments) {
+  core::refuseToOverwrite(context.output, context.overwrite);
+  ConsoleProgress progress(context.quiet);
+  return report(context, logs::mergeLogs(arguments.first, arguments.second, context.output, progress));
+}
+
+struct FilterArguments {
+  std::string log, mount;
+  std::vector<std::string> keep_labels, drop_labels, shifts;
+  bool drop_truth = false;
+  int every = 1;
+  double no_return_m = 0, step_deg = 0;
+};
+
+core::Pose2 mountOf(const std::string& text) {
+  const char* expected = "X,Y,DEG (metres ahead, metres left, degrees counter-clockwise)";
+  const size_t first = text.find(','),
+               second = text.find(',', first == std::string::npos ? first : first + 1);
+  if (second == std::string::npos)
+    throw core::InputError("--mount: found '" + text + "', expected " + expected);
+  return {number(text.substr(0, first), "--mount", expected),
+          number(text.substr(first + 1, second - first - 1), "--mount", expected),
+          core::degToRad(number(text.substr(second + 1), "--mount", expected))};
+}
+
+int filter(const Context& context, const FilterArguments& arguments) {
+  core::refuseToOverwrite(context.output, context.overwrite);
+  logs::FilterOptions options;
+  options.keep_labels = arguments.keep_labels;
+  options.drop_labels = arguments.drop_labels;
+  options.drop_truth = arguments.drop_truth;
+  options.every = static_cast<std::uint64_t>(arguments.every);
+  if (arguments.no_return_m > 0) options.no_return_m = arguments.no_return_m;
+  if (arguments.step_deg > 0) options.step_rad = core::degToRad(arguments.step_deg);
+  if (!arguments.mount.empty()) options.mount = mountOf(arguments.mount);
+  for (const auto& shift : arguments.shifts) {
+    const size_t at = shift.rfind('=');
+    if (at == std::string::npos)
+      throw core::InputError("--shift: found '" + shift + "', expected LABEL=SECONDS");
+    options.shift_s[shift.substr(0, at)] = number(shift.substr(at + 1), "--shift", "LABEL=SECONDS");
+  }
+  ConsoleProgress progress(context.quiet);
+  return report(context, logs::filterLog(arguments.log, context.output, options, progress));
+}
+
+void addCut(CLI::App& app, Context& context) {
+  auto* command = app.add_subcommand("cut", "a part of a log by time; the rest stays byte for byte");
+  auto arguments = std::make_shared<CutArguments>();
+  command->add_option("log", arguments->log, "a log of any format that is read here")->required();
+  command->add_option("--from", arguments->from,
+                      "first moment kept: seconds after the log's first stamp, or @SECONDS since 1970");
+  command->add_option("--to", arguments->to, "first moment dropped again, likewise");
+  command->add_flag("--salvage", arguments->salvage, "of a log that breaks off, keep what comes before");
+  addOut(command, context);
+  command->footer(
+      "Objects without a stamp go with the one before. An action stays with its frame.\n"
+      "Examples:\n"
+      "  rasterslam cut run.rawlog --from 60 --to 120 -o minute.rawlog\n"
+      "  rasterslam cut intel.clf.bz2 --from @976053000 -o end.rawlog\n"
+      "  rasterslam cut broken.rawlog --salvage -o whole.rawlog");
+  command->callback(
+      [&context, arguments] { context.action = [&context, arguments] { return cut(context, *arguments); }; });
+}
+
+void addMerge(CLI::App& app, Context& context) {
+  auto* command = app.add_subcommand("merge", "two logs in one, by stamp");
+  auto arguments = std::make_shared<MergeArguments>();
+  command->add_option("first", arguments->first, "a log of any format that is read here")->required();
+  command->add_option("second", arguments->second, "another; at equal stamps it comes second")->required();
+  addOut(command, context);
+  command->footer(
+      "Each log keeps its own order. Two logs with actions must not overlap in time.\n"
+      "Example:\n"
+      "  rasterslam merge front.rawlog rear.rawlog -o both.rawlog");
+  command->callback([&context, arguments] {
+    context.action = [&context, arguments] { return merge(context, *arguments); };
+  });
+}
+
+void addFilter(CLI::App& app, Context& context) {
+  auto* command =
+      app.add_subcommand("filter", "a log without some of its observations, or with wrong statements mended");
+  auto arguments = std::make_shared<FilterArguments>();
+  command->add_option("log", arguments->log, "a log of any format that is read here")->required();
+  command->add_option("--keep-label", arguments->keep_labels, "keep these sensors alone")->delimiter(',');
+  command->add_option("--drop-label", arguments->drop_labels, "drop these sensors")->delimiter(',');
+  command->add_flag("--drop-truth", arguments->drop_truth, "drop the true poses");
+  command->add_option("--every", arguments->every, "keep every so many-th scan of each lidar")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--no-return", arguments->no_return_m,
+                   "readings from here on, metres, met nothing; sets the maximum range")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--step", arguments->step_deg,
+                   "angle between two readings, degrees, about the same middle")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--mount", arguments->mount, "X,Y,DEG: the lidar's pose on the robot");
+  command
+      ->add_option("--shift", arguments->shifts, "LABEL=SECONDS: added to the stamps of a sensor; repeatable")
+      ->take_all()
+      ->expected(1);
+  addOut(command, context);
+  command->footer(
+      "--no-return, --step and --mount are about all 2D scans of the log. The motion of dropped steps of\n"
+      "an action / sensory frame log goes to the next step kept. What is not touched stays byte for byte.\n"
+      "Examples:\n"
+      "  rasterslam filter run.rawlog --every 5 -o thin.rawlog\n"
+      "  rasterslam filter mit.clf.xz --shift FLASER_ODOMETRY=0.629 -o mit.rawlog\n"
+      "  rasterslam filter run.rawlog --no-return 81.83 --mount 0.1,0,0 -o mended.rawlog");
+  command->callback([&context, arguments] {
+    context.action = [&context, arguments] { return filter(context, *arguments); };
+  });
+}
+
+}  // namespace
+
+void addEditing(CLI::App& app, Context& context) {
+  addCut(app, context);
+  addMerge(app, context);
+  addFilter(app, context);
+}
+
+}  // namespace slam::apps

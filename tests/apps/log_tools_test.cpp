@@ -1,0 +1,146 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "libslam/core/files.h"
+#include "libslam/logs/log_writer.h"
+#include "tests/apps/program.h"
+
+namespace slam::apps {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+
+/// Scans of a wall ahead, 0.2 s apart, while the robot goes 2 cm each time.
+std::string writeLog(const testing::TempFolder& folder, const std::string& name, int scans) {
+  logs::LogWriter writer(folder / name, logs::RawlogForm::kActionFrame);
+  logs::LogEntry entry;
+  entry.scan.step_rad = core::degToRad(1);
+  entry.scan.first_angle_rad = core::degToRad(-45);
+  entry.scan.max_range_m = 30;
+  for (int i = 0; i < scans; ++i) {
+    entry.scan.time_s = 1'700'000'000 + 0.2 * i;
+    entry.scan.ranges_m.clear();
+    for (size_t beam = 0; beam <= 90; ++beam)
+      entry.scan.ranges_m.push_back(static_cast<float>((5 - 0.02 * i) / std::cos(entry.scan.angle(beam))));
+    entry.T_previous_robot = {i > 0 ? 0.02 : 0.0, 0, 0};
+    entry.T_odom_robot = {0.02 * i, 0, 0};
+    entry.has_odometry = true;
+    writer.write(entry);
+  }
+  writer.close();
+  return folder / name;
+}
+
+TEST(CheckCommand, SaysWhatALogIsLikeInLinesOf80Columns) {
+  const testing::TempFolder folder;
+  writeLog(folder, "a.rawlog", 30);
+  const auto result = rasterslam("check a.rawlog -q", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  EXPECT_THAT(result.out, HasSubstr("stream  CObservation2DRangeScan    'LASER'"));
+  EXPECT_THAT(result.out, HasSubstr("note    lidar      'LASER': 30 scans of 91 beams over 90.00 deg"));
+  EXPECT_THAT(result.out, EndsWith("\nusable\n"));
+  std::istringstream lines(result.out);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80U) << line;
+}
+
+TEST(CheckCommand, GivesTheSameAsJson) {
+  const testing::TempFolder folder;
+  writeLog(folder, "a.rawlog", 30);
+  const auto result = rasterslam("check a.rawlog -q --json", folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const auto object = json::parse(result.out);
+  EXPECT_EQ(object["format"], "MRPT rawlog");
+  EXPECT_EQ(object["usable"], true);
+  EXPECT_EQ(object["ranges"]["scans"], 30);
+  EXPECT_EQ(object["ranges"]["no_return_value"], nullptr);
+  EXPECT_EQ(object["odometry"][0]["stream"], "actions");
+  EXPECT_EQ(object["odometry"][0]["clock_offset_s"], nullptr) << "it never turns";
+  EXPECT_EQ(object["streams"].size(), 2U);
+  for (const auto& finding : object["findings"]) EXPECT_EQ(finding.size(), 4U);
+}
+
+TEST(CheckCommand, ItsExitCodeTellsALogThatCannotBeUsed) {
+  const testing::TempFolder folder;
+  const std::string path = writeLog(folder, "a.rawlog", 30);
+  const std::string bytes = core::readTextFile(path);
+  core::writeFileAtomically(folder / "half.rawlog", std::string_view(bytes).substr(0, bytes.size() / 2));
+  const auto half = rasterslam("check half.rawlog -q", folder.path());
+  EXPECT_EQ(half.exit_code, 3);
+  EXPECT_THAT(half.out, HasSubstr("error   damage     half.rawlog: truncated"));
+  EXPECT_THAT(half.out, EndsWith("\nnot usable as it is\n"));
+  const auto missing = rasterslam("check nothing.rawlog --json", folder.path());
+  EXPECT_EQ(missing.exit_code, 3);
+  EXPECT_THAT(json::parse(missing.out)["error"].get<std::string>(), HasSubstr("nothing.rawlog"));
+  EXPECT_EQ(rasterslam("check a.rawlog --label FRONT", folder.path()).exit_code, 3);
+}
+
+TEST(EditCommands, CutSalvageMergeAndFilterWorkTogether) {
+  const testing::TempFolder folder;
+  writeLog(folder, "a.rawlog", 30);
+  const auto first = rasterslam("cut a.rawlog --to 3 -o b.rawlog -q", folder.path());
+  EXPECT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_EQ(first.out, "60 objects: 30 as they were, 0 changed, 30 dropped\n  b.rawlog\n");
+  const auto second = rasterslam("cut a.rawlog --from @1700000003 -o c.rawlog -q --json", folder.path());
+  EXPECT_EQ(json::parse(second.out)["unchanged"], 30);
+  const auto whole = rasterslam("merge b.rawlog c.rawlog -o d.rawlog -q", folder.path());
+  EXPECT_EQ(whole.exit_code, 0) << whole.err;
+  EXPECT_EQ(core::readTextFile(folder / "d.rawlog"), core::readTextFile(folder / "a.rawlog"));
+  const auto thin = rasterslam("filter a.rawlog --every 10 --mount 0.1,0,90 -o e.rawlog -q", folder.path());
+  EXPECT_THAT(thin.out, HasSubstr("60 objects: 1 as they were, 5 changed, 54 dropped\n"
+                                  "2 actions took up the motion of dropped steps\n"));
+  const auto info = json::parse(rasterslam("info e.rawlog --json", folder.path()).out);
+  EXPECT_EQ(info["scans"], 3);
+  EXPECT_NEAR(info["odometry_length_m"].get<double>(), 0.4, 1e-9);
+  EXPECT_EQ(info["mount"][0], 0.1);
+}
+
+TEST(EditCommands, ReplaceNothingUnasked) {
+  const testing::TempFolder folder;
+  writeLog(folder, "a.rawlog", 5);
+  const auto refused = rasterslam("filter a.rawlog --every 2 -o a.rawlog", folder.path());
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_THAT(refused.err, HasSubstr("a.rawlog: exists; give --overwrite to replace it"));
+  EXPECT_EQ(rasterslam("filter a.rawlog --every 2 -o a.rawlog --overwrite -q", folder.path()).exit_code, 0);
+  EXPECT_EQ(json::parse(rasterslam("info a.rawlog --json", folder.path()).out)["scans"], 3);
+}
+
+TEST(EditCommands, SayWhatTheyCannotUnderstand) {
+  const testing::TempFolder folder;
+  writeLog(folder, "a.rawlog", 5);
+  for (const auto& [arguments, words] : std::map<std::string, std::string>{
+           {"cut a.rawlog -o b.rawlog", "expected one of them"},
+           {"cut a.rawlog --from noon -o b.rawlog", "--from: found 'noon', expected seconds after"},
+           {"filter a.rawlog --mount 1,2 -o b.rawlog", "--mount: found '1,2', expected X,Y,DEG"},
+           {"filter a.rawlog --mount 1,2,x -o b.rawlog", "--mount: found 'x', expected X,Y,DEG"},
+           {"filter a.rawlog --shift LASER -o b.rawlog", "--shift: found 'LASER', expected LABEL=SECONDS"},
+           {"filter a.rawlog --shift FRONT=1 -o b.rawlog", "no observation with the sensor label 'FRONT'"},
+           {"merge a.rawlog nothing.rawlog -o b.rawlog", "nothing.rawlog"}}) {
+    const auto result = rasterslam(arguments, folder.path());
+    EXPECT_EQ(result.exit_code, 3) << arguments;
+    EXPECT_THAT(result.err, HasSubstr(words)) << arguments;
+    EXPECT_FALSE(fs::exists(folder / "b.rawlog")) << arguments;
+    EXPECT_FALSE(fs::exists(folder / "b.rawlog.tmp")) << arguments;
+  }
+}
+
+TEST(InfoCommand, ListsEveryStream) {
+  const testing::TempFolder folder;
+  writeLog(folder, "a.rawlog", 30);
+  EXPECT_THAT(rasterslam("info a.rawlog", folder.path()).out,
+              HasSubstr("stream      CObservation2DRangeScan 'LASER': 30, 5.00 Hz\n"));
+  const auto streams = json::parse(rasterslam("info a.rawlog --json", folder.path()).out)["streams"];
+  ASSERT_EQ(streams.size(), 2U);
+  EXPECT_EQ(streams[0]["kind"], "CActionCollection");
+  EXPECT_EQ(streams[1]["count"], 30);
+  EXPECT_NEAR(streams[1]["rate_hz"].get<double>(), 5, 1e-6);
+}
+
+}  // namespace
+}  // namespace slam::apps
