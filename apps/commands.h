@@ -33,6 +33,7 @@ void addRun(CLI::App& app, Context& context);
 void addEval(CLI::App& app, Context& context);
 void addExplore(CLI::App& app, Context& context);
 void addCompare(CLI::App& app, Context& context);
+void addConvert(CLI::App& app, Context& context);
 void addNavigate(CLI::App& app, Context& context);
 void addInfo(CLI::App& app, Context& context);
 void addPlot(CLI::App& app, Context& context);

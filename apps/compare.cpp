@@ -77,7 +77,9 @@ int compareMethods(const Context& context, const Arguments& arguments) {
 void addCompare(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand("compare", "run several methods on one log or plan; prints a table");
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("input", arguments->input, "an MRPT rawlog, or a plan to simulate a log in")
+  command
+      ->add_option("input", arguments->input,
+                   "a log (MRPT rawlog, CARMEN, ...), or a plan to simulate a log in")
       ->required();
   command->add_option("--methods", arguments->methods, "names or .ini files, separated by commas")
       ->delimiter(',')

@@ -68,7 +68,7 @@ int showInfo(const Context& context, const std::string& path) {
 void addInfo(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand("info", "say what a log holds");
   auto path = std::make_shared<std::string>();
-  command->add_option("log", *path, "an MRPT rawlog")->required();
+  command->add_option("log", *path, "a log: MRPT rawlog, CARMEN, ...")->required();
   addJson(command, context);
   command->footer("Example:\n  rasterslam info run.rawlog");
   command->callback(

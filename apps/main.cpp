@@ -47,6 +47,7 @@ int main(int argc, char** argv) {
   slam::apps::addRun(app, context);
   slam::apps::addEval(app, context);
   slam::apps::addCompare(app, context);
+  slam::apps::addConvert(app, context);
   slam::apps::addNavigate(app, context);
   slam::apps::addInfo(app, context);
   slam::apps::addPlot(app, context);

@@ -64,7 +64,7 @@ int plotScan(const Context& context, const ScanArguments& arguments) {
 void addPlotScan(CLI::App& plot, Context& context) {
   auto* command = plot.add_subcommand("scan", "one scan of a log: range over angle, and from above");
   auto arguments = std::make_shared<ScanArguments>();
-  command->add_option("log", arguments->log, "an MRPT rawlog")->required();
+  command->add_option("log", arguments->log, "a log: MRPT rawlog, CARMEN, ...")->required();
   command->add_option("--index", arguments->index, "which scan, the first is 0")->capture_default_str();
   addOutput(command, context, "the picture to write (default scan.png)");
   addJson(command, context);

@@ -34,12 +34,12 @@ int runMethod(const Context& context, const Arguments& arguments) {
     std::fprintf(stderr,
                  "rasterslam: %s: %d of %zu steps come without odometry, estimated from the scans instead\n",
                  arguments.log.c_str(), result.steps_without_odometry, result.estimate.size() - 1);
-  const auto& end = result.estimate.back().pose;
+  const auto& end = result.end;
   if (context.json) {
     std::cout << nlohmann::ordered_json{{"folder", folder},
                                         {"method", name},
                                         {"scans", result.estimate.size()},
-                                        {"path_length_m", core::pathLength(result.estimate)},
+                                        {"path_length_m", result.path_length_m},
                                         {"end_pose", {end.x, end.y, end.phi}},
                                         {"mean_ms_per_scan", result.cost.mean_ms_per_scan},
                                         {"p99_ms_per_scan", result.cost.p99_ms_per_scan},
@@ -49,8 +49,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
     return 0;
   }
   std::printf("%s: %zu scans, path %.2f m, end at x %.2f m, y %.2f m, yaw %.1f deg\n", name.c_str(),
-              result.estimate.size(), core::pathLength(result.estimate), end.x, end.y,
-              core::radToDeg(end.phi));
+              result.estimate.size(), result.path_length_m, end.x, end.y, core::radToDeg(end.phi));
   std::printf("%.3f ms per scan (p99 %.3f), %.0f x real time, %.1f MB\n", result.cost.mean_ms_per_scan,
               result.cost.p99_ms_per_scan, result.cost.real_time_factor, result.cost.peak_memory_mb);
   const auto manifest = core::readManifest(folder + "/manifest.json");
@@ -66,7 +65,7 @@ void addRun(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("method", arguments->method, "a name of 'rasterslam list methods', or an .ini file")
       ->required();
-  command->add_option("log", arguments->log, "an MRPT rawlog")->required();
+  command->add_option("log", arguments->log, "a log: MRPT rawlog, CARMEN, ...")->required();
   addOutput(command, context, "folder to write (default: the method's name)");
   addSeed(command, context);
   addConfig(command, context);

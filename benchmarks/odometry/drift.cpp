@@ -97,9 +97,9 @@ void scoreByRelations(const BenchLog& log, const std::vector<Pose2>& estimate, D
     if (i > 0) driven_m.push_back(driven_m.back() + slam::core::distance(log.wheels[i - 1], log.wheels[i]));
   }
   Score near, far;
-  for (const Relation& relation : log.relations) {
-    const auto from = scan_at.find(key(relation.from_s)), to = scan_at.find(key(relation.to_s));
-    const double gap_s = relation.to_s - relation.from_s;
+  for (const slam::core::Relation& relation : log.relations) {
+    const auto from = scan_at.find(key(relation.from_time_s)), to = scan_at.find(key(relation.to_time_s));
+    const double gap_s = relation.to_time_s - relation.from_time_s;
     if (gap_s <= 0 || gap_s > kLongRelation_s || from == scan_at.end() || to == scan_at.end()) continue;
     const Pose2& T = relation.T_from_to;
     const Pose2 estimated = slam::core::between(estimate[from->second], estimate[to->second]);

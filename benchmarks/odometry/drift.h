@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "benchmarks/odometry/carmen_log.h"
+#include "benchmarks/odometry/bench_log.h"
 #include "libslam/odometry/scan_odometry.h"
 
 namespace odometry_bench {

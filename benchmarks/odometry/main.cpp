@@ -9,11 +9,14 @@
 #include <iostream>
 #include <sstream>
 
-#include "benchmarks/odometry/carmen_log.h"
+#include "benchmarks/odometry/bench_log.h"
 #include "benchmarks/odometry/drift.h"
 #include "benchmarks/odometry/mrpt_icp.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/logs/log_reader.h"
+#include "libslam/logs/relations_io.h"
+#include "libslam/logs/trajectory_io.h"
 #include "libslam/navigate/strategy.h"
 #include "libslam/report/table.h"
 #include "libslam/run/record.h"
@@ -64,11 +67,24 @@ BenchLog simulate(const std::string& world_name, size_t most_scans) {
   return log;
 }
 
-BenchLog readRing(const std::string& data, const std::string& name, size_t most_scans) {
+/// Scans and wheel odometry, at most so many.
+BenchLog readScans(const std::string& path, const std::string& name, size_t most_scans) {
   BenchLog log;
   log.name = name;
-  readCarmen("xzcat", data + "/sim/" + name + ".clf.xz", {}, most_scans, log);
-  log.truth = readTum(data + "/sim/" + name + ".truth.tum");
+  logs::LogReader reader(path);
+  while (log.scans.size() < most_scans) {
+    auto entry = reader.next();
+    if (!entry) break;
+    log.scans.push_back(std::move(entry->scan));
+    log.wheels.push_back(entry->T_odom_robot);
+  }
+  if (log.scans.empty()) throw core::InputError(path + ": holds 0 laser scans, expected at least 1");
+  return log;
+}
+
+BenchLog readRing(const std::string& data, const std::string& name, size_t most_scans) {
+  BenchLog log = readScans(data + "/sim/" + name + ".clf.xz", name, most_scans);
+  log.truth = logs::readTum(data + "/sim/" + name + ".truth.tum");
   log.truth.resize(std::min(log.truth.size(), log.scans.size()));
   for (size_t i = 0; i < log.truth.size(); ++i)
     if (std::abs(log.truth[i].time_s - log.scans[i].time_s) > 1e-3)
@@ -76,13 +92,12 @@ BenchLog readRing(const std::string& data, const std::string& name, size_t most_
   return log;
 }
 
-BenchLog readReal(const std::string& data, const std::string& name, const std::string& unpack,
-                  const std::string& file, const CarmenFormat& format, size_t most_scans) {
-  BenchLog log;
-  log.name = name;
+BenchLog readReal(const std::string& data, const std::string& name, const std::string& file, double sigma_m,
+                  size_t most_scans) {
   const std::string folder = data + "/logs/" + name + "/";
-  readCarmen(unpack, folder + file, format, most_scans, log);
-  log.relations = readRelations(folder + name + ".relations");
+  BenchLog log = readScans(folder + file, name, most_scans);
+  for (auto& scan : log.scans) scan.range_sigma_m = sigma_m;
+  log.relations = logs::readRelations(folder + name + ".relations");
   return log;
 }
 
@@ -98,19 +113,14 @@ std::vector<NamedLog> logs(const Arguments& a) {
   for (const char* ring : {"ring_A", "ring_B"})
     all.push_back(
         {ring, a.data + "/sim/" + ring + ".clf.xz", [=] { return readRing(a.data, ring, a.scans); }});
-  const double right = core::degToRad(-90);
-  // Steps, no-returns and mounting: the logs' PARAM lines, and the readings themselves.
-  const CarmenFormat intel{right, core::degToRad(1), 80, 0, 0.01};
-  const CarmenFormat fr079{right, core::degToRad(0.5), 80, -0.04, 0.01};
-  const CarmenFormat killian{right, core::degToRad(1), 50.9, 0, 0.015};
-  const auto real = [&](const char* name, const char* unpack, const std::string& file,
-                        const CarmenFormat& f) {
+  // What the lines do not say: how the readings scatter.
+  const auto real = [&](const char* name, const std::string& file, double sigma_m) {
     all.push_back({name, a.data + "/logs/" + name + "/" + file,
-                   [=] { return readReal(a.data, name, unpack, file, f, a.scans); }});
+                   [=] { return readReal(a.data, name, file, sigma_m, a.scans); }});
   };
-  real("intel", "bzcat", "intel.clf.bz2", intel);
-  real("fr079", "bzcat", "fr079.clf.bz2", fr079);
-  real("mit-killian", "xzcat", "mit-killian.reconstructed.clf.xz", killian);
+  real("intel", "intel.clf.bz2", 0.01);
+  real("fr079", "fr079.clf.bz2", 0.01);
+  real("mit-killian", "mit-killian.reconstructed.clf.xz", 0.015);
   return all;
 }
 

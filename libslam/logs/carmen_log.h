@@ -33,15 +33,19 @@ namespace slam::logs {
 //   ROBOTLASERi        likewise "ROBOTLASERi_ODOMETRY" with velocities, and "ROBOTLASERi"
 //   RAWLASERi          CObservation2DRangeScan "RAWLASERi"
 //   TRUEPOS            CObservationOdometry "TRUEPOS_ODOMETRY" and CObservationRobotPose kTruthLabel
-//   any other line     CObservationComment kCarmenLine, its text the line: PARAM, SYNC, remarks, other messages
-//                      (these are counted: skipped()). PARAM and SYNC have their stamp, the others none
-// What a line says beside, and changes seldom, comes before its objects as CObservationComment kCarmenNote:
-// "host NAME"; "ODOM accel A"; of ROBOTLASERi "config" (type to remission_mode) and "safety" (the three). Such a
-// note holds until the next one of its kind. With it the way back gives every field again but these:
-// logger_timestamp (seconds since the log's first stamp are written instead), trailing zeros of numbers,
-// digits of a range beyond a float's and of a pose or stamp beyond the sixth decimal, remissions
-// (rounded to whole numbers), the laser pose within 2e-6 m (FLASER) or 1 mm and 0.001 rad (ROBOTLASER) of
-// odometry and mounting.
+//   any other line     CObservationComment, its text kCarmenLine and the line: PARAM, SYNC, remarks, other
+//                      messages (these are counted: skipped()), with the stamp of the message before, or of
+//                      the first one: stock icp-slam demands a stamp of everything, and those of PARAM
+//                      lines can be of another clock. (A comment in a rawlog has no label.)
+// What a line says beside, and changes seldom, comes before its objects as CObservationComment of kCarmenNote
+// and "host NAME"; "ODOM accel A"; of ROBOTLASERi "config" (type to remission_mode) and "safety" (the three). Such
+// a note holds until the next one of its kind.
+//
+// With all that the way back gives every field again but these: logger_timestamp (seconds since the log's first
+// stamp are written instead), trailing zeros of numbers, digits of a range beyond a float's and of a pose or stamp
+// beyond the sixth decimal, remissions (rounded to whole numbers; none unless there is one a range), the laser
+// pose within 2e-6 m (FLASER) or 1 mm and 0.001 rad (ROBOTLASER) of odometry and mounting. True poses go beside
+// the log (convertLog()).
 //
 // FLASER and RLASER lines have no field of view. Readings are laser_front_laser_resolution (PARAM, degrees)
 // apart; without it 1 deg (180 or 181 readings), 0.5 deg (360, 361, 200, 201, 540, 541), 0.25 deg (400, 401,
@@ -57,9 +61,8 @@ namespace slam::logs {
 // beyond the line's own maximum. They keep their value and are marked invalid, as are readings <= 0.
 // A parameter holds for the lines after it.
 
-inline constexpr const char* kCarmenLine = "CARMEN";
-inline constexpr const char* kCarmenNote = "CARMEN_NOTE";
-inline constexpr const char* kOdometryLabel = "ODOMETRY";
+inline constexpr std::string_view kCarmenLine = "CARMEN line: ";
+inline constexpr std::string_view kCarmenNote = "CARMEN note: ";
 inline constexpr const char* kOdometrySuffix = "_ODOMETRY";
 inline constexpr const char* kPoseSuffix = "_POSE";
 
@@ -73,6 +76,8 @@ class CarmenSettings {
   /// A PARAM line's name and value; others than those above are passed over. InputError: a value that is no number
   /// or out of bounds.
   void take(std::string_view name, std::string_view value);
+  /// A line of a log: of one that is PARAM, its name and value.
+  void takeLine(std::string_view line);
   /// Of a sweep of so many readings; is_rear: RLASER. T_odom_robot, T_odom_laser: what the line says.
   Geometry geometry(size_t readings, bool is_rear, const core::Pose2& T_odom_robot,
                     const core::Pose2& T_odom_laser) const;
@@ -87,27 +92,32 @@ class CarmenSettings {
 /// The objects of CARMEN lines, line by line.
 class CarmenParser {
  public:
+  struct Words;
   using Objects = std::deque<std::shared_ptr<mrpt::serialization::CSerializable>>;
   /// Appends what the line (without its newline) becomes. Errors (InputError without a place): a field of one
   /// of the messages above that is missing, no finite number, or out of bounds; more fields than the message has.
   void take(std::string_view line, Objects& objects);
+  /// What waits for the stamp of a first message, when no line is left.
+  void finish(Objects& objects);
   /// Scans of fewer than 2 readings count here too: they are kept as text.
   std::string skipped() const;
 
  private:
-  struct Words;
   struct Sweep;
   void takeOdometry(Words& words, Objects& objects);
   void takeTruth(Words& words, Objects& objects);
   void takeOldLaser(const std::string& kind, Words& words, Objects& objects);
   void takeNewLaser(const std::string& kind, Words& words, Objects& objects);
-  void takeText(std::string_view line, Words words, Objects& objects);
+  void takeText(std::string_view line, Objects& objects);
+  void begin(double time_s, const std::string& host, Objects& objects);
   void note(const std::string& key, const std::string& value, double time_s, Objects& objects);
 
   CarmenSettings settings_;
   std::map<std::string, std::string> notes_;
   std::map<std::string, core::Pose2> mounts_;
   std::map<std::string, std::uint64_t> skipped_;
+  std::deque<std::string> waiting_;  ///< text before the first message
+  std::int64_t newest_ticks_ = 0;    ///< kNoStamp before it
 };
 
 /// True when this start of a file (64 KiB, or all of it) is text with a line of one of the messages above.
@@ -115,7 +125,8 @@ bool looksLikeCarmen(std::string_view start);
 
 /// The objects of a CARMEN log, plain or packed. Errors (InputError): `path:line: ` and the parser's words; a
 /// line of more than 1 MiB; truncated (packed data that end too early, or a last line that has no newline and is
-/// not whole); damaged. What comes before is given first; the reader does not go on after an error.
+/// not whole); damaged. What comes before is given first; the reader does not go on after an error, for a line that
+/// is none of its message's may be the first of many. Messages of unknown kinds it passes over, counted.
 class CarmenObjects : public ObjectSource {
  public:
   explicit CarmenObjects(const std::string& path);

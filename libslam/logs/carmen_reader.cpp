@@ -12,6 +12,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
 #include "libslam/logs/carmen_log.h"
+#include "libslam/logs/mrpt_objects.h"
 #include "libslam/logs/mrpt_time.h"
 
 namespace slam::logs {
@@ -20,6 +21,7 @@ namespace {
 constexpr size_t kLongestLine = 1 << 20;
 // CARMEN's reader of logs: carmen_laser_laser_message.maximum_range and accuracy of lines that do not say.
 constexpr double kDefaultMaxRange_m = 80, kDefaultAccuracy_m = 0.01;
+constexpr size_t kMostWaitingLines = 10000;
 constexpr double kLargestNumber = 1e6;  // of a range, in metres: far beyond any sensor, within a float
 constexpr double kYear10000_s = 253'402'300'800.0;
 // Odometry and laser pose have six decimals each.
@@ -39,21 +41,20 @@ bool isBlank(char c) {
   return c == ' ' || c == '\t' || c == '\r';
 }
 
-std::string quoted(std::string_view word) {
+std::string printable(std::string_view word) {
   constexpr size_t kMost = 40;
-  std::string text = "'";
+  std::string text;
   for (const char c : word.substr(0, kMost)) text += c < 32 || c == 127 ? '?' : c;
-  return text + (word.size() > kMost ? "...'" : "'");
+  return text + (word.size() > kMost ? "..." : "");
+}
+std::string quoted(std::string_view word) {
+  return "'" + printable(word) + "'";
 }
 
 bool parse(std::string_view word, double& value) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
   const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
   return result.ec == std::errc() && result.ptr == word.data() + word.size() && std::isfinite(value);
-}
-
-mrpt::Clock::time_point toMrptTime(double time_s) {
-  return mrpt::Clock::time_point(mrpt::Clock::duration(mrptTicks(time_s)));
 }
 
 bool isLaserOf(std::string_view kind, std::string_view name) {
@@ -74,34 +75,6 @@ double roundTo(double value, double step) {
 bool isClose(const core::Pose2& a, const core::Pose2& b, double tolerance) {
   return std::abs(a.x - b.x) <= tolerance && std::abs(a.y - b.y) <= tolerance &&
          std::abs(core::angleDifference(a.phi, b.phi)) <= tolerance;
-}
-
-std::shared_ptr<mrpt::obs::CObservationOdometry> makeOdometry(const core::Pose2& pose, double time_s,
-                                                              const std::string& label) {
-  auto odometry = std::make_shared<mrpt::obs::CObservationOdometry>();
-  odometry->timestamp = toMrptTime(time_s);
-  odometry->sensorLabel = label;
-  odometry->odometry = mrpt::poses::CPose2D(pose.x, pose.y, 0);
-  odometry->odometry.phi(pose.phi);  // the constructor would wrap a heading that counts whole turns
-  return odometry;
-}
-
-std::shared_ptr<mrpt::obs::CObservationRobotPose> makePose(const core::Pose2& pose, double time_s,
-                                                           const std::string& label) {
-  auto observation = std::make_shared<mrpt::obs::CObservationRobotPose>();
-  observation->timestamp = toMrptTime(time_s);
-  observation->sensorLabel = label;
-  observation->pose.mean = mrpt::poses::CPose3D(pose.x, pose.y, 0, pose.phi, 0, 0);
-  observation->pose.cov.setZero();
-  return observation;
-}
-
-std::shared_ptr<mrpt::obs::CObservationComment> makeComment(std::string text, const std::string& label) {
-  auto comment = std::make_shared<mrpt::obs::CObservationComment>();
-  comment->sensorLabel = label;
-  comment->timestamp = mrpt::Clock::time_point();
-  comment->text = std::move(text);
-  return comment;
 }
 
 }  // namespace
@@ -248,7 +221,7 @@ struct CarmenParser::Sweep {
                                                              double accuracy_m, double time_s,
                                                              const std::string& label) const {
     auto scan = std::make_shared<mrpt::obs::CObservation2DRangeScan>();
-    scan->timestamp = toMrptTime(time_s);
+    scan->timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(mrptTicks(time_s)));
     scan->sensorLabel = label;
     scan->rightToLeft = true;
     const double aperture_rad = static_cast<double>(ranges_m.size() - 1) * geometry.step_rad;
@@ -273,13 +246,18 @@ struct CarmenParser::Sweep {
   }
 };
 
+void CarmenSettings::takeLine(std::string_view line) {
+  CarmenParser::Words words{line};
+  if (words.next() != "PARAM") return;
+  const auto name = words.word("a parameter's name"), value = words.next();
+  take(name, value);
+}
+
 void CarmenParser::note(const std::string& key, const std::string& value, double time_s, Objects& objects) {
   std::string& known = notes_[key];
   if (known == value) return;
   known = value;
-  auto comment = makeComment(key + " " + value, kCarmenNote);
-  comment->timestamp = toMrptTime(time_s);
-  objects.push_back(std::move(comment));
+  objects.push_back(makeComment(std::string(kCarmenNote) + key + " " + value, mrptTicks(time_s)));
 }
 
 void CarmenParser::takeOdometry(Words& words, Objects& objects) {
@@ -290,9 +268,9 @@ void CarmenParser::takeOdometry(Words& words, Objects& objects) {
   if (!parse(acceleration, ignored))
     throw core::InputError("found " + quoted(acceleration) + ", expected accel (a finite number)");
   const double time_s = words.stamp();
-  note("host", words.tail(), time_s, objects);
+  begin(time_s, words.tail(), objects);
   if (ignored != 0 || notes_.count("ODOM accel")) note("ODOM accel", acceleration, time_s, objects);
-  auto odometry = makeOdometry(pose, time_s, kOdometryLabel);
+  auto odometry = makeOdometry(pose, mrptTicks(time_s), kOdometryLabel);
   odometry->hasVelocities = true;
   odometry->velocityLocal = {tv_mps, 0, rv_radps};
   objects.push_back(std::move(odometry));
@@ -302,9 +280,9 @@ void CarmenParser::takeTruth(Words& words, Objects& objects) {
   const auto T_world_robot = words.pose("true_x true_y true_theta");
   const auto T_odom_robot = words.pose("odom_x odom_y odom_theta");
   const double time_s = words.stamp();
-  note("host", words.tail(), time_s, objects);
-  objects.push_back(makeOdometry(T_odom_robot, time_s, std::string("TRUEPOS") + kOdometrySuffix));
-  objects.push_back(makePose(T_world_robot, time_s, kTruthLabel));
+  begin(time_s, words.tail(), objects);
+  objects.push_back(makeOdometry(T_odom_robot, mrptTicks(time_s), std::string("TRUEPOS") + kOdometrySuffix));
+  objects.push_back(makeRobotPose(T_world_robot, mrptTicks(time_s), kTruthLabel));
 }
 
 void CarmenParser::takeOldLaser(const std::string& kind, Words& words, Objects& objects) {
@@ -312,12 +290,12 @@ void CarmenParser::takeOldLaser(const std::string& kind, Words& words, Objects& 
   sweep.readRanges(words.count("the number of ranges"), words);
   const auto T_odom_laser = words.pose("x y theta"), T_odom_robot = words.pose("odom_x odom_y odom_theta");
   const double time_s = words.stamp();
-  note("host", words.tail(), time_s, objects);
+  begin(time_s, words.tail(), objects);
   const bool is_rear = kind == "RLASER";
   const auto geometry = settings_.geometry(sweep.ranges_m.size(), is_rear, T_odom_robot, T_odom_laser);
   if (!isClose(T_odom_robot * geometry.T_robot_lidar, T_odom_laser, kRounding))
-    objects.push_back(makePose(T_odom_laser, time_s, kind + kPoseSuffix));
-  objects.push_back(makeOdometry(T_odom_robot, time_s, kind + kOdometrySuffix));
+    objects.push_back(makeRobotPose(T_odom_laser, mrptTicks(time_s), kind + kPoseSuffix));
+  objects.push_back(makeOdometry(T_odom_robot, mrptTicks(time_s), kind + kOdometrySuffix));
   objects.push_back(sweep.toScan(geometry, kDefaultAccuracy_m, time_s, kind));
 }
 
@@ -350,7 +328,7 @@ void CarmenParser::takeNewLaser(const std::string& kind, Words& words, Objects& 
   const bool is_raw = kind[1] == 'A';
   if (is_raw) {
     const double time_s = words.stamp();
-    note("host", words.tail(), time_s, objects);
+    begin(time_s, words.tail(), objects);
     note(kind + " config", config, time_s, objects);
     objects.push_back(sweep.toScan(geometry, accuracy_m, time_s, kind));
     return;
@@ -363,7 +341,7 @@ void CarmenParser::takeNewLaser(const std::string& kind, Words& words, Objects& 
   std::string safety(safety_start.substr(0, safety_start.size() - words.rest.size()));
   safety.erase(0, safety.find_first_not_of(" \t"));
   const double time_s = words.stamp();
-  note("host", words.tail(), time_s, objects);
+  begin(time_s, words.tail(), objects);
   note(kind + " config", config, time_s, objects);
   note(kind + " safety", safety, time_s, objects);
 
@@ -372,29 +350,29 @@ void CarmenParser::takeNewLaser(const std::string& kind, Words& words, Objects& 
   if (!isClose(mount, shown, kMountChange))
     mount = {roundTo(shown.x, kMountStep), roundTo(shown.y, kMountStep), roundTo(shown.phi, kMountStep)};
   geometry.T_robot_lidar = mount;
-  auto odometry = makeOdometry(T_odom_robot, time_s, kind + kOdometrySuffix);
+  auto odometry = makeOdometry(T_odom_robot, mrptTicks(time_s), kind + kOdometrySuffix);
   odometry->hasVelocities = true;
   odometry->velocityLocal = {tv_mps, 0, rv_radps};
   objects.push_back(std::move(odometry));
   objects.push_back(sweep.toScan(geometry, accuracy_m, time_s, kind));
 }
 
-void CarmenParser::takeText(std::string_view line, Words words, Objects& objects) {
-  auto comment = makeComment(std::string(line), kCarmenLine);
-  const auto kind = words.next();
-  if (kind == "PARAM") {
-    const auto name = words.word("a parameter's name"), value = words.next();
-    settings_.take(name, value);
-  }
-  if (kind == "PARAM" || kind == "SYNC") {
-    // The third word from the end, if there is one that can be a stamp: values may have blanks or be missing.
-    std::vector<std::string_view> all;
-    for (auto word = words.next(); !word.empty(); word = words.next()) all.push_back(word);
-    double time_s = 0;
-    if (all.size() >= 3 && parse(all[all.size() - 3], time_s) && time_s > 0 && time_s < kYear10000_s)
-      comment->timestamp = toMrptTime(time_s);
-  }
-  objects.push_back(std::move(comment));
+void CarmenParser::takeText(std::string_view line, Objects& objects) {
+  settings_.takeLine(line);
+  waiting_.push_back(std::string(kCarmenLine) + std::string(line));
+  if (newest_ticks_ != kNoStamp || waiting_.size() > kMostWaitingLines) finish(objects);
+}
+
+void CarmenParser::finish(Objects& objects) {
+  for (auto& text : waiting_) objects.push_back(makeComment(std::move(text), newest_ticks_));
+  waiting_.clear();
+}
+
+/// Of the objects of a message.
+void CarmenParser::begin(double time_s, const std::string& host, Objects& objects) {
+  newest_ticks_ = mrptTicks(time_s);
+  finish(objects);
+  note("host", host, time_s, objects);
 }
 
 void CarmenParser::take(std::string_view line, Objects& objects) {
@@ -414,7 +392,7 @@ void CarmenParser::take(std::string_view line, Objects& objects) {
     const auto readings = ahead.next();
     if (readings == "0" || readings == "1") {
       ++skipped_[std::string(kind) + " of fewer than 2 readings"];
-      takeText(line, {line}, objects);
+      takeText(line, objects);
     } else if (is_old_laser) {
       takeOldLaser(std::string(kind), words, objects);
     } else {
@@ -422,10 +400,11 @@ void CarmenParser::take(std::string_view line, Objects& objects) {
     }
   } else {
     constexpr size_t kMostKinds = 100;  // text that is no CARMEN log after all has a new "kind" in every line
-    if (kind[0] != '#' && !isKnown(kind))
-      ++skipped_[skipped_.size() < kMostKinds || skipped_.count(std::string(kind)) ? std::string(kind)
-                                                                                   : "..."];
-    takeText(line, {line}, objects);
+    if (kind[0] != '#' && !isKnown(kind)) {
+      const std::string name = printable(kind);
+      ++skipped_[skipped_.size() < kMostKinds || skipped_.count(name) > 0 ? name : "..."];
+    }
+    takeText(line, objects);
   }
 }
 
@@ -503,8 +482,10 @@ bool CarmenObjects::readLine() {
 }
 
 std::shared_ptr<mrpt::serialization::CSerializable> CarmenObjects::next() {
-  while (ready_.empty())
-    if (!readLine()) return nullptr;
+  while (ready_.empty() && readLine()) {
+  }
+  if (ready_.empty()) parser_.finish(ready_);
+  if (ready_.empty()) return nullptr;
   auto object = std::move(ready_.front());
   ready_.pop_front();
   ++count_;

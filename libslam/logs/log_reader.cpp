@@ -1,18 +1,17 @@
 #include "libslam/logs/log_reader.h"
 
 #include <mrpt/obs/CActionCollection.h>
-#include <mrpt/obs/CActionRobotMovement2D.h>
-#include <mrpt/obs/CActionRobotMovement3D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CSensoryFrame.h>
 
-#include <algorithm>
 #include <deque>
 #include <exception>
 #include <utility>
 
 #include "libslam/core/error.h"
+#include "libslam/logs/log_motion.h"
+#include "libslam/logs/mrpt_objects.h"
 #include "libslam/logs/mrpt_time.h"
 #include "libslam/logs/object_stream.h"
 #include "libslam/robot/mrpt_types.h"
@@ -21,60 +20,18 @@ namespace slam::logs {
 namespace {
 
 using mrpt::obs::CActionCollection;
-using mrpt::obs::CActionRobotMovement2D;
-using mrpt::obs::CActionRobotMovement3D;
 using mrpt::obs::CObservation;
 using mrpt::obs::CObservation2DRangeScan;
 using mrpt::obs::CObservationOdometry;
 using mrpt::obs::CSensoryFrame;
 
 constexpr size_t kScansToChooseLabel = 100;
-// Odometry that waits for a scan of its time. More than this means that the two clocks do not agree; then the
-// order in the file is the better guide.
-constexpr size_t kMostWaitingReadings = 1000;
-
-/// What the odometry says about the time since the scan before.
-struct Motion {
-  core::Pose2 T_previous_robot;
-  bool has_reading = false;    ///< anything at all was measured
-  bool has_increment = false;  ///< and it says how the robot moved
-
-  void add(const core::Pose2& increment) {
-    T_previous_robot = T_previous_robot * increment;
-    has_reading = has_increment = true;
-  }
-  void add(const Motion& later) {
-    T_previous_robot = T_previous_robot * later.T_previous_robot;
-    has_reading |= later.has_reading;
-    has_increment |= later.has_increment;
-  }
-};
-
 /// A scan of whichever lidar with the motion since the scan before it, of whichever lidar.
 struct Step {
   std::string label;
   robot::Scan scan;
   Motion motion;
 };
-
-core::Pose2 fromMrptPose(const mrpt::poses::CPose2D& pose) {
-  return {pose.x(), pose.y(), pose.phi()};
-}
-
-std::optional<core::Pose2> incrementOf(const CActionCollection& actions) {
-  std::optional<core::Pose2> matched, spatial;
-  for (const auto& action : actions) {
-    if (const auto* planar = dynamic_cast<const CActionRobotMovement2D*>(action.get())) {
-      if (planar->estimationMethod == CActionRobotMovement2D::emOdometry)
-        return fromMrptPose(planar->rawOdometryIncrementReading);
-      if (!matched && planar->poseChange) matched = fromMrptPose(planar->poseChange->getMeanVal());
-    } else if (const auto* full = dynamic_cast<const CActionRobotMovement3D*>(action.get())) {
-      const auto& mean = full->poseChange.mean;
-      if (!spatial) spatial = core::Pose2{mean.x(), mean.y(), mean.yaw()};
-    }
-  }
-  return matched ? matched : spatial;
-}
 
 /// From the objects of a rawlog, whatever its form, to scans with increments.
 class StepReader {
@@ -96,11 +53,6 @@ class StepReader {
   double fractionRead() const { return objects_->fractionRead(); }
 
  private:
-  struct Reading {
-    std::int64_t ticks = kNoStamp;
-    core::Pose2 T_odom_robot;
-  };
-
   void take(const mrpt::serialization::CSerializable& object) {
     if (const auto* actions = dynamic_cast<const CActionCollection*>(&object)) {
       counts_.has_frames = true;
@@ -145,40 +97,20 @@ class StepReader {
 
   void takeReading(const CObservationOdometry& odometry) {
     noteStamp(odometry.timestamp);
-    const auto pose = fromMrptPose(odometry.odometry);
+    const auto pose = fromMrpt(odometry.odometry);
     requireFinite(pose);
     ++counts_.odometry_readings;
     if (has_actions_) return;
-    waiting_.push_back({odometry.timestamp.time_since_epoch().count(), pose});
-    if (waiting_.size() > kMostWaitingReadings) {
-      use(waiting_.front());
-      waiting_.pop_front();
-    }
-  }
-
-  /// Up to the one that comes last in the file of those stamped at or before the scan. Later stamps before it are
-  /// passed over: the readings are absolute, so their motion is in it.
-  void useReadingsOf(std::int64_t scan_ticks) {
-    const auto is_due = [scan_ticks](const Reading& reading) { return reading.ticks <= scan_ticks; };
-    const auto end = std::find_if(waiting_.rbegin(), waiting_.rend(), is_due).base();
-    for (auto reading = waiting_.begin(); reading != end; ++reading)
-      if (is_due(*reading)) use(*reading);
-    waiting_.erase(waiting_.begin(), end);
-  }
-
-  void use(const Reading& reading) {
-    if (last_reading_) motion_.add(core::between(*last_reading_, reading.T_odom_robot));
-    last_reading_ = reading.T_odom_robot;
-    motion_.has_reading = true;
+    bare_odometry_.add(ticksOf(odometry), pose);
   }
 
   void takeScan(const CObservation2DRangeScan& observation) {
     ++counts_.scans_by_label[observation.sensorLabel];
-    std::int64_t ticks = observation.timestamp.time_since_epoch().count();
+    std::int64_t ticks = ticksOf(observation);
     if (ticks == kNoStamp) ticks = newest_ticks_;
     if (ticks == kNoStamp)
       fail("laser scan without a time stamp, and no action or odometry before it has one");
-    if (!has_actions_) useReadingsOf(ticks);
+    if (!has_actions_) motion_.add(bare_odometry_.takeUntil(ticks));
     Step step;
     step.label = observation.sensorLabel;
     try {
@@ -208,8 +140,7 @@ class StepReader {
   LogCounts counts_;
   Motion motion_;
   bool has_actions_ = false;  ///< an action with an increment was met: bare readings count no more
-  std::optional<core::Pose2> last_reading_;
-  std::deque<Reading> waiting_;
+  BareOdometry bare_odometry_;
   std::int64_t newest_ticks_ = kNoStamp;  ///< of an action or odometry reading
   std::deque<Step> ready_;
 };

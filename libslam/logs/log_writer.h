@@ -3,10 +3,9 @@
 #include <string>
 
 #include "libslam/logs/log_reader.h"
+#include "libslam/logs/rawlog_form.h"
 
 namespace slam::logs {
-
-enum class RawlogForm { kActionFrame, kObservationOnly };
 
 /// Streams a rawlog that MRPT's own programs read: gzip inside, written beside (path + ".tmp") and renamed by
 /// close(), over an older file too. Action form: one CActionCollection with a CActionRobotMovement2D

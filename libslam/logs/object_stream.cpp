@@ -59,6 +59,16 @@ std::unique_ptr<ObjectSource> openLog(const std::string& path) {
 }
 
 std::unique_ptr<ObjectSink> createLog(const std::string& path, LogFormat format) {
+  switch (format) {
+    case LogFormat::kRawlog:
+      return std::make_unique<RawlogSink>(path);
+    case LogFormat::kCarmen:
+      return createCarmenLog(path);
+    case LogFormat::kRos1Bag:
+    case LogFormat::kRos2Db3:
+    case LogFormat::kMcap:
+      break;
+  }
   throw core::InputError(path + ": " + formatName(format) + " cannot be written yet");
 }
 

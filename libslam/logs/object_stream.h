@@ -15,7 +15,7 @@ namespace slam::logs {
 ///   absolute odometry       CObservationOdometry
 ///   the true robot pose     CObservationRobotPose labelled kTruthLabel: never an estimator's input
 ///   text that it must keep  CObservationComment (parameters, remarks)
-/// all with the stamp of the message itself; an odometry reading that the log stores with a scan comes right
+/// all with the stamp of the message itself (text without one: a neighbour's); an odometry reading that the log stores with a scan comes right
 /// before that scan with the scan's stamp.
 class ObjectSource {
  public:

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <new>
 #include <stdexcept>
 #include <string_view>
@@ -89,6 +90,13 @@ std::uint64_t estimateEntries(const std::string& path) {
 
 constexpr size_t kLongestHeader = 4 + 127;
 
+std::string requireNoFolder(const std::string& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored))
+    throw core::IoError(path + ": cannot be written: " + std::strerror(EISDIR));
+  return path;
+}
+
 bool isLogEntry(const mrpt::rtti::TRuntimeClassId& id) {
   using namespace mrpt::obs;
   return id.derivedFrom(CLASS_ID(CActionCollection)) || id.derivedFrom(CLASS_ID(CSensoryFrame)) ||
@@ -123,7 +131,6 @@ bool looksLikeRawlog(const std::string& start) {
 RawlogObjects::RawlogObjects(const std::string& path) : path_(path), stream_(path) {
   // Linked libraries of which nothing is called are dropped, and their classes with them.
   mrpt::maps::registerAllClasses_mrpt_maps();
-  if (stream_.fileBytes() == 0) throw core::InputError(path + ": is empty, expected an MRPT rawlog");
   // MRPT's parsers trust what they read, to the point of crashing on damaged bytes.
   requireUndamaged(path);
 }
@@ -221,6 +228,28 @@ size_t PackingStream::Read(void*, size_t) {
 }
 std::uint64_t PackingStream::Seek(std::int64_t, TSeekOrigin) {
   notOffered("seeking");
+}
+
+RawlogSink::RawlogSink(const std::string& path)
+    : pending_(requireNoFolder(path)), stream_(pending_.path(), path) {}
+
+void RawlogSink::write(const mrpt::serialization::CSerializable& object) {
+  if (closed_) throw core::ContractError("rawlog: write() after close()");
+  auto archive = mrpt::serialization::archiveFrom<mrpt::io::CStream>(stream_);
+  try {
+    archive << object;
+  } catch (const std::exception&) {
+    // MRPT may have dressed the stream's error in a back trace.
+    stream_.rethrowFailure();
+    throw;
+  }
+}
+
+void RawlogSink::close() {
+  if (closed_) throw core::ContractError("rawlog: closed twice");
+  closed_ = true;
+  stream_.close();
+  pending_.commit();
 }
 
 }  // namespace slam::logs

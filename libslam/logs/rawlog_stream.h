@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "libslam/core/files.h"
 #include "libslam/logs/object_stream.h"
 #include "libslam/logs/unpacking_stream.h"
 
@@ -68,6 +69,20 @@ class PackingStream : public mrpt::io::CStream {
   gzFile file_ = nullptr;
   int error_number_ = 0;  ///< errno of the failure
   std::uint64_t position_ = 0;
+};
+
+/// Objects as they come, packed by gzip, into a file written beside and renamed by close().
+class RawlogSink : public ObjectSink {
+ public:
+  /// Errors: IoError when the path is a folder or cannot be written.
+  explicit RawlogSink(const std::string& path);
+  void write(const mrpt::serialization::CSerializable& object) override;
+  void close() override;
+
+ private:
+  core::PendingFile pending_;
+  PackingStream stream_;
+  bool closed_ = false;
 };
 
 }  // namespace slam::logs

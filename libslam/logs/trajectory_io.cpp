@@ -22,6 +22,7 @@ constexpr double kShortestQuaternion = 1e-6;
 
 struct Line {
   size_t number = 0;  ///< from 1
+  bool has_commas = false;
   std::vector<double> values;
 };
 
@@ -40,8 +41,10 @@ double parseFinite(std::string_view word, const std::string& path, size_t line) 
   return value;
 }
 
+constexpr std::string_view kBlank = " \t\r\v\f";
+constexpr std::string_view kCsvColumns = "time_s,x_m,y_m,yaw_rad";
+
 std::vector<double> parseNumbers(std::string_view text, const std::string& path, size_t line) {
-  constexpr std::string_view kBlank = " \t\r\v\f";
   std::vector<double> values;
   for (size_t begin = text.find_first_not_of(kBlank); begin != std::string_view::npos;) {
     const size_t end = std::min(text.find_first_of(kBlank, begin), text.size());
@@ -51,19 +54,53 @@ std::vector<double> parseNumbers(std::string_view text, const std::string& path,
   return values;
 }
 
+std::string_view trimmed(std::string_view text) {
+  const size_t begin = text.find_first_not_of(kBlank);
+  if (begin == std::string_view::npos) return "";
+  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
+}
+
+std::vector<double> parseCsvNumbers(std::string_view text, const std::string& path, size_t line) {
+  std::vector<double> values;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    values.push_back(parseFinite(trimmed(text.substr(begin, end - begin)), path, line));
+    begin = end + 1;
+  }
+  return values;
+}
+
+/// A first line of words in a file with commas must be the one we write.
+bool isCsvHeader(std::string_view content, const std::string& path, size_t line) {
+  const auto text = trimmed(content);
+  if (text.find_first_of("abcdefghijklmnopqrstuvwxyz") != 0) return false;
+  if (text != kCsvColumns)
+    failAt(
+        path, line,
+        "found the columns '" + std::string(text.substr(0, 80)) + "', expected " + std::string(kCsvColumns));
+  return true;
+}
+
 /// The lines with numbers; blank lines and those that start with # (TUM) or % (MRPT) are passed over.
 std::vector<Line> readLines(const std::string& path) {
   const std::string text = core::readTextFile(path);
   std::vector<Line> lines;
   size_t number = 0;
+  bool is_csv = false, has_header = false;
   for (size_t begin = 0; begin < text.size();) {
     const size_t end = std::min(text.find('\n', begin), text.size());
     const std::string_view content(text.data() + begin, end - begin);
     begin = end + 1;
     ++number;
-    const size_t first = content.find_first_not_of(" \t\r\v\f");
+    const size_t first = content.find_first_not_of(kBlank);
     if (first == std::string_view::npos || content[first] == '#' || content[first] == '%') continue;
-    lines.push_back({number, parseNumbers(content, path, number)});
+    if (lines.empty() && !has_header) is_csv = content.find(',') != std::string_view::npos;
+    if (is_csv && lines.empty() && !has_header && isCsvHeader(content, path, number))
+      has_header = true;
+    else
+      lines.push_back(
+          {number, is_csv,
+           is_csv ? parseCsvNumbers(content, path, number) : parseNumbers(content, path, number)});
   }
   if (lines.empty()) throw core::InputError(path + ": holds no pose, expected at least 1");
   return lines;
@@ -90,6 +127,7 @@ struct Format {
 };
 const Format kTum{8, "time x y z qx qy qz qw", tumPose};
 const Format kMrpt{4, "time x y phi", mrptPose};
+const Format kCsv{4, "time_s,x_m,y_m,yaw_rad", mrptPose};
 
 core::Trajectory toTrajectory(const std::vector<Line>& lines, const Format& format, const std::string& path) {
   core::Trajectory trajectory;
@@ -120,6 +158,7 @@ void writeAll(const core::Trajectory& trajectory, const std::string& path, Traje
 
 TrajectoryWriter::TrajectoryWriter(const std::string& path, Format format) : file_(path), format_(format) {
   if (format_ == Format::kTum) file_.append("# time x y z qx qy qz qw\n");
+  if (format_ == Format::kCsv) file_.append(std::string(kCsvColumns) + "\n");
 }
 
 void TrajectoryWriter::write(const core::StampedPose& stamped) {
@@ -136,11 +175,13 @@ void TrajectoryWriter::write(const core::StampedPose& stamped) {
   appendNumber(line_, time_s, kTimeDecimals);
   const auto append = [&](std::initializer_list<double> values, int decimals) {
     for (const double value : values) {
-      line_ += ' ';
+      line_ += format_ == Format::kCsv ? ',' : ' ';
       appendNumber(line_, value, decimals);
     }
   };
-  if (format_ == Format::kTum) {
+  if (format_ == Format::kCsv) {
+    append({pose.x, pose.y, core::wrapToPi(pose.phi)}, kTumDecimals);
+  } else if (format_ == Format::kTum) {
     const double half_rad = core::wrapToPi(pose.phi) / 2;
     append({pose.x, pose.y, 0.0, 0.0, 0.0, std::sin(half_rad), std::cos(half_rad)}, kTumDecimals);
   } else {
@@ -172,8 +213,14 @@ core::Trajectory readMrptGroundTruth(const std::string& path) {
   return toTrajectory(readLines(path), kMrpt, path);
 }
 
+void writeTrajectory(const core::Trajectory& trajectory, const std::string& path,
+                     TrajectoryWriter::Format format) {
+  writeAll(trajectory, path, format);
+}
+
 core::Trajectory readTrajectory(const std::string& path) {
   const auto lines = readLines(path);
+  if (lines.front().has_commas) return toTrajectory(lines, kCsv, path);
   const size_t numbers = lines.front().values.size();
   if (numbers != kTum.numbers && numbers != kMrpt.numbers)
     failAt(path, lines.front().number,

@@ -23,11 +23,12 @@ core::Trajectory readTum(const std::string& path);
 void writeMrptGroundTruth(const core::Trajectory& truth, const std::string& path);
 core::Trajectory readMrptGroundTruth(const std::string& path);
 
-/// Both writers' files pose by pose, for a trajectory that is not kept. Pose by pose the same bytes and the same
+/// The writers' files pose by pose, for a trajectory that is not kept. kCsv: `time_s,x_m,y_m,yaw_rad`, below a line
+/// with these names, 6 decimals of a second and 9 of metres and radians; yaw in (-pi, pi]. Pose by pose the same bytes and the same
 /// requirements; close() without a pose is a ContractError too. Without close() nothing is left.
 class TrajectoryWriter {
  public:
-  enum class Format { kTum, kMrptGroundTruth };
+  enum class Format { kTum, kMrptGroundTruth, kCsv };
   TrajectoryWriter(const std::string& path, Format format);
   void write(const core::StampedPose& pose);
   void close();
@@ -41,7 +42,11 @@ class TrajectoryWriter {
   std::string line_;
 };
 
-/// By content: four numbers in the first line of numbers is MRPT's, eight is TUM.
+void writeTrajectory(const core::Trajectory& trajectory, const std::string& path,
+                     TrajectoryWriter::Format format);
+
+/// By content: four numbers in the first line of numbers is MRPT's, eight is TUM, commas are CSV (as kCsv; the line
+/// with the names may be missing).
 core::Trajectory readTrajectory(const std::string& path);
 
 }  // namespace slam::logs

@@ -239,26 +239,23 @@ std::string UnpackingStream::take() {
 }
 
 bool UnpackingStream::takeLine(Line& line, size_t longest) {
-  size_t searched = 0;
-  for (;;) {
-    const std::string_view available(reinterpret_cast<const char*>(unpacked_.data()) + unpacked_begin_,
-                                     unpacked_.size() - unpacked_begin_);
-    const size_t end = available.find('\n', searched);
-    if (end < longest && end != std::string_view::npos) {
-      line = {available.substr(0, end), true};
-      unpacked_begin_ += end + 1;
-      return true;
-    }
-    searched = available.size();
-    if (searched < longest && fill()) continue;
-    if (available.empty()) {
-      failure_ = pending_failure_;
-      return false;
-    }
-    line = {available.substr(0, longest), false};
-    unpacked_begin_ += line.text.size();
-    return true;
+  // Looking for more moves the bytes, also when there are none.
+  const auto available = [this] {
+    return std::string_view(reinterpret_cast<const char*>(unpacked_.data()) + unpacked_begin_,
+                            unpacked_.size() - unpacked_begin_);
+  };
+  size_t searched = 0, end = available().find('\n');
+  while (end == std::string_view::npos && available().size() < longest) {
+    searched = available().size();
+    if (!fill()) break;
+    end = available().find('\n', searched);
   }
+  const bool is_whole = end != std::string_view::npos && end < longest;
+  line = {available().substr(0, is_whole ? end : longest), is_whole};
+  unpacked_begin_ += line.text.size() + (is_whole ? 1 : 0);
+  if (is_whole || !line.text.empty()) return true;
+  failure_ = pending_failure_;
+  return false;
 }
 
 size_t UnpackingStream::Read(void* buffer, size_t count) {

@@ -106,7 +106,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   auto method = mapping::makeMapBuilder(method_config, method_name, seed);
   logs::LogReader log(log_path);
   MapRun run;
-  std::vector<double> milliseconds;
+  std::vector<double> milliseconds, stamps_s;
   progress.begin("mapping with " + method_name);
   while (const auto entry = log.next()) {
     if (run.estimate.empty())
@@ -121,26 +121,33 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
       throw core::MethodError(method_name + " diverged at scan " + std::to_string(run.estimate.size() + 1) +
                               ": its pose is not finite");
     run.estimate.push_back({entry->scan.time_s, T_map_robot});
-    progress.update(log.fractionRead(), entry->scan.time_s - run.estimate.front().time_s);
+    stamps_s.push_back(entry->scan.time_s);
+    progress.update(log.fractionRead(), entry->scan.time_s - stamps_s.front());
   }
   progress.end();
   if (run.estimate.empty()) throw core::InputError(log_path + ": holds 0 laser scans, expected at least 1");
 
-  const double log_seconds = run.estimate.back().time_s - run.estimate.front().time_s;
-  run.cost = summarize(milliseconds, log_seconds);
-  run.cost.peak_memory_mb = measure_memory ? memory.peakMb() : std::numeric_limits<double>::quiet_NaN();
-  run.final_estimate = mapping::finalPath(method, run.estimate);
+  run.path_length_m = core::pathLength(run.estimate);
+  run.end = run.estimate.back().pose;
+  // Before anything else takes memory.
+  const double peak_memory_mb = measure_memory ? memory.peakMb() : std::numeric_limits<double>::quiet_NaN();
+  // Scans and poses pair up in the log's order, which is the robot's; a trajectory's order is that of the stamps, which
+  // run back in some logs.
+  auto final_path = mapping::finalPath(method, run.estimate);
   const auto map = mapping::currentMap(method);
-  const auto self = selfScore(log_path, run.final_estimate.value_or(run.estimate), toPlan(map), progress);
+  const auto self = selfScore(log_path, final_path ? *final_path : run.estimate, toPlan(map), progress);
+  run.estimate = inStampOrder(std::move(run.estimate));
+  if (final_path) run.final_estimate = inStampOrder(std::move(*final_path));
+  run.cost = summarize(milliseconds, run.estimate.back().time_s - run.estimate.front().time_s);
+  run.cost.peak_memory_mb = peak_memory_mb;
 
-  logs::writeTum(inStampOrder(run.estimate), output.path() + "/trajectory.tum");
-  if (run.final_estimate)
-    logs::writeTum(inStampOrder(*run.final_estimate), output.path() + "/trajectory_final.tum");
+  logs::writeTum(run.estimate, output.path() + "/trajectory.tum");
+  if (run.final_estimate) logs::writeTum(*run.final_estimate, output.path() + "/trajectory_final.tum");
   mapping::saveMaps(method, run.estimate, output.path());
   std::ostringstream timing;
   timing << "scan,time_s,cpu_ms\n";
   for (size_t i = 0; i < milliseconds.size(); ++i)
-    timing << i << ',' << core::formatNumber(run.estimate[i].time_s - run.estimate.front().time_s) << ','
+    timing << i << ',' << core::formatNumber(stamps_s[i] - stamps_s.front()) << ','
            << core::formatNumber(milliseconds[i]) << '\n';
   core::writeFileAtomically(output.path() + "/timing.csv", timing.str());
 

@@ -10,6 +10,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/logs/convert.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/mapping/map_builder.h"
@@ -207,7 +208,8 @@ void scoreByRelations(const std::vector<RunFolder>& runs, const core::Relations&
 }  // namespace
 
 std::string findTruth(const std::string& log_path) {
-  for (const auto& path : {logStem(log_path) + ".gt.tum", log_path + ".GT.txt"})
+  for (const auto& path :
+       {logStem(log_path) + ".gt.tum", logs::logStem(log_path) + ".truth.tum", log_path + ".GT.txt"})
     if (fs::exists(path)) return path;
   return "";
 }

@@ -17,7 +17,7 @@ namespace slam::run {
 struct CompareRequest {
   std::string plan_path;   ///< simulate a log in this plan first
   std::string log_path;    ///< or take this log
-  std::string truth_path;  ///< "" = look beside the log (STEM.gt.tum, then LOG.GT.txt)
+  std::string truth_path;  ///< "" = look beside the log (see findTruth())
   std::string
       truth_plan_path;  ///< plan to score maps on; "" = the simulated plan, or the one in the log's manifest
   /// Relations to score every path by; "" = none. Belongs to log_path. Errors: when none of them lies within the log's
@@ -61,7 +61,8 @@ struct Comparison {
 /// method folder whose log, configuration, seed and version are still the same.
 Comparison compare(const CompareRequest& request, core::Manifest manifest, core::Progress& progress);
 
-/// Truth beside a log as `record()` leaves it; "" when there is none.
+/// Truth beside a log, as `record()` (STEM.gt.tum, LOG.GT.txt) and logs::convertLog() (STEM.truth.tum) leave it;
+/// "" when there is none.
 std::string findTruth(const std::string& log_path);
 /// The plan that a log was simulated in, from its manifest: the one beside the log of a later visit; "" when unknown or
 /// no longer the same file.

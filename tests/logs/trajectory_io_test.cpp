@@ -159,6 +159,42 @@ TEST(MrptGroundTruth, ReadsTheTruthThatMrptShips) {
   EXPECT_EQ(truth.front().time_s, 1464600320.989009);
 }
 
+TEST(Csv, GivesBackWhatWasWritten) {
+  const testing::TempFolder folder;
+  const auto trajectory = sample(100);
+  writeTrajectory(trajectory, folder / "a.csv", TrajectoryWriter::Format::kCsv);
+  const auto read = readTrajectory(folder / "a.csv");
+  ASSERT_EQ(read.size(), trajectory.size());
+  for (size_t i = 0; i < read.size(); ++i) {
+    // Half of the last decimal, and the rounding of a stamp.
+    EXPECT_NEAR(read[i].time_s, trajectory[i].time_s, 0.5e-6 + 1.2e-7);
+    EXPECT_NEAR(read[i].pose.x, trajectory[i].pose.x, 0.5e-9 + 1e-13);
+    EXPECT_NEAR(core::angleDifference(read[i].pose.phi, trajectory[i].pose.phi), 0, 0.5e-9 + 1e-15);
+  }
+}
+
+TEST(Csv, ReadsFilesWithoutTheLineOfNamesAndWithBlanks) {
+  const testing::TempFolder folder;
+  core::writeFileAtomically(folder / "t", "# remark\r\n1, 2 ,+3,-0.5\r\n");
+  const auto read = readTrajectory(folder / "t");
+  ASSERT_EQ(read.size(), 1U);
+  EXPECT_EQ(read[0].pose.y, 3);
+  EXPECT_EQ(read[0].pose.phi, -0.5);
+}
+
+TEST(Csv, SaysWhatIsWrongInWhichLine) {
+  const std::string names = "time_s,x_m,y_m,yaw_rad\n";
+  EXPECT_EQ(errorOf(readTrajectory, names), ": holds no pose, expected at least 1");
+  EXPECT_EQ(errorOf(readTrajectory, names + names), ":2: found 'time_s', expected a finite number");
+  EXPECT_EQ(errorOf(readTrajectory, "stamp,tx,ty,theta\n1,2,3,4\n"),
+            ":1: found the columns 'stamp,tx,ty,theta', expected time_s,x_m,y_m,yaw_rad");
+  EXPECT_EQ(errorOf(readTrajectory, names + "1,2,,4\n"), ":2: found '', expected a finite number");
+  EXPECT_EQ(errorOf(readTrajectory, names + "1,2,3\n"),
+            ":2: found 3 numbers, expected 4 (time_s,x_m,y_m,yaw_rad)");
+  EXPECT_EQ(errorOf(readTrajectory, names + "1,2,3,4\n1 2 3 4\n"),
+            ":3: found '1 2 3 4', expected a finite number");
+}
+
 TEST(Trajectory, TellsTheFormatsApartByTheirNumbers) {
   const testing::TempFolder folder;
   const core::Trajectory trajectory{{1, {0, 0, 0}}, {2, {1, 0, 0.5}}};

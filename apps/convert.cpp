@@ -1,0 +1,188 @@
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "apps/commands.h"
+#include "apps/console.h"
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/logs/convert.h"
+
+namespace slam::apps {
+namespace {
+
+struct Arguments {
+  std::string in, out, to, form, label, path = "odometry";
+};
+
+/// What a file is to become: a log or a trajectory.
+struct Target {
+  std::string name;    ///< of --to
+  std::string suffix;  ///< that means it
+  std::optional<logs::LogFormat> log;
+  logs::TrajectoryWriter::Format trajectory{};
+};
+
+const std::vector<Target>& targets() {
+  using logs::LogFormat;
+  using Format = logs::TrajectoryWriter::Format;
+  static const std::vector<Target> all = {
+      {"rawlog", ".rawlog", LogFormat::kRawlog}, {"carmen", ".clf", LogFormat::kCarmen},
+      {"carmen", ".carmen", LogFormat::kCarmen}, {"carmen", ".log", LogFormat::kCarmen},
+      {"bag", ".bag", LogFormat::kRos1Bag},      {"db3", ".db3", LogFormat::kRos2Db3},
+      {"mcap", ".mcap", LogFormat::kMcap},       {"tum", ".tum", {}, Format::kTum},
+      {"csv", ".csv", {}, Format::kCsv},         {"gt", ".GT.txt", {}, Format::kMrptGroundTruth}};
+  return all;
+}
+
+const Target& targetOf(const Arguments& arguments) {
+  const auto ends = [&arguments](const std::string& suffix) {
+    const auto& out = arguments.out;
+    return out.size() > suffix.size() && out.compare(out.size() - suffix.size(), suffix.size(), suffix) == 0;
+  };
+  std::string names, suffixes;
+  for (const Target& target : targets()) {
+    if (arguments.to.empty() ? ends(target.suffix) : arguments.to == target.name) return target;
+    if (names.find(target.name) == std::string::npos) names += (names.empty() ? "" : ", ") + target.name;
+    suffixes += " " + target.suffix;
+  }
+  if (!arguments.to.empty())
+    throw core::InputError("--to: found '" + arguments.to + "', expected one of " + names);
+  throw core::InputError(arguments.out + ": its name says no format, expected one of" + suffixes +
+                         ", or --to with one of " + names);
+}
+
+std::optional<logs::RawlogForm> formOf(const Arguments& arguments, const Target& target) {
+  if (arguments.form.empty()) return std::nullopt;
+  if (target.log != logs::LogFormat::kRawlog)
+    throw core::InputError("--form: is of rawlogs, expected none with --to " + target.name);
+  if (arguments.form == "action") return logs::RawlogForm::kActionFrame;
+  if (arguments.form == "observation") return logs::RawlogForm::kObservationOnly;
+  throw core::InputError("--form: found '" + arguments.form + "', expected action or observation");
+}
+
+void print(const nlohmann::ordered_json& summary) {
+  std::cout << summary.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+}
+
+int printReport(const Context& context, const Arguments& arguments, const logs::ConversionReport& report) {
+  if (context.json) {
+    print({{"from", logs::formatName(report.from)},
+           {"files", report.files},
+           {"scans", report.scans_by_label},
+           {"odometry_readings", report.odometry_readings},
+           {"comments", report.comments},
+           {"other_observations", report.other_observations},
+           {"scans_left_out", report.scans_left_out},
+           {"true_poses", report.true_poses},
+           {"skipped", report.skipped},
+           {"dropped", report.dropped}});
+    return 0;
+  }
+  std::printf("read      %s (%s)\n", arguments.in.c_str(), logs::formatName(report.from));
+  for (const auto& [label, scans] : report.scans_by_label)
+    std::printf("scans     %lu from \"%s\"\n", static_cast<unsigned long>(scans), label.c_str());
+  std::printf("odometry  %lu readings\n", static_cast<unsigned long>(report.odometry_readings));
+  std::printf("others    %lu observations, %lu comments\n",
+              static_cast<unsigned long>(report.other_observations),
+              static_cast<unsigned long>(report.comments));
+  if (report.true_poses > 0)
+    std::printf("truth     %lu poses, beside the log\n", static_cast<unsigned long>(report.true_poses));
+  if (report.scans_left_out > 0)
+    std::printf("left out  %lu scans of other lidars\n", static_cast<unsigned long>(report.scans_left_out));
+  if (!report.skipped.empty()) std::printf("skipped   %s\n", report.skipped.c_str());
+  if (!report.dropped.empty()) std::printf("dropped   %s\n", report.dropped.c_str());
+  for (const auto& file : report.files)
+    std::printf("wrote     %s (%.2f MB)\n", file.c_str(),
+                static_cast<double>(std::filesystem::file_size(file)) / 1e6);
+  return 0;
+}
+
+int printPoses(const Context& context, const Arguments& arguments, size_t poses) {
+  if (context.json)
+    print({{"files", {arguments.out}}, {"poses", poses}});
+  else
+    std::printf("wrote     %s, %zu poses\n", arguments.out.c_str(), poses);
+  return 0;
+}
+
+/// Text whose first line beside remarks starts with a number, or with our own line of names.
+bool isTrajectory(const std::string& path) {
+  core::requireReadableFile(path);
+  std::ifstream in(path, std::ios::binary);
+  std::string line;
+  constexpr int kMostRemarks = 1000;
+  for (int i = 0; i < kMostRemarks && std::getline(in, line); ++i) {
+    const size_t first = line.find_first_not_of(" \t\r");
+    if (first == std::string::npos || line[first] == '#' || line[first] == '%') continue;
+    return line.find_first_of("+-.0123456789", first) == first || line.compare(first, 7, "time_s,") == 0;
+  }
+  return false;
+}
+
+int convert(const Context& context, const Arguments& arguments) {
+  const Target& target = targetOf(arguments);
+  const auto form = formOf(arguments, target);
+  if (arguments.path != "odometry" && arguments.path != "truth")
+    throw core::InputError("--path: found '" + arguments.path + "', expected odometry or truth");
+  ConsoleProgress progress(context.quiet);
+  if (target.log) {
+    const auto report = logs::convertLog(arguments.in, arguments.out,
+                                         {*target.log, form, arguments.label, context.overwrite}, progress);
+    return printReport(context, arguments, report);
+  }
+  if (isTrajectory(arguments.in)) {
+    core::refuseToOverwrite(arguments.out, context.overwrite);
+    const auto trajectory = logs::readTrajectory(arguments.in);
+    logs::writeTrajectory(trajectory, arguments.out, target.trajectory);
+    return printPoses(context, arguments, trajectory.size());
+  }
+  const auto path = arguments.path == "truth" ? logs::LogPath::kTruth : logs::LogPath::kOdometry;
+  return printPoses(context, arguments,
+                    logs::exportTrajectory(arguments.in, path, arguments.label, arguments.out,
+                                           target.trajectory, context.overwrite, progress));
+}
+
+}  // namespace
+
+void addConvert(CLI::App& app, Context& context) {
+  auto* command = app.add_subcommand("convert", "write a log or a trajectory again in another format");
+  auto arguments = std::make_shared<Arguments>();
+  command
+      ->add_option(
+          "in", arguments->in,
+          "a log (told by its content, also within .gz .bz2 .xz), or a trajectory: TUM, CSV, MRPT's .GT.txt")
+      ->required();
+  command->add_option("out", arguments->out, "the file to write; its suffix says the format")->required();
+  command->add_option(
+      "--to", arguments->to,
+      "the format, whatever the suffix: rawlog, carmen, bag, db3, mcap; a trajectory: tum, csv, "
+      "gt (MRPT's .GT.txt, from the first pose)");
+  command->add_option(
+      "--form", arguments->form,
+      "of a rawlog: action (actions and frames, for rbpf-slam too) or observation (default: as the "
+      "log is)");
+  command->add_option("--label", arguments->label, "only the scans of this lidar (see 'rasterslam info')");
+  command->add_option("--path", arguments->path, "of a log to a trajectory: its odometry or its truth")
+      ->capture_default_str();
+  command->add_flag("--overwrite", context.overwrite, "replace what is there");
+  command->add_flag("-q,--quiet", context.quiet, "no progress on standard error");
+  addJson(command, context);
+  command->footer(
+      "True poses of a log go beside it: STEM.truth.tum and OUT.GT.txt.\n"
+      "Examples:\n"
+      "  rasterslam convert intel.clf.bz2 intel.rawlog\n"
+      "  rasterslam convert intel.clf.bz2 intel.rawlog --form action\n"
+      "  rasterslam convert intel.rawlog intel.clf\n"
+      "  rasterslam convert intel.clf.bz2 odometry.tum\n"
+      "  rasterslam convert path.tum path.csv");
+  command->callback([&context, arguments] {
+    context.action = [&context, arguments] { return convert(context, *arguments); };
+  });
+}
+
+}  // namespace slam::apps

@@ -1,0 +1,20 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "libslam/core/pose2.h"
+#include "libslam/core/relation.h"
+#include "libslam/robot/scan.h"
+
+namespace odometry_bench {
+
+/// Scans and whatever is known of the true motion.
+struct BenchLog {
+  std::string name;
+  std::vector<slam::robot::Scan> scans;
+  slam::core::Trajectory truth;           ///< of the robot, one pose per scan, or empty
+  slam::core::Relations relations;        ///< annotated by hand
+  std::vector<slam::core::Pose2> wheels;  ///< wheel odometry, one pose per scan: only to say how far it drove
+};
+
+}  // namespace odometry_bench
