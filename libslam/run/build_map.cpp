@@ -146,16 +146,20 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   const double finish_s = threadCpuSeconds() - finish_begin_s;
   run.path_length_m = core::pathLength(run.estimate);
   run.end = run.estimate.back().pose;
-  const double log_seconds = run.estimate.back().time_s - run.estimate.front().time_s;
-  run.cost = summarize(milliseconds, log_seconds);
-  run.cost.peak_memory_mb = measure_memory ? memory.peakMb() : std::numeric_limits<double>::quiet_NaN();
-  run.final_estimate = mapping::finalPath(method, run.estimate);
+  // Before anything else takes memory.
+  const double peak_memory_mb = measure_memory ? memory.peakMb() : std::numeric_limits<double>::quiet_NaN();
+  // Scans and poses pair up in the log's order, which is the robot's; a trajectory's order is that of the stamps, which
+  // run back in some logs.
+  auto final_path = mapping::finalPath(method, run.estimate);
   const auto map = mapping::currentMap(method);
-  const auto self = selfScore(log_path, run.final_estimate.value_or(run.estimate), toPlan(map), progress);
+  const auto self = selfScore(log_path, final_path ? *final_path : run.estimate, toPlan(map), progress);
+  run.estimate = inStampOrder(std::move(run.estimate));
+  if (final_path) run.final_estimate = inStampOrder(std::move(*final_path));
+  run.cost = summarize(milliseconds, run.estimate.back().time_s - run.estimate.front().time_s);
+  run.cost.peak_memory_mb = peak_memory_mb;
 
-  logs::writeTum(inStampOrder(run.estimate), output.path() + "/trajectory.tum");
-  if (run.final_estimate)
-    logs::writeTum(inStampOrder(*run.final_estimate), output.path() + "/trajectory_final.tum");
+  logs::writeTum(run.estimate, output.path() + "/trajectory.tum");
+  if (run.final_estimate) logs::writeTum(*run.final_estimate, output.path() + "/trajectory_final.tum");
   mapping::saveMaps(method, run.estimate, output.path());
   std::ostringstream timing;
   timing << "scan,time_s,cpu_ms\n";

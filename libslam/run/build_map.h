@@ -23,10 +23,10 @@ struct Cost {
 
 struct MapRun {
   core::Trajectory
-      estimate;  ///< T_map_robot at every scan, as the method gave it online; in the order of the log
+      estimate;  ///< T_map_robot at every scan, as the method gave it online, in the order of stamps
   std::optional<core::Trajectory>
-      final_estimate;  ///< the same in the end, where the method corrects its past
-  double path_length_m = 0;  ///< online, in the order of the log
+      final_estimate;        ///< the same in the end, where the method corrects its past
+  double path_length_m = 0;  ///< of the poses given online; this and the next in the order of the log
   core::Pose2 end;           ///< T_map_robot at the last scan
   Cost cost;
   int steps_without_odometry = 0;  ///< scans after the first for which the log gives no increment
