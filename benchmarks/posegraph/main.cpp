@@ -193,8 +193,9 @@ report::Table wrongLoops(const std::vector<NamedGraph>& all, int seeds) {
     const PoseGraph clean = optimum(graph);
     for (const char* robust : {"local", "global"})
       for (const double share : {0.0, 0.1, 0.3}) {
-        if (share > 0.1 && std::string(robust) == "local") continue;
-        const int runs = share == 0 ? 1 : share > 0.1 ? std::min(seeds, 3) : seeds;
+        // On the larger graph three wrong loops to ten right ones fill the equations: minutes.
+        if (share > 0.1 && (std::string(robust) == "local" || graph.nodeCount() > 2000)) continue;
+        const int runs = share == 0 ? 1 : share > 0.1 ? std::min(seeds, 5) : seeds;
         int within = 0, count = 0;
         double worst_ratio = 0, worst_rms = 0, false_kept = 0, true_lost = 0;
         std::vector<double> times;
