@@ -59,8 +59,8 @@ double milliseconds(const std::function<void()>& work) {
 }
 
 double medianMilliseconds(const std::function<void()>& work) {
-  std::vector<double> times;
-  for (int i = 0; i < kRepetitions; ++i) times.push_back(milliseconds(work));
+  std::vector<double> times(kRepetitions);
+  for (double& time : times) time = milliseconds(work);
   return quantile(times, 0.5);
 }
 
@@ -110,7 +110,8 @@ double simplicialMilliseconds(const PoseGraph& graph) {
     add(edge.to, edge.from, q.ab.transpose());
   }
   for (int i = 0; i < 3; ++i) entries.emplace_back(i, i, 1e9);
-  Eigen::SparseMatrix<double> equations(3 * graph.nodeCount(), 3 * graph.nodeCount());
+  const Eigen::Index size = 3 * static_cast<Eigen::Index>(graph.nodeCount());
+  Eigen::SparseMatrix<double> equations(size, size);
   equations.setFromTriplets(entries.begin(), entries.end());
   return medianMilliseconds([&] {
     const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(equations);
@@ -192,7 +193,8 @@ report::Table wrongLoops(const std::vector<NamedGraph>& all, int seeds) {
     const PoseGraph clean = optimum(graph);
     for (const char* robust : {"local", "global"})
       for (const double share : {0.0, 0.1, 0.3}) {
-        if (share > 0.1 && std::string(robust) == "local") continue;
+        // On the larger graph three wrong loops to ten right ones fill the equations: minutes.
+        if (share > 0.1 && (std::string(robust) == "local" || graph.nodeCount() > 2000)) continue;
         const int runs = share == 0 ? 1 : share > 0.1 ? std::min(seeds, 5) : seeds;
         int within = 0, count = 0;
         double worst_ratio = 0, worst_rms = 0, false_kept = 0, true_lost = 0;

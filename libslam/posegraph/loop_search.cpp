@@ -26,6 +26,8 @@ constexpr size_t kAtLeast = 20;
 constexpr double kSure = 3;  // the trace of a 3 x 3 identity
 /// Building: a loop that costs so many times switch_off_chi2 is not looked at again until the graph stands.
 constexpr double kHopeless = 10;
+/// Building is trusted when it leaves out no larger share of the loops.
+constexpr double kFewOff = 0.1;
 /// A median of fewer loops says little.
 constexpr size_t kEnoughForMedian = 20;
 /// Determinant of 1 - S W below which a loop alone holds its part of the graph: nothing contradicts it.
@@ -61,7 +63,16 @@ LoopChoice LoopSearch::build() {
   for (const Edge& edge : graph_.edges()) choice.on.push_back(edge.on && edge.kind != EdgeKind::kLoop);
   build(choice);
   improve(choice);
-  return choice;
+  size_t off = 0;
+  for (const size_t loop : loops_) off += choice.on[loop] == 0;
+  if (static_cast<double>(off) <= kFewOff * static_cast<double>(loops_.size())) return choice;
+  // Where wrong loops came first, right ones were refused; from all of them at once the end may be better.
+  LoopChoice other;
+  other.poses = graph_.poses();
+  for (const Edge& edge : graph_.edges()) other.on.push_back(edge.on || edge.kind == EdgeKind::kLoop);
+  is_parked_.assign(loops_.size(), 0);
+  improve(other);
+  return cost(other) < cost(choice) ? other : choice;
 }
 
 void LoopSearch::improve(LoopChoice& choice) {

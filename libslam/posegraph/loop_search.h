@@ -28,7 +28,8 @@ class LoopSearch {
   /// From the graph's poses and switches.
   LoopChoice improve();
   /// From its poses and no loop: those that the graph is surest of come first, so that the graph gets surer and the
-  /// next are judged harder (in the spirit of the forward search of Atkinson and Riani, 2000).
+  /// next are judged harder (in the spirit of the forward search of Atkinson and Riani, 2000). Where that leaves out many,
+  /// improve() from all loops is tried as well, and what costs less is taken.
   LoopChoice build();
   int iterations() const { return iterations_; }
 

@@ -35,8 +35,9 @@ struct OptimizeResult {
 ///   local   on and off as they are to begin with (a new loop should be on); then loops are switched, either way, until
 ///           none costs more than switch_off_chi2 that is on, and none less that is off. For a graph that grows: when
 ///           nothing is wrong it costs up to twice as much as `none`.
-///   global  from no loop at all, taking in those that the graph is surest of first; then as `local`. The poses are
-///           needed as a start all the same. For a whole graph of which nothing is known: it finds its way when every
+///   global  from no loop at all, taking in those that the graph is surest of first; then as `local`; and where that
+///           leaves out more than one in ten, also from all of them, keeping what is better: the least sum of chi2
+///           and switch_off_chi2 for every loop that is off. The poses are needed as a start all the same. For a whole graph of which nothing is known: it finds its way when every
 ///           second loop is wrong, and takes some dozens of `none`.
 /// The graph keeps the switches. What a loop costs is what the whole graph's chi2 would fall by without it: its own chi2
 /// is less, as odometry gives way to a wrong loop. So odometry that claims to be better than it is makes right loops

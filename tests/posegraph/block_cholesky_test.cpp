@@ -20,7 +20,7 @@ struct Twin {
 Twin randomMatrix(int size, const Blocks& blocks, std::uint64_t seed) {
   core::RandomStream random(seed, "matrix");
   Twin out;
-  out.dense = Eigen::MatrixXd::Zero(3 * size, 3 * size);
+  out.dense = Eigen::MatrixXd::Zero(3L * size, 3L * size);
   out.sparse.analyse(size, blocks);
   const auto any = [&random] {
     return Eigen::Matrix3d(Eigen::Matrix3d::NullaryExpr([&random] { return random.uniform(-1, 1); }));
@@ -29,16 +29,16 @@ Twin randomMatrix(int size, const Blocks& blocks, std::uint64_t seed) {
     const auto [row, column] = blocks[b];
     const Eigen::Matrix3d value = any();
     out.sparse.addBlock(static_cast<int>(b), value);
-    out.dense.block<3, 3>(3 * row, 3 * column) += value;
-    out.dense.block<3, 3>(3 * column, 3 * row) += value.transpose();
+    out.dense.block<3, 3>(3L * row, 3L * column) += value;
+    out.dense.block<3, 3>(3L * column, 3L * row) += value.transpose();
   }
   for (int row = 0; row < size; ++row) {
     // Diagonally dominant, hence positive definite.
-    const double enough = out.dense.middleRows<3>(3 * row).cwiseAbs().sum() + 3;
+    const double enough = out.dense.middleRows<3>(3L * row).cwiseAbs().sum() + 3;
     Eigen::Matrix3d value = any();
     value = (value + value.transpose()).eval() + enough * Eigen::Matrix3d::Identity();
     out.sparse.addDiagonal(row, value);
-    out.dense.block<3, 3>(3 * row, 3 * row) += value;
+    out.dense.block<3, 3>(3L * row, 3L * row) += value;
   }
   return out;
 }
@@ -88,7 +88,7 @@ TEST(BlockCholesky, GivesTheBlocksOfTheInverseBothWays) {
   ASSERT_TRUE(twin.sparse.factorize());
   const Eigen::MatrixXd inverse = twin.dense.inverse();
   const double tolerance = kRounding * inverse.cwiseAbs().maxCoeff();
-  const auto expected = [&](int row, int column) { return inverse.block<3, 3>(3 * row, 3 * column); };
+  const auto expected = [&](int row, int column) { return inverse.block<3, 3>(3L * row, 3L * column); };
   std::vector<BlockCholesky::HalfColumn> halves;
   for (int row = 0; row < size; ++row) halves.push_back(twin.sparse.halfColumn(row));
   for (int row = 0; row < size; ++row)
@@ -112,10 +112,11 @@ TEST(BlockCholesky, IsUsedAgainWithOtherNumbers) {
   const Twin second = randomMatrix(3, blocks, 2);
   ASSERT_TRUE(first.sparse.factorize());
   first.sparse.setZero();
-  for (int row = 0; row < 3; ++row) first.sparse.addDiagonal(row, second.dense.block<3, 3>(3 * row, 3 * row));
+  for (int row = 0; row < 3; ++row)
+    first.sparse.addDiagonal(row, second.dense.block<3, 3>(3L * row, 3L * row));
   for (size_t b = 0; b < blocks.size(); ++b)
     first.sparse.addBlock(static_cast<int>(b),
-                          second.dense.block<3, 3>(3 * blocks[b].first, 3 * blocks[b].second));
+                          second.dense.block<3, 3>(3L * blocks[b].first, 3L * blocks[b].second));
   ASSERT_TRUE(first.sparse.factorize());
   auto x = ramp(3);
   const Eigen::VectorXd expected = second.dense.ldlt().solve(stacked(x));

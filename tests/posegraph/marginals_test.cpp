@@ -45,13 +45,13 @@ TEST(Marginals, EqualTheDenseInverse) {
   const Marginals marginals(graph);
   const auto all = marginals.all();
   for (int a = 0; a < graph.nodeCount(); a += 7) {
-    EXPECT_LT((marginals.covariance(a) - dense.block<3, 3>(3 * a, 3 * a)).cwiseAbs().maxCoeff(), tolerance);
-    EXPECT_LT((all[static_cast<size_t>(a)] - dense.block<3, 3>(3 * a, 3 * a)).cwiseAbs().maxCoeff(),
+    EXPECT_LT((marginals.covariance(a) - dense.block<3, 3>(3L * a, 3L * a)).cwiseAbs().maxCoeff(), tolerance);
+    EXPECT_LT((all[static_cast<size_t>(a)] - dense.block<3, 3>(3L * a, 3L * a)).cwiseAbs().maxCoeff(),
               tolerance);
     for (int b = 0; b < graph.nodeCount(); b += 11) {
       const auto joint = marginals.joint(a, b);
       const Eigen::Matrix3d ab = joint.topRightCorner<3, 3>();
-      EXPECT_LT((ab - dense.block<3, 3>(3 * a, 3 * b)).cwiseAbs().maxCoeff(), tolerance) << a << ", " << b;
+      EXPECT_LT((ab - dense.block<3, 3>(3L * a, 3L * b)).cwiseAbs().maxCoeff(), tolerance) << a << ", " << b;
       EXPECT_TRUE(joint.isApprox(joint.transpose(), 1e-9));
     }
   }
