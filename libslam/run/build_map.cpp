@@ -45,10 +45,10 @@ class MemoryMeter {
   double before_mb_;
 };
 
-Cost summarize(std::vector<double> milliseconds, double log_seconds) {
+Cost summarize(std::vector<double> milliseconds, double finish_s, double log_seconds) {
   Cost cost;
   if (milliseconds.empty()) return cost;
-  double total_ms = 0;
+  double total_ms = 1000 * finish_s;
   for (const double ms : milliseconds) total_ms += ms;
   std::sort(milliseconds.begin(), milliseconds.end());
   const auto rank = static_cast<size_t>(std::ceil(0.99 * static_cast<double>(milliseconds.size())));
@@ -73,13 +73,15 @@ const std::map<std::string, std::string>& fileNotes() {
   return notes;
 }
 
-std::string journalText(const std::vector<mapping::JournalEntry>& journal, const core::Trajectory& online) {
+std::string journalText(const std::vector<mapping::JournalEntry>& journal,
+                        const std::vector<double>& stamps_s) {
   std::ostringstream text;
   text << "scan,time_s,event,value,other_scan,detail\n";
   for (const auto& entry : journal) {
-    const auto scan = std::min(static_cast<size_t>(entry.scan), online.size() - 1);
-    text << scan << ',' << core::formatNumber(online[scan].time_s - online.front().time_s) << ','
-         << entry.event << ',' << core::formatNumber(entry.value) << ',';
+    // What happens in the end is the last scan's.
+    const auto scan = std::min(static_cast<size_t>(entry.scan), stamps_s.size() - 1);
+    text << scan << ',' << core::formatNumber(stamps_s[scan] - stamps_s.front()) << ',' << entry.event << ','
+         << core::formatNumber(entry.value) << ',';
     if (entry.other_scan >= 0) text << entry.other_scan;
     text << ',' << entry.detail << '\n';
   }
@@ -155,12 +157,12 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   const auto self = selfScore(log_path, final_path ? *final_path : run.estimate, toPlan(map), progress);
   run.estimate = inStampOrder(std::move(run.estimate));
   if (final_path) run.final_estimate = inStampOrder(std::move(*final_path));
-  run.cost = summarize(milliseconds, run.estimate.back().time_s - run.estimate.front().time_s);
+  run.cost = summarize(milliseconds, finish_s, run.estimate.back().time_s - run.estimate.front().time_s);
   run.cost.peak_memory_mb = peak_memory_mb;
 
   logs::writeTum(run.estimate, output.path() + "/trajectory.tum");
   if (run.final_estimate) logs::writeTum(*run.final_estimate, output.path() + "/trajectory_final.tum");
-  mapping::saveMaps(method, run.estimate, output.path());
+  mapping::saveMaps(method, run.final_estimate.value_or(run.estimate), output.path());
   std::ostringstream timing;
   timing << "scan,time_s,cpu_ms\n";
   for (size_t i = 0; i < milliseconds.size(); ++i)
@@ -170,7 +172,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
 
   const auto journal = mapping::journalOf(method);
   if (!journal.empty())
-    core::writeFileAtomically(output.path() + "/journal.csv", journalText(journal, run.estimate));
+    core::writeFileAtomically(output.path() + "/journal.csv", journalText(journal, stamps_s));
 
   manifest.seed = seed;
   manifest.inputs[log_path] = core::fileSha256(log_path);
