@@ -16,7 +16,8 @@ std::vector<int> minimumDegreeOrder(int size, const std::vector<std::pair<int, i
   std::vector<Eigen::Triplet<float>> entries;
   entries.reserve(blocks.size() + static_cast<size_t>(size));
   for (int i = 0; i < size; ++i) entries.emplace_back(i, i, 1.0F);
-  for (const auto& [row, column] : blocks) entries.emplace_back(std::max(row, column), std::min(row, column), 1.0F);
+  for (const auto& [row, column] : blocks)
+    entries.emplace_back(std::max(row, column), std::min(row, column), 1.0F);
   Eigen::SparseMatrix<float> pattern(size, size);
   pattern.setFromTriplets(entries.begin(), entries.end());
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
@@ -196,7 +197,7 @@ Eigen::Matrix3d BlockCholesky::inverseBlock(const HalfColumn& a, const HalfColum
   return sum;
 }
 
-std::vector<Eigen::Matrix3d> BlockCholesky::inverseDiagonal() const {
+BlockCholesky::SparseInverse BlockCholesky::sparseInverse() const {
   std::vector<Eigen::Matrix3d> diagonal(at(size()));  // in the order of elimination
   std::vector<Eigen::Matrix3d> inverse(factor_.size());
   std::vector<int> place(at(size()), -1);  // of a row within column j, by p
@@ -226,9 +227,24 @@ std::vector<Eigen::Matrix3d> BlockCholesky::inverseDiagonal() const {
     }
     diagonal[at(j)].noalias() = sum * pivot;
   }
-  std::vector<Eigen::Matrix3d> by_row(at(size()));
-  for (int k = 0; k < size(); ++k) by_row[at(order_[at(k)])] = diagonal[at(k)];
-  return by_row;
+  SparseInverse out;
+  out.diagonal.resize(diagonal.size());
+  for (int k = 0; k < size(); ++k) out.diagonal[at(order_[at(k)])] = diagonal[at(k)];
+  // Every entry of the matrix is one of the factor's pattern.
+  std::vector<Eigen::Matrix3d> at_value(values_.size());
+  for (int k = 0; k < size(); ++k) {
+    int r = row_start_[at(k)];
+    for (int v = value_start_[at(k)]; v < value_start_[at(k) + 1]; ++v) {
+      while (row_entries_[at(r)].column != value_column_[at(v)]) ++r;
+      at_value[at(v)] = inverse[at(row_entries_[at(r)].at)];
+    }
+  }
+  out.blocks.reserve(slots_.size());
+  for (const Slot slot : slots_) {
+    out.blocks.push_back(at_value[at(slot.index)]);
+    if (slot.transposed) out.blocks.back().transposeInPlace();
+  }
+  return out;
 }
 
 }  // namespace slam::posegraph

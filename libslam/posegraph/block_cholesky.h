@@ -45,9 +45,12 @@ class BlockCholesky {
   HalfColumn halfColumn(int row) const;
   /// Block (a, b) of the inverse from the half columns of a and b.
   static Eigen::Matrix3d inverseBlock(const HalfColumn& a, const HalfColumn& b);
-  /// The diagonal blocks of the inverse, all of them, by Takahashi's recursion over the factor's pattern (Erisman and
-  /// Tinney, Comm. ACM 18(3), 1975). Cost: about three factorisations.
-  std::vector<Eigen::Matrix3d> inverseDiagonal() const;
+  /// Of the inverse: all diagonal blocks, and those at the places of analyse()'s list. By Takahashi's recursion over the
+  /// factor's pattern (Erisman and Tinney, Comm. ACM 18(3), 1975). Cost: about three factorisations.
+  struct SparseInverse {
+    std::vector<Eigen::Matrix3d> diagonal, blocks;
+  };
+  SparseInverse sparseInverse() const;
 
   int size() const { return static_cast<int>(order_.size()); }
   /// Off-diagonal blocks of the factor: what memory and time grow with.

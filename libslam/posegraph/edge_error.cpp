@@ -26,10 +26,22 @@ Eigen::Vector3d edgeError(const core::Pose2& T_map_a, const core::Pose2& T_map_b
   return errorOf(geometryOf(T_map_a, T_map_b, T_a_b), T_map_a, T_map_b, T_a_b);
 }
 
-double edgeChi2(const Edge& edge, const std::vector<core::Pose2>& poses) {
+Eigen::Vector3d edgeError(const Edge& edge, const std::vector<core::Pose2>& poses) {
   const core::Pose2 a = edge.from == kMap ? core::Pose2() : poses[static_cast<size_t>(edge.from)];
-  const Eigen::Vector3d e = edgeError(a, poses[static_cast<size_t>(edge.to)], edge.T_from_to);
+  return edgeError(a, poses[static_cast<size_t>(edge.to)], edge.T_from_to);
+}
+
+double edgeChi2(const Edge& edge, const std::vector<core::Pose2>& poses) {
+  const Eigen::Vector3d e = edgeError(edge, poses);
   return e.dot(edge.information * e);
+}
+
+Eigen::Matrix<double, 3, 6> edgeJacobian(const core::Pose2& T_map_a, const core::Pose2& T_map_b,
+                                         const core::Pose2& T_a_b) {
+  const auto [c, s, dx, dy] = geometryOf(T_map_a, T_map_b, T_a_b);
+  Eigen::Matrix<double, 3, 6> J;
+  J << -c, -s, c * dy - s * dx, c, s, 0, s, -c, -c * dx - s * dy, -s, c, 0, 0, 0, -1, 0, 0, 1;
+  return J;
 }
 
 EdgeQuadratic edgeQuadratic(const core::Pose2& T_map_a, const core::Pose2& T_map_b, const Edge& edge) {

@@ -9,6 +9,7 @@ namespace slam::posegraph {
 /// The error of a measurement z of b seen from a, as PoseGraph defines it.
 Eigen::Vector3d edgeError(const core::Pose2& T_map_a, const core::Pose2& T_map_b, const core::Pose2& T_a_b);
 
+Eigen::Vector3d edgeError(const Edge& edge, const std::vector<core::Pose2>& poses);
 double edgeChi2(const Edge& edge, const std::vector<core::Pose2>& poses);
 
 /// The quadratic that an edge's chi2 is near the present poses: with steps d_a, d_b added to (x, y, phi) of its ends,
@@ -18,6 +19,9 @@ struct EdgeQuadratic {
   Eigen::Vector3d g_a, g_b;
   Eigen::Matrix3d aa, ab, bb;
 };
+/// de/d(a, b), columns as in EdgeQuadratic.
+Eigen::Matrix<double, 3, 6> edgeJacobian(const core::Pose2& T_map_a, const core::Pose2& T_map_b,
+                                         const core::Pose2& T_a_b);
 EdgeQuadratic edgeQuadratic(const core::Pose2& T_map_a, const core::Pose2& T_map_b, const Edge& edge);
 
 }  // namespace slam::posegraph

@@ -24,7 +24,8 @@ class Fields {
     const std::string word = next("an id");
     Id value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size()) refuse("found '" + word + "', expected an id");
+    if (error != std::errc() || end != word.data() + word.size())
+      refuse("found '" + word + "', expected an id");
     return value;
   }
   double number() {
@@ -88,7 +89,8 @@ void parseLine(const std::string& tag, Fields& fields, const std::string& where,
     if (tag == "EDGE_SE2") edge.from = fields.id();
     edge.to = fields.id();
     if (edge.from == edge.to)
-      fields.refuse("found an edge from vertex " + std::to_string(edge.to) + " to itself, expected two vertices");
+      fields.refuse("found an edge from vertex " + std::to_string(edge.to) +
+                    " to itself, expected two vertices");
     edge.T_from_to = fields.pose();
     edge.information = fields.information();
     if (edge.from) content.vertices[*edge.from];
@@ -119,7 +121,8 @@ FileContent parse(std::istream& text, const std::string& name) {
     throw core::InputError(name + ": found no vertex and no edge, expected lines VERTEX_SE2 and EDGE_SE2");
   for (const auto& [id, where] : content.fixed)
     if (content.vertices.count(id) == 0)
-      throw core::InputError(where + ": found FIX of " + std::to_string(id) + ", expected a vertex of the file");
+      throw core::InputError(where + ": found FIX of " + std::to_string(id) +
+                             ", expected a vertex of the file");
   return content;
 }
 
@@ -242,7 +245,8 @@ void writeG2oFile(const PoseGraph& graph, const std::vector<Id>& ids, const std:
     line += idOf(edge.to);
     append(line, edge.T_from_to);
     for (int row = 0; row < 3; ++row)
-      for (int column = row; column < 3; ++column) line += ' ' + core::formatNumber(edge.information(row, column));
+      for (int column = row; column < 3; ++column)
+        line += ' ' + core::formatNumber(edge.information(row, column));
     file.append(line + '\n');
   }
   file.commit();

@@ -21,6 +21,16 @@ void requireTiedDown(const PoseGraph& graph, const std::vector<char>& is_used) {
                              std::to_string(graph.nodeCount()) + " nodes)");
 }
 
+/// Covariance of an edge's error from those of its ends.
+Eigen::Matrix3d propagated(const Edge& edge, const std::vector<core::Pose2>& poses, const Eigen::Matrix3d& aa,
+                           const Eigen::Matrix3d& ab, const Eigen::Matrix3d& bb) {
+  const core::Pose2 a = edge.from == kMap ? core::Pose2() : poses[static_cast<size_t>(edge.from)];
+  const auto J = edgeJacobian(a, poses[static_cast<size_t>(edge.to)], edge.T_from_to);
+  Eigen::Matrix<double, 6, 6> joint;
+  joint << aa, ab, ab.transpose(), bb;
+  return J * joint * J.transpose();
+}
+
 }  // namespace
 
 GraphSystem::GraphSystem(const PoseGraph& graph, const std::vector<char>& is_used) {
@@ -77,6 +87,31 @@ bool GraphSystem::step(double damping, std::vector<Eigen::Vector3d>& step, doubl
     predicted -= gradient_[i].dot(step[i]);
   }
   return true;
+}
+
+std::vector<Eigen::Matrix3d> GraphSystem::errorCovariances(const PoseGraph& graph,
+                                                           const std::vector<core::Pose2>& poses) const {
+  const BlockCholesky::SparseInverse inverse = cholesky_.sparseInverse();
+  std::vector<Eigen::Matrix3d> out(graph.edges().size(), Eigen::Matrix3d::Zero());
+  for (const Term& term : terms_) {
+    const Edge& edge = graph.edges()[static_cast<size_t>(term.edge)];
+    const Eigen::Matrix3d none = Eigen::Matrix3d::Zero();
+    out[static_cast<size_t>(term.edge)] =
+        propagated(edge, poses, term.a < 0 ? none : inverse.diagonal[static_cast<size_t>(term.a)],
+                   term.block < 0 ? none : inverse.blocks[static_cast<size_t>(term.block)],
+                   term.b < 0 ? none : inverse.diagonal[static_cast<size_t>(term.b)]);
+  }
+  return out;
+}
+
+Eigen::Matrix3d GraphSystem::errorCovariance(const Edge& edge, const std::vector<core::Pose2>& poses) const {
+  const auto halfColumn = [this](int node) {
+    const int variable = node == kMap ? -1 : variableOf(node);
+    return variable < 0 ? BlockCholesky::HalfColumn() : cholesky_.halfColumn(variable);
+  };
+  const auto a = halfColumn(edge.from), b = halfColumn(edge.to);
+  return propagated(edge, poses, BlockCholesky::inverseBlock(a, a), BlockCholesky::inverseBlock(a, b),
+                    BlockCholesky::inverseBlock(b, b));
 }
 
 }  // namespace slam::posegraph

@@ -15,10 +15,17 @@ class GraphSystem {
   GraphSystem(const PoseGraph& graph, const std::vector<char>& is_used);
 
   /// Fills the equations at these poses, edge i counting `weights[i]` times; returns the weighted chi2.
-  double linearise(const PoseGraph& graph, const std::vector<core::Pose2>& poses, const std::vector<double>& weights);
+  double linearise(const PoseGraph& graph, const std::vector<core::Pose2>& poses,
+                   const std::vector<double>& weights);
   /// The Gauss-Newton step of linearise()'s equations, one per variable, and what chi2 should fall by. False when the
   /// equations are singular. `damping` as in BlockCholesky::factorize().
   bool step(double damping, std::vector<Eigen::Vector3d>& step, double& predicted);
+
+  /// Covariance of each used edge's error as the equations have it, by edge; zero for the others. REQUIRES a factor.
+  std::vector<Eigen::Matrix3d> errorCovariances(const PoseGraph& graph,
+                                                const std::vector<core::Pose2>& poses) const;
+  /// The same of one edge, used or not.
+  Eigen::Matrix3d errorCovariance(const Edge& edge, const std::vector<core::Pose2>& poses) const;
 
   /// Which block row a node has; -1 when it is fixed.
   int variableOf(int node) const { return variable_[static_cast<size_t>(node)]; }

@@ -25,7 +25,8 @@ Marginals::Marginals(const PoseGraph& graph) : poses_(graph.poses()), system_(gr
 /// Empty for a fixed node.
 BlockCholesky::HalfColumn Marginals::halfColumn(int node) const {
   if (node < 0 || static_cast<size_t>(node) >= poses_.size())
-    throw core::ContractError("Marginals: node " + std::to_string(node) + " of " + std::to_string(poses_.size()));
+    throw core::ContractError("Marginals: node " + std::to_string(node) + " of " +
+                              std::to_string(poses_.size()));
   const int variable = system_.variableOf(node);
   return variable < 0 ? BlockCholesky::HalfColumn() : system_.factor().halfColumn(variable);
 }
@@ -36,7 +37,7 @@ Eigen::Matrix3d Marginals::covariance(int node) const {
 }
 
 std::vector<Eigen::Matrix3d> Marginals::all() const {
-  const auto by_variable = system_.factor().inverseDiagonal();
+  const auto by_variable = system_.factor().sparseInverse().diagonal;
   std::vector<Eigen::Matrix3d> out(poses_.size(), Eigen::Matrix3d::Zero());
   for (size_t node = 0; node < out.size(); ++node) {
     const int variable = system_.variableOf(static_cast<int>(node));
@@ -49,7 +50,8 @@ Eigen::Matrix<double, 6, 6> Marginals::joint(int a, int b) const {
   const auto half_a = halfColumn(a), half_b = halfColumn(b);
   const Eigen::Matrix3d ab = BlockCholesky::inverseBlock(half_a, half_b);
   Eigen::Matrix<double, 6, 6> out;
-  out << BlockCholesky::inverseBlock(half_a, half_a), ab, ab.transpose(), BlockCholesky::inverseBlock(half_b, half_b);
+  out << BlockCholesky::inverseBlock(half_a, half_a), ab, ab.transpose(),
+      BlockCholesky::inverseBlock(half_b, half_b);
   return out;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <string>
 #include <vector>
 
 #include "libslam/core/parameters.h"
@@ -8,21 +9,46 @@ namespace slam::posegraph {
 
 /// Section [posegraph].
 struct OptimizeOptions {
-  bool robust;              ///< loops may be switched off
-  double switch_off_chi2;   ///< a loop whose chi2 stays above this is wrong
-  double tolerance;         ///< done when no pose would move by more than so many of its standard deviations
-  int max_iterations;       ///< Gauss-Newton steps, in all
+  std::string robust;         ///< none | local | global: see optimize()
+  double switch_off_chi2;     ///< a loop is wrong when without it the graph's chi2 is lower by more than this
+  double switch_off_medians;  ///< ... or by more than so many times the median loop; 0: this rule is off
+  double tolerance;    ///< done when no pose would move by more than so many of its standard deviations
+  int max_iterations;  ///< steps of one descent
   OptimizeOptions();
   static const core::ParameterTable<OptimizeOptions>& table();
 };
 
 struct OptimizeResult {
-  bool converged = false;  ///< false: max_iterations came first, or the equations are singular
-  int iterations = 0;      ///< factorisations
-  double initial_chi2 = 0, final_chi2 = 0;  ///< over the edges that were on before, and are on after
-  std::vector<int> switched_off;            ///< edges that are off now, ascending
+  bool converged = false;  ///< false: max_iterations came first, or nothing but damped steps goes down
+  int iterations = 0;      ///< factorisations, in all
+  double initial_chi2 = 0,
+         final_chi2 = 0;          ///< over the edges that were on before, and over those that are on after
+  std::vector<int> switched_off;  ///< loops that are off now, ascending
 };
 
+/// Moves the nodes that are not fixed to where the graph's chi2 is least, starting from where they are: Gauss-Newton
+/// with Levenberg's damping where a step would go up. It finds the minimum that the start leads to: poses chained along
+/// the odometry will do unless the heading drifts by a radian or so between loops.
+///
+/// `robust` says which loops count; edges of kind kOdometry are never switched by it:
+///   none    every edge that is on.
+///   local   on and off as they are to begin with (a new loop should be on); then loops are switched, either way, until
+///           none costs more than switch_off_chi2 that is on, and none less that is off. For a graph that grows: when
+///           nothing is wrong it costs about half as much again as `none`.
+///   global  from no loop at all, taking in those that the graph is surest of first; then as `local`. The poses are
+///           needed as a start all the same. For a whole graph of which nothing is known: it finds its way when every
+///           second loop is wrong, and takes some dozens of `none`.
+/// The graph keeps the switches. What a loop costs is what the whole graph's chi2 would fall by without it: its own chi2
+/// is less, as odometry gives way to a wrong loop. So odometry that claims to be better than it is makes right loops
+/// look wrong; and switch_off_chi2 is not exceeded by one right loop in a million when all information is honest (three
+/// degrees of freedom). Where it is too modest, wrong loops hide in its slack: switch_off_medians finds the scale from
+/// the loops themselves. A loop that alone ties a part of the graph to the rest is never off.
+///
+/// Deterministic: the same graph gives the same bytes. Cost: each step is linear in the edges plus the factorisation;
+/// 1700 nodes with 2500 edges take 3 ms, 3500 with 5500 take 13 ms (benchmarks/results/posegraph.txt). A graph that
+/// grew by a few edges is optimised again in two or three steps from its old poses.
+/// Errors: InputError for a node that no chain of edges that are on ties to a fixed node or to a prior; ContractError
+/// for an unknown `robust` or a number out of its row's bounds.
 OptimizeResult optimize(PoseGraph& graph, const OptimizeOptions& options = {});
 
 }  // namespace slam::posegraph

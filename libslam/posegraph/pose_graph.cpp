@@ -22,7 +22,8 @@ const char* informationProblem(const Eigen::Matrix3d& information) {
   if (!information.allFinite()) return "an entry that is not finite";
   const double largest = information.cwiseAbs().maxCoeff();
   if (largest == 0) return "zero";
-  if ((information - information.transpose()).cwiseAbs().maxCoeff() > kRounding * largest) return "not symmetric";
+  if ((information - information.transpose()).cwiseAbs().maxCoeff() > kRounding * largest)
+    return "not symmetric";
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(information, Eigen::EigenvaluesOnly);
   if (solver.eigenvalues()[0] < -kRounding * largest) return "indefinite";
   return "";

@@ -22,16 +22,17 @@ class SurfelMap {
   /// Empty, covering [centre - reach, centre + reach] in both directions; points outside are left out.
   void clear(const core::Point2& centre, double reach_m);
   void add(const std::vector<SurfacePoint>& points, const core::Pose2& T_map_robot);
-  /// Makes the surfels of what was added.
-  void finish();
 
   double cellSize() const { return cell_m_; }
   core::Point2 origin() const { return origin_; }
-  /// nullptr where no surface is near. Coordinates from origin().
+  /// nullptr where no surface is near. Coordinates from origin(). A surfel is made when it is first asked for, so that
+  /// two threads must not ask the same map.
   const Surfel* at(double x, double y) const {
     if (!(x >= 0 && y >= 0 && x < extent_m_ && y < extent_m_)) return nullptr;
     const auto column = static_cast<std::int64_t>(x * per_cell_), row = static_cast<std::int64_t>(y * per_cell_);
-    const std::int32_t index = surfel_of_[static_cast<size_t>(row * side_ + column)];
+    const std::int64_t cell = row * side_ + column;
+    std::int32_t index = surfel_of_[static_cast<size_t>(cell)];
+    if (index == kUnknown) index = makeSurfel(cell);
     return index < 0 ? nullptr : &surfels_[static_cast<size_t>(index)];
   }
 
@@ -39,13 +40,18 @@ class SurfelMap {
   struct Sums {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;  ///< from the centre of the cell
   };
+  static constexpr std::int32_t kUnknown = -1, kNone = -2;
+  std::int32_t makeSurfel(std::int64_t cell) const;
+
   double cell_m_, blur_m_, per_cell_ = 0, extent_m_ = 0;
   core::Point2 origin_;
   std::int64_t side_ = 0;
-  std::vector<std::int32_t> sums_of_, surfel_of_;  ///< per cell, -1: none
+  std::vector<std::int32_t> sums_of_;            ///< per cell, -1: no point
+  mutable std::vector<std::int32_t> surfel_of_;  ///< per cell
   std::vector<Sums> sums_;
-  std::vector<std::int64_t> cells_, surfel_cells_;  ///< of sums_, of surfels_
-  std::vector<Surfel> surfels_;
+  std::vector<std::int64_t> cells_;                ///< of sums_
+  mutable std::vector<std::int64_t> asked_cells_;  ///< where surfel_of_ is known
+  mutable std::vector<Surfel> surfels_;
 };
 
 }  // namespace slam::scanmatch

@@ -56,8 +56,16 @@ MatchResult alignToSurfels(const std::vector<SurfacePoint>& points, const Surfel
     result.score = system.weight_sum / static_cast<double>(points.size());
     const Eigen::Vector3d from_prior(T.x - prior.mean.x, T.y - prior.mean.y,
                                      core::angleDifference(T.phi, prior.mean.phi));
-    const Eigen::Matrix3d H = result.information + prior.information;
-    const Eigen::Vector3d g = options.information_scale * system.g + prior.information * from_prior;
+    Eigen::Matrix3d held = prior.information;
+    if (prior.kernel > 0) {
+      const double k2 = prior.kernel * prior.kernel;
+      const double away = from_prior.head<2>().dot(held.topLeftCorner<2, 2>() * from_prior.head<2>());
+      const double w_xy = 1 / (1 + away / k2), w_turn = 1 / (1 + from_prior.z() * held(2, 2) * from_prior.z() / k2);
+      const Eigen::Vector3d root(w_xy, w_xy, w_turn);
+      held = root.asDiagonal() * held * root.asDiagonal();
+    }
+    const Eigen::Matrix3d H = result.information + held;
+    const Eigen::Vector3d g = options.information_scale * system.g + held * from_prior;
     const Eigen::LDLT<Eigen::Matrix3d> solver(H + 1e-9 * Eigen::Matrix3d::Identity());
     const Eigen::Vector3d step = solver.solve(-g);
     if (!step.allFinite()) break;

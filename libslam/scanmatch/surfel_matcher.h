@@ -9,6 +9,7 @@ namespace slam::scanmatch {
 struct PosePrior {
   core::Pose2 mean;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  double kernel = 0;  ///< Geman-McClure on position and heading apart, in standard deviations; 0: a plain Gaussian
 };
 
 struct MatchOptions {

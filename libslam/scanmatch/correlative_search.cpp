@@ -1,0 +1,142 @@
+#include "libslam/scanmatch/correlative_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slam::scanmatch {
+
+LikelihoodPyramid::LikelihoodPyramid(const std::vector<core::Point2>& points, double cell_m, double sigma_m, int levels)
+    : cell_m_(cell_m) {
+  constexpr int kReach = 3;
+  double x_min = 1e300, x_max = -1e300, y_min = 1e300, y_max = -1e300;
+  for (const auto& p : points) {
+    x_min = std::min(x_min, p.x), x_max = std::max(x_max, p.x);
+    y_min = std::min(y_min, p.y), y_max = std::max(y_max, p.y);
+  }
+  if (points.empty()) x_min = x_max = y_min = y_max = 0;
+  origin_ = {std::floor(x_min / cell_m - kReach) * cell_m, std::floor(y_min / cell_m - kReach) * cell_m};
+  pad_ = 1 << (levels - 1);
+  side_x_ = static_cast<int>(std::ceil((x_max - origin_.x) / cell_m)) + kReach + 1 + pad_;
+  side_y_ = static_cast<int>(std::ceil((y_max - origin_.y) / cell_m)) + kReach + 1 + pad_;
+  const auto side = static_cast<size_t>(side_x_);
+  std::vector<std::uint8_t> base(side * static_cast<size_t>(side_y_), 0);
+  for (const auto& p : points) {
+    const double px = (p.x - origin_.x) / cell_m, py = (p.y - origin_.y) / cell_m;
+    const int column = static_cast<int>(px), row = static_cast<int>(py);
+    for (int r = std::max(row - kReach, 0); r <= row + kReach && r + pad_ < side_y_; ++r)
+      for (int c = std::max(column - kReach, 0); c <= column + kReach && c + pad_ < side_x_; ++c) {
+        const double dx = (c + 0.5 - px) * cell_m, dy = (r + 0.5 - py) * cell_m;
+        const double value = 255 * std::exp(-(dx * dx + dy * dy) / (2 * sigma_m * sigma_m));
+        auto& cell = base[static_cast<size_t>(r + pad_) * side + static_cast<size_t>(c + pad_)];
+        cell = std::max(cell, static_cast<std::uint8_t>(value + 0.5));
+      }
+  }
+  levels_.push_back(std::move(base));
+  // Level k + 1 from level k: the greatest of the four windows that make up the larger one.
+  for (int k = 1; k < levels; ++k) {
+    const auto& below = levels_.back();
+    const int half = 1 << (k - 1);
+    std::vector<std::uint8_t> rows(below.size()), level(below.size());
+    for (int r = 0; r < side_y_; ++r) {
+      const auto* in = &below[static_cast<size_t>(r) * side];
+      auto* out = &rows[static_cast<size_t>(r) * side];
+      for (int c = 0; c + half < side_x_; ++c) out[c] = std::max(in[c], in[c + half]);
+      for (int c = std::max(side_x_ - half, 0); c < side_x_; ++c) out[c] = in[c];
+    }
+    for (int r = 0; r < side_y_; ++r) {
+      const auto* in = &rows[static_cast<size_t>(r) * side];
+      const auto* other = r + half < side_y_ ? &rows[static_cast<size_t>(r + half) * side] : in;
+      auto* out = &level[static_cast<size_t>(r) * side];
+      for (int c = 0; c < side_x_; ++c) out[c] = std::max(in[c], other[c]);
+    }
+    levels_.push_back(std::move(level));
+  }
+}
+
+namespace {
+
+struct Cell {
+  int column, row;
+};
+
+struct Node {
+  int level, turn;
+  int column, row;  ///< shift in cells from the window's corner: [column, column + 2^level)
+  int sum;
+};
+
+}  // namespace
+
+std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::vector<core::Point2>& points,
+                                       const core::Pose2& centre, const SearchWindow& window, double least_score) {
+  if (points.empty()) return std::nullopt;
+  const double cell_m = map.cellSize();
+  double farthest = 1;
+  for (const auto& p : points) farthest = std::max(farthest, std::hypot(p.x, p.y));
+  const double turn_step = cell_m / farthest;
+  const int turns = static_cast<int>(std::ceil(window.half_phi_rad / turn_step));
+  const int reach = static_cast<int>(std::ceil(window.half_xy_m / cell_m));
+  const int top = std::min(map.levels() - 1, static_cast<int>(std::ceil(std::log2(2 * reach + 1))));
+
+  // Cells of the turned points at the window's lowest shift.
+  std::vector<std::vector<Cell>> turned(static_cast<size_t>(2 * turns + 1));
+  for (int t = -turns; t <= turns; ++t) {
+    const double angle = centre.phi + t * turn_step, c = std::cos(angle), s = std::sin(angle);
+    auto& cells = turned[static_cast<size_t>(t + turns)];
+    cells.reserve(points.size());
+    for (const auto& p : points)
+      cells.push_back({static_cast<int>(std::floor((centre.x + c * p.x - s * p.y - map.origin().x) / cell_m)) - reach,
+                       static_cast<int>(std::floor((centre.y + s * p.x + c * p.y - map.origin().y) / cell_m)) - reach});
+  }
+  const auto evaluate = [&](Node& node) {
+    int sum = 0;
+    for (const auto& cell : turned[static_cast<size_t>(node.turn)])
+      sum += map.value(node.level, cell.column + node.column, cell.row + node.row);
+    node.sum = sum;
+  };
+
+  const int width = 2 * reach + 1;
+  std::vector<Node> stack;
+  for (int t = 0; t <= 2 * turns; ++t)
+    for (int row = 0; row < width; row += 1 << top)
+      for (int column = 0; column < width; column += 1 << top) {
+        stack.push_back({top, t, column, row, 0});
+        evaluate(stack.back());
+      }
+  const auto worse = [](const Node& a, const Node& b) { return a.sum < b.sum; };
+  std::stable_sort(stack.begin(), stack.end(), worse);
+
+  const int full = 255 * static_cast<int>(points.size());
+  int best_sum = static_cast<int>(std::ceil(least_score * full)) - 1;
+  std::optional<Node> best;
+  std::vector<Node> children;
+  while (!stack.empty()) {
+    const Node node = stack.back();
+    stack.pop_back();
+    if (node.sum <= best_sum) continue;
+    if (node.level == 0) {
+      best_sum = node.sum;
+      best = node;
+      continue;
+    }
+    children.clear();
+    const int half = 1 << (node.level - 1);
+    for (const int dr : {0, half})
+      for (const int dc : {0, half}) {
+        if (node.column + dc >= width || node.row + dr >= width) continue;
+        Node child{node.level - 1, node.turn, node.column + dc, node.row + dr, 0};
+        evaluate(child);
+        if (child.sum > best_sum) children.push_back(child);
+      }
+    std::stable_sort(children.begin(), children.end(), worse);
+    stack.insert(stack.end(), children.begin(), children.end());
+  }
+  if (!best) return std::nullopt;
+  SearchResult result;
+  result.T_map_robot = {centre.x + (best->column - reach) * cell_m, centre.y + (best->row - reach) * cell_m,
+                        core::wrapToPi(centre.phi + (best->turn - turns) * turn_step)};
+  result.score = static_cast<double>(best->sum) / full;
+  return result;
+}
+
+}  // namespace slam::scanmatch

@@ -1,0 +1,52 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "libslam/core/pose2.h"
+
+namespace slam::scanmatch {
+
+/// How near the map's surfaces are, on a raster, and the best of every window of 2^k x 2^k cells: what a search over
+/// many poses needs (Olson, "Real-time correlative scan matching", ICRA 2009; branch and bound: Hess et al., "Real-time
+/// loop closure in 2D LIDAR SLAM", ICRA 2016).
+class LikelihoodPyramid {
+ public:
+  /// Around the points (map frame). A cell at distance d of the nearest point has the value exp(-d^2 / (2 sigma^2)),
+  /// cut off beyond three cells.
+  LikelihoodPyramid(const std::vector<core::Point2>& points, double cell_m, double sigma_m, int levels);
+
+  double cellSize() const { return cell_m_; }
+  core::Point2 origin() const { return origin_; }
+  int levels() const { return static_cast<int>(levels_.size()); }
+  /// Greatest value, 0..255, of the cells [column, column + 2^level) x [row, row + 2^level); indices may lie outside.
+  int value(int level, int column, int row) const {
+    const int c = column + pad_, r = row + pad_;
+    if (c < 0 || r < 0 || c >= side_x_ || r >= side_y_) return 0;
+    return levels_[static_cast<size_t>(level)][static_cast<size_t>(r) * static_cast<size_t>(side_x_) +
+                                               static_cast<size_t>(c)];
+  }
+
+ private:
+  double cell_m_;
+  core::Point2 origin_;  ///< corner of the cell (0, 0)
+  int pad_ = 0, side_x_ = 0, side_y_ = 0;
+  std::vector<std::vector<std::uint8_t>> levels_;
+};
+
+struct SearchWindow {
+  double half_xy_m, half_phi_rad;
+};
+
+struct SearchResult {
+  core::Pose2 T_map_robot;
+  double score;  ///< mean value of the points, 0..1
+};
+
+/// The best pose of the window about `centre` on a lattice of the pyramid's cells and of such turns that the farthest
+/// point moves by a cell; nothing when none scores `least_score`. Exhaustive: no better pose of the lattice exists. Of
+/// equal ones the first in a fixed order.
+std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::vector<core::Point2>& points,
+                                       const core::Pose2& centre, const SearchWindow& window, double least_score);
+
+}  // namespace slam::scanmatch
