@@ -91,6 +91,7 @@ class Grid {
   size_t ownTiles() const;
   /// Bytes of one tile.
   static constexpr size_t tileBytes() { return sizeof(Tile); }
+  size_t directoryBytes() const { return tiles_.capacity() * sizeof(tiles_[0]); }
   /// Appends the identity of every tile, to count those of many grids once.
   void appendTiles(std::vector<const void*>& identities) const;
 

@@ -21,9 +21,9 @@ class PathTree {
   void release(Id leaf);
   /// From the root to the leaf.
   core::Trajectory path(Id leaf) const;
-  core::StampedPose& at(Id leaf) { return nodes_[static_cast<size_t>(leaf)].pose; }
   /// Poses alive.
   size_t size() const { return nodes_.size() - free_.size(); }
+  size_t bytes() const { return nodes_.capacity() * sizeof(Node) + free_.capacity() * sizeof(Id); }
 
  private:
   struct Node {
