@@ -62,7 +62,8 @@ ThreadTeam::ThreadTeam(int threads) {
   if (threads < 1) throw ContractError("ThreadTeam: threads must be at least 1");
   if (threads == 1) return;
   shared_ = std::make_unique<Shared>();
-  for (int i = 1; i < threads; ++i) shared_->threads.emplace_back([shared = shared_.get()] { shared->wait(); });
+  for (int i = 1; i < threads; ++i)
+    shared_->threads.emplace_back([shared = shared_.get()] { shared->wait(); });
 }
 
 ThreadTeam::ThreadTeam(ThreadTeam&&) noexcept = default;

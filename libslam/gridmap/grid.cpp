@@ -247,8 +247,10 @@ void Grid::insert(const ScanRays& rays, const core::Pose2& T_map_robot) {
     }
     if (after.log_odds != before.log_odds || after.returns != before.returns) own(spot.x, spot.y) = after;
   }
-  std::sort(moved.begin(), moved.end(), [](const Spot& a, const Spot& b) { return std::tie(a.y, a.x) < std::tie(b.y, b.x); });
-  moved.erase(std::unique(moved.begin(), moved.end(), [](const Spot& a, const Spot& b) { return a.x == b.x && a.y == b.y; }),
+  std::sort(moved.begin(), moved.end(),
+            [](const Spot& a, const Spot& b) { return std::tie(a.y, a.x) < std::tie(b.y, b.x); });
+  moved.erase(std::unique(moved.begin(), moved.end(),
+                          [](const Spot& a, const Spot& b) { return a.x == b.x && a.y == b.y; }),
               moved.end());
   for (const Spot& spot : moved) spreadFrom(spot);
   for (const Spot& spot : orphans) findNearest(spot);
@@ -261,12 +263,19 @@ double Grid::probability(int x, int y) const {
 }
 
 size_t Grid::tiles() const {
-  return static_cast<size_t>(std::count_if(tiles_.begin(), tiles_.end(), [](const auto& tile) { return tile != nullptr; }));
+  return static_cast<size_t>(
+      std::count_if(tiles_.begin(), tiles_.end(), [](const auto& tile) { return tile != nullptr; }));
 }
 
 size_t Grid::ownTiles() const {
-  return static_cast<size_t>(
-      std::count_if(tiles_.begin(), tiles_.end(), [](const auto& tile) { return tile && tile.use_count() == 1; }));
+  return static_cast<size_t>(std::count_if(tiles_.begin(), tiles_.end(),
+                                           [](const auto& tile) { return tile && tile.use_count() == 1; }));
+}
+
+GridArea Grid::area() const {
+  const double tile_m = kTileSide * options_.cell_m;
+  return {tile_x_min_ * tile_m, (tile_x_min_ + tile_columns_) * tile_m, tile_y_min_ * tile_m,
+          (tile_y_min_ + tile_rows_) * tile_m};
 }
 
 void Grid::appendTiles(std::vector<const void*>& identities) const {
@@ -306,7 +315,8 @@ Grid Grid::fromRaster(const OccupancyRaster& raster, const GridOptions& options)
   const int x_min = static_cast<int>(std::lround(raster.x_min_m / options.cell_m));
   const int y_min = static_cast<int>(std::lround(raster.y_min_m / options.cell_m));
   const int reach = options.reach_cells;
-  grid.coverTiles(x_min - reach, y_min - reach, x_min + raster.columns - 1 + reach, y_min + raster.rows - 1 + reach);
+  grid.coverTiles(x_min - reach, y_min - reach, x_min + raster.columns - 1 + reach,
+                  y_min + raster.rows - 1 + reach);
   std::vector<Spot> surfaces;
   for (int row = 0; row < raster.rows; ++row)
     for (int column = 0; column < raster.columns; ++column) {

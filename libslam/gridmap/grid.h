@@ -12,23 +12,23 @@ namespace slam::gridmap {
 
 struct GridOptions {
   double cell_m = 0.05;
-  double hit_probability = 0.7;    ///< that a cell is occupied, from one scan with a return in it
-  double pass_probability = 0.4;   ///< the same, from one scan of which a beam passed through
-  double max_probability = 0.97;   ///< certainty is kept between these, so that a map can change its mind
+  double hit_probability = 0.7;   ///< that a cell is occupied, from one scan with a return in it
+  double pass_probability = 0.4;  ///< the same, from one scan of which a beam passed through
+  double max_probability = 0.97;  ///< certainty is kept between these, so that a map can change its mind
   double min_probability = 0.12;
-  int reach_cells = 8;             ///< the field knows surfaces up to this distance; 1 to 16
+  int reach_cells = 8;  ///< the field knows surfaces up to this distance; 1 to 16
 };
 
 /// One cell of a Grid, 8 bytes.
 struct Cell {
-  static constexpr std::int8_t kUnseen = -128;   ///< log_odds where no beam was
-  static constexpr std::int8_t kNowhere = -128;  ///< to_x where no surface is within reach
-  static constexpr double kLogOddsPerNat = 20;   ///< unit of log_odds
-  static constexpr double kShiftsPerCell = 1024; ///< unit of shift_x, shift_y
+  static constexpr std::int8_t kUnseen = -128;    ///< log_odds where no beam was
+  static constexpr std::int8_t kNowhere = -128;   ///< to_x where no surface is within reach
+  static constexpr double kLogOddsPerNat = 20;    ///< unit of log_odds
+  static constexpr double kShiftsPerCell = 1024;  ///< unit of shift_x, shift_y
   static constexpr int kMostReturns = 16;
 
   std::int8_t log_odds = kUnseen;
-  std::uint8_t returns = 0;           ///< in the mean of an occupied cell's returns, up to kMostReturns
+  std::uint8_t returns = 0;               ///< in the mean of an occupied cell's returns, up to kMostReturns
   std::int8_t to_x = kNowhere, to_y = 0;  ///< from this cell to the nearest occupied one, in cells
   /// From this cell's centre to the surface in the cell at (to_x, to_y): the mean of the first returns in it.
   std::int16_t shift_x = 0, shift_y = 0;
@@ -36,6 +36,11 @@ struct Cell {
   bool seen() const { return log_odds != kUnseen; }
   bool occupied() const { return log_odds > 0; }
   bool nearSurface() const { return to_x != kNowhere; }
+};
+
+/// A rectangle of the map frame.
+struct GridArea {
+  double x_min_m = 0, x_max_m = 0, y_min_m = 0, y_max_m = 0;
 };
 
 /// Occupancy and distance to the nearest surface, for matching scans to it in many versions at once.
@@ -70,7 +75,8 @@ class Grid {
   /// nullptr where nothing was stored; then nothing was seen there and no surface is near.
   const Cell* at(int x, int y) const {
     const Tile* tile = tileAt(x >> kTileBits, y >> kTileBits);
-    return tile ? &tile->cells[static_cast<size_t>(((y & kTileMask) << kTileBits) | (x & kTileMask))] : nullptr;
+    return tile ? &tile->cells[static_cast<size_t>(((y & kTileMask) << kTileBits) | (x & kTileMask))]
+                : nullptr;
   }
   /// The four cells (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1); false when one of them is nullptr.
   bool square(int x, int y, std::array<const Cell*, 4>& cells) const {
@@ -89,8 +95,14 @@ class Grid {
   /// Tiles stored, and those of them that no other grid shares.
   size_t tiles() const;
   size_t ownTiles() const;
-  /// Bytes of one tile.
   static constexpr size_t tileBytes() { return sizeof(Tile); }
+  /// Where tiles may lie without the directory growing; all zero for an empty grid.
+  GridArea area() const;
+  /// The directory has a pointer per tile of area(), also where nothing is stored: as much memory as a cell for so
+  /// many cells of the area.
+  static constexpr double cellsPerDirectoryEntry() {
+    return kTileSide * kTileSide * static_cast<double>(sizeof(Cell)) / sizeof(std::shared_ptr<int>);
+  }
   size_t directoryBytes() const { return tiles_.capacity() * sizeof(tiles_[0]); }
   /// Appends the identity of every tile, to count those of many grids once.
   void appendTiles(std::vector<const void*>& identities) const;
@@ -114,8 +126,10 @@ class Grid {
   };
 
   const Tile* tileAt(int tile_x, int tile_y) const {
-    const auto column = static_cast<unsigned>(tile_x - tile_x_min_), row = static_cast<unsigned>(tile_y - tile_y_min_);
-    if (column >= static_cast<unsigned>(tile_columns_) || row >= static_cast<unsigned>(tile_rows_)) return nullptr;
+    const auto column = static_cast<unsigned>(tile_x - tile_x_min_),
+               row = static_cast<unsigned>(tile_y - tile_y_min_);
+    if (column >= static_cast<unsigned>(tile_columns_) || row >= static_cast<unsigned>(tile_rows_))
+      return nullptr;
     return tiles_[static_cast<size_t>(row) * static_cast<size_t>(tile_columns_) + column].get();
   }
   void coverTiles(int x_min, int y_min, int x_max, int y_max);

@@ -18,8 +18,8 @@ struct ScanRays {
 };
 
 struct RayOptions {
-  double max_range_m = 30;         ///< farther returns clear up to here and mark nothing
-  bool no_return_is_free = true;   ///< a beam that met nothing clears as far as the lidar sees, or max_range_m
+  double max_range_m = 30;        ///< farther returns clear up to here and mark nothing
+  bool no_return_is_free = true;  ///< a beam that met nothing clears as far as the lidar sees, or max_range_m
 };
 
 /// Beam i points exactly to scan.angle(i) in the lidar frame: n beams span n - 1 steps. A lost reading (NaN) says

@@ -23,6 +23,7 @@
 #include "libslam/mapping/method_config.h"
 #include "libslam/mapping/mrpt_compat.h"
 #include "libslam/mapping/naive_map_builder.h"
+#include "libslam/mapping/particle_map_builder.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::mapping {
@@ -79,9 +80,14 @@ std::unique_ptr<mrpt::slam::CMetricMapBuilder> makeRbpfBuilder(const mrpt::confi
 }
 
 std::unique_ptr<mrpt::slam::CMetricMapBuilder> makeBuilder(const MethodConfig& config,
-                                                           const std::string& name) {
+                                                           const std::string& name, std::uint64_t seed) {
   if (config.method.type == "naive") {
     auto builder = std::make_unique<NaiveMapBuilder>(config.mapping);
+    silence(*builder);
+    return builder;
+  }
+  if (config.method.type == "particles") {
+    auto builder = std::make_unique<ParticleMapBuilder>(config, seed);
     silence(*builder);
     return builder;
   }
@@ -174,6 +180,14 @@ std::vector<Extent> gridsOf(const mrpt::slam::CMetricMapBuilder& builder) {
   return grids;
 }
 
+/// Cells of a particle filter's maps, and what their directories would weigh in cells when they reached so far.
+double cellsOf(const ParticleFilter& filter, const core::Point2& centre, double reach_m) {
+  const gridmap::GridArea area = filter.map().area();
+  const Extent extent{area.x_min_m, area.x_max_m, area.y_min_m, area.y_max_m, filter.map().cellSize()};
+  const double directory = cellsWith(extent, centre, reach_m) / gridmap::Grid::cellsPerDirectoryEntry();
+  return filter.cells() + filter.particles() * directory;
+}
+
 /// How far from the robot the scan can change the grid.
 double reach(const MapBuilder::State& state, const robot::Scan& scan) {
   double farthest_m = 0;
@@ -189,8 +203,12 @@ double reach(const MapBuilder::State& state, const robot::Scan& scan) {
 /// before it inserts.
 void requireBoundedMap(const MapBuilder& method, const core::Pose2& T_map_robot, double reach_m) {
   double cells = 0;
-  for (const Extent& grid : gridsOf(*method.builder))
-    cells += cellsWith(grid, core::position(T_map_robot), reach_m);
+  if (const auto* particles = dynamic_cast<const ParticleMapBuilder*>(method.builder.get())) {
+    cells = cellsOf(particles->filter(), core::position(T_map_robot), reach_m);
+  } else {
+    for (const Extent& grid : gridsOf(*method.builder))
+      cells += cellsWith(grid, core::position(T_map_robot), reach_m);
+  }
   const double limit = method.state->config.mapping.max_map_cells;
   if (!(cells <= limit))
     throw core::MethodError(
@@ -252,17 +270,18 @@ MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, 
   method.type = state.config.method.type;
   method.odometry = state.config.method.odometry;
   method.parameters = state.config.report;
-  method.builder = makeBuilder(state.config, name);
+  method.builder = makeBuilder(state.config, name, seed);
   return method;
 }
 
 std::string toMrptConfig(const core::IniFile& config, const std::string& name) {
   const MethodConfig read = readMethodConfig(config);
-  if (read.method.type == "naive") {
+  const std::string& type = read.method.type;
+  if (type == "naive" || type == "particles") {
     const auto* given = config.find("method", "type");
     throw core::InputError((given != nullptr ? given->origin : name) +
-                           ": section [method], key 'type': found 'naive', expected icp or rbpf: no MRPT "
-                           "program runs the naive method");
+                           ": section [method], key 'type': found '" + type +
+                           "', expected icp or rbpf: no MRPT program runs the " + type + " method");
   }
   return mrptConfigText(read, name);
 }
@@ -287,6 +306,11 @@ core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core:
   state.previous_scan = scan;
   ++state.steps;
   return state.T_map_robot;
+}
+
+core::Trajectory correctedPath(const MapBuilder& method) {
+  const auto* particles = dynamic_cast<const ParticleMapBuilder*>(method.builder.get());
+  return particles != nullptr ? particles->filter().path() : core::Trajectory{};
 }
 
 std::vector<std::string> methodNames(const std::string& methods_folder) {

@@ -29,7 +29,7 @@ struct MapBuilder {
 
   std::unique_ptr<mrpt::slam::CMetricMapBuilder> builder;
   std::string name;      ///< of the configuration: "icp", "rbpf_exact"
-  std::string type;      ///< naive | icp | rbpf
+  std::string type;      ///< naive | icp | rbpf | particles
   std::string odometry;  ///< which increments it is fed: wheel | argmax | correlation | range_flow | plicp
   std::vector<core::ParameterReport> parameters;
 
@@ -38,7 +38,7 @@ struct MapBuilder {
 };
 
 /// Makes a method from its .ini (configs/methods/NAME.ini; sections [method], [mapping], [scan_odometry] and
-/// the type's own: [icp] for icp and rbpf, [particles] and [motion] for rbpf). Strict: every misspelt or
+/// the type's own: [icp] for icp and rbpf, [particles] and [motion] for rbpf and particles). Strict: every misspelt or
 /// impossible key, and a section that the type does not use, is an InputError. Nothing is printed, whatever
 /// MRPT would like to say.
 MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, std::uint64_t seed);
@@ -67,6 +67,10 @@ core::IniFile loadMethodConfig(const std::string& methods_folder, const std::str
 /// [mapping] max_map_cells (checked before the scan is inserted), or MRPT throws. REQUIRES at least 2 beams.
 core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core::Pose2& T_previous_robot,
                         bool has_odometry);
+
+/// The path so far, a pose for every scan, as the method sees it now: corrected by what was seen later. Empty for a
+/// method that corrects nothing.
+core::Trajectory correctedPath(const MapBuilder& method);
 
 /// The map as it is now.
 gridmap::OccupancyRaster currentMap(const MapBuilder& method);

@@ -49,6 +49,14 @@ std::vector<MappingTable::Row> matcherMappingRows() {
            "turn after which a scan is matched to the map"}};
 }
 
+/// Type particles draws its own grids: neither MRPT's choice of grid nor its certainty means anything to it.
+MappingTable makeParticleMappingTable() {
+  std::vector<MappingTable::Row> rows;
+  for (auto& row : commonMappingRows())
+    if (row.info.key != "grid" && row.info.key != "occupied_certainty") rows.push_back(std::move(row));
+  return {"mapping", std::move(rows)};
+}
+
 MappingTable makeMappingTable(bool naive, bool matcher) {
   auto rows = commonMappingRows();
   if (naive)
@@ -255,12 +263,13 @@ MethodOptions::MethodOptions() {
 
 const core::ParameterTable<MethodOptions>& MethodOptions::table() {
   static const core::ParameterTable<MethodOptions> kTable(
-      "method", {{"type", &MethodOptions::type, "naive", {"naive", "icp", "rbpf"}, "which builder"},
-                 {"odometry",
-                  &MethodOptions::odometry,
-                  "wheel",
-                  {"wheel", "argmax", "correlation", "range_flow", "plicp"},
-                  "the motion increments; wheel takes those of scans where the log has none"}});
+      "method",
+      {{"type", &MethodOptions::type, "naive", {"naive", "icp", "rbpf", "particles"}, "which builder"},
+       {"odometry",
+        &MethodOptions::odometry,
+        "wheel",
+        {"wheel", "argmax", "correlation", "range_flow", "plicp"},
+        "the motion increments; wheel takes those of scans where the log has none"}});
   return kTable;
 }
 
@@ -271,6 +280,8 @@ MappingOptions::MappingOptions() {
 
 const MappingTable& mappingTable(const std::string& type) {
   static const MappingTable kNaive = makeMappingTable(true, false), kMatcher = makeMappingTable(false, true);
+  static const MappingTable kParticles = makeParticleMappingTable();
+  if (type == "particles") return kParticles;
   return type == "naive" ? kNaive : kMatcher;
 }
 
@@ -337,12 +348,12 @@ MethodConfig readMethodConfig(const core::IniFile& ini) {
   core::readParameters(ini, MethodOptions::table(), config.method, &config.report);
   const std::string& type = config.method.type;
   std::vector<std::string> sections = {"method", "mapping", "scan_odometry"};
-  if (type != "naive") sections.push_back("icp");
-  if (type == "rbpf") sections.insert(sections.end(), {"particles", "motion"});
+  if (type == "icp" || type == "rbpf") sections.push_back("icp");
+  if (type == "rbpf" || type == "particles") sections.insert(sections.end(), {"particles", "motion"});
   core::rejectUnknownSections(ini, sections);
 
   core::readParameters(ini, mappingTable(type), config.mapping, &config.report);
-  if (type != "naive") core::readParameters(ini, icpTable(type), config.icp, &config.report);
+  if (type == "icp" || type == "rbpf") core::readParameters(ini, icpTable(type), config.icp, &config.report);
   if (type == "rbpf") {
     core::readParameters(ini, ParticleOptions::table(), config.particles, &config.report);
     core::readParameters(ini, MotionOptions::table(), config.motion, &config.report);
@@ -351,6 +362,10 @@ MethodConfig readMethodConfig(const core::IniFile& ini) {
     if (algorithm != nullptr && algorithm->value != "classic")
       throw core::InputError(algorithm->origin + ": section [icp], key 'algorithm': found '" +
                              algorithm->value + "', expected classic for type rbpf, which matches to grids");
+  }
+  if (type == "particles") {
+    core::readParameters(ini, ParticleFilterOptions::table(), config.particle_filter, &config.report);
+    core::readParameters(ini, MotionOptions::table(), config.motion, &config.report);
   }
   core::readParameters(ini, odometry::ScanOdometryOptions::table(), config.scan_odometry, &config.report);
   chooseScanOdometry(ini, config);

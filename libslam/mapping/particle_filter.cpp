@@ -22,6 +22,7 @@ namespace {
 constexpr double kStartMargin = 0.02;
 /// Every n-th point is enough to compare starts.
 constexpr int kStartStride = 3;
+constexpr std::uint64_t kCountEvery = 32;
 constexpr int kWideIterations = 4, kGuideIterations = 8;
 /// Spread of a motion that nobody measured (0.5 m, 0.5 rad), or that is distrusted.
 constexpr double kUnknownSigma = 0.5;
@@ -61,15 +62,18 @@ const core::ParameterTable<ParticleFilterOptions>& ParticleFilterOptions::table(
       "particles",
       {{"count", &O::count, 30, 1, 10000, "number of particles"},
        {"threads", &O::threads, 1, 1, 256, "changes the time alone, not the result"},
-       {"cell_m", &O::cell_m, 0.1, 0.02, 0.5, "cells of the particles' maps; surfaces are kept finer than that"},
+       {"cell_m", &O::cell_m, 0.1, 0.02, 0.5,
+        "cells of the particles' maps; surfaces are kept finer than that"},
        {"point_spacing_m", &O::point_spacing_m, 0.05, 0.001, 1.0, "smallest distance between matched points"},
        {"sigma_m", &O::sigma_m, 0.02, 0.001, 1.0, "of a point from the surface that it lies on"},
-       {"kernel_m", &O::kernel_m, 0.08, 0.005, 5.0, "a point this far from every surface counts for a quarter"},
+       {"kernel_m", &O::kernel_m, 0.08, 0.005, 5.0,
+        "a point this far from every surface counts for a quarter"},
        {"wide_kernel_m", &O::wide_kernel_m, 0.2, 0.01, 5.0, "the same while the start is chosen"},
        {"information_scale", &O::information_scale, 0.2, 0.001, 1.0,
         "how much of a point's information counts: neighbouring beams err together"},
        {"iterations", &O::iterations, 3, 1, 100, "of Gauss-Newton, from the best particle's motion"},
-       {"proposal_scale", &O::proposal_scale, 1.0, 0.0, 10.0, "on the standard deviations that are drawn from"},
+       {"proposal_scale", &O::proposal_scale, 1.0, 0.0, 10.0,
+        "on the standard deviations that are drawn from"},
        {"evidence_scale", &O::evidence_scale, 0.3, 0.0, 1.0,
         "exponent on the weights: one scan's errors are the next one's too"},
        {"resample_below", &O::resample_below, 0.5, 0.0, 1.0, "effective share of particles that triggers it"},
@@ -92,13 +96,24 @@ ParticleFilter::ParticleFilter(const ParticleFilterOptions& options, std::uint64
   particles_.assign(static_cast<size_t>(options.count), Particle(gridOptions(options)));
 }
 
+void ParticleFilter::start(const core::Pose2& T_map_robot,
+                           const std::vector<std::pair<gridmap::ScanRays, core::Pose2>>& known) {
+  if (scans_ > 0) throw core::ContractError("ParticleFilter::start: scans were seen already");
+  for (const auto& [rays, T_map_seen] : known) particles_[0].grid.insert(rays, T_map_seen);
+  particles_[0].T_map_robot = T_map_robot;
+  for (Particle& particle : particles_) particle = particles_[0];
+  step_.T_map_robot = T_map_robot;
+  map_is_known_ = !known.empty();
+}
+
 ParticleFilter::Guidance ParticleFilter::guide(const std::vector<SurfacePoint>& points,
                                                const std::optional<Motion>& motion) {
   const Particle& best = particles_[best_];
   const core::Pose2 T_before = best.T_map_robot;
   Guidance guidance;
   guidance.expected = motion ? motion->T_previous_robot : velocity_;
-  Eigen::Matrix3d covariance = motion ? motion->covariance : kUnknownSigma * kUnknownSigma * Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d covariance =
+      motion ? motion->covariance : kUnknownSigma * kUnknownSigma * Eigen::Matrix3d::Identity();
 
   const core::Pose2 predicted = T_before * guidance.expected;
   const auto score = [&](const core::Pose2& T) {
@@ -111,13 +126,15 @@ ParticleFilter::Guidance ParticleFilter::guide(const std::vector<SurfacePoint>& 
   core::Pose2 start = predicted;
   double start_score = predicted_score + kStartMargin;
   for (const core::Pose2& other : others)
-    if (const double other_score = score(other); other_score > start_score) start = other, start_score = other_score;
+    if (const double other_score = score(other); other_score > start_score)
+      start = other, start_score = other_score;
   if (motion && start_score > predicted_score + options_.distrust_score) {
     step_.odometry_distrusted = true;
     guidance.expected = core::between(T_before, start);
     covariance *= 2 * kDistrustFactor * kDistrustFactor;
-    covariance.diagonal() += 2 * Eigen::Vector3d(kDistrustSigma_m * kDistrustSigma_m, kDistrustSigma_m * kDistrustSigma_m,
-                                                 kDistrustSigma_rad * kDistrustSigma_rad);
+    covariance.diagonal() +=
+        2 * Eigen::Vector3d(kDistrustSigma_m * kDistrustSigma_m, kDistrustSigma_m * kDistrustSigma_m,
+                            kDistrustSigma_rad * kDistrustSigma_rad);
   }
   guidance.information = covariance.inverse();
 
@@ -136,9 +153,10 @@ void ParticleFilter::matchAll(const std::vector<SurfacePoint>& points, const Gui
     Particle& particle = particles_[i];
     const FieldPrior prior{particle.T_map_robot * guidance.expected,
                            rotated(guidance.information, particle.T_map_robot.phi)};
-    particle.match = i == best_ ? guidance.match
-                                : scanmatch::alignToField(points, particle.grid, particle.T_map_robot * guidance.moved,
-                                                          prior, match_options_);
+    particle.match =
+        i == best_ ? guidance.match
+                   : scanmatch::alignToField(points, particle.grid, particle.T_map_robot * guidance.moved,
+                                             prior, match_options_);
     particle.information = particle.match.information + prior.information;
     particle.T_map_robot = particle.match.T_map_robot;
   });
@@ -187,7 +205,8 @@ void ParticleFilter::resample() {
   size_t drawn = 0, last = 0;
   for (size_t i = 0; i < count; ++i) {
     reached += weights[i];
-    for (; drawn < count && start + static_cast<double>(drawn) * pace < reached; ++drawn) ++times[i], last = i;
+    for (; drawn < count && start + static_cast<double>(drawn) * pace < reached; ++drawn)
+      ++times[i], last = i;
   }
   times[last] += count - drawn;  // what rounding left over
   size_t to = 0;
@@ -228,11 +247,11 @@ void ParticleFilter::estimateCovariance() {
 const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::optional<Motion>& motion) {
   if (motion && !(core::isFinite(motion->T_previous_robot) && motion->covariance.allFinite()))
     throw core::ContractError("ParticleFilter::update: the motion is not finite");
-  const bool is_first = scans_ == 0;
+  const bool is_first = scans_ == 0 && !map_is_known_;
   step_ = {};
   if (!is_first) {
     const auto points = scanmatch::surfacePoints(scan, point_options_);
-    const Guidance guidance = guide(points, motion);
+    const Guidance guidance = guide(points, scans_ == 0 ? std::nullopt : motion);
     matchAll(points, guidance);
     velocity_ = guidance.moved;
     step_.score = guidance.match.score;
@@ -240,9 +259,10 @@ const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::o
     step_.lost = step_.score < options_.lost_score;
   }
   const core::Pose2& T = particles_[best_].T_map_robot;
-  step_.inserted = mapping_ && (is_first || step_.score < options_.insert_score ||
-                                core::distance(T, T_inserted_) > options_.insert_distance_m ||
-                                std::abs(core::angleDifference(T.phi, T_inserted_.phi)) > options_.insert_angle_rad);
+  step_.inserted =
+      mapping_ && (is_first || step_.score < options_.insert_score ||
+                   core::distance(T, T_inserted_) > options_.insert_distance_m ||
+                   std::abs(core::angleDifference(T.phi, T_inserted_.phi)) > options_.insert_angle_rad);
   if (step_.inserted) {
     if (!is_first) weigh();
     const gridmap::ScanRays rays = gridmap::scanRays(scan, options_.rays);
@@ -257,6 +277,8 @@ const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::o
     if (!is_first) resample();
     findBest();
     T_inserted_ = particles_[best_].T_map_robot;
+    if (insertions_++ % kCountEvery == 0)
+      cells_ = static_cast<double>(distinctTiles()) * gridmap::Grid::tileBytes() / sizeof(gridmap::Cell);
   }
   if (!is_first) estimateCovariance();
   step_.T_map_robot = particles_[best_].T_map_robot;
@@ -264,16 +286,18 @@ const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::o
   return step_;
 }
 
-size_t ParticleFilter::bytes() const {
+size_t ParticleFilter::distinctTiles() const {
   std::vector<const void*> tiles;
-  size_t directories = 0;
-  for (const Particle& particle : particles_) {
-    particle.grid.appendTiles(tiles);
-    directories += particle.grid.directoryBytes();
-  }
+  for (const Particle& particle : particles_) particle.grid.appendTiles(tiles);
   std::sort(tiles.begin(), tiles.end());
   tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
-  return tiles.size() * gridmap::Grid::tileBytes() + directories + paths_.bytes();
+  return tiles.size();
+}
+
+size_t ParticleFilter::bytes() const {
+  size_t directories = 0;
+  for (const Particle& particle : particles_) directories += particle.grid.directoryBytes();
+  return distinctTiles() * gridmap::Grid::tileBytes() + directories + paths_.bytes();
 }
 
 }  // namespace slam::mapping

@@ -76,9 +76,16 @@ class ParticleFilter {
   core::Trajectory path() const { return paths_.path(particles_[best_].leaf); }
   /// The best particle's map.
   const gridmap::Grid& map() const { return particles_[best_].grid; }
+  /// Every particle starts at T_map_robot, in a map drawn of these scans at their poses (none: an empty one).
+  /// REQUIRES that no scan was seen (ContractError).
+  void start(const core::Pose2& T_map_robot,
+             const std::vector<std::pair<gridmap::ScanRays, core::Pose2>>& known);
   /// Whether scans change the map; without, the filter only finds its place in it.
   void setMapping(bool mapping) { mapping_ = mapping; }
   std::uint64_t scans() const { return scans_; }
+  int particles() const { return options_.count; }
+  /// Cells stored in all maps, shared ones counted once; counted again at every 32nd insertion.
+  double cells() const { return cells_; }
   /// All maps and paths, what is shared counted once, directories included. Cost: a few 10 us per thousand tiles.
   size_t bytes() const;
 
@@ -106,13 +113,16 @@ class ParticleFilter {
   void resample();
   void findBest();
   void estimateCovariance();
+  size_t distinctTiles() const;
 
   ParticleFilterOptions options_;
   scanmatch::ScanPointOptions point_options_;
   scanmatch::FieldMatchOptions match_options_;
   std::uint64_t seed_;
-  std::uint64_t scans_ = 0;
+  std::uint64_t scans_ = 0, insertions_ = 0;
+  double cells_ = 0;
   bool mapping_ = true;
+  bool map_is_known_ = false;
   core::ThreadTeam team_;
   std::vector<Particle> particles_;
   PathTree paths_;

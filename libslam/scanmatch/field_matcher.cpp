@@ -20,7 +20,8 @@ bool fieldAt(const gridmap::Grid& grid, double u, double v, FieldVector& field) 
   const double x = std::floor(u - 0.5), y = std::floor(v - 0.5);
   std::array<const Cell*, 4> cells;
   if (!grid.square(static_cast<int>(x), static_cast<int>(y), cells)) return false;
-  if (!cells[0]->nearSurface() || !cells[1]->nearSurface() || !cells[2]->nearSurface() || !cells[3]->nearSurface())
+  if (!cells[0]->nearSurface() || !cells[1]->nearSurface() || !cells[2]->nearSurface() ||
+      !cells[3]->nearSurface())
     return false;
   const double a = u - 0.5 - x, b = v - 0.5 - y;
   const std::array<double, 4> weight = {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
@@ -49,7 +50,8 @@ System accumulate(const std::vector<SurfacePoint>& points, const gridmap::Grid& 
   const double c = std::cos(T.phi), s = std::sin(T.phi);
   const double cell = grid.cellSize(), per_cell = 1 / cell;
   const double kernel2 = kernel_m * kernel_m;
-  double hxx = 0, hxy = 0, hyy = 0, hxt = 0, hyt = 0, htt = 0, gx = 0, gy = 0, gt = 0, weights = 0, robust = 0;
+  double hxx = 0, hxy = 0, hyy = 0, hxt = 0, hyt = 0, htt = 0, gx = 0, gy = 0, gt = 0, weights = 0,
+         robust = 0;
   for (const SurfacePoint& point : points) {
     const double rx = c * point.p.x - s * point.p.y, ry = s * point.p.x + c * point.p.y;
     FieldVector field;
@@ -103,7 +105,8 @@ void findFreeDirection(double degenerate_m, FieldMatch& match) {
 }  // namespace
 
 FieldMatch alignToField(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid,
-                        const core::Pose2& T_start, const FieldPrior& prior, const FieldMatchOptions& options) {
+                        const core::Pose2& T_start, const FieldPrior& prior,
+                        const FieldMatchOptions& options) {
   FieldMatch match;
   match.T_map_robot = T_start;
   const double scale = options.information_scale / (options.sigma_m * options.sigma_m);
@@ -122,7 +125,8 @@ FieldMatch alignToField(const std::vector<SurfacePoint>& points, const gridmap::
     if (!step.allFinite()) break;
     // A surface that pulls from the edge of the field must not throw the scan farther than the field reaches.
     const double reach_m = grid.options().reach_cells * grid.cellSize();
-    const double shorten = std::min({1.0, reach_m / std::max(step.head<2>().norm(), 1e-12), 0.3 / std::max(std::abs(step.z()), 1e-12)});
+    const double shorten = std::min(
+        {1.0, reach_m / std::max(step.head<2>().norm(), 1e-12), 0.3 / std::max(std::abs(step.z()), 1e-12)});
     T = {T.x + shorten * step.x(), T.y + shorten * step.y(), core::wrapToPi(T.phi + shorten * step.z())};
     if (step.head<2>().squaredNorm() < 1e-8 && std::abs(step.z()) < 3e-5) break;
   }
@@ -130,8 +134,8 @@ FieldMatch alignToField(const std::vector<SurfacePoint>& points, const gridmap::
   return match;
 }
 
-double fieldScore(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid, const core::Pose2& T_map_robot,
-                  double kernel_m, int stride) {
+double fieldScore(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid,
+                  const core::Pose2& T_map_robot, double kernel_m, int stride) {
   const double c = std::cos(T_map_robot.phi), s = std::sin(T_map_robot.phi);
   const double per_cell = 1 / grid.cellSize();
   const double kernel2 = kernel_m * kernel_m * per_cell * per_cell;
