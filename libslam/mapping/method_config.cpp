@@ -49,11 +49,11 @@ std::vector<MappingTable::Row> matcherMappingRows() {
            "turn after which a scan is matched to the map"}};
 }
 
-/// Type particles draws its own grids: neither MRPT's choice of grid nor its certainty means anything to it.
+/// Type particles draws its own grids: MRPT's choice of grid means nothing to it.
 MappingTable makeParticleMappingTable() {
   std::vector<MappingTable::Row> rows;
   for (auto& row : commonMappingRows())
-    if (row.info.key != "grid" && row.info.key != "occupied_certainty") rows.push_back(std::move(row));
+    if (row.info.key != "grid") rows.push_back(std::move(row));
   return {"mapping", std::move(rows)};
 }
 

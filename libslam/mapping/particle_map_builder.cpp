@@ -22,11 +22,12 @@ namespace {
 /// A motion that claims to be certain would leave no room for the match.
 constexpr double kLeastSigma_m = 1e-4, kLeastSigma_rad = 1e-4;
 
-gridmap::GridOptions publishedGrid(const MappingOptions& mapping, const ParticleFilterOptions& particles) {
+gridmap::GridOptions publishedGrid(const MappingOptions& mapping) {
   gridmap::GridOptions grid;
   grid.cell_m = mapping.resolution_m;
-  grid.hit_probability = particles.hit_probability;
-  grid.pass_probability = particles.pass_probability;
+  // As the other methods draw theirs: what one scan saw is decided.
+  grid.hit_probability = std::clamp(mapping.occupied_certainty, 0.51, grid.max_probability);
+  grid.pass_probability = std::clamp(1 - mapping.occupied_certainty, grid.min_probability, 0.49);
   // The published map is looked at, not matched to.
   grid.reach_cells = 1;
   return grid;
@@ -90,7 +91,7 @@ ParticleMapBuilder::ParticleMapBuilder(const MethodConfig& config, std::uint64_t
     : config_(config),
       filter_options_(filterOptions(config)),
       seed_(seed),
-      start_map_(publishedGrid(config.mapping, config.particle_filter)),
+      start_map_(publishedGrid(config.mapping)),
       drawn_(start_map_) {
   initialize();
 }

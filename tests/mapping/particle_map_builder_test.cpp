@@ -1,6 +1,7 @@
 #include "libslam/mapping/particle_map_builder.h"
 
 #include <gtest/gtest.h>
+#include <mrpt/math/TPose2D.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
