@@ -53,8 +53,8 @@ Grid::Grid(const GridOptions& options) : options_(options) {
     for (int x = -reach; x <= reach; ++x) {
       if (x * x + y * y > reach * reach) continue;
       disc->push_back({static_cast<std::int8_t>(x), static_cast<std::int8_t>(y)});
-      auto& half_width = half_width_[static_cast<size_t>(std::abs(y))];
-      half_width = static_cast<std::int8_t>(std::max<int>(half_width, x));
+      int& half_width = half_width_[static_cast<size_t>(std::abs(y))];
+      half_width = std::max(half_width, x);
     }
   std::sort(disc->begin(), disc->end(),
             [](const Offset& a, const Offset& b) { return nearer(a.x, a.y, b.x, b.y); });

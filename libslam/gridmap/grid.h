@@ -101,7 +101,7 @@ class Grid {
   /// The directory has a pointer per tile of area(), also where nothing is stored: as much memory as a cell for so
   /// many cells of the area.
   static constexpr double cellsPerDirectoryEntry() {
-    return kTileSide * kTileSide * static_cast<double>(sizeof(Cell)) / sizeof(std::shared_ptr<int>);
+    return static_cast<double>(kTileCells * sizeof(Cell)) / sizeof(std::shared_ptr<int>);
   }
   size_t directoryBytes() const { return tiles_.capacity() * sizeof(tiles_[0]); }
   /// Appends the identity of every tile, to count those of many grids once.
@@ -115,8 +115,9 @@ class Grid {
 
  private:
   static constexpr int kTileBits = 5, kTileSide = 1 << kTileBits, kTileMask = kTileSide - 1;
+  static constexpr size_t kTileCells = size_t{kTileSide} * kTileSide;
   struct Tile {
-    std::array<Cell, kTileSide * kTileSide> cells;
+    std::array<Cell, kTileCells> cells;
   };
   struct Spot {
     int x, y;
@@ -145,7 +146,7 @@ class Grid {
   GridOptions options_;
   int hit_, pass_, most_, least_;
   std::shared_ptr<const std::vector<Offset>> disc_;  ///< by distance, then y, then x
-  std::array<std::int8_t, 17> half_width_{};         ///< of the disc, at each |y|
+  std::array<int, 17> half_width_{};                 ///< of the disc, at each |y|
   int tile_x_min_ = 0, tile_y_min_ = 0, tile_columns_ = 0, tile_rows_ = 0;
   std::vector<std::shared_ptr<Tile>> tiles_;  ///< row-major
 };

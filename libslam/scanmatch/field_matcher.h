@@ -16,10 +16,10 @@ struct FieldMatchOptions {
   int max_iterations = 10;
   double sigma_m = 0.02;  ///< standard deviation of a point from the surface that it lies on
   double kernel_m = 0.1;  ///< Geman-McClure: a point this far off counts for a quarter
-  double information_scale =
-      0.2;  ///< how much of a point's information counts: neighbouring beams err together
-  double degenerate_m =
-      0.1;  ///< degenerate: the scan alone leaves a direction freer than this (standard deviation)
+  /// How much of a point's information counts: neighbouring beams err together.
+  double information_scale = 0.2;
+  /// Degenerate: the scan alone leaves a direction freer than this (standard deviation).
+  double degenerate_m = 0.03;
 };
 
 struct FieldMatch {
@@ -27,8 +27,8 @@ struct FieldMatch {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of the scan alone, without the prior
   /// Negative log-likelihood of the scan, scaled like the information, and that of the prior.
   double cost = 0, prior_cost = 0;
-  double score =
-      0;  ///< mean robust weight over all points, 0..1: the share of the scan that the map explains
+  /// Mean robust weight over all points, 0..1: the share of the scan that the map explains.
+  double score = 0;
   int iterations = 0;
   /// The scan leaves a direction open, as in a corridor (also: nothing matched at all). Which one, as a unit vector in
   /// the map frame, and how open: the standard deviations along it and across, from the scan alone.
