@@ -111,7 +111,7 @@ void Grid::forDisc(const Spot& centre, const Change& change) {
     for (int tile_x = (centre.x - reach) >> kTileBits; tile_x <= (centre.x + reach) >> kTileBits; ++tile_x) {
       Tile* own = nullptr;
       const Tile* tile = tileAt(tile_x, tile_y);
-      const int x_begin = tile_x << kTileBits, y_begin = tile_y << kTileBits;
+      const int x_begin = tile_x * kTileSide, y_begin = tile_y * kTileSide;
       const int y_first = std::max(centre.y - reach, y_begin);
       const int y_last = std::min(centre.y + reach, y_begin + kTileMask);
       for (int y = y_first; y <= y_last; ++y) {
@@ -204,7 +204,7 @@ void Grid::insert(const ScanRays& rays, const core::Pose2& T_map_robot) {
       const Tile* tile = tileAt(tile_x, tile_y);
       bool own = false;
       for (int row = 0; row < kTileSide; ++row) {
-        const int y = (tile_y << kTileBits) + row;
+        const int y = tile_y * kTileSide + row;
         for (std::uint32_t bits = crossed.word(tile_x, y) & ~hit.word(tile_x, y); bits; bits &= bits - 1) {
           const int column = __builtin_ctz(bits);
           const auto index = static_cast<size_t>((row << kTileBits) | column);
@@ -213,7 +213,7 @@ void Grid::insert(const ScanRays& rays, const core::Pose2& T_map_robot) {
           if (tile && tile->cells[index].seen() && after == before) continue;
           if (!own) tile = &ownTile(tile_x, tile_y), own = true;
           const_cast<Tile*>(tile)->cells[index].log_odds = static_cast<std::int8_t>(after);
-          if (before > 0 && after <= 0) gone.push_back({(tile_x << kTileBits) + column, y});
+          if (before > 0 && after <= 0) gone.push_back({tile_x * kTileSide + column, y});
         }
       }
     }
@@ -291,8 +291,8 @@ OccupancyRaster Grid::toRaster() const {
       if (!tile) continue;
       for (int i = 0; i < kTileSide * kTileSide; ++i) {
         if (!tile->cells[static_cast<size_t>(i)].seen()) continue;
-        const int x = ((tile_x_min_ + column) << kTileBits) + (i & kTileMask);
-        const int y = ((tile_y_min_ + row) << kTileBits) + (i >> kTileBits);
+        const int x = (tile_x_min_ + column) * kTileSide + (i & kTileMask);
+        const int y = (tile_y_min_ + row) * kTileSide + (i >> kTileBits);
         x_min = std::min(x_min, x), x_max = std::max(x_max, x);
         y_min = std::min(y_min, y), y_max = std::max(y_max, y);
       }

@@ -40,7 +40,8 @@ struct Motion {
 struct ParticleStep {
   core::Pose2 T_map_robot;
   /// Over (x, y, phi) in the map frame: the mean over the particles of what scan and odometry leave open, and the
-  /// particles' own spread.
+  /// particles' own spread. That is the pose's error within the map as drawn; the map's own drift since the start shows
+  /// only as far as the particles differ in it, and resampling makes them alike.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   double score = 1;            ///< share of the scan that the best particle's map explains
   double effective_share = 1;  ///< of the particles, before resampling; at insertions only

@@ -267,6 +267,19 @@ TEST(Grid, ASurfaceIsKeptFinerThanItsCell) {
   EXPECT_NEAR(grid.at(20, 0)->shift_x * 0.05 / 1024, 0.212, 1e-4);
 }
 
+TEST(Grid, ASurfaceIsTheMeanOfItsFirstSixteenReturns) {
+  robot::Scan scan;
+  scan.step_rad = 0.01, scan.max_range_m = 30;
+  Grid grid({});
+  for (int i = 0; i < 20; ++i) {
+    // 1.210 and 1.230 m in turn; what comes after the sixteenth would move the mean of 1.220 m.
+    scan.ranges_m = {i >= 16 ? 1.245F : i % 2 ? 1.21F : 1.23F};
+    grid.insert(scanRays(scan, {}), {0, 0.025, 0});
+  }
+  EXPECT_NEAR(grid.at(24, 0)->shift_x * 0.05 / 1024, -0.005, 2e-4);
+  EXPECT_NEAR(grid.at(26, 0)->shift_x * 0.05 / 1024, -0.105, 2e-4);
+}
+
 TEST(Grid, TheSameInsertionsGiveTheSameCells) {
   EXPECT_TRUE(sameCells(randomGrid(10, 7), randomGrid(10, 7)));
 }
