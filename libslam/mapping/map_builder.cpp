@@ -24,6 +24,7 @@
 #include "libslam/mapping/method_config.h"
 #include "libslam/mapping/mrpt_compat.h"
 #include "libslam/mapping/naive_map_builder.h"
+#include "libslam/mapping/particle_map_builder.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::mapping {
@@ -81,9 +82,14 @@ std::unique_ptr<mrpt::slam::CMetricMapBuilder> makeRbpfBuilder(const mrpt::confi
 }
 
 std::unique_ptr<mrpt::slam::CMetricMapBuilder> makeBuilder(const MethodConfig& config,
-                                                           const std::string& name) {
+                                                           const std::string& name, std::uint64_t seed) {
   if (config.method.type == "naive") {
     auto builder = std::make_unique<NaiveMapBuilder>(config.mapping);
+    silence(*builder);
+    return builder;
+  }
+  if (config.method.type == "particles") {
+    auto builder = std::make_unique<ParticleMapBuilder>(config, seed);
     silence(*builder);
     return builder;
   }
@@ -181,6 +187,14 @@ std::vector<Extent> gridsOf(const mrpt::slam::CMetricMapBuilder& builder) {
   return grids;
 }
 
+/// Cells of a particle filter's maps, and what their directories would weigh in cells when they reached so far.
+double cellsOf(const ParticleFilter& filter, const core::Point2& centre, double reach_m) {
+  const gridmap::GridArea area = filter.map().area();
+  const Extent extent{area.x_min_m, area.x_max_m, area.y_min_m, area.y_max_m, filter.map().cellSize()};
+  const double directory = cellsWith(extent, centre, reach_m) / gridmap::Grid::cellsPerDirectoryEntry();
+  return filter.cells() + filter.particles() * directory;
+}
+
 /// How far from the robot the scan can change the grid.
 double reach(const MapBuilder::State& state, const robot::Scan& scan) {
   double farthest_m = 0;
@@ -196,8 +210,12 @@ double reach(const MapBuilder::State& state, const robot::Scan& scan) {
 /// before it inserts.
 void requireBoundedMap(const MapBuilder& method, const core::Pose2& T_map_robot, double reach_m) {
   double cells = 0;
-  for (const Extent& grid : gridsOf(*method.builder))
-    cells += cellsWith(grid, core::position(T_map_robot), reach_m);
+  if (const auto* particles = dynamic_cast<const ParticleMapBuilder*>(method.builder.get())) {
+    cells = cellsOf(particles->filter(), core::position(T_map_robot), reach_m);
+  } else {
+    for (const Extent& grid : gridsOf(*method.builder))
+      cells += cellsWith(grid, core::position(T_map_robot), reach_m);
+  }
   const double limit = method.state->config.mapping.max_map_cells;
   if (!(cells <= limit))
     throw core::MethodError(
@@ -277,7 +295,7 @@ MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, 
   method.type = state.config.method.type;
   method.odometry = state.config.method.odometry;
   method.parameters = state.config.report;
-  method.builder = makeBuilder(state.config, name);
+  method.builder = makeBuilder(state.config, name, seed);
   return method;
 }
 
@@ -348,6 +366,14 @@ std::optional<core::Trajectory> finalPath(const MapBuilder& method, const core::
                                 " poses given online");
     core::Trajectory path = online;
     for (size_t i = 0; i < path.size(); ++i) path[i].pose = poses[i];
+    return path;
+  }
+  if (const auto* filter = dynamic_cast<const ParticleMapBuilder*>(method.builder.get())) {
+    core::Trajectory path = filter->filter().path();
+    if (online.size() != path.size())
+      throw core::ContractError("finalPath: expected the " + std::to_string(path.size()) +
+                                " poses given online");
+    for (size_t i = 0; i < path.size(); ++i) path[i].time_s = online[i].time_s;
     return path;
   }
   const auto* particles = particlesOf(method);

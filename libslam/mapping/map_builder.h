@@ -31,7 +31,7 @@ struct MapBuilder {
 
   std::unique_ptr<mrpt::slam::CMetricMapBuilder> builder;
   std::string name;      ///< of the configuration: "icp", "rbpf_exact"
-  std::string type;      ///< naive | icp | rbpf | graph
+  std::string type;      ///< naive | icp | rbpf | particles | graph
   std::string odometry;  ///< which increments it is fed: wheel | argmax | correlation | range_flow | plicp
   std::vector<core::ParameterReport> parameters;
 
@@ -40,7 +40,7 @@ struct MapBuilder {
 };
 
 /// Makes a method from its .ini (configs/methods/NAME.ini; sections [method], [mapping], [scan_odometry] and
-/// the type's own: [icp] for icp and rbpf, [particles] and [motion] for rbpf, [graph] for graph). Strict: every misspelt or
+/// the type's own: [icp] for icp and rbpf, [particles] and [motion] for rbpf and particles, [graph] for graph). Strict: every misspelt or
 /// impossible key, and a section that the type does not use, is an InputError. Nothing is printed, whatever
 /// MRPT would like to say.
 MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, std::uint64_t seed);
@@ -80,7 +80,7 @@ void finishMap(MapBuilder& method);
 /// What the method says of its own work, in the order it happened; empty for the methods that say nothing.
 std::vector<JournalEntry> journalOf(const MapBuilder& method);
 
-/// The path that belongs to the map as it is now, where the method keeps another one than it gave online: for rbpf that of
+/// The path that belongs to the map as it is now, where the method keeps another one than it gave online: for rbpf and particles that of
 /// the most likely particle, whose map currentMap() is; for graph the poses as its graph has them now. One pose for each of `online`, the poses that processScan() gave
 /// so far. Where the filter only counted wheels (between two updates) the pose is that at the last update, moved on by the
 /// wheels. nullopt for the other methods: there what was given online is all there is. REQUIRES online to be complete.

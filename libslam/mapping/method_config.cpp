@@ -52,6 +52,15 @@ std::vector<MappingTable::Row> matcherMappingRows() {
            "turn after which a scan is matched to the map"}};
 }
 
+/// Type particles draws its own grids: MRPT's choice of grid means nothing to it.
+MappingTable makeParticleMappingTable() {
+  std::vector<MappingTable::Row> rows;
+  for (auto& row : gridRows())
+    if (row.info.key != "grid") rows.push_back(std::move(row));
+  for (auto& row : keyFrameRows()) rows.push_back(std::move(row));
+  return {"mapping", std::move(rows)};
+}
+
 MappingTable makeMappingTable(bool key_frames, bool naive, bool matcher) {
   auto rows = gridRows();
   if (key_frames)
@@ -260,7 +269,11 @@ MethodOptions::MethodOptions() {
 
 const core::ParameterTable<MethodOptions>& MethodOptions::table() {
   static const core::ParameterTable<MethodOptions> kTable(
-      "method", {{"type", &MethodOptions::type, "naive", {"naive", "icp", "rbpf", "graph"}, "which builder"},
+      "method", {{"type",
+                  &MethodOptions::type,
+                  "naive",
+                  {"naive", "icp", "rbpf", "particles", "graph"},
+                  "which builder"},
                  {"odometry",
                   &MethodOptions::odometry,
                   "wheel",
@@ -277,8 +290,10 @@ MappingOptions::MappingOptions() {
 const MappingTable& mappingTable(const std::string& type) {
   static const MappingTable kNaive = makeMappingTable(true, true, false),
                             kMatcher = makeMappingTable(true, false, true),
-                            kGraph = makeMappingTable(false, false, false);
+                            kGraph = makeMappingTable(false, false, false),
+                            kParticles = makeParticleMappingTable();
   if (type == "graph") return kGraph;
+  if (type == "particles") return kParticles;
   return type == "naive" ? kNaive : kMatcher;
 }
 
@@ -348,7 +363,7 @@ MethodConfig readMethodConfig(const core::IniFile& ini) {
   const bool is_mrpt = type == "icp" || type == "rbpf";
   if (is_mrpt) sections.push_back("icp");
   if (type == "graph") sections.push_back("graph");
-  if (type == "rbpf") sections.insert(sections.end(), {"particles", "motion"});
+  if (type == "rbpf" || type == "particles") sections.insert(sections.end(), {"particles", "motion"});
   core::rejectUnknownSections(ini, sections);
 
   core::readParameters(ini, mappingTable(type), config.mapping, &config.report);
@@ -363,6 +378,10 @@ MethodConfig readMethodConfig(const core::IniFile& ini) {
                              algorithm->value + "', expected classic for type rbpf, which matches to grids");
   }
   if (type == "graph") core::readParameters(ini, GraphOptions::table(), config.graph, &config.report);
+  if (type == "particles") {
+    core::readParameters(ini, ParticleFilterOptions::table(), config.particle_filter, &config.report);
+    core::readParameters(ini, MotionOptions::table(), config.motion, &config.report);
+  }
   core::readParameters(ini, odometry::ScanOdometryOptions::table(), config.scan_odometry, &config.report);
   chooseScanOdometry(ini, config);
   for (auto& row : config.report)

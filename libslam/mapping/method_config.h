@@ -5,13 +5,14 @@
 #include "libslam/core/ini.h"
 #include "libslam/core/parameters.h"
 #include "libslam/mapping/graph_slam.h"
+#include "libslam/mapping/particle_filter.h"
 #include "libslam/odometry/scan_odometry.h"
 
 namespace slam::mapping {
 
 /// Section [method]: what kind of builder and which motion increments it is fed.
 struct MethodOptions {
-  std::string type;      ///< naive | icp | rbpf | graph
+  std::string type;      ///< naive | icp | rbpf | particles | graph
   std::string odometry;  ///< wheel | argmax | correlation | range_flow | plicp
   MethodOptions();
   static const core::ParameterTable<MethodOptions>& table();
@@ -60,7 +61,7 @@ struct ParticleOptions {
   static const core::ParameterTable<ParticleOptions>& table();
 };
 
-/// Section [motion], type rbpf: MRPT's Gaussian motion model. The standard deviations of an increment of
+/// Section [motion], types rbpf and particles: MRPT's Gaussian motion model. The standard deviations of an increment of
 /// length d (metres) and turn a (radians, absolute) are
 ///   x, y: sigma_xy_m + sigma_xy_per_m * d + sigma_xy_per_rad * a
 ///   phi:  sigma_turn + sigma_turn_per_m * d + sigma_turn_per_rad * a
@@ -79,6 +80,7 @@ struct MethodConfig {
   MappingOptions mapping;
   IcpOptions icp;
   ParticleOptions particles;
+  ParticleFilterOptions particle_filter;
   MotionOptions motion;
   GraphOptions graph;
   odometry::ScanOdometryOptions scan_odometry;

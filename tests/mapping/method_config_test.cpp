@@ -25,8 +25,8 @@ std::string inputError(const std::string& text) {
 
 TEST(MethodConfig, EveryShippedMethodIsMade) {
   const auto names = methodNames(kMethods);
-  EXPECT_THAT(names, ::testing::ElementsAre("icp", "icp_exact", "naive", "naive_correlation", "naive_flow",
-                                            "naive_wheel", "rbpf", "rbpf_exact"));
+  EXPECT_THAT(names, ::testing::ElementsAre("graph", "icp", "icp_exact", "naive", "naive_correlation",
+                                            "naive_flow", "naive_wheel", "particles", "rbpf", "rbpf_exact"));
   for (const auto& name : names) {
     const auto method = makeMapBuilder(loadMethodConfig(kMethods, name), name, 1);
     EXPECT_TRUE(method.builder) << name;
@@ -58,10 +58,9 @@ TEST(MethodConfig, TheCommittedMrptFilesAreWhatTheMethodsGenerate) {
 }
 
 TEST(MethodConfig, AMistakeIsOneLineThatSaysWhere) {
-  EXPECT_EQ(
-      inputError("[method]\ntype = icq\n"),
-      "m.ini:2: section [method], key 'type': found 'icq', expected one of naive, icp, rbpf; did you mean "
-      "'icp'?");
+  EXPECT_EQ(inputError("[method]\ntype = icq\n"),
+            "m.ini:2: section [method], key 'type': found 'icq', expected one of naive, icp, rbpf, "
+            "particles, graph; did you mean 'icp'?");
   EXPECT_EQ(inputError("[method]\ntype = icp\n[mapping]\nresolution = 0.1\n"),
             "m.ini:4: section [mapping], unknown key 'resolution'; did you mean 'resolution_m'?");
   EXPECT_EQ(
@@ -80,6 +79,12 @@ TEST(MethodConfig, KeysThatTheTypeDoesNotUseAreMistakes) {
               ::testing::HasSubstr("unknown key 'draw'"));
   EXPECT_THAT(inputError("[method]\ntype = rbpf\n[icp]\npoint_spacing_m = 0.1\n"),
               ::testing::HasSubstr("unknown key 'point_spacing_m'"));
+  EXPECT_THAT(inputError("[method]\ntype = particles\n[mapping]\ngrid = exact\n"),
+              ::testing::HasSubstr("unknown key 'grid'"));
+  EXPECT_THAT(inputError("[method]\ntype = particles\n[particles]\nlikelihood_cache = true\n"),
+              ::testing::HasSubstr("unknown key 'likelihood_cache'"));
+  EXPECT_EQ(inputError("[method]\ntype = particles\n[icp]\nshrink = 0.5\n"),
+            "m.ini:4: unknown section [icp]");
 }
 
 TEST(MethodConfig, ContradictionsAreMistakes) {
@@ -91,12 +96,15 @@ TEST(MethodConfig, ContradictionsAreMistakes) {
             "[method] odometry");
 }
 
-TEST(MethodConfig, NoMrptProgramRunsTheNaiveMethod) {
-  try {
-    toMrptConfig(loadMethodConfig(kMethods, "naive"), "naive");
-    FAIL();
-  } catch (const core::InputError& error) {
-    EXPECT_THAT(error.what(), ::testing::HasSubstr("key 'type': found 'naive', expected icp or rbpf"));
+TEST(MethodConfig, NoMrptProgramRunsOurOwnMethods) {
+  for (const std::string name : {"naive", "particles"}) {
+    try {
+      toMrptConfig(loadMethodConfig(kMethods, name), name);
+      FAIL();
+    } catch (const core::InputError& error) {
+      EXPECT_THAT(error.what(),
+                  ::testing::HasSubstr("key 'type': found '" + name + "', expected icp or rbpf"));
+    }
   }
 }
 

@@ -1,0 +1,336 @@
+#include "libslam/gridmap/grid.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <tuple>
+
+#include "libslam/core/error.h"
+#include "libslam/gridmap/crossed_cells.h"
+
+namespace slam::gridmap {
+namespace {
+
+int logOdds(double probability) {
+  return static_cast<int>(std::lround(Cell::kLogOddsPerNat * std::log(probability / (1 - probability))));
+}
+
+void require(bool condition, const char* what) {
+  if (!condition) throw core::ContractError(std::string("gridmap::Grid: ") + what);
+}
+
+std::int16_t toShift(double cells) {
+  return static_cast<std::int16_t>(std::lround(cells * Cell::kShiftsPerCell));
+}
+
+/// Of the same cell: whether the offset a is nearer than b, or equally near and first in order.
+bool nearer(int ax, int ay, int bx, int by) {
+  const int a = ax * ax + ay * ay, b = bx * bx + by * by;
+  return a != b ? a < b : std::tie(ay, ax) < std::tie(by, bx);
+}
+
+constexpr int kShiftUnit = static_cast<int>(Cell::kShiftsPerCell);
+
+}  // namespace
+
+Grid::Grid(const GridOptions& options) : options_(options) {
+  require(options.cell_m > 0 && std::isfinite(options.cell_m), "cell_m must be positive");
+  require(options.min_probability > 0 && options.min_probability < 0.5 && options.max_probability > 0.5 &&
+              options.max_probability <= 0.99,
+          "min_probability < 0.5 < max_probability <= 0.99");
+  require(options.hit_probability > 0.5 && options.hit_probability <= options.max_probability,
+          "hit_probability must be above 0.5 and at most max_probability");
+  require(options.pass_probability < 0.5 && options.pass_probability >= options.min_probability,
+          "pass_probability must be below 0.5 and at least min_probability");
+  require(options.reach_cells >= 1 && options.reach_cells <= 16, "reach_cells must be 1 to 16");
+  hit_ = std::max(1, logOdds(options.hit_probability));
+  pass_ = std::max(1, -logOdds(options.pass_probability));
+  most_ = logOdds(options.max_probability);
+  least_ = std::max(-127, logOdds(options.min_probability));
+  const int reach = options.reach_cells;
+  auto disc = std::make_shared<std::vector<Offset>>();
+  for (int y = -reach; y <= reach; ++y)
+    for (int x = -reach; x <= reach; ++x) {
+      if (x * x + y * y > reach * reach) continue;
+      disc->push_back({static_cast<std::int8_t>(x), static_cast<std::int8_t>(y)});
+      int& half_width = half_width_[static_cast<size_t>(std::abs(y))];
+      half_width = std::max(half_width, x);
+    }
+  std::sort(disc->begin(), disc->end(),
+            [](const Offset& a, const Offset& b) { return nearer(a.x, a.y, b.x, b.y); });
+  disc_ = std::move(disc);
+}
+
+void Grid::coverTiles(int x_min, int y_min, int x_max, int y_max) {
+  int tx0 = x_min >> kTileBits, ty0 = y_min >> kTileBits, tx1 = x_max >> kTileBits, ty1 = y_max >> kTileBits;
+  const bool empty = tiles_.empty();
+  if (!empty && tx0 >= tile_x_min_ && ty0 >= tile_y_min_ && tx1 < tile_x_min_ + tile_columns_ &&
+      ty1 < tile_y_min_ + tile_rows_)
+    return;
+  if (!empty) {
+    tx0 = std::min(tx0, tile_x_min_), ty0 = std::min(ty0, tile_y_min_);
+    tx1 = std::max(tx1, tile_x_min_ + tile_columns_ - 1), ty1 = std::max(ty1, tile_y_min_ + tile_rows_ - 1);
+  }
+  const int columns = tx1 - tx0 + 1, rows = ty1 - ty0 + 1;
+  std::vector<std::shared_ptr<Tile>> tiles(static_cast<size_t>(columns) * static_cast<size_t>(rows));
+  for (int row = 0; row < tile_rows_; ++row)
+    for (int column = 0; column < tile_columns_; ++column)
+      tiles[static_cast<size_t>(row + tile_y_min_ - ty0) * static_cast<size_t>(columns) +
+            static_cast<size_t>(column + tile_x_min_ - tx0)] =
+          std::move(tiles_[static_cast<size_t>(row) * static_cast<size_t>(tile_columns_) +
+                           static_cast<size_t>(column)]);
+  tiles_ = std::move(tiles);
+  tile_x_min_ = tx0, tile_y_min_ = ty0, tile_columns_ = columns, tile_rows_ = rows;
+}
+
+Grid::Tile& Grid::ownTile(int tile_x, int tile_y) {
+  auto& tile = tiles_[static_cast<size_t>(tile_y - tile_y_min_) * static_cast<size_t>(tile_columns_) +
+                      static_cast<size_t>(tile_x - tile_x_min_)];
+  if (!tile) {
+    tile = std::make_shared<Tile>();
+  } else if (tile.use_count() > 1) {
+    tile = std::make_shared<Tile>(*tile);
+  } else {
+    // use_count() is a relaxed read: what another thread read before it let go has to be over.
+    std::atomic_thread_fence(std::memory_order_acquire);
+  }
+  return *tile;
+}
+
+Cell& Grid::own(int x, int y) {
+  return ownTile(x >> kTileBits, y >> kTileBits)
+      .cells[static_cast<size_t>(((y & kTileMask) << kTileBits) | (x & kTileMask))];
+}
+
+/// Calls change(cell, offset to the centre) for the cells of the disc; change returns what the cell becomes, and only
+/// cells that differ are written.
+template <class Change>
+void Grid::forDisc(const Spot& centre, const Change& change) {
+  const int reach = options_.reach_cells;
+  for (int tile_y = (centre.y - reach) >> kTileBits; tile_y <= (centre.y + reach) >> kTileBits; ++tile_y)
+    for (int tile_x = (centre.x - reach) >> kTileBits; tile_x <= (centre.x + reach) >> kTileBits; ++tile_x) {
+      Tile* own = nullptr;
+      const Tile* tile = tileAt(tile_x, tile_y);
+      const int x_begin = tile_x * kTileSide, y_begin = tile_y * kTileSide;
+      const int y_first = std::max(centre.y - reach, y_begin);
+      const int y_last = std::min(centre.y + reach, y_begin + kTileMask);
+      for (int y = y_first; y <= y_last; ++y) {
+        const int half_width = half_width_[static_cast<size_t>(std::abs(y - centre.y))];
+        const int x_first = std::max(centre.x - half_width, x_begin);
+        const int x_last = std::min(centre.x + half_width, x_begin + kTileMask);
+        for (int x = x_first; x <= x_last; ++x) {
+          const auto index = static_cast<size_t>(((y & kTileMask) << kTileBits) | (x & kTileMask));
+          Cell cell = tile ? tile->cells[index] : Cell{};
+          if (!change(cell, centre.x - x, centre.y - y)) continue;
+          if (!own) tile = own = &ownTile(tile_x, tile_y);
+          own->cells[index] = cell;
+        }
+      }
+    }
+}
+
+/// Tells the cells around an occupied one where its surface is.
+void Grid::spreadFrom(const Spot& surface) {
+  const Cell source = *at(surface.x, surface.y);
+  forDisc(surface, [&source](Cell& cell, int dx, int dy) {
+    if (cell.nearSurface() && (cell.to_x != dx || cell.to_y != dy) && !nearer(dx, dy, cell.to_x, cell.to_y))
+      return false;
+    cell.to_x = static_cast<std::int8_t>(dx), cell.to_y = static_cast<std::int8_t>(dy);
+    cell.shift_x = static_cast<std::int16_t>(source.shift_x + dx * kShiftUnit);
+    cell.shift_y = static_cast<std::int16_t>(source.shift_y + dy * kShiftUnit);
+    return true;
+  });
+}
+
+/// Cuts the cells around a surface that is gone loose from it.
+void Grid::forget(const Spot& surface, std::vector<Spot>& orphans) {
+  forDisc(surface, [&](Cell& cell, int dx, int dy) {
+    if (cell.to_x != dx || cell.to_y != dy) return false;
+    orphans.push_back({surface.x - dx, surface.y - dy});
+    cell.to_x = Cell::kNowhere, cell.to_y = 0, cell.shift_x = 0, cell.shift_y = 0;
+    return true;
+  });
+}
+
+void Grid::findNearest(const Spot& spot) {
+  for (const Offset& offset : *disc_) {
+    const Cell* other = at(spot.x + offset.x, spot.y + offset.y);
+    if (!other || !other->occupied()) continue;
+    const Cell source = *other;
+    Cell& cell = own(spot.x, spot.y);
+    cell.to_x = offset.x, cell.to_y = offset.y;
+    cell.shift_x = static_cast<std::int16_t>(source.shift_x + offset.x * kShiftUnit);
+    cell.shift_y = static_cast<std::int16_t>(source.shift_y + offset.y * kShiftUnit);
+    return;
+  }
+}
+
+void Grid::insert(const ScanRays& rays, const core::Pose2& T_map_robot) {
+  require(core::isFinite(T_map_robot), "the pose is not finite");
+  if (rays.rays.empty()) return;
+  const double c = std::cos(T_map_robot.phi), s = std::sin(T_map_robot.phi);
+  const double per_cell = 1 / options_.cell_m;
+  const auto toCells = [&](const core::Point2& p) {
+    return core::Point2{(T_map_robot.x + c * p.x - s * p.y) * per_cell,
+                        (T_map_robot.y + s * p.x + c * p.y) * per_cell};
+  };
+  const core::Point2 origin = toCells(rays.origin);
+  std::vector<core::Point2> ends;
+  ends.reserve(rays.rays.size());
+  double x_min = origin.x, x_max = origin.x, y_min = origin.y, y_max = origin.y;
+  for (const Ray& ray : rays.rays) {
+    const core::Point2 end = toCells(ray.end);
+    x_min = std::min(x_min, end.x), x_max = std::max(x_max, end.x);
+    y_min = std::min(y_min, end.y), y_max = std::max(y_max, end.y);
+    ends.push_back(end);
+  }
+  constexpr double kFarthest = 1 << 30;
+  require(x_min > -kFarthest && y_min > -kFarthest && x_max < kFarthest && y_max < kFarthest,
+          "beyond 2^30 cells from the origin");
+  const auto cellOf = [](double v) { return static_cast<int>(std::floor(v)); };
+  CrossedCells crossed(cellOf(x_min), cellOf(y_min), cellOf(x_max), cellOf(y_max));
+  CrossedCells hit(cellOf(x_min), cellOf(y_min), cellOf(x_max), cellOf(y_max));
+  for (size_t i = 0; i < ends.size(); ++i) {
+    crossed.addLine(origin, ends[i]);
+    if (rays.rays[i].hit) hit.add(cellOf(ends[i].x), cellOf(ends[i].y));
+  }
+  const int reach = options_.reach_cells;
+  coverTiles(cellOf(x_min) - reach, cellOf(y_min) - reach, cellOf(x_max) + reach, cellOf(y_max) + reach);
+
+  // Passes. Cells that are certain already stay shared.
+  std::vector<Spot> gone;
+  for (int tile_y = crossed.tileRowMin(); tile_y <= crossed.tileRowMax(); ++tile_y)
+    for (int tile_x = crossed.tileColumnMin(); tile_x <= crossed.tileColumnMax(); ++tile_x) {
+      const Tile* tile = tileAt(tile_x, tile_y);
+      bool own = false;
+      for (int row = 0; row < kTileSide; ++row) {
+        const int y = tile_y * kTileSide + row;
+        for (std::uint32_t bits = crossed.word(tile_x, y) & ~hit.word(tile_x, y); bits; bits &= bits - 1) {
+          const int column = __builtin_ctz(bits);
+          const auto index = static_cast<size_t>((row << kTileBits) | column);
+          const int before = tile && tile->cells[index].seen() ? tile->cells[index].log_odds : 0;
+          const int after = std::max(least_, before - pass_);
+          if (tile && tile->cells[index].seen() && after == before) continue;
+          if (!own) tile = &ownTile(tile_x, tile_y), own = true;
+          const_cast<Tile*>(tile)->cells[index].log_odds = static_cast<std::int8_t>(after);
+          if (before > 0 && after <= 0) gone.push_back({tile_x * kTileSide + column, y});
+        }
+      }
+    }
+  std::vector<Spot> orphans;
+  for (const Spot& spot : gone) {
+    forget(spot, orphans);
+    own(spot.x, spot.y).returns = 0;
+  }
+
+  // Hits: once per cell for the log-odds, every return for the place of the surface.
+  std::vector<Spot> moved;
+  for (size_t i = 0; i < ends.size(); ++i) {
+    if (!rays.rays[i].hit) continue;
+    const Spot spot{cellOf(ends[i].x), cellOf(ends[i].y)};
+    const Cell* found = at(spot.x, spot.y);
+    const Cell before = found ? *found : Cell{};
+    Cell after = before;
+    if (hit.take(spot.x, spot.y))
+      after.log_odds = static_cast<std::int8_t>(
+          std::min(most_, (before.seen() ? static_cast<int>(before.log_odds) : 0) + hit_));
+    if (after.occupied() && before.returns < Cell::kMostReturns) {
+      const double x = ends[i].x - (spot.x + 0.5), y = ends[i].y - (spot.y + 0.5);
+      if (!before.occupied()) after.shift_x = after.shift_y = 0, after.returns = 0;
+      ++after.returns;
+      after.shift_x = static_cast<std::int16_t>(
+          after.shift_x + toShift((x - after.shift_x / Cell::kShiftsPerCell) / after.returns));
+      after.shift_y = static_cast<std::int16_t>(
+          after.shift_y + toShift((y - after.shift_y / Cell::kShiftsPerCell) / after.returns));
+      after.to_x = after.to_y = 0;
+      moved.push_back(spot);
+    }
+    if (after.log_odds != before.log_odds || after.returns != before.returns) own(spot.x, spot.y) = after;
+  }
+  std::sort(moved.begin(), moved.end(),
+            [](const Spot& a, const Spot& b) { return std::tie(a.y, a.x) < std::tie(b.y, b.x); });
+  moved.erase(std::unique(moved.begin(), moved.end(),
+                          [](const Spot& a, const Spot& b) { return a.x == b.x && a.y == b.y; }),
+              moved.end());
+  for (const Spot& spot : moved) spreadFrom(spot);
+  for (const Spot& spot : orphans) findNearest(spot);
+}
+
+double Grid::probability(int x, int y) const {
+  const Cell* cell = at(x, y);
+  if (!cell || !cell->seen()) return 0.5;
+  return 1 / (1 + std::exp(-cell->log_odds / Cell::kLogOddsPerNat));
+}
+
+size_t Grid::tiles() const {
+  return static_cast<size_t>(
+      std::count_if(tiles_.begin(), tiles_.end(), [](const auto& tile) { return tile != nullptr; }));
+}
+
+size_t Grid::ownTiles() const {
+  return static_cast<size_t>(std::count_if(tiles_.begin(), tiles_.end(),
+                                           [](const auto& tile) { return tile && tile.use_count() == 1; }));
+}
+
+GridArea Grid::area() const {
+  const double tile_m = kTileSide * options_.cell_m;
+  return {tile_x_min_ * tile_m, (tile_x_min_ + tile_columns_) * tile_m, tile_y_min_ * tile_m,
+          (tile_y_min_ + tile_rows_) * tile_m};
+}
+
+void Grid::appendTiles(std::vector<const void*>& identities) const {
+  for (const auto& tile : tiles_)
+    if (tile) identities.push_back(tile.get());
+}
+
+OccupancyRaster Grid::toRaster() const {
+  int x_min = INT32_MAX, x_max = INT32_MIN, y_min = INT32_MAX, y_max = INT32_MIN;
+  for (int row = 0; row < tile_rows_; ++row)
+    for (int column = 0; column < tile_columns_; ++column) {
+      const Tile* tile = tileAt(tile_x_min_ + column, tile_y_min_ + row);
+      if (!tile) continue;
+      for (int i = 0; i < kTileSide * kTileSide; ++i) {
+        if (!tile->cells[static_cast<size_t>(i)].seen()) continue;
+        const int x = (tile_x_min_ + column) * kTileSide + (i & kTileMask);
+        const int y = (tile_y_min_ + row) * kTileSide + (i >> kTileBits);
+        x_min = std::min(x_min, x), x_max = std::max(x_max, x);
+        y_min = std::min(y_min, y), y_max = std::max(y_max, y);
+      }
+    }
+  if (x_min > x_max) x_min = x_max = y_min = y_max = 0;
+  OccupancyRaster raster;
+  raster.resolution_m = options_.cell_m;
+  raster.columns = x_max - x_min + 1, raster.rows = y_max - y_min + 1;
+  raster.x_min_m = x_min * options_.cell_m, raster.y_min_m = y_min * options_.cell_m;
+  raster.occupancy.reserve(static_cast<size_t>(raster.columns) * static_cast<size_t>(raster.rows));
+  for (int y = y_min; y <= y_max; ++y)
+    for (int x = x_min; x <= x_max; ++x) raster.occupancy.push_back(static_cast<float>(probability(x, y)));
+  return raster;
+}
+
+Grid Grid::fromRaster(const OccupancyRaster& raster, const GridOptions& options) {
+  Grid grid(options);
+  require(std::abs(raster.resolution_m - options.cell_m) <= 1e-6, "the raster has another resolution");
+  if (raster.columns <= 0 || raster.rows <= 0) return grid;
+  const int x_min = static_cast<int>(std::lround(raster.x_min_m / options.cell_m));
+  const int y_min = static_cast<int>(std::lround(raster.y_min_m / options.cell_m));
+  const int reach = options.reach_cells;
+  grid.coverTiles(x_min - reach, y_min - reach, x_min + raster.columns - 1 + reach,
+                  y_min + raster.rows - 1 + reach);
+  std::vector<Spot> surfaces;
+  for (int row = 0; row < raster.rows; ++row)
+    for (int column = 0; column < raster.columns; ++column) {
+      const float occupancy = raster.at(column, row);
+      if (occupancy == 0.5F) continue;
+      const double bounded = std::clamp(static_cast<double>(occupancy), 1e-3, 1 - 1e-3);
+      Cell& cell = grid.own(x_min + column, y_min + row);
+      cell.log_odds = static_cast<std::int8_t>(std::clamp(logOdds(bounded), grid.least_, grid.most_));
+      if (!cell.occupied()) continue;
+      cell.to_x = cell.to_y = 0, cell.returns = 1;
+      surfaces.push_back({x_min + column, y_min + row});
+    }
+  for (const Spot& surface : surfaces) grid.spreadFrom(surface);
+  return grid;
+}
+
+}  // namespace slam::gridmap

@@ -1,0 +1,154 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "libslam/core/pose2.h"
+#include "libslam/gridmap/occupancy_raster.h"
+#include "libslam/gridmap/scan_rays.h"
+
+namespace slam::gridmap {
+
+struct GridOptions {
+  double cell_m = 0.05;
+  double hit_probability = 0.7;   ///< that a cell is occupied, from one scan with a return in it
+  double pass_probability = 0.4;  ///< the same, from one scan of which a beam passed through
+  double max_probability = 0.97;  ///< certainty is kept between these, so that a map can change its mind
+  double min_probability = 0.12;
+  int reach_cells = 8;  ///< the field knows surfaces up to this distance; 1 to 16
+};
+
+/// One cell of a Grid, 8 bytes.
+struct Cell {
+  static constexpr std::int8_t kUnseen = -128;    ///< log_odds where no beam was
+  static constexpr std::int8_t kNowhere = -128;   ///< to_x where no surface is within reach
+  static constexpr double kLogOddsPerNat = 20;    ///< unit of log_odds
+  static constexpr double kShiftsPerCell = 1024;  ///< unit of shift_x, shift_y
+  static constexpr int kMostReturns = 16;
+
+  std::int8_t log_odds = kUnseen;
+  std::uint8_t returns = 0;               ///< in the mean of an occupied cell's returns, up to kMostReturns
+  std::int8_t to_x = kNowhere, to_y = 0;  ///< from this cell to the nearest occupied one, in cells
+  /// From this cell's centre to the surface in the cell at (to_x, to_y): the mean of the first returns in it.
+  std::int16_t shift_x = 0, shift_y = 0;
+
+  bool seen() const { return log_odds != kUnseen; }
+  bool occupied() const { return log_odds > 0; }
+  bool nearSurface() const { return to_x != kNowhere; }
+};
+
+/// A rectangle of the map frame.
+struct GridArea {
+  double x_min_m = 0, x_max_m = 0, y_min_m = 0, y_max_m = 0;
+};
+
+/// Occupancy and distance to the nearest surface, for matching scans to it in many versions at once.
+///
+/// Shape: cell (x, y) covers [x, x + 1) x [y, y + 1) in units of cell_m, map frame; any x and y. Cells live in tiles
+/// of 32 x 32 that appear where something is stored. Copies share their tiles, and a tile is copied when one of those
+/// that share it changes it (copy on write): a copy costs one pointer per tile.
+///
+/// Occupancy: log-odds in steps of 1/20. One scan changes a cell once at most: by a hit where it has a return, else by
+/// a pass where a beam crossed it (Moravec and Elfes 1985; that a scan's hits win over its passes keeps walls that are
+/// seen at a grazing angle). A cell is occupied above probability 0.5. Unseen cells are kept apart from undecided ones.
+///
+/// Field: every cell within reach_cells of an occupied one (distance between cell centres) knows the nearest, among
+/// equally near ones that with the least (to_y, to_x), and the vector from its centre to the surface there. The vector
+/// is linear in position along and across a straight wall, so that it can be interpolated between cell centres without
+/// the rounding to cells that a distance without a sign has. Insertion keeps the field exact: it always equals one
+/// made anew from the occupied cells.
+///
+/// Threads: different grids may be used by different threads, also when they share tiles. Same calls, same bytes.
+class Grid {
+ public:
+  /// REQUIRES options in their ranges (ContractError).
+  explicit Grid(const GridOptions& options);
+
+  /// Draws a scan seen from T_map_robot. Along each ray every cell that the line touches counts as crossed.
+  /// REQUIRES a finite pose, and everything within 2^30 cells of the origin (ContractError).
+  /// Cost: about 2 ns per crossed cell and 0.1 us per cell with a return.
+  void insert(const ScanRays& rays, const core::Pose2& T_map_robot);
+
+  double cellSize() const { return options_.cell_m; }
+  const GridOptions& options() const { return options_; }
+  /// nullptr where nothing was stored; then nothing was seen there and no surface is near.
+  const Cell* at(int x, int y) const {
+    const Tile* tile = tileAt(x >> kTileBits, y >> kTileBits);
+    return tile ? &tile->cells[static_cast<size_t>(((y & kTileMask) << kTileBits) | (x & kTileMask))]
+                : nullptr;
+  }
+  /// The four cells (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1); false when one of them is nullptr.
+  bool square(int x, int y, std::array<const Cell*, 4>& cells) const {
+    if ((x & kTileMask) != kTileMask && (y & kTileMask) != kTileMask) {
+      cells[0] = at(x, y);
+      if (!cells[0]) return false;
+      cells[1] = cells[0] + 1, cells[2] = cells[0] + kTileSide, cells[3] = cells[0] + kTileSide + 1;
+      return true;
+    }
+    cells = {at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)};
+    return cells[0] && cells[1] && cells[2] && cells[3];
+  }
+  /// Probability of a cell being occupied, exactly 0.5 where unseen.
+  double probability(int x, int y) const;
+
+  /// Tiles stored, and those of them that no other grid shares.
+  size_t tiles() const;
+  size_t ownTiles() const;
+  static constexpr size_t tileBytes() { return sizeof(Tile); }
+  /// Where tiles may lie without the directory growing; all zero for an empty grid.
+  GridArea area() const;
+  /// The directory has a pointer per tile of area(), also where nothing is stored: as much memory as a cell for so
+  /// many cells of the area.
+  static constexpr double cellsPerDirectoryEntry() {
+    return static_cast<double>(kTileCells * sizeof(Cell)) / sizeof(std::shared_ptr<int>);
+  }
+  size_t directoryBytes() const { return tiles_.capacity() * sizeof(tiles_[0]); }
+  /// Appends the identity of every tile, to count those of many grids once.
+  void appendTiles(std::vector<const void*>& identities) const;
+
+  /// The part that was seen; without any, one unseen cell.
+  OccupancyRaster toRaster() const;
+  /// A grid with the raster's cells: occupied ones as surfaces at their centres. The raster's corner is rounded to a
+  /// whole cell. Errors: ContractError when the resolutions differ by more than 1e-6.
+  static Grid fromRaster(const OccupancyRaster& raster, const GridOptions& options);
+
+ private:
+  static constexpr int kTileBits = 5, kTileSide = 1 << kTileBits, kTileMask = kTileSide - 1;
+  static constexpr size_t kTileCells = size_t{kTileSide} * kTileSide;
+  struct Tile {
+    std::array<Cell, kTileCells> cells;
+  };
+  struct Spot {
+    int x, y;
+  };
+  struct Offset {
+    std::int8_t x, y;
+  };
+
+  const Tile* tileAt(int tile_x, int tile_y) const {
+    const auto column = static_cast<unsigned>(tile_x - tile_x_min_),
+               row = static_cast<unsigned>(tile_y - tile_y_min_);
+    if (column >= static_cast<unsigned>(tile_columns_) || row >= static_cast<unsigned>(tile_rows_))
+      return nullptr;
+    return tiles_[static_cast<size_t>(row) * static_cast<size_t>(tile_columns_) + column].get();
+  }
+  void coverTiles(int x_min, int y_min, int x_max, int y_max);
+  /// For writing: made, or made one's own, when it has to be.
+  Tile& ownTile(int tile_x, int tile_y);
+  Cell& own(int x, int y);
+  void spreadFrom(const Spot& surface);
+  void forget(const Spot& surface, std::vector<Spot>& orphans);
+  void findNearest(const Spot& cell);
+  template <class Change>
+  void forDisc(const Spot& centre, const Change& change);
+
+  GridOptions options_;
+  int hit_, pass_, most_, least_;
+  std::shared_ptr<const std::vector<Offset>> disc_;  ///< by distance, then y, then x
+  std::array<int, 17> half_width_{};                 ///< of the disc, at each |y|
+  int tile_x_min_ = 0, tile_y_min_ = 0, tile_columns_ = 0, tile_rows_ = 0;
+  std::vector<std::shared_ptr<Tile>> tiles_;  ///< row-major
+};
+
+}  // namespace slam::gridmap

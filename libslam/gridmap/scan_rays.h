@@ -1,0 +1,29 @@
+#pragma once
+#include <vector>
+
+#include "libslam/robot/scan.h"
+
+namespace slam::gridmap {
+
+/// What one beam says about the place: nothing up to `end`, and with `hit` a surface there.
+struct Ray {
+  core::Point2 end;
+  bool hit = false;
+};
+
+/// A scan as straight lines from one point, all in the robot frame.
+struct ScanRays {
+  core::Point2 origin;
+  std::vector<Ray> rays;  ///< in beam order, without the beams that say nothing
+};
+
+struct RayOptions {
+  double max_range_m = 30;        ///< farther returns clear up to here and mark nothing
+  bool no_return_is_free = true;  ///< a beam that met nothing clears as far as the lidar sees, or max_range_m
+};
+
+/// Beam i points exactly to scan.angle(i) in the lidar frame: n beams span n - 1 steps. A lost reading (NaN) says
+/// nothing, neither does one that is not positive.
+ScanRays scanRays(const robot::Scan& scan, const RayOptions& options);
+
+}  // namespace slam::gridmap

@@ -1,0 +1,135 @@
+#pragma once
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "libslam/core/parameters.h"
+#include "libslam/core/thread_team.h"
+#include "libslam/gridmap/grid.h"
+#include "libslam/mapping/path_tree.h"
+#include "libslam/scanmatch/field_matcher.h"
+
+namespace slam::mapping {
+
+/// Section [particles] of type particles. The rows that other types have too (where and how far scans are inserted)
+/// come from [mapping].
+struct ParticleFilterOptions {
+  int count, threads;
+  double cell_m;
+  double point_spacing_m;
+  double sigma_m, kernel_m, wide_kernel_m, information_scale;
+  int iterations;
+  double proposal_scale, evidence_scale, resample_below;
+  double distrust_score, insert_score, lost_score;
+  double hit_probability, pass_probability;
+  ParticleFilterOptions();
+  static const core::ParameterTable<ParticleFilterOptions>& table();
+
+  double insert_distance_m = 0.3, insert_angle_rad = 0.3;
+  gridmap::RayOptions rays{20, true};
+};
+
+/// The motion since the scan before, as the wheels or the scans alone tell it.
+struct Motion {
+  core::Pose2 T_previous_robot;
+  Eigen::Matrix3d covariance;  ///< over (x, y, phi) in the previous robot's frame; positive definite
+};
+
+/// What one scan did: the line of a journal.
+struct ParticleStep {
+  core::Pose2 T_map_robot;
+  /// Over (x, y, phi) in the map frame: the mean over the particles of what scan and odometry leave open, and the
+  /// particles' own spread. That is the pose's error within the map as drawn; the map's own drift since the start shows
+  /// only as far as the particles differ in it, and resampling makes them alike.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  double score = 1;            ///< share of the scan that the best particle's map explains
+  double effective_share = 1;  ///< of the particles, before resampling; at insertions only
+  bool inserted = false, resampled = false;
+  bool odometry_distrusted = false;  ///< the scan fits clearly better where the odometry does not lead
+  bool degenerate = false;           ///< the scan leaves a direction open; the odometry is trusted along it
+  bool lost = false;                 ///< the map explains less than lost_score of the scan
+};
+
+/// A Rao-Blackwellised particle filter: every particle is a path and the map that it implies (Grisetti, Stachniss and
+/// Burgard, IEEE T-RO 23(1), 2007). What is different here:
+/// - The map is a gridmap::Grid, so that particles share what they have in common, and scans are matched to it by
+///   scanmatch::alignToField. A single scan is matched in microseconds, so every scan is.
+/// - Proposals are drawn when a scan enters the map, from the Gaussian of matcher and odometry together (there from
+///   samples around the peak), and weighted by the integral over it in Laplace's approximation. Between two insertions
+///   every particle stays at its peak: such scans say the same again, and drawing would add noise only.
+/// - One particle, the best, looks where the motion leads: at the odometry's word, the motion before, the odometry
+///   reversed, and turned by some degrees. The others start from its motion. Odometry that is clearly worse than
+///   another start is distrusted at that scan.
+///
+/// Frames: map is the robot's at the first scan. Chance: streams named by particle and scan. Same seed, same bytes,
+/// with any number of threads. Memory: map() of one particle, and what the others differ by.
+class ParticleFilter {
+ public:
+  ParticleFilter(const ParticleFilterOptions& options, std::uint64_t seed);
+
+  /// The pose at this scan. Without a motion the motion before is taken to go on, loosely. The first scan's motion is
+  /// ignored. REQUIRES a finite motion (ContractError).
+  const ParticleStep& update(const robot::Scan& scan, const std::optional<Motion>& motion);
+  const ParticleStep& lastStep() const { return step_; }
+
+  /// The best particle's path, a pose for every scan: corrected by all that was seen after it.
+  core::Trajectory path() const { return paths_.path(particles_[best_].leaf); }
+  /// The best particle's map.
+  const gridmap::Grid& map() const { return particles_[best_].grid; }
+  /// Every particle starts at T_map_robot, in a map drawn of these scans at their poses (none: an empty one).
+  /// REQUIRES that no scan was seen (ContractError).
+  void start(const core::Pose2& T_map_robot,
+             const std::vector<std::pair<gridmap::ScanRays, core::Pose2>>& known);
+  /// Whether scans change the map; without, the filter only finds its place in it.
+  void setMapping(bool mapping) { mapping_ = mapping; }
+  std::uint64_t scans() const { return scans_; }
+  int particles() const { return options_.count; }
+  /// Cells stored in all maps, shared ones counted once; counted again at every 32nd insertion.
+  double cells() const { return cells_; }
+  /// All maps and paths, what is shared counted once, directories included. Cost: a few 10 us per thousand tiles.
+  size_t bytes() const;
+
+ private:
+  struct Particle {
+    explicit Particle(const gridmap::GridOptions& options) : grid(options) {}
+    gridmap::Grid grid;
+    core::Pose2 T_map_robot;
+    PathTree::Id leaf = PathTree::kNone;
+    double log_weight = 0;        ///< since the last resampling
+    double total_log_weight = 0;  ///< since the start: what makes a particle the best
+    scanmatch::FieldMatch match;
+    Eigen::Matrix3d information = Eigen::Matrix3d::Identity();  ///< of match and prior
+  };
+  /// Where the best particle went, and how much the odometry is worth at this scan.
+  struct Guidance {
+    core::Pose2 moved, expected;
+    Eigen::Matrix3d information;  ///< of `expected`, in the previous robot's frame
+    scanmatch::FieldMatch match;
+  };
+  Guidance guide(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
+  void matchAll(const std::vector<scanmatch::SurfacePoint>& points, const Guidance& guidance);
+  void drawPose(size_t particle);
+  void weigh();
+  void resample();
+  void findBest();
+  void estimateCovariance();
+  size_t distinctTiles() const;
+
+  ParticleFilterOptions options_;
+  scanmatch::ScanPointOptions point_options_;
+  scanmatch::FieldMatchOptions match_options_;
+  std::uint64_t seed_;
+  std::uint64_t scans_ = 0, insertions_ = 0;
+  double cells_ = 0;
+  bool mapping_ = true;
+  bool map_is_known_ = false;
+  core::ThreadTeam team_;
+  std::vector<Particle> particles_;
+  PathTree paths_;
+  size_t best_ = 0;
+  core::Pose2 T_inserted_, velocity_;
+  ParticleStep step_;
+};
+
+}  // namespace slam::mapping

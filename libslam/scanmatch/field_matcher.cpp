@@ -1,0 +1,157 @@
+#include "libslam/scanmatch/field_matcher.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace slam::scanmatch {
+namespace {
+
+using gridmap::Cell;
+
+/// The field at a point, in cells.
+struct FieldVector {
+  double x = 0, y = 0;
+  double squared = 0;  ///< distance to the surface, and what the four vectors disagree by
+};
+
+/// u, v: the point in units of cells. False where a surface is out of reach.
+bool fieldAt(const gridmap::Grid& grid, double u, double v, FieldVector& field) {
+  const double x = std::floor(u - 0.5), y = std::floor(v - 0.5);
+  std::array<const Cell*, 4> cells;
+  if (!grid.square(static_cast<int>(x), static_cast<int>(y), cells)) return false;
+  if (!cells[0]->nearSurface() || !cells[1]->nearSurface() || !cells[2]->nearSurface() ||
+      !cells[3]->nearSurface())
+    return false;
+  const double a = u - 0.5 - x, b = v - 0.5 - y;
+  const std::array<double, 4> weight = {(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b};
+  double sx = 0, sy = 0, squares = 0;
+  for (size_t k = 0; k < 4; ++k) {
+    const double fx = cells[k]->shift_x, fy = cells[k]->shift_y;
+    sx += weight[k] * fx, sy += weight[k] * fy, squares += weight[k] * (fx * fx + fy * fy);
+  }
+  constexpr double kUnit = 1 / Cell::kShiftsPerCell;
+  field.x = sx * kUnit, field.y = sy * kUnit;
+  // Between two surfaces the vectors cancel. About one wall they disagree by half a cell at most in each direction.
+  const double length2 = field.x * field.x + field.y * field.y;
+  field.squared = length2 + std::max(0.0, squares * kUnit * kUnit - length2 - 0.5);
+  return true;
+}
+
+struct System {
+  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d g = Eigen::Vector3d::Zero();
+  double weight_sum = 0;
+  double robust_sum = 0;  ///< of the kernel's squared errors, square metres
+};
+
+System accumulate(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid, const core::Pose2& T,
+                  double kernel_m) {
+  const double c = std::cos(T.phi), s = std::sin(T.phi);
+  const double cell = grid.cellSize(), per_cell = 1 / cell;
+  const double kernel2 = kernel_m * kernel_m;
+  double hxx = 0, hxy = 0, hyy = 0, hxt = 0, hyt = 0, htt = 0, gx = 0, gy = 0, gt = 0, weights = 0,
+         robust = 0;
+  for (const SurfacePoint& point : points) {
+    const double rx = c * point.p.x - s * point.p.y, ry = s * point.p.x + c * point.p.y;
+    FieldVector field;
+    if (!fieldAt(grid, (T.x + rx) * per_cell, (T.y + ry) * per_cell, field)) {
+      robust += kernel2;
+      continue;
+    }
+    const double squared = field.squared * cell * cell;
+    const double root = kernel2 / (kernel2 + squared);
+    const double w = root * root;
+    weights += w, robust += squared * root;
+    const double vx = field.x * cell, vy = field.y * cell;
+    if (point.n.x == 0 && point.n.y == 0) {
+      hxx += w, hyy += w, hxt -= w * ry, hyt += w * rx, htt += w * (rx * rx + ry * ry);
+      gx -= w * vx, gy -= w * vy, gt -= w * (rx * vy - ry * vx);
+      continue;
+    }
+    const double nx = c * point.n.x - s * point.n.y, ny = s * point.n.x + c * point.n.y;
+    const double nt = rx * ny - ry * nx, e = w * (nx * vx + ny * vy);
+    hxx += w * nx * nx, hxy += w * nx * ny, hyy += w * ny * ny;
+    hxt += w * nx * nt, hyt += w * ny * nt, htt += w * nt * nt;
+    gx -= nx * e, gy -= ny * e, gt -= nt * e;
+  }
+  System system;
+  system.H << hxx, hxy, hxt, hxy, hyy, hyt, hxt, hyt, htt;
+  system.g << gx, gy, gt;
+  system.weight_sum = weights, system.robust_sum = robust;
+  return system;
+}
+
+Eigen::Vector3d offPrior(const core::Pose2& T, const FieldPrior& prior) {
+  return {T.x - prior.mean.x, T.y - prior.mean.y, core::angleDifference(T.phi, prior.mean.phi)};
+}
+
+/// The position's information with the heading left free, and its weaker direction.
+void findFreeDirection(double degenerate_m, FieldMatch& match) {
+  const Eigen::Matrix3d& H = match.information;
+  const double turn = H(2, 2) > 0 ? 1 / H(2, 2) : 0;
+  const double xx = H(0, 0) - H(0, 2) * H(0, 2) * turn, yy = H(1, 1) - H(1, 2) * H(1, 2) * turn;
+  const double xy = H(0, 1) - H(0, 2) * H(1, 2) * turn;
+  const double half = (xx - yy) / 2, root = std::sqrt(half * half + xy * xy);
+  const double weak = std::max((xx + yy) / 2 - root, 1e-12), strong = std::max((xx + yy) / 2 + root, 1e-12);
+  // (xx - strong, xy) and (xy, yy - strong) are both along it; the longer one is the better conditioned.
+  core::Point2 along = half <= 0 ? core::Point2{half - root, xy} : core::Point2{xy, -half - root};
+  const double length = std::sqrt(along.x * along.x + along.y * along.y);
+  match.free_direction = length > 0 ? core::Point2{along.x / length, along.y / length} : core::Point2{1, 0};
+  match.free_sigma_m = 1 / std::sqrt(weak), match.fixed_sigma_m = 1 / std::sqrt(strong);
+  match.degenerate = match.free_sigma_m > degenerate_m;
+}
+
+}  // namespace
+
+FieldMatch alignToField(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid,
+                        const core::Pose2& T_start, const FieldPrior& prior,
+                        const FieldMatchOptions& options) {
+  FieldMatch match;
+  match.T_map_robot = T_start;
+  const double scale = options.information_scale / (options.sigma_m * options.sigma_m);
+  for (;;) {
+    core::Pose2& T = match.T_map_robot;
+    const System system = accumulate(points, grid, T, options.kernel_m);
+    const Eigen::Vector3d off = offPrior(T, prior);
+    match.information = scale * system.H;
+    match.cost = 0.5 * scale * system.robust_sum;
+    match.prior_cost = 0.5 * off.dot(prior.information * off);
+    match.score = points.empty() ? 0 : system.weight_sum / static_cast<double>(points.size());
+    if (match.iterations == options.max_iterations) break;
+    ++match.iterations;
+    const Eigen::Matrix3d H = match.information + prior.information + 1e-6 * Eigen::Matrix3d::Identity();
+    const Eigen::Vector3d step = H.ldlt().solve(-scale * system.g - prior.information * off);
+    if (!step.allFinite()) break;
+    // A surface that pulls from the edge of the field must not throw the scan farther than the field reaches.
+    const double reach_m = grid.options().reach_cells * grid.cellSize();
+    const double shorten = std::min(
+        {1.0, reach_m / std::max(step.head<2>().norm(), 1e-12), 0.3 / std::max(std::abs(step.z()), 1e-12)});
+    T = {T.x + shorten * step.x(), T.y + shorten * step.y(), core::wrapToPi(T.phi + shorten * step.z())};
+    if (step.head<2>().squaredNorm() < 1e-8 && std::abs(step.z()) < 3e-5) break;
+  }
+  findFreeDirection(options.degenerate_m, match);
+  return match;
+}
+
+double fieldScore(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid,
+                  const core::Pose2& T_map_robot, double kernel_m, int stride) {
+  const double c = std::cos(T_map_robot.phi), s = std::sin(T_map_robot.phi);
+  const double per_cell = 1 / grid.cellSize();
+  const double kernel2 = kernel_m * kernel_m * per_cell * per_cell;
+  double sum = 0;
+  int count = 0;
+  for (size_t i = 0; i < points.size(); i += static_cast<size_t>(stride)) {
+    ++count;
+    const core::Point2& p = points[i].p;
+    FieldVector field;
+    if (!fieldAt(grid, (T_map_robot.x + c * p.x - s * p.y) * per_cell,
+                 (T_map_robot.y + s * p.x + c * p.y) * per_cell, field))
+      continue;
+    const double root = kernel2 / (kernel2 + field.squared);
+    sum += root * root;
+  }
+  return count ? sum / count : 0;
+}
+
+}  // namespace slam::scanmatch

@@ -1,0 +1,48 @@
+#include "libslam/core/thread_team.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <vector>
+
+#include "libslam/core/error.h"
+
+namespace slam::core {
+namespace {
+
+TEST(ThreadTeam, DoesEveryJobOnceWithAnyNumberOfThreads) {
+  for (const int threads : {1, 2, 5}) {
+    ThreadTeam team(threads);
+    for (const size_t count : {0U, 1U, 3U, 100U}) {
+      std::vector<int> done(count, 0);
+      team.forEach(count, [&](size_t i) { ++done[i]; });
+      EXPECT_EQ(done, std::vector<int>(count, 1));
+    }
+  }
+}
+
+TEST(ThreadTeam, ThrowsTheErrorOfTheFirstJobAndGoesOnWorking) {
+  for (const int threads : {1, 4}) {
+    ThreadTeam team(threads);
+    std::vector<int> done(50, 0);
+    try {
+      team.forEach(50, [&](size_t i) {
+        ++done[i];
+        if (i % 20 == 7) throw std::runtime_error(std::to_string(i));
+      });
+      FAIL();
+    } catch (const std::runtime_error& error) {
+      EXPECT_STREQ(error.what(), "7");
+    }
+    EXPECT_EQ(done, std::vector<int>(50, 1));
+    team.forEach(50, [&](size_t i) { ++done[i]; });
+    EXPECT_EQ(done, std::vector<int>(50, 2));
+  }
+}
+
+TEST(ThreadTeam, NeedsAThread) {
+  EXPECT_THROW(ThreadTeam{0}, ContractError);
+}
+
+}  // namespace
+}  // namespace slam::core

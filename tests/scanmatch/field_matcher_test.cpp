@@ -1,0 +1,166 @@
+#include "libslam/scanmatch/field_matcher.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+
+#include "libslam/core/random.h"
+
+namespace slam::scanmatch {
+namespace {
+
+struct Wall {
+  core::Point2 a, b;
+};
+
+/// A room of 7 x 5 m with a niche and a pillar, turned against the grid.
+std::vector<Wall> room() {
+  std::vector<Wall> walls;
+  for (const auto& loop :
+       std::vector<std::vector<core::Point2>>{{{-3, -2}, {4, -2}, {4, 2}, {3, 2}, {3, 3}, {-3, 3}},
+                                              {{1.5, 0.5}, {1.9, 0.5}, {1.9, 0.9}, {1.5, 0.9}}})
+    for (size_t i = 0; i < loop.size(); ++i)
+      walls.push_back(
+          {core::Pose2{0, 0, 0.3} * loop[i], core::Pose2{0, 0, 0.3} * loop[(i + 1) % loop.size()]});
+  return walls;
+}
+
+std::vector<Wall> corridor(double heading_rad) {
+  const core::Pose2 T{0, 0, heading_rad};
+  return {{T * core::Point2{-60, -1}, T * core::Point2{60, -1}},
+          {T * core::Point2{-60, 1}, T * core::Point2{60, 1}}};
+}
+
+robot::Scan scanOf(const std::vector<Wall>& walls, const core::Pose2& T_map_robot,
+                   core::RandomStream* noise = nullptr) {
+  robot::Scan scan;
+  const int beams = 271;
+  scan.first_angle_rad = core::degToRad(-135), scan.step_rad = core::degToRad(1), scan.max_range_m = 12;
+  for (int i = 0; i < beams; ++i) {
+    const double angle = T_map_robot.phi + scan.angle(static_cast<size_t>(i));
+    const double dx = std::cos(angle), dy = std::sin(angle);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Wall& wall : walls) {
+      const double ex = wall.b.x - wall.a.x, ey = wall.b.y - wall.a.y, det = ex * dy - ey * dx;
+      if (det == 0) continue;
+      const double ax = wall.a.x - T_map_robot.x, ay = wall.a.y - T_map_robot.y;
+      const double range = (ex * ay - ey * ax) / det, along = (dx * ay - dy * ax) / det;
+      if (range > 0 && along >= 0 && along <= 1) nearest = std::min(nearest, range);
+    }
+    if (noise) nearest += noise->normal(0.01);
+    scan.ranges_m.push_back(nearest < scan.max_range_m ? static_cast<float>(nearest) : robot::kNoReturn);
+  }
+  return scan;
+}
+
+gridmap::Grid gridOf(const std::vector<Wall>& walls, const std::vector<core::Pose2>& poses) {
+  gridmap::GridOptions options;
+  options.cell_m = 0.1, options.reach_cells = 4;
+  gridmap::Grid grid(options);
+  for (const auto& pose : poses) grid.insert(gridmap::scanRays(scanOf(walls, pose), {}), pose);
+  return grid;
+}
+
+const ScanPointOptions kPoints;
+
+// Exact ranges in a map of exact ranges: what is left is the map's, cells of 10 cm whose corners are rounded.
+TEST(FieldMatcher, FindsThePoseFinerThanTheCells) {
+  const auto walls = room();
+  const auto grid = gridOf(walls, {{0, 0, 0}, {0.5, 0.3, 0.5}, {-0.6, -0.2, 2}});
+  core::RandomStream random(1, "poses");
+  for (int i = 0; i < 30; ++i) {
+    const core::Pose2 truth{random.uniform(-0.5, 0.8), random.uniform(-0.5, 0.5), random.uniform(-3, 3)};
+    const core::Pose2 start{truth.x + random.uniform(-0.1, 0.1), truth.y + random.uniform(-0.1, 0.1),
+                            truth.phi + random.uniform(-0.08, 0.08)};
+    const auto match = alignToField(surfacePoints(scanOf(walls, truth), kPoints), grid, start, {}, {});
+    EXPECT_LT(core::distance(match.T_map_robot, truth), 0.012);
+    EXPECT_LT(std::abs(core::angleDifference(match.T_map_robot.phi, truth.phi)), core::degToRad(0.2));
+    EXPECT_GT(match.score, 0.9);
+    EXPECT_FALSE(match.degenerate);
+  }
+}
+
+TEST(FieldMatcher, ReportsACorridorAndLeavesItsDirectionToTheOdometry) {
+  for (const double heading : {0.0, 0.4, 1.3, -2.2}) {
+    const auto walls = corridor(heading);
+    const core::Pose2 start{0, 0, heading};
+    const auto grid = gridOf(walls, {start});
+    const core::Pose2 truth = start * core::Pose2{0.05, 0.03, 0.02}, wheels = start * core::Pose2{0.09, 0, 0};
+    FieldPrior prior;
+    prior.mean = wheels;
+    prior.information.diagonal() << 1 / (0.03 * 0.03), 1 / (0.03 * 0.03), 1 / (0.05 * 0.05);
+    const auto match = alignToField(surfacePoints(scanOf(walls, truth), kPoints), grid, wheels, prior, {});
+    EXPECT_TRUE(match.degenerate) << heading;
+    EXPECT_NEAR(
+        std::abs(match.free_direction.x * std::cos(heading) + match.free_direction.y * std::sin(heading)), 1,
+        0.01);
+    EXPECT_GT(match.free_sigma_m, 20 * match.fixed_sigma_m);
+    const auto off = core::between(start, match.T_map_robot);
+    EXPECT_NEAR(off.x, 0.09, 0.01);
+    EXPECT_NEAR(off.y, 0.03, 0.005);
+    EXPECT_NEAR(off.phi, 0.02, 0.003);
+  }
+}
+
+TEST(FieldMatcher, TheInformationIsThatOfTheErrorsWhereBeamsErrAlone) {
+  const auto walls = room();
+  const auto grid = gridOf(walls, {{0, 0, 0}, {0.4, 0.3, 1}, {-0.4, 0, 3}});
+  core::RandomStream noise(3, "noise");
+  const core::Pose2 truth{0.1, 0.05, 0.2};
+  FieldMatchOptions options;
+  options.sigma_m = 0.01, options.information_scale = 1;
+  double nees = 0;
+  const int runs = 200;
+  const auto exact =
+      alignToField(surfacePoints(scanOf(walls, truth), kPoints), grid, truth, {}, options).T_map_robot;
+  for (int i = 0; i < runs; ++i) {
+    const auto match =
+        alignToField(surfacePoints(scanOf(walls, truth, &noise), kPoints), grid, truth, {}, options);
+    const Eigen::Vector3d error(match.T_map_robot.x - exact.x, match.T_map_robot.y - exact.y,
+                                core::angleDifference(match.T_map_robot.phi, exact.phi));
+    nees += error.dot(match.information * error) / 3 / runs;
+  }
+  // Normals are of noisy points and the kernel takes weight off: good to a factor.
+  EXPECT_GT(nees, 0.4);
+  EXPECT_LT(nees, 2.0);
+}
+
+TEST(FieldMatcher, APersonInTheWayDoesNotPullTheMatch) {
+  const auto walls = room();
+  const auto grid = gridOf(walls, {{0, 0, 0}});
+  auto scan = scanOf(walls, {});
+  for (size_t i = 130; i < 160; ++i) scan.ranges_m[i] = 0.8F;
+  const auto match = alignToField(surfacePoints(scan, kPoints), grid, {0.03, -0.03, 0.02}, {}, {});
+  EXPECT_LT(core::distance(match.T_map_robot, {}), 0.01);
+  EXPECT_LT(match.score, 0.95);
+}
+
+TEST(FieldMatcher, WithoutPointsOrMapThePriorStandsAndTheMatchIsDegenerate) {
+  const gridmap::Grid empty({});
+  FieldPrior prior;
+  prior.mean = {1, 2, 0.5};
+  prior.information.setIdentity();
+  const auto points = surfacePoints(scanOf(room(), {}), kPoints);
+  for (const auto& some : {std::vector<SurfacePoint>{}, points}) {
+    const auto match = alignToField(some, empty, {1.1, 2, 0.5}, prior, {});
+    EXPECT_NEAR(core::distance(match.T_map_robot, prior.mean), 0, 1e-5);
+    EXPECT_TRUE(match.degenerate);
+    EXPECT_EQ(match.score, 0);
+  }
+  EXPECT_EQ(fieldScore({}, empty, {}, 0.1, 3), 0);
+}
+
+TEST(FieldMatcher, TheScoreIsBestAtTheTruth) {
+  const auto walls = room();
+  const auto grid = gridOf(walls, {{0, 0, 0}});
+  const auto points = surfacePoints(scanOf(walls, {}), kPoints);
+  const double best = fieldScore(points, grid, {}, 0.1, 1);
+  EXPECT_GT(best, 0.9);
+  for (const core::Pose2& off : {core::Pose2{0.1, 0, 0}, {0, -0.1, 0}, {0, 0, 0.05}, {1, 1, 0}})
+    EXPECT_LT(fieldScore(points, grid, off, 0.1, 1), best - 0.05);
+}
+
+}  // namespace
+}  // namespace slam::scanmatch
