@@ -1,10 +1,11 @@
 #!/bin/sh
-# MRPT's own methods and odometry alone on the annotated logs of the Freiburg benchmark, scored by their relations.
+# MRPT's own methods and odometry alone, or any others, on the annotated logs of the Freiburg benchmark, scored by their
+# relations.
 #
-#   benchmarks/relations/run.sh [-d DATA] [-l LOGS] [-m METHODS] [-p PROGRAM] [-w WORK] [-o FOLDER]
+#   benchmarks/relations/run.sh [-d DATA] [-l LOGS] [-m METHODS] [-n NAME] [-p PROGRAM] [-w WORK] [-o FOLDER]
 #
 # DATA/logs/LOG/ holds LOG.*clf* and LOG.relations ('rasterslam data intel' says where they are from); METHODS are .ini
-# files of this folder, one setting for all logs. Writes FOLDER/relations_baselines.csv (one row per log and path: error,
+# files of this folder or of configs/methods, one setting for all logs. Writes FOLDER/NAME.csv (one row per log and path: error,
 # ms per scan, peak memory) and .txt (the same for people, the settings, command, version, machine). WORK keeps the runs,
 # and an interrupted sweep goes on where it was.
 set -eu
@@ -14,18 +15,20 @@ command_line="benchmarks/relations/run.sh $*"
 data=$root/../shared/data
 logs=intel,fr079,mit-killian
 methods=odometry,icp,rbpf,rbpf_exact
+name=relations_baselines
 program=$root/build/release/apps/rasterslam
 work=
 folder=$root/benchmarks/results
-while getopts d:l:m:p:w:o: option; do
+while getopts d:l:m:n:p:w:o: option; do
   case $option in
     d) data=$OPTARG ;;
     l) logs=$OPTARG ;;
     m) methods=$OPTARG ;;
+    n) name=$OPTARG ;;
     p) program=$OPTARG ;;
     w) work=$OPTARG ;;
     o) folder=$OPTARG ;;
-    *) sed -n '4s/^# *//p' "$0" >&2; exit 2 ;;
+    *) sed -n '5s/^# *//p' "$0" >&2; exit 2 ;;
   esac
 done
 if [ -z "$work" ]; then
@@ -36,7 +39,9 @@ mkdir -p "$work" "$folder"
 
 files=
 for method in $(echo "$methods" | tr , ' '); do
-  files=$files${files:+,}$root/benchmarks/relations/$method.ini
+  file=$root/benchmarks/relations/$method.ini
+  [ -f "$file" ] || file=$root/configs/methods/$method.ini
+  files=$files${files:+,}$file
 done
 
 rm -f "$work/baselines.csv" "$work/baselines.txt"
@@ -60,8 +65,8 @@ done
   echo "Made by: $command_line"
   echo "Version: $("$program" --version)"
   echo "Machine: $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores; one core per method, CPU time"
-  echo "Settings: benchmarks/relations/*.ini, which also say how they were found"
+  echo "Settings: METHOD.ini in benchmarks/relations or configs/methods, which also say how they were found"
   echo
   cat "$work/baselines.txt"
-} > "$folder/relations_baselines.txt"
-cp "$work/baselines.csv" "$folder/relations_baselines.csv"
+} > "$folder/$name.txt"
+cp "$work/baselines.csv" "$folder/$name.csv"

@@ -125,7 +125,7 @@ core::Trajectory moved(const core::Pose2& T_world_map, core::Trajectory trajecto
 std::string subtitle(const Evaluation& e, bool has_truth) {
   char text[64];
   if (has_truth)
-    std::snprintf(text, sizeof text, "ATE %.3f m", e.trajectory.position_m.rmse);
+    std::snprintf(text, sizeof text, "ATE %.3f m", e.final_trajectory.position_m.rmse);
   else
     std::snprintf(text, sizeof text, "path %.1f m", e.path_length_m);
   return text;
@@ -139,10 +139,10 @@ void drawPictures(const std::vector<RunFolder>& runs, const std::vector<Evaluati
   for (const auto& run : runs) {
     const auto& e = *std::find_if(evaluations.begin(), evaluations.end(),
                                   [&](const Evaluation& x) { return x.method == run.method; });
-    const core::Pose2 T_world_map = truth ? e.trajectory.T_truth_estimate : core::Pose2{};
+    const core::Pose2 T_world_map = truth ? e.final_trajectory.T_truth_estimate : core::Pose2{};
     report::Panel panel{run.method, subtitle(e, truth.has_value()), run.map, T_world_map, {}};
     if (truth) panel.paths.push_back({truth->trajectory, "truth", true});
-    panel.paths.push_back({moved(T_world_map, run.estimate), run.method, false});
+    panel.paths.push_back({moved(T_world_map, run.final_estimate.value_or(run.estimate)), run.method, false});
     paths.push_back(panel.paths.back());
     panels.push_back(std::move(panel));
     if (truth && truth->plan)

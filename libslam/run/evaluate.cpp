@@ -89,7 +89,7 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
   Evaluation e;
   e.method = method;
   e.failure = why;
-  e.trajectory = {kNoStatistics, kNoStatistics, {}, 0};
+  e.trajectory = e.final_trajectory = {kNoStatistics, kNoStatistics, {}, 0};
   e.per_metre = e.per_second = {kNoStatistics, kNoStatistics};
   e.map = {kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
   e.cost = {kNan, kNan, kNan, kNan};
@@ -113,10 +113,12 @@ Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth) {
   e.through_wall_share = numberIfThere(run.manifest, "self.through_wall_share");
   if (!truth) return e;
   e.trajectory = metrics::trajectoryError(truth->trajectory, run.estimate);
+  e.final_trajectory =
+      run.final_estimate ? metrics::trajectoryError(truth->trajectory, *run.final_estimate) : e.trajectory;
   e.per_metre = metrics::relativeErrorOverDistance(truth->trajectory, run.estimate, 1.0);
   e.per_second = metrics::relativeErrorOverTime(truth->trajectory, run.estimate, 1.0);
   if (truth->plan && truth->seen)
-    e.map = metrics::scoreMap(*truth->plan, *truth->seen, run.map, e.trajectory.T_truth_estimate,
+    e.map = metrics::scoreMap(*truth->plan, *truth->seen, run.map, e.final_trajectory.T_truth_estimate,
                               kWallTolerance_m);
   return e;
 }
@@ -134,8 +136,12 @@ const std::vector<MetricInfo>& metricInfos() {
   using E = Evaluation;
   static const std::vector<MetricInfo> infos = {
       {"ate_rmse_m", "ATE rmse m",
-       "absolute trajectory error: position after SE(2) least-squares alignment, no scale", 3,
-       [](const E& e) { return e.trajectory.position_m.rmse; }},
+       "absolute trajectory error of the path given online: position after SE(2) least-squares alignment, no "
+       "scale",
+       3, [](const E& e) { return e.trajectory.position_m.rmse; }},
+      {"ate_final_m", "final m",
+       "the same for the path as the method has it in the end; equal where it corrects nothing", 3,
+       [](const E& e) { return e.final_trajectory.position_m.rmse; }},
       {"ate_max_m", "max m", "largest such error", 3, [](const E& e) { return e.trajectory.position_m.max; }},
       {"heading_rmse_deg", "head. deg", "root mean square heading error after the same alignment", 2,
        [](const E& e) { return core::radToDeg(e.trajectory.heading_rad.rmse); }},
@@ -245,7 +251,8 @@ report::Table withNotes(report::Table table, const std::vector<Evaluation>& eval
 }  // namespace
 
 report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Truth& truth, Detail detail) {
-  std::vector<std::string> keys = {"ate_rmse_m", "ate_max_m", "heading_rmse_deg", "rpe_1m_m", "rpe_1m_deg"};
+  std::vector<std::string> keys = {"ate_rmse_m",       "ate_final_m", "ate_max_m",
+                                   "heading_rmse_deg", "rpe_1m_m",    "rpe_1m_deg"};
   const auto add = [&](std::initializer_list<const char*> more) {
     keys.insert(keys.end(), more.begin(), more.end());
   };
