@@ -10,6 +10,12 @@ for kind in flat office hall hospital cave; do
   build/release/apps/rasterslam world make "$kind" --size 60x42 --seed 3 -o "$out/$kind.yaml" >"$out/made.txt"
 done
 build/release/apps/rasterslam plot plans "$out"/{flat,office,hall,hospital,cave}.yaml -o .github/pictures/buildings.png --overwrite
+# Killian Court, where the log is at hand: rasterslam data mit-killian
+killian=../shared/data/logs/mit-killian/mit-killian.reconstructed.clf.xz
+if [ -f "$killian" ]; then
+  build/release/apps/rasterslam compare "$killian" --methods graph,particles -o "$out/killian" -q >"$out/killian.txt"
+  cp "$out/killian/maps.png" .github/pictures/killian.png
+fi
 for part in simulated real; do
   mkdir -p "benchmarks/results/demo/$part"
   cp "$out/demo/$part"/{scores.csv,scores.txt,cost.csv} "benchmarks/results/demo/$part/"

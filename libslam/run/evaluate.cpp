@@ -251,15 +251,14 @@ report::Table withNotes(report::Table table, const std::vector<Evaluation>& eval
 }  // namespace
 
 report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Truth& truth, Detail detail) {
-  std::vector<std::string> keys = {"ate_rmse_m",       "ate_final_m", "ate_max_m",
-                                   "heading_rmse_deg", "rpe_1m_m",    "rpe_1m_deg"};
+  std::vector<std::string> keys = {"ate_rmse_m", "ate_final_m", "heading_rmse_deg", "rpe_1m_m", "rpe_1m_deg"};
   const auto add = [&](std::initializer_list<const char*> more) {
     keys.insert(keys.end(), more.begin(), more.end());
   };
-  if (detail == Detail::kFull) add({"rpe_1s_m", "rpe_1s_deg", "path_length_m"});
-  if (truth.plan) add({"wall_f1", "free_iou", "wall_p50_m", "wall_p95_m"});
+  if (detail == Detail::kFull) add({"ate_max_m", "rpe_1s_m", "rpe_1s_deg", "path_length_m"});
+  if (truth.plan) add({"wall_f1", "free_iou", "wall_p95_m"});
   if (truth.plan && detail == Detail::kFull)
-    add({"wall_precision", "wall_recall", "missed_p50_m", "missed_p95_m", "known_share"});
+    add({"wall_p50_m", "wall_precision", "wall_recall", "missed_p50_m", "missed_p95_m", "known_share"});
   if (detail == Detail::kFull)
     add({"wall_thickness_m", "mean_map_entropy", "on_wall_share", "through_wall_share", "map_entropy_bits",
          "occupied_share", "corners", "enclosed_areas"});
