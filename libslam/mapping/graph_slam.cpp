@@ -321,7 +321,7 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
   if (keyframes_.empty()) throw core::ContractError("GraphSlam: localise() without a map");
   std::vector<SurfacePoint> points;
   Eigen::Matrix3d information;
-  const Step step = track(scan, T_previous_robot, has_odometry, points, information);
+  Step step = track(scan, T_previous_robot, has_odometry, points, information);
   // The map moves on with the robot, to the keyframe that is nearest now.
   const auto near = keyframesAround(lastKeyframe(), core::position(step.T_map_robot), 1e9, 1e9);
   map_keyframes_.assign(

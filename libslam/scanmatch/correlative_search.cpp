@@ -29,7 +29,7 @@ LikelihoodPyramid::LikelihoodPyramid(const std::vector<core::Point2>& points, do
         const double dx = (c + 0.5 - px) * cell_m, dy = (r + 0.5 - py) * cell_m;
         const double value = 255 * std::exp(-(dx * dx + dy * dy) / (2 * sigma_m * sigma_m));
         auto& cell = base[static_cast<size_t>(r + pad_) * side + static_cast<size_t>(c + pad_)];
-        cell = std::max(cell, static_cast<std::uint8_t>(value + 0.5));
+        cell = std::max(cell, static_cast<std::uint8_t>(std::lround(value)));
       }
   }
   levels_.push_back(std::move(base));
@@ -81,7 +81,7 @@ std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::
   const int top = std::min(map.levels() - 1, static_cast<int>(std::ceil(std::log2(2 * reach + 1))));
 
   // Cells of the turned points at the window's lowest shift.
-  std::vector<std::vector<Cell>> turned(static_cast<size_t>(2 * turns + 1));
+  std::vector<std::vector<Cell>> turned(2 * static_cast<size_t>(turns) + 1);
   for (int t = -turns; t <= turns; ++t) {
     const double angle = centre.phi + t * turn_step, c = std::cos(angle), s = std::sin(angle);
     auto& cells = turned[static_cast<size_t>(t + turns)];
