@@ -82,9 +82,10 @@ std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::
 
   // Cells of the turned points at the window's lowest shift.
   std::vector<std::vector<Cell>> turned(2 * static_cast<size_t>(turns) + 1);
-  for (int t = -turns; t <= turns; ++t) {
-    const double angle = centre.phi + t * turn_step, c = std::cos(angle), s = std::sin(angle);
-    auto& cells = turned[static_cast<size_t>(t + turns)];
+  for (size_t t = 0; t < turned.size(); ++t) {
+    const double angle = centre.phi + (static_cast<int>(t) - turns) * turn_step;
+    const double c = std::cos(angle), s = std::sin(angle);
+    auto& cells = turned[t];
     cells.reserve(points.size());
     for (const auto& p : points)
       cells.push_back(
@@ -109,7 +110,7 @@ std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::
   const auto worse = [](const Node& a, const Node& b) { return a.sum < b.sum; };
   std::stable_sort(stack.begin(), stack.end(), worse);
 
-  const int full = 255 * static_cast<int>(points.size());
+  const int full = static_cast<int>(255 * points.size());
   int best_sum = static_cast<int>(std::ceil(least_score * full)) - 1;
   std::optional<Node> best;
   std::vector<Node> children;
