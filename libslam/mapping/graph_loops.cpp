@@ -5,6 +5,7 @@
 
 #include "libslam/mapping/graph_slam.h"
 #include "libslam/posegraph/optimize.h"
+#include "libslam/scanmatch/correlative_search.h"
 
 namespace slam::mapping {
 namespace {
@@ -12,7 +13,6 @@ namespace {
 using core::Point2;
 using core::Pose2;
 using scanmatch::PosePrior;
-using scanmatch::SurfacePoint;
 
 /// The search's raster, and its surfaces' width.
 constexpr double kSearchCell_m = 0.1, kSearchSigma_m = 0.12;
@@ -42,13 +42,6 @@ std::vector<Point2> thinned(const std::vector<Point2>& points, double side_m) {
     if (taken.insert(column * (std::int64_t{1} << 32) + row).second) kept.push_back(p);
   }
   return kept;
-}
-
-std::vector<SurfacePoint> asSurface(const std::vector<Point2>& points) {
-  std::vector<SurfacePoint> result;
-  result.reserve(points.size());
-  for (const auto& p : points) result.push_back({p, {}});
-  return result;
 }
 
 }  // namespace
@@ -103,10 +96,10 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
   std::vector<Point2> query;
   for (int i = query_last; i >= query_first; --i) {
     const Pose2 T_k_i = core::between(T, graph_.pose(i));
-    for (const auto& point : keyframe(i).points) query.push_back(T_k_i * point.p);
+    for (const auto& point : keyframe(i).points) query.push_back(T_k_i * point);
   }
   const auto search_points = thinned(query, kQuerySpacing_m);
-  const auto match_points = asSurface(thinned(query, kQueryMatchSpacing_m));
+  const auto match_points = thinned(query, kQueryMatchSpacing_m);
 
   std::vector<char> is_tried(keyframes_.size(), 0);
   int places = 0;
@@ -120,11 +113,10 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
     around.erase(std::remove_if(around.begin(), around.end(),
                                 [&](int a) { return is_local[static_cast<size_t>(a)] != 0; }),
                  around.end());
-    if (static_cast<int>(around.size()) > options_.map_keyframes)
-      around.resize(static_cast<size_t>(options_.map_keyframes));
+    around = nearestKeyframes(std::move(around));
     std::vector<Point2> place;
     for (const int a : around)
-      for (const auto& point : keyframe(a).points) place.push_back(graph_.pose(a) * point.p);
+      for (const auto& point : keyframe(a).points) place.push_back(graph_.pose(a) * point);
     const scanmatch::LikelihoodPyramid pyramid(place, kSearchCell_m, kSearchSigma_m, kSearchLevels);
     const scanmatch::SearchWindow window{
         reachOf(old), std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * way[static_cast<size_t>(old)],
@@ -137,7 +129,7 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
     PosePrior flat;
     flat.mean = found->T_map_robot;
     flat.information.setIdentity();
-    const auto matched = match(match_points, maps, found->T_map_robot, flat, false);
+    const auto matched = match(match_points, maps, found->T_map_robot, flat, 0, false);
     double conflict = 0;
     int viewers = 0;
     for (const int a : around) {
@@ -174,7 +166,7 @@ bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
   prior.mean = expected;
   prior.information.diagonal() << 100, 100, 1000;
   const auto& points = keyframe(k).points;
-  const auto matched = match(points, maps, expected, prior, false);
+  const auto matched = match(points, maps, expected, prior, 0, false);
   const size_t viewers = std::min<size_t>(around.size(), kViewers);
   double conflict = 0;
   for (size_t i = 0; i < viewers; ++i)

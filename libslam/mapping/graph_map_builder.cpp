@@ -13,7 +13,7 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/mapping/exact_grid.h"
+#include "libslam/mapping/map_grid.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::mapping {
@@ -27,21 +27,6 @@ mrpt::poses::CPose3DPDFGaussian gaussian(const core::Pose2& T_map_robot, const E
   mrpt::poses::CPose3DPDFGaussian pose;
   pose.copyFrom(planar);
   return pose;
-}
-
-mrpt::maps::COccupancyGridMap2D::Ptr makeGrid(const MappingOptions& options) {
-  const auto side_m = static_cast<float>(std::max(1.0, 4 * options.resolution_m));
-  const auto resolution_m = static_cast<float>(options.resolution_m);
-  mrpt::maps::COccupancyGridMap2D::Ptr grid;
-  if (options.grid == "exact")
-    grid = std::make_shared<ExactGrid>(-side_m, side_m, -side_m, side_m, resolution_m);
-  else
-    grid = mrpt::maps::COccupancyGridMap2D::Create(-side_m, side_m, -side_m, side_m, resolution_m);
-  auto& insertion = grid->insertionOptions;
-  insertion.maxDistanceInsertion = static_cast<float>(options.max_insert_range_m);
-  insertion.maxOccupancyUpdateCertainty = static_cast<float>(options.occupied_certainty);
-  insertion.considerInvalidRangesAsFreeSpace = options.no_return_is_free;
-  return grid;
 }
 
 }  // namespace
@@ -127,15 +112,12 @@ void GraphMapBuilder::requireBounded() const {
   const double cells =
       (x_max - x_min + reach_m) * (y_max - y_min + reach_m) / (mapping_.resolution_m * mapping_.resolution_m);
   if (!(cells <= mapping_.max_map_cells))
-    throw core::MethodError(
-        "the map would hold " + core::formatNumber(std::round(cells / 1e6)) + " million cells, allowed are " +
-        core::formatNumber(std::round(mapping_.max_map_cells / 1e5) / 10) +
-        " million ([mapping] max_map_cells); the method has diverged or the place is too large");
+    throw core::MethodError(tooManyCells(cells, mapping_.max_map_cells));
 }
 
 compat::BuiltMap GraphMapBuilder::getCurrentlyBuiltMetricMap() const {
   if (!grid_ || drawn_revision_ != graph_.revision()) {
-    grid_ = makeGrid(mapping_);
+    grid_ = makeMapGrid(mapping_);
     maps_.maps.clear();
     maps_.maps.push_back(grid_);
     drawn_keyframes_ = 0;

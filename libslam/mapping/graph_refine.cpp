@@ -9,8 +9,7 @@ namespace slam::mapping {
 /// edges, beside those of odometry and of loops, and all poses are found together. In the spirit of Ruhnke et al., ICRA
 /// 2011, with surfels for surfaces.
 void GraphSlam::refine() {
-  scanmatch::MatchOptions match_options;
-  match_options.information_scale = 0.2;
+  const auto match_options = matchOptions(10);
   scanmatch::PosePrior flat;
   flat.information.setIdentity();
   scanmatch::SurfelMap map(options_.cell_m, options_.blur_m);
@@ -28,9 +27,8 @@ void GraphSlam::refine() {
       const core::Pose2& T = graph_.pose(k);
       auto around = keyframesAround(k, core::position(T), options_.map_path_m, options_.map_radius_m);
       around.erase(std::remove(around.begin(), around.end(), k), around.end());
-      if (static_cast<int>(around.size()) > options_.map_keyframes)
-        around.resize(static_cast<size_t>(options_.map_keyframes));
-      map.clear(core::position(T), 30);
+      around = nearestKeyframes(std::move(around));
+      map.clear(core::position(T), kMapReach_m);
       for (const int other : around) map.add(keyframe(other).points, graph_.pose(other));
       flat.mean = T;
       const auto matched = alignToSurfels(keyframe(k).points, map, T, flat, match_options);

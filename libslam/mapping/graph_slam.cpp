@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "libslam/core/error.h"
+#include "libslam/scanmatch/scan_points.h"
 
 namespace slam::mapping {
 namespace {
@@ -15,14 +16,11 @@ using core::Point2;
 using core::Pose2;
 using scanmatch::MatchResult;
 using scanmatch::PosePrior;
-using scanmatch::SurfacePoint;
 
 /// In standard deviations of a surfel: farther points hardly count.
 constexpr double kKernel = 3;
 /// Neighbouring beams err together, and surfels are estimates: a point tells a fifth of what an independent one would.
 constexpr double kInformationScale = 0.2;
-/// The local map reaches this far from the robot.
-constexpr double kMapReach_m = 30;
 /// Starts are compared on every third point of the coarse map.
 constexpr int kStartStride = 3;
 /// Another start must explain this much more than odometry's to be taken at all.
@@ -130,19 +128,25 @@ Pose2 GraphSlam::currentPose() const {
   return graph_.pose(lastKeyframe()) * T_keyframe_robot_;
 }
 
-std::vector<SurfacePoint> GraphSlam::pointsOf(const robot::Scan& scan) const {
-  scanmatch::ScanPointOptions options;
-  options.spacing_m = options_.point_spacing_m;
-  options.max_range_m = options_.max_range_m;
-  return surfacePoints(scan, options);
-}
-
-MatchResult GraphSlam::match(const std::vector<SurfacePoint>& points, const LevelMaps& maps,
-                             const Pose2& T_start, const PosePrior& prior, bool with_coarse) const {
+scanmatch::MatchOptions GraphSlam::matchOptions(int max_iterations) {
   scanmatch::MatchOptions options;
   options.kernel = kKernel;
   options.information_scale = kInformationScale;
-  options.max_iterations = 3;
+  options.max_iterations = max_iterations;
+  return options;
+}
+
+std::vector<Point2> GraphSlam::pointsOf(const robot::Scan& scan) const {
+  scanmatch::ScanPointOptions options;
+  options.spacing_m = options_.point_spacing_m;
+  options.max_range_m = options_.max_range_m;
+  return thinnedPoints(scan, options);
+}
+
+MatchResult GraphSlam::match(const std::vector<Point2>& points, const LevelMaps& maps, const Pose2& T_start,
+                             const PosePrior& prior, double prior_kernel, bool with_coarse) const {
+  auto options = matchOptions(3);
+  options.prior_kernel = prior_kernel;
   Pose2 T = T_start;
   if (with_coarse) T = alignToSurfels(points, maps.coarse, T, prior, options).T_map_robot;
   T = alignToSurfels(points, maps.middle, T, prior, options).T_map_robot;
@@ -197,12 +201,29 @@ std::vector<int> GraphSlam::keyframesAround(int start, const Point2& centre, dou
   return result;
 }
 
-void GraphSlam::updateMap() {
-  const Point2 centre = core::position(currentPose());
-  map_keyframes_ = keyframesAround(lastKeyframe(), centre, options_.map_path_m, options_.map_radius_m);
-  if (static_cast<int>(map_keyframes_.size()) > options_.map_keyframes)
-    map_keyframes_.resize(static_cast<size_t>(options_.map_keyframes));
+std::vector<int> GraphSlam::nearestKeyframes(std::vector<int> near) const {
+  if (static_cast<int>(near.size()) > options_.map_keyframes)
+    near.resize(static_cast<size_t>(options_.map_keyframes));
+  return near;
+}
+
+/// Makes the map that the next scan is matched to of the first of these.
+void GraphSlam::setMap(const std::vector<int>& near, const Point2& centre) {
+  map_keyframes_ = nearestKeyframes(near);
   fill(maps_, map_keyframes_, centre);
+}
+
+/// The same of all keyframes nearby, however they are linked: for a map that is finished.
+void GraphSlam::setMapNear(const Point2& centre) {
+  std::vector<std::pair<double, int>> near;
+  for (int k = 0; k < graph_.nodeCount(); ++k) {
+    const double away_m = core::distance(core::position(graph_.pose(k)), centre);
+    if (away_m <= options_.map_radius_m) near.push_back({away_m, k});
+  }
+  std::sort(near.begin(), near.end());
+  std::vector<int> keyframes;
+  for (const auto& item : near) keyframes.push_back(item.second);
+  setMap(keyframes, centre);
 }
 
 void GraphSlam::link(int a, int b) {
@@ -212,7 +233,7 @@ void GraphSlam::link(int a, int b) {
 }
 
 /// The best pose on a lattice around the predicted one, refined without regard to odometry.
-std::optional<MatchResult> GraphSlam::recover(const std::vector<SurfacePoint>& points, const Pose2& predicted,
+std::optional<MatchResult> GraphSlam::recover(const std::vector<Point2>& points, const Pose2& predicted,
                                               const Pose2& matched) const {
   Pose2 best = matched;
   const double before = surfelScore(points, maps_.middle, matched, kKernel, 2);
@@ -229,12 +250,12 @@ std::optional<MatchResult> GraphSlam::recover(const std::vector<SurfacePoint>& p
   PosePrior weak;
   weak.mean = best;
   weak.information.diagonal() << 10, 10, 10;
-  return match(points, maps_, best, weak, false);
+  return match(points, maps_, best, weak, 0, false);
 }
 
 /// Matches a scan to the map around. Fills in its points and the information that they give, map axes.
 GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previous_robot, bool has_odometry,
-                                 std::vector<SurfacePoint>& points, Eigen::Matrix3d& information) {
+                                 std::vector<Point2>& points, Eigen::Matrix3d& information) {
   points = pointsOf(scan);
   const Pose2 T_before = currentPose();
   const Pose2 increment = has_odometry ? T_previous_robot : T_previous_robot_;
@@ -258,7 +279,6 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
 
   PosePrior prior;
   prior.mean = predicted;
-  prior.kernel = options_.odometry_kernel;
   bool distrusted = best > own + options_.distrust_gain;
   if (distrusted) {
     prior.mean = start;
@@ -266,7 +286,7 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
     note("distrusted", best - own);
   }
   prior.information = diagonal(sigma_xy, sigma_turn);
-  MatchResult result = match(points, maps_, start, prior, true);
+  MatchResult result = match(points, maps_, start, prior, options_.odometry_kernel, true);
   if (result.score < options_.recover_score) {
     const auto other = recover(points, predicted, result.T_map_robot);
     if (other && other->score > result.score + kRecoverGain) {
@@ -291,7 +311,7 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   Step step;
   step.T_map_robot = result.T_map_robot;
   step.score = result.score;
-  step.covariance = (information + prior.information).inverse();
+  step.covariance = result.posterior_information.inverse();
   return step;
 }
 
@@ -303,7 +323,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
     addKeyframe(scan, pointsOf(scan), {}, Eigen::Matrix3d::Zero());
     step.is_keyframe = true;
   } else {
-    std::vector<SurfacePoint> points;
+    std::vector<Point2> points;
     Eigen::Matrix3d information;
     step = track(scan, T_previous_robot, has_odometry, points, information);
     step.is_keyframe = std::hypot(T_keyframe_robot_.x, T_keyframe_robot_.y) > options_.keyframe_distance_m ||
@@ -319,14 +339,11 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
 GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_previous_robot,
                                     bool has_odometry) {
   if (keyframes_.empty()) throw core::ContractError("GraphSlam: localise() without a map");
-  std::vector<SurfacePoint> points;
+  std::vector<Point2> points;
   Eigen::Matrix3d information;
   Step step = track(scan, T_previous_robot, has_odometry, points, information);
-  // The map moves on with the robot, to the keyframe that is nearest now.
-  const auto near = keyframesAround(lastKeyframe(), core::position(step.T_map_robot), 1e9, 1e9);
-  map_keyframes_.assign(
-      near.begin(), near.begin() + std::min<long>(options_.map_keyframes, static_cast<long>(near.size())));
-  fill(maps_, map_keyframes_, core::position(step.T_map_robot));
+  odometry_holds_ = false;
+  setMapNear(core::position(step.T_map_robot));
   records_.push_back({lastKeyframe(), T_keyframe_robot_});
   return step;
 }
@@ -345,10 +362,8 @@ void GraphSlam::startAt(const Pose2& T_map_robot) {
   if (keyframes_.empty()) throw core::ContractError("GraphSlam: startAt() without a map");
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T_map_robot);
   T_previous_robot_ = {};
-  const auto near = keyframesAround(lastKeyframe(), core::position(T_map_robot), 1e9, 1e9);
-  map_keyframes_.assign(
-      near.begin(), near.begin() + std::min<long>(options_.map_keyframes, static_cast<long>(near.size())));
-  fill(maps_, map_keyframes_, core::position(T_map_robot));
+  odometry_holds_ = false;
+  setMapNear(core::position(T_map_robot));
 }
 
 double GraphSlam::View::conflict() const {
@@ -356,7 +371,7 @@ double GraphSlam::View::conflict() const {
 }
 
 GraphSlam::View GraphSlam::view(int viewer, const Pose2& T_viewer_points,
-                                const std::vector<SurfacePoint>& points) const {
+                                const std::vector<Point2>& points) const {
   // Half of what two walls are apart at least; and beams are compared with their neighbours.
   constexpr double kSame_m = 0.3;
   const auto& ranges = keyframe(viewer).ranges_m;
@@ -364,8 +379,8 @@ GraphSlam::View GraphSlam::view(int viewer, const Pose2& T_viewer_points,
   const double c = std::cos(T_lidar_points.phi), s = std::sin(T_lidar_points.phi);
   View result;
   for (const auto& point : points) {
-    const double x = T_lidar_points.x + c * point.p.x - s * point.p.y;
-    const double y = T_lidar_points.y + s * point.p.x + c * point.p.y;
+    const double x = T_lidar_points.x + c * point.x - s * point.y;
+    const double y = T_lidar_points.y + s * point.x + c * point.y;
     double angle = std::atan2(y, x) - geometry_.first_angle_rad;
     if (angle < 0) angle += 2 * core::kPi;
     const auto beam = std::lround(angle / geometry_.step_rad);
@@ -421,8 +436,8 @@ int GraphSlam::addOdometryEdge(int k) {
   return graph_.addEdge(edge);
 }
 
-void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<SurfacePoint> points,
-                            const Pose2& T_map_robot, const Eigen::Matrix3d& information) {
+void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<Point2> points, const Pose2& T_map_robot,
+                            const Eigen::Matrix3d& information) {
   if (keyframes_.empty()) geometry_ = scan, geometry_.ranges_m.clear();
   const int k = graph_.addNode(T_map_robot);
   keyframes_.push_back(
@@ -450,7 +465,8 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<SurfacePoint> p
   T_odometry_ = {};
   odometry_holds_ = true;
   if (options_.loops && k > 0) closeLoops();
-  updateMap();
+  const Point2 centre = core::position(currentPose());
+  setMap(keyframesAround(k, centre, options_.map_path_m, options_.map_radius_m), centre);
 }
 
 robot::Scan GraphSlam::keyframeScan(int k) const {

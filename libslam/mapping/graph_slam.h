@@ -11,7 +11,6 @@
 #include "libslam/mapping/journal.h"
 #include "libslam/posegraph/pose_graph.h"
 #include "libslam/robot/scan.h"
-#include "libslam/scanmatch/correlative_search.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 
 namespace slam::mapping {
@@ -59,8 +58,7 @@ struct GraphOptions {
 /// `accepted` (value = metres of path that the loop closes), `rejected` (value = the chi2 it would cost), `optimised`
 /// (value = chi2).
 ///
-/// Deterministic: the same scans give the same bytes. Cost per scan: about 0.1 ms with 180 beams. Memory: about 10 KB
-/// per keyframe.
+/// Deterministic: the same scans give the same bytes. Cost and memory: benchmarks/results/relations_ours.txt.
 /// Sources: Biber and Strasser, IROS 2003 (surfels); Olson, ICRA 2009, and Hess et al., ICRA 2016 (search); Grisetti et
 /// al., IEEE ITS Magazine 2(4), 2010 (graph). Following a loop before closing it, links by common view, and the choice
 /// among starts are ours.
@@ -98,17 +96,18 @@ class GraphSlam {
 
   /// A keyframe of a map that is continued, at a known pose, tied to the one before. Before the first scan only.
   void addKnownKeyframe(const robot::Scan& scan, const core::Pose2& T_map_robot);
-  /// Where the robot is at the first scan after known keyframes.
+  /// Where the robot is now in what is known: after known keyframes, or wherever it was put. Nothing is taken as measured
+  /// between there and where it was before. REQUIRES a keyframe.
   void startAt(const core::Pose2& T_map_robot);
 
  private:
   struct Keyframe {
     int scan;
     double time_s;
-    std::vector<scanmatch::SurfacePoint> points;
+    std::vector<core::Point2> points;  ///< robot frame
     std::vector<float> ranges_m;
-    double path_m;  ///< driven since the start
-    int odometry_edge;
+    double path_m;      ///< driven since the start
+    int odometry_edge;  ///< to the keyframe before
   };
   struct Record {
     int keyframe;
@@ -138,28 +137,33 @@ class GraphSlam {
     double conflict() const;
   };
 
+  /// The local map reaches this far from the robot.
+  static constexpr double kMapReach_m = 30;
+
   // graph_slam.cpp: scans and keyframes
+  static scanmatch::MatchOptions matchOptions(int max_iterations);
   Step track(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry,
-             std::vector<scanmatch::SurfacePoint>& points, Eigen::Matrix3d& information);
-  std::vector<scanmatch::SurfacePoint> pointsOf(const robot::Scan& scan) const;
-  scanmatch::MatchResult match(const std::vector<scanmatch::SurfacePoint>& points, const LevelMaps& maps,
+             std::vector<core::Point2>& points, Eigen::Matrix3d& information);
+  std::vector<core::Point2> pointsOf(const robot::Scan& scan) const;
+  scanmatch::MatchResult match(const std::vector<core::Point2>& points, const LevelMaps& maps,
                                const core::Pose2& T_start, const scanmatch::PosePrior& prior,
-                               bool with_coarse) const;
-  std::optional<scanmatch::MatchResult> recover(const std::vector<scanmatch::SurfacePoint>& points,
+                               double prior_kernel, bool with_coarse) const;
+  std::optional<scanmatch::MatchResult> recover(const std::vector<core::Point2>& points,
                                                 const core::Pose2& predicted,
                                                 const core::Pose2& matched) const;
   void fill(LevelMaps& maps, const std::vector<int>& keyframes, const core::Point2& centre) const;
   std::vector<int> keyframesAround(int start, const core::Point2& centre, double path_m,
                                    double radius_m) const;
-  void updateMap();
-  void addKeyframe(const robot::Scan& scan, std::vector<scanmatch::SurfacePoint> points,
-                   const core::Pose2& T_map_robot, const Eigen::Matrix3d& information);
+  std::vector<int> nearestKeyframes(std::vector<int> near) const;
+  void setMap(const std::vector<int>& near, const core::Point2& centre);
+  void setMapNear(const core::Point2& centre);
+  void addKeyframe(const robot::Scan& scan, std::vector<core::Point2> points, const core::Pose2& T_map_robot,
+                   const Eigen::Matrix3d& information);
   int addOdometryEdge(int keyframe);
   std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
                               const core::Pose2& T_map_robot) const;
   void link(int a, int b);
-  View view(int viewer, const core::Pose2& T_viewer_points,
-            const std::vector<scanmatch::SurfacePoint>& points) const;
+  View view(int viewer, const core::Pose2& T_viewer_points, const std::vector<core::Point2>& points) const;
   void note(const char* event, double value, int other_keyframe = -1, const std::string& detail = "");
   core::Pose2 currentPose() const;
   const Keyframe& keyframe(int k) const { return keyframes_[static_cast<size_t>(k)]; }

@@ -21,6 +21,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "libslam/mapping/graph_map_builder.h"
+#include "libslam/mapping/map_grid.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/mapping/mrpt_compat.h"
 #include "libslam/mapping/naive_map_builder.h"
@@ -217,11 +218,7 @@ void requireBoundedMap(const MapBuilder& method, const core::Pose2& T_map_robot,
       cells += cellsWith(grid, core::position(T_map_robot), reach_m);
   }
   const double limit = method.state->config.mapping.max_map_cells;
-  if (!(cells <= limit))
-    throw core::MethodError(
-        stepText(method) + "the map would hold " + core::formatNumber(std::round(cells / 1e6)) +
-        " million cells, allowed are " + core::formatNumber(std::round(limit / 1e5) / 10) +
-        " million ([mapping] max_map_cells); the method has diverged or the place is too large");
+  if (!(cells <= limit)) throw core::MethodError(stepText(method) + tooManyCells(cells, limit));
 }
 
 /// MRPT's exceptions carry a stack trace; one line of it says what happened.

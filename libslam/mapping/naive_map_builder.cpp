@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libslam/mapping/exact_grid.h"
+#include "libslam/mapping/map_grid.h"
 #include "libslam/robot/mrpt_types.h"
 #include "libslam/robot/scan.h"
 
@@ -43,16 +43,7 @@ NaiveMapBuilder::NaiveMapBuilder(const MappingOptions& mapping) : options_(mappi
 }
 
 void NaiveMapBuilder::initialize(const mrpt::maps::CSimpleMap& initialMap, const mrpt::poses::CPosePDF* x0) {
-  const auto side_m = static_cast<float>(std::max(1.0, 4 * options_.resolution_m));
-  const auto resolution_m = static_cast<float>(options_.resolution_m);
-  if (options_.grid == "exact")
-    grid_ = std::make_shared<ExactGrid>(-side_m, side_m, -side_m, side_m, resolution_m);
-  else
-    grid_ = mrpt::maps::COccupancyGridMap2D::Create(-side_m, side_m, -side_m, side_m, resolution_m);
-  auto& insertion = grid_->insertionOptions;
-  insertion.maxDistanceInsertion = static_cast<float>(options_.max_insert_range_m);
-  insertion.maxOccupancyUpdateCertainty = static_cast<float>(options_.occupied_certainty);
-  insertion.considerInvalidRangesAsFreeSpace = options_.no_return_is_free;
+  grid_ = makeMapGrid(options_);
   maps_.maps.clear();
   maps_.maps.push_back(grid_);
   T_map_robot_ = x0 != nullptr ? x0->getMeanVal() : mrpt::poses::CPose2D();

@@ -13,7 +13,7 @@ namespace slam::mapping {
 
 using scanmatch::FieldMatch;
 using scanmatch::FieldMatchOptions;
-using scanmatch::FieldPrior;
+using scanmatch::PosePrior;
 using scanmatch::SurfacePoint;
 
 namespace {
@@ -138,7 +138,7 @@ ParticleFilter::Guidance ParticleFilter::guide(const std::vector<SurfacePoint>& 
   }
   guidance.information = covariance.inverse();
 
-  const FieldPrior prior{T_before * guidance.expected, rotated(guidance.information, T_before.phi)};
+  const PosePrior prior{T_before * guidance.expected, rotated(guidance.information, T_before.phi)};
   FieldMatchOptions wide = match_options_, fine = match_options_;
   wide.kernel_m = options_.wide_kernel_m, wide.max_iterations = kWideIterations;
   fine.max_iterations = kGuideIterations;
@@ -151,8 +151,8 @@ ParticleFilter::Guidance ParticleFilter::guide(const std::vector<SurfacePoint>& 
 void ParticleFilter::matchAll(const std::vector<SurfacePoint>& points, const Guidance& guidance) {
   team_.forEach(particles_.size(), [&](size_t i) {
     Particle& particle = particles_[i];
-    const FieldPrior prior{particle.T_map_robot * guidance.expected,
-                           rotated(guidance.information, particle.T_map_robot.phi)};
+    const PosePrior prior{particle.T_map_robot * guidance.expected,
+                          rotated(guidance.information, particle.T_map_robot.phi)};
     particle.match =
         i == best_ ? guidance.match
                    : scanmatch::alignToField(points, particle.grid, particle.T_map_robot * guidance.moved,

@@ -82,7 +82,7 @@ System accumulate(const std::vector<SurfacePoint>& points, const gridmap::Grid& 
   return system;
 }
 
-Eigen::Vector3d offPrior(const core::Pose2& T, const FieldPrior& prior) {
+Eigen::Vector3d offPrior(const core::Pose2& T, const PosePrior& prior) {
   return {T.x - prior.mean.x, T.y - prior.mean.y, core::angleDifference(T.phi, prior.mean.phi)};
 }
 
@@ -105,7 +105,7 @@ void findFreeDirection(double degenerate_m, FieldMatch& match) {
 }  // namespace
 
 FieldMatch alignToField(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid,
-                        const core::Pose2& T_start, const FieldPrior& prior,
+                        const core::Pose2& T_start, const PosePrior& prior,
                         const FieldMatchOptions& options) {
   FieldMatch match;
   match.T_map_robot = T_start;

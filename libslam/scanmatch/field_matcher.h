@@ -2,15 +2,10 @@
 #include <Eigen/Core>
 
 #include "libslam/gridmap/grid.h"
+#include "libslam/scanmatch/pose_prior.h"
 #include "libslam/scanmatch/scan_points.h"
 
 namespace slam::scanmatch {
-
-/// What is known of a pose before the match: a Gaussian over (x, y, phi) in the map frame. No information: all zero.
-struct FieldPrior {
-  core::Pose2 mean;
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-};
 
 struct FieldMatchOptions {
   int max_iterations = 10;
@@ -47,8 +42,7 @@ struct FieldMatch {
 /// within the grid's reach count as unexplained.
 /// Cost: about 10 ns per point and iteration.
 FieldMatch alignToField(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid,
-                        const core::Pose2& T_start, const FieldPrior& prior,
-                        const FieldMatchOptions& options);
+                        const core::Pose2& T_start, const PosePrior& prior, const FieldMatchOptions& options);
 
 /// The score at a pose without any alignment, from every stride-th point.
 double fieldScore(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid,

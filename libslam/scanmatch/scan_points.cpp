@@ -36,13 +36,16 @@ core::Point2 normalThrough(const std::vector<core::Point2>& points, int first, i
   return {-tangent.y / length, tangent.x / length};
 }
 
-}  // namespace
-
-std::vector<SurfacePoint> surfacePoints(const robot::Scan& scan, const ScanPointOptions& options) {
-  std::vector<core::Point2> points;
+/// All returns within the range, and their beams.
+struct Returns {
+  std::vector<core::Point2> points;  ///< robot frame
   std::vector<int> beams;
+};
+
+Returns returnsOf(const robot::Scan& scan, double max_range_m) {
+  Returns returns;
   const int size = static_cast<int>(scan.ranges_m.size());
-  points.reserve(static_cast<size_t>(size)), beams.reserve(static_cast<size_t>(size));
+  returns.points.reserve(static_cast<size_t>(size)), returns.beams.reserve(static_cast<size_t>(size));
   double c = 0, s = 0;
   const double step_c = std::cos(scan.step_rad), step_s = std::sin(scan.step_rad);
   for (int i = 0; i < size; ++i) {
@@ -54,11 +57,37 @@ std::vector<SurfacePoint> surfacePoints(const robot::Scan& scan, const ScanPoint
       const double turned = c * step_c - s * step_s;
       s = s * step_c + c * step_s, c = turned;
     }
-    const double r = scan.ranges_m[static_cast<size_t>(i)];
-    if (!robot::isReturn(scan.ranges_m[static_cast<size_t>(i)]) || r > options.max_range_m) continue;
-    points.push_back({scan.T_robot_lidar.x + r * c, scan.T_robot_lidar.y + r * s});
-    beams.push_back(i);
+    const float range_m = scan.ranges_m[static_cast<size_t>(i)];
+    const double r = range_m;
+    if (!robot::isReturn(range_m) || r > max_range_m) continue;
+    returns.points.push_back({scan.T_robot_lidar.x + r * c, scan.T_robot_lidar.y + r * s});
+    returns.beams.push_back(i);
   }
+  return returns;
+}
+
+/// Which of the points stay: each at least the spacing from the one kept before it.
+std::vector<int> keptOf(const std::vector<core::Point2>& points, double spacing_m) {
+  std::vector<int> kept;
+  for (int k = 0; k < static_cast<int>(points.size()); ++k)
+    if (kept.empty() || squaredDistance(points[k], points[kept.back()]) >= spacing_m * spacing_m)
+      kept.push_back(k);
+  return kept;
+}
+
+}  // namespace
+
+std::vector<core::Point2> thinnedPoints(const robot::Scan& scan, const ScanPointOptions& options) {
+  const Returns returns = returnsOf(scan, options.max_range_m);
+  const auto kept = keptOf(returns.points, options.spacing_m);
+  std::vector<core::Point2> result;
+  result.reserve(kept.size());
+  for (const int k : kept) result.push_back(returns.points[k]);
+  return result;
+}
+
+std::vector<SurfacePoint> surfacePoints(const robot::Scan& scan, const ScanPointOptions& options) {
+  const auto [points, beams] = returnsOf(scan, options.max_range_m);
   const int n = static_cast<int>(points.size());
   const core::Point2 eye{scan.T_robot_lidar.x, scan.T_robot_lidar.y};
   // joined[k]: point k lies on one surface with point k + 1
@@ -70,14 +99,11 @@ std::vector<SurfacePoint> surfacePoints(const robot::Scan& scan, const ScanPoint
     const double gap = kSteepest * range * scan.step_rad * (beams[k + 1] - beams[k]) + 0.05;
     joined[k] = squaredDistance(points[k], points[k + 1]) <= gap * gap;
   }
+  const auto kept = keptOf(points, options.spacing_m);
   std::vector<SurfacePoint> result;
-  result.reserve(static_cast<size_t>(n));
+  result.reserve(kept.size());
   const double reach2 = options.normal_reach_m * options.normal_reach_m;
-  const double spacing2 = options.spacing_m * options.spacing_m;
-  int last_kept = -1;
-  for (int k = 0; k < n; ++k) {
-    if (last_kept >= 0 && squaredDistance(points[k], points[last_kept]) < spacing2) continue;
-    last_kept = k;
+  for (const int k : kept) {
     int first = k, last = k;
     while (k - first < kMostNeighbours && first > 0 && joined[first - 1] &&
            (k - first < kLeastNeighbours || squaredDistance(points[first - 1], points[k]) < reach2))

@@ -8,8 +8,7 @@ namespace slam::scanmatch {
 /// A return and the surface that it lies on, robot frame.
 struct SurfacePoint {
   core::Point2 p;
-  core::Point2 n;     ///< unit normal, towards the lidar; (0, 0) where the neighbours tell no direction
-  double weight = 1;  ///< how many beams it stands for, as an equal share of the scan's surface
+  core::Point2 n;  ///< unit normal, towards the lidar; (0, 0) where the neighbours tell no direction
 };
 
 struct ScanPointOptions {
@@ -22,5 +21,8 @@ struct ScanPointOptions {
 /// The returns of a scan, thinned to `spacing_m` along the beams: near surfaces, which a scan samples far more
 /// densely than the map can use, would outvote far ones.
 std::vector<SurfacePoint> surfacePoints(const robot::Scan& scan, const ScanPointOptions& options);
+
+/// The same points without their normals.
+std::vector<core::Point2> thinnedPoints(const robot::Scan& scan, const ScanPointOptions& options);
 
 }  // namespace slam::scanmatch

@@ -28,11 +28,11 @@ void SurfelMap::clear(const core::Point2& centre, double reach_m) {
   sums_.clear(), cells_.clear(), surfels_.clear(), asked_cells_.clear();
 }
 
-void SurfelMap::add(const std::vector<SurfacePoint>& points, const core::Pose2& T_map_robot) {
+void SurfelMap::add(const std::vector<core::Point2>& points, const core::Pose2& T_map_robot) {
   const double c = std::cos(T_map_robot.phi), s = std::sin(T_map_robot.phi);
   const double tx = T_map_robot.x - origin_.x, ty = T_map_robot.y - origin_.y;
   for (const auto& point : points) {
-    const double x = tx + c * point.p.x - s * point.p.y, y = ty + s * point.p.x + c * point.p.y;
+    const double x = tx + c * point.x - s * point.y, y = ty + s * point.x + c * point.y;
     const auto column = static_cast<std::int64_t>(std::floor(x * per_cell_));
     const auto row = static_cast<std::int64_t>(std::floor(y * per_cell_));
     // The rim stays empty so that neighbours need no check.

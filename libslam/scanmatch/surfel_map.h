@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/scanmatch/scan_points.h"
 
 namespace slam::scanmatch {
 
@@ -14,6 +13,7 @@ struct Surfel {
   float xx, xy, yy;  ///< information matrix (inverse covariance), 1/m^2
 };
 
+/// A square window of such cells, in the map frame (m). Points per cell are kept, and surfels made of them on demand.
 class SurfelMap {
  public:
   /// Cells of `cell_m`; `blur_m` is added to every Gaussian as an isotropic standard deviation.
@@ -21,9 +21,9 @@ class SurfelMap {
 
   /// Empty, covering [centre - reach, centre + reach] in both directions; points outside are left out.
   void clear(const core::Point2& centre, double reach_m);
-  void add(const std::vector<SurfacePoint>& points, const core::Pose2& T_map_robot);
+  /// Points of a scan, robot frame.
+  void add(const std::vector<core::Point2>& points, const core::Pose2& T_map_robot);
 
-  double cellSize() const { return cell_m_; }
   core::Point2 origin() const { return origin_; }
   /// nullptr where no surface is near. Coordinates from origin(). A surfel is made when it is first asked for, so that
   /// two threads must not ask the same map.

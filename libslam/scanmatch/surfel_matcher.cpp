@@ -12,14 +12,14 @@ struct System {
   double weight_sum = 0;
 };
 
-System accumulate(const std::vector<SurfacePoint>& points, const SurfelMap& map, const core::Pose2& T,
+System accumulate(const std::vector<core::Point2>& points, const SurfelMap& map, const core::Pose2& T,
                   double kernel) {
   const double c = std::cos(T.phi), s = std::sin(T.phi);
   const double tx = T.x - map.origin().x, ty = T.y - map.origin().y;
   const double inverse_kernel2 = 1 / (kernel * kernel);
   double hxx = 0, hxy = 0, hyy = 0, hxt = 0, hyt = 0, htt = 0, gx = 0, gy = 0, gt = 0, weights = 0;
   for (const auto& point : points) {
-    const double rx = c * point.p.x - s * point.p.y, ry = s * point.p.x + c * point.p.y;
+    const double rx = c * point.x - s * point.y, ry = s * point.x + c * point.y;
     const Surfel* surfel = map.at(tx + rx, ty + ry);
     if (!surfel) continue;
     const double dx = tx + rx - surfel->x, dy = ty + ry - surfel->y;
@@ -45,12 +45,13 @@ System accumulate(const std::vector<SurfacePoint>& points, const SurfelMap& map,
 
 }  // namespace
 
-MatchResult alignToSurfels(const std::vector<SurfacePoint>& points, const SurfelMap& map,
+MatchResult alignToSurfels(const std::vector<core::Point2>& points, const SurfelMap& map,
                            const core::Pose2& T_start, const PosePrior& prior, const MatchOptions& options) {
   MatchResult result;
   result.T_map_robot = T_start;
+  result.posterior_information = prior.information;
   if (points.empty()) return result;
-  for (; result.iterations < options.max_iterations; ++result.iterations) {
+  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
     core::Pose2& T = result.T_map_robot;
     const System system = accumulate(points, map, T, options.kernel);
     result.information = options.information_scale * system.H;
@@ -58,8 +59,8 @@ MatchResult alignToSurfels(const std::vector<SurfacePoint>& points, const Surfel
     const Eigen::Vector3d from_prior(T.x - prior.mean.x, T.y - prior.mean.y,
                                      core::angleDifference(T.phi, prior.mean.phi));
     Eigen::Matrix3d held = prior.information;
-    if (prior.kernel > 0) {
-      const double k2 = prior.kernel * prior.kernel;
+    if (options.prior_kernel > 0) {
+      const double k2 = options.prior_kernel * options.prior_kernel;
       const double away = from_prior.head<2>().dot(held.topLeftCorner<2, 2>() * from_prior.head<2>());
       const double w_xy = 1 / (1 + away / k2),
                    w_turn = 1 / (1 + from_prior.z() * held(2, 2) * from_prior.z() / k2);
@@ -67,6 +68,7 @@ MatchResult alignToSurfels(const std::vector<SurfacePoint>& points, const Surfel
       held = root.asDiagonal() * held * root.asDiagonal();
     }
     const Eigen::Matrix3d H = result.information + held;
+    result.posterior_information = H;
     const Eigen::Vector3d g = options.information_scale * system.g + held * from_prior;
     const Eigen::LDLT<Eigen::Matrix3d> solver(H + 1e-9 * Eigen::Matrix3d::Identity());
     const Eigen::Vector3d step = solver.solve(-g);
@@ -77,7 +79,7 @@ MatchResult alignToSurfels(const std::vector<SurfacePoint>& points, const Surfel
   return result;
 }
 
-double surfelScore(const std::vector<SurfacePoint>& points, const SurfelMap& map,
+double surfelScore(const std::vector<core::Point2>& points, const SurfelMap& map,
                    const core::Pose2& T_map_robot, double kernel, int stride) {
   const double c = std::cos(T_map_robot.phi), s = std::sin(T_map_robot.phi);
   const double tx = T_map_robot.x - map.origin().x, ty = T_map_robot.y - map.origin().y;
@@ -86,7 +88,7 @@ double surfelScore(const std::vector<SurfacePoint>& points, const SurfelMap& map
   int count = 0;
   for (size_t i = 0; i < points.size(); i += static_cast<size_t>(stride)) {
     ++count;
-    const auto& p = points[i].p;
+    const auto& p = points[i];
     const double x = tx + c * p.x - s * p.y, y = ty + s * p.x + c * p.y;
     const Surfel* surfel = map.at(x, y);
     if (!surfel) continue;

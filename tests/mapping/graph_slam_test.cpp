@@ -182,6 +182,37 @@ TEST(GraphSlam, ContinuesAMapOfKnownKeyframes) {
   EXPECT_GT(continued.keyframeCount(), first.keyframeCount());
 }
 
+// The way from the map's last keyframe to where the robot starts again was never measured.
+TEST(GraphSlam, ContinuesAMapFromAnyPlaceInIt) {
+  const auto log = drive(ring(), lapsAround(1), {}, 1e-3);
+  const auto first = run(log);
+  GraphSlam continued{GraphOptions()};
+  for (int k = 0; k < first.keyframeCount(); ++k)
+    continued.addKnownKeyframe(first.keyframeScan(k), first.keyframePose(k));
+  const size_t middle = log.scans.size() / 2;
+  ASSERT_GT(core::distance(log.truth[middle], log.truth.back()), 8);
+  continued.startAt(log.truth[middle]);
+  for (size_t i = middle; i < middle + 60; ++i)
+    continued.process(log.scans[i], i > middle ? log.increments[i] : core::Pose2{}, true);
+  const auto& graph = continued.graph();
+  ASSERT_GT(graph.nodeCount(), first.keyframeCount());
+  for (int edge = 0; edge < static_cast<int>(graph.edges().size()); ++edge)
+    EXPECT_LT(graph.chi2(edge), 20) << graph.edges()[static_cast<size_t>(edge)].from << " "
+                                    << graph.edges()[static_cast<size_t>(edge)].to;
+}
+
+TEST(GraphSlam, IsUnsureWhereTheScanSaysNothing) {
+  const auto log = drive(ring(), lapsAround(1), {}, 0);
+  GraphSlam graph{GraphOptions()};
+  for (size_t i = 0; i < 20; ++i) graph.process(log.scans[i], log.increments[i], true);
+  const auto seen = graph.process(log.scans[20], log.increments[20], true).covariance;
+  auto blind = log.scans[21];
+  for (float& range : blind.ranges_m) range = robot::kNoReturn;
+  const auto unseen = graph.process(blind, log.increments[21], true).covariance;
+  EXPECT_GT(unseen(0, 0), 4 * seen(0, 0));
+  EXPECT_LT(unseen(0, 0), 1);
+}
+
 TEST(GraphSlam, RefusesWhatItsContractRulesOut) {
   GraphSlam graph{GraphOptions()};
   EXPECT_THROW(graph.process(robot::Scan(), {}, false), core::ContractError);

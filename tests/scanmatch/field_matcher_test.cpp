@@ -88,7 +88,7 @@ TEST(FieldMatcher, ReportsACorridorAndLeavesItsDirectionToTheOdometry) {
     const core::Pose2 start{0, 0, heading};
     const auto grid = gridOf(walls, {start});
     const core::Pose2 truth = start * core::Pose2{0.05, 0.03, 0.02}, wheels = start * core::Pose2{0.09, 0, 0};
-    FieldPrior prior;
+    PosePrior prior;
     prior.mean = wheels;
     prior.information.diagonal() << 1 / (0.03 * 0.03), 1 / (0.03 * 0.03), 1 / (0.05 * 0.05);
     const auto match = alignToField(surfacePoints(scanOf(walls, truth), kPoints), grid, wheels, prior, {});
@@ -139,7 +139,7 @@ TEST(FieldMatcher, APersonInTheWayDoesNotPullTheMatch) {
 
 TEST(FieldMatcher, WithoutPointsOrMapThePriorStandsAndTheMatchIsDegenerate) {
   const gridmap::Grid empty({});
-  FieldPrior prior;
+  PosePrior prior;
   prior.mean = {1, 2, 0.5};
   prior.information.setIdentity();
   const auto points = surfacePoints(scanOf(room(), {}), kPoints);

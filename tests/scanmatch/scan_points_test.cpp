@@ -60,6 +60,15 @@ TEST(ScanPoints, AreThinnedToTheirSpacing) {
   for (size_t i = 1; i < points.size(); ++i) EXPECT_GE(core::distance(points[i - 1].p, points[i].p), 0.2);
 }
 
+TEST(ScanPoints, AreTheSameWithoutTheirNormals) {
+  core::RandomStream chance(1, "lidar");
+  const auto scan = look(rectangle(-2, -2, 3, 2), {}, {}, chance);
+  const auto with = surfacePoints(scan, {});
+  const auto without = thinnedPoints(scan, {});
+  ASSERT_EQ(with.size(), without.size());
+  for (size_t i = 0; i < with.size(); ++i) EXPECT_EQ(core::distance(with[i].p, without[i]), 0);
+}
+
 TEST(ScanPoints, LeaveOutWhatIsNoReturnAndWhatIsTooFar) {
   core::RandomStream chance(1, "lidar");
   auto scan = look(rectangle(-30, -3, 30, 3), {}, exactLidar(), chance);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "libslam/scanmatch/scan_points.h"
 #include "tests/scanmatch/drawn_rooms.h"
 
 namespace slam::scanmatch {
@@ -16,7 +17,7 @@ SurfelMap mapOf(const std::vector<Wall>& walls, const std::vector<core::Pose2>& 
   core::RandomStream chance(1, "map");
   SurfelMap map(0.1, 0.03);
   map.clear({}, 30);
-  for (const auto& pose : poses) map.add(surfacePoints(look(walls, pose, {}, chance), {}), pose);
+  for (const auto& pose : poses) map.add(thinnedPoints(look(walls, pose, {}, chance), {}), pose);
   return map;
 }
 
@@ -48,8 +49,8 @@ TEST(SurfelMap, IsEmptyFarFromSurfacesOutsideAndAfterClear) {
 TEST(SurfelMap, LeavesOutPointsBeyondItsReachWithoutHarm) {
   SurfelMap map(0.1, 0.03);
   map.clear({100, -50}, 2);
-  std::vector<SurfacePoint> points;
-  for (int i = -400; i <= 400; ++i) points.push_back({{100 + 0.01 * i, -50}, {}});
+  std::vector<core::Point2> points;
+  for (int i = -400; i <= 400; ++i) points.push_back({100 + 0.01 * i, -50});
   map.add(points, {});
   EXPECT_NE(map.at(101.5 - map.origin().x, -50 - map.origin().y), nullptr);
   EXPECT_EQ(map.at(103.5 - map.origin().x, -50 - map.origin().y), nullptr);
@@ -61,7 +62,7 @@ TEST(SurfelMatcher, FindsADisplacedRoomToMillimetres) {
   core::RandomStream chance(7, "scan");
   for (int i = 0; i < 20; ++i) {
     const core::Pose2 truth{0.03 * i, -0.2 + 0.02 * i, 0.3 * i};
-    const auto points = surfacePoints(look(walls, truth, {}, chance), {});
+    const auto points = thinnedPoints(look(walls, truth, {}, chance), {});
     const core::Pose2 start{truth.x + 0.06, truth.y - 0.05, truth.phi + 0.02};
     PosePrior flat;
     flat.mean = start;
@@ -78,7 +79,7 @@ TEST(SurfelMatcher, StaysWithOdometryAlongACorridorAndSaysThatItKnowsNothingTher
   const auto walls = rectangle(-200, -1, 200, 1);
   const auto map = mapOf(walls, aFewPosesAround(0));
   core::RandomStream chance(7, "scan");
-  const auto points = surfacePoints(look(walls, {0.5, 0.1, 0}, {}, chance), {});
+  const auto points = thinnedPoints(look(walls, {0.5, 0.1, 0}, {}, chance), {});
   PosePrior odometry;
   odometry.mean = {0.42, 0.05, 0.01};
   odometry.information.diagonal() << 2500, 2500, 1e4;
@@ -93,23 +94,26 @@ TEST(SurfelMatcher, LetsGoOfOdometryThatContradictsTheScanOnlyWithAKernel) {
   const auto walls = rectangle(-4, -3, 5, 3);
   const auto map = mapOf(walls, aFewPosesAround(0));
   core::RandomStream chance(7, "scan");
-  const auto points = surfacePoints(look(walls, {}, {}, chance), {});
+  const auto points = thinnedPoints(look(walls, {}, {}, chance), {});
   PosePrior odometry;
   odometry.mean = {0, 0, 0.1};
   odometry.information.diagonal() << 2500, 2500, 1e6;
   MatchOptions options;
   options.information_scale = 0.2;
   const auto held = alignToSurfels(points, map, {}, odometry, options);
-  odometry.kernel = 2;
+  options.prior_kernel = 2;
   const auto free = alignToSurfels(points, map, {}, odometry, options);
   EXPECT_GT(held.T_map_robot.phi, 0.03);
+  // What has let go must not make the answer look surer.
+  EXPECT_GT(held.posterior_information(2, 2) - held.information(2, 2), 0.99e6);
+  EXPECT_LT(free.posterior_information(2, 2) - free.information(2, 2), 0.01e6);
   EXPECT_NEAR(free.T_map_robot.phi, 0, 0.004);
 }
 
 TEST(SurfelMatcher, ScoresNothingWhereThereIsNoMap) {
   SurfelMap map(0.1, 0.03);
   map.clear({}, 10);
-  const std::vector<SurfacePoint> points = {{{1, 0}, {}}, {{0, 1}, {}}};
+  const std::vector<core::Point2> points = {{1, 0}, {0, 1}};
   PosePrior prior;
   prior.mean = {0.1, 0.2, 0.3};
   prior.information.setIdentity();
