@@ -1,3 +1,4 @@
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -12,6 +13,7 @@ namespace {
 
 using core::Point2;
 using core::Pose2;
+using scanmatch::PatchPoint;
 using scanmatch::PosePrior;
 
 /// The search's raster, and its surfaces' width.
@@ -31,11 +33,13 @@ constexpr double kViewerDistance_m = 4;
 constexpr double kConfirmStep_m = 0.3, kConfirmTurn_rad = 0.06;
 constexpr int kConfirmEdges = 4, kMostFailures = 2;
 constexpr int kMostQueryKeyframes = 30;
+constexpr double kDistinctShifts_m[] = {-1.5, -1, -0.6, -0.35, 0.35, 0.6, 1, 1.5};
+constexpr double kDistinctKernel = 3;
 
 /// One point per square of this side, in the order they come.
-std::vector<Point2> thinned(const std::vector<Point2>& points, double side_m) {
+std::vector<PatchPoint> thinned(const std::vector<PatchPoint>& points, double side_m) {
   std::unordered_set<std::int64_t> taken;
-  std::vector<Point2> kept;
+  std::vector<PatchPoint> kept;
   for (const auto& p : points) {
     const auto column = static_cast<std::int64_t>(std::floor(p.x / side_m));
     const auto row = static_cast<std::int64_t>(std::floor(p.y / side_m));
@@ -73,6 +77,23 @@ std::vector<double> GraphSlam::pathTo(int k) const {
   return result;
 }
 
+/// By how much a match explains more than the same moved along the direction of movement that it holds least: what makes
+/// the place unlike its neighbours along a corridor.
+double GraphSlam::distinctness(const std::vector<PatchPoint>& points, const LevelMaps& maps,
+                               const scanmatch::MatchResult& matched) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> movement(matched.information.topLeftCorner<2, 2>());
+  const Eigen::Vector2d weakest = movement.eigenvectors().col(0);
+  const Pose2& T = matched.T_map_robot;
+  const double here = surfelScore(points, maps.middle, T, kDistinctKernel, 1);
+  double elsewhere = 0;
+  for (const double shift_m : kDistinctShifts_m)
+    elsewhere =
+        std::max(elsewhere, surfelScore(points, maps.middle,
+                                        {T.x + shift_m * weakest.x(), T.y + shift_m * weakest.y(), T.phi},
+                                        kDistinctKernel, 1));
+  return here - elsewhere;
+}
+
 /// Looks for a place where the scans of the keyframes [query_first, query_last] around k were seen before.
 std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first, int query_last) {
   const Pose2 T = graph_.pose(k);
@@ -93,12 +114,13 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
   if (candidates.empty()) return std::nullopt;
   std::sort(candidates.begin(), candidates.end());
 
-  std::vector<Point2> query;
+  std::vector<PatchPoint> query;
   for (int i = query_last; i >= query_first; --i) {
     const Pose2 T_k_i = core::between(T, graph_.pose(i));
     for (const auto& point : keyframe(i).points) query.push_back(T_k_i * point);
   }
-  const auto search_points = thinned(query, kQuerySpacing_m);
+  std::vector<Point2> search_points;
+  for (const auto& point : thinned(query, kQuerySpacing_m)) search_points.push_back(position(point));
   const auto match_points = thinned(query, kQueryMatchSpacing_m);
 
   std::vector<char> is_tried(keyframes_.size(), 0);
@@ -116,7 +138,7 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
     around = nearestKeyframes(std::move(around));
     std::vector<Point2> place;
     for (const int a : around)
-      for (const auto& point : keyframe(a).points) place.push_back(graph_.pose(a) * point);
+      for (const auto& point : keyframe(a).points) place.push_back(graph_.pose(a) * position(point));
     const scanmatch::LikelihoodPyramid pyramid(place, kSearchCell_m, kSearchSigma_m, kSearchLevels);
     const scanmatch::SearchWindow window{
         reachOf(old), std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * way[static_cast<size_t>(old)],
@@ -177,6 +199,7 @@ bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
       core::distance(matched.T_map_robot, expected) > kConfirmStep_m ||
       std::abs(core::angleDifference(matched.T_map_robot.phi, expected.phi)) > kConfirmTurn_rad)
     return false;
+  hypothesis.evidence += distinctness(points, maps, matched);
   const size_t partners = std::min<size_t>(around.size(), kConfirmEdges);
   for (size_t i = 0; i < partners; ++i) {
     posegraph::Edge edge;
@@ -204,6 +227,7 @@ void GraphSlam::closeLoops() {
       note("dropped", hypothesis.confirmations, hypothesis.old_keyframe);
       hypotheses_.erase(hypotheses_.begin() + static_cast<long>(i));
     } else if (hypothesis.confirmations >= options_.loop_confirmations &&
+               hypothesis.evidence >= options_.loop_distinctness &&
                path_m_ - hypothesis.begun_m >= options_.loop_confirm_m) {
       const Hypothesis confirmed = hypothesis;
       hypotheses_.clear();
@@ -248,7 +272,9 @@ void GraphSlam::searchRemainingLoops() {
     for (int i = k; i <= last; ++i) confirm(forth, i);
     for (int i = k - 1; i >= first; --i) confirm(back, i);
     const int confirmations = forth.confirmations + back.confirmations;
-    if (confirmations < options_.loop_confirmations || 2 * confirmations < last - first + 1) continue;
+    if (confirmations < options_.loop_confirmations || 2 * confirmations < last - first + 1 ||
+        forth.evidence + back.evidence < options_.loop_distinctness)
+      continue;
     forth.edges.insert(forth.edges.end(), back.edges.begin(), back.edges.end());
     accept(forth);
   }
@@ -256,7 +282,7 @@ void GraphSlam::searchRemainingLoops() {
 
 bool GraphSlam::accept(const Hypothesis& hypothesis) {
   const int k = hypothesis.keyframe, old = hypothesis.old_keyframe;
-  note("confirmed", hypothesis.confirmations, old);
+  note("confirmed", hypothesis.confirmations, old, "distinct by " + std::to_string(hypothesis.evidence));
   const auto poses_before = graph_.poses();
   const double chi2_before = graph_.chi2();
   const double way_m = k > old ? pathTo(k)[static_cast<size_t>(old)] : pathTo(old)[static_cast<size_t>(k)];
@@ -275,6 +301,8 @@ bool GraphSlam::accept(const Hypothesis& hypothesis) {
     for (Link& link : links_[i])
       link.length_m = core::distance(graph_.pose(static_cast<int>(i)), graph_.pose(link.to));
   closures_.push_back({old, k});
+  const auto covariances = keyframeCovariances();
+  for (size_t i = 0; i < covariances.size(); ++i) keyframes_[i].covariance = covariances[i];
   ++revision_;
   searched_m_ = path_m_;
   note("accepted", way_m, old);

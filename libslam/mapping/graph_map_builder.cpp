@@ -58,7 +58,8 @@ void GraphMapBuilder::initialize(const mrpt::maps::CSimpleMap& initialMap, const
 }
 
 mrpt::poses::CPose3DPDF::Ptr GraphMapBuilder::getCurrentPoseEstimation() const {
-  return std::make_shared<mrpt::poses::CPose3DPDFGaussian>(gaussian(last_.T_map_robot, last_.covariance));
+  return std::make_shared<mrpt::poses::CPose3DPDFGaussian>(
+      gaussian(last_.T_map_robot, last_.pose_covariance));
 }
 
 core::Pose2 GraphMapBuilder::processScan(const robot::Scan& scan, const core::Pose2& T_previous_robot,

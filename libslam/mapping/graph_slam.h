@@ -30,7 +30,7 @@ struct GraphOptions {
   double loop_every_m, loop_reach_m, loop_reach_per_m, loop_reach_most_m;
   double loop_path_m, loop_search_score, loop_score, loop_confirm_score, loop_conflict;
   int loop_confirmations;
-  double loop_confirm_m, loop_chi2_per_m;
+  double loop_confirm_m, loop_distinctness, loop_chi2_per_m;
   int refine_rounds;
   GraphOptions();
   static const core::ParameterTable<GraphOptions>& table();
@@ -68,9 +68,9 @@ class GraphSlam {
 
   struct Step {
     core::Pose2 T_map_robot;
-    Eigen::Matrix3d covariance =
-        Eigen::Matrix3d::Zero();  ///< against the keyframes around, map frame: x, y (m), phi (rad)
-    double score = 1;             ///< share of the scan that the map explains
+    /// Map frame: x, y (m), phi (rad). Of the pose in the map; and against the keyframes around alone.
+    Eigen::Matrix3d pose_covariance = Eigen::Matrix3d::Zero(), match_covariance = Eigen::Matrix3d::Zero();
+    double score = 1;  ///< share of the scan that the map explains
     bool is_keyframe = false;
   };
   /// REQUIRES at least 2 beams. T_previous_robot is read when has_odometry.
@@ -84,6 +84,8 @@ class GraphSlam {
 
   /// One per process(), as everything known now has it.
   std::vector<core::Pose2> poses() const;
+  /// How sure poses() are: one each, map frame.
+  std::vector<Eigen::Matrix3d> covariances() const;
 
   /// The scan of a keyframe: the first scan's geometry with this one's readings and stamp.
   robot::Scan keyframeScan(int keyframe) const;
@@ -104,14 +106,16 @@ class GraphSlam {
   struct Keyframe {
     int scan;
     double time_s;
-    std::vector<core::Point2> points;  ///< robot frame
+    std::vector<scanmatch::PatchPoint> points;  ///< robot frame
     std::vector<float> ranges_m;
-    double path_m;      ///< driven since the start
-    int odometry_edge;  ///< to the keyframe before
+    double path_m;               ///< driven since the start
+    int odometry_edge;           ///< to the keyframe before
+    Eigen::Matrix3d covariance;  ///< of its pose in the map
   };
   struct Record {
     int keyframe;
     core::Pose2 T_keyframe_robot;
+    Eigen::Matrix3d match_covariance;  ///< map frame, as it was
   };
   struct Link {
     int to;
@@ -129,9 +133,12 @@ class GraphSlam {
     core::Pose2 T_map_robot;  ///< of `keyframe`, as the old ones have it
     double begun_m;
     int confirmations = 0, failures = 0;
+    double evidence = 0;  ///< sum of distinctness()
     std::vector<posegraph::Edge> edges;
   };
-  /// What one keyframe's beams say of another's points.
+  /// What a keyframe's beams say of a point: one ended there; they went on behind it; or neither.
+  enum class Sight { kAgreed, kPassed, kUnseen };
+  /// The same of another keyframe's points.
   struct View {
     int agreed = 0, passed = 0;  ///< seen too; beams went on behind the point
     double conflict() const;
@@ -143,12 +150,12 @@ class GraphSlam {
   // graph_slam.cpp: scans and keyframes
   static scanmatch::MatchOptions matchOptions(int max_iterations);
   Step track(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry,
-             std::vector<core::Point2>& points, Eigen::Matrix3d& information);
-  std::vector<core::Point2> pointsOf(const robot::Scan& scan) const;
-  scanmatch::MatchResult match(const std::vector<core::Point2>& points, const LevelMaps& maps,
+             std::vector<scanmatch::PatchPoint>& points, Eigen::Matrix3d& information);
+  std::vector<scanmatch::PatchPoint> pointsOf(const robot::Scan& scan) const;
+  scanmatch::MatchResult match(const std::vector<scanmatch::PatchPoint>& points, const LevelMaps& maps,
                                const core::Pose2& T_start, const scanmatch::PosePrior& prior,
                                double prior_kernel, bool with_coarse) const;
-  std::optional<scanmatch::MatchResult> recover(const std::vector<core::Point2>& points,
+  std::optional<scanmatch::MatchResult> recover(const std::vector<scanmatch::PatchPoint>& points,
                                                 const core::Pose2& predicted,
                                                 const core::Pose2& matched) const;
   void fill(LevelMaps& maps, const std::vector<int>& keyframes, const core::Point2& centre) const;
@@ -157,15 +164,22 @@ class GraphSlam {
   std::vector<int> nearestKeyframes(std::vector<int> near) const;
   void setMap(const std::vector<int>& near, const core::Point2& centre);
   void setMapNear(const core::Point2& centre);
-  void addKeyframe(const robot::Scan& scan, std::vector<core::Point2> points, const core::Pose2& T_map_robot,
-                   const Eigen::Matrix3d& information);
+  void addKeyframe(const robot::Scan& scan, std::vector<scanmatch::PatchPoint> points,
+                   const core::Pose2& T_map_robot, const Eigen::Matrix3d& information,
+                   const Eigen::Matrix3d& covariance);
   int addOdometryEdge(int keyframe);
   std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
                               const core::Pose2& T_map_robot) const;
   void link(int a, int b);
-  View view(int viewer, const core::Pose2& T_viewer_points, const std::vector<core::Point2>& points) const;
+  Sight sight(int viewer, const core::Point2& p_lidar) const;
+  double gain(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot,
+              const core::Pose2& T_map_other) const;
+  View view(int viewer, const core::Pose2& T_viewer_points,
+            const std::vector<scanmatch::PatchPoint>& points) const;
   void note(const char* event, double value, int other_keyframe = -1, const std::string& detail = "");
   core::Pose2 currentPose() const;
+  std::vector<Eigen::Matrix3d> keyframeCovariances() const;
+  Eigen::Matrix3d mapCovariance(const core::Point2& at) const;
   const Keyframe& keyframe(int k) const { return keyframes_[static_cast<size_t>(k)]; }
   int lastKeyframe() const { return static_cast<int>(keyframes_.size()) - 1; }
 
@@ -174,6 +188,8 @@ class GraphSlam {
   void searchRemainingLoops();
   std::optional<Hypothesis> findLoop(int keyframe, int query_first, int query_last);
   bool confirm(Hypothesis& hypothesis, int keyframe) const;
+  static double distinctness(const std::vector<scanmatch::PatchPoint>& points, const LevelMaps& maps,
+                             const scanmatch::MatchResult& matched);
   bool accept(const Hypothesis& hypothesis);
   std::vector<double> pathTo(int keyframe) const;
   double optimiseGraph();
@@ -191,7 +207,8 @@ class GraphSlam {
   std::vector<JournalEntry> journal_;
   LevelMaps maps_;
   std::vector<int> map_keyframes_;
-  robot::Scan geometry_;                                          ///< of the first scan, without its ranges
+  std::vector<int> anchors_;  ///< of these, those that stand for the local map's uncertainty
+  robot::Scan geometry_;      ///< of the first scan, without its ranges
   core::Pose2 T_keyframe_robot_, T_previous_robot_, T_odometry_;  ///< the last: since the last keyframe
   bool odometry_holds_ = true;                                    ///< since the last keyframe
   double path_m_ = 0, searched_m_ = 0;

@@ -8,6 +8,8 @@ namespace {
 
 /// Two returns of neighbouring beams lie on one surface unless it would be seen at more than about 80 degrees.
 constexpr double kSteepest = 6;
+/// The same for the patch that a return stands for, at about 85 degrees.
+constexpr double kPatchSteepest = 12;
 constexpr int kLeastNeighbours = 2, kMostNeighbours = 10;
 
 double squaredDistance(const core::Point2& a, const core::Point2& b) {
@@ -77,12 +79,40 @@ std::vector<int> keptOf(const std::vector<core::Point2>& points, double spacing_
 
 }  // namespace
 
-std::vector<core::Point2> thinnedPoints(const robot::Scan& scan, const ScanPointOptions& options) {
-  const Returns returns = returnsOf(scan, options.max_range_m);
-  const auto kept = keptOf(returns.points, options.spacing_m);
-  std::vector<core::Point2> result;
+core::Point2 position(const PatchPoint& point) {
+  return {point.x, point.y};
+}
+
+PatchPoint operator*(const core::Pose2& T, const PatchPoint& p) {
+  const double c = std::cos(T.phi), s = std::sin(T.phi);
+  return {static_cast<float>(T.x + c * p.x - s * p.y), static_cast<float>(T.y + s * p.x + c * p.y),
+          static_cast<float>(c * p.along_x - s * p.along_y),
+          static_cast<float>(s * p.along_x + c * p.along_y)};
+}
+
+std::vector<PatchPoint> patchPoints(const robot::Scan& scan, const ScanPointOptions& options) {
+  const auto [points, beams] = returnsOf(scan, options.max_range_m);
+  const int n = static_cast<int>(points.size());
+  const core::Point2 eye{scan.T_robot_lidar.x, scan.T_robot_lidar.y};
+  const auto kept = keptOf(points, options.spacing_m);
+  std::vector<PatchPoint> result;
   result.reserve(kept.size());
-  for (const int k : kept) result.push_back(returns.points[k]);
+  for (const int k : kept) {
+    const core::Point2& p = points[k];
+    const double spot_m = std::sqrt(squaredDistance(p, eye)) * scan.step_rad;
+    // To the nearer of its neighbours: the other one may lie behind an edge.
+    double shortest2 = kPatchSteepest * kPatchSteepest * spot_m * spot_m;
+    core::Point2 gap{-(p.y - eye.y) * scan.step_rad, (p.x - eye.x) * scan.step_rad};
+    for (const int other : {k - 1, k + 1}) {
+      if (other < 0 || other >= n || std::abs(beams[other] - beams[k]) != 1) continue;
+      const double away2 = squaredDistance(points[other], p);
+      if (away2 < shortest2) shortest2 = away2, gap = {points[other].x - p.x, points[other].y - p.y};
+    }
+    // Uniform over half of the gap to each side.
+    const double share = 0.5 / std::sqrt(3.0);
+    result.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(share * gap.x),
+                      static_cast<float>(share * gap.y)});
+  }
   return result;
 }
 

@@ -28,7 +28,7 @@ void SurfelMap::clear(const core::Point2& centre, double reach_m) {
   sums_.clear(), cells_.clear(), surfels_.clear(), asked_cells_.clear();
 }
 
-void SurfelMap::add(const std::vector<core::Point2>& points, const core::Pose2& T_map_robot) {
+void SurfelMap::add(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot) {
   const double c = std::cos(T_map_robot.phi), s = std::sin(T_map_robot.phi);
   const double tx = T_map_robot.x - origin_.x, ty = T_map_robot.y - origin_.y;
   for (const auto& point : points) {
@@ -47,8 +47,9 @@ void SurfelMap::add(const std::vector<core::Point2>& points, const core::Pose2& 
     const double dx = x - (static_cast<double>(column) + 0.5) * cell_m_;
     const double dy = y - (static_cast<double>(row) + 0.5) * cell_m_;
     Sums& sums = sums_[static_cast<size_t>(index)];
+    const double ax = c * point.along_x - s * point.along_y, ay = s * point.along_x + c * point.along_y;
     sums.n += 1, sums.x += dx, sums.y += dy;
-    sums.xx += dx * dx, sums.xy += dx * dy, sums.yy += dy * dy;
+    sums.xx += dx * dx + ax * ax, sums.xy += dx * dy + ax * ay, sums.yy += dy * dy + ay * ay;
   }
 }
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/scanmatch/scan_points.h"
 
 namespace slam::scanmatch {
 
@@ -22,7 +23,7 @@ class SurfelMap {
   /// Empty, covering [centre - reach, centre + reach] in both directions; points outside are left out.
   void clear(const core::Point2& centre, double reach_m);
   /// Points of a scan, robot frame.
-  void add(const std::vector<core::Point2>& points, const core::Pose2& T_map_robot);
+  void add(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot);
 
   core::Point2 origin() const { return origin_; }
   /// nullptr where no surface is near. Coordinates from origin(). A surfel is made when it is first asked for, so that

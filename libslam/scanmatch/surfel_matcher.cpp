@@ -12,7 +12,7 @@ struct System {
   double weight_sum = 0;
 };
 
-System accumulate(const std::vector<core::Point2>& points, const SurfelMap& map, const core::Pose2& T,
+System accumulate(const std::vector<PatchPoint>& points, const SurfelMap& map, const core::Pose2& T,
                   double kernel) {
   const double c = std::cos(T.phi), s = std::sin(T.phi);
   const double tx = T.x - map.origin().x, ty = T.y - map.origin().y;
@@ -45,7 +45,7 @@ System accumulate(const std::vector<core::Point2>& points, const SurfelMap& map,
 
 }  // namespace
 
-MatchResult alignToSurfels(const std::vector<core::Point2>& points, const SurfelMap& map,
+MatchResult alignToSurfels(const std::vector<PatchPoint>& points, const SurfelMap& map,
                            const core::Pose2& T_start, const PosePrior& prior, const MatchOptions& options) {
   MatchResult result;
   result.T_map_robot = T_start;
@@ -79,7 +79,7 @@ MatchResult alignToSurfels(const std::vector<core::Point2>& points, const Surfel
   return result;
 }
 
-double surfelScore(const std::vector<core::Point2>& points, const SurfelMap& map,
+double surfelScore(const std::vector<PatchPoint>& points, const SurfelMap& map,
                    const core::Pose2& T_map_robot, double kernel, int stride) {
   const double c = std::cos(T_map_robot.phi), s = std::sin(T_map_robot.phi);
   const double tx = T_map_robot.x - map.origin().x, ty = T_map_robot.y - map.origin().y;

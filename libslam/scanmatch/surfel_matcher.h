@@ -25,11 +25,11 @@ struct MatchResult {
 
 /// Gauss-Newton from T_start: the points (robot frame) to the surfels of the cells that they fall into. Without points
 /// the start, and no information. Cost: some 10 ns per point and iteration.
-MatchResult alignToSurfels(const std::vector<core::Point2>& points, const SurfelMap& map,
+MatchResult alignToSurfels(const std::vector<PatchPoint>& points, const SurfelMap& map,
                            const core::Pose2& T_start, const PosePrior& prior, const MatchOptions& options);
 
 /// The score at a pose, without any alignment; over every `stride`-th point.
-double surfelScore(const std::vector<core::Point2>& points, const SurfelMap& map,
+double surfelScore(const std::vector<PatchPoint>& points, const SurfelMap& map,
                    const core::Pose2& T_map_robot, double kernel, int stride);
 
 }  // namespace slam::scanmatch

@@ -205,12 +205,68 @@ TEST(GraphSlam, IsUnsureWhereTheScanSaysNothing) {
   const auto log = drive(ring(), lapsAround(1), {}, 0);
   GraphSlam graph{GraphOptions()};
   for (size_t i = 0; i < 20; ++i) graph.process(log.scans[i], log.increments[i], true);
-  const auto seen = graph.process(log.scans[20], log.increments[20], true).covariance;
+  const auto seen = graph.process(log.scans[20], log.increments[20], true).match_covariance;
   auto blind = log.scans[21];
   for (float& range : blind.ranges_m) range = robot::kNoReturn;
-  const auto unseen = graph.process(blind, log.increments[21], true).covariance;
+  const auto unseen = graph.process(blind, log.increments[21], true).match_covariance;
   EXPECT_GT(unseen(0, 0), 4 * seen(0, 0));
   EXPECT_LT(unseen(0, 0), 1);
+}
+
+std::vector<core::Pose2> straight(double from_m, double to_m) {
+  std::vector<core::Pose2> path;
+  const double heading = to_m > from_m ? 0 : core::kPi;
+  for (int i = 0; i <= std::lround(std::abs(to_m - from_m) / 0.1); ++i)
+    path.push_back({from_m + (to_m > from_m ? 0.1 : -0.1) * i, 0, heading});
+  return path;
+}
+
+TEST(GraphSlam, FollowsOdometryAlongACorridorFromTheFirstScanOn) {
+  // A robot that stands still explains the first scan best: where it has come from is all that is mapped.
+  Lidar lidar;
+  lidar.max_range_m = 8;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const auto log = drive(rectangle(-100, -1.2, 100, 1.2), straight(0, 3), lidar, 0, seed);
+    GraphSlam graph{GraphOptions()};
+    for (size_t i = 0; i < log.scans.size(); ++i) {
+      const auto step = graph.process(log.scans[i], log.increments[i], true);
+      // Odometry's own noise over 3 m, and what walls of noisy points hold by chance.
+      EXPECT_LT(core::distance(step.T_map_robot, log.truth[i]), 0.15) << seed << " " << i;
+    }
+  }
+}
+
+TEST(GraphSlam, ClosesNoLoopWhosePlaceIsNotDistinctEnough) {
+  const auto log = drive(ring(), lapsAround(2), {}, 0.0006);
+  const auto accepted = [&](double distinctness) {
+    GraphOptions options;
+    options.loop_distinctness = distinctness;
+    GraphSlam graph(options);
+    for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);
+    graph.finish();
+    return std::count_if(graph.journal().begin(), graph.journal().end(),
+                         [](const JournalEntry& entry) { return entry.event == "accepted"; });
+  };
+  EXPECT_GT(accepted(GraphOptions().loop_distinctness), 0);
+  EXPECT_EQ(accepted(100), 0);
+}
+
+TEST(GraphSlam, IsLessSureTheFartherItDrivesAndSurerOnceALoopIsClosed) {
+  const auto log = drive(ring(), lapsAround(2), {}, 0);
+  GraphSlam graph{GraphOptions()};
+  std::vector<double> variance;
+  for (size_t i = 0; i < log.scans.size(); ++i)
+    variance.push_back(graph.process(log.scans[i], log.increments[i], true).pose_covariance.trace());
+  EXPECT_EQ(variance[0], 0);
+  const auto widest = std::max_element(variance.begin(), variance.end()) - variance.begin();
+  const auto lap = static_cast<long>(log.scans.size() / 2);
+  EXPECT_GT(variance[static_cast<size_t>(widest)], 4 * variance[20]);
+  EXPECT_LT(widest, lap + lap / 4);
+  EXPECT_LT(variance.back(), 0.5 * variance[static_cast<size_t>(widest)]);
+  graph.finish();
+  const auto covariances = graph.covariances();
+  ASSERT_EQ(covariances.size(), log.scans.size());
+  EXPECT_LT(covariances[static_cast<size_t>(widest)].trace(), variance[static_cast<size_t>(widest)]);
 }
 
 TEST(GraphSlam, RefusesWhatItsContractRulesOut) {

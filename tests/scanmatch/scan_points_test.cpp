@@ -60,13 +60,51 @@ TEST(ScanPoints, AreThinnedToTheirSpacing) {
   for (size_t i = 1; i < points.size(); ++i) EXPECT_GE(core::distance(points[i - 1].p, points[i].p), 0.2);
 }
 
-TEST(ScanPoints, AreTheSameWithoutTheirNormals) {
+TEST(ScanPoints, AreTheSameWithPatchesInsteadOfNormals) {
   core::RandomStream chance(1, "lidar");
   const auto scan = look(rectangle(-2, -2, 3, 2), {}, {}, chance);
-  const auto with = surfacePoints(scan, {});
-  const auto without = thinnedPoints(scan, {});
-  ASSERT_EQ(with.size(), without.size());
-  for (size_t i = 0; i < with.size(); ++i) EXPECT_EQ(core::distance(with[i].p, without[i]), 0);
+  const auto with_normals = surfacePoints(scan, {});
+  const auto patches = patchPoints(scan, {});
+  ASSERT_EQ(with_normals.size(), patches.size());
+  // Floats: a metre to 1e-7.
+  for (size_t i = 0; i < patches.size(); ++i)
+    EXPECT_LT(core::distance(with_normals[i].p, position(patches[i])), 1e-6);
+}
+
+TEST(ScanPoints, StandForTheWallUpToHalfWayToTheNextBeam) {
+  core::RandomStream chance(1, "lidar");
+  const auto scan = look(rectangle(-20, -1, 20, 1), {}, exactLidar(), chance);
+  ScanPointOptions options;
+  options.max_range_m = 8;
+  int far = 0;
+  for (const auto& patch : patchPoints(scan, options)) {
+    if (std::abs(patch.x) < 4) continue;
+    ++far;
+    // Along the wall, and as far as the beams lie apart there: x = 1 / tan(angle).
+    const double step_m = (patch.x * patch.x + 1) * scan.step_rad;
+    EXPECT_LT(std::abs(patch.along_y), 1e-4);
+    EXPECT_NEAR(std::abs(patch.along_x), step_m / (2 * std::sqrt(3.0)), 0.2 * step_m);
+  }
+  EXPECT_GT(far, 8);
+}
+
+TEST(ScanPoints, StandForWhatTheirBeamLeavesOpenSidewaysWhereNoNeighbourIsNear) {
+  robot::Scan scan;
+  scan.first_angle_rad = -0.01, scan.step_rad = 0.01;
+  scan.max_range_m = 30;
+  scan.ranges_m = {12, 4, 11};
+  const auto patches = patchPoints(scan, {});
+  ASSERT_EQ(patches.size(), 3U);
+  EXPECT_NEAR(patches[1].along_x, 0, 1e-6);
+  EXPECT_NEAR(patches[1].along_y, 4 * 0.01 / (2 * std::sqrt(3.0)), 1e-6);
+}
+
+TEST(ScanPoints, TurnWithTheirPatches) {
+  const PatchPoint turned = core::Pose2{1, 2, core::kPi / 2} * PatchPoint{3, 4, 0.5F, 0.25F};
+  EXPECT_NEAR(turned.x, -3, 1e-6);
+  EXPECT_NEAR(turned.y, 5, 1e-6);
+  EXPECT_NEAR(turned.along_x, -0.25, 1e-6);
+  EXPECT_NEAR(turned.along_y, 0.5, 1e-6);
 }
 
 TEST(ScanPoints, LeaveOutWhatIsNoReturnAndWhatIsTooFar) {

@@ -17,7 +17,7 @@ SurfelMap mapOf(const std::vector<Wall>& walls, const std::vector<core::Pose2>& 
   core::RandomStream chance(1, "map");
   SurfelMap map(0.1, 0.03);
   map.clear({}, 30);
-  for (const auto& pose : poses) map.add(thinnedPoints(look(walls, pose, {}, chance), {}), pose);
+  for (const auto& pose : poses) map.add(patchPoints(look(walls, pose, {}, chance), {}), pose);
   return map;
 }
 
@@ -49,11 +49,24 @@ TEST(SurfelMap, IsEmptyFarFromSurfacesOutsideAndAfterClear) {
 TEST(SurfelMap, LeavesOutPointsBeyondItsReachWithoutHarm) {
   SurfelMap map(0.1, 0.03);
   map.clear({100, -50}, 2);
-  std::vector<core::Point2> points;
-  for (int i = -400; i <= 400; ++i) points.push_back({100 + 0.01 * i, -50});
+  std::vector<PatchPoint> points;
+  for (int i = -400; i <= 400; ++i) points.push_back({100 + 0.01F * static_cast<float>(i), -50});
   map.add(points, {});
   EXPECT_NE(map.at(101.5 - map.origin().x, -50 - map.origin().y), nullptr);
   EXPECT_EQ(map.at(103.5 - map.origin().x, -50 - map.origin().y), nullptr);
+}
+
+TEST(SurfelMap, IsNotHeldAlongAWallByWhereAFewBeamsStruckIt) {
+  // One scan: at x = 6 its beams strike the wall 30 cm apart, each in a cell of its own.
+  const auto map = mapOf(rectangle(-100, -1, 100, 1), {core::Pose2{}, {0.01, 0, 0}});
+  int struck = 0;
+  for (double x = 5; x < 7; x += 0.05) {
+    const Surfel* surfel = map.at(x - map.origin().x, 1 - map.origin().y);
+    if (surfel == nullptr) continue;
+    ++struck;
+    EXPECT_LT(surfel->xx, 0.1 * surfel->yy) << x;
+  }
+  EXPECT_GT(struck, 2);
 }
 
 TEST(SurfelMatcher, FindsADisplacedRoomToMillimetres) {
@@ -62,7 +75,7 @@ TEST(SurfelMatcher, FindsADisplacedRoomToMillimetres) {
   core::RandomStream chance(7, "scan");
   for (int i = 0; i < 20; ++i) {
     const core::Pose2 truth{0.03 * i, -0.2 + 0.02 * i, 0.3 * i};
-    const auto points = thinnedPoints(look(walls, truth, {}, chance), {});
+    const auto points = patchPoints(look(walls, truth, {}, chance), {});
     const core::Pose2 start{truth.x + 0.06, truth.y - 0.05, truth.phi + 0.02};
     PosePrior flat;
     flat.mean = start;
@@ -79,7 +92,7 @@ TEST(SurfelMatcher, StaysWithOdometryAlongACorridorAndSaysThatItKnowsNothingTher
   const auto walls = rectangle(-200, -1, 200, 1);
   const auto map = mapOf(walls, aFewPosesAround(0));
   core::RandomStream chance(7, "scan");
-  const auto points = thinnedPoints(look(walls, {0.5, 0.1, 0}, {}, chance), {});
+  const auto points = patchPoints(look(walls, {0.5, 0.1, 0}, {}, chance), {});
   PosePrior odometry;
   odometry.mean = {0.42, 0.05, 0.01};
   odometry.information.diagonal() << 2500, 2500, 1e4;
@@ -94,7 +107,7 @@ TEST(SurfelMatcher, LetsGoOfOdometryThatContradictsTheScanOnlyWithAKernel) {
   const auto walls = rectangle(-4, -3, 5, 3);
   const auto map = mapOf(walls, aFewPosesAround(0));
   core::RandomStream chance(7, "scan");
-  const auto points = thinnedPoints(look(walls, {}, {}, chance), {});
+  const auto points = patchPoints(look(walls, {}, {}, chance), {});
   PosePrior odometry;
   odometry.mean = {0, 0, 0.1};
   odometry.information.diagonal() << 2500, 2500, 1e6;
@@ -113,7 +126,7 @@ TEST(SurfelMatcher, LetsGoOfOdometryThatContradictsTheScanOnlyWithAKernel) {
 TEST(SurfelMatcher, ScoresNothingWhereThereIsNoMap) {
   SurfelMap map(0.1, 0.03);
   map.clear({}, 10);
-  const std::vector<core::Point2> points = {{1, 0}, {0, 1}};
+  const std::vector<PatchPoint> points = {{1, 0}, {0, 1}};
   PosePrior prior;
   prior.mean = {0.1, 0.2, 0.3};
   prior.information.setIdentity();
