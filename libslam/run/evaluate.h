@@ -9,6 +9,7 @@
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/report/table.h"
 #include "libslam/run/build_map.h"
+#include "libslam/stats/paired.h"
 #include "libslam/world/plan.h"
 
 namespace slam::run {
@@ -77,6 +78,8 @@ struct MetricInfo {
   std::string key, title, meaning;
   int decimals;
   double (*of)(const Evaluation&);
+  std::optional<stats::Better> better = stats::Better::kSmaller;  ///< none: neither direction is good
+  bool depends_on_machine = false;  ///< time and memory: not the same bytes twice
 };
 const std::vector<MetricInfo>& metricInfos();
 
