@@ -56,13 +56,15 @@ void writeGate(const Context& context, const Arguments& arguments, const std::ve
 
 void print(const Context& context, std::vector<std::pair<std::string, report::Table>> tables,
            const GateResult& gate) {
-  if (gate.table) tables.emplace_back("gate", *gate.table);
+  if (gate.table && (context.json || !gate.table->rows.empty())) tables.emplace_back("gate", *gate.table);
   nlohmann::ordered_json json;
   std::string text;
   for (const auto& [name, table] : tables) {
     json[name] = parsed(table);
     text += (text.empty() ? "" : "\n") + report::toText(table);
   }
+  if (gate.table && gate.table->rows.empty())
+    for (const auto& note : gate.table->notes) text += "\n" + note + "\n";
   std::cout << (context.json ? json.dump(2) + "\n" : text);
 }
 

@@ -9,6 +9,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/stats/consistency.h"
 
 namespace slam::run {
 namespace {
@@ -63,6 +64,12 @@ RunFolder loadRun(const std::string& folder) {
   run.estimate = logs::readTum(folder + "/trajectory.tum");
   const std::string final_path = folder + "/trajectory_final.tum";
   if (std::filesystem::exists(final_path)) run.final_estimate = logs::readTum(final_path);
+  const std::string covariances_path = folder + "/covariances.csv";
+  if (std::filesystem::exists(covariances_path)) run.covariances = readCovariances(covariances_path);
+  if (!run.covariances.empty() && run.covariances.size() != run.estimate.size())
+    throw core::InputError(covariances_path + ": found " + std::to_string(run.covariances.size()) +
+                           " covariances, expected one for each of the " +
+                           std::to_string(run.estimate.size()) + " poses of trajectory.tum");
   world::PlanOptions options;
   options.allow_empty = true;  // a naive map claims no free space, a diverged one no walls
   run.map = world::loadPlan(folder + "/map.yaml", options);
@@ -92,6 +99,7 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
   e.trajectory = e.final_trajectory = {kNoStatistics, kNoStatistics, {}, 0};
   e.per_metre = e.per_second = {kNoStatistics, kNoStatistics};
   e.map = {kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
+  e.anees = e.within_50_share = e.within_95_share = kNan;
   e.cost = {kNan, kNan, kNan, kNan};
   e.path_length_m = e.map_mean_entropy_bits = e.agreement_m = kNan;
   e.structure = {kNan, 0, 0};
@@ -99,6 +107,20 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
   e.end_pose = {kNan, kNan, kNan};
   return e;
 }
+
+namespace {
+
+void judgeCovariances(const RunFolder& run, const Truth& truth, Evaluation& e) {
+  constexpr int kPoseDegreesOfFreedom = 3;
+  const auto consistency =
+      stats::consistency({poseNees(truth.trajectory, run.estimate, run.covariances)}, kPoseDegreesOfFreedom);
+  if (!consistency) return;
+  e.anees = consistency->anees.value;
+  e.within_50_share = consistency->coverage50.value;
+  e.within_95_share = consistency->coverage95.value;
+}
+
+}  // namespace
 
 Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth) {
   Evaluation e = failedEvaluation(run.method, "");
@@ -117,6 +139,7 @@ Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth) {
       run.final_estimate ? metrics::trajectoryError(truth->trajectory, *run.final_estimate) : e.trajectory;
   e.per_metre = metrics::relativeErrorOverDistance(truth->trajectory, run.estimate, 1.0);
   e.per_second = metrics::relativeErrorOverTime(truth->trajectory, run.estimate, 1.0);
+  if (!run.covariances.empty()) judgeCovariances(run, *truth, e);
   if (truth->plan && truth->seen)
     e.map = metrics::scoreMap(*truth->plan, *truth->seen, run.map, e.final_trajectory.T_truth_estimate,
                               kWallTolerance_m);
@@ -177,6 +200,14 @@ const std::vector<MetricInfo>& metricInfos() {
        [](const E& e) { return e.map.truth_to_wall_p95_m; }},
       {"known_share", "known", "share of the region that could be seen of which the map claims to know", 3,
        [](const E& e) { return e.map.known_share; }, kLarger},
+      {"anees", "ANEES",
+       "error of the pose given online (no alignment: the start is known) against the method's own "
+       "covariance, squared, over 3 and averaged: 1 is true, above 1 too sure, below 1 too modest",
+       2, [](const E& e) { return e.anees; }, kNeither},
+      {"within_50_share", "in 50 %", "share of the poses within the ellipsoid that should hold half of them",
+       3, [](const E& e) { return e.within_50_share; }, kNeither},
+      {"within_95_share", "in 95 %", "the same for 95 %", 3, [](const E& e) { return e.within_95_share; },
+       kNeither},
       {"path_length_m", "path m", "length of the estimated path", 2,
        [](const E& e) { return e.path_length_m; }, kNeither},
       {"end_x_m", "end x m", "last estimated pose, map frame", 2, [](const E& e) { return e.end_pose.x; },
@@ -259,7 +290,9 @@ report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Tr
   const auto add = [&](std::initializer_list<const char*> more) {
     keys.insert(keys.end(), more.begin(), more.end());
   };
-  if (detail == Detail::kFull) add({"ate_max_m", "rpe_1s_m", "rpe_1s_deg", "path_length_m"});
+  if (detail == Detail::kFull)
+    add({"ate_max_m", "rpe_1s_m", "rpe_1s_deg", "anees", "within_50_share", "within_95_share",
+         "path_length_m"});
   if (truth.plan) add({"wall_f1", "free_iou", "wall_p95_m"});
   if (truth.plan && detail == Detail::kFull)
     add({"wall_p50_m", "wall_precision", "wall_recall", "missed_p50_m", "missed_p95_m", "known_share"});

@@ -19,6 +19,8 @@ struct RunFolder {
   std::string path, method;
   core::Trajectory estimate;  ///< online
   std::optional<core::Trajectory> final_estimate;
+  std::vector<StampedCovariance>
+      covariances;  ///< of `estimate`, pose by pose; empty where the method gives none
   world::Plan map;  ///< in the map frame
   core::Manifest manifest;
   Cost cost;
@@ -42,6 +44,8 @@ struct Evaluation {
   metrics::TrajectoryError final_trajectory;  ///< of the path in the end: the same where nothing is corrected
   metrics::RelativeError per_metre, per_second;
   metrics::MapScore map;
+  /// Whether the covariances of the online poses tell the truth (poseNees(), stats::consistency()); NaN where there are none.
+  double anees, within_50_share, within_95_share;
   Cost cost;
   double path_length_m = 0;
   core::Pose2 end_pose;  ///< T_map_robot at the last scan

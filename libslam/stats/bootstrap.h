@@ -31,8 +31,8 @@ enum class Statistic { kMean, kMedian };
 /// inconsistent there (Efron and Tibshirani, An Introduction to the Bootstrap, 1993, section 10.6).
 /// Where BCa is undefined (every resample lies on one side of the estimate, or its corrected level leaves (0, 1)) the
 /// interval is the percentile one; all values equal: of width 0, which speaks of the values only.
-/// With one value: no interval. Intervals from fewer than about 10 values are too narrow in truth: 0.95 covers some
-/// 0.90 of the time at 10 and 0.83 at 5.
+/// With one value: no interval. From few values the interval is too narrow in truth: of normal values 0.95 covers the mean
+/// 0.72 of the time at 3, 0.84 at 5, 0.90 at 10, 0.94 at 40; the median 0.93 from 5 on.
 /// The median may take infinite values (runs that failed), of one sign. REQUIRES at least one value, none NaN, the
 /// mean's finite, options within their bounds (ContractError). Cost: resamples times values.
 Estimate bootstrapInterval(const std::vector<double>& values, Statistic statistic,
