@@ -34,11 +34,11 @@ GateVerdict verdict(const GateRow& row, std::vector<double> values) {
 }
 
 TEST(Gate, AllowsTheLargerOfBothTolerances) {
-  const auto row = ateRow({1}, 0.1, 0.05);
-  EXPECT_EQ(verdict(row, {1.1}), GateVerdict::kWithin);
-  EXPECT_EQ(verdict(row, {1.11}), GateVerdict::kWorse);
-  EXPECT_EQ(verdict(row, {0.9}), GateVerdict::kWithin);
-  EXPECT_EQ(verdict(row, {0.89}), GateVerdict::kBetter);
+  const auto row = ateRow({1}, 0.125, 0.0625);  // exact in binary: the edge itself is within
+  EXPECT_EQ(verdict(row, {1.125}), GateVerdict::kWithin);
+  EXPECT_EQ(verdict(row, {1.13}), GateVerdict::kWorse);
+  EXPECT_EQ(verdict(row, {0.875}), GateVerdict::kWithin);
+  EXPECT_EQ(verdict(row, {0.87}), GateVerdict::kBetter);
   EXPECT_EQ(verdict(ateRow({1}, 0.1, 0.5), {1.4}), GateVerdict::kWithin);
   EXPECT_EQ(verdict(ateRow({1}, 0, 0), {1}), GateVerdict::kWithin);
   EXPECT_EQ(verdict(ateRow({1}, 0, 0), {std::nextafter(1, 2)}), GateVerdict::kWorse);
