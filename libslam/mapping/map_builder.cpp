@@ -8,11 +8,14 @@
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/poses/CPose3D.h>
+#include <mrpt/poses/CPose3DPDF.h>
 #include <mrpt/random/RandomGenerators.h>
 #include <mrpt/slam/CMetricMapBuilderICP.h>
 #include <mrpt/slam/CMetricMapBuilderRBPF.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -344,6 +347,20 @@ core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core:
   noteUpdate(method);
   ++state.steps;
   return state.T_map_robot;
+}
+
+std::optional<Eigen::Matrix3d> poseCovariance(const MapBuilder& method) {
+  if (method.type == "naive") return std::nullopt;
+  mrpt::math::CMatrixDouble66 spatial;  // x, y, z, yaw, pitch, roll
+  mrpt::poses::CPose3D mean;
+  method.builder->getCurrentPoseEstimation()->getCovarianceAndMean(spatial, mean);
+  constexpr std::array<int, 3> kPlanar = {0, 1, 3};
+  Eigen::Matrix3d covariance;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      covariance(row, column) =
+          spatial(kPlanar[static_cast<size_t>(row)], kPlanar[static_cast<size_t>(column)]);
+  return covariance;
 }
 
 void finishMap(MapBuilder& method) {

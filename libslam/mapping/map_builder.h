@@ -1,4 +1,5 @@
 #pragma once
+#include <Eigen/Core>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -69,6 +70,11 @@ core::IniFile loadMethodConfig(const std::string& methods_folder, const std::str
 /// [mapping] max_map_cells (checked before the scan is inserted), or MRPT throws. REQUIRES at least 2 beams.
 core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core::Pose2& T_previous_robot,
                         bool has_odometry);
+
+/// How sure the method says that it is of the pose that processScan() gave last: covariance of x (m), y (m), phi (rad) in
+/// the map frame, as getCurrentPoseEstimation() has it; what it leaves out stands with each method. nullopt for naive,
+/// which says nothing.
+std::optional<Eigen::Matrix3d> poseCovariance(const MapBuilder& method);
 
 /// The map as it is now.
 gridmap::OccupancyRaster currentMap(const MapBuilder& method);

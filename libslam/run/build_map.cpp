@@ -62,6 +62,8 @@ const std::map<std::string, std::string>& fileNotes() {
   static const std::map<std::string, std::string> notes = {
       {"trajectory.tum", "estimated pose of every scan, TUM form: rasterslam eval, evo"},
       {"trajectory_final.tum", "the same as the method has it in the end: rasterslam eval --relations, evo"},
+      {"covariances.csv",
+       "how sure the method says that it is of each of these poses: x, y (m), phi (rad), map frame"},
       {"map.yaml", "ROS map: map_server, ros-map-yaml2mrpt; its picture is map.png"},
       {"map.png", "the map as a picture"},
       {"map.gridmap.gz", "MRPT occupancy grid: pf-localization, GridmapNavSimul"},
@@ -88,11 +90,18 @@ std::string journalText(const std::vector<mapping::JournalEntry>& journal,
   return text.str();
 }
 
-/// Scans of a log may carry stamps that run back; a trajectory does not.
-core::Trajectory inStampOrder(core::Trajectory trajectory) {
-  std::stable_sort(trajectory.begin(), trajectory.end(),
+/// Scans of a log may carry stamps that run back; a trajectory, and what goes with it, does not.
+template <class Stamped>
+std::vector<Stamped> inStampOrder(std::vector<Stamped> stamped) {
+  std::stable_sort(stamped.begin(), stamped.end(),
                    [](const auto& a, const auto& b) { return a.time_s < b.time_s; });
-  return trajectory;
+  return stamped;
+}
+
+/// A method that leaves every covariance at zero gives none.
+bool areGiven(const std::vector<StampedCovariance>& covariances) {
+  return std::any_of(covariances.begin(), covariances.end(),
+                     [](const StampedCovariance& stamped) { return !stamped.covariance.isZero(0); });
 }
 
 void describeSelfScore(const SelfScore& score, std::map<std::string, std::string>& results) {
@@ -137,6 +146,8 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
       throw core::MethodError(method_name + " diverged at scan " + std::to_string(run.estimate.size() + 1) +
                               ": its pose is not finite");
     run.estimate.push_back({entry->scan.time_s, T_map_robot});
+    if (const auto covariance = mapping::poseCovariance(method))
+      run.covariances.push_back({entry->scan.time_s, *covariance});
     stamps_s.push_back(entry->scan.time_s);
     progress.update(log.fractionRead(), entry->scan.time_s - stamps_s.front());
   }
@@ -156,12 +167,15 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   const auto map = mapping::currentMap(method);
   const auto self = selfScore(log_path, final_path ? *final_path : run.estimate, toPlan(map), progress);
   run.estimate = inStampOrder(std::move(run.estimate));
+  run.covariances =
+      areGiven(run.covariances) ? inStampOrder(std::move(run.covariances)) : std::vector<StampedCovariance>();
   if (final_path) run.final_estimate = inStampOrder(std::move(*final_path));
   run.cost = summarize(milliseconds, finish_s, run.estimate.back().time_s - run.estimate.front().time_s);
   run.cost.peak_memory_mb = peak_memory_mb;
 
   logs::writeTum(run.estimate, output.path() + "/trajectory.tum");
   if (run.final_estimate) logs::writeTum(*run.final_estimate, output.path() + "/trajectory_final.tum");
+  if (!run.covariances.empty()) writeCovariances(run.covariances, output.path() + "/covariances.csv");
   mapping::saveMaps(method, run.final_estimate.value_or(run.estimate), output.path());
   std::ostringstream timing;
   timing << "scan,time_s,cpu_ms\n";
@@ -180,6 +194,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   manifest.files = fileNotes();
   if (journal.empty()) manifest.files.erase("journal.csv");
   if (!run.final_estimate) manifest.files.erase("trajectory_final.tum");
+  if (run.covariances.empty()) manifest.files.erase("covariances.csv");
   manifest.results["method"] = method_name;
   manifest.results["scans"] = std::to_string(run.estimate.size());
   manifest.results["steps_without_odometry"] = std::to_string(run.steps_without_odometry);

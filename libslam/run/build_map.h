@@ -10,6 +10,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
 #include "libslam/robot/scan.h"
+#include "libslam/run/pose_covariances.h"
 
 namespace slam::run {
 
@@ -25,7 +26,9 @@ struct MapRun {
   core::Trajectory
       estimate;  ///< T_map_robot at every scan, as the method gave it online, in the order of stamps
   std::optional<core::Trajectory>
-      final_estimate;        ///< the same in the end, where the method corrects its past
+      final_estimate;  ///< the same in the end, where the method corrects its past
+  std::vector<StampedCovariance>
+      covariances;           ///< of `estimate`, pose by pose; empty where the method gives none
   double path_length_m = 0;  ///< of the poses given online; this and the next in the order of the log
   core::Pose2 end;           ///< T_map_robot at the last scan
   Cost cost;
@@ -34,7 +37,8 @@ struct MapRun {
 
 /// Runs a SLAM method over a log and writes a folder:
 ///   trajectory.tum   map.yaml + map.png   map.gridmap.gz   map.simplemap   map.3Dscene   timing.csv
-///   trajectory_final.tum (where mapping::finalPath() has one)   journal.csv (where the method keeps one)   manifest.json
+///   trajectory_final.tum (where mapping::finalPath() has one)   covariances.csv (of the poses given online, where the method
+///   gives any: pose_covariances.h)   journal.csv (where the method keeps one)   manifest.json
 /// Trajectories are written in the order of their stamps, which in a log may run back. The manifest's results also hold
 /// what needs the scans to say it: sharpness of the points and agreement of scans and map (keys `self.*`; self_score.h),
 /// placed at the final poses where there are any. The folder appears whole or not at all. Same log, config and seed: the same bytes but for timing.csv and

@@ -9,6 +9,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/stats/consistency.h"
 
 namespace slam::run {
 namespace {
@@ -63,6 +64,12 @@ RunFolder loadRun(const std::string& folder) {
   run.estimate = logs::readTum(folder + "/trajectory.tum");
   const std::string final_path = folder + "/trajectory_final.tum";
   if (std::filesystem::exists(final_path)) run.final_estimate = logs::readTum(final_path);
+  const std::string covariances_path = folder + "/covariances.csv";
+  if (std::filesystem::exists(covariances_path)) run.covariances = readCovariances(covariances_path);
+  if (!run.covariances.empty() && run.covariances.size() != run.estimate.size())
+    throw core::InputError(covariances_path + ": found " + std::to_string(run.covariances.size()) +
+                           " covariances, expected one for each of the " +
+                           std::to_string(run.estimate.size()) + " poses of trajectory.tum");
   world::PlanOptions options;
   options.allow_empty = true;  // a naive map claims no free space, a diverged one no walls
   run.map = world::loadPlan(folder + "/map.yaml", options);
@@ -92,6 +99,7 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
   e.trajectory = e.final_trajectory = {kNoStatistics, kNoStatistics, {}, 0};
   e.per_metre = e.per_second = {kNoStatistics, kNoStatistics};
   e.map = {kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
+  e.anees = e.within_50_share = e.within_95_share = kNan;
   e.cost = {kNan, kNan, kNan, kNan};
   e.path_length_m = e.map_mean_entropy_bits = e.agreement_m = kNan;
   e.structure = {kNan, 0, 0};
@@ -99,6 +107,20 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
   e.end_pose = {kNan, kNan, kNan};
   return e;
 }
+
+namespace {
+
+void judgeCovariances(const RunFolder& run, const Truth& truth, Evaluation& e) {
+  constexpr int kPoseDegreesOfFreedom = 3;
+  const auto consistency =
+      stats::consistency({poseNees(truth.trajectory, run.estimate, run.covariances)}, kPoseDegreesOfFreedom);
+  if (!consistency) return;
+  e.anees = consistency->anees.value;
+  e.within_50_share = consistency->coverage50.value;
+  e.within_95_share = consistency->coverage95.value;
+}
+
+}  // namespace
 
 Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth) {
   Evaluation e = failedEvaluation(run.method, "");
@@ -117,6 +139,7 @@ Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth) {
       run.final_estimate ? metrics::trajectoryError(truth->trajectory, *run.final_estimate) : e.trajectory;
   e.per_metre = metrics::relativeErrorOverDistance(truth->trajectory, run.estimate, 1.0);
   e.per_second = metrics::relativeErrorOverTime(truth->trajectory, run.estimate, 1.0);
+  if (!run.covariances.empty()) judgeCovariances(run, *truth, e);
   if (truth->plan && truth->seen)
     e.map = metrics::scoreMap(*truth->plan, *truth->seen, run.map, e.final_trajectory.T_truth_estimate,
                               kWallTolerance_m);
@@ -134,6 +157,8 @@ double countOf(const Evaluation& e, std::size_t count) {
 
 const std::vector<MetricInfo>& metricInfos() {
   using E = Evaluation;
+  constexpr auto kSmaller = stats::Better::kSmaller, kLarger = stats::Better::kLarger;
+  constexpr auto kNeither = std::nullopt;
   static const std::vector<MetricInfo> infos = {
       {"ate_rmse_m", "ATE rmse m",
        "absolute trajectory error of the path given online: position after SE(2) least-squares alignment, no "
@@ -155,15 +180,15 @@ const std::vector<MetricInfo>& metricInfos() {
        [](const E& e) { return core::radToDeg(e.per_second.rotation_rad.rmse); }},
       {"wall_f1", "wall F1",
        "estimated against true walls within 0.10 m: harmonic mean of precision and recall", 3,
-       [](const E& e) { return e.map.occupied_f1; }},
+       [](const E& e) { return e.map.occupied_f1; }, kLarger},
       {"wall_precision", "wall prec.", "share of the estimated walls within 0.10 m of a true one", 3,
-       [](const E& e) { return e.map.occupied_precision; }},
+       [](const E& e) { return e.map.occupied_precision; }, kLarger},
       {"wall_recall", "wall rec.",
        "share of the true walls that could be seen within 0.10 m of an estimated one", 3,
-       [](const E& e) { return e.map.occupied_recall; }},
+       [](const E& e) { return e.map.occupied_recall; }, kLarger},
       {"free_iou", "free IoU",
        "free space: intersection over union with the true free space that could be seen", 3,
-       [](const E& e) { return e.map.free_iou; }},
+       [](const E& e) { return e.map.free_iou; }, kLarger},
       {"wall_p50_m", "wall p50 m", "median distance from estimated walls to the nearest true wall", 3,
        [](const E& e) { return e.map.wall_to_truth_p50_m; }},
       {"wall_p95_m", "wall p95 m", "95th percentile of the same", 3,
@@ -174,13 +199,23 @@ const std::vector<MetricInfo>& metricInfos() {
       {"missed_p95_m", "missed p95 m", "95th percentile of the same", 3,
        [](const E& e) { return e.map.truth_to_wall_p95_m; }},
       {"known_share", "known", "share of the region that could be seen of which the map claims to know", 3,
-       [](const E& e) { return e.map.known_share; }},
+       [](const E& e) { return e.map.known_share; }, kLarger},
+      {"anees", "ANEES",
+       "error of the pose given online (no alignment: the start is known) against the method's own "
+       "covariance, squared, over 3 and averaged: 1 is true, above 1 too sure, below 1 too modest",
+       2, [](const E& e) { return e.anees; }, kNeither},
+      {"within_50_share", "in 50 %", "share of the poses within the ellipsoid that should hold half of them",
+       3, [](const E& e) { return e.within_50_share; }, kNeither},
+      {"within_95_share", "in 95 %", "the same for 95 %", 3, [](const E& e) { return e.within_95_share; },
+       kNeither},
       {"path_length_m", "path m", "length of the estimated path", 2,
-       [](const E& e) { return e.path_length_m; }},
-      {"end_x_m", "end x m", "last estimated pose, map frame", 2, [](const E& e) { return e.end_pose.x; }},
-      {"end_y_m", "end y m", "last estimated pose, map frame", 2, [](const E& e) { return e.end_pose.y; }},
+       [](const E& e) { return e.path_length_m; }, kNeither},
+      {"end_x_m", "end x m", "last estimated pose, map frame", 2, [](const E& e) { return e.end_pose.x; },
+       kNeither},
+      {"end_y_m", "end y m", "last estimated pose, map frame", 2, [](const E& e) { return e.end_pose.y; },
+       kNeither},
       {"end_yaw_deg", "end yaw deg", "last estimated pose, map frame", 1,
-       [](const E& e) { return core::radToDeg(e.end_pose.phi); }},
+       [](const E& e) { return core::radToDeg(e.end_pose.phi); }, kNeither},
       {"agreement_m", "agree m", "median over the other methods of the ATE between their path and this one",
        3, [](const E& e) { return e.agreement_m; }},
       {"wall_thickness_m", "walls m",
@@ -193,7 +228,7 @@ const std::vector<MetricInfo>& metricInfos() {
        3, [](const E& e) { return e.mean_map_entropy; }},
       {"on_wall_share", "on wall",
        "without truth: share of the scans' returns that end within 0.10 m of a wall of the map", 3,
-       [](const E& e) { return e.on_wall_share; }},
+       [](const E& e) { return e.on_wall_share; }, kLarger},
       {"through_wall_share", "thro. wall",
        "without truth: share of the returns whose beam comes out of a wall of the map again before it ends",
        3, [](const E& e) { return e.through_wall_share; }},
@@ -203,20 +238,20 @@ const std::vector<MetricInfo>& metricInfos() {
       {"occupied_share", "occu- pied",
        "without truth: share of occupied among the known cells (Filatov et al. 2017): double walls raise it; "
        "compare maps of one rasteriser only",
-       4, [](const E& e) { return e.structure.occupied_share; }},
+       4, [](const E& e) { return e.structure.occupied_share; }, kNeither},
       {"corners", "cor- ners", "without truth: corners, crossings and ends of walls (same source): as above",
-       0, [](const E& e) { return countOf(e, e.structure.corners); }},
+       0, [](const E& e) { return countOf(e, e.structure.corners); }, kNeither},
       {"enclosed_areas", "areas",
        "without truth: free areas cut off from the largest one (same source): as above", 0,
-       [](const E& e) { return countOf(e, e.structure.enclosed_areas); }},
+       [](const E& e) { return countOf(e, e.structure.enclosed_areas); }, kNeither},
       {"ms_per_scan", "ms/scan", "CPU time per scan, one thread, without reading the log", 3,
-       [](const E& e) { return e.cost.mean_ms_per_scan; }},
+       [](const E& e) { return e.cost.mean_ms_per_scan; }, kSmaller, true},
       {"p99_ms", "p99 ms", "99th percentile of the same", 3,
-       [](const E& e) { return e.cost.p99_ms_per_scan; }},
+       [](const E& e) { return e.cost.p99_ms_per_scan; }, kSmaller, true},
       {"real_time_factor", "x real time", "robot's time over computing time", 0,
-       [](const E& e) { return e.cost.real_time_factor; }},
+       [](const E& e) { return e.cost.real_time_factor; }, kLarger, true},
       {"peak_memory_mb", "MB", "peak memory over the process's size before the run", 1,
-       [](const E& e) { return e.cost.peak_memory_mb; }},
+       [](const E& e) { return e.cost.peak_memory_mb; }, kSmaller, true},
   };
   return infos;
 }
@@ -255,7 +290,9 @@ report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Tr
   const auto add = [&](std::initializer_list<const char*> more) {
     keys.insert(keys.end(), more.begin(), more.end());
   };
-  if (detail == Detail::kFull) add({"ate_max_m", "rpe_1s_m", "rpe_1s_deg", "path_length_m"});
+  if (detail == Detail::kFull)
+    add({"ate_max_m", "rpe_1s_m", "rpe_1s_deg", "anees", "within_50_share", "within_95_share",
+         "path_length_m"});
   if (truth.plan) add({"wall_f1", "free_iou", "wall_p95_m"});
   if (truth.plan && detail == Detail::kFull)
     add({"wall_p50_m", "wall_precision", "wall_recall", "missed_p50_m", "missed_p95_m", "known_share"});

@@ -9,6 +9,7 @@
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/report/table.h"
 #include "libslam/run/build_map.h"
+#include "libslam/stats/paired.h"
 #include "libslam/world/plan.h"
 
 namespace slam::run {
@@ -18,6 +19,8 @@ struct RunFolder {
   std::string path, method;
   core::Trajectory estimate;  ///< online
   std::optional<core::Trajectory> final_estimate;
+  std::vector<StampedCovariance>
+      covariances;  ///< of `estimate`, pose by pose; empty where the method gives none
   world::Plan map;  ///< in the map frame
   core::Manifest manifest;
   Cost cost;
@@ -41,6 +44,8 @@ struct Evaluation {
   metrics::TrajectoryError final_trajectory;  ///< of the path in the end: the same where nothing is corrected
   metrics::RelativeError per_metre, per_second;
   metrics::MapScore map;
+  /// Whether the covariances of the online poses tell the truth (poseNees(), stats::consistency()); NaN where there are none.
+  double anees, within_50_share, within_95_share;
   Cost cost;
   double path_length_m = 0;
   core::Pose2 end_pose;  ///< T_map_robot at the last scan
@@ -77,6 +82,8 @@ struct MetricInfo {
   std::string key, title, meaning;
   int decimals;
   double (*of)(const Evaluation&);
+  std::optional<stats::Better> better = stats::Better::kSmaller;  ///< none: neither direction is good
+  bool depends_on_machine = false;  ///< time and memory: not the same bytes twice
 };
 const std::vector<MetricInfo>& metricInfos();
 

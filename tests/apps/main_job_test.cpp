@@ -66,6 +66,76 @@ TEST(MainJob, FromPlanToTableByHand) {
   EXPECT_THAT(again.err, HasSubstr("run.rawlog: exists; give --overwrite to replace it"));
 }
 
+TEST(EvalGate, PassesItsOwnBaselineAndIsShutByWorse) {
+  const testing::TempFolder folder;
+  const auto at = [&](const std::string& arguments) { return rasterslam(arguments, folder.path()); };
+  ASSERT_EQ(at("simulate flat -o run.rawlog --duration 10 -q").exit_code, 0);
+  ASSERT_EQ(at("run naive_flow run.rawlog -o out -q").exit_code, 0);
+  const std::string eval = "eval out --truth run.gt.tum --plan flat ";
+  ASSERT_EQ(at(eval + "--write-gate gate.json").exit_code, 0);
+  const auto again = at(eval + "--write-gate gate.json");
+  EXPECT_EQ(again.exit_code, 3);
+  EXPECT_THAT(again.err, HasSubstr("gate.json: holds rows of 'naive_flow'; give --overwrite"));
+  EXPECT_EQ(at(eval + "--write-gate gate.json --overwrite").exit_code, 0);
+  const auto same = at(eval + "--gate gate.json");
+  EXPECT_EQ(same.exit_code, 0) << same.err;
+  EXPECT_THAT(same.out, HasSubstr("0 worse, 0 missing"));
+
+  auto gate = nlohmann::json::parse(core::readTextFile(folder / "gate.json"));
+  for (auto& row : gate["rows"])
+    if (row["metric"] == "ate_rmse_m") row["value"] = 1e-9, row["absolute"] = 1e-6;
+  core::writeFileAtomically(folder / "strict.json", gate.dump());
+  const auto worse = at(eval + "--gate strict.json --json");
+  EXPECT_EQ(worse.exit_code, 5) << worse.err;
+  const auto rows = nlohmann::json::parse(worse.out)["gate"]["rows"];
+  EXPECT_EQ(rows.size(), gate["rows"].size());
+  for (const auto& row : rows) EXPECT_EQ(row["verdict"], row["metric"] == "ate_rmse_m" ? "WORSE" : "ok");
+
+  // Without the plan its figures are missing: a gate does not open because nobody looked.
+  const auto missing = at("eval out --truth run.gt.tum --gate gate.json");
+  EXPECT_EQ(missing.exit_code, 5);
+  EXPECT_THAT(missing.out, HasSubstr("MISSING"));
+  core::writeFileAtomically(folder / "broken.json", "{");
+  const auto broken = at(eval + "--gate broken.json");
+  EXPECT_EQ(broken.exit_code, 3);
+  EXPECT_THAT(broken.err, HasSubstr("broken.json: is not JSON"));
+  EXPECT_EQ(at(eval + "--gate gate.json --write-gate other.json").exit_code, 2);
+}
+
+TEST(EvalGate, HoldsRelationsToo) {
+  const testing::TempFolder folder;
+  const auto at = [&](const std::string& arguments) { return rasterslam(arguments, folder.path()); };
+  logs::writeTum({{1, {0, 0, 0}}, {2, {1, 0, 0}}}, folder / "path.tum");
+  logs::writeTum({{1, {0, 0, 0}}, {2, {1.1, 0, 0}}}, folder / "worse.tum");
+  core::writeFileAtomically(folder / "a.relations", "1 2 0.99 0 0 0 0 0\n");
+  ASSERT_EQ(at("eval path.tum --relations a.relations --write-gate gate.json").exit_code, 0);
+  EXPECT_EQ(at("eval path.tum --relations a.relations --gate gate.json").exit_code, 0);
+  ASSERT_EQ(at("eval worse.tum --relations a.relations --gate gate.json").exit_code, 3);
+  fs::rename(folder / "worse.tum", folder / "path.tum");
+  const auto worse = at("eval path.tum --relations a.relations --gate gate.json");
+  EXPECT_EQ(worse.exit_code, 5);
+  EXPECT_THAT(worse.out, HasSubstr("translation_mean_m"));
+}
+
+TEST(MainJob, CovariancesAreWrittenAndJudgedWhereAMethodGivesThem) {
+  const testing::TempFolder folder;
+  const auto at = [&](const std::string& arguments) { return rasterslam(arguments, folder.path()); };
+  ASSERT_EQ(at("simulate flat -o run.rawlog --duration 10 -q").exit_code, 0);
+  for (const std::string method : {"naive_flow", "graph", "particles"}) {
+    ASSERT_EQ(at("run " + method + " run.rawlog -o " + method + " -q").exit_code, 0);
+    EXPECT_EQ(fs::exists(folder / (method + "/covariances.csv")), method != "naive_flow") << method;
+    const auto scored = at("eval " + method + " --truth run.gt.tum --json");
+    ASSERT_EQ(scored.exit_code, 0) << scored.err;
+    const auto row = nlohmann::json::parse(scored.out)["scores"]["rows"][0];
+    EXPECT_EQ(row["anees"].is_number(), method != "naive_flow") << method;
+    EXPECT_EQ(row["within_95_share"].is_number(), method != "naive_flow") << method;
+  }
+  core::writeFileAtomically(folder / "graph/covariances.csv", "0,1,0,0,1,0,1\n");
+  const auto cut = at("eval graph --truth run.gt.tum");
+  EXPECT_EQ(cut.exit_code, 3);
+  EXPECT_THAT(cut.err, HasSubstr("graph/covariances.csv: found 1 covariances, expected one for each of"));
+}
+
 TEST(MainJob, SameSeedSameBytesWithOneAndTwoThreads) {
   const testing::TempFolder folder;
   const std::string common = "compare flat --duration 20 --seed 3 -q --methods naive,icp,rbpf,rbpf_exact -o ";

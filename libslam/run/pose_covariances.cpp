@@ -1,0 +1,94 @@
+#include "libslam/run/pose_covariances.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/core/parameters.h"
+#include "libslam/metrics/trajectory_error.h"
+#include "libslam/stats/consistency.h"
+
+namespace slam::run {
+namespace {
+
+constexpr const char* kHeader = "time_s,xx,xy,xphi,yy,yphi,phiphi";
+constexpr size_t kColumns = 7;
+
+void append(std::string& line, double value, std::chars_format format, int precision) {
+  std::array<char, 400> digits{};  // the largest double has 309 digits before the point
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value, format, precision).ptr;
+  line.append(digits.data(), end);
+}
+
+StampedCovariance parseLine(const std::string& line, const std::string& where) {
+  std::array<double, kColumns> values{};
+  std::istringstream fields(line);
+  size_t count = 0;
+  for (std::string field; std::getline(fields, field, ','); ++count) {
+    double value = 0;
+    if (!core::parseNumber(field, value))
+      throw core::InputError(where + ": found '" + field + "', expected a finite number");
+    if (count < kColumns) values[count] = value;
+  }
+  if (count != kColumns)
+    throw core::InputError(where + ": found " + std::to_string(count) + " numbers, expected 7 (" + kHeader +
+                           ")");
+  const auto& [time_s, xx, xy, xphi, yy, yphi, phiphi] = values;
+  StampedCovariance stamped;
+  stamped.time_s = time_s;
+  stamped.covariance << xx, xy, xphi, xy, yy, yphi, xphi, yphi, phiphi;
+  return stamped;
+}
+
+}  // namespace
+
+void writeCovariances(const std::vector<StampedCovariance>& covariances, const std::string& path) {
+  std::string text = std::string(kHeader) + "\n";
+  for (const auto& [time_s, covariance] : covariances) {
+    append(text, time_s, std::chars_format::fixed, 6);
+    for (int row = 0; row < 3; ++row)
+      for (int column = row; column < 3; ++column) {
+        text += ',';
+        append(text, covariance(row, column), std::chars_format::general, 9);
+      }
+    text += '\n';
+  }
+  core::writeFileAtomically(path, text);
+}
+
+std::vector<StampedCovariance> readCovariances(const std::string& path) {
+  std::istringstream text(core::readTextFile(path));
+  std::vector<StampedCovariance> covariances;
+  int number = 0;
+  for (std::string line; std::getline(text, line);) {
+    ++number;
+    if (number == 1 && line == kHeader) continue;
+    covariances.push_back(parseLine(line, path + ":" + std::to_string(number)));
+  }
+  return covariances;
+}
+
+std::vector<double> poseNees(const core::Trajectory& truth, const core::Trajectory& estimate,
+                             const std::vector<StampedCovariance>& covariances) {
+  if (covariances.size() != estimate.size())
+    throw core::ContractError("poseNees: " + std::to_string(covariances.size()) + " covariances for " +
+                              std::to_string(estimate.size()) + " poses");
+  std::vector<double> nees;
+  core::Pose2 T_world_map, T_world_robot;
+  if (estimate.empty() || !metrics::poseAt(truth, estimate.front().time_s, T_world_map)) return nees;
+  for (size_t i = 0; i < estimate.size(); ++i) {
+    if (!metrics::poseAt(truth, estimate[i].time_s, T_world_robot)) continue;
+    const core::Pose2 T_map_robot = core::between(T_world_map, T_world_robot);
+    const core::Pose2& estimated = estimate[i].pose;
+    const Eigen::Vector3d error(estimated.x - T_map_robot.x, estimated.y - T_map_robot.y,
+                                core::angleDifference(estimated.phi, T_map_robot.phi));
+    if (const auto value = stats::normalizedErrorSquared(error, covariances[i].covariance))
+      nees.push_back(*value);
+  }
+  return nees;
+}
+
+}  // namespace slam::run
