@@ -13,6 +13,8 @@ enum class ExitCode {
   kUsage = 2,         ///< the command line cannot be understood
   kBadInput = 3,      ///< a file, a key or a value from outside is wrong
   kMethodFailed = 4,  ///< a SLAM method failed or diverged on good input
+  kGotWorse = 5,      ///< figures are worse than a gate allows
+  kCellsFailed = 6,   ///< cells of a sweep failed or are missing
   kInterrupted = 130
 };
 

@@ -79,5 +79,7 @@ struct MetricInfo {
   double (*of)(const Evaluation&);
 };
 const std::vector<MetricInfo>& metricInfos();
+/// Keys of those that differ from run to run: time and memory.
+const std::vector<std::string>& costKeys();
 
 }  // namespace slam::run
