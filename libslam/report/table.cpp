@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -167,6 +168,43 @@ std::string markdownCell(const std::string& text) {
   return escaped;
 }
 
+std::string latexText(const std::string& text) {
+  // Also what only a place makes special: "[" and "*" after a line's end, two hyphens in a row.
+  static const std::map<char, std::string> replacements = {{'\\', "\\textbackslash{}"},
+                                                           {'{', "\\{"},
+                                                           {'}', "\\}"},
+                                                           {'$', "\\$"},
+                                                           {'&', "\\&"},
+                                                           {'%', "\\%"},
+                                                           {'#', "\\#"},
+                                                           {'_', "\\_"},
+                                                           {'~', "\\textasciitilde{}"},
+                                                           {'^', "\\textasciicircum{}"},
+                                                           {'<', "\\textless{}"},
+                                                           {'>', "\\textgreater{}"},
+                                                           {'|', "\\textbar{}"},
+                                                           {'"', "''"},
+                                                           {'[', "{[}"},
+                                                           {']', "{]}"},
+                                                           {'*', "{*}"}};
+  std::string escaped;
+  for (const char c : text) {
+    const auto replacement = replacements.find(c);
+    if (c == '-' && !escaped.empty() && escaped.back() == '-') escaped += "{}";
+    escaped += replacement == replacements.end() ? std::string(1, c) : replacement->second;
+  }
+  return escaped;
+}
+
+std::string latexCell(const CellValue& cell, const Column& column) {
+  const auto* number = std::get_if<double>(&cell);
+  if (number == nullptr) return latexText(shown(cell, column));
+  if (std::isnan(*number)) return "--";
+  std::string text = std::isinf(*number) ? "$\\infty$" : fixed(std::abs(*number), column.decimals);
+  // A value that rounds to zero has no sign.
+  return fixed(*number, column.decimals).front() == '-' ? "$-$" + text : text;
+}
+
 std::string csvField(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -223,6 +261,24 @@ std::string toMarkdown(const Table& table) {
   }
   for (const auto& note : table.notes) text += "\n" + onOneLine(note) + "\n";
   return text;
+}
+
+std::string toLatex(const Table& table) {
+  check(table);
+  std::string text = "\\begin{table}\n\\centering\n";
+  if (!table.caption.empty()) text += "\\caption{" + latexText(onOneLine(table.caption)) + "}\n";
+  text += "\\begin{tabular}{";
+  for (size_t i = 0; i < table.columns.size(); ++i) text += isNumeric(table, i) ? 'r' : 'l';
+  text += "}\n\\toprule\n";
+  const auto endCell = [&](size_t i) { text += i + 1 < table.columns.size() ? " & " : " \\\\\n"; };
+  for (size_t i = 0; i < table.columns.size(); ++i)
+    text += latexText(onOneLine(table.columns[i].title)), endCell(i);
+  text += "\\midrule\n";
+  for (const auto& row : table.rows)
+    for (size_t i = 0; i < row.size(); ++i) text += latexCell(row[i], table.columns[i]), endCell(i);
+  text += "\\bottomrule\n\\end{tabular}\n";
+  for (const auto& note : table.notes) text += "\\par\\footnotesize " + latexText(onOneLine(note)) + "\n";
+  return text + "\\end{table}\n";
 }
 
 std::string toCsv(const Table& table) {

@@ -22,7 +22,7 @@ struct Table {
   std::vector<std::string> notes;            ///< lines under the table
 };
 
-// All four: the same table gives the same bytes. Columns that hold a number are aligned right. Line breaks
+// All five: the same table gives the same bytes. Columns that hold a number are aligned right. Line breaks
 // inside a text become blanks, except in CSV and JSON. Two columns with one key, or a row that is not as long
 // as `columns`: ContractError.
 
@@ -31,6 +31,9 @@ struct Table {
 std::string toText(const Table& table);
 /// Caption in bold, a GitHub-flavoured table, notes as paragraphs.
 std::string toMarkdown(const Table& table);
+/// A table float with booktabs' rules (needs \usepackage{booktabs}; UTF-8): caption, tabular, notes in small print below.
+/// What LaTeX would read as a command is escaped; "--" is NaN, a minus sign and infinity are set as mathematics.
+std::string toLatex(const Table& table);
 /// RFC 4180: header of keys, lines end with CR LF; numbers with the digits that read back the same. No
 /// caption, no notes.
 std::string toCsv(const Table& table);

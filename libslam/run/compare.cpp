@@ -303,13 +303,14 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   const std::string scores = request.output + "/scores";
   core::writeFileAtomically(scores + ".txt", report::toText(comparison.accuracy));
   core::writeFileAtomically(scores + ".md", report::toMarkdown(comparison.accuracy));
+  core::writeFileAtomically(scores + ".tex", report::toLatex(comparison.accuracy));
   core::writeFileAtomically(scores + ".csv", report::toCsv(comparison.full_accuracy));
   core::writeFileAtomically(scores + ".json", report::toJson(comparison.full_accuracy));
   core::writeFileAtomically(request.output + "/cost.csv", report::toCsv(comparison.cost));
   core::writeFileAtomically(request.output + "/cost.json", report::toJson(comparison.cost));
   drawPictures(runs, comparison.evaluations, truth, comparison.log_path, request.output);
 
-  manifest.files["scores.txt"] = "accuracy of every method; also .md, .csv, .json";
+  manifest.files["scores.txt"] = "accuracy of every method; also .md, .tex, .csv, .json";
   if (comparison.relations)
     manifest.files["relations.csv"] =
         "error of every path against the relations; also .txt, .json; the worst in worst_relations.csv";

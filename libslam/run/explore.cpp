@@ -479,6 +479,7 @@ ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest
   const std::string folder = output.path();
   core::writeFileAtomically(folder + "/scores.txt", report::toText(result.scores));
   core::writeFileAtomically(folder + "/scores.md", report::toMarkdown(result.scores));
+  core::writeFileAtomically(folder + "/scores.tex", report::toLatex(result.scores));
   core::writeFileAtomically(folder + "/scores.csv", report::toCsv(statistics));
   core::writeFileAtomically(folder + "/scores.json", report::toJson(statistics));
   core::writeFileAtomically(folder + "/runs.csv", report::toCsv(runsTable(result.runs, plan.name)));
@@ -488,7 +489,7 @@ ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest
 
   // A single run has already left a manifest there: the same one, with more in it.
   if (fs::exists(folder + "/manifest.json")) manifest = core::readManifest(folder + "/manifest.json");
-  manifest.files["scores.txt"] = "the table; also .md, and .csv and .json with quartiles";
+  manifest.files["scores.txt"] = "the table; also .md and .tex, and .csv and .json with quartiles";
   manifest.files["runs.csv"] = "every figure of every run";
   manifest.files["coverage.png"] = "explored share over time, path and scans";
   manifest.files["cost.csv"] = "CPU time of the decisions; also .json";

@@ -86,7 +86,7 @@ inline constexpr double kNearMiss_m = 0.05, kNearMissOver_m = 0.10;
 
 /// The closed loop: the simulator senses, the method M estimates map and pose, the strategy decides from
 /// these alone, the simulator moves. Writes into `output`, which appears whole or not at all:
-///   scores.txt .md .csv .json   one row per run (one seed) or per strategy (medians over the seeds)
+///   scores.txt .md .tex .csv .json   one row per run (one seed) or per strategy (medians over the seeds)
 ///   runs.csv                    one row per run
 ///   coverage.png                explored share over time, path and scans, one line per run
 ///   cost.csv .json              CPU time per decision: differs from run to run

@@ -294,6 +294,7 @@ GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifes
   const std::string scores = output.path() + "/scores";
   core::writeFileAtomically(scores + ".txt", report::toText(comparison.table));
   core::writeFileAtomically(scores + ".md", report::toMarkdown(comparison.table));
+  core::writeFileAtomically(scores + ".tex", report::toLatex(comparison.table));
   core::writeFileAtomically(scores + ".csv", report::toCsv(comparison.table));
   core::writeFileAtomically(scores + ".json", report::toJson(comparison.table));
 
@@ -305,7 +306,7 @@ GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifes
   manifest.files["METHOD/states.csv"] = "every change of state: time, from, to, why, true place";
   manifest.files["METHOD/path.png"] = "the true path, coloured by state";
   manifest.files["paths.png"] = "the true paths of all methods";
-  manifest.files["scores.txt"] = "the table; also .md, .csv, .json";
+  manifest.files["scores.txt"] = "the table; also .md, .tex, .csv, .json";
   for (const auto& run : comparison.runs) manifest.results[run.method] = resultOf(run);
   core::writeManifest(manifest, output.path() + "/manifest.json");
   output.commit();

@@ -75,7 +75,7 @@ struct GoalComparison {
 
 /// Drives to the goal once per method, the simulator in the loop, and writes into `output`:
 ///   METHOD/truth.tum trajectory.tum states.csv path.png   (the path coloured by the method's states)
-///   paths.png   scores.txt .md .csv .json   manifest.json
+///   paths.png   scores.txt .md .tex .csv .json   manifest.json
 /// The folder appears whole or not at all. Same request: the same bytes but for the manifest's times.
 /// Errors: InputError for a start without room for the robot, a goal in a wall or outside the plan, an unknown
 /// or doubled method, an existing folder without `overwrite`.

@@ -16,6 +16,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"core", {}},
     {"robot", {"core"}},
     {"logs", {"core", "robot"}},
+    {"stats", {"core"}},
     // the truth's side
     {"world", {"core"}},
     {"sim", {"core", "robot", "world"}},

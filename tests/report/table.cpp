@@ -45,6 +45,52 @@ TEST(Table, AsMarkdownIsATableWithNumbersRight) {
             "No truth: - .\n");
 }
 
+TEST(Table, AsLatexIsATableForBooktabsWithNumbersRight) {
+  EXPECT_EQ(toLatex(comparison()),
+            "\\begin{table}\n"
+            "\\centering\n"
+            "\\caption{Office}\n"
+            "\\begin{tabular}{lrr}\n"
+            "\\toprule\n"
+            "Method & ATE rmse (m) & ms per scan \\\\\n"
+            "\\midrule\n"
+            "naive & 3.100 & 0.0 \\\\\n"
+            "icp & 0.150 & 12.2 \\\\\n"
+            "rbpf & -- & lost \\\\\n"
+            "\\bottomrule\n"
+            "\\end{tabular}\n"
+            "\\par\\footnotesize No truth: - .\n"
+            "\\end{table}\n");
+}
+
+TEST(Table, AsLatexEscapesEveryCommand) {
+  const Table odd = {"",
+                     {{"a", "50 % & more"}},
+                     {{"rbpf_exact"}, {"a\\b{c}$#~^<>|\""}, {"[1]* --plan ---"}, {"Málaga"}},
+                     {}};
+  EXPECT_EQ(toLatex(odd),
+            "\\begin{table}\n"
+            "\\centering\n"
+            "\\begin{tabular}{l}\n"
+            "\\toprule\n"
+            "50 \\% \\& more \\\\\n"
+            "\\midrule\n"
+            "rbpf\\_exact \\\\\n"
+            "a\\textbackslash{}b\\{c\\}\\$\\#\\textasciitilde{}\\textasciicircum{}\\textless{}\\textgreater{}"
+            "\\textbar{}'' \\\\\n"
+            "{[}1{]}{*} -{}-plan -{}-{}- \\\\\n"
+            "Málaga \\\\\n"
+            "\\bottomrule\n"
+            "\\end{tabular}\n"
+            "\\end{table}\n");
+}
+
+TEST(Table, AsLatexHasMathematicalSigns) {
+  const Table table{"", {{"v", "v", 2}}, {{-0.001}, {-0.01}, {double(INFINITY)}, {-double(INFINITY)}}, {}};
+  EXPECT_NE(toLatex(table).find("\\midrule\n0.00 \\\\\n$-$0.01 \\\\\n$\\infty$ \\\\\n$-$$\\infty$ \\\\\n"),
+            std::string::npos);
+}
+
 TEST(Table, AsCsvKeepsEveryDigit) {
   EXPECT_EQ(toCsv(comparison()),
             "method,ate_rmse_m,time_ms\r\n"
@@ -139,7 +185,7 @@ TEST(Table, RefusesARaggedRowAndAKeyTwice) {
   auto ragged = comparison();
   ragged.rows[1] = {"icp", 0.15};
   const Table twice{"", {{"a", "A"}, {"a", "B"}}, {}, {}};
-  for (const auto format : {toText, toMarkdown, toCsv, toJson}) {
+  for (const auto format : {toText, toMarkdown, toLatex, toCsv, toJson}) {
     EXPECT_THROW(format(ragged), core::ContractError);
     EXPECT_THROW(format(twice), core::ContractError);
   }

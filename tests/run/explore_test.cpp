@@ -102,8 +102,8 @@ TEST(Explore, FindsEverythingInASmallFlatAndComesBack) {
          {"run.rawlog",     "run.rawlog.GT.txt", "run.gt.tum",     "run.operations.txt", "run.manifest.json",
           "map.png",        "map.yaml",          "map.gridmap.gz", "map.simplemap",      "map.3Dscene",
           "trajectory.tum", "exploration.csv",   "decisions.csv",  "path.png",           "scores.txt",
-          "scores.md",      "scores.csv",        "scores.json",    "runs.csv",           "cost.csv",
-          "coverage.png",   "manifest.json"})
+          "scores.md",      "scores.tex",        "scores.csv",     "scores.json",        "runs.csv",
+          "cost.csv",       "coverage.png",      "manifest.json"})
       EXPECT_TRUE(fs::exists(folder / ("out/" + std::string(file)))) << file;
     if (slam == "truth") {
       // Perfect wheels: what the reference believes is the truth, seen from the start.

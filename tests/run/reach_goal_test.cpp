@@ -58,7 +58,7 @@ TEST(ReachGoal, WritesPathsStatesPicturesAndTheTable) {
     EXPECT_TRUE(fs::exists(folder / ("out/" + run.method + "/path.png")));
   }
   for (const std::string name :
-       {"paths.png", "scores.txt", "scores.md", "scores.csv", "scores.json", "manifest.json"})
+       {"paths.png", "scores.txt", "scores.md", "scores.tex", "scores.csv", "scores.json", "manifest.json"})
     EXPECT_TRUE(fs::exists(folder / ("out/" + name))) << name;
 }
 

@@ -1,0 +1,149 @@
+#include "libslam/stats/bootstrap.h"
+
+#include <algorithm>
+#include <boost/math/distributions/normal.hpp>
+#include <cmath>
+#include <numeric>
+
+#include "libslam/core/error.h"
+#include "libslam/core/random.h"
+
+namespace slam::stats {
+namespace {
+
+void check(const BootstrapOptions& options) {
+  if (!(options.confidence > 0 && options.confidence < 1))
+    throw core::ContractError("bootstrapInterval: confidence must lie in (0, 1)");
+  if (options.resamples < 100) throw core::ContractError("bootstrapInterval: at least 100 resamples");
+}
+
+void check(const std::vector<double>& values, bool infinite_too) {
+  if (values.empty()) throw core::ContractError("a statistic of no values");
+  for (const double value : values)
+    if (std::isnan(value) || (std::isinf(value) && !infinite_too))
+      throw core::ContractError("a statistic of a value that is not a number");
+}
+
+double valueOf(const IndexStatistic& statistic, const std::vector<std::size_t>& indices) {
+  const double value = statistic(indices);
+  if (std::isnan(value)) throw core::ContractError("bootstrapInterval: the statistic is not a number");
+  return value;
+}
+
+std::vector<double> resampled(std::size_t count, const IndexStatistic& statistic,
+                              const BootstrapOptions& options) {
+  core::RandomStream random(options.seed, "bootstrap");
+  std::vector<std::size_t> indices(count);
+  std::vector<double> values(static_cast<std::size_t>(options.resamples));
+  for (double& value : values) {
+    for (auto& index : indices) index = random.below(count);
+    value = valueOf(statistic, indices);
+  }
+  std::sort(values.begin(), values.end());
+  return values;
+}
+
+/// Efron 1987, equation 7.3: a sixth of the skewness of the influences, here the jackknife's. 0 where all are equal.
+double jackknifeAcceleration(std::size_t count, const IndexStatistic& statistic) {
+  std::vector<double> without(count);
+  std::vector<std::size_t> others(count - 1);
+  for (std::size_t left_out = 0; left_out < count; ++left_out) {
+    for (std::size_t i = 0; i < others.size(); ++i) others[i] = i < left_out ? i : i + 1;
+    without[left_out] = valueOf(statistic, others);
+  }
+  const double centre = mean(without);
+  double squares = 0, cubes = 0;
+  for (const double value : without) {
+    squares += (centre - value) * (centre - value);
+    cubes += (centre - value) * (centre - value) * (centre - value);
+  }
+  return squares > 0 ? cubes / (6 * std::pow(squares, 1.5)) : 0;
+}
+
+/// The share of resamples below the estimate as a normal deviate; a resample equal to it counts half.
+std::optional<double> biasCorrection(const std::vector<double>& sorted, double estimate) {
+  const auto range = std::equal_range(sorted.begin(), sorted.end(), estimate);
+  const auto below = static_cast<double>(range.first - sorted.begin());
+  const auto equal = static_cast<double>(range.second - range.first);
+  const double share = (below + equal / 2) / static_cast<double>(sorted.size());
+  if (share <= 0 || share >= 1) return std::nullopt;
+  return boost::math::quantile(boost::math::normal(), share);
+}
+
+/// The resample at the level: the (B + 1) * level-th, by linear interpolation.
+double atLevel(const std::vector<double>& sorted, double level) {
+  const double position = std::clamp(level * static_cast<double>(sorted.size() + 1) - 1, 0.0,
+                                     static_cast<double>(sorted.size() - 1));
+  const auto below = static_cast<std::size_t>(position);
+  const double fraction = position - static_cast<double>(below);
+  if (fraction == 0 || std::isinf(sorted[below])) return sorted[below];
+  return sorted[below] + fraction * (sorted[below + 1] - sorted[below]);
+}
+
+/// Efron 1987, equation 2.3: the level that stands for `level` once bias and acceleration are taken out.
+std::optional<double> correctedLevel(double level, double bias, double acceleration) {
+  const boost::math::normal normal;
+  const double shifted = bias + boost::math::quantile(normal, level);
+  const double scale = 1 - acceleration * shifted;
+  if (!(scale > 0)) return std::nullopt;
+  return boost::math::cdf(normal, bias + shifted / scale);
+}
+
+Estimate intervalOf(std::size_t count, const IndexStatistic& statistic, const BootstrapOptions& options,
+                    bool accelerated) {
+  check(options);
+  if (count == 0) throw core::ContractError("bootstrapInterval: no values");
+  std::vector<std::size_t> all(count);
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  Estimate result{valueOf(statistic, all), std::nullopt};
+  if (count == 1) return result;
+
+  const auto sorted = resampled(count, statistic, options);
+  const double tail = (1 - options.confidence) / 2;
+  result.interval = Interval{atLevel(sorted, tail), atLevel(sorted, 1 - tail)};
+  const auto bias = biasCorrection(sorted, result.value);
+  if (!bias) return result;
+  const double acceleration = accelerated ? jackknifeAcceleration(count, statistic) : 0;
+  const auto low = correctedLevel(tail, *bias, acceleration);
+  const auto high = correctedLevel(1 - tail, *bias, acceleration);
+  if (low && high) result.interval = Interval{atLevel(sorted, *low), atLevel(sorted, *high)};
+  return result;
+}
+
+}  // namespace
+
+double median(std::vector<double> values) {
+  check(values, true);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  const double below = *std::max_element(values.begin(), middle);
+  if (std::isinf(below) && std::isinf(*middle) && below != *middle)
+    throw core::ContractError("median: infinite values of both signs have no middle");
+  return std::isinf(below) ? below : below + (*middle - below) / 2;
+}
+
+double mean(const std::vector<double>& values) {
+  check(values, false);
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+Estimate bootstrapInterval(const std::vector<double>& values, Statistic statistic,
+                           const BootstrapOptions& options) {
+  const bool is_median = statistic == Statistic::kMedian;
+  check(values, is_median);
+  std::vector<double> drawn;
+  const auto of_indices = [&](const std::vector<std::size_t>& indices) {
+    drawn.resize(indices.size());
+    std::transform(indices.begin(), indices.end(), drawn.begin(), [&](std::size_t i) { return values[i]; });
+    return is_median ? median(drawn) : mean(drawn);
+  };
+  return intervalOf(values.size(), of_indices, options, !is_median);
+}
+
+Estimate bootstrapInterval(std::size_t count, const IndexStatistic& statistic,
+                           const BootstrapOptions& options) {
+  return intervalOf(count, statistic, options, true);
+}
+
+}  // namespace slam::stats
