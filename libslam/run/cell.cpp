@@ -203,27 +203,6 @@ void writeJson(const Json& json, const std::string& path) {
   core::writeFileAtomically(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
-void write(const CellResult& result, const CellCost& cost, const std::string& folder) {
-  auto figures = Json::object(), files = Json::object();
-  for (const auto& [key, value] : result.figures) figures[key] = numberOrNull(value);
-  for (const auto& [name, file] : result.files)
-    files[name] = {{"bytes", file.bytes}, {"sha256", file.sha256}};
-  writeJson({{"cpu_s", numberOrNull(cost.cpu_s)},
-             {"wall_s", numberOrNull(cost.wall_s)},
-             {"mean_ms_per_scan", numberOrNull(cost.mean_ms_per_scan)},
-             {"p99_ms_per_scan", numberOrNull(cost.p99_ms_per_scan)},
-             {"peak_memory_mb", numberOrNull(cost.peak_memory_mb)}},
-            folder + "/cost.json");
-  // Last: what has a result is complete.
-  writeJson({{"id", result.id},
-             {"status", result.status},
-             {"message", result.message},
-             {"limit", result.limit},
-             {"figures", figures},
-             {"files", files}},
-            folder + "/result.json");
-}
-
 void setFailure(CellResult& result, const std::string& status, const std::string& message, double limit = 0) {
   result.status = status;
   result.message = message;
@@ -290,12 +269,32 @@ void workOnCell(const std::string& folder, const CellInputs& inputs, core::Progr
   };
   cost.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
   cost.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  write(result, cost, folder);
+  writeCellResult(folder, result, cost);
+}
+
+void writeCellResult(const std::string& folder, const CellResult& result, const CellCost& cost) {
+  auto figures = Json::object(), files = Json::object();
+  for (const auto& [key, value] : result.figures) figures[key] = numberOrNull(value);
+  for (const auto& [name, file] : result.files)
+    files[name] = {{"bytes", file.bytes}, {"sha256", file.sha256}};
+  writeJson({{"cpu_s", numberOrNull(cost.cpu_s)},
+             {"wall_s", numberOrNull(cost.wall_s)},
+             {"mean_ms_per_scan", numberOrNull(cost.mean_ms_per_scan)},
+             {"p99_ms_per_scan", numberOrNull(cost.p99_ms_per_scan)},
+             {"peak_memory_mb", numberOrNull(cost.peak_memory_mb)}},
+            folder + "/cost.json");
+  writeJson({{"id", result.id},
+             {"status", result.status},
+             {"message", result.message},
+             {"limit", result.limit},
+             {"figures", figures},
+             {"files", files}},
+            folder + "/result.json");
 }
 
 void writeLostCell(const std::string& folder, const CellResult& result, const CellCost& cost) {
   clear(folder);
-  write(result, cost, folder);
+  writeCellResult(folder, result, cost);
 }
 
 CellState readCell(const std::string& folder, const std::string& id, bool check_bytes) {

@@ -53,8 +53,10 @@ struct CellInputs {
 /// and memory are the process's own from then on, so this is for a process that does nothing else.
 void workOnCell(const std::string& folder, const CellInputs& inputs, core::Progress& progress);
 
-/// Empties the folder but for cell.json and stderr.txt, and writes the result of a cell that could not say itself how it
-/// ended.
+/// Writes cost.json and, last, result.json: what has a result is complete.
+void writeCellResult(const std::string& folder, const CellResult& result, const CellCost& cost);
+/// The same for a cell that could not say itself how it ended: whatever it left is removed first, but for cell.json and
+/// stderr.txt.
 void writeLostCell(const std::string& folder, const CellResult& result, const CellCost& cost);
 
 /// What there is of a cell.

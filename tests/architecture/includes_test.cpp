@@ -36,7 +36,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"doctor", {"core", "robot", "logs", "odometry"}},
     // both
     {"run",
-     {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "report", "navigate", "mrptnav",
+     {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "stats", "report", "navigate", "mrptnav",
       "obstacles", "odometry", "mapping"}},
     {"plugin", {"core", "robot", "logs", "world", "sim", "navigate", "run"}},
     {"testing", {"core", "robot", "posegraph", "world"}},
