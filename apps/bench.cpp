@@ -29,17 +29,8 @@ struct Arguments {
   bool resume = false, retry = false, check = false, go = false;
 };
 
-/// A suite; or the copy of one in a sweep's folder, whose paths still start from where it came from.
-run::Sweep planOf(const std::string& suite_path) {
-  const std::string plan = (std::filesystem::absolute(suite_path).parent_path() / "plan.json").string();
-  std::string folder;
-  if (std::filesystem::path(suite_path).filename() == "suite.ini" && std::filesystem::exists(plan))
-    folder = run::readSweepPlan(plan).suite_folder;
-  return run::planSweep(run::readSuite(suite_path, folder));
-}
-
 int plan(const Context& context, const Arguments& arguments) {
-  const auto sweep = planOf(arguments.suite);
+  const auto sweep = run::planSweep(arguments.suite);
   const auto table = run::planTable(sweep.plan);
   if (context.json)
     std::cout << run::toJson(sweep.plan);
@@ -89,7 +80,7 @@ int execute(const Context& context, const Arguments& arguments) {
   auto request = requestOf(context, arguments);
   request.resume = true;
   ConsoleProgress progress(context.quiet);
-  const auto outcome = run::sweep(planOf(arguments.suite), request, context.manifest(), progress);
+  const auto outcome = run::sweep(run::planSweep(arguments.suite), request, context.manifest(), progress);
   describe(outcome);
   if (context.json)
     std::cout << nlohmann::ordered_json{{"folder", request.output},
@@ -141,7 +132,7 @@ int merge(const Context& context, const Arguments& arguments) {
 }
 
 int submit(const Context& context, const Arguments& arguments) {
-  const auto sweep = planOf(arguments.suite);
+  const auto sweep = run::planSweep(arguments.suite);
   const auto script =
       run::writeSubmission(sweep, requestOf(context, arguments), arguments.submission, context.manifest());
   if (!arguments.go) {
@@ -157,7 +148,7 @@ int submit(const Context& context, const Arguments& arguments) {
 /// Everything: cells, then tables, also of what an interrupt has left.
 int bench(const Context& context, const Arguments& arguments) {
   if (arguments.suite.empty()) throw core::InputError("bench: no suite named, expected the sweep's .ini");
-  const auto sweep = planOf(arguments.suite);
+  const auto sweep = run::planSweep(arguments.suite);
   auto request = requestOf(context, arguments);
   if (request.output.empty()) request.output = sweep.plan.name;
   ConsoleProgress progress(context.quiet);

@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    const auto sweep = run::planSweep(run::readSuite(argv[1]));
+    const auto sweep = run::planSweep(std::string(argv[1]));
     run::SweepRequest request;
     request.output = argv[2];
     run::prepareSweepFolder(sweep, request, {});

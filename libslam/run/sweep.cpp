@@ -267,7 +267,10 @@ class Runner {
 
   /// The log is there, or failed: its runs can go.
   void openLog(std::size_t log, const CellResult& result) {
-    if (result.status != "ok") log_failure_[log] = "no log: " + result.status + ": " + result.message;
+    if (result.status != "ok") {
+      log_failure_[log].message = "no log: " + result.status + ": " + result.message;
+      log_failure_[log].limit = result.limit;
+    }
     for (const auto& [key, value] : result.figures)
       if (key == "duration_s") log_duration_s_[log] = value;
     for (const auto run : waiting_[log]) ready_.push_back(run);
@@ -278,7 +281,7 @@ class Runner {
     while (!ready_.empty()) {
       const std::size_t run = ready_.front();
       ready_.pop_front();
-      if (log_failure_[plan_.runs[run].log].empty()) return start(false, run), true;
+      if (log_failure_[plan_.runs[run].log].message.empty()) return start(false, run), true;
       failWithoutRunning(run);
     }
     if (logs_.empty()) return false;
@@ -403,10 +406,9 @@ class Runner {
 
   void failWithoutRunning(std::size_t run) {
     const std::string folder = makePartial(false, run);
-    CellResult result;
+    CellResult result = log_failure_[plan_.runs[run].log];
     result.id = plan_.runs[run].id;
     result.status = "failed";
-    result.message = log_failure_[plan_.runs[run].log];
     writeLostCell(folder, result, {});
     settle(false, run, folder);
   }
@@ -475,7 +477,8 @@ class Runner {
   const Workplace& workplace_;
   std::deque<std::size_t> logs_, ready_;           ///< to do: logs, and runs whose log is there
   std::vector<std::vector<std::size_t>> waiting_;  ///< by log: runs that wait for it
-  std::vector<std::string> log_failure_;           ///< by log: "" unless it failed
+  std::vector<CellResult>
+      log_failure_;  ///< by log: why its runs fail, and the limit; no message: they do not
   std::vector<double> log_duration_s_;
   double robot_time_s_ = 0;                       ///< of what was done
   std::vector<int> log_attempts_, run_attempts_;  ///< by index

@@ -9,6 +9,7 @@
 #include "libslam/core/files.h"
 
 namespace slam::run {
+namespace fs = std::filesystem;
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -105,7 +106,7 @@ Sweep planSweep(Suite suite) {
   Sweep sweep;
   sweep.suite = std::move(suite);
   const Suite& s = sweep.suite;
-  sweep.plan.name = std::filesystem::path(s.path).stem().string();
+  sweep.plan.name = fs::path(s.path).stem().string();
   sweep.plan.code = core::codeVersion();
   sweep.plan.suite_folder = s.folder;
   sweep.plan.baseline = s.options.baseline;
@@ -127,6 +128,16 @@ Sweep planSweep(Suite suite) {
     for (const auto seed : s.seeds) addRuns(sweep, seed);
   }
   rejectEqualCells(sweep);
+  return sweep;
+}
+
+Sweep planSweep(const std::string& suite_path) {
+  const auto path = fs::absolute(suite_path);
+  const auto plan_path = path.parent_path() / "plan.json";
+  if (path.filename() != "suite.ini" || !fs::exists(plan_path)) return planSweep(readSuite(suite_path));
+  const auto original = readSweepPlan(plan_path.string());
+  Sweep sweep = planSweep(readSuite(suite_path, original.suite_folder));
+  sweep.plan.name = original.name;
   return sweep;
 }
 

@@ -48,6 +48,9 @@ struct Sweep {
 
 /// Lists the cells. Errors: two cells that are the same (InputError).
 Sweep planSweep(Suite suite);
+/// Reads a suite and lists its cells; of the copy suite.ini in a sweep's folder the very cells of that sweep, whose
+/// relative paths still start from where the suite came from. Errors: as readSuite() and planSweep().
+Sweep planSweep(const std::string& suite_path);
 
 /// plan.json: the same bytes for the same suite and code.
 std::string toJson(const SweepPlan& plan);

@@ -322,6 +322,10 @@ report::Table summaryTable(const SweepPlan& plan, const SweepResults& results, D
   table.columns.push_back({"runs", "runs", 0});
   std::vector<Figure> shown;
   for (const auto& key : summary.keys()) shown.push_back(figureNamed(key));
+  if (is_short)
+    shown.erase(std::remove_if(shown.begin() + 1, shown.end(),
+                               [](const Figure& figure) { return figure.key != "wall_f1"; }),
+                shown.end());
   if (is_short) {
     table.columns.push_back({"failure_rate", "failed", 2});
     for (const auto& figure : shown) table.columns.push_back({figure.key, figure.title, figure.decimals});
@@ -346,8 +350,11 @@ report::Table summaryTable(const SweepPlan& plan, const SweepResults& results, D
       const double rate = of.runs == 0 ? kNan : static_cast<double>(of.failed) / static_cast<double>(of.runs);
       if (is_short) {
         row.emplace_back(withInterval({rate, of.failure_rate}, 2));
-        for (std::size_t k = 0; k < shown.size(); ++k)
-          row.emplace_back(withInterval(of.figures[k], shown[k].decimals));
+        for (const auto& figure : shown) {
+          const auto k =
+              std::find(summary.keys().begin(), summary.keys().end(), figure.key) - summary.keys().begin();
+          row.emplace_back(withInterval(of.figures[k], figure.decimals));
+        }
         row.emplace_back(of.letters);
         row.emplace_back(withInterval(of.better, 2));
         row.emplace_back(of.adjusted_p);

@@ -12,11 +12,15 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
 write_tiny_suite tiny.ini
-"$program" bench tiny.ini -o whole -q > /dev/null
-# One moment (s) and one victim a line.
-awk -v seed="$seed" 'BEGIN { srand(seed); for (i = 0; i < 20; ++i) print rand() * 0.6, rand() < 0.5 ? "runner" : "worker" }' > plan.txt
+begin=$(date +%s.%N)
+"$program" bench tiny.ini -o whole -q -j 2 > /dev/null
+# Moments within the time that a sweep takes, and victims, one a line; a moment may come too early or too late for a kill.
+awk -v seed="$seed" -v begin="$begin" -v end="$(date +%s.%N)" 'BEGIN {
+  srand(seed)
+  for (i = 0; i < 60; ++i) print rand() * (end - begin), rand() < 0.5 ? "runner" : "worker"
+}' > plan.txt
 kills=0
-while read -r moment victim; do
+while [ "$kills" -lt 20 ] && read -r moment victim; do
   # A sweep that is complete has nothing left to be killed.
   if [ -f out/results.csv ]; then
     same_sweep whole out || fail "a sweep that was killed differs"
@@ -35,7 +39,7 @@ while read -r moment victim; do
   fi || true
   wait $runner 2> /dev/null || [ $? -eq 137 ] || fail "the sweep ended otherwise than by the kill: $(cat errors.txt)"
 done < plan.txt
-[ "$kills" -ge 10 ] || fail "only $kills kills met a running process"
+[ "$kills" -eq 20 ] || fail "only $kills kills met a running process"
 "$program" bench tiny.ini -o out -q --resume > /dev/null
 same_sweep whole out || fail "the sweep differs after $kills kills"
 [ ! -e out/partial ] || fail "leftovers: $(find out/partial)"
