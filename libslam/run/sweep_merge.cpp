@@ -97,8 +97,9 @@ void writeTables(const SweepPlan& plan, const SweepResults& results, const std::
     write("results.csv", report::toCsv(table));
     write("results.json", report::toJson(table));
   }
-  merged.summary = summaryTable(plan, results, Detail::kShort);
-  merged.full_summary = summaryTable(plan, results, Detail::kFull);
+  auto summary = summarize(plan, results);
+  merged.summary = std::move(summary.main);
+  merged.full_summary = std::move(summary.all);
   write("summary.txt", report::toText(merged.summary));
   write("summary.md", report::toMarkdown(merged.summary));
   write("summary.tex", report::toLatex(merged.summary));

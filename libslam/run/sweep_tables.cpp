@@ -228,6 +228,10 @@ std::string withInterval(const stats::Estimate& estimate, int decimals) {
   return text;
 }
 
+double failureRate(const Row& row) {
+  return row.runs == 0 ? kNan : static_cast<double>(row.failed) / static_cast<double>(row.runs);
+}
+
 double lowOf(const stats::Estimate& estimate) {
   return estimate.interval ? estimate.interval->low : kNan;
 }
@@ -311,67 +315,88 @@ report::Table resultsTable(const SweepPlan& plan, const SweepResults& results) {
   return table;
 }
 
-report::Table summaryTable(const SweepPlan& plan, const SweepResults& results, Detail detail) {
-  const Summary summary(plan, results);
-  const bool is_short = detail == Detail::kShort;
-  const auto shown_axes = is_short ? varying(plan) : axes();
+namespace {
+
+using Rows = std::vector<Row>;  ///< of one group, by method
+
+report::Table shortSummary(const SweepPlan& plan, const Summary& summary, const std::vector<Group>& groups,
+                           const std::vector<Rows>& rows_of_groups) {
   report::Table table;
-  table.caption = "Sweep " + plan.name + ": medians over the seeds, ranked by " + plan.metric;
+  const auto shown_axes = varying(plan);
   for (const auto& axis : shown_axes) table.columns.push_back({axis.key, axis.key, 0});
-  table.columns.push_back({"method", "method", 0});
-  table.columns.push_back({"runs", "runs", 0});
-  std::vector<Figure> shown;
-  for (const auto& key : summary.keys()) shown.push_back(figureNamed(key));
-  if (is_short)
-    shown.erase(std::remove_if(shown.begin() + 1, shown.end(),
-                               [](const Figure& figure) { return figure.key != "wall_f1"; }),
-                shown.end());
-  if (is_short) {
-    table.columns.push_back({"failure_rate", "failed", 2});
-    for (const auto& figure : shown) table.columns.push_back({figure.key, figure.title, figure.decimals});
-    for (const char* key : {"group", "better", "p"}) table.columns.push_back({key, key, 3});
-  } else {
-    for (const char* key : {"failed", "failure_rate", "failure_rate_low", "failure_rate_high"})
-      table.columns.push_back({key, key, 3});
-    for (const auto& figure : shown)
-      for (const char* part : {"", "_low", "_high"})
-        table.columns.push_back({figure.key + part, figure.title + part, figure.decimals});
-    for (const char* key : {"group", "better", "better_low", "better_high", "p", "p_holm", "more_seeds"})
-      table.columns.push_back({key, key, 4});
+  for (const char* key : {"method", "runs", "failed"}) table.columns.push_back({key, key, 0});
+  std::vector<std::size_t> shown = {0};  // of the summary's keys
+  for (std::size_t k = 1; k < summary.keys().size(); ++k)
+    if (summary.keys()[k] == "wall_f1") shown.push_back(k);
+  for (const auto k : shown) {
+    const auto figure = figureNamed(summary.keys()[k]);
+    table.columns.push_back({figure.key, figure.title, figure.decimals});
   }
-  for (const auto& group : summary.groups()) {
-    const auto rows = summary.rows(group);
-    for (std::size_t m = 0; m < rows.size(); ++m) {
-      const Row& of = rows[m];
+  for (const char* key : {"group", "better", "p"}) table.columns.push_back({key, key, 3});
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    for (std::size_t m = 0; m < rows_of_groups[g].size(); ++m) {
+      const Row& of = rows_of_groups[g][m];
       std::vector<report::CellValue> row;
-      for (const auto& axis : shown_axes) row.emplace_back(group.log ? group.log->*axis.member : "all");
+      for (const auto& axis : shown_axes)
+        row.emplace_back(groups[g].log ? groups[g].log->*axis.member : "all");
       row.emplace_back(summary.names()[m]);
       row.emplace_back(static_cast<double>(of.runs));
-      const double rate = of.runs == 0 ? kNan : static_cast<double>(of.failed) / static_cast<double>(of.runs);
-      if (is_short) {
-        row.emplace_back(withInterval({rate, of.failure_rate}, 2));
-        for (const auto& figure : shown) {
-          const auto k =
-              std::find(summary.keys().begin(), summary.keys().end(), figure.key) - summary.keys().begin();
-          row.emplace_back(withInterval(of.figures[k], figure.decimals));
-        }
-        row.emplace_back(of.letters);
-        row.emplace_back(withInterval(of.better, 2));
-        row.emplace_back(of.adjusted_p);
-      } else {
-        row.insert(row.end(),
-                   {static_cast<double>(of.failed), rate, of.failure_rate.low, of.failure_rate.high});
-        for (const auto& figure : of.figures)
-          row.insert(row.end(), {figure.value, lowOf(figure), highOf(figure)});
-        row.emplace_back(of.letters);
-        row.insert(row.end(), {of.better.value, lowOf(of.better), highOf(of.better), of.p, of.adjusted_p});
-        row.emplace_back(of.more_seeds);
-      }
+      row.emplace_back(withInterval({failureRate(of), of.failure_rate}, 2));
+      for (const auto k : shown)
+        row.emplace_back(withInterval(of.figures[k], figureNamed(summary.keys()[k]).decimals));
+      row.emplace_back(of.letters);
+      row.emplace_back(withInterval(of.better, 2));
+      row.emplace_back(of.adjusted_p);
       table.rows.push_back(std::move(row));
     }
-  }
-  addNotes(plan, results, table);
   return table;
+}
+
+report::Table fullSummary(const Summary& summary, const std::vector<Group>& groups,
+                          const std::vector<Rows>& rows_of_groups) {
+  report::Table table;
+  for (const auto& axis : axes()) table.columns.push_back({axis.key, axis.key, 0});
+  for (const char* key :
+       {"method", "runs", "failed", "failure_rate", "failure_rate_low", "failure_rate_high"})
+    table.columns.push_back({key, key, 3});
+  for (const auto& key : summary.keys())
+    for (const char* part : {"", "_low", "_high"}) {
+      const auto figure = figureNamed(key);
+      table.columns.push_back({key + part, figure.title + part, figure.decimals});
+    }
+  for (const char* key : {"group", "better", "better_low", "better_high", "p", "p_holm", "more_seeds"})
+    table.columns.push_back({key, key, 4});
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    for (std::size_t m = 0; m < rows_of_groups[g].size(); ++m) {
+      const Row& of = rows_of_groups[g][m];
+      std::vector<report::CellValue> row;
+      for (const auto& axis : axes()) row.emplace_back(groups[g].log ? groups[g].log->*axis.member : "all");
+      row.emplace_back(summary.names()[m]);
+      row.insert(row.end(), {static_cast<double>(of.runs), static_cast<double>(of.failed), failureRate(of),
+                             of.failure_rate.low, of.failure_rate.high});
+      for (const auto& figure : of.figures)
+        row.insert(row.end(), {figure.value, lowOf(figure), highOf(figure)});
+      row.emplace_back(of.letters);
+      row.insert(row.end(), {of.better.value, lowOf(of.better), highOf(of.better), of.p, of.adjusted_p});
+      row.emplace_back(of.more_seeds);
+      table.rows.push_back(std::move(row));
+    }
+  return table;
+}
+
+}  // namespace
+
+SweepSummary summarize(const SweepPlan& plan, const SweepResults& results) {
+  const Summary summary(plan, results);
+  const auto groups = summary.groups();
+  std::vector<Rows> rows;
+  for (const auto& group : groups) rows.push_back(summary.rows(group));
+  SweepSummary tables{shortSummary(plan, summary, groups, rows), fullSummary(summary, groups, rows)};
+  for (auto* table : {&tables.main, &tables.all}) {
+    table->caption = "Sweep " + plan.name + ": medians over the seeds, ranked by " + plan.metric;
+    addNotes(plan, results, *table);
+  }
+  return tables;
 }
 
 namespace {

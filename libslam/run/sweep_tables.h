@@ -28,9 +28,12 @@ report::Table resultsTable(const SweepPlan& plan, const SweepResults& results);
 /// method beats the baseline, with interval, the p-value of the paired signed-rank test against it, by Holm's method over
 /// the other methods of the group, and how many more seeds would settle it. Of other figures the median and interval over
 /// the runs that did not fail. Failure rates with Clopper and Pearson's interval. Paired figures use the seeds on which every method's run is
-/// there. kShort leaves out the axes that do not vary and puts an interval into one cell. The same bytes for the same
-/// results.
-report::Table summaryTable(const SweepPlan& plan, const SweepResults& results, Detail detail);
+/// there. The same bytes for the same results.
+struct SweepSummary {
+  report::Table main;  ///< without the axes that do not vary; an interval and its figure in one cell
+  report::Table all;   ///< every figure in a column of its own
+};
+SweepSummary summarize(const SweepPlan& plan, const SweepResults& results);
 
 /// Time and memory: differ from run to run. costs[i] is of plan.runs[i].
 report::Table sweepCostTable(const SweepPlan& plan, const std::vector<CellCost>& costs);

@@ -13,8 +13,9 @@ folder=$(CDPATH='' cd -- "$2" && pwd)
 stop() {
   for name in slurmd slurmctld munged; do
     [ -f "$folder/$name.pid" ] || continue
-    kill "$(cat "$folder/$name.pid")" 2> /dev/null || true
-    while kill -0 "$(cat "$folder/$name.pid")" 2> /dev/null; do sleep 0.1; done
+    pid=$(cat "$folder/$name.pid")
+    kill "$pid" 2> /dev/null || true
+    while kill -0 "$pid" 2> /dev/null; do sleep 0.1; done
     rm -f "$folder/$name.pid"
   done
 }

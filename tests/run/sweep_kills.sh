@@ -17,7 +17,7 @@ begin=$(date +%s.%N)
 # Moments within the time that a sweep takes, and victims, one a line; a moment may come too early or too late for a kill.
 awk -v seed="$seed" -v begin="$begin" -v end="$(date +%s.%N)" 'BEGIN {
   srand(seed)
-  for (i = 0; i < 60; ++i) print rand() * (end - begin), rand() < 0.5 ? "runner" : "worker"
+  for (i = 0; i < 60; ++i) print rand() * 0.7 * (end - begin), rand() < 0.5 ? "runner" : "worker"
 }' > plan.txt
 kills=0
 while [ "$kills" -lt 20 ] && read -r moment victim; do
