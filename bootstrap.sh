@@ -11,6 +11,7 @@ usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
   demo     build, then simulate a robot, run the SLAM methods, print the table (ARGUMENTS go to `rasterslam demo`)
   test     build, then run all tests
   bench    build with benchmarks, then run them (ARGUMENTS go to the benchmark)
+  schedulers   install GNU parallel and Slurm, with which `test` then tries sweeps (without: those tests skip)
   fuzz     build every reader of files with clang's fuzzer and let each run a minute (ARGUMENTS go to tests/fuzz/run.sh)
 
   --no-install   do not install packages (for users without root); says what is missing and goes on
@@ -30,6 +31,8 @@ packages=(
 bench_packages=(libbenchmark-dev)
 # ROS's own libraries, with which tests compare ours; those tests skip where Debian no longer has them.
 oracle_packages=(librosbag-storage-dev libroscpp-core-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev libfastcdr-dev)
+# Schedulers that tests of sweeps start when they are there, and skip otherwise.
+scheduler_packages=(parallel slurmctld slurmd slurm-client munge)
 fuzz_packages=(clang-14 libclang-rt-14-dev)
 
 say() { printf 'bootstrap: %s\n' "$*" >&2; }
@@ -105,6 +108,9 @@ case "$verb" in
     install_missing "${oracles[@]}"
     build release
     ctest --preset release -j "$(nproc)" "${arguments[@]}"
+    ;;
+  schedulers)
+    install_missing "${scheduler_packages[@]}"
     ;;
   bench)
     install_missing "${packages[@]}" "${bench_packages[@]}"

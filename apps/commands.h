@@ -26,6 +26,7 @@ struct Context {
   std::string programPath() const;
 };
 
+void addBench(CLI::App& app, Context& context);
 void addData(CLI::App& app, Context& context);
 void addDemo(CLI::App& app, Context& context);
 void addSimulate(CLI::App& app, Context& context);

@@ -40,7 +40,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 ok, 1 failed, 2 usage, 3 bad input, 4 a method failed or diverged,\n"
-      "5 worse than --gate allows, 130 interrupted.\n"
+      "5 worse than --gate allows, 6 cells of a sweep failed or are missing, 130 interrupted.\n"
       "'rasterslam COMMAND --help' shows examples.");
   slam::apps::addDemo(app, context);
   slam::apps::addSimulate(app, context);
@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
   slam::apps::addRun(app, context);
   slam::apps::addEval(app, context);
   slam::apps::addCompare(app, context);
+  slam::apps::addBench(app, context);
   slam::apps::addConvert(app, context);
   slam::apps::addNavigate(app, context);
   slam::apps::addInfo(app, context);

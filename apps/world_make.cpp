@@ -9,8 +9,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/report/picture.h"
-#include "libslam/world/building.h"
-#include "libslam/world/generator.h"
+#include "libslam/run/generated_world.h"
 
 namespace slam::apps {
 namespace {
@@ -43,19 +42,6 @@ core::IniFile configOf(const Context& context, const Arguments& arguments) {
   return config;
 }
 
-/// One of the kinds, or one of the committed worlds, whose size is fixed, with another seed.
-world::GeneratedBuilding draw(const std::string& kind, const core::IniFile& config,
-                              const world::BuildingOptions& options, std::uint64_t seed) {
-  const auto& kinds = world::buildingKinds();
-  const bool is_kind = std::any_of(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == kind; });
-  const auto fixed = world::buildingNames();
-  if (is_kind || std::find(fixed.begin(), fixed.end(), kind) == fixed.end())
-    return world::generateBuilding(kind, options, seed);
-  if (config.hasSection("building"))
-    throw core::InputError("'" + kind + "' has one size and no options, expected only a seed");
-  return {world::makeBuilding(kind, seed), 0};
-}
-
 int makeWorld(const Context& context, const Arguments& arguments) {
   world::BuildingOptions options;
   std::vector<core::ParameterReport> parameters;
@@ -79,7 +65,7 @@ int makeWorld(const Context& context, const Arguments& arguments) {
   if (!arguments.preview.empty()) files.push_back(arguments.preview);
   for (const auto& file : files) core::refuseToOverwrite(file, context.overwrite);
 
-  auto building = draw(arguments.kind, config, options, context.seed);
+  auto building = run::generateWorld(arguments.kind, config, context.seed);
   world::Plan& plan = building.plan;
   plan.name = std::filesystem::path(path).stem().string();
   world::savePlan(plan, path);

@@ -14,6 +14,7 @@ enum class ExitCode {
   kBadInput = 3,      ///< a file, a key or a value from outside is wrong
   kMethodFailed = 4,  ///< a SLAM method failed or diverged on good input
   kGotWorse = 5,      ///< figures are worse than a gate allows
+  kCellsFailed = 6,   ///< cells of a sweep failed or are missing
   kInterrupted = 130
 };
 

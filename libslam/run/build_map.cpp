@@ -17,19 +17,11 @@
 #include "libslam/metrics/map_score.h"
 #include "libslam/run/cpu_time.h"
 #include "libslam/run/map_plan.h"
+#include "libslam/run/process_memory.h"
 #include "libslam/run/self_score.h"
 
 namespace slam::run {
 namespace {
-
-/// A figure of /proc/self/status in MB; NaN where the system has none.
-double processMemoryMb(const std::string& key) {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.compare(0, key.size() + 1, key + ":") == 0)
-      return std::atof(line.c_str() + key.size() + 1) / 1024;
-  return std::numeric_limits<double>::quiet_NaN();
-}
 
 /// Peak memory of this process from construction on, over its size then. Linux lets a process forget its own
 /// peak.

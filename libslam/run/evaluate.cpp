@@ -256,6 +256,12 @@ const std::vector<MetricInfo>& metricInfos() {
   return infos;
 }
 
+const std::vector<std::string>& costKeys() {
+  static const std::vector<std::string> keys = {"ms_per_scan", "p99_ms", "real_time_factor",
+                                                "peak_memory_mb"};
+  return keys;
+}
+
 namespace {
 
 report::Table tableOf(const std::string& caption, const std::vector<std::string>& keys,
@@ -321,8 +327,7 @@ report::Table agreementTable(const std::vector<Evaluation>& evaluations, Detail 
 }
 
 report::Table costTable(const std::vector<Evaluation>& evaluations) {
-  return tableOf("Cost on this machine", {"ms_per_scan", "p99_ms", "real_time_factor", "peak_memory_mb"},
-                 evaluations);
+  return tableOf("Cost on this machine", costKeys(), evaluations);
 }
 
 void setAgreement(const std::vector<RunFolder>& runs, std::vector<Evaluation>& evaluations) {

@@ -86,5 +86,7 @@ struct MetricInfo {
   bool depends_on_machine = false;  ///< time and memory: not the same bytes twice
 };
 const std::vector<MetricInfo>& metricInfos();
+/// Keys of those that differ from run to run: time and memory.
+const std::vector<std::string>& costKeys();
 
 }  // namespace slam::run

@@ -10,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "libslam/core/error.h"
 
@@ -25,7 +26,8 @@ int waitFor(pid_t child) {
   return status;
 }
 
-pid_t spawn(const std::vector<std::string>& command, int stdout_fd) {
+int spawn(const std::vector<std::string>& command, int stdout_fd, const std::string& error_path,
+          pid_t& child) {
   std::vector<char*> argv;
   for (const auto& word : command) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
@@ -33,71 +35,77 @@ pid_t spawn(const std::vector<std::string>& command, int stdout_fd) {
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, stdout_fd, STDOUT_FILENO);
-  pid_t child = -1;
+  if (!error_path.empty())
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, error_path.c_str(),
+                                     O_WRONLY | O_CREAT | O_TRUNC, 0666);
   const int error = posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) throw core::IoError(command[0] + ": cannot be started: " + std::strerror(error));
-  return child;
-}
-
-class Pipe {
- public:
-  Pipe() {
-    if (pipe2(ends_.data(), O_CLOEXEC) != 0)
-      throw core::IoError(std::string("no pipe: ") + std::strerror(errno));
-  }
-  ~Pipe() {
-    closeWriteEnd();
-    close(ends_[0]);
-  }
-  Pipe(const Pipe&) = delete;
-  Pipe& operator=(const Pipe&) = delete;
-  int readEnd() const { return ends_[0]; }
-  int writeEnd() const { return ends_[1]; }
-  void closeWriteEnd() {
-    if (ends_[1] >= 0) close(ends_[1]);
-    ends_[1] = -1;
-  }
-
- private:
-  std::array<int, 2> ends_{-1, -1};
-};
-
-/// Reads to the end of the child's output, reporting in between.
-std::string readAll(int fd, core::Progress& progress) {
-  std::string text;
-  std::array<char, 4096> buffer{};
-  while (true) {
-    pollfd waiting{fd, POLLIN, 0};
-    const int ready = poll(&waiting, 1, 100);
-    progress.update(-1, 0);
-    if (ready <= 0) continue;
-    const ssize_t count = read(fd, buffer.data(), buffer.size());
-    if (count > 0)
-      text.append(buffer.data(), static_cast<size_t>(count));
-    else if (count == 0 || errno != EINTR)
-      return text;
-  }
+  return error;
 }
 
 }  // namespace
 
-WorkerResult runWorker(const std::vector<std::string>& command, core::Progress& progress) {
-  Pipe pipe;
-  const pid_t child = spawn(command, pipe.writeEnd());
-  pipe.closeWriteEnd();
-  WorkerResult result;
-  try {
-    result.out = readAll(pipe.readEnd(), progress);
-  } catch (...) {
-    kill(child, SIGINT);
-    waitFor(child);
-    throw;
+Worker::Worker(const std::vector<std::string>& command, const std::string& error_path) {
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0)
+    throw core::IoError(std::string("no pipe: ") + std::strerror(errno));
+  const int error = spawn(command, ends[1], error_path, child_);
+  close(ends[1]);
+  if (error == 0) {
+    output_end_ = ends[0];
+    return;
   }
-  const int status = waitFor(child);
+  close(ends[0]);
+  throw core::IoError(command[0] + ": cannot be started: " + std::strerror(error));
+}
+
+Worker::~Worker() {
+  if (child_ > 0) {
+    signal(SIGKILL);
+    waitFor(child_);
+  }
+  if (output_end_ >= 0) close(output_end_);
+}
+
+Worker::Worker(Worker&& other) noexcept
+    : child_(std::exchange(other.child_, -1)),
+      output_end_(std::exchange(other.output_end_, -1)),
+      out_(std::move(other.out_)) {}
+
+bool Worker::read() {
+  std::array<char, 4096> buffer{};
+  const ssize_t count = ::read(output_end_, buffer.data(), buffer.size());
+  if (count > 0) out_.append(buffer.data(), static_cast<size_t>(count));
+  return count > 0 || (count < 0 && errno == EINTR);
+}
+
+void Worker::signal(int number) const {
+  kill(child_, number);
+}
+
+WorkerResult Worker::wait() {
+  const int status = waitFor(std::exchange(child_, -1));
+  WorkerResult result;
+  result.out = std::move(out_);
   result.killed = WIFSIGNALED(status);
   result.exit_code = result.killed ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
   return result;
+}
+
+WorkerResult runWorker(const std::vector<std::string>& command, core::Progress& progress) {
+  Worker worker(command);
+  try {
+    while (true) {
+      pollfd waiting{worker.outputEnd(), POLLIN, 0};
+      const int ready = poll(&waiting, 1, 100);
+      progress.update(-1, 0);
+      if (ready > 0 && !worker.read()) return worker.wait();
+    }
+  } catch (...) {
+    worker.signal(SIGINT);
+    worker.wait();
+    throw;
+  }
 }
 
 }  // namespace slam::run

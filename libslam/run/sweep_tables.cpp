@@ -1,0 +1,454 @@
+#include "libslam/run/sweep_tables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "libslam/core/error.h"
+#include "libslam/run/sweep.h"
+#include "libslam/stats/bootstrap.h"
+#include "libslam/stats/multiple_tests.h"
+#include "libslam/stats/paired.h"
+#include "libslam/stats/proportion.h"
+#include "libslam/stats/ranking.h"
+#include "libslam/stats/seeds_needed.h"
+
+namespace slam::run {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+/// Enough for two digits of an interval; a sweep has thousands of them.
+constexpr int kResamples = 2000;
+
+struct Axis {
+  const char* key;
+  std::string PlannedLog::*member;
+};
+const std::vector<Axis>& axes() {
+  static const std::vector<Axis> list = {
+      {"world", &PlannedLog::world},       {"robot", &PlannedLog::robot},
+      {"lidar", &PlannedLog::lidar},       {"odometry", &PlannedLog::odometry},
+      {"strategy", &PlannedLog::strategy}, {"fault", &PlannedLog::fault}};
+  return list;
+}
+
+std::string nameOf(const PlannedRun& run) {
+  return fullName({run.method, run.parameters, {}});
+}
+
+struct Figure {
+  std::string key, title;
+  int decimals;
+};
+
+/// The figures of a run, in the order of the tables.
+std::vector<Figure> figures() {
+  std::vector<Figure> list;
+  const auto& costs = costKeys();
+  for (const auto& info : metricInfos())
+    if (info.key != "agreement_m" && !std::count(costs.begin(), costs.end(), info.key))
+      list.push_back({info.key, info.title, info.decimals});
+  list.push_back({"relation_m", "relation m", 4});
+  list.push_back({"relation_deg", "relation deg", 3});
+  return list;
+}
+
+Figure figureNamed(const std::string& key) {
+  for (const auto& figure : figures())
+    if (figure.key == key) return figure;
+  throw core::ContractError("no figure '" + key + "'");
+}
+
+stats::Better betterOf(const std::string& metric) {
+  const bool larger = metric == "wall_f1" || metric == "free_iou";
+  return larger ? stats::Better::kLarger : stats::Better::kSmaller;
+}
+
+/// Runs that differ in seed and method only (or, of all together, in anything).
+struct Group {
+  const PlannedLog* log = nullptr;                ///< nullptr: all together
+  std::vector<std::vector<std::size_t>> methods;  ///< by method, its runs in the order of the plan
+};
+
+std::vector<std::string> methodNames(const SweepPlan& plan) {
+  std::vector<std::string> names;
+  std::set<std::string> seen;
+  for (const auto& run : plan.runs)
+    if (seen.insert(nameOf(run)).second) names.push_back(nameOf(run));
+  return names;
+}
+
+std::vector<Group> groupsOf(const SweepPlan& plan, const std::vector<std::string>& names) {
+  std::map<std::string, std::size_t> method_index, group_index;
+  for (std::size_t i = 0; i < names.size(); ++i) method_index[names[i]] = i;
+  Group all;
+  all.methods.resize(names.size());
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < plan.runs.size(); ++i) {
+    const PlannedLog& log = plan.logs[plan.runs[i].log];
+    std::string key;
+    for (const auto& axis : axes()) key += log.*axis.member + '\n';
+    const auto [it, is_new] = group_index.emplace(key, groups.size());
+    if (is_new) groups.push_back({&log, std::vector<std::vector<std::size_t>>(names.size())});
+    const std::size_t method = method_index.at(nameOf(plan.runs[i]));
+    groups[it->second].methods[method].push_back(i);
+    all.methods[method].push_back(i);
+  }
+  if (groups.size() > 1) groups.insert(groups.begin(), std::move(all));
+  return groups;
+}
+
+/// What a row of the summary says of one method in one group.
+struct Row {
+  std::size_t runs = 0, failed = 0;
+  stats::Interval failure_rate;
+  std::vector<stats::Estimate> figures;  ///< the metric first; NaN where there is none
+  std::string letters = "-";
+  stats::Estimate better{kNan, std::nullopt};
+  double p = kNan, adjusted_p = kNan;
+  std::string more_seeds;
+};
+
+class Summary {
+ public:
+  Summary(const SweepPlan& plan, const SweepResults& results) : plan_(plan), results_(results) {
+    keys_ = {plan.metric};
+    for (const char* key : {"ate_rmse_m", "wall_f1", "free_iou"})
+      if (key != plan.metric) keys_.emplace_back(key);
+    better_ = betterOf(plan.metric);
+    names_ = methodNames(plan);
+    baseline_ =
+        static_cast<std::size_t>(std::find(names_.begin(), names_.end(), plan.baseline) - names_.begin());
+  }
+
+  const std::vector<std::string>& keys() const { return keys_; }
+  const std::vector<std::string>& names() const { return names_; }
+  std::vector<Group> groups() const { return groupsOf(plan_, names_); }
+
+  std::vector<Row> rows(const Group& group) const {
+    std::vector<Row> rows;
+    for (const auto& runs : group.methods) rows.push_back(alone(runs));
+    compare(group, rows);
+    return rows;
+  }
+
+ private:
+  /// The metric of a run, a failed one's infinite; NaN where the run is missing or has no such figure.
+  double valueOf(std::size_t run) const {
+    if (!results_[run]) return kNan;
+    if (isFailed(plan_, *results_[run])) return stats::failedValue(better_);
+    return figureOf(*results_[run], plan_.metric);
+  }
+
+  stats::Estimate medianOf(const std::vector<double>& values) const {
+    if (values.empty()) return {kNan, std::nullopt};
+    return stats::bootstrapInterval(values, stats::Statistic::kMedian, {0.95, 1, kResamples});
+  }
+
+  Row alone(const std::vector<std::size_t>& runs) const {
+    Row row;
+    std::vector<std::vector<double>> values(keys_.size());
+    for (const auto run : runs) {
+      if (!results_[run]) continue;
+      ++row.runs;
+      const bool failed = isFailed(plan_, *results_[run]);
+      row.failed += failed ? 1 : 0;
+      if (const double value = valueOf(run); !std::isnan(value)) values[0].push_back(value);
+      for (std::size_t k = 1; k < keys_.size() && !failed; ++k)
+        if (const double value = figureOf(*results_[run], keys_[k]); std::isfinite(value))
+          values[k].push_back(value);
+    }
+    row.failure_rate = stats::clopperPearson(row.failed, row.runs);
+    for (const auto& v : values) row.figures.push_back(medianOf(v));
+    return row;
+  }
+
+  void compare(const Group& group, std::vector<Row>& rows) const {
+    std::vector<std::vector<double>> values(names_.size());
+    for (std::size_t i = 0; i < group.methods.front().size(); ++i) {
+      std::vector<double> of_seed;
+      for (const auto& runs : group.methods) of_seed.push_back(valueOf(runs[i]));
+      if (std::any_of(of_seed.begin(), of_seed.end(), [](double v) { return std::isnan(v); })) continue;
+      for (std::size_t m = 0; m < values.size(); ++m) values[m].push_back(of_seed[m]);
+    }
+    if (values.front().empty()) return;
+    for (const auto& ranked : stats::rankingGroups(values, better_).methods)
+      rows[ranked.method].letters = ranked.letters;
+    std::vector<double> p_values;
+    for (std::size_t m = 0; m < values.size(); ++m) {
+      if (m == baseline_) continue;
+      const auto& mine = values[m];
+      const auto& base = values[baseline_];
+      rows[m].better = stats::probabilityOfImprovement(mine, base, better_, {0.95, 1, kResamples});
+      rows[m].p = stats::wilcoxonSignedRank(mine, base).p;
+      rows[m].more_seeds = moreSeeds(mine, base);
+      p_values.push_back(rows[m].p);
+    }
+    const auto adjusted = stats::holm(p_values);
+    for (std::size_t m = 0, i = 0; m < values.size(); ++m)
+      if (m != baseline_) rows[m].adjusted_p = adjusted[i++];
+  }
+
+  static std::string moreSeeds(const std::vector<double>& a, const std::vector<double>& b) {
+    std::vector<double> differences;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      if (std::isfinite(a[i]) && std::isfinite(b[i])) differences.push_back(a[i] - b[i]);
+    if (differences.size() != a.size()) return "unknown";
+    const auto needed = stats::moreSeedsNeeded(differences);
+    using Answer = stats::SeedsNeeded::Answer;
+    if (needed.answer == Answer::kEnough) return "0";
+    if (needed.answer == Answer::kMore) return std::to_string(needed.more);
+    return needed.answer == Answer::kUnknown ? "unknown" : "never";
+  }
+
+  const SweepPlan& plan_;
+  const SweepResults& results_;
+  std::vector<std::string> keys_, names_;
+  stats::Better better_;
+  std::size_t baseline_ = 0;
+};
+
+std::string fixed(double value, int decimals) {
+  if (std::isnan(value)) return "-";
+  if (std::isinf(value)) return "failed";
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", decimals, value);
+  return text;
+}
+
+std::string withInterval(const stats::Estimate& estimate, int decimals) {
+  std::string text = fixed(estimate.value, decimals);
+  if (estimate.interval && !std::isnan(estimate.value))
+    text += " [" + fixed(estimate.interval->low, decimals) + ", " + fixed(estimate.interval->high, decimals) +
+            "]";
+  return text;
+}
+
+double failureRate(const Row& row) {
+  return row.runs == 0 ? kNan : static_cast<double>(row.failed) / static_cast<double>(row.runs);
+}
+
+double lowOf(const stats::Estimate& estimate) {
+  return estimate.interval ? estimate.interval->low : kNan;
+}
+double highOf(const stats::Estimate& estimate) {
+  return estimate.interval ? estimate.interval->high : kNan;
+}
+
+/// The axes on which the logs of the sweep differ.
+std::vector<Axis> varying(const SweepPlan& plan) {
+  std::vector<Axis> list;
+  for (const auto& axis : axes()) {
+    std::set<std::string> names;
+    for (const auto& log : plan.logs) names.insert(log.*axis.member);
+    if (names.size() > 1) list.push_back(axis);
+  }
+  return list;
+}
+
+void addNotes(const SweepPlan& plan, const SweepResults& results, report::Table& table) {
+  const auto missing = std::count(results.begin(), results.end(), std::nullopt);
+  if (missing > 0)
+    table.notes.push_back("Incomplete: " + std::to_string(missing) + " of " + std::to_string(results.size()) +
+                          " runs are missing.");
+  std::string failed = "A run that ended otherwise than ok";
+  if (plan.failure_ate_m > 0)
+    failed += ", or more than " + core::formatNumber(plan.failure_ate_m) + " m off (ate_final_m),";
+  table.notes.push_back(failed +
+                        " has failed and ranks as worse than any other. In brackets 95 % intervals: "
+                        "bootstrap over the runs (BCa) of medians, Clopper and Pearson's of failure rates.");
+  table.notes.push_back(
+      "Methods that share a letter cannot be told apart by " + plan.metric +
+      " (signed-rank test on the same seeds, Holm's method, 5 %). Better: share of seeds on "
+      "which the method beats " +
+      plan.baseline + "; p: of that difference, by Holm's method.");
+  std::map<std::string, std::size_t> runs_of_group;
+  for (const auto& run : plan.runs) {
+    std::string key = nameOf(run);
+    for (const auto& axis : axes()) key += '\n' + plan.logs[run.log].*axis.member;
+    ++runs_of_group[key];
+  }
+  const bool is_single = std::any_of(runs_of_group.begin(), runs_of_group.end(),
+                                     [](const auto& group) { return group.second == 1; });
+  if (is_single) table.notes.emplace_back("One run with one seed per row: small differences may be chance.");
+}
+
+}  // namespace
+
+bool isFailed(const SweepPlan& plan, const CellResult& result) {
+  if (result.status != "ok") return true;
+  return plan.failure_ate_m > 0 && figureOf(result, "ate_final_m") > plan.failure_ate_m;
+}
+
+double figureOf(const CellResult& result, const std::string& key) {
+  for (const auto& [name, value] : result.figures)
+    if (name == key) return value;
+  return kNan;
+}
+
+report::Table resultsTable(const SweepPlan& plan, const SweepResults& results) {
+  report::Table table;
+  table.caption = "Sweep " + plan.name + ", one row per run";
+  table.columns = {{"run", "run", 0}};
+  for (const auto& axis : axes()) table.columns.push_back({axis.key, axis.key, 0});
+  for (const char* key : {"seed", "method", "parameters", "status", "message"})
+    table.columns.push_back({key, key, 0});
+  const auto list = figures();
+  for (const auto& figure : list) table.columns.push_back({figure.key, figure.title, figure.decimals});
+  for (const char* key : {"folder", "log_folder", "reproduce"}) table.columns.push_back({key, key, 0});
+  for (std::size_t i = 0; i < plan.runs.size(); ++i) {
+    const auto& run = plan.runs[i];
+    const auto& log = plan.logs[run.log];
+    std::vector<report::CellValue> row = {run.id};
+    for (const auto& axis : axes()) row.emplace_back(log.*axis.member);
+    row.insert(row.end(),
+               {std::to_string(run.seed), run.method, run.parameters,
+                results[i] ? results[i]->status : "missing", results[i] ? results[i]->message : ""});
+    for (const auto& figure : list) row.emplace_back(results[i] ? figureOf(*results[i], figure.key) : kNan);
+    row.insert(row.end(), {"cells/" + run.id, log.simulated ? "cells/" + log.id : "", reproduceLine(run.id)});
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+namespace {
+
+using Rows = std::vector<Row>;  ///< of one group, by method
+
+report::Table shortSummary(const SweepPlan& plan, const Summary& summary, const std::vector<Group>& groups,
+                           const std::vector<Rows>& rows_of_groups) {
+  report::Table table;
+  const auto shown_axes = varying(plan);
+  for (const auto& axis : shown_axes) table.columns.push_back({axis.key, axis.key, 0});
+  for (const char* key : {"method", "runs", "failed"}) table.columns.push_back({key, key, 0});
+  std::vector<std::size_t> shown = {0};  // of the summary's keys
+  for (std::size_t k = 1; k < summary.keys().size(); ++k)
+    if (summary.keys()[k] == "wall_f1") shown.push_back(k);
+  for (const auto k : shown) {
+    const auto figure = figureNamed(summary.keys()[k]);
+    table.columns.push_back({figure.key, figure.title, figure.decimals});
+  }
+  for (const char* key : {"group", "better", "p"}) table.columns.push_back({key, key, 3});
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    for (std::size_t m = 0; m < rows_of_groups[g].size(); ++m) {
+      const Row& of = rows_of_groups[g][m];
+      std::vector<report::CellValue> row;
+      for (const auto& axis : shown_axes)
+        row.emplace_back(groups[g].log ? groups[g].log->*axis.member : "all");
+      row.emplace_back(summary.names()[m]);
+      row.emplace_back(static_cast<double>(of.runs));
+      row.emplace_back(withInterval({failureRate(of), of.failure_rate}, 2));
+      for (const auto k : shown)
+        row.emplace_back(withInterval(of.figures[k], figureNamed(summary.keys()[k]).decimals));
+      row.emplace_back(of.letters);
+      row.emplace_back(withInterval(of.better, 2));
+      row.emplace_back(of.adjusted_p);
+      table.rows.push_back(std::move(row));
+    }
+  return table;
+}
+
+report::Table fullSummary(const Summary& summary, const std::vector<Group>& groups,
+                          const std::vector<Rows>& rows_of_groups) {
+  report::Table table;
+  for (const auto& axis : axes()) table.columns.push_back({axis.key, axis.key, 0});
+  for (const char* key :
+       {"method", "runs", "failed", "failure_rate", "failure_rate_low", "failure_rate_high"})
+    table.columns.push_back({key, key, 3});
+  for (const auto& key : summary.keys())
+    for (const char* part : {"", "_low", "_high"}) {
+      const auto figure = figureNamed(key);
+      table.columns.push_back({key + part, figure.title + part, figure.decimals});
+    }
+  for (const char* key : {"group", "better", "better_low", "better_high", "p", "p_holm", "more_seeds"})
+    table.columns.push_back({key, key, 4});
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    for (std::size_t m = 0; m < rows_of_groups[g].size(); ++m) {
+      const Row& of = rows_of_groups[g][m];
+      std::vector<report::CellValue> row;
+      for (const auto& axis : axes()) row.emplace_back(groups[g].log ? groups[g].log->*axis.member : "all");
+      row.emplace_back(summary.names()[m]);
+      row.insert(row.end(), {static_cast<double>(of.runs), static_cast<double>(of.failed), failureRate(of),
+                             of.failure_rate.low, of.failure_rate.high});
+      for (const auto& figure : of.figures)
+        row.insert(row.end(), {figure.value, lowOf(figure), highOf(figure)});
+      row.emplace_back(of.letters);
+      row.insert(row.end(), {of.better.value, lowOf(of.better), highOf(of.better), of.p, of.adjusted_p});
+      row.emplace_back(of.more_seeds);
+      table.rows.push_back(std::move(row));
+    }
+  return table;
+}
+
+}  // namespace
+
+SweepSummary summarize(const SweepPlan& plan, const SweepResults& results) {
+  const Summary summary(plan, results);
+  const auto groups = summary.groups();
+  std::vector<Rows> rows;
+  for (const auto& group : groups) rows.push_back(summary.rows(group));
+  SweepSummary tables{shortSummary(plan, summary, groups, rows), fullSummary(summary, groups, rows)};
+  for (auto* table : {&tables.main, &tables.all}) {
+    table->caption = "Sweep " + plan.name + ": medians over the seeds, ranked by " + plan.metric;
+    addNotes(plan, results, *table);
+  }
+  return tables;
+}
+
+namespace {
+
+struct CostColumn {
+  const char *key, *title;
+  int decimals;
+  double CellCost::*member;
+};
+const std::vector<CostColumn>& costColumns() {
+  static const std::vector<CostColumn> list = {{"ms_per_scan", "ms/scan", 3, &CellCost::mean_ms_per_scan},
+                                               {"p99_ms", "p99 ms", 3, &CellCost::p99_ms_per_scan},
+                                               {"peak_memory_mb", "MB", 1, &CellCost::peak_memory_mb},
+                                               {"cpu_s", "process CPU s", 2, &CellCost::cpu_s},
+                                               {"wall_s", "by the clock s", 2, &CellCost::wall_s}};
+  return list;
+}
+
+}  // namespace
+
+report::Table sweepCostTable(const SweepPlan& plan, const std::vector<CellCost>& costs) {
+  report::Table table;
+  table.caption = "Time and memory of every run";
+  table.columns = {{"run", "run", 0}, {"method", "method", 0}};
+  for (const auto& column : costColumns())
+    table.columns.push_back({column.key, column.title, column.decimals});
+  for (std::size_t i = 0; i < plan.runs.size(); ++i) {
+    std::vector<report::CellValue> row = {plan.runs[i].id, nameOf(plan.runs[i])};
+    for (const auto& column : costColumns()) row.emplace_back(costs[i].*column.member);
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+report::Table sweepCostSummary(const SweepPlan& plan, const std::vector<CellCost>& costs) {
+  report::Table table;
+  table.caption = "Cost on this machine, medians over all runs";
+  table.columns = {{"method", "method", 0}};
+  for (const auto& column : costColumns())
+    table.columns.push_back({column.key, column.title, column.decimals});
+  for (const auto& name : methodNames(plan)) {
+    std::vector<report::CellValue> row = {name};
+    for (const auto& column : costColumns()) {
+      std::vector<double> values;
+      for (std::size_t i = 0; i < costs.size(); ++i)
+        if (nameOf(plan.runs[i]) == name && std::isfinite(costs[i].*column.member))
+          values.push_back(costs[i].*column.member);
+      row.emplace_back(values.empty() ? kNan : stats::median(values));
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+}  // namespace slam::run

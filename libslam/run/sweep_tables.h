@@ -1,0 +1,43 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "libslam/report/table.h"
+#include "libslam/run/cell.h"
+#include "libslam/run/evaluate.h"
+#include "libslam/run/sweep_plan.h"
+
+namespace slam::run {
+
+/// The results of a sweep's runs, results[i] of plan.runs[i]; none where the run is missing.
+using SweepResults = std::vector<std::optional<CellResult>>;
+
+/// A run that gave no usable path: its status is not ok, or it ended farther off than the suite allows (failure_ate_m).
+bool isFailed(const SweepPlan& plan, const CellResult& result);
+/// NaN where there is no such figure.
+double figureOf(const CellResult& result, const std::string& key);
+
+/// One row per run: where it stands on the axes, how it ended, every figure, its folder and how to do it again. The same
+/// bytes for the same suite and code.
+report::Table resultsTable(const SweepPlan& plan, const SweepResults& results);
+
+/// Statistics over the seeds, one row per method for every combination of the other axes and, where there are several, for
+/// all of them together. Of the suite's metric: the median of all runs, a failed one counting as worse than any other, with
+/// its 95 % bootstrap interval; groups of methods that cannot be told apart (rankingGroups()); the share of seeds on which a
+/// method beats the baseline, with interval, the p-value of the paired signed-rank test against it, by Holm's method over
+/// the other methods of the group, and how many more seeds would settle it. Of other figures the median and interval over
+/// the runs that did not fail. Failure rates with Clopper and Pearson's interval. Paired figures use the seeds on which every method's run is
+/// there. The same bytes for the same results.
+struct SweepSummary {
+  report::Table main;  ///< without the axes that do not vary; an interval and its figure in one cell
+  report::Table all;   ///< every figure in a column of its own
+};
+SweepSummary summarize(const SweepPlan& plan, const SweepResults& results);
+
+/// Time and memory: differ from run to run. costs[i] is of plan.runs[i].
+report::Table sweepCostTable(const SweepPlan& plan, const std::vector<CellCost>& costs);
+/// The same as medians, one row per method.
+report::Table sweepCostSummary(const SweepPlan& plan, const std::vector<CellCost>& costs);
+
+}  // namespace slam::run
