@@ -8,7 +8,7 @@ namespace {
 
 /// Two returns of neighbouring beams lie on one surface unless it would be seen at more than about 80 degrees.
 constexpr double kSteepest = 6;
-constexpr int kLeastNeighbours = 2, kMostNeighbours = 10;
+constexpr int kLeastNeighbours = 2, kMostNeighbours = 20;
 
 double squaredDistance(const core::Point2& a, const core::Point2& b) {
   const double dx = a.x - b.x, dy = a.y - b.y;
