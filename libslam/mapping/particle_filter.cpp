@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <set>
 #include <string>
@@ -41,6 +42,13 @@ Eigen::Matrix3d rotated(const Eigen::Matrix3d& matrix, double phi) {
 
 Eigen::Matrix3d unknownCovariance() {
   return kUnknownSigma * kUnknownSigma * Eigen::Matrix3d::Identity();
+}
+
+/// How an error of the first pose shows in the second, which hangs on it.
+Eigen::Matrix3d carry(const core::Pose2& from, const core::Pose2& to) {
+  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
+  F(0, 2) = from.y - to.y, F(1, 2) = to.x - from.x;
+  return F;
 }
 
 core::Pose2 moved(const core::Pose2& T, const Eigen::Vector3d& by) {
@@ -89,6 +97,8 @@ const core::ParameterTable<ParticleFilterOptions>& ParticleFilterOptions::table(
        {"wide_kernel_m", &O::wide_kernel_m, 0.2, 0.01, 5.0, "the same while the start is chosen"},
        {"information_scale", &O::information_scale, 0.2, 0.001, 1.0,
         "how much of a point's information counts: neighbouring beams err together"},
+       {"drift_scale", &O::drift_scale, 1.0, 0.0, 1000.0,
+        "on the covariance of a match where it adds to the drift: the next scans err alike"},
        {"iterations", &O::iterations, 3, 1, 100, "of Gauss-Newton, from the best particle's motion"},
        {"proposal_scale", &O::proposal_scale, 0.2, 0.0, 10.0,
         "on the standard deviations that are drawn from"},
@@ -190,10 +200,6 @@ void ParticleFilter::matchAll(const std::vector<SurfacePoint>& points, const Gui
 void ParticleFilter::moveAll(const std::optional<Motion>& motion) {
   velocity_ = motion ? motion->T_previous_robot : core::Pose2{};
   for (Particle& particle : particles_) {
-    const Eigen::Matrix3d covariance =
-        particle.information.inverse() +
-        (motion ? rotated(motion->covariance, particle.T_raster_robot.phi) : unknownCovariance());
-    particle.information = covariance.inverse();
     particle.T_raster_robot = particle.T_raster_robot * velocity_;
     particle.match = {};
   }
@@ -308,25 +314,66 @@ void ParticleFilter::findBest() {
     if (particles_[i].total_log_weight > particles_[best_].total_log_weight) best_ = i;
 }
 
+/// Of the best particle's pose against the map, one scan further: an error of the pose before is carried along, the
+/// odometry adds its own, and the match takes the gain (I_scan + I_prior)^-1 I_scan off both and puts the scan's in their place.
+void ParticleFilter::trackDrift(const core::Pose2& T_before, const Eigen::Matrix3d& motion_covariance,
+                                const Eigen::Matrix3d& prior_information) {
+  const Particle& best = particles_[best_];
+  const Eigen::Matrix3d F = carry(T_before, best.T_raster_robot);
+  const Eigen::Matrix3d posterior = (best.match.information + prior_information).inverse();
+  const Eigen::Matrix3d gain = posterior * best.match.information, kept = Eigen::Matrix3d::Identity() - gain;
+  const Eigen::Matrix3d predicted = F * local_covariance_ * F.transpose() + motion_covariance;
+  const double noise = best.match.residual_m / options_.sigma_m;
+  local_covariance_ = kept * predicted * kept.transpose() + noise * noise * options_.drift_scale * posterior *
+                                                                best.match.information *
+                                                                posterior.transpose();
+}
+
+/// What the map around a pose is off by.
+Eigen::Matrix3d ParticleFilter::mapCovariance(const core::Pose2& T) const {
+  constexpr double kNear_m = 2;
+  if (anchors_.empty()) return Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d surest = Eigen::Matrix3d::Zero();
+  double least = std::numeric_limits<double>::infinity();
+  for (size_t i = step_.degenerate || step_.lost ? anchors_.size() - 1 : 0; i < anchors_.size(); ++i) {
+    const core::Pose2& T_anchor = anchors_[i].T_raster_robot;
+    const bool is_near = core::distance(T_anchor, T) < kNear_m &&
+                         std::abs(core::angleDifference(T_anchor.phi, T.phi)) < core::kPi / 2;
+    if (!is_near && i + 1 < anchors_.size()) continue;
+    const Eigen::Matrix3d F = carry(T_anchor, T);
+    const Eigen::Matrix3d covariance = F * anchors_[i].covariance * F.transpose();
+    // Radians count as the metres that they move a wall by at 3 m.
+    const double size = covariance(0, 0) + covariance(1, 1) + 9 * covariance(2, 2);
+    if (size < least) least = size, surest = covariance;
+  }
+  return surest;
+}
+
 void ParticleFilter::estimateCovariance() {
   const core::Pose2& T = particles_[best_].T_raster_robot;
   double most = particles_[0].log_weight, sum = 0;
   for (const Particle& particle : particles_) most = std::max(most, particle.log_weight);
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Particle& particle : particles_) {
     const double weight = std::exp(particle.log_weight - most);
     const Eigen::Vector3d off(particle.T_raster_robot.x - T.x, particle.T_raster_robot.y - T.y,
                               core::angleDifference(particle.T_raster_robot.phi, T.phi));
     sum += weight, mean += weight * off;
-    covariance += weight * (off * off.transpose() + particle.information.inverse());
+    spread += weight * off * off.transpose();
   }
   mean /= sum;
-  step_.covariance = rotated(covariance / sum - mean * mean.transpose(), mapFromRaster().phi);
+  const Eigen::Matrix3d own = mapCovariance(T) + local_covariance_;
+  if (step_.inserted) {
+    anchors_.push_back({T, own});
+    local_covariance_.setZero();
+  }
+  step_.covariance = rotated(own + spread / sum - mean * mean.transpose(), mapFromRaster().phi);
 }
 
 void ParticleFilter::findPlace(const robot::Scan& scan, const std::optional<Motion>& motion) {
   const auto points = scanmatch::surfacePoints(scan, point_options_);
+  const core::Pose2 T_before = particles_[best_].T_raster_robot;
   const Guidance guidance = guide(points, motion);
   step_.score = guidance.match.score;
   step_.degenerate = guidance.match.degenerate;
@@ -335,6 +382,8 @@ void ParticleFilter::findPlace(const robot::Scan& scan, const std::optional<Moti
     step_.lost = lost_ = true;
     if (!points.empty()) ++lost_scans_;
     moveAll(motion);
+    trackDrift(T_before, motion ? rotated(motion->covariance, T_before.phi) : unknownCovariance(),
+               Eigen::Matrix3d::Identity());
     return;
   }
   if (lost_) note("recovered", step_.score);
@@ -346,6 +395,8 @@ void ParticleFilter::findPlace(const robot::Scan& scan, const std::optional<Moti
   }
   matchAll(points, guidance);
   velocity_ = guidance.moved;
+  const Eigen::Matrix3d prior_information = rotated(guidance.information, T_before.phi);
+  trackDrift(T_before, prior_information.inverse(), prior_information);
 }
 
 const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::optional<Motion>& motion) {
@@ -382,7 +433,7 @@ const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::o
     if (insertions_++ % kCountEvery == 0)
       cells_ = static_cast<double>(distinctTiles()) * gridmap::Grid::tileBytes() / sizeof(gridmap::Cell);
   }
-  if (!is_first) estimateCovariance();
+  estimateCovariance();
   step_.T_map_robot = mapFromRaster() * particles_[best_].T_raster_robot;
   ++scans_;
   return step_;

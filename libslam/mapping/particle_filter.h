@@ -24,7 +24,7 @@ struct ParticleFilterOptions {
   int threads;
   double cell_m;
   double point_spacing_m;
-  double sigma_m, kernel_m, wide_kernel_m, information_scale;
+  double sigma_m, kernel_m, wide_kernel_m, information_scale, drift_scale;
   int iterations;
   double proposal_scale, evidence_scale, resample_below;
   double distrust_score, insert_score, lost_score;
@@ -46,9 +46,8 @@ struct Motion {
 /// What one scan did: the line of a journal.
 struct ParticleStep {
   core::Pose2 T_map_robot;
-  /// Over (x, y, phi) in the map frame: the mean over the particles of what scan and odometry leave open, and the
-  /// particles' own spread. That is the pose's error within the map as drawn; the map's own drift since the start shows
-  /// only as far as the particles differ in it, and resampling makes them alike.
+  /// Over (x, y, phi) in the map frame, against the true pose from the first scan on: the particles' spread, what scan and
+  /// odometry leave open here, and the drift of the map since the start (ParticleFilter: covariance).
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   double score = 1;            ///< share of the scan that the best particle's map explains
   double effective_share = 1;  ///< of the particles, before resampling; at insertions only
@@ -80,6 +79,12 @@ size_t kldParticles(size_t bins, double error);
 /// Lost: a scan of which the map explains less than lost_score moves no particle but by the odometry, and enters no map;
 /// so do those after it, until the map explains insert_score of one. After lost_scans of them with returns the filter
 /// gives the old map up for the place where it is: it draws the scan at the odometry's pose and goes on from there.
+///
+/// Covariance: resampling makes the particles alike, so that their spread alone tells little of how far the map has drifted.
+/// Every inserted scan keeps the covariance that its pose had. A later one nearby (2 m, 90 degrees) hangs on the surest
+/// of them, and adds its own error against the map: that of the matched points, times drift_scale, and of the
+/// odometry as far as the match leaves it to hold the pose. Where the scan leaves a direction open it hangs on the last one
+/// only, so that the odometry's errors along a corridor add up.
 ///
 /// Journal: `distrusted` (odometry; value = gain in score), `poor` (the map explains less than insert_score; value =
 /// score), `lost` (the first scan; value = score), `recovered` (the map explains a scan again; value = score), `restarted`
@@ -150,6 +155,9 @@ class ParticleFilter {
   void note(const char* event, double value, const std::string& detail = "");
   void findBest();
   void estimateCovariance();
+  void trackDrift(const core::Pose2& T_before, const Eigen::Matrix3d& motion_covariance,
+                  const Eigen::Matrix3d& prior_information);
+  Eigen::Matrix3d mapCovariance(const core::Pose2& T_raster_robot) const;
   size_t distinctTiles() const;
 
   ParticleFilterOptions options_;
@@ -167,6 +175,14 @@ class ParticleFilter {
   core::Pose2 T_inserted_, velocity_;
   int lost_scans_ = 0;  ///< with returns, since the filter is lost
   bool lost_ = false;
+  /// A scan in the map, and what its pose may be off by since the start, raster frame.
+  struct Anchor {
+    core::Pose2 T_raster_robot;
+    Eigen::Matrix3d covariance;
+  };
+  std::vector<Anchor> anchors_;
+  /// Of the best particle against the map, since the last anchor.
+  Eigen::Matrix3d local_covariance_ = Eigen::Matrix3d::Zero();
   ParticleStep step_;
   std::vector<JournalEntry> journal_;
 };

@@ -54,7 +54,7 @@ double squaredError(const FieldVector& field, double nx, double ny) {
 struct System {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
   Eigen::Vector3d g = Eigen::Vector3d::Zero();
-  double weight_sum = 0;
+  double weight_sum = 0, weighted_squares = 0;
   double robust_sum = 0;  ///< of the kernel's squared errors, square metres
 };
 
@@ -64,7 +64,7 @@ System accumulate(const std::vector<SurfacePoint>& points, const gridmap::Grid& 
   const double cell = grid.cellSize(), per_cell = 1 / cell;
   const double kernel2 = kernel_m * kernel_m;
   double hxx = 0, hxy = 0, hyy = 0, hxt = 0, hyt = 0, htt = 0, gx = 0, gy = 0, gt = 0, weights = 0,
-         robust = 0;
+         squares = 0, robust = 0;
   for (const SurfacePoint& point : points) {
     const double rx = c * point.p.x - s * point.p.y, ry = s * point.p.x + c * point.p.y;
     FieldVector field;
@@ -76,7 +76,7 @@ System accumulate(const std::vector<SurfacePoint>& points, const gridmap::Grid& 
     const double squared = squaredError(field, nx, ny) * cell * cell;
     const double root = kernel2 / (kernel2 + squared);
     double w = root * root;
-    weights += w, robust += squared * root;
+    weights += w, squares += w * squared, robust += squared * root;
     const double vx = field.x * cell, vy = field.y * cell;
     if (point.n.x == 0 && point.n.y == 0) {
       w *= kWithoutNormal;
@@ -92,7 +92,7 @@ System accumulate(const std::vector<SurfacePoint>& points, const gridmap::Grid& 
   System system;
   system.H << hxx, hxy, hxt, hxy, hyy, hyt, hxt, hyt, htt;
   system.g << gx, gy, gt;
-  system.weight_sum = weights, system.robust_sum = robust;
+  system.weight_sum = weights, system.weighted_squares = squares, system.robust_sum = robust;
   return system;
 }
 
@@ -132,6 +132,7 @@ FieldMatch alignToField(const std::vector<SurfacePoint>& points, const gridmap::
     match.cost = 0.5 * scale * system.robust_sum;
     match.prior_cost = 0.5 * off.dot(prior.information * off);
     match.score = points.empty() ? 0 : system.weight_sum / static_cast<double>(points.size());
+    match.residual_m = system.weight_sum > 0 ? std::sqrt(system.weighted_squares / system.weight_sum) : 0;
     if (match.iterations == options.max_iterations) break;
     ++match.iterations;
     const Eigen::Matrix3d H = match.information + prior.information + 1e-6 * Eigen::Matrix3d::Identity();

@@ -24,6 +24,8 @@ struct FieldMatch {
   double cost = 0, prior_cost = 0;
   /// Mean robust weight over all points, 0..1: the share of the scan that the map explains.
   double score = 0;
+  double residual_m =
+      0;  ///< root mean square distance from the surfaces, by the robust weights; 0: nothing matched
   int iterations = 0;
   /// The scan leaves a direction open, as in a corridor (also: nothing matched at all). Which one, as a unit vector in
   /// the map frame, and how open: the standard deviations along it and across, from the scan alone.
