@@ -97,7 +97,7 @@ const core::ParameterTable<ParticleFilterOptions>& ParticleFilterOptions::table(
        {"wide_kernel_m", &O::wide_kernel_m, 0.2, 0.01, 5.0, "the same while the start is chosen"},
        {"information_scale", &O::information_scale, 0.2, 0.001, 1.0,
         "how much of a point's information counts: neighbouring beams err together"},
-       {"drift_scale", &O::drift_scale, 1.0, 0.0, 1000.0,
+       {"drift_scale", &O::drift_scale, 0.5, 0.0, 1000.0,
         "on the covariance of a match where it adds to the drift: the next scans err alike"},
        {"iterations", &O::iterations, 3, 1, 100, "of Gauss-Newton, from the best particle's motion"},
        {"proposal_scale", &O::proposal_scale, 0.2, 0.0, 10.0,
