@@ -195,7 +195,8 @@ std::vector<Extent> gridsOf(const mrpt::slam::CMetricMapBuilder& builder) {
 double cellsOf(const ParticleFilter& filter, const core::Point2& centre, double reach_m) {
   const gridmap::GridArea area = filter.map().area();
   const Extent extent{area.x_min_m, area.x_max_m, area.y_min_m, area.y_max_m, filter.map().cellSize()};
-  const double directory = cellsWith(extent, centre, reach_m) / gridmap::Grid::cellsPerDirectoryEntry();
+  const core::Point2 p_raster = ParticleFilter::rasterFromMap() * centre;
+  const double directory = cellsWith(extent, p_raster, reach_m) / gridmap::Grid::cellsPerDirectoryEntry();
   return filter.cells() + filter.particles() * directory;
 }
 
@@ -368,8 +369,10 @@ void finishMap(MapBuilder& method) {
 }
 
 std::vector<JournalEntry> journalOf(const MapBuilder& method) {
-  const auto* graph = graphOf(method);
-  return graph != nullptr ? graph->graph().journal() : std::vector<JournalEntry>();
+  if (const auto* graph = graphOf(method)) return graph->graph().journal();
+  if (const auto* particles = dynamic_cast<const ParticleMapBuilder*>(method.builder.get()))
+    return particles->filter().journal();
+  return {};
 }
 
 std::optional<core::Trajectory> finalPath(const MapBuilder& method, const core::Trajectory& online) {

@@ -355,6 +355,19 @@ const core::ParameterTable<MotionOptions>& MotionOptions::table() {
   return kTable;
 }
 
+namespace {
+
+void requireOrderedCounts(const core::IniFile& ini, const ParticleFilterOptions& options) {
+  if (options.least_count <= options.most_count) return;
+  const auto* most = ini.find("particles", "most_count");
+  const auto* given = most != nullptr ? most : ini.find("particles", "least_count");
+  throw core::InputError(given->origin + ": section [particles], key 'most_count': found '" +
+                         std::to_string(options.most_count) + "', expected at least least_count, " +
+                         std::to_string(options.least_count));
+}
+
+}  // namespace
+
 MethodConfig readMethodConfig(const core::IniFile& ini) {
   MethodConfig config;
   core::readParameters(ini, MethodOptions::table(), config.method, &config.report);
@@ -381,6 +394,7 @@ MethodConfig readMethodConfig(const core::IniFile& ini) {
   if (type == "particles") {
     core::readParameters(ini, ParticleFilterOptions::table(), config.particle_filter, &config.report);
     core::readParameters(ini, MotionOptions::table(), config.motion, &config.report);
+    requireOrderedCounts(ini, config.particle_filter);
   }
   core::readParameters(ini, odometry::ScanOdometryOptions::table(), config.scan_odometry, &config.report);
   chooseScanOdometry(ini, config);

@@ -4,7 +4,11 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
+#include <set>
 #include <string>
+#include <tuple>
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
@@ -36,6 +40,17 @@ Eigen::Matrix3d rotated(const Eigen::Matrix3d& matrix, double phi) {
   return R * matrix * R.transpose();
 }
 
+Eigen::Matrix3d unknownCovariance() {
+  return kUnknownSigma * kUnknownSigma * Eigen::Matrix3d::Identity();
+}
+
+/// How an error of the first pose shows in the second, which hangs on it.
+Eigen::Matrix3d carry(const core::Pose2& from, const core::Pose2& to) {
+  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
+  F(0, 2) = from.y - to.y, F(1, 2) = to.x - from.x;
+  return F;
+}
+
 core::Pose2 moved(const core::Pose2& T, const Eigen::Vector3d& by) {
   return {T.x + by.x(), T.y + by.y(), core::wrapToPi(T.phi + by.z())};
 }
@@ -60,19 +75,32 @@ const core::ParameterTable<ParticleFilterOptions>& ParticleFilterOptions::table(
   using O = ParticleFilterOptions;
   static const core::ParameterTable<O> kTable(
       "particles",
-      {{"count", &O::count, 30, 1, 10000, "number of particles"},
+      {{"sampling",
+        &O::sampling,
+        "fixed",
+        {"fixed", "kld"},
+        "number of particles: count, or what the spread of their poses needs"},
+       {"count", &O::count, 30, 1, 10000, "number of particles; with kld: at the start"},
+       {"least_count", &O::least_count, 10, 1, 10000, "kld: never fewer"},
+       {"most_count", &O::most_count, 100, 1, 10000, "kld: never more"},
+       {"kld_error", &O::kld_error, 0.1, 0.001, 10.0,
+        "kld: bound on the Kullback-Leibler distance, kept in 99 % of the cases"},
+       {"kld_bin_m", &O::kld_bin_m, 0.02, 0.001, 10.0, "kld: bin of x and y"},
+       {"kld_bin_deg", &O::kld_bin_rad, 0.5, 0.01, 360.0, "kld: bin of the heading"},
        {"threads", &O::threads, 1, 1, 256, "changes the time alone, not the result"},
-       {"cell_m", &O::cell_m, 0.1, 0.02, 0.5,
+       {"cell_m", &O::cell_m, 0.07, 0.02, 0.5,
         "cells of the particles' maps; surfaces are kept finer than that"},
-       {"point_spacing_m", &O::point_spacing_m, 0.05, 0.001, 1.0, "smallest distance between matched points"},
+       {"point_spacing_m", &O::point_spacing_m, 0.02, 0.001, 1.0, "smallest distance between matched points"},
        {"sigma_m", &O::sigma_m, 0.03, 0.001, 1.0, "of a point from the surface that it lies on"},
        {"kernel_m", &O::kernel_m, 0.12, 0.005, 5.0,
         "a point this far from every surface counts for a quarter"},
        {"wide_kernel_m", &O::wide_kernel_m, 0.2, 0.01, 5.0, "the same while the start is chosen"},
        {"information_scale", &O::information_scale, 0.2, 0.001, 1.0,
         "how much of a point's information counts: neighbouring beams err together"},
+       {"drift_scale", &O::drift_scale, 0.5, 0.0, 1000.0,
+        "on the covariance of a match where it adds to the drift: the next scans err alike"},
        {"iterations", &O::iterations, 3, 1, 100, "of Gauss-Newton, from the best particle's motion"},
-       {"proposal_scale", &O::proposal_scale, 0.5, 0.0, 10.0,
+       {"proposal_scale", &O::proposal_scale, 0.2, 0.0, 10.0,
         "on the standard deviations that are drawn from"},
        {"evidence_scale", &O::evidence_scale, 1.0, 0.0, 1.0,
         "exponent on the weights: one scan's errors are the next one's too"},
@@ -80,7 +108,8 @@ const core::ParameterTable<ParticleFilterOptions>& ParticleFilterOptions::table(
        {"distrust_score", &O::distrust_score, 0.1, 0.0, 1.0,
         "odometry is distrusted where another start explains so much more of the scan"},
        {"insert_score", &O::insert_score, 0.6, 0.0, 1.0, "a scan of which the map explains less is inserted"},
-       {"lost_score", &O::lost_score, 0.2, 0.0, 1.0, "below this the filter calls itself lost"},
+       {"lost_score", &O::lost_score, 0.4, 0.0, 1.0, "below this the filter calls itself lost"},
+       {"lost_scans", &O::lost_scans, 50, 1, 1000000, "lost for so many, it draws on from where it is"},
        {"hit_probability", &O::hit_probability, 0.8, 0.51, 0.97, "occupied, where one scan has a return"},
        {"pass_probability", &O::pass_probability, 0.45, 0.12, 0.49, "occupied, where one scan saw through"}});
   return kTable;
@@ -94,13 +123,18 @@ ParticleFilter::ParticleFilter(const ParticleFilterOptions& options, std::uint64
   match_options_.information_scale = options.information_scale;
   match_options_.max_iterations = options.iterations;
   particles_.assign(static_cast<size_t>(options.count), Particle(gridOptions(options)));
+  for (Particle& particle : particles_) particle.T_raster_robot = rasterFromMap();
+}
+
+void ParticleFilter::note(const char* event, double value, const std::string& detail) {
+  journal_.push_back({static_cast<int>(scans_), event, value, -1, detail});
 }
 
 void ParticleFilter::start(const core::Pose2& T_map_robot,
                            const std::vector<std::pair<gridmap::ScanRays, core::Pose2>>& known) {
   if (scans_ > 0) throw core::ContractError("ParticleFilter::start: scans were seen already");
-  for (const auto& [rays, T_map_seen] : known) particles_[0].grid.insert(rays, T_map_seen);
-  particles_[0].T_map_robot = T_map_robot;
+  for (const auto& [rays, T_map_seen] : known) particles_[0].grid.insert(rays, rasterFromMap() * T_map_seen);
+  particles_[0].T_raster_robot = rasterFromMap() * T_map_robot;
   for (Particle& particle : particles_) particle = particles_[0];
   step_.T_map_robot = T_map_robot;
   map_is_known_ = !known.empty();
@@ -109,11 +143,10 @@ void ParticleFilter::start(const core::Pose2& T_map_robot,
 ParticleFilter::Guidance ParticleFilter::guide(const std::vector<SurfacePoint>& points,
                                                const std::optional<Motion>& motion) {
   const Particle& best = particles_[best_];
-  const core::Pose2 T_before = best.T_map_robot;
+  const core::Pose2 T_before = best.T_raster_robot;
   Guidance guidance;
   guidance.expected = motion ? motion->T_previous_robot : velocity_;
-  Eigen::Matrix3d covariance =
-      motion ? motion->covariance : kUnknownSigma * kUnknownSigma * Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d covariance = motion ? motion->covariance : unknownCovariance();
 
   const core::Pose2 predicted = T_before * guidance.expected;
   const auto score = [&](const core::Pose2& T) {
@@ -130,6 +163,7 @@ ParticleFilter::Guidance ParticleFilter::guide(const std::vector<SurfacePoint>& 
       start = other, start_score = other_score;
   if (motion && start_score > predicted_score + options_.distrust_score) {
     step_.odometry_distrusted = true;
+    note("distrusted", start_score - predicted_score);
     guidance.expected = core::between(T_before, start);
     covariance *= 2 * kDistrustFactor * kDistrustFactor;
     covariance.diagonal() +=
@@ -151,15 +185,24 @@ ParticleFilter::Guidance ParticleFilter::guide(const std::vector<SurfacePoint>& 
 void ParticleFilter::matchAll(const std::vector<SurfacePoint>& points, const Guidance& guidance) {
   team_.forEach(particles_.size(), [&](size_t i) {
     Particle& particle = particles_[i];
-    const PosePrior prior{particle.T_map_robot * guidance.expected,
-                          rotated(guidance.information, particle.T_map_robot.phi)};
+    const PosePrior prior{particle.T_raster_robot * guidance.expected,
+                          rotated(guidance.information, particle.T_raster_robot.phi)};
     particle.match =
         i == best_ ? guidance.match
-                   : scanmatch::alignToField(points, particle.grid, particle.T_map_robot * guidance.moved,
+                   : scanmatch::alignToField(points, particle.grid, particle.T_raster_robot * guidance.moved,
                                              prior, match_options_);
     particle.information = particle.match.information + prior.information;
-    particle.T_map_robot = particle.match.T_map_robot;
+    particle.T_raster_robot = particle.match.T_map_robot;
   });
+}
+
+/// By the odometry alone; without any, nowhere.
+void ParticleFilter::moveAll(const std::optional<Motion>& motion) {
+  velocity_ = motion ? motion->T_previous_robot : core::Pose2{};
+  for (Particle& particle : particles_) {
+    particle.T_raster_robot = particle.T_raster_robot * velocity_;
+    particle.match = {};
+  }
 }
 
 /// From the Gaussian about the peak: with information = L L', the vector L'^-1 u has the covariance information^-1.
@@ -169,7 +212,7 @@ void ParticleFilter::drawPose(size_t index) {
   const double x = random.normal(), y = random.normal(), z = random.normal();
   const Eigen::LLT<Eigen::Matrix3d> factor(particle.information);
   const Eigen::Vector3d drawn = options_.proposal_scale * factor.matrixU().solve(Eigen::Vector3d(x, y, z));
-  if (drawn.allFinite()) particle.T_map_robot = moved(particle.T_map_robot, drawn);
+  if (drawn.allFinite()) particle.T_raster_robot = moved(particle.T_raster_robot, drawn);
 }
 
 /// The integral of likelihood times motion model over the pose: their product at the peak times the volume under it
@@ -183,9 +226,57 @@ void ParticleFilter::weigh() {
   }
 }
 
-/// Systematic resampling, when few particles carry most of the weight.
+size_t kldParticles(size_t bins, double error) {
+  if (bins == 0 || !(error > 0))
+    throw core::ContractError("kldParticles: no bin, or an error that is not positive");
+  if (bins == 1) return 1;
+  // Of the chi-square distribution with bins - 1 degrees of freedom, by Wilson and Hilferty.
+  constexpr double kNormalQuantile = 2.3263;
+  const double degrees = static_cast<double>(bins - 1), spread = 2 / (9 * degrees);
+  const double root = 1 - spread + std::sqrt(spread) * kNormalQuantile;
+  return static_cast<size_t>(std::ceil(degrees / (2 * error) * root * root * root));
+}
+
+/// Different bins among the poses of the particles that survive.
+size_t ParticleFilter::occupiedBins(const std::vector<size_t>& times) const {
+  std::set<std::tuple<long, long, long>> bins;
+  for (size_t i = 0; i < times.size(); ++i) {
+    if (times[i] == 0) continue;
+    const core::Pose2& T = particles_[i].T_raster_robot;
+    bins.emplace(std::lround(T.x / options_.kld_bin_m), std::lround(T.y / options_.kld_bin_m),
+                 std::lround(T.phi / options_.kld_bin_rad));
+  }
+  return bins.size();
+}
+
+/// How often each particle goes on: systematic resampling, of the least number that is enough for the bins it reaches.
+std::vector<size_t> ParticleFilter::survivors(const std::vector<double>& weights) const {
+  core::RandomStream random(seed_, "resampling scan " + std::to_string(scans_));
+  const double chance = random.uniform(), sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  const auto drawn = [&](size_t count) {
+    const double pace = sum / static_cast<double>(count);
+    std::vector<size_t> times(weights.size(), 0);
+    double reached = 0;
+    size_t taken = 0, last = 0;
+    for (size_t i = 0; i < weights.size(); ++i) {
+      reached += weights[i];
+      for (; taken < count && (chance + static_cast<double>(taken)) * pace < reached; ++taken)
+        ++times[i], last = i;
+    }
+    times[last] += count - taken;  // what rounding left over
+    return times;
+  };
+  if (options_.sampling == "fixed") return drawn(particles_.size());
+  auto count = static_cast<size_t>(options_.least_count);
+  const auto most = static_cast<size_t>(options_.most_count);
+  std::vector<size_t> times = drawn(count);
+  while (count < most && count < kldParticles(occupiedBins(times), options_.kld_error))
+    times = drawn(++count);
+  return times;
+}
+
+/// When few particles carry most of the weight.
 void ParticleFilter::resample() {
-  const size_t count = particles_.size();
   double most = particles_[0].log_weight;
   for (const Particle& particle : particles_) most = std::max(most, particle.log_weight);
   std::vector<double> weights;
@@ -194,31 +285,27 @@ void ParticleFilter::resample() {
     const double weight = std::exp(particle.log_weight - most);
     weights.push_back(weight), sum += weight, squares += weight * weight;
   }
-  step_.effective_share = sum * sum / squares / static_cast<double>(count);
+  step_.effective_share = sum * sum / squares / static_cast<double>(particles_.size());
   if (step_.effective_share >= options_.resample_below) return;
 
   step_.resampled = true;
-  core::RandomStream random(seed_, "resampling scan " + std::to_string(scans_));
-  const double pace = sum / static_cast<double>(count), start = random.uniform() * pace;
-  std::vector<size_t> times(count, 0);
-  double reached = 0;
-  size_t drawn = 0, last = 0;
-  for (size_t i = 0; i < count; ++i) {
-    reached += weights[i];
-    for (; drawn < count && start + static_cast<double>(drawn) * pace < reached; ++drawn)
-      ++times[i], last = i;
-  }
-  times[last] += count - drawn;  // what rounding left over
-  size_t to = 0;
-  for (size_t from = 0; from < count; ++from)
-    for (; times[from] > 1; --times[from]) {
-      while (times[to] > 0) ++to;
-      paths_.release(particles_[to].leaf);
-      particles_[to] = particles_[from];
-      paths_.share(particles_[to].leaf);
-      times[to] = 1;
+  const auto times = survivors(weights);
+  std::vector<Particle> next;
+  next.reserve(std::accumulate(times.begin(), times.end(), size_t{0}));
+  for (size_t from = 0; from < times.size(); ++from) {
+    Particle& particle = particles_[from];
+    particle.log_weight = 0;
+    for (size_t copy = 1; copy < times[from]; ++copy) {
+      next.push_back(particle);
+      paths_.share(particle.leaf);
     }
-  for (Particle& particle : particles_) particle.log_weight = 0;
+    if (times[from] > 0)
+      next.push_back(std::move(particle));
+    else
+      paths_.release(particle.leaf);
+  }
+  particles_ = std::move(next);
+  note("resampled", step_.effective_share, std::to_string(particles_.size()) + " particles");
 }
 
 void ParticleFilter::findBest() {
@@ -227,21 +314,89 @@ void ParticleFilter::findBest() {
     if (particles_[i].total_log_weight > particles_[best_].total_log_weight) best_ = i;
 }
 
+/// Of the best particle's pose against the map, one scan further: an error of the pose before is carried along, the
+/// odometry adds its own, and the match takes the gain (I_scan + I_prior)^-1 I_scan off both and puts the scan's in their place.
+void ParticleFilter::trackDrift(const core::Pose2& T_before, const Eigen::Matrix3d& motion_covariance,
+                                const Eigen::Matrix3d& prior_information) {
+  const Particle& best = particles_[best_];
+  const Eigen::Matrix3d F = carry(T_before, best.T_raster_robot);
+  const Eigen::Matrix3d posterior = (best.match.information + prior_information).inverse();
+  const Eigen::Matrix3d gain = posterior * best.match.information, kept = Eigen::Matrix3d::Identity() - gain;
+  const Eigen::Matrix3d predicted = F * local_covariance_ * F.transpose() + motion_covariance;
+  const double noise = best.match.residual_m / options_.sigma_m;
+  local_covariance_ = kept * predicted * kept.transpose() + noise * noise * options_.drift_scale * posterior *
+                                                                best.match.information *
+                                                                posterior.transpose();
+}
+
+/// What the map around a pose is off by.
+Eigen::Matrix3d ParticleFilter::mapCovariance(const core::Pose2& T) const {
+  constexpr double kNear_m = 2;
+  if (anchors_.empty()) return Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d surest = Eigen::Matrix3d::Zero();
+  double least = std::numeric_limits<double>::infinity();
+  for (size_t i = step_.degenerate || step_.lost ? anchors_.size() - 1 : 0; i < anchors_.size(); ++i) {
+    const core::Pose2& T_anchor = anchors_[i].T_raster_robot;
+    const bool is_near = core::distance(T_anchor, T) < kNear_m &&
+                         std::abs(core::angleDifference(T_anchor.phi, T.phi)) < core::kPi / 2;
+    if (!is_near && i + 1 < anchors_.size()) continue;
+    const Eigen::Matrix3d F = carry(T_anchor, T);
+    const Eigen::Matrix3d covariance = F * anchors_[i].covariance * F.transpose();
+    // Radians count as the metres that they move a wall by at 3 m.
+    const double size = covariance(0, 0) + covariance(1, 1) + 9 * covariance(2, 2);
+    if (size < least) least = size, surest = covariance;
+  }
+  return surest;
+}
+
 void ParticleFilter::estimateCovariance() {
-  const core::Pose2& T = particles_[best_].T_map_robot;
+  const core::Pose2& T = particles_[best_].T_raster_robot;
   double most = particles_[0].log_weight, sum = 0;
   for (const Particle& particle : particles_) most = std::max(most, particle.log_weight);
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Particle& particle : particles_) {
     const double weight = std::exp(particle.log_weight - most);
-    const Eigen::Vector3d off(particle.T_map_robot.x - T.x, particle.T_map_robot.y - T.y,
-                              core::angleDifference(particle.T_map_robot.phi, T.phi));
+    const Eigen::Vector3d off(particle.T_raster_robot.x - T.x, particle.T_raster_robot.y - T.y,
+                              core::angleDifference(particle.T_raster_robot.phi, T.phi));
     sum += weight, mean += weight * off;
-    covariance += weight * (off * off.transpose() + particle.information.inverse());
+    spread += weight * off * off.transpose();
   }
   mean /= sum;
-  step_.covariance = covariance / sum - mean * mean.transpose();
+  const Eigen::Matrix3d own = mapCovariance(T) + local_covariance_;
+  if (step_.inserted) {
+    anchors_.push_back({T, own});
+    local_covariance_.setZero();
+  }
+  step_.covariance = rotated(own + spread / sum - mean * mean.transpose(), mapFromRaster().phi);
+}
+
+void ParticleFilter::findPlace(const robot::Scan& scan, const std::optional<Motion>& motion) {
+  const auto points = scanmatch::surfacePoints(scan, point_options_);
+  const core::Pose2 T_before = particles_[best_].T_raster_robot;
+  const Guidance guidance = guide(points, motion);
+  step_.score = guidance.match.score;
+  step_.degenerate = guidance.match.degenerate;
+  if (step_.score < (lost_ ? options_.insert_score : options_.lost_score)) {
+    if (!lost_) note("lost", step_.score);
+    step_.lost = lost_ = true;
+    if (!points.empty()) ++lost_scans_;
+    moveAll(motion);
+    trackDrift(T_before, motion ? rotated(motion->covariance, T_before.phi) : unknownCovariance(),
+               Eigen::Matrix3d::Identity());
+    return;
+  }
+  if (lost_) note("recovered", step_.score);
+  lost_ = false, lost_scans_ = 0;
+  if (step_.score < options_.insert_score) note("poor", step_.score);
+  if (step_.degenerate) {
+    const double share = guidance.match.fixed_sigma_m / guidance.match.free_sigma_m;
+    note("degenerate", share * share);
+  }
+  matchAll(points, guidance);
+  velocity_ = guidance.moved;
+  const Eigen::Matrix3d prior_information = rotated(guidance.information, T_before.phi);
+  trackDrift(T_before, prior_information.inverse(), prior_information);
 }
 
 const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::optional<Motion>& motion) {
@@ -249,41 +404,45 @@ const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::o
     throw core::ContractError("ParticleFilter::update: the motion is not finite");
   const bool is_first = scans_ == 0 && !map_is_known_;
   step_ = {};
-  if (!is_first) {
-    const auto points = scanmatch::surfacePoints(scan, point_options_);
-    const Guidance guidance = guide(points, scans_ == 0 ? std::nullopt : motion);
-    matchAll(points, guidance);
-    velocity_ = guidance.moved;
-    step_.score = guidance.match.score;
-    step_.degenerate = guidance.match.degenerate;
-    step_.lost = step_.score < options_.lost_score;
+  if (!is_first) findPlace(scan, scans_ == 0 ? std::nullopt : motion);
+  const bool restarted = mapping_ && lost_ && lost_scans_ >= options_.lost_scans;
+  if (restarted) {
+    note("restarted", lost_scans_);
+    lost_ = false, lost_scans_ = 0;
   }
-  const core::Pose2& T = particles_[best_].T_map_robot;
-  step_.inserted =
-      mapping_ && (is_first || step_.score < options_.insert_score ||
-                   core::distance(T, T_inserted_) > options_.insert_distance_m ||
-                   std::abs(core::angleDifference(T.phi, T_inserted_.phi)) > options_.insert_angle_rad);
+  const core::Pose2& T = particles_[best_].T_raster_robot;
+  const bool is_news = step_.score < options_.insert_score ||
+                       core::distance(T, T_inserted_) > options_.insert_distance_m ||
+                       std::abs(core::angleDifference(T.phi, T_inserted_.phi)) > options_.insert_angle_rad;
+  step_.inserted = mapping_ && (is_first || restarted || (!lost_ && is_news));
   if (step_.inserted) {
-    if (!is_first) weigh();
+    const bool is_matched = !is_first && !restarted;
+    if (is_matched) weigh();
     const gridmap::ScanRays rays = gridmap::scanRays(scan, options_.rays);
     team_.forEach(particles_.size(), [&](size_t i) {
-      if (!is_first) drawPose(i);
-      particles_[i].grid.insert(rays, particles_[i].T_map_robot);
+      if (is_matched) drawPose(i);
+      particles_[i].grid.insert(rays, particles_[i].T_raster_robot);
     });
   }
   for (Particle& particle : particles_)
-    particle.leaf = paths_.extend(particle.leaf, {scan.time_s, particle.T_map_robot});
+    particle.leaf = paths_.extend(particle.leaf, {scan.time_s, particle.T_raster_robot});
   if (step_.inserted) {
     if (!is_first) resample();
     findBest();
-    T_inserted_ = particles_[best_].T_map_robot;
+    T_inserted_ = particles_[best_].T_raster_robot;
     if (insertions_++ % kCountEvery == 0)
       cells_ = static_cast<double>(distinctTiles()) * gridmap::Grid::tileBytes() / sizeof(gridmap::Cell);
   }
-  if (!is_first) estimateCovariance();
-  step_.T_map_robot = particles_[best_].T_map_robot;
+  estimateCovariance();
+  step_.T_map_robot = mapFromRaster() * particles_[best_].T_raster_robot;
   ++scans_;
   return step_;
+}
+
+core::Trajectory ParticleFilter::path() const {
+  core::Trajectory path = paths_.path(particles_[best_].leaf);
+  for (core::StampedPose& pose : path) pose.pose = mapFromRaster() * pose.pose;
+  return path;
 }
 
 size_t ParticleFilter::distinctTiles() const {

@@ -10,7 +10,7 @@ namespace {
 constexpr double kSteepest = 6;
 /// The same for the patch that a return stands for, at about 85 degrees.
 constexpr double kPatchSteepest = 12;
-constexpr int kLeastNeighbours = 2, kMostNeighbours = 10;
+constexpr int kLeastNeighbours = 2, kMostNeighbours = 20;
 
 double squaredDistance(const core::Point2& a, const core::Point2& b) {
   const double dx = a.x - b.x, dy = a.y - b.y;

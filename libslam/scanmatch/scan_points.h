@@ -15,7 +15,7 @@ struct ScanPointOptions {
   double spacing_m = 0.05;  ///< two points of one scan are at least this far apart
   double max_range_m = 40;  ///< farther returns are left out: their spots are wide and their normals unknown
   double normal_reach_m =
-      0.2;  ///< neighbours within this belong to the surface; at least two beams to each side
+      0.4;  ///< neighbours within this belong to the surface; two to twenty beams to each side
 };
 
 /// The returns of a scan, thinned to `spacing_m` along the beams: near surfaces, which a scan samples far more

@@ -94,6 +94,11 @@ TEST(MethodConfig, ContradictionsAreMistakes) {
   EXPECT_EQ(inputError("[method]\nodometry = argmax\n[scan_odometry]\nmethod = correlation\n"),
             "m.ini:4: section [scan_odometry], key 'method': found 'correlation', expected 'argmax' as in "
             "[method] odometry");
+  EXPECT_EQ(inputError("[method]\ntype = particles\n[particles]\nmost_count = 5\n"),
+            "m.ini:4: section [particles], key 'most_count': found '5', expected at least least_count, 10");
+  EXPECT_EQ(
+      inputError("[method]\ntype = particles\n[particles]\nleast_count = 200\n"),
+      "m.ini:4: section [particles], key 'most_count': found '100', expected at least least_count, 200");
 }
 
 TEST(MethodConfig, NoMrptProgramRunsOurOwnMethods) {

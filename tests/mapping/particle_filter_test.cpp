@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cstring>
+#include <string>
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
@@ -164,15 +166,177 @@ TEST(ParticleFilter, DistrustsWheelsThatTurnTheWrongWay) {
             core::degToRad(1));
 }
 
-TEST(ParticleFilter, SaysThatItIsLostInAnotherPlaceAndBlindWithoutReturns) {
+int count(const ParticleFilter& filter, const std::string& event) {
+  return static_cast<int>(std::count_if(filter.journal().begin(), filter.journal().end(),
+                                        [&](const JournalEntry& entry) { return entry.event == event; }));
+}
+
+robot::Scan withoutReturns(robot::Scan scan) {
+  for (auto& range_m : scan.ranges_m) range_m = robot::kNoReturn;
+  return scan;
+}
+
+// A blind lidar once cleared the walls around the robot out of every map: its beams met nothing for 12 m.
+TEST(ParticleFilter, BlindItFollowsTheOdometryAndLeavesItsMapAlone) {
   ParticleFilter filter(options(), 1);
   run(filter, 50);
-  auto blind = ring().scans[50];
-  for (auto& range_m : blind.ranges_m) range_m = robot::kNoReturn;
-  const auto& step = filter.update(blind, motionOf(ring().wheels[50]));
-  EXPECT_TRUE(step.lost);
-  EXPECT_TRUE(step.degenerate);
-  EXPECT_TRUE(core::isFinite(step.T_map_robot));
+  const auto map = filter.map().toRaster().occupancy;
+  const core::Pose2 T = filter.lastStep().T_map_robot;
+  const core::Pose2 wheels{0.2, 0, 0.01};
+  for (int i = 0; i < 60; ++i) {
+    const auto& step =
+        filter.update(withoutReturns(ring().scans[50]), motionOf(i == 0 ? wheels : core::Pose2{}));
+    EXPECT_TRUE(step.lost && step.degenerate && !step.inserted) << i;
+  }
+  EXPECT_LT(core::distance(filter.lastStep().T_map_robot, T * wheels), 1e-9);
+  EXPECT_EQ(filter.map().toRaster().occupancy, map);
+  // It opens its eyes again where the odometry says that it is.
+  EXPECT_FALSE(filter.update(ring().scans[50], motionOf({})).lost);
+  EXPECT_EQ(count(filter, "lost"), 1);
+  EXPECT_EQ(count(filter, "recovered"), 1);
+  EXPECT_EQ(count(filter, "restarted"), 0);
+}
+
+TEST(ParticleFilter, CarriedAwayItSaysSoAndDrawsOnFromWhereItIs) {
+  auto some = options();
+  some.lost_scans = 5;
+  ParticleFilter filter(some, 1);
+  run(filter, 60);
+  const size_t bytes = filter.bytes();
+  const auto room = test::driveThroughRoom(20);
+  int lost = 0, inserted = 0;
+  for (const auto& entry : room.entries) {
+    const auto& step = filter.update(entry.scan, motionOf(entry.T_previous_robot));
+    EXPECT_TRUE(core::isFinite(step.T_map_robot));
+    lost += step.lost, inserted += step.inserted;
+  }
+  EXPECT_EQ(lost, 5);
+  EXPECT_GE(inserted, 1);
+  ASSERT_EQ(count(filter, "lost"), 1);
+  EXPECT_EQ(count(filter, "restarted"), 1);
+  const auto entry = std::find_if(filter.journal().begin(), filter.journal().end(),
+                                  [](const JournalEntry& e) { return e.event == "lost"; });
+  EXPECT_EQ(entry->scan, 60);
+  EXPECT_LT(entry->value, some.lost_score);
+  EXPECT_EQ(filter.path().size(), 80U);
+  EXPECT_LT(filter.bytes(), 2 * bytes);
+}
+
+TEST(ParticleFilter, TheJournalCountsWhatTheStepsSay) {
+  ParticleFilter filter(options(), 1);
+  int resampled = 0, distrusted = 0, degenerate = 0;
+  for (size_t i = 0; i < 300; ++i) {
+    const auto& step = filter.update(ring().scans[i], motionOf(ring().wheels[i]));
+    resampled += step.resampled, distrusted += step.odometry_distrusted, degenerate += step.degenerate;
+    if (!step.resampled) continue;
+    EXPECT_EQ(filter.journal().back().event, "resampled");
+    EXPECT_EQ(filter.journal().back().scan, static_cast<int>(i));
+    EXPECT_EQ(filter.journal().back().value, step.effective_share);
+    EXPECT_LT(step.effective_share, options().resample_below);
+  }
+  EXPECT_GT(resampled, 0);
+  EXPECT_EQ(count(filter, "resampled"), resampled);
+  EXPECT_EQ(count(filter, "distrusted"), distrusted);
+  EXPECT_EQ(count(filter, "degenerate"), degenerate);
+  EXPECT_EQ(count(filter, "lost"), 0);
+}
+
+// The clean part of the corridor, its ends out of sight.
+TEST(ParticleFilter, ACorridorIsDegenerateAndHeldByTheWheelsAlong) {
+  ParticleFilter filter(options(), 1);
+  const std::vector<test::Wall> walls = {{{-100, -1}, {100, -1}}, {{-100, 1}, {100, 1}}};
+  for (int i = 0; i < 60; ++i) {
+    robot::Scan scan;
+    scan.time_s = 0.2 * i, scan.max_range_m = 12;
+    scan.first_angle_rad = -core::kPi / 2, scan.step_rad = core::kPi / 180;
+    for (size_t k = 0; k < 181; ++k) {
+      const double range_m = test::castRay(walls, {0.2 * i, 0, 0}, scan.angle(k));
+      scan.ranges_m.push_back(range_m < 12 ? static_cast<float>(range_m) : robot::kNoReturn);
+    }
+    filter.update(scan, motionOf({0.2, 0, 0}));
+  }
+  EXPECT_GT(count(filter, "degenerate"), 50);
+  const auto& step = filter.lastStep();
+  EXPECT_NEAR(step.T_map_robot.x, 59 * 0.2, 0.1);
+  EXPECT_NEAR(step.T_map_robot.y, 0, 0.02);
+  EXPECT_GT(step.covariance(0, 0), 4 * step.covariance(1, 1));
+}
+
+// Normalised estimation error squared, 3 degrees of freedom, of the poses given online. The bounds are wide: two runs in one
+// building are few.
+TEST(ParticleFilter, TheCovarianceCoversTheDriftOfTheMap) {
+  double nees = 0;
+  int poses = 0;
+  for (const std::uint64_t seed : {1, 2}) {
+    ParticleFilter filter(options(), seed);
+    for (size_t i = 0; i < 320; ++i) {
+      const auto& step = filter.update(ring().scans[i], motionOf(ring().wheels[i]));
+      if (i == 0) continue;
+      const core::Pose2& truth = ring().truth[i];
+      const Eigen::Vector3d error(step.T_map_robot.x - truth.x, step.T_map_robot.y - truth.y,
+                                  core::angleDifference(step.T_map_robot.phi, truth.phi));
+      nees += error.dot(step.covariance.ldlt().solve(error)) / 3;
+      ++poses;
+    }
+  }
+  EXPECT_LT(nees / poses, 3);
+  EXPECT_GT(nees / poses, 0.03);
+}
+
+// Back where it began, the robot hangs on the first scans again, whatever the way was.
+TEST(ParticleFilter, TheDriftIsForgottenWhereTheMapIsOld) {
+  ParticleFilter filter(options(), 1);
+  double there = 0, back = 0;
+  for (size_t i = 0; i < 400; ++i) {
+    const auto& step = filter.update(ring().scans[i], motionOf(ring().wheels[i]));
+    const double trace = step.covariance(0, 0) + step.covariance(1, 1);
+    if (i >= 150 && i < 200) there = std::max(there, trace);
+    if (i >= 335 && i < 385) back = std::max(back, trace);
+  }
+  EXPECT_LT(back, there / 2);
+}
+
+// Fox 2003, equation 7 worked by hand: 2 bins: (1 / 0.1) (1 - 2/9 + sqrt(2/9) 2.3263)^3 = 65.86; 101 bins:
+// (100 / 0.1) (1 - 2/900 + sqrt(2/900) 2.3263)^3 = 1358.2. The exact quantiles of chi-square, 6.635 and 135.81, give
+// 66.35 and 1358.1.
+TEST(KldParticles, FollowTheBoundOfFox) {
+  EXPECT_EQ(kldParticles(1, 0.05), 1U);
+  EXPECT_EQ(kldParticles(2, 0.05), 66U);
+  EXPECT_EQ(kldParticles(101, 0.05), 1359U);
+  EXPECT_LT(kldParticles(101, 0.1), kldParticles(101, 0.05));
+  for (size_t bins = 1; bins < 50; ++bins) EXPECT_LT(kldParticles(bins, 0.1), kldParticles(bins + 1, 0.1));
+  EXPECT_THROW(kldParticles(0, 0.1), core::ContractError);
+  EXPECT_THROW(kldParticles(3, 0), core::ContractError);
+}
+
+TEST(ParticleFilter, KldSamplingStaysBetweenItsBoundsAndFollowsTheSpread) {
+  auto kld = options(20);
+  kld.sampling = "kld", kld.least_count = 5, kld.most_count = 40;
+  auto fine = kld, coarse = kld;
+  fine.kld_bin_m = 0.001, fine.kld_bin_rad = 0.0005;
+  coarse.kld_bin_m = 10, coarse.kld_bin_rad = 1;
+  ParticleFilter many(fine, 1), few(coarse, 1);
+  for (size_t i = 0; i < 200; ++i) {
+    for (auto* filter : {&many, &few}) {
+      filter->update(ring().scans[i], motionOf(ring().wheels[i]));
+      EXPECT_GE(filter->particles(), 5);
+      EXPECT_LE(filter->particles(), 40);
+    }
+  }
+  EXPECT_EQ(few.particles(), 5);
+  EXPECT_GT(many.particles(), 20);
+  EXPECT_EQ(many.path().size(), 200U);
+}
+
+TEST(ParticleFilter, KldSamplingGivesTheSameBytesWithAnyNumberOfThreads) {
+  auto one = options(20, 1);
+  one.sampling = "kld", one.least_count = 5, one.most_count = 40;
+  auto four = one;
+  four.threads = 4;
+  ParticleFilter single(one, 3), parallel(four, 3);
+  EXPECT_TRUE(sameBytes(run(single, 150), run(parallel, 150)));
+  EXPECT_EQ(single.particles(), parallel.particles());
+  EXPECT_TRUE(sameBytes(single.path(), parallel.path()));
 }
 
 TEST(ParticleFilter, LocalisesInAMapWithoutChangingIt) {

@@ -89,6 +89,21 @@ TEST(ParticleMapBuilder, ContinuesFromASavedMapAndLocalisesInIt) {
   EXPECT_EQ(second.builder->getCurrentlyBuiltMapSize(), saved.size());
 }
 
+TEST(ParticleMapBuilder, ItsJournalIsTheFilters) {
+  auto method = makeMethod();
+  const auto drive = test::driveThroughRoom();
+  run(method, drive);
+  auto blind = drive.entries.back().scan;
+  for (auto& range_m : blind.ranges_m) range_m = robot::kNoReturn;
+  processScan(method, blind, {}, true);
+  const auto journal = journalOf(method);
+  ASSERT_FALSE(journal.empty());
+  EXPECT_EQ(journal.back().event, "lost");
+  EXPECT_EQ(journal.back().scan, static_cast<int>(drive.entries.size()));
+  EXPECT_EQ(journal.back().value, 0);
+  EXPECT_EQ(journal.back().other_scan, -1);
+}
+
 TEST(ParticleMapBuilder, KeepsTheMotionOfFramesWithoutAScan) {
   const auto drive = test::driveThroughRoom(3);
   auto whole = makeMethod(), split = makeMethod();

@@ -137,6 +137,37 @@ TEST(FieldMatcher, APersonInTheWayDoesNotPullTheMatch) {
   EXPECT_LT(match.score, 0.95);
 }
 
+// Points whose direction the noise hides once held the scan where the map's returns were: the robot lagged by 2 % of its
+// way along a corridor.
+TEST(FieldMatcher, PointsWithoutANormalHardlyHoldAScanAlongACorridor) {
+  const auto walls = corridor(0.4);
+  const core::Pose2 start{0, 0, 0.4};
+  const auto grid = gridOf(walls, {start});
+  const core::Pose2 wheels = start * core::Pose2{0.09, 0, 0};
+  auto points = surfacePoints(scanOf(walls, wheels), kPoints);
+  for (size_t i = 0; i < points.size(); i += 12) points[i].n = {0, 0};
+  PosePrior prior;
+  prior.mean = wheels;
+  prior.information.diagonal() << 1 / (0.03 * 0.03), 1 / (0.03 * 0.03), 1 / (0.05 * 0.05);
+  const auto off = core::between(start, alignToField(points, grid, wheels, prior, {}).T_map_robot);
+  EXPECT_NEAR(off.x, 0.09, 0.025);  // 0.079 off at full weight
+  EXPECT_NEAR(off.y, 0, 0.005);
+}
+
+TEST(FieldMatcher, TheResidualIsTheNoiseOfTheRanges) {
+  const auto walls = room();
+  const auto grid = gridOf(walls, {{0, 0, 0}, {0.4, 0.3, 1}, {-0.4, 0, 3}});
+  core::RandomStream noise(3, "noise");
+  const core::Pose2 truth{0.1, 0.05, 0.2};
+  const auto exact = alignToField(surfacePoints(scanOf(walls, truth), kPoints), grid, truth, {}, {});
+  const auto noisy = alignToField(surfacePoints(scanOf(walls, truth, &noise), kPoints), grid, truth, {}, {});
+  // The ranges' 1 cm across the walls, on top of what the map's cells are off by.
+  EXPECT_LT(exact.residual_m, 0.012);
+  EXPECT_GT(noisy.residual_m, 0.007);
+  EXPECT_LT(noisy.residual_m, 0.016);
+  EXPECT_GT(noisy.residual_m, 1.1 * exact.residual_m);
+}
+
 TEST(FieldMatcher, WithoutPointsOrMapThePriorStandsAndTheMatchIsDegenerate) {
   const gridmap::Grid empty({});
   PosePrior prior;
