@@ -8,6 +8,7 @@
 #include "apps/console.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/run/build_map.h"
+#include "libslam/run/external_method.h"
 #include "libslam/run/resources.h"
 
 namespace slam::apps {
@@ -23,7 +24,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   const std::string name = std::filesystem::path(arguments.method).stem().string();
   if (context.print_config) {
-    printParameters(mapping::makeMapBuilder(config, name, context.seed).parameters, context.json);
+    printParameters(run::methodParameters(config, name, context.seed), context.json);
     return 0;
   }
   const std::string folder = context.output.empty() ? name : context.output;

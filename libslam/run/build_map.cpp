@@ -16,6 +16,7 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/map_score.h"
 #include "libslam/run/cpu_time.h"
+#include "libslam/run/external_method.h"
 #include "libslam/run/map_plan.h"
 #include "libslam/run/self_score.h"
 
@@ -69,6 +70,7 @@ const std::map<std::string, std::string>& fileNotes() {
       {"map.3Dscene", "map and path in 3D: SceneViewer3D"},
       {"journal.csv", "what the method says of its work: matches, loops, corrections, by scan"},
       {"timing.csv", "CPU milliseconds of every scan"},
+      {"printed.txt", "what the external program printed"},
   };
   return notes;
 }
@@ -86,6 +88,26 @@ std::string journalText(const std::vector<mapping::JournalEntry>& journal,
     text << ',' << entry.detail << '\n';
   }
   return text.str();
+}
+
+std::string timingText(const std::vector<double>& milliseconds, const std::vector<double>& stamps_s) {
+  std::ostringstream timing;
+  timing << "scan,time_s,cpu_ms\n";
+  for (size_t i = 0; i < milliseconds.size(); ++i)
+    timing << i << ',' << core::formatNumber(stamps_s[i] - stamps_s.front()) << ','
+           << core::formatNumber(milliseconds[i]) << '\n';
+  return timing.str();
+}
+
+/// Another program's path: what our own drawing of its map then follows.
+ExternalRun runExternal(const core::IniFile& config, const std::string& name, const std::string& log_path,
+                        std::uint64_t seed, const std::string& work_folder, core::Progress& progress) {
+  auto run = runExternalMethod(readExternalMethod(config, name), log_path, seed, work_folder, progress);
+  if (run.violations.empty()) return run;
+  const std::string more = run.violations.size() == 1 ? ""
+                                                      : " (and " + std::to_string(run.violations.size() - 1) +
+                                                            " more: rasterslam plugin check)";
+  throw core::MethodError("method " + name + ": " + run.violations.front() + more);
 }
 
 /// Scans of a log may carry stamps that run back; a trajectory does not.
@@ -118,8 +140,14 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
                 core::Manifest manifest, core::Progress& progress, bool measure_memory) {
   core::PendingFolder output(folder, overwrite);
+  std::optional<ExternalRun> external;
+  core::IniFile builder_config = method_config;
+  if (isExternal(method_config)) {
+    builder_config = readExternalMethod(method_config, method_name).drawing;
+    external = runExternal(method_config, method_name, log_path, seed, output.path() + "/work", progress);
+  }
   const MemoryMeter memory;
-  auto method = mapping::makeMapBuilder(method_config, method_name, seed);
+  auto method = mapping::makeMapBuilder(builder_config, method_name, seed);
   logs::LogReader log(log_path);
   MapRun run;
   std::vector<double> milliseconds, stamps_s;
@@ -129,9 +157,11 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
       describeLidar(entry->scan, manifest.results);
     else if (!entry->has_odometry)
       ++run.steps_without_odometry;
+    core::Pose2 T_previous_robot = entry->T_previous_robot;
+    if (external) T_previous_robot = external->increment(run.estimate.size());
     const double before_s = threadCpuSeconds();
     const core::Pose2 T_map_robot =
-        mapping::processScan(method, entry->scan, entry->T_previous_robot, entry->has_odometry);
+        mapping::processScan(method, entry->scan, T_previous_robot, entry->has_odometry || external);
     milliseconds.push_back((threadCpuSeconds() - before_s) * 1000);
     if (!core::isFinite(T_map_robot))
       throw core::MethodError(method_name + " diverged at scan " + std::to_string(run.estimate.size() + 1) +
@@ -159,16 +189,18 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   if (final_path) run.final_estimate = inStampOrder(std::move(*final_path));
   run.cost = summarize(milliseconds, finish_s, run.estimate.back().time_s - run.estimate.front().time_s);
   run.cost.peak_memory_mb = peak_memory_mb;
+  if (external) {
+    run.cost = external->cost;
+    run.filled_poses = external->filled_poses;
+  }
 
   logs::writeTum(run.estimate, output.path() + "/trajectory.tum");
   if (run.final_estimate) logs::writeTum(*run.final_estimate, output.path() + "/trajectory_final.tum");
   mapping::saveMaps(method, run.final_estimate.value_or(run.estimate), output.path());
-  std::ostringstream timing;
-  timing << "scan,time_s,cpu_ms\n";
-  for (size_t i = 0; i < milliseconds.size(); ++i)
-    timing << i << ',' << core::formatNumber(stamps_s[i] - stamps_s.front()) << ','
-           << core::formatNumber(milliseconds[i]) << '\n';
-  core::writeFileAtomically(output.path() + "/timing.csv", timing.str());
+  if (external)
+    core::writeFileAtomically(output.path() + "/printed.txt", external->printed);
+  else
+    core::writeFileAtomically(output.path() + "/timing.csv", timingText(milliseconds, stamps_s));
 
   const auto journal = mapping::journalOf(method);
   if (!journal.empty())
@@ -176,13 +208,21 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
 
   manifest.seed = seed;
   manifest.inputs[log_path] = core::fileSha256(log_path);
-  for (const auto& line : method.parameters) manifest.config[line.section + "." + line.info.key] = line.value;
+  for (const auto& line : methodParameters(method_config, method_name, seed))
+    manifest.config[line.section + "." + line.info.key] = line.value;
   manifest.files = fileNotes();
   if (journal.empty()) manifest.files.erase("journal.csv");
+  manifest.files.erase(external ? "timing.csv" : "printed.txt");
   if (!run.final_estimate) manifest.files.erase("trajectory_final.tum");
   manifest.results["method"] = method_name;
   manifest.results["scans"] = std::to_string(run.estimate.size());
   manifest.results["steps_without_odometry"] = std::to_string(run.steps_without_odometry);
+  // Of the log's order, which the files' order of stamps may lose.
+  manifest.results["path_length_m"] = core::formatNumber(run.path_length_m);
+  manifest.results["end.x_m"] = core::formatNumber(run.end.x);
+  manifest.results["end.y_m"] = core::formatNumber(run.end.y);
+  manifest.results["end.yaw_rad"] = core::formatNumber(run.end.phi);
+  if (external) manifest.results["filled_poses"] = std::to_string(run.filled_poses);
   manifest.results["map_mean_entropy_bits"] = core::formatNumber(metrics::mapEntropy(map.occupancy));
   describeSelfScore(self, manifest.results);
   manifest.times_s["finish_s"] = finish_s;

@@ -30,11 +30,13 @@ struct MapRun {
   core::Pose2 end;           ///< T_map_robot at the last scan
   Cost cost;
   int steps_without_odometry = 0;  ///< scans after the first for which the log gives no increment
+  int filled_poses = 0;            ///< scans that an external program gave no pose
 };
 
 /// Runs a SLAM method over a log and writes a folder:
 ///   trajectory.tum   map.yaml + map.png   map.gridmap.gz   map.simplemap   map.3Dscene   timing.csv
 ///   trajectory_final.tum (where mapping::finalPath() has one)   journal.csv (where the method keeps one)   manifest.json
+/// An external method (external_method.h) has printed.txt instead of timing.csv, what it printed; this, like its poses, is as repeatable as the program is.
 /// Trajectories are written in the order of their stamps, which in a log may run back. The manifest's results also hold
 /// what needs the scans to say it: sharpness of the points and agreement of scans and map (keys `self.*`; self_score.h),
 /// placed at the final poses where there are any. The folder appears whole or not at all. Same log, config and seed: the same bytes but for timing.csv and

@@ -16,6 +16,7 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/report/picture.h"
 #include "libslam/run/build_map.h"
+#include "libslam/run/external_method.h"
 #include "libslam/run/relation_tables.h"
 #include "libslam/run/worker.h"
 
@@ -41,8 +42,7 @@ std::vector<Method> loadMethods(const CompareRequest& request) {
     method.folder = request.output + "/" + method.name;
     for (const auto& other : methods)
       if (other.name == method.name) throw core::InputError("method '" + method.name + "' is named twice");
-    mapping::makeMapBuilder(method.config, method.name,
-                            request.seed);  // a bad key must not show after an hour
+    methodParameters(method.config, method.name, request.seed);  // a bad key must not show after an hour
     methods.push_back(std::move(method));
   }
   if (methods.empty()) throw core::InputError("no method named, expected at least one");
@@ -55,8 +55,7 @@ bool isSameRun(const Method& method, const std::string& log_path, std::uint64_t 
   if (!fs::exists(method.folder + "/manifest.json")) return false;
   try {
     const auto manifest = core::readManifest(method.folder + "/manifest.json");
-    const auto builder = mapping::makeMapBuilder(method.config, method.name, seed);
-    for (const auto& line : builder.parameters) {
+    for (const auto& line : methodParameters(method.config, method.name, seed)) {
       const auto it = manifest.config.find(line.section + "." + line.info.key);
       if (it == manifest.config.end() || it->second != line.value) return false;
     }
