@@ -3,11 +3,13 @@
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/core/Clock.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/math/TPose2D.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/poses/CPosePDFGaussian.h>
 #include <mrpt/random/RandomGenerators.h>
 #include <mrpt/slam/CMetricMapBuilderICP.h>
 #include <mrpt/slam/CMetricMapBuilderRBPF.h>
@@ -19,6 +21,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/core/files.h"
 #include "libslam/core/random.h"
 #include "libslam/mapping/graph_map_builder.h"
 #include "libslam/mapping/map_grid.h"
@@ -261,6 +264,34 @@ void seedMrpt(const MapBuilder::State& state) {
       mrpt::random::CRandomGenerator(static_cast<uint32_t>(stream.bits() >> 32));
 }
 
+/// MRPT's ICP stamps a start pose with the clock, and then takes the odometry of a log from the past for stale.
+class StoppedClock {
+ public:
+  StoppedClock() {
+    mrpt::Clock::setSimulatedTime(mrpt::Clock::fromDouble(1));
+    mrpt::Clock::setActiveClock(mrpt::Clock::Source::Simulated);
+  }
+  ~StoppedClock() { mrpt::Clock::setActiveClock(before_); }
+  StoppedClock(const StoppedClock&) = delete;
+  StoppedClock& operator=(const StoppedClock&) = delete;
+
+ private:
+  mrpt::Clock::Source before_ = mrpt::Clock::getActiveClock();
+};
+
+mrpt::maps::CSimpleMap loadKeyFrames(const std::string& path) {
+  core::requireReadableFile(path);
+  mrpt::maps::CSimpleMap map;
+  bool loaded = false;
+  try {
+    loaded = map.loadFromFile(path);
+  } catch (const std::exception&) {
+  }
+  if (!loaded) throw core::InputError(path + ": is no MRPT simplemap");
+  if (map.empty()) throw core::InputError(path + ": holds 0 key frames, expected at least 1");
+  return map;
+}
+
 GraphMapBuilder* graphOf(const MapBuilder& method) {
   return dynamic_cast<GraphMapBuilder*>(method.builder.get());
 }
@@ -294,6 +325,26 @@ MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, 
   method.parameters = state.config.report;
   method.builder = makeBuilder(state.config, name, seed);
   return method;
+}
+
+void continueMap(MapBuilder& method, const std::string& simplemap_path, const core::Pose2& T_map_robot,
+                 bool keep_map) {
+  if (method.type == "naive" || method.type == "rbpf")
+    throw core::InputError("method " + method.name + " of type " + method.type +
+                           " cannot go on in a map, expected type graph, particles or icp");
+  const auto map = loadKeyFrames(simplemap_path);
+  mrpt::poses::CPosePDFGaussian start;
+  start.mean = mrpt::poses::CPose2D(robot::toMrpt(T_map_robot));
+  try {
+    const StoppedClock clock;
+    method.builder->initialize(map, &start);
+  } catch (const core::MethodError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw core::InputError(simplemap_path + ": cannot be gone on with: " + firstLine(error.what()));
+  }
+  method.builder->options.enableMapUpdating = !keep_map;
+  method.state->T_map_robot = T_map_robot;
 }
 
 std::string toMrptConfig(const core::IniFile& config, const std::string& name) {
@@ -347,7 +398,8 @@ core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core:
 }
 
 void finishMap(MapBuilder& method) {
-  if (auto* graph = graphOf(method)) graph->finish();
+  auto* graph = graphOf(method);
+  if (graph != nullptr && graph->options.enableMapUpdating) graph->finish();
 }
 
 std::vector<JournalEntry> journalOf(const MapBuilder& method) {

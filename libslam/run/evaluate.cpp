@@ -102,6 +102,8 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
 
 Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth) {
   Evaluation e = failedEvaluation(run.method, "");
+  const auto lost = run.manifest.results.find("lost");
+  if (lost != run.manifest.results.end()) e.failure = lost->second;
   e.cost = run.cost;
   e.path_length_m = numberIfThere(run.manifest, "path_length_m");
   e.end_pose = {numberIfThere(run.manifest, "end.x_m"), numberIfThere(run.manifest, "end.y_m"),
