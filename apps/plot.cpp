@@ -233,7 +233,7 @@ int plotJournal(const Context& context, const std::string& folder) {
   const auto run = run::loadRun(folder);
   const std::string file = folder + "/journal.csv";
   if (!std::filesystem::exists(file))
-    throw core::InputError(folder + ": holds no journal.csv: method " + run.method + " keeps no journal");
+    throw core::InputError(folder + ": holds no journal.csv: method " + run.method + " wrote no journal");
   std::vector<report::PlacedEvent> events;
   for (const auto& line : run::readJournal(file))
     events.push_back({line.scan, line.time_s, line.event, line.value, line.place, line.other_place});

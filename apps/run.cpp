@@ -87,7 +87,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
     return exit_code;
   }
   if (arguments.journal)
-    std::cout << (result.journal.empty() ? "method " + name + " keeps no journal\n"
+    std::cout << (result.journal.empty() ? "method " + name + " wrote no journal\n"
                                          : run::journalText(result.journal))
               << "\n"
               << std::flush;
