@@ -30,6 +30,7 @@
 #include "libslam/mapping/naive_map_builder.h"
 #include "libslam/mapping/particle_map_builder.h"
 #include "libslam/robot/mrpt_types.h"
+#include "libslam/robot/undistort.h"
 
 namespace slam::mapping {
 
@@ -292,6 +293,17 @@ mrpt::maps::CSimpleMap loadKeyFrames(const std::string& path) {
   return map;
 }
 
+/// The scan without what the robot's motion did to it, where the method wants that and it can be known.
+std::optional<robot::Scan> setRight(const MapBuilder::State& state, const robot::Scan& scan,
+                                    const core::Pose2& T_previous_robot) {
+  const MethodOptions& options = state.config.method;
+  if (!(options.sweep_s > 0) || !state.previous_scan || !core::isFinite(T_previous_robot))
+    return std::nullopt;
+  const double period_s = scan.time_s - state.previous_scan->time_s;
+  if (!(period_s > 0)) return std::nullopt;
+  return robot::undistorted(scan, T_previous_robot, period_s, {options.sweep_s, options.sweep_clockwise});
+}
+
 GraphMapBuilder* graphOf(const MapBuilder& method) {
   return dynamic_cast<GraphMapBuilder*>(method.builder.get());
 }
@@ -359,9 +371,12 @@ std::string toMrptConfig(const core::IniFile& config, const std::string& name) {
   return mrptConfigText(read, name);
 }
 
-core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core::Pose2& T_previous_robot,
+core::Pose2 processScan(MapBuilder& method, const robot::Scan& raw_scan, const core::Pose2& T_previous_robot,
                         bool has_odometry) {
   MapBuilder::State& state = *method.state;
+  std::optional<robot::Scan> corrected;
+  if (has_odometry) corrected = setRight(state, raw_scan, T_previous_robot);
+  const robot::Scan& scan = corrected ? *corrected : raw_scan;
   state.builder_time_s = growingTime(scan.time_s, state.builder_time_s, state.steps == 0);
 
   if (auto* graph = graphOf(method)) {

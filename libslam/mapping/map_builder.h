@@ -66,6 +66,8 @@ void continueMap(MapBuilder& method, const std::string& simplemap_path, const co
 /// as null. Which increment the builder gets is for [method] odometry to say; `wheel` takes the one estimated
 /// from the two scans (method correlation unless [scan_odometry] says otherwise) at every step for which
 /// has_odometry is false. Stamps that do not grow are moved on by a millisecond, for the builder only.
+/// With [method] sweep_s the scan is set right for the robot's motion while it was taken (robot::undistorted) before anything
+/// else sees it, at every step that has odometry and a stamp after the one before.
 /// The other way round, correlation, range_flow and plicp take the wheels' increment, where there is one, at a step that
 /// the scans leave open (a corridor, an open field); argmax, the founding method, never does.
 /// Returns the pose T_map_robot after it; the map frame is the robot's pose at the first scan

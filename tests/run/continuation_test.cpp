@@ -12,6 +12,7 @@
 #include "libslam/logs/log_writer.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/run/build_map.h"
+#include "libslam/run/compare.h"
 #include "libslam/run/evaluate.h"
 #include "libslam/run/record.h"
 #include "libslam/run/resources.h"
@@ -140,6 +141,25 @@ TEST_F(TwoHalves, ARunThatEndsLostHasItsFiguresAndANote) {
   EXPECT_GT(evaluation.path_length_m, 1);
   EXPECT_THAT(agreementTable({evaluation}, Detail::kShort).notes[1],
               HasSubstr("graph failed: lost at scan 90 (18.0 s)"));
+}
+
+// `rasterslam run` ends with exit code 4 then; the files are all there.
+TEST_F(TwoHalves, AComparisonShowsTheFiguresOfARunThatEndsLost) {
+  const std::string program = *folder_ / "lost.sh", json = R"({"lost": "lost at scan 90 (18.0 s)"})";
+  core::writeFileAtomically(program, "#!/bin/sh\ncp -r '" + (*folder_ / "whole") + "' \"$5\"\n" +
+                                         "sed -i 's/\"results\": {/&\"lost\": \"lost at scan 90\",/' " +
+                                         "\"$5/manifest.json\"\necho '" + json + "'\nexit 4\n");
+std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+CompareRequest request;
+request.log_path = *folder_ / "whole.rawlog";
+request.methods_folder = configsFolder() + "/methods";
+request.methods = {"graph"};
+request.output = *folder_ / "compared";
+request.program = program;
+const auto comparison = compare(request, {}, core::silentProgress());
+EXPECT_EQ(comparison.failed, 1);
+EXPECT_EQ(comparison.evaluations[0].failure, "lost at scan 90");
+EXPECT_LT(comparison.evaluations[0].trajectory.position_m.rmse, 0.1);
 }
 
 }  // namespace
