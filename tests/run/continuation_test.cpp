@@ -145,21 +145,26 @@ TEST_F(TwoHalves, ARunThatEndsLostHasItsFiguresAndANote) {
 
 // `rasterslam run` ends with exit code 4 then; the files are all there.
 TEST_F(TwoHalves, AComparisonShowsTheFiguresOfARunThatEndsLost) {
-  const std::string program = *folder_ / "lost.sh", json = R"({"lost": "lost at scan 90 (18.0 s)"})";
-  core::writeFileAtomically(program, "#!/bin/sh\ncp -r '" + (*folder_ / "whole") + "' \"$5\"\n" +
-                                         "sed -i 's/\"results\": {/&\"lost\": \"lost at scan 90\",/' " +
-                                         "\"$5/manifest.json\"\necho '" + json + "'\nexit 4\n");
-std::filesystem::permissions(program, std::filesystem::perms::owner_all);
-CompareRequest request;
-request.log_path = *folder_ / "whole.rawlog";
-request.methods_folder = configsFolder() + "/methods";
-request.methods = {"graph"};
-request.output = *folder_ / "compared";
-request.program = program;
-const auto comparison = compare(request, {}, core::silentProgress());
-EXPECT_EQ(comparison.failed, 1);
-EXPECT_EQ(comparison.evaluations[0].failure, "lost at scan 90");
-EXPECT_LT(comparison.evaluations[0].trajectory.position_m.rmse, 0.1);
+  const std::string program = *folder_ / "lost.sh";
+  core::writeFileAtomically(program,
+                            "#!/bin/sh\n"
+                            "cp -r '" +
+                                (*folder_ / "whole") + "' \"$5\"\n" +
+                                R"(sed -i 's/"results": {/&"lost": "lost at scan 90",/' "$5/manifest.json")"
+                                "\n" +
+                                R"(echo '{"lost": "lost at scan 90"}')"
+                                "\nexit 4\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  CompareRequest request;
+  request.log_path = *folder_ / "whole.rawlog";
+  request.methods_folder = configsFolder() + "/methods";
+  request.methods = {"graph"};
+  request.output = *folder_ / "compared";
+  request.program = program;
+  const auto comparison = compare(request, {}, core::silentProgress());
+  EXPECT_EQ(comparison.failed, 1);
+  EXPECT_EQ(comparison.evaluations[0].failure, "lost at scan 90");
+  EXPECT_LT(comparison.evaluations[0].trajectory.position_m.rmse, 0.1);
 }
 
 }  // namespace

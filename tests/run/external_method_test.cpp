@@ -247,6 +247,14 @@ TEST_F(External, AMisspeltConfigurationIsOneClearLine) {
               HasSubstr("none.ini:2: section [method]: key 'command' is missing"));
 }
 
+TEST_F(External, EveryShippedOneIsSound) {
+  const std::string folder = configsFolder() + "/plugins";
+  const auto names = namesInFolder(folder, ".ini");
+  EXPECT_GE(names.size(), 3U);
+  for (const auto& name : names)
+    EXPECT_EQ(readExternalMethod(core::IniFile::load(folder + "/" + name + ".ini"), name).folder, folder);
+}
+
 /// MRPT's programs as they are shipped, by name; skipped where they are not installed.
 class Shipped : public External {
  protected:
