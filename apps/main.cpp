@@ -55,6 +55,7 @@ int main(int argc, char** argv) {
   slam::apps::addCheck(app, context);
   slam::apps::addEditing(app, context);
   slam::apps::addPlot(app, context);
+  slam::apps::addPlugin(app, context);
   slam::apps::addRelations(app, context);
   slam::apps::addWorld(app, context);
   slam::apps::addData(app, context);

@@ -10,8 +10,10 @@
 #include "libslam/core/files.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/report/journal_picture.h"
 #include "libslam/report/picture.h"
 #include "libslam/run/compare.h"
+#include "libslam/run/journal_file.h"
 #include "libslam/run/resources.h"
 #include "libslam/run/turn_away.h"
 #include "libslam/sim/operation_log.h"
@@ -224,16 +226,47 @@ void addPlotPlans(CLI::App& plot, Context& context) {
       [&context, plans] { context.action = [&context, plans] { return plotPlans(context, *plans); }; });
 }
 
+// --- plot journal
+
+int plotJournal(const Context& context, const std::string& folder) {
+  const std::string path = picturePath(context, "journal.png");
+  const auto run = run::loadRun(folder);
+  const std::string file = folder + "/journal.csv";
+  if (!std::filesystem::exists(file))
+    throw core::InputError(folder + ": holds no journal.csv: method " + run.method + " wrote no journal");
+  std::vector<report::PlacedEvent> events;
+  for (const auto& line : run::readJournal(file))
+    events.push_back({line.scan, line.time_s, line.event, line.value, line.place, line.other_place});
+  report::drawJournal(run.map, run.final_estimate.value_or(run.estimate), events,
+                      "What " + run.method + " did", path);
+  say(context, {{"file", path}, {"events", events.size()}}, path);
+  return 0;
+}
+
+void addPlotJournal(CLI::App& plot, Context& context) {
+  auto* command = plot.add_subcommand(
+      "journal", "what a method said of its work, on its map and over time: loops, trouble");
+  auto folder = std::make_shared<std::string>();
+  command->add_option("folder", *folder, "what 'rasterslam run' wrote")->required();
+  addOutput(command, context, "the picture to write (default journal.png)");
+  addJson(command, context);
+  command->footer(
+      "Example:\n  rasterslam run graph run.rawlog -o out\n  rasterslam plot journal out -o journal.png");
+  command->callback(
+      [&context, folder] { context.action = [&context, folder] { return plotJournal(context, *folder); }; });
+}
+
 }  // namespace
 
 void addPlot(CLI::App& app, Context& context) {
-  auto* command =
-      app.add_subcommand("plot", "draw one thing: a scan, an operation log, plans, the local obstacle map");
+  auto* command = app.add_subcommand(
+      "plot", "draw one thing: a scan, an operation log, plans, a method's journal, the local obstacle map");
   command->require_subcommand(1);
   addPlotScan(*command, context);
   addPlotOperations(*command, context);
   addPlotPlans(*command, context);
   addPlotObstacles(*command, context);
+  addPlotJournal(*command, context);
 }
 
 }  // namespace slam::apps

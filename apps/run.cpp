@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -6,16 +7,47 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "libslam/core/error.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/run/build_map.h"
+#include "libslam/run/external_method.h"
 #include "libslam/run/resources.h"
 
 namespace slam::apps {
 namespace {
 
 struct Arguments {
-  std::string method, log;
+  std::string method, log, continued, localised;
+  std::vector<double> start;  ///< x_m, y_m, yaw_deg
+  bool journal = false;
 };
+
+run::Continuation continuationOf(const Arguments& arguments) {
+  run::Continuation continuation;
+  continuation.localise_only = !arguments.localised.empty();
+  continuation.folder = continuation.localise_only ? arguments.localised : arguments.continued;
+  if (arguments.start.empty()) return continuation;
+  if (continuation.folder.empty())
+    throw core::InputError(
+        "--start belongs to --continue or --localise: a map of its own begins at the robot");
+  continuation.T_map_robot = {arguments.start[0], arguments.start[1], core::degToRad(arguments.start[2])};
+  return continuation;
+}
+
+nlohmann::ordered_json journalJson(const std::vector<run::JournalLine>& journal) {
+  auto list = nlohmann::ordered_json::array();
+  for (const auto& line : journal) {
+    nlohmann::ordered_json entry{{"scan", line.scan},
+                                 {"time_s", line.time_s},
+                                 {"event", line.event},
+                                 {"value", line.value},
+                                 {"place_m", {line.place.x, line.place.y}}};
+    if (line.other_scan >= 0) entry["other_scan"] = line.other_scan;
+    if (!line.detail.empty()) entry["detail"] = line.detail;
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
 
 int runMethod(const Context& context, const Arguments& arguments) {
   auto config = mapping::loadMethodConfig(run::configsFolder() + "/methods", arguments.method);
@@ -23,39 +55,56 @@ int runMethod(const Context& context, const Arguments& arguments) {
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   const std::string name = std::filesystem::path(arguments.method).stem().string();
   if (context.print_config) {
-    printParameters(mapping::makeMapBuilder(config, name, context.seed).parameters, context.json);
+    printParameters(run::methodParameters(config, name, context.seed), context.json);
     return 0;
   }
   const std::string folder = context.output.empty() ? name : context.output;
   ConsoleProgress progress(context.quiet);
   const auto result = run::buildMap(arguments.log, config, name, context.seed, folder, context.overwrite,
-                                    context.manifest(), progress);
+                                    context.manifest(), progress, true, continuationOf(arguments));
+  const auto lost = run::lostInTheEnd(result.journal);
+  const auto exit_code = static_cast<int>(lost ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);
+  if (lost)
+    std::fprintf(stderr, "rasterslam: %s: %s and not found again\n", name.c_str(),
+                 run::lostText(*lost).c_str());
   if (result.steps_without_odometry > 0)
     std::fprintf(stderr,
                  "rasterslam: %s: %d of %zu steps come without odometry, estimated from the scans instead\n",
                  arguments.log.c_str(), result.steps_without_odometry, result.estimate.size() - 1);
   const auto& end = result.end;
   if (context.json) {
-    std::cout << nlohmann::ordered_json{{"folder", folder},
-                                        {"method", name},
-                                        {"scans", result.estimate.size()},
-                                        {"path_length_m", result.path_length_m},
-                                        {"end_pose", {end.x, end.y, end.phi}},
-                                        {"mean_ms_per_scan", result.cost.mean_ms_per_scan},
-                                        {"p99_ms_per_scan", result.cost.p99_ms_per_scan},
-                                        {"peak_memory_mb", result.cost.peak_memory_mb}}
-                     .dump(2)
-              << "\n";
-    return 0;
+    nlohmann::ordered_json json{{"folder", folder},
+                                {"method", name},
+                                {"scans", result.estimate.size()},
+                                {"path_length_m", result.path_length_m},
+                                {"end_pose", {end.x, end.y, end.phi}},
+                                {"mean_ms_per_scan", result.cost.mean_ms_per_scan},
+                                {"p99_ms_per_scan", result.cost.p99_ms_per_scan},
+                                {"peak_memory_mb", result.cost.peak_memory_mb}};
+    if (lost) json["lost"] = run::lostText(*lost);
+    if (arguments.journal) json["journal"] = journalJson(result.journal);
+    std::cout << json.dump(2) << "\n";
+    return exit_code;
   }
+  if (arguments.journal)
+    std::cout << (result.journal.empty() ? "method " + name + " wrote no journal\n"
+                                         : run::journalText(result.journal))
+              << "\n"
+              << std::flush;
   std::printf("%s: %zu scans, path %.2f m, end at x %.2f m, y %.2f m, yaw %.1f deg\n", name.c_str(),
               result.estimate.size(), result.path_length_m, end.x, end.y, core::radToDeg(end.phi));
-  std::printf("%.3f ms per scan (p99 %.3f), %.0f x real time, %.1f MB\n", result.cost.mean_ms_per_scan,
-              result.cost.p99_ms_per_scan, result.cost.real_time_factor, result.cost.peak_memory_mb);
+  std::string p99;
+  if (std::isfinite(result.cost.p99_ms_per_scan))
+    p99 = " (p99 " + core::formatNumber(std::round(1000 * result.cost.p99_ms_per_scan) / 1000) + ")";
+  std::printf("%.3f ms per scan%s, %.0f x real time, %.1f MB\n", result.cost.mean_ms_per_scan, p99.c_str(),
+              result.cost.real_time_factor, result.cost.peak_memory_mb);
+  if (result.filled_poses > 0)
+    std::printf("%d scans have no pose of its own, but one from the odometry between their neighbours'\n",
+                result.filled_poses);
   const auto manifest = core::readManifest(folder + "/manifest.json");
   for (const auto& [file, meaning] : manifest.files)
     std::printf("  %-32s %s\n", (folder + "/" + file).c_str(), meaning.c_str());
-  return 0;
+  return exit_code;
 }
 
 }  // namespace
@@ -66,6 +115,18 @@ void addRun(CLI::App& app, Context& context) {
   command->add_option("method", arguments->method, "a name of 'rasterslam list methods', or an .ini file")
       ->required();
   command->add_option("log", arguments->log, "a log: MRPT rawlog, CARMEN, ...")->required();
+  command->add_flag("--journal", arguments->journal, "print what the method says of its work, scan by scan");
+  auto* continued = command->add_option("--continue", arguments->continued,
+                                        "folder of an earlier run: go on in its map (graph, particles, icp)");
+  command
+      ->add_option("--localise", arguments->localised,
+                   "folder of an earlier run: find the way in its map, which stays as it is")
+      ->excludes(continued);
+  command
+      ->add_option("--start", arguments->start,
+                   "where the log begins in that map: x,y,yaw in m and deg (default: where that run ended)")
+      ->delimiter(',')
+      ->expected(3);
   addOutput(command, context, "folder to write (default: the method's name)");
   addSeed(command, context);
   addConfig(command, context);
@@ -74,7 +135,11 @@ void addRun(CLI::App& app, Context& context) {
       "Examples:\n"
       "  rasterslam run icp run.rawlog -o out\n"
       "  rasterslam run rbpf_exact run.rawlog -o out --set mapping.resolution_m=0.05 --seed 3\n"
-      "  rasterslam run icp run.rawlog --print-config");
+      "  rasterslam run icp run.rawlog --print-config\n"
+      "  rasterslam run graph monday.rawlog -o monday --journal\n"
+      "  rasterslam run graph tuesday.rawlog -o both --continue monday --start 0,0,0\n"
+      "  rasterslam run graph wednesday.rawlog -o path --localise both --start 2.5,-1,90\n"
+      "Exit code 4: the robot was lost and not found again; all files are written.");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return runMethod(context, *arguments); };
   });

@@ -3,6 +3,7 @@
 #include <mrpt/config/CConfigFileMemory.h>
 #include <mrpt/core/Clock.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/math/TPose2D.h>
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
@@ -10,6 +11,7 @@
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/poses/CPose3D.h>
 #include <mrpt/poses/CPose3DPDF.h>
+#include <mrpt/poses/CPosePDFGaussian.h>
 #include <mrpt/random/RandomGenerators.h>
 #include <mrpt/slam/CMetricMapBuilderICP.h>
 #include <mrpt/slam/CMetricMapBuilderRBPF.h>
@@ -22,6 +24,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/core/files.h"
 #include "libslam/core/random.h"
 #include "libslam/mapping/graph_map_builder.h"
 #include "libslam/mapping/map_grid.h"
@@ -30,6 +33,7 @@
 #include "libslam/mapping/naive_map_builder.h"
 #include "libslam/mapping/particle_map_builder.h"
 #include "libslam/robot/mrpt_types.h"
+#include "libslam/robot/undistort.h"
 
 namespace slam::mapping {
 
@@ -265,6 +269,45 @@ void seedMrpt(const MapBuilder::State& state) {
       mrpt::random::CRandomGenerator(static_cast<uint32_t>(stream.bits() >> 32));
 }
 
+/// MRPT's ICP stamps a start pose with the clock, and then takes the odometry of a log from the past for stale.
+class StoppedClock {
+ public:
+  StoppedClock() {
+    mrpt::Clock::setSimulatedTime(mrpt::Clock::fromDouble(1));
+    mrpt::Clock::setActiveClock(mrpt::Clock::Source::Simulated);
+  }
+  ~StoppedClock() { mrpt::Clock::setActiveClock(before_); }
+  StoppedClock(const StoppedClock&) = delete;
+  StoppedClock& operator=(const StoppedClock&) = delete;
+
+ private:
+  mrpt::Clock::Source before_ = mrpt::Clock::getActiveClock();
+};
+
+mrpt::maps::CSimpleMap loadKeyFrames(const std::string& path) {
+  core::requireReadableFile(path);
+  mrpt::maps::CSimpleMap map;
+  bool loaded = false;
+  try {
+    loaded = map.loadFromFile(path);
+  } catch (const std::exception&) {
+  }
+  if (!loaded) throw core::InputError(path + ": is no MRPT simplemap");
+  if (map.empty()) throw core::InputError(path + ": holds 0 key frames, expected at least 1");
+  return map;
+}
+
+/// The scan without what the robot's motion did to it, where the method wants that and it can be known.
+std::optional<robot::Scan> setRight(const MapBuilder::State& state, const robot::Scan& scan,
+                                    const core::Pose2& T_previous_robot) {
+  const MethodOptions& options = state.config.method;
+  if (!(options.sweep_s > 0) || !state.previous_scan || !core::isFinite(T_previous_robot))
+    return std::nullopt;
+  const double period_s = scan.time_s - state.previous_scan->time_s;
+  if (!(period_s > 0)) return std::nullopt;
+  return robot::undistorted(scan, T_previous_robot, period_s, {options.sweep_s, options.sweep_clockwise});
+}
+
 GraphMapBuilder* graphOf(const MapBuilder& method) {
   return dynamic_cast<GraphMapBuilder*>(method.builder.get());
 }
@@ -300,6 +343,26 @@ MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, 
   return method;
 }
 
+void continueMap(MapBuilder& method, const std::string& simplemap_path, const core::Pose2& T_map_robot,
+                 bool keep_map) {
+  if (method.type == "naive" || method.type == "rbpf")
+    throw core::InputError("method " + method.name + " of type " + method.type +
+                           " cannot go on in a map, expected type graph, particles or icp");
+  const auto map = loadKeyFrames(simplemap_path);
+  mrpt::poses::CPosePDFGaussian start;
+  start.mean = mrpt::poses::CPose2D(robot::toMrpt(T_map_robot));
+  try {
+    const StoppedClock clock;
+    method.builder->initialize(map, &start);
+  } catch (const core::MethodError&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw core::InputError(simplemap_path + ": cannot be gone on with: " + firstLine(error.what()));
+  }
+  method.builder->options.enableMapUpdating = !keep_map;
+  method.state->T_map_robot = T_map_robot;
+}
+
 std::string toMrptConfig(const core::IniFile& config, const std::string& name) {
   const MethodConfig read = readMethodConfig(config);
   if (read.method.type != "icp" && read.method.type != "rbpf") {
@@ -312,9 +375,12 @@ std::string toMrptConfig(const core::IniFile& config, const std::string& name) {
   return mrptConfigText(read, name);
 }
 
-core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core::Pose2& T_previous_robot,
+core::Pose2 processScan(MapBuilder& method, const robot::Scan& raw_scan, const core::Pose2& T_previous_robot,
                         bool has_odometry) {
   MapBuilder::State& state = *method.state;
+  std::optional<robot::Scan> corrected;
+  if (has_odometry) corrected = setRight(state, raw_scan, T_previous_robot);
+  const robot::Scan& scan = corrected ? *corrected : raw_scan;
   state.builder_time_s = growingTime(scan.time_s, state.builder_time_s, state.steps == 0);
 
   if (auto* graph = graphOf(method)) {
@@ -365,7 +431,8 @@ std::optional<Eigen::Matrix3d> poseCovariance(const MapBuilder& method) {
 }
 
 void finishMap(MapBuilder& method) {
-  if (auto* graph = graphOf(method)) graph->finish();
+  auto* graph = graphOf(method);
+  if (graph != nullptr && graph->options.enableMapUpdating) graph->finish();
 }
 
 std::vector<JournalEntry> journalOf(const MapBuilder& method) {

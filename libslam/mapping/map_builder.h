@@ -57,10 +57,18 @@ std::vector<std::string> methodNames(const std::string& methods_folder);
 /// with the nearest known one.
 core::IniFile loadMethodConfig(const std::string& methods_folder, const std::string& name_or_path);
 
+/// Goes on in a map of before (a map.simplemap) instead of an empty one, in its frame: the robot is at T_map_robot at the
+/// first scan. keep_map: the map stays as it is, the robot is only localised in it. REQUIRES that no scan was processed.
+/// Errors: InputError for a file that is no simplemap or holds no scan, and for types that cannot: naive, rbpf.
+void continueMap(MapBuilder& method, const std::string& simplemap_path, const core::Pose2& T_map_robot,
+                 bool keep_map);
+
 /// Feeds one scan. T_previous_robot is the wheels' increment since the scan before, the first scan's is taken
 /// as null. Which increment the builder gets is for [method] odometry to say; `wheel` takes the one estimated
 /// from the two scans (method correlation unless [scan_odometry] says otherwise) at every step for which
 /// has_odometry is false. Stamps that do not grow are moved on by a millisecond, for the builder only.
+/// With [method] sweep_s the scan is set right for the robot's motion while it was taken (robot::undistorted) before anything
+/// else sees it, at every step that has odometry and a stamp after the one before.
 /// The other way round, correlation, range_flow and plicp take the wheels' increment, where there is one, at a step that
 /// the scans leave open (a corridor, an open field); argmax, the founding method, never does.
 /// Returns the pose T_map_robot after it; the map frame is the robot's pose at the first scan

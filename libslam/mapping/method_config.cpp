@@ -269,16 +269,22 @@ MethodOptions::MethodOptions() {
 
 const core::ParameterTable<MethodOptions>& MethodOptions::table() {
   static const core::ParameterTable<MethodOptions> kTable(
-      "method", {{"type",
-                  &MethodOptions::type,
-                  "naive",
-                  {"naive", "icp", "rbpf", "particles", "graph"},
-                  "which builder"},
-                 {"odometry",
-                  &MethodOptions::odometry,
-                  "wheel",
-                  {"wheel", "argmax", "correlation", "range_flow", "plicp"},
-                  "the motion increments; wheel takes those of scans where the log has none"}});
+      "method",
+      {{"type",
+        &MethodOptions::type,
+        "naive",
+        {"naive", "icp", "rbpf", "particles", "graph"},
+        "which builder"},
+       {"odometry",
+        &MethodOptions::odometry,
+        "wheel",
+        {"wheel", "argmax", "correlation", "range_flow", "plicp"},
+        "the motion increments; wheel takes those of scans where the log has none"},
+       {"sweep_s", &MethodOptions::sweep_s, 0.0, 0.0, 10.0,
+        "time from a scan's first to its last beam, at which it is stamped; scans are set right for the "
+        "motion "
+        "that the log's odometry gives; 0 leaves them"},
+       {"sweep_clockwise", &MethodOptions::sweep_clockwise, false, "the last beam is measured first"}});
   return kTable;
 }
 

@@ -14,6 +14,8 @@ namespace slam::mapping {
 struct MethodOptions {
   std::string type;      ///< naive | icp | rbpf | particles | graph
   std::string odometry;  ///< wheel | argmax | correlation | range_flow | plicp
+  double sweep_s;        ///< robot::Sweep, 0: the scans are taken as they are
+  bool sweep_clockwise;
   MethodOptions();
   static const core::ParameterTable<MethodOptions>& table();
 };

@@ -16,6 +16,7 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/map_score.h"
 #include "libslam/run/cpu_time.h"
+#include "libslam/run/external_method.h"
 #include "libslam/run/map_plan.h"
 #include "libslam/run/process_memory.h"
 #include "libslam/run/self_score.h"
@@ -63,23 +64,29 @@ const std::map<std::string, std::string>& fileNotes() {
       {"map.3Dscene", "map and path in 3D: SceneViewer3D"},
       {"journal.csv", "what the method says of its work: matches, loops, corrections, by scan"},
       {"timing.csv", "CPU milliseconds of every scan"},
+      {"printed.txt", "what the external program printed"},
   };
   return notes;
 }
 
-std::string journalText(const std::vector<mapping::JournalEntry>& journal,
-                        const std::vector<double>& stamps_s) {
-  std::ostringstream text;
-  text << "scan,time_s,event,value,other_scan,detail\n";
-  for (const auto& entry : journal) {
-    // What happens in the end is the last scan's.
-    const auto scan = std::min(static_cast<size_t>(entry.scan), stamps_s.size() - 1);
-    text << scan << ',' << core::formatNumber(stamps_s[scan] - stamps_s.front()) << ',' << entry.event << ','
-         << core::formatNumber(entry.value) << ',';
-    if (entry.other_scan >= 0) text << entry.other_scan;
-    text << ',' << entry.detail << '\n';
-  }
-  return text.str();
+std::string timingText(const std::vector<double>& milliseconds, const std::vector<double>& stamps_s) {
+  std::ostringstream timing;
+  timing << "scan,time_s,cpu_ms\n";
+  for (size_t i = 0; i < milliseconds.size(); ++i)
+    timing << i << ',' << core::formatNumber(stamps_s[i] - stamps_s.front()) << ','
+           << core::formatNumber(milliseconds[i]) << '\n';
+  return timing.str();
+}
+
+/// Another program's path: what our own drawing of its map then follows.
+ExternalRun runExternal(const core::IniFile& config, const std::string& name, const std::string& log_path,
+                        std::uint64_t seed, const std::string& work_folder, core::Progress& progress) {
+  auto run = runExternalMethod(readExternalMethod(config, name), log_path, seed, work_folder, progress);
+  if (run.violations.empty()) return run;
+  const std::string more = run.violations.size() == 1 ? ""
+                                                      : " (and " + std::to_string(run.violations.size() - 1) +
+                                                            " more: rasterslam plugin check)";
+  throw core::MethodError("method " + name + ": " + run.violations.front() + more);
 }
 
 /// Scans of a log may carry stamps that run back; a trajectory, and what goes with it, does not.
@@ -94,6 +101,29 @@ std::vector<Stamped> inStampOrder(std::vector<Stamped> stamped) {
 bool areGiven(const std::vector<StampedCovariance>& covariances) {
   return std::any_of(covariances.begin(), covariances.end(),
                      [](const StampedCovariance& stamped) { return !stamped.covariance.isZero(0); });
+}
+
+void describePose(const std::string& name, const core::Pose2& pose,
+                  std::map<std::string, std::string>& results) {
+  results[name + ".x_m"] = core::formatNumber(pose.x);
+  results[name + ".y_m"] = core::formatNumber(pose.y);
+  results[name + ".yaw_rad"] = core::formatNumber(pose.phi);
+}
+
+/// The earlier run's map, before anything is measured.
+void beginInMap(mapping::MapBuilder& method, const Continuation& continuation, core::Manifest& manifest) {
+  const std::string map = continuation.folder + "/map.simplemap";
+  const core::Pose2 T_map_robot = continuation.T_map_robot.value_or(endOfRun(continuation.folder));
+  mapping::continueMap(method, map, T_map_robot, continuation.localise_only);
+  manifest.inputs[map] = core::fileSha256(map);
+  manifest.results[continuation.localise_only ? "localised_in" : "continues"] = continuation.folder;
+  describePose("start", T_map_robot, manifest.results);
+}
+
+/// The map of the earlier run, byte for byte: localising has not changed it.
+void keepMap(const std::string& from, const std::string& to) {
+  for (const char* file : {"map.yaml", "map.png", "map.gridmap.gz", "map.simplemap"})
+    core::writeFileAtomically(to + "/" + file, core::readTextFile(from + "/" + file));
 }
 
 void describeSelfScore(const SelfScore& score, std::map<std::string, std::string>& results) {
@@ -115,12 +145,37 @@ void describeLidar(const robot::Scan& scan, std::map<std::string, std::string>& 
   results["lidar.mount_yaw_rad"] = core::formatNumber(scan.T_robot_lidar.phi);
 }
 
+core::Pose2 endOfRun(const std::string& folder) {
+  const std::string path = folder + "/manifest.json";
+  const auto manifest = core::readManifest(path);
+  const auto number = [&](const std::string& key) {
+    double value = 0;
+    const auto it = manifest.results.find("end_final." + key);
+    if (it == manifest.results.end() || !core::parseNumber(it->second, value))
+      throw core::InputError(path + ": key 'results.end_final." + key +
+                             "' is missing, expected the folder of a 'rasterslam run'");
+    return value;
+  };
+  return {number("x_m"), number("y_m"), number("yaw_rad")};
+}
+
 MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
-                core::Manifest manifest, core::Progress& progress, bool measure_memory) {
+                core::Manifest manifest, core::Progress& progress, bool measure_memory,
+                const Continuation& continuation) {
   core::PendingFolder output(folder, overwrite);
+  std::optional<ExternalRun> external;
+  core::IniFile builder_config = method_config;
+  if (isExternal(method_config)) {
+    if (!continuation.folder.empty())
+      throw core::InputError("method " + method_name +
+                             " is an external program, which cannot go on in a map");
+    builder_config = readExternalMethod(method_config, method_name).drawing;
+    external = runExternal(method_config, method_name, log_path, seed, output.path() + "/work", progress);
+  }
   const MemoryMeter memory;
-  auto method = mapping::makeMapBuilder(method_config, method_name, seed);
+  auto method = mapping::makeMapBuilder(builder_config, method_name, seed);
+  if (!continuation.folder.empty()) beginInMap(method, continuation, manifest);
   logs::LogReader log(log_path);
   MapRun run;
   std::vector<double> milliseconds, stamps_s;
@@ -130,9 +185,11 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
       describeLidar(entry->scan, manifest.results);
     else if (!entry->has_odometry)
       ++run.steps_without_odometry;
+    core::Pose2 T_previous_robot = entry->T_previous_robot;
+    if (external) T_previous_robot = external->increment(run.estimate.size());
     const double before_s = threadCpuSeconds();
     const core::Pose2 T_map_robot =
-        mapping::processScan(method, entry->scan, entry->T_previous_robot, entry->has_odometry);
+        mapping::processScan(method, entry->scan, T_previous_robot, entry->has_odometry || external);
     milliseconds.push_back((threadCpuSeconds() - before_s) * 1000);
     if (!core::isFinite(T_map_robot))
       throw core::MethodError(method_name + " diverged at scan " + std::to_string(run.estimate.size() + 1) +
@@ -156,6 +213,8 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   // Scans and poses pair up in the log's order, which is the robot's; a trajectory's order is that of the stamps, which
   // run back in some logs.
   auto final_path = mapping::finalPath(method, run.estimate);
+  run.journal = placedJournal(mapping::journalOf(method), stamps_s, final_path ? *final_path : run.estimate);
+  const core::Pose2 end_final = final_path ? final_path->back().pose : run.end;
   const auto map = mapping::currentMap(method);
   const auto self = selfScore(log_path, final_path ? *final_path : run.estimate, toPlan(map), progress);
   run.estimate = inStampOrder(std::move(run.estimate));
@@ -164,37 +223,47 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   if (final_path) run.final_estimate = inStampOrder(std::move(*final_path));
   run.cost = summarize(milliseconds, finish_s, run.estimate.back().time_s - run.estimate.front().time_s);
   run.cost.peak_memory_mb = peak_memory_mb;
+  if (external) {
+    run.cost = external->cost;
+    run.filled_poses = external->filled_poses;
+  }
 
   logs::writeTum(run.estimate, output.path() + "/trajectory.tum");
   if (run.final_estimate) logs::writeTum(*run.final_estimate, output.path() + "/trajectory_final.tum");
   if (!run.covariances.empty()) writeCovariances(run.covariances, output.path() + "/covariances.csv");
   mapping::saveMaps(method, run.final_estimate.value_or(run.estimate), output.path());
-  std::ostringstream timing;
-  timing << "scan,time_s,cpu_ms\n";
-  for (size_t i = 0; i < milliseconds.size(); ++i)
-    timing << i << ',' << core::formatNumber(stamps_s[i] - stamps_s.front()) << ','
-           << core::formatNumber(milliseconds[i]) << '\n';
-  core::writeFileAtomically(output.path() + "/timing.csv", timing.str());
+  if (continuation.localise_only) keepMap(continuation.folder, output.path());
+  if (external)
+    core::writeFileAtomically(output.path() + "/printed.txt", external->printed);
+  else
+    core::writeFileAtomically(output.path() + "/timing.csv", timingText(milliseconds, stamps_s));
 
-  const auto journal = mapping::journalOf(method);
-  if (!journal.empty())
-    core::writeFileAtomically(output.path() + "/journal.csv", journalText(journal, stamps_s));
+  if (!run.journal.empty())
+    core::writeFileAtomically(output.path() + "/journal.csv", journalCsv(run.journal));
 
   manifest.seed = seed;
   manifest.inputs[log_path] = core::fileSha256(log_path);
-  for (const auto& line : method.parameters) manifest.config[line.section + "." + line.info.key] = line.value;
+  for (const auto& line : methodParameters(method_config, method_name, seed))
+    manifest.config[line.section + "." + line.info.key] = line.value;
   manifest.files = fileNotes();
-  if (journal.empty()) manifest.files.erase("journal.csv");
+  if (run.journal.empty()) manifest.files.erase("journal.csv");
+  manifest.files.erase(external ? "timing.csv" : "printed.txt");
   if (!run.final_estimate) manifest.files.erase("trajectory_final.tum");
   if (run.covariances.empty()) manifest.files.erase("covariances.csv");
   manifest.results["method"] = method_name;
   manifest.results["scans"] = std::to_string(run.estimate.size());
   manifest.results["steps_without_odometry"] = std::to_string(run.steps_without_odometry);
+  // Of the log's order, which the files' order of stamps may lose.
+  manifest.results["path_length_m"] = core::formatNumber(run.path_length_m);
+  describePose("end", run.end, manifest.results);
+  describePose("end_final", end_final, manifest.results);
+  if (const auto lost = lostInTheEnd(run.journal)) manifest.results["lost"] = lostText(*lost);
+  if (external) manifest.results["filled_poses"] = std::to_string(run.filled_poses);
   manifest.results["map_mean_entropy_bits"] = core::formatNumber(metrics::mapEntropy(map.occupancy));
   describeSelfScore(self, manifest.results);
   manifest.times_s["finish_s"] = finish_s;
   manifest.times_s["mean_ms_per_scan"] = run.cost.mean_ms_per_scan;
-  manifest.times_s["p99_ms_per_scan"] = run.cost.p99_ms_per_scan;
+  if (!external) manifest.times_s["p99_ms_per_scan"] = run.cost.p99_ms_per_scan;
   manifest.times_s["real_time_factor"] = run.cost.real_time_factor;
   manifest.results["peak_memory_mb"] = core::formatNumber(run.cost.peak_memory_mb);
   core::writeManifest(manifest, output.path() + "/manifest.json");

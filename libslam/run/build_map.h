@@ -10,6 +10,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
 #include "libslam/robot/scan.h"
+#include "libslam/run/journal_file.h"
 #include "libslam/run/pose_covariances.h"
 
 namespace slam::run {
@@ -32,21 +33,37 @@ struct MapRun {
   double path_length_m = 0;  ///< of the poses given online; this and the next in the order of the log
   core::Pose2 end;           ///< T_map_robot at the last scan
   Cost cost;
-  int steps_without_odometry = 0;  ///< scans after the first for which the log gives no increment
+  int steps_without_odometry = 0;    ///< scans after the first for which the log gives no increment
+  int filled_poses = 0;              ///< scans that an external program gave no pose
+  std::vector<JournalLine> journal;  ///< empty for methods that keep none
+};
+
+/// An earlier run whose map is gone on with.
+struct Continuation {
+  std::string folder;          ///< that buildMap() wrote; "" begins a map
+  bool localise_only = false;  ///< its map stays: the folder gets the same map files, and a path
+  std::optional<core::Pose2>
+      T_map_robot;  ///< at the first scan, in the frame of that map; none: where that run ended
 };
 
 /// Runs a SLAM method over a log and writes a folder:
 ///   trajectory.tum   map.yaml + map.png   map.gridmap.gz   map.simplemap   map.3Dscene   timing.csv
 ///   trajectory_final.tum (where mapping::finalPath() has one)   covariances.csv (of the poses given online, where the method
 ///   gives any: pose_covariances.h)   journal.csv (where the method keeps one)   manifest.json
+/// An external method (external_method.h) has printed.txt instead of timing.csv, what it printed; this, like its poses, is as repeatable as the program is.
 /// Trajectories are written in the order of their stamps, which in a log may run back. The manifest's results also hold
 /// what needs the scans to say it: sharpness of the points and agreement of scans and map (keys `self.*`; self_score.h),
 /// placed at the final poses where there are any. The folder appears whole or not at all. Same log, config and seed: the same bytes but for timing.csv and
 /// the manifest. `measure_memory` only makes sense while nothing else runs in this process. Errors:
-/// InputError (log, config), MethodError (diverged).
+/// InputError (log, config, a method that cannot go on in a map), MethodError (diverged). A robot that is lost in the end
+/// (lostInTheEnd()) is no error: all is written, and the manifest's results say `lost`.
 MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
-                core::Manifest manifest, core::Progress& progress, bool measure_memory = true);
+                core::Manifest manifest, core::Progress& progress, bool measure_memory = true,
+                const Continuation& continuation = {});
+
+/// T_map_robot at the last scan of a run, as it is in the end. Errors: InputError.
+core::Pose2 endOfRun(const std::string& folder);
 
 /// What scoring a map needs to know of the lidar: keys `lidar.*` of a run's manifest.
 void describeLidar(const robot::Scan& scan, std::map<std::string, std::string>& results);

@@ -16,6 +16,7 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/report/picture.h"
 #include "libslam/run/build_map.h"
+#include "libslam/run/external_method.h"
 #include "libslam/run/relation_tables.h"
 #include "libslam/run/worker.h"
 
@@ -41,8 +42,7 @@ std::vector<Method> loadMethods(const CompareRequest& request) {
     method.folder = request.output + "/" + method.name;
     for (const auto& other : methods)
       if (other.name == method.name) throw core::InputError("method '" + method.name + "' is named twice");
-    mapping::makeMapBuilder(method.config, method.name,
-                            request.seed);  // a bad key must not show after an hour
+    methodParameters(method.config, method.name, request.seed);  // a bad key must not show after an hour
     methods.push_back(std::move(method));
   }
   if (methods.empty()) throw core::InputError("no method named, expected at least one");
@@ -55,8 +55,7 @@ bool isSameRun(const Method& method, const std::string& log_path, std::uint64_t 
   if (!fs::exists(method.folder + "/manifest.json")) return false;
   try {
     const auto manifest = core::readManifest(method.folder + "/manifest.json");
-    const auto builder = mapping::makeMapBuilder(method.config, method.name, seed);
-    for (const auto& line : builder.parameters) {
+    for (const auto& line : methodParameters(method.config, method.name, seed)) {
       const auto it = manifest.config.find(line.section + "." + line.info.key);
       if (it == manifest.config.end() || it->second != line.value) return false;
     }
@@ -81,6 +80,8 @@ void runInProcess(const Method& method, const std::string& log_path, const Compa
   std::string why = result.killed ? "killed by signal " + std::to_string(result.exit_code - 128)
                                   : "exit code " + std::to_string(result.exit_code);
   const auto json = nlohmann::json::parse(result.out, nullptr, false);
+  // Lost in the end: all is written, and the row says so.
+  if (json.is_object() && json.contains("lost")) return;
   if (json.is_object() && json.contains("error")) why = json["error"].get<std::string>();
   if (result.exit_code == static_cast<int>(core::ExitCode::kBadInput)) throw core::InputError(why);
   throw core::MethodError(why);
@@ -278,7 +279,7 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
         std::find_if(runs.begin(), runs.end(), [&](const RunFolder& r) { return r.path == method.folder; });
     comparison.evaluations.push_back(run == runs.end() ? failedEvaluation(method.name, method.failure)
                                                        : evaluate(*run, truth));
-    comparison.failed += run == runs.end() ? 1 : 0;
+    comparison.failed += comparison.evaluations.back().failure.empty() ? 0 : 1;
   }
   setAgreement(runs, comparison.evaluations);
   comparison.accuracy = truth ? accuracyTable(comparison.evaluations, *truth, Detail::kShort)

@@ -124,9 +124,15 @@ void judgeCovariances(const RunFolder& run, const Truth& truth, Evaluation& e) {
 
 Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth) {
   Evaluation e = failedEvaluation(run.method, "");
+  const auto lost = run.manifest.results.find("lost");
+  if (lost != run.manifest.results.end()) e.failure = lost->second;
   e.cost = run.cost;
-  e.path_length_m = core::pathLength(run.estimate);
-  if (!run.estimate.empty()) e.end_pose = run.estimate.back().pose;
+  e.path_length_m = numberIfThere(run.manifest, "path_length_m");
+  e.end_pose = {numberIfThere(run.manifest, "end.x_m"), numberIfThere(run.manifest, "end.y_m"),
+                numberIfThere(run.manifest, "end.yaw_rad")};
+  // A run that was not made by buildMap() does not say them.
+  if (std::isnan(e.path_length_m)) e.path_length_m = core::pathLength(run.estimate);
+  if (!core::isFinite(e.end_pose) && !run.estimate.empty()) e.end_pose = run.estimate.back().pose;
   e.map_mean_entropy_bits = numberOf(run.manifest, "map_mean_entropy_bits", run.path);
   e.structure = metrics::mapStructure(run.map);
   e.mean_map_entropy = numberIfThere(run.manifest, "self.mean_map_entropy");

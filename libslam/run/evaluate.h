@@ -39,7 +39,8 @@ Truth loadTruth(const std::string& truth_path, const std::string& plan_path, con
 
 /// All figures of one run. Without truth the first three blocks are NaN; without plan the map score is.
 struct Evaluation {
-  std::string method, failure;                ///< failure: why there are no figures, or ""
+  std::string method,
+      failure;  ///< failure: why there are no figures, where the robot was lost for good, or ""
   metrics::TrajectoryError trajectory;        ///< of the path given online
   metrics::TrajectoryError final_trajectory;  ///< of the path in the end: the same where nothing is corrected
   metrics::RelativeError per_metre, per_second;

@@ -1,0 +1,257 @@
+#include "libslam/report/journal_picture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "libslam/report/canvas.h"
+#include "libslam/report/map_view.h"
+
+namespace slam::report {
+namespace {
+
+constexpr double kMargin = 20, kTitleSize = 25, kTitleHeight = 44, kTextSize = 17;
+constexpr double kLeastWidth = 900, kRowHeight = 24, kLabelWidth = 130, kChartHeight = 130, kAxisHeight = 56;
+constexpr Colour kPathColour{120, 120, 120}, kGridLine{225, 225, 225};
+
+enum class Kind {
+  kLoop,     ///< a line between two places
+  kStretch,  ///< along the path
+  kMark,     ///< a dot
+  kStrip     ///< in the strip of time alone
+};
+
+struct Style {
+  const char* event;
+  Kind kind;
+  Colour colour;
+};
+
+/// In the order in which they are drawn over one another and stand in the legend.
+constexpr std::array<Style, 13> kStyles{{{"degenerate", Kind::kStretch, kSkyBlue},
+                                         {"poor", Kind::kStretch, kOrange},
+                                         {"lost", Kind::kStretch, kVermillion},
+                                         {"accepted", Kind::kLoop, kGreen},
+                                         {"rejected", Kind::kLoop, kVermillion},
+                                         {"resampled", Kind::kMark, kBlue},
+                                         {"distrusted", Kind::kMark, kPurple},
+                                         {"recovered", Kind::kMark, kGreen},
+                                         {"searched", Kind::kStrip, kGrey},
+                                         {"found", Kind::kStrip, kGrey},
+                                         {"confirmed", Kind::kStrip, kGrey},
+                                         {"dropped", Kind::kStrip, kGrey},
+                                         {"optimised", Kind::kStrip, kInk}}};
+
+/// The known events that happened, in the order of kStyles, then the others in that of their first time.
+std::vector<std::pair<std::string, Style>> stylesOf(const std::vector<PlacedEvent>& events) {
+  std::vector<std::pair<std::string, Style>> styles;
+  const auto happened = [&](const std::string& event) {
+    return std::any_of(events.begin(), events.end(), [&](const PlacedEvent& e) { return e.event == event; });
+  };
+  for (const auto& style : kStyles)
+    if (happened(style.event)) styles.emplace_back(style.event, style);
+  for (const auto& event : events)
+    if (std::none_of(styles.begin(), styles.end(), [&](const auto& s) { return s.first == event.event; }))
+      styles.emplace_back(event.event, Style{"", Kind::kMark, kYellow});
+  return styles;
+}
+
+void drawStretches(Canvas& canvas, const MapView& view, const std::vector<PlacedEvent>& events,
+                   const std::string& event, Colour colour) {
+  constexpr double kWidth = 6;
+  std::vector<Pixel> points;
+  int last_scan = -2;
+  const auto end = [&] {
+    if (points.size() == 1) canvas.disc(points.front(), kWidth / 2, colour);
+    canvas.polyline(points, colour, kWidth);
+    points.clear();
+  };
+  for (const auto& e : events) {
+    if (e.event != event) continue;
+    if (e.scan > last_scan + 1) end();
+    points.push_back(view.toPixel(e.place));
+    last_scan = e.scan;
+  }
+  end();
+}
+
+/// From `lost` to where the robot was found, or to the end.
+void drawLost(Canvas& canvas, const MapView& view, const core::Trajectory& path,
+              const std::vector<PlacedEvent>& events, Colour colour) {
+  const auto draw = [&](double from_s, double to_s) {
+    std::vector<Pixel> points;
+    for (const auto& stamped : path) {
+      const double time_s = stamped.time_s - path.front().time_s;
+      if (time_s >= from_s && time_s <= to_s) points.push_back(view.toPixel(core::position(stamped.pose)));
+    }
+    canvas.polyline(points, colour, 6);
+  };
+  double since_s = -1;
+  for (const auto& e : events) {
+    if (e.event == "lost" && since_s < 0) since_s = e.time_s;
+    if (since_s < 0 || (e.event != "recovered" && e.event != "found again")) continue;
+    draw(since_s, e.time_s);
+    since_s = -1;
+  }
+  if (since_s >= 0) draw(since_s, 1e300);
+}
+
+void drawEvents(Canvas& canvas, const MapView& view, const core::Trajectory& path,
+                const std::vector<PlacedEvent>& events, const std::string& event, const Style& style) {
+  if (style.kind == Kind::kStretch) {
+    if (event == "lost")
+      drawLost(canvas, view, path, events, style.colour);
+    else
+      drawStretches(canvas, view, events, event, style.colour);
+    return;
+  }
+  for (const auto& e : events) {
+    if (e.event != event) continue;
+    const Pixel at = view.toPixel(e.place);
+    if (style.kind == Kind::kMark) {
+      canvas.disc(at, 4, style.colour);
+      canvas.circle(at, 4, kInk, 0.7);
+    } else if (style.kind == Kind::kLoop) {
+      const Pixel other = view.toPixel(e.other_place);
+      canvas.line(at, other, style.colour, 2);
+      canvas.disc(at, 3.5, style.colour);
+      canvas.disc(other, 3.5, style.colour);
+    }
+  }
+}
+
+std::vector<LegendEntry> legendOf(const std::vector<std::pair<std::string, Style>>& styles) {
+  std::vector<LegendEntry> entries{{LegendEntry::Kind::kLine, kPathColour, "path"},
+                                   {LegendEntry::Kind::kStart, kInk, "start"}};
+  for (const auto& [event, style] : styles) {
+    if (style.kind == Kind::kLoop)
+      entries.push_back({LegendEntry::Kind::kLine, style.colour, "loop " + event});
+    else if (style.kind == Kind::kStretch)
+      entries.push_back({LegendEntry::Kind::kBroadLine, style.colour, event});
+    else if (style.kind == Kind::kMark)
+      entries.push_back({LegendEntry::Kind::kDot, style.colour, event});
+  }
+  return entries;
+}
+
+/// Rows of ticks over time and the graph's error, one under the other.
+class TimeStrip {
+ public:
+  TimeStrip(const core::Trajectory& path, const std::vector<PlacedEvent>& events,
+            const std::vector<std::pair<std::string, Style>>& styles)
+      : events_(events), styles_(styles) {
+    if (!path.empty()) end_s_ = path.back().time_s - path.front().time_s;
+    for (const auto& e : events) {
+      end_s_ = std::max(end_s_, e.time_s);
+      if (e.event == "optimised") largest_error_ = std::max(largest_error_, e.value);
+    }
+    if (!(end_s_ > 0)) end_s_ = 1;
+  }
+
+  double height() const {
+    return kRowHeight * static_cast<double>(styles_.size()) + (hasError() ? kChartHeight + kRowHeight : 0) +
+           kAxisHeight;
+  }
+
+  void draw(Canvas& canvas, const PixelBox& box) const {
+    const double left = box.left + kLabelWidth, width = box.width - kLabelWidth - 10;
+    const double axis_top = box.top + height() - kAxisHeight;
+    const double step_s = niceStep(end_s_ / 5);
+    for (int i = 0; i * step_s <= end_s_ * (1 + 1e-9); ++i) {
+      const double x = left + i * step_s / end_s_ * width;
+      canvas.line({x, box.top}, {x, axis_top}, kGridLine, 1);
+      canvas.text({x, axis_top + 20}, stepLabel(i * step_s), kTextSize, kInk, Align::kCentre);
+    }
+    canvas.text({left + width / 2, axis_top + 44}, "time (s)", kTextSize, kInk, Align::kCentre);
+    double top = box.top;
+    for (const auto& [event, style] : styles_) {
+      drawRow(canvas, event, style.colour, {left, top, width, kRowHeight});
+      top += kRowHeight;
+    }
+    if (hasError()) drawError(canvas, {left, top + kRowHeight, width, kChartHeight});
+  }
+
+ private:
+  bool hasError() const { return largest_error_ > 0; }
+
+  void drawRow(Canvas& canvas, const std::string& event, Colour colour, const PixelBox& row) const {
+    canvas.text({row.left - 10, row.top + 17}, Canvas::fitText(event, kTextSize, kLabelWidth - 14), kTextSize,
+                kInk, Align::kRight);
+    for (const auto& e : events_) {
+      if (e.event != event) continue;
+      const double x = row.left + e.time_s / end_s_ * row.width;
+      canvas.line({x, row.top + 4}, {x, row.top + row.height - 4}, colour, 1.5);
+    }
+    canvas.line({row.left, row.top + row.height}, {row.left + row.width, row.top + row.height}, kGridLine, 1);
+  }
+
+  void drawError(Canvas& canvas, const PixelBox& box) const {
+    const double step = niceStep(largest_error_ / 2);
+    const double most = step * std::ceil(largest_error_ / step - 1e-9);
+    const auto pixel = [&](double time_s, double value) {
+      return Pixel{box.left + time_s / end_s_ * box.width, box.top + box.height * (1 - value / most)};
+    };
+    for (int i = 0; i * step <= most * (1 + 1e-9); ++i) {
+      const Pixel at = pixel(0, i * step);
+      canvas.line(at, {box.left + box.width, at.y}, kGridLine, 1);
+      canvas.text({at.x - 8, at.y + 6}, stepLabel(i * step), kTextSize, kInk, Align::kRight);
+    }
+    canvas.text({box.left, box.top - 6}, "graph error after each optimisation (chi2)", kTextSize, kInk);
+    std::vector<Pixel> points;
+    for (const auto& e : events_) {
+      if (e.event != "optimised") continue;
+      if (!points.empty()) points.push_back({pixel(e.time_s, 0).x, points.back().y});
+      points.push_back(pixel(e.time_s, e.value));
+    }
+    canvas.polyline(points, kBlue, 2);
+    for (const auto& e : events_)
+      if (e.event == "optimised") canvas.disc(pixel(e.time_s, e.value), 2.5, kBlue);
+    canvas.frame(box, kFrame, 1);
+  }
+
+  const std::vector<PlacedEvent>& events_;
+  const std::vector<std::pair<std::string, Style>>& styles_;
+  double end_s_ = 0, largest_error_ = 0;
+};
+
+}  // namespace
+
+void drawJournal(const world::Plan& map, const core::Trajectory& path, const std::vector<PlacedEvent>& events,
+                 const std::string& title, const std::string& png_path) {
+  const auto styles = stylesOf(events);
+  Window window = windowOf(map, map.T_world_plan);
+  window.include(windowOf(path).cutTo(window.isEmpty() ? windowOf(path) : window.grownBy(0.1)));
+  if (window.isEmpty()) window.include(core::Point2{0, 0});
+  const double least_m = std::max(0.05 * std::max(window.width(), window.height()), 0.5);
+  if (window.width() < least_m) window.x0 -= least_m / 2, window.x1 += least_m / 2;
+  if (window.height() < least_m) window.y0 -= least_m / 2, window.y1 += least_m / 2;
+  window = window.grownBy(0.025);
+
+  const double scale = std::min(1200 / window.width(), 900 / window.height());
+  const double map_width = std::round(window.width() * scale),
+               map_height = std::round(window.height() * scale);
+  const double width = std::max(kLeastWidth, map_width);
+  const LegendStrip legend(legendOf(styles), width, scale);
+  const TimeStrip strip(path, events, styles);
+  const double legend_top = kMargin + kTitleHeight + map_height + 12;
+  const double strip_top = legend_top + legend.height() + 20;
+  Canvas canvas(static_cast<int>(std::lround(width + 2 * kMargin)),
+                static_cast<int>(std::lround(strip_top + strip.height() + kMargin)));
+  canvas.text({kMargin, kMargin + kTitleSize}, Canvas::fitText(title, kTitleSize, width, true), kTitleSize,
+              kInk, Align::kLeft, true);
+  const MapView view{
+      window, {std::round(kMargin + (width - map_width) / 2), kMargin + kTitleHeight, map_width, map_height}};
+  drawRaster(canvas, view, map, map.T_world_plan);
+  canvas.clipTo(view.box);
+  drawPath(canvas, view, path, kPathColour, 1.5);
+  for (const auto& [event, style] : styles) drawEvents(canvas, view, path, events, event, style);
+  if (!path.empty()) drawStart(canvas, view.toPixel(core::position(path.front().pose)));
+  canvas.liftClip();
+  canvas.frame(view.box, kFrame, 1);
+  legend.draw(canvas, {kMargin, legend_top});
+  strip.draw(canvas, {kMargin, strip_top, width, strip.height()});
+  canvas.savePng(png_path);
+}
+
+}  // namespace slam::report
