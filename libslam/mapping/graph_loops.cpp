@@ -28,6 +28,9 @@ constexpr int kMostPlaces = 2;
 constexpr double kPlacePath_m = 15, kPlaceRadius_m = 10;
 /// Old keyframes whose view of the new points is asked.
 constexpr int kViewers = 6;
+/// A search that knows of no place: places at once, their half width, and keyframes from one to the next.
+constexpr int kMostPlacesAnywhere = 4, kPlaceStride = 10;
+constexpr double kPlaceHalf_m = 6;
 constexpr double kViewerDistance_m = 4;
 /// A confirmation may correct the hypothesis by this much.
 constexpr double kConfirmStep_m = 0.3, kConfirmTurn_rad = 0.06;
@@ -105,14 +108,20 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
   std::vector<char> is_local(keyframes_.size(), 0);
   for (const int local : keyframesAround(k, core::position(T), options_.map_path_m, 1e9))
     is_local[static_cast<size_t>(local)] = 1;
+  // What is cut off may lie anywhere: all places in turn.
+  const bool anywhere = isCutOff(k);
   std::vector<std::pair<double, int>> candidates;
-  for (int old = 0; old < k; ++old) {
+  for (int old = 0; old < (anywhere ? part_begins_ : k); ++old) {
     if (is_local[static_cast<size_t>(old)]) continue;
     const double away_m = core::distance(graph_.pose(old), T);
-    if (away_m < reachOf(old) + 1) candidates.push_back({away_m, old});
+    if (anywhere || away_m < reachOf(old) + 1) candidates.push_back({away_m, old});
   }
   if (candidates.empty()) return std::nullopt;
   std::sort(candidates.begin(), candidates.end());
+  if (anywhere)
+    std::rotate(candidates.begin(),
+                candidates.begin() + places_tried_ * kPlaceStride % static_cast<int>(candidates.size()),
+                candidates.end());
 
   std::vector<PatchPoint> query;
   for (int i = query_last; i >= query_first; --i) {
@@ -127,23 +136,27 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
   int places = 0;
   for (const auto& [away_m, old] : candidates) {
     if (is_tried[static_cast<size_t>(old)]) continue;
-    if (++places > kMostPlaces) break;
+    if (++places > (anywhere ? kMostPlacesAnywhere : kMostPlaces)) break;
+    if (anywhere) ++places_tried_;
     const Point2 centre = core::position(graph_.pose(old));
-    for (const int tried : keyframesAround(old, centre, options_.map_path_m, 1e9))
+    for (const int tried : keyframesAround(old, centre, anywhere ? kPlaceHalf_m : options_.map_path_m, 1e9))
       is_tried[static_cast<size_t>(tried)] = 1;
     auto around = keyframesAround(old, centre, kPlacePath_m, kPlaceRadius_m);
     around.erase(std::remove_if(around.begin(), around.end(),
                                 [&](int a) { return is_local[static_cast<size_t>(a)] != 0; }),
                  around.end());
     around = nearestKeyframes(std::move(around));
-    std::vector<Point2> place;
-    for (const int a : around)
-      for (const auto& point : keyframe(a).points) place.push_back(graph_.pose(a) * position(point));
-    const scanmatch::LikelihoodPyramid pyramid(place, kSearchCell_m, kSearchSigma_m, kSearchLevels);
-    const scanmatch::SearchWindow window{
+    const scanmatch::LikelihoodPyramid pyramid(placeAround(around), kSearchCell_m, kSearchSigma_m,
+                                               kSearchLevels);
+    scanmatch::SearchWindow window{
         reachOf(old), std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * way[static_cast<size_t>(old)],
                                kSearchTurnMost_rad)};
-    const auto found = searchBest(pyramid, search_points, T, window, options_.loop_search_score);
+    Pose2 search_from = T;
+    if (anywhere) {
+      window = {kPlaceHalf_m, core::kPi};
+      search_from = {centre.x, centre.y, T.phi};
+    }
+    const auto found = searchBest(pyramid, search_points, search_from, window, options_.loop_search_score);
     if (!found) continue;
     note("searched", found->score, old);
     LevelMaps maps(options_);
@@ -169,6 +182,41 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
     return hypothesis;
   }
   return std::nullopt;
+}
+
+/// The points of these keyframes, map frame.
+std::vector<Point2> GraphSlam::placeAround(const std::vector<int>& keyframes) const {
+  std::vector<Point2> place;
+  for (const int k : keyframes)
+    for (const auto& point : keyframe(k).points) place.push_back(graph_.pose(k) * position(point));
+  return place;
+}
+
+/// Where in the whole map a scan fits best, if it fits anywhere.
+std::optional<scanmatch::MatchResult> GraphSlam::relocate(const std::vector<PatchPoint>& points) const {
+  std::vector<Point2> search_points;
+  for (const auto& point : thinned(points, kQuerySpacing_m / 2)) search_points.push_back(position(point));
+  std::optional<scanmatch::MatchResult> best;
+  std::vector<char> is_tried(keyframes_.size(), 0);
+  for (int k = 0; k < graph_.nodeCount(); ++k) {
+    if (is_tried[static_cast<size_t>(k)]) continue;
+    const Point2 centre = core::position(graph_.pose(k));
+    for (const int tried : keyframesWithin(centre, kPlaceHalf_m / 2)) is_tried[static_cast<size_t>(tried)] = 1;
+    const auto around = nearestKeyframes(keyframesWithin(centre, kPlaceRadius_m));
+    const scanmatch::LikelihoodPyramid pyramid(placeAround(around), kSearchCell_m, kSearchSigma_m,
+                                               kSearchLevels);
+    const auto found = searchBest(pyramid, search_points, {centre.x, centre.y, 0}, {kPlaceHalf_m, core::kPi},
+                                  options_.loop_search_score);
+    if (!found) continue;
+    LevelMaps maps(options_);
+    fill(maps, around, core::position(found->T_map_robot));
+    PosePrior flat;
+    flat.mean = found->T_map_robot;
+    flat.information.setIdentity();
+    const auto matched = match(points, maps, found->T_map_robot, flat, 0, false);
+    if (matched.score >= options_.recover_score && (!best || matched.score > best->score)) best = matched;
+  }
+  return best;
 }
 
 /// Whether keyframe k by itself fits the old map where the hypothesis puts it; the hypothesis moves on to k then.
@@ -286,6 +334,11 @@ bool GraphSlam::accept(const Hypothesis& hypothesis) {
   const auto poses_before = graph_.poses();
   const double chi2_before = graph_.chi2();
   const double way_m = k > old ? pathTo(k)[static_cast<size_t>(old)] : pathTo(old)[static_cast<size_t>(k)];
+  const bool joins = isCutOff(k) && !isCutOff(old);
+  if (joins) {
+    const Pose2 T_map_part = hypothesis.T_map_robot * core::inverse(graph_.pose(k));
+    for (int i = part_begins_; i < graph_.nodeCount(); ++i) graph_.setPose(i, T_map_part * graph_.pose(i));
+  }
   std::vector<int> edges;
   for (const auto& edge : hypothesis.edges) edges.push_back(graph_.addEdge(edge));
   const double chi2 = optimiseGraph();
@@ -306,6 +359,10 @@ bool GraphSlam::accept(const Hypothesis& hypothesis) {
   ++revision_;
   searched_m_ = path_m_;
   note("accepted", way_m, old);
+  if (joins) {
+    part_begins_ = 0;
+    note("recovered", hypothesis.evidence, old);
+  }
   note("optimised", chi2);
   return true;
 }

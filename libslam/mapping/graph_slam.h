@@ -20,7 +20,7 @@ struct GraphOptions {
   double point_spacing_m, max_range_m;
   double cell_m, blur_m;
   double odometry_xy_m, odometry_xy_per_m, odometry_turn_rad, odometry_turn_per_rad, odometry_kernel;
-  double distrust_gain, recover_score;
+  double distrust_gain, recover_score, lost_score;
   double keyframe_distance_m, keyframe_angle_rad, keyframe_score;
   int map_keyframes;
   double map_radius_m, map_path_m;
@@ -52,8 +52,12 @@ struct GraphOptions {
 ///
 /// Without odometry the last motion stands in for it. The lidar's geometry is that of the first scan.
 ///
-/// Journal: `distrusted` (odometry; value = gain in score), `recovered` (found on the lattice; value = score), `poor`
-/// (value = score; below half of recover_score: the robot may be lost), `degenerate` (value = share of information
+/// A robot that was carried away (several scans in a row contradict the map): a new part of the map begins, which is
+/// searched for all over the old one, and joined to it by its first loop.
+///
+/// Journal: `distrusted` (odometry; value = gain in score), `rematched` (found on the lattice; value = score), `poor`
+/// (value = score), `lost` (value = score), `recovered` (the new part has been joined, or the robot is found again in a
+/// finished map; value = score), `degenerate` (value = share of information
 /// along the open direction), `searched` (value = best score), `found` (value = score), `confirmed`, `dropped`,
 /// `accepted` (value = metres of path that the loop closes), `rejected` (value = the chi2 it would cost), `optimised`
 /// (value = chi2).
@@ -161,6 +165,7 @@ class GraphSlam {
   void fill(LevelMaps& maps, const std::vector<int>& keyframes, const core::Point2& centre) const;
   std::vector<int> keyframesAround(int start, const core::Point2& centre, double path_m,
                                    double radius_m) const;
+  std::vector<int> keyframesWithin(const core::Point2& centre, double radius_m) const;
   std::vector<int> nearestKeyframes(std::vector<int> near) const;
   void setMap(const std::vector<int>& near, const core::Point2& centre);
   void setMapNear(const core::Point2& centre);
@@ -168,6 +173,10 @@ class GraphSlam {
                    const core::Pose2& T_map_robot, const Eigen::Matrix3d& information,
                    const Eigen::Matrix3d& covariance);
   int addOdometryEdge(int keyframe);
+  double knownShare(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot) const;
+  bool contradictsMap(const std::vector<scanmatch::PatchPoint>& points, const Step& step) const;
+  void keepTo(const core::Pose2& predicted, const core::Pose2& increment, Step& step);
+  void startElsewhere(double score);
   std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
                               const core::Pose2& T_map_robot) const;
   void link(int a, int b);
@@ -191,6 +200,9 @@ class GraphSlam {
   static double distinctness(const std::vector<scanmatch::PatchPoint>& points, const LevelMaps& maps,
                              const scanmatch::MatchResult& matched);
   bool accept(const Hypothesis& hypothesis);
+  bool isCutOff(int keyframe) const { return part_begins_ > 0 && keyframe >= part_begins_; }
+  std::vector<core::Point2> placeAround(const std::vector<int>& keyframes) const;
+  std::optional<scanmatch::MatchResult> relocate(const std::vector<scanmatch::PatchPoint>& points) const;
   std::vector<double> pathTo(int keyframe) const;
   double optimiseGraph();
 
@@ -213,6 +225,9 @@ class GraphSlam {
   bool odometry_holds_ = true;                                    ///< since the last keyframe
   double path_m_ = 0, searched_m_ = 0;
   int revision_ = 0;
+  int torn_scans_ = 0;    ///< in a row, that do not fit the map
+  int part_begins_ = 0;   ///< keyframes from here on have no known place in the rest of the map; 0: none
+  int places_tried_ = 0;  ///< for them
   // Scratch of keyframesAround().
   mutable std::vector<double> reached_;
   mutable std::vector<int> touched_;

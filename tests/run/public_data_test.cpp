@@ -82,7 +82,7 @@ TEST(PublicData, SaysWhichEntryIsWrong) {
   EXPECT_THAT(errorWith(list(entryWith("a", ", \"kind\": \"song\", \"size_mb\": 1"))),
               HasSubstr("found 'song', expected log, plan, collection or pose graph"));
   EXPECT_THAT(errorWith(list(entryWith("a", ", \"kind\": 3, \"size_mb\": 1"))),
-              HasSubstr("'kind': expected a text"));
+              HasSubstr("'kind': found 3, expected a text"));
   EXPECT_THAT(errorWith(list(entryWith("a", ", \"kind\": \"log\", \"size_mb\": -1"))),
               HasSubstr("above 0 or null"));
   EXPECT_THAT(errorWith(list(entryWith("a", good + ", \"installed\": [1]"))), HasSubstr("a list of texts"));
