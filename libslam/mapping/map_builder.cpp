@@ -430,6 +430,11 @@ std::optional<Eigen::Matrix3d> poseCovariance(const MapBuilder& method) {
   return covariance;
 }
 
+std::vector<Eigen::Matrix3d> finalCovariances(const MapBuilder& method) {
+  const auto* graph = graphOf(method);
+  return graph == nullptr ? std::vector<Eigen::Matrix3d>() : graph->graph().covariances();
+}
+
 void finishMap(MapBuilder& method) {
   auto* graph = graphOf(method);
   if (graph != nullptr && graph->options.enableMapUpdating) graph->finish();

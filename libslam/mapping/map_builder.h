@@ -84,6 +84,10 @@ core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core:
 /// which says nothing.
 std::optional<Eigen::Matrix3d> poseCovariance(const MapBuilder& method);
 
+/// The same of every pose of finalPath(), as the method has it now: graph's, from its graph as a whole. Empty for the other
+/// methods.
+std::vector<Eigen::Matrix3d> finalCovariances(const MapBuilder& method);
+
 /// The map as it is now.
 gridmap::OccupancyRaster currentMap(const MapBuilder& method);
 

@@ -55,6 +55,7 @@ const std::map<std::string, std::string>& fileNotes() {
   static const std::map<std::string, std::string> notes = {
       {"trajectory.tum", "estimated pose of every scan, TUM form: rasterslam eval, evo"},
       {"trajectory_final.tum", "the same as the method has it in the end: rasterslam eval --relations, evo"},
+      {"covariances_final.csv", "the same of the poses of trajectory_final.tum"},
       {"covariances.csv",
        "how sure the method says that it is of each of these poses: x, y (m), phi (rad), map frame"},
       {"map.yaml", "ROS map: map_server, ros-map-yaml2mrpt; its picture is map.png"},
@@ -95,6 +96,14 @@ std::vector<Stamped> inStampOrder(std::vector<Stamped> stamped) {
   std::stable_sort(stamped.begin(), stamped.end(),
                    [](const auto& a, const auto& b) { return a.time_s < b.time_s; });
   return stamped;
+}
+
+/// covariances[i] is of the pose at stamps_s[i].
+std::vector<StampedCovariance> stamped(const std::vector<Eigen::Matrix3d>& covariances,
+                                       const std::vector<double>& stamps_s) {
+  std::vector<StampedCovariance> result;
+  for (size_t i = 0; i < covariances.size(); ++i) result.push_back({stamps_s[i], covariances[i]});
+  return result;
 }
 
 /// A method that leaves every covariance at zero gives none.
@@ -221,6 +230,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   run.covariances =
       areGiven(run.covariances) ? inStampOrder(std::move(run.covariances)) : std::vector<StampedCovariance>();
   if (final_path) run.final_estimate = inStampOrder(std::move(*final_path));
+  run.final_covariances = inStampOrder(stamped(mapping::finalCovariances(method), stamps_s));
   run.cost = summarize(milliseconds, finish_s, run.estimate.back().time_s - run.estimate.front().time_s);
   run.cost.peak_memory_mb = peak_memory_mb;
   if (external) {
@@ -231,6 +241,8 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   logs::writeTum(run.estimate, output.path() + "/trajectory.tum");
   if (run.final_estimate) logs::writeTum(*run.final_estimate, output.path() + "/trajectory_final.tum");
   if (!run.covariances.empty()) writeCovariances(run.covariances, output.path() + "/covariances.csv");
+  if (!run.final_covariances.empty())
+    writeCovariances(run.final_covariances, output.path() + "/covariances_final.csv");
   mapping::saveMaps(method, run.final_estimate.value_or(run.estimate), output.path());
   if (continuation.localise_only) keepMap(continuation.folder, output.path());
   if (external)
@@ -250,6 +262,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   manifest.files.erase(external ? "timing.csv" : "printed.txt");
   if (!run.final_estimate) manifest.files.erase("trajectory_final.tum");
   if (run.covariances.empty()) manifest.files.erase("covariances.csv");
+  if (run.final_covariances.empty()) manifest.files.erase("covariances_final.csv");
   manifest.results["method"] = method_name;
   manifest.results["scans"] = std::to_string(run.estimate.size());
   manifest.results["steps_without_odometry"] = std::to_string(run.steps_without_odometry);

@@ -29,7 +29,8 @@ struct MapRun {
   std::optional<core::Trajectory>
       final_estimate;  ///< the same in the end, where the method corrects its past
   std::vector<StampedCovariance>
-      covariances;           ///< of `estimate`, pose by pose; empty where the method gives none
+      covariances;  ///< of `estimate`, pose by pose; empty where the method gives none
+  std::vector<StampedCovariance> final_covariances;  ///< the same of `final_estimate`
   double path_length_m = 0;  ///< of the poses given online; this and the next in the order of the log
   core::Pose2 end;           ///< T_map_robot at the last scan
   Cost cost;
@@ -49,7 +50,7 @@ struct Continuation {
 /// Runs a SLAM method over a log and writes a folder:
 ///   trajectory.tum   map.yaml + map.png   map.gridmap.gz   map.simplemap   map.3Dscene   timing.csv
 ///   trajectory_final.tum (where mapping::finalPath() has one)   covariances.csv (of the poses given online, where the method
-///   gives any: pose_covariances.h)   journal.csv (where the method keeps one)   manifest.json
+///   gives any: pose_covariances.h; covariances_final.csv: of the others)   journal.csv (where the method keeps one)   manifest.json
 /// An external method (external_method.h) has printed.txt instead of timing.csv, what it printed; this, like its poses, is as repeatable as the program is.
 /// Trajectories are written in the order of their stamps, which in a log may run back. The manifest's results also hold
 /// what needs the scans to say it: sharpness of the points and agreement of scans and map (keys `self.*`; self_score.h),

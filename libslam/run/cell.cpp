@@ -139,8 +139,9 @@ void recordLog(const std::string& folder, const Json& spec, const world::Plan& p
 
 /// Leaves of a run's folder what a sweep keeps.
 void prune(const std::string& folder) {
-  static const std::set<std::string> kKept = {"trajectory.tum", "trajectory_final.tum", "map.yaml",
-                                              "map.png",        "journal.csv",          "covariances.csv"};
+  static const std::set<std::string> kKept = {
+      "trajectory.tum",  "trajectory_final.tum", "map.yaml", "map.png", "journal.csv",
+      "covariances.csv", "covariances_final.csv"};
   auto manifest = core::readManifest(folder + "/manifest.json");
   for (auto it = manifest.files.begin(); it != manifest.files.end();) {
     if (kKept.count(it->first)) {

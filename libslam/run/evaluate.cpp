@@ -53,6 +53,21 @@ double agreementWithOthers(const std::vector<RunFolder>& runs, size_t index) {
 
 }  // namespace
 
+namespace {
+
+/// None where the file is not there.
+std::vector<StampedCovariance> covariancesOf(const core::Trajectory& poses, const std::string& path) {
+  if (!std::filesystem::exists(path)) return {};
+  auto covariances = readCovariances(path);
+  if (!covariances.empty() && covariances.size() != poses.size())
+    throw core::InputError(path + ": found " + std::to_string(covariances.size()) +
+                           " covariances, expected one for each of the " + std::to_string(poses.size()) +
+                           " poses");
+  return covariances;
+}
+
+}  // namespace
+
 RunFolder loadRun(const std::string& folder) {
   RunFolder run;
   run.path = folder;
@@ -64,12 +79,9 @@ RunFolder loadRun(const std::string& folder) {
   run.estimate = logs::readTum(folder + "/trajectory.tum");
   const std::string final_path = folder + "/trajectory_final.tum";
   if (std::filesystem::exists(final_path)) run.final_estimate = logs::readTum(final_path);
-  const std::string covariances_path = folder + "/covariances.csv";
-  if (std::filesystem::exists(covariances_path)) run.covariances = readCovariances(covariances_path);
-  if (!run.covariances.empty() && run.covariances.size() != run.estimate.size())
-    throw core::InputError(covariances_path + ": found " + std::to_string(run.covariances.size()) +
-                           " covariances, expected one for each of the " +
-                           std::to_string(run.estimate.size()) + " poses of trajectory.tum");
+  run.covariances = covariancesOf(run.estimate, folder + "/covariances.csv");
+  if (run.final_estimate)
+    run.final_covariances = covariancesOf(*run.final_estimate, folder + "/covariances_final.csv");
   world::PlanOptions options;
   options.allow_empty = true;  // a naive map claims no free space, a diverged one no walls
   run.map = world::loadPlan(folder + "/map.yaml", options);
@@ -99,7 +111,7 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
   e.trajectory = e.final_trajectory = {kNoStatistics, kNoStatistics, {}, 0};
   e.per_metre = e.per_second = {kNoStatistics, kNoStatistics};
   e.map = {kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
-  e.anees = e.within_50_share = e.within_95_share = kNan;
+  e.anees = e.within_50_share = e.within_95_share = e.anees_final = e.within_95_share_final = kNan;
   e.cost = {kNan, kNan, kNan, kNan};
   e.path_length_m = e.map_mean_entropy_bits = e.agreement_m = kNan;
   e.structure = {kNan, 0, 0};
@@ -112,12 +124,20 @@ namespace {
 
 void judgeCovariances(const RunFolder& run, const Truth& truth, Evaluation& e) {
   constexpr int kPoseDegreesOfFreedom = 3;
-  const auto consistency =
-      stats::consistency({poseNees(truth.trajectory, run.estimate, run.covariances)}, kPoseDegreesOfFreedom);
-  if (!consistency) return;
-  e.anees = consistency->anees.value;
-  e.within_50_share = consistency->coverage50.value;
-  e.within_95_share = consistency->coverage95.value;
+  if (!run.covariances.empty())
+    if (const auto online = stats::consistency({poseNees(truth.trajectory, run.estimate, run.covariances)},
+                                               kPoseDegreesOfFreedom)) {
+      e.anees = online->anees.value;
+      e.within_50_share = online->coverage50.value;
+      e.within_95_share = online->coverage95.value;
+    }
+  if (!run.final_covariances.empty())
+    if (const auto in_the_end =
+            stats::consistency({poseNees(truth.trajectory, *run.final_estimate, run.final_covariances)},
+                               kPoseDegreesOfFreedom)) {
+      e.anees_final = in_the_end->anees.value;
+      e.within_95_share_final = in_the_end->coverage95.value;
+    }
 }
 
 }  // namespace
@@ -145,7 +165,7 @@ Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth) {
       run.final_estimate ? metrics::trajectoryError(truth->trajectory, *run.final_estimate) : e.trajectory;
   e.per_metre = metrics::relativeErrorOverDistance(truth->trajectory, run.estimate, 1.0);
   e.per_second = metrics::relativeErrorOverTime(truth->trajectory, run.estimate, 1.0);
-  if (!run.covariances.empty()) judgeCovariances(run, *truth, e);
+  judgeCovariances(run, *truth, e);
   if (truth->plan && truth->seen)
     e.map = metrics::scoreMap(*truth->plan, *truth->seen, run.map, e.final_trajectory.T_truth_estimate,
                               kWallTolerance_m);
@@ -214,6 +234,11 @@ const std::vector<MetricInfo>& metricInfos() {
        3, [](const E& e) { return e.within_50_share; }, kNeither},
       {"within_95_share", "in 95 %", "the same for 95 %", 3, [](const E& e) { return e.within_95_share; },
        kNeither},
+      {"anees_final", "ANEES final",
+       "the same of the poses in the end, where the method states how sure it is of them", 2,
+       [](const E& e) { return e.anees_final; }, kNeither},
+      {"within_95_share_final", "in 95 % final", "share of those within their ellipsoid of 95 %", 3,
+       [](const E& e) { return e.within_95_share_final; }, kNeither},
       {"path_length_m", "path m", "length of the estimated path", 2,
        [](const E& e) { return e.path_length_m; }, kNeither},
       {"end_x_m", "end x m", "last estimated pose, map frame", 2, [](const E& e) { return e.end_pose.x; },
@@ -303,8 +328,8 @@ report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Tr
     keys.insert(keys.end(), more.begin(), more.end());
   };
   if (detail == Detail::kFull)
-    add({"ate_max_m", "rpe_1s_m", "rpe_1s_deg", "anees", "within_50_share", "within_95_share",
-         "path_length_m"});
+    add({"ate_max_m", "rpe_1s_m", "rpe_1s_deg", "anees", "within_50_share", "within_95_share", "anees_final",
+         "within_95_share_final", "path_length_m"});
   if (truth.plan) add({"wall_f1", "free_iou", "wall_p95_m"});
   if (truth.plan && detail == Detail::kFull)
     add({"wall_p50_m", "wall_precision", "wall_recall", "missed_p50_m", "missed_p95_m", "known_share"});

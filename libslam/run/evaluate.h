@@ -21,7 +21,8 @@ struct RunFolder {
   std::optional<core::Trajectory> final_estimate;
   std::vector<StampedCovariance>
       covariances;  ///< of `estimate`, pose by pose; empty where the method gives none
-  world::Plan map;  ///< in the map frame
+  std::vector<StampedCovariance> final_covariances;  ///< the same of `final_estimate`
+  world::Plan map;                                   ///< in the map frame
   core::Manifest manifest;
   Cost cost;
 };
@@ -45,8 +46,10 @@ struct Evaluation {
   metrics::TrajectoryError final_trajectory;  ///< of the path in the end: the same where nothing is corrected
   metrics::RelativeError per_metre, per_second;
   metrics::MapScore map;
-  /// Whether the covariances of the online poses tell the truth (poseNees(), stats::consistency()); NaN where there are none.
+  /// Whether the covariances of the online poses tell the truth (poseNees(), stats::consistency()), and those of the final
+  /// poses; NaN where there are none.
   double anees, within_50_share, within_95_share;
+  double anees_final, within_95_share_final;
   Cost cost;
   double path_length_m = 0;
   core::Pose2 end_pose;  ///< T_map_robot at the last scan

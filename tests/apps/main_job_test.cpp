@@ -128,6 +128,8 @@ TEST(MainJob, CovariancesAreWrittenAndJudgedWhereAMethodGivesThem) {
     ASSERT_EQ(scored.exit_code, 0) << scored.err;
     const auto row = nlohmann::json::parse(scored.out)["scores"]["rows"][0];
     EXPECT_EQ(row["anees"].is_number(), method != "naive_flow") << method;
+    EXPECT_EQ(row["anees_final"].is_number(), method == "graph") << method;
+    EXPECT_EQ(fs::exists(folder / (method + "/covariances_final.csv")), method == "graph") << method;
     EXPECT_EQ(row["within_95_share"].is_number(), method != "naive_flow") << method;
   }
   core::writeFileAtomically(folder / "graph/covariances.csv", "0,1,0,0,1,0,1\n");
