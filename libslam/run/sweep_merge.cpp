@@ -8,7 +8,6 @@
 #include "libslam/core/files.h"
 #include "libslam/run/cell.h"
 #include "libslam/run/sweep_index.h"
-#include "libslam/run/sweep_tables.h"
 
 namespace slam::run {
 namespace fs = std::filesystem;
@@ -134,7 +133,8 @@ MergedSweep mergeSweep(const MergeRequest& request, core::Manifest manifest, cor
     commonPlan({request.folders.front(), request.output});
 
   Merger merger(request);
-  SweepResults results(plan.runs.size());
+  SweepResults& results = merged.results;
+  results.resize(plan.runs.size());
   progress.begin("merging " + plan.name);
   const auto total = static_cast<double>(plan.logs.size() + plan.runs.size());
   double done = 0;

@@ -7,6 +7,7 @@
 #include "libslam/core/progress.h"
 #include "libslam/report/table.h"
 #include "libslam/run/sweep_plan.h"
+#include "libslam/run/sweep_tables.h"
 
 namespace slam::run {
 
@@ -20,6 +21,7 @@ struct MergedSweep {
   SweepPlan plan;
   std::size_t complete = 0, failed = 0;  ///< runs
   std::vector<std::string> missing;      ///< one line per cell that is not there, or damaged
+  SweepResults results;
   report::Table summary, full_summary, costs;
 };
 
