@@ -5,12 +5,14 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
+#include "libslam/logs/log_reader.h"
 #include "libslam/metrics/nearest_points.h"
 #include "libslam/run/record.h"
 
@@ -18,6 +20,9 @@ namespace slam::run {
 namespace fs = std::filesystem;
 namespace {
 
+using Json = nlohmann::ordered_json;
+constexpr const char* kJumpWord = "jump";
+constexpr const char* kDriftWord = "drift";
 constexpr const char* kCollisionsHeader = "time_s,x_m,y_m,heading_rad";
 
 struct Pair {
@@ -84,15 +89,34 @@ std::string textOf(const std::string& name, const Events& events) {
 }
 
 const char* const kWrongLoopEvent = "wrong loop";
+const char* const kSlipEvent = "odometry wrong";
 const char* const kCollisionEvent = "collision";
+
+/// Scans at which the odometry's motion over the last slip_s is wrong.
+std::vector<double> slipTimes(const core::Trajectory& truth, const core::Trajectory& odometry,
+                              const FailureLimits& limits) {
+  const auto pairs = paired(truth, odometry);
+  std::vector<double> times_s;
+  std::size_t from = 0;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    while (pairs[i].time_s - pairs[from].time_s > limits.slip_s + 1e-9 && from + 1 < i) ++from;
+    const auto error = motionError(pairs[from], pairs[i]);
+    if (lengthOf(error) > limits.slip_m || std::abs(core::wrapToPi(error.phi)) > limits.slip_rad)
+      times_s.push_back(pairs[i].time_s);
+  }
+  return times_s;
+}
 
 /// The gravest first; what each event of a journal or the recording stands for.
 const std::vector<std::pair<std::string, std::string>>& suspects() {
-  static const std::vector<std::pair<std::string, std::string>> list = {
-      {kWrongLoopEvent, "wrong loop"}, {kCollisionEvent, "collision"},
-      {"distrusted", "slip"},          {"lost", "lost"},
-      {"restarted", "lost"},           {"poor", "lost"},
-      {"degenerate", "degenerate"}};
+  static const std::vector<std::pair<std::string, std::string>> list = {{kWrongLoopEvent, "wrong loop"},
+                                                                        {kCollisionEvent, "collision"},
+                                                                        {kSlipEvent, "slip"},
+                                                                        {"distrusted", "slip"},
+                                                                        {"lost", "lost"},
+                                                                        {"restarted", "lost"},
+                                                                        {"poor", "lost"},
+                                                                        {"degenerate", "degenerate"}};
   return list;
 }
 
@@ -182,9 +206,9 @@ std::optional<WorstRegion> worstRegion(const world::Plan& plan, const metrics::S
   return worst;
 }
 
-FailureReport explainFailure(const RunFolder& run, const Truth& truth,
-                             const std::vector<JournalLine>& journal,
-                             const std::vector<sim::Collision>& collisions, const FailureLimits& limits) {
+FailureReport explainFailure(const RunFolder& run, const Truth& truth, const FailureEvidence& evidence,
+                             const FailureLimits& limits) {
+  const auto& journal = evidence.journal;
   FailureReport report;
   std::vector<double> stamps_s;
   for (const auto& pose : run.estimate) stamps_s.push_back(pose.time_s);
@@ -201,8 +225,10 @@ FailureReport explainFailure(const RunFolder& run, const Truth& truth,
     ++it->second.count;
   };
   for (const auto& loop : report.wrong_loops) note(kWrongLoopEvent, loop.time_s);
-  for (const auto& collision : collisions)
+  for (const auto& collision : evidence.collisions)
     note(kCollisionEvent, collision.time_s - run.estimate.front().time_s);
+  for (const double time_s : slipTimes(truth.trajectory, evidence.odometry, limits))
+    note(kSlipEvent, time_s - run.estimate.front().time_s);
   for (const auto& line : journal)
     for (const auto& [event, suspect] : suspects())
       if (line.event == event) note(event, line.time_s);
@@ -225,12 +251,19 @@ FailureReport explainFailure(const RunFolder& run, const Truth& truth,
   return report;
 }
 
-FailureReport explainFailure(const RunFolder& run, const Truth& truth, const std::string& truth_path,
-                             const FailureLimits& limits) {
+FailureEvidence readEvidence(const RunFolder& run, const std::string& truth_path,
+                             const std::string& log_path) {
+  FailureEvidence evidence;
   const std::string journal_path = run.path + "/journal.csv";
-  std::vector<JournalLine> journal;
-  if (fs::exists(journal_path)) journal = readJournal(journal_path);
-  return explainFailure(run, truth, journal, readCollisions(collisionsPath(truth_path)), limits);
+  if (fs::exists(journal_path)) evidence.journal = readJournal(journal_path);
+  evidence.collisions = readCollisions(collisionsPath(truth_path));
+  if (log_path.empty() || !fs::exists(log_path)) return evidence;
+  logs::LogReader log(log_path);
+  while (const auto entry = log.next())
+    // A log whose stamps run back has no path of its odometry in time.
+    if (evidence.odometry.empty() || entry->scan.time_s > evidence.odometry.back().time_s)
+      evidence.odometry.push_back({entry->scan.time_s, entry->T_odom_robot});
+  return evidence;
 }
 
 report::Table failureTable(const FailureReport& report, const std::string& method) {
@@ -242,7 +275,7 @@ report::Table failureTable(const FailureReport& report, const std::string& metho
   };
   if (report.divergence) {
     const auto& d = *report.divergence;
-    add("first divergence", std::string(d.kind == Divergence::kJump ? "jump" : "drift") + " at " +
+    add("first divergence", std::string(d.kind == Divergence::kJump ? kJumpWord : kDriftWord) + " at " +
                                 fixed(d.time_s, 1) + " s, " + at(d.place));
     add("error there", fixed(d.error_m, 2) + " m, " + fixed(core::radToDeg(d.error_rad), 1) + " degrees");
     add("suspect", report.suspect);
@@ -259,6 +292,61 @@ report::Table failureTable(const FailureReport& report, const std::string& metho
                                        fixed(report.region->missing_wall_m, 1) + " m of wall missing, " +
                                        fixed(report.region->false_wall_m, 1) + " m false");
   return table;
+}
+
+std::string failureJson(const FailureReport& report) {
+  const auto& d = report.divergence.value();
+  Json json = {{"divergence", d.kind == Divergence::kJump ? kJumpWord : kDriftWord},
+               {"time_s", d.time_s},
+               {"x_m", d.place.x},
+               {"y_m", d.place.y},
+               {"error_m", d.error_m},
+               {"error_rad", d.error_rad},
+               {"suspect", report.suspect},
+               {"around", report.around},
+               {"wrong_loops", Json::array()}};
+  for (const auto& loop : report.wrong_loops)
+    json["wrong_loops"].push_back({{"scan", loop.scan},
+                                   {"other_scan", loop.other_scan},
+                                   {"time_s", loop.time_s},
+                                   {"x_m", loop.place.x},
+                                   {"y_m", loop.place.y},
+                                   {"apart_m", loop.apart_m},
+                                   {"apart_in_map_m", loop.apart_in_map_m}});
+  if (report.region)
+    json["worst_region"] = {{"x_m", report.region->centre.x},
+                            {"y_m", report.region->centre.y},
+                            {"missing_wall_m", report.region->missing_wall_m},
+                            {"false_wall_m", report.region->false_wall_m}};
+  return json.dump(2) + "\n";
+}
+
+FailureReport readFailure(const std::string& path) {
+  try {
+    const auto json = Json::parse(core::readTextFile(path));
+    FailureReport report;
+    report.divergence =
+        Divergence{json.at("divergence") == kJumpWord ? Divergence::kJump : Divergence::kDrift,
+                   json.at("time_s"),
+                   {json.at("x_m"), json.at("y_m")},
+                   json.at("error_m"),
+                   json.at("error_rad")};
+    json.at("suspect").get_to(report.suspect);
+    json.at("around").get_to(report.around);
+    for (const auto& loop : json.at("wrong_loops"))
+      report.wrong_loops.push_back({loop.at("scan"),
+                                    loop.at("other_scan"),
+                                    loop.at("time_s"),
+                                    {loop.at("x_m"), loop.at("y_m")},
+                                    loop.at("apart_m"),
+                                    loop.at("apart_in_map_m")});
+    if (const auto region = json.find("worst_region"); region != json.end())
+      report.region = WorstRegion{
+          {region->at("x_m"), region->at("y_m")}, region->at("missing_wall_m"), region->at("false_wall_m")};
+    return report;
+  } catch (const Json::exception& error) {
+    throw core::InputError(path + ": does not say where a run failed: " + error.what());
+  }
 }
 
 std::string collisionsCsv(const std::vector<sim::Collision>& collisions) {

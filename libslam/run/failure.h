@@ -18,7 +18,9 @@ struct FailureLimits {
   double drift_m = 1;                                  ///< error of the position, start laid on start
   double wrong_loop_m = 1;  ///< how much farther apart in truth than in the map a loop's places are
   double around_s = 5;      ///< what the journal says so long before and after the divergence counts
-  double region_m = 2;      ///< side of the squares that the map is judged by
+  double slip_m = 0.1, slip_rad = core::degToRad(5);  ///< error of the odometry's motion over slip_s
+  double slip_s = 1;
+  double region_m = 2;  ///< side of the squares that the map is judged by
 };
 
 /// Where the estimate left the truth.
@@ -67,24 +69,33 @@ std::optional<WorstRegion> worstRegion(const world::Plan& plan, const metrics::S
 struct FailureReport {
   std::optional<Divergence> divergence;
   std::vector<WrongLoop> wrong_loops;  ///< of the whole run
-  /// What the journal and the collisions say around the divergence, one entry per kind of event in the order of time:
+  /// What journal, collisions and odometry say around the divergence, one entry per kind of event in the order of time:
   /// "degenerate 12 times, 83.1 to 85.0 s".
   std::vector<std::string> around;
-  /// The gravest of these: wrong loop | collision | slip (odometry was distrusted) | lost | degenerate | unknown; "" where
+  /// The gravest of these: wrong loop | collision | slip (the odometry was wrong, or distrusted) | lost | degenerate | unknown; "" where
   /// nothing diverged.
   std::string suspect;
   std::optional<WorstRegion> region;  ///< where a plan is known and something diverged
 };
-/// collisions: of the recording, empty where unknown.
-FailureReport explainFailure(const RunFolder& run, const Truth& truth,
-                             const std::vector<JournalLine>& journal,
-                             const std::vector<sim::Collision>& collisions, const FailureLimits& limits = {});
-/// The same with the run's journal.csv and the collisions beside the truth, where they are.
-FailureReport explainFailure(const RunFolder& run, const Truth& truth, const std::string& truth_path,
+/// What there is to explain it with; what is empty says nothing.
+struct FailureEvidence {
+  std::vector<JournalLine> journal;
+  std::vector<sim::Collision> collisions;  ///< of the recording
+  core::Trajectory odometry;               ///< dead reckoning from the first scan on
+};
+FailureReport explainFailure(const RunFolder& run, const Truth& truth, const FailureEvidence& evidence,
                              const FailureLimits& limits = {});
+/// The run's journal.csv, the collisions beside the truth, and the odometry of the log ("" for none), where they are. Errors:
+/// InputError.
+FailureEvidence readEvidence(const RunFolder& run, const std::string& truth_path,
+                             const std::string& log_path);
 
 /// For people and machines: two columns, what and value.
 report::Table failureTable(const FailureReport& report, const std::string& method);
+
+/// A report with a divergence as a file, and back. Errors: InputError with the path.
+std::string failureJson(const FailureReport& report);
+FailureReport readFailure(const std::string& path);
 
 /// STEM.collisions.csv beside a recording, when there was any: time_s,x_m,y_m,heading_rad (world frame).
 std::string collisionsCsv(const std::vector<sim::Collision>& collisions);

@@ -79,7 +79,7 @@ std::map<std::string, core::IniFile::Entry> generatedWorld(const core::IniFile& 
   std::map<std::string, core::IniFile::Entry> keys;
   if (section != ini.sections().end()) {
     keys = section->second;
-  } else {
+  } else if (entry.find(':') != std::string::npos) {
     std::istringstream in(entry);
     std::string part;
     std::getline(in, part, ':');

@@ -5,9 +5,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
-#include "libslam/run/compare.h"
 #include "libslam/run/failure.h"
 
 namespace slam::run {
@@ -15,36 +13,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-/// The log that a run read: in a sweep's folder the one of its cell, else what its manifest says.
-std::string logOf(const PlannedLog& log, const std::string& folder, const RunFolder& run) {
-  if (log.simulated) return folder + "/cells/" + log.id + "/run.rawlog";
-  return run.manifest.inputs.empty() ? "" : run.manifest.inputs.begin()->first;
-}
-
-std::string planOf(const PlannedLog& log, const std::string& folder, const std::string& log_path) {
-  const std::string cell = folder + "/cells/" + log.id;
-  for (const char* name : {"/run.plan.yaml", "/plan.yaml"})
-    if (log.simulated && fs::exists(cell + name)) return cell + name;
-  return findPlan(log_path);
-}
-
-/// nullopt: nothing to explain it from.
-std::optional<FailureReport> explain(const PlannedRun& planned, const PlannedLog& log,
-                                     const std::string& folder) {
-  const std::string run_folder = folder + "/cells/" + planned.id + "/run";
-  if (!fs::exists(run_folder)) return std::nullopt;
-  try {
-    const auto run = loadRun(run_folder);
-    const std::string log_path = logOf(log, folder, run);
-    const std::string truth_path = log_path.empty() ? "" : findTruth(log_path);
-    if (truth_path.empty()) return std::nullopt;
-    const auto truth = loadTruth(truth_path, planOf(log, folder, log_path), run);
-    return explainFailure(run, truth, truth_path);
-  } catch (const core::InputError&) {
-    return std::nullopt;  // a log of elsewhere that has gone or changed since
-  }
-}
 
 std::string joined(const std::vector<std::string>& parts) {
   std::string text;
@@ -102,7 +70,9 @@ SweepFailures sweepFailures(const SweepPlan& plan, const SweepResults& results, 
     if (!isFailed(plan, *results[i]) && !was_off) continue;
     const auto& run = plan.runs[i];
     const auto& log = plan.logs[run.log];
-    const auto report = explain(run, log, folder);
+    const std::string path = folder + "/cells/" + run.id + "/failure.json";
+    std::optional<FailureReport> report;
+    if (fs::exists(path)) report = readFailure(path);
     const double ate_m = figureOf(*results[i], "ate_final_m");
     const std::string seed = std::to_string(run.seed);
     const std::string suspect = report && report->divergence ? report->suspect : "-";

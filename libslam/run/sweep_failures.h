@@ -8,9 +8,8 @@
 namespace slam::run {
 
 /// Where and why the runs of a sweep failed: one row per run that failed (isFailed()) or was at some time farther off than
-/// FailureLimits::drift_m (ate_max_m), from its cell and its log's in `folder` (explainFailure()). A run that left no path has
-/// only its status and message; so has one on a log that exists already whose truth is no longer where it was. The same
-/// bytes for the same cells.
+/// FailureLimits::drift_m (ate_max_m), with what its cell in `folder` says of it (failure.json). A run that left no path has
+/// only its status and message. The same bytes for the same cells.
 struct SweepFailures {
   report::Table main;  ///< for people: what, where, suspect
   report::Table all;

@@ -117,25 +117,30 @@ TEST(Failure, TheGravestEventAroundIsTheSuspect) {
   truth.trajectory = straightTruth();
   std::vector<JournalLine> journal = {line(3, "lost"), line(18, "degenerate"), line(19, "degenerate"),
                                       line(20, "distrusted"), line(20, "searched")};
-  auto report = explainFailure(run, truth, journal, {});
+  auto report = explainFailure(run, truth, {journal, {}, {}});
   EXPECT_EQ(report.suspect, "slip");
   EXPECT_THAT(report.around, ElementsAre("degenerate 2 times, 18.0 to 19.0 s", "distrusted, 20.0 s"));
-  report = explainFailure(run, truth, journal, {{kStart_s + 21, {}}});
+  report = explainFailure(run, truth, {journal, {{kStart_s + 21, {}}}, {}});
   EXPECT_EQ(report.suspect, "collision");
   auto loop = line(20.5, "accepted");
   loop.other_scan = 0;
   journal.push_back(loop);
-  report = explainFailure(run, truth, journal, {{kStart_s + 21, {}}});
+  report = explainFailure(run, truth, {journal, {{kStart_s + 21, {}}}, {}});
   EXPECT_EQ(report.suspect, "wrong loop");
-  report = explainFailure(run, truth, std::vector<JournalLine>(), {});
+  report = explainFailure(run, truth, {});
   EXPECT_EQ(report.suspect, "unknown");
   EXPECT_TRUE(report.around.empty());
+  // Odometry that jumped 0.2 m at 19 s.
+  const auto odometry = estimateWith([](double t) { return core::Pose2{t >= 19 ? 0.2 : 0, 0, 0}; });
+  report = explainFailure(run, truth, {{}, {}, odometry});
+  EXPECT_EQ(report.suspect, "slip");
+  EXPECT_THAT(report.around, ElementsAre("odometry wrong 2 times, 19.0 to 19.5 s"));
 }
 
 TEST(Failure, TheWorstRegionHoldsTheWallThatIsMissingAndTheOneThatIsFalse) {
   world::Plan plan;
   plan.columns = plan.rows = 100;
-  plan.resolution_m = 0.1;
+  plan.resolution_m = 0.11;
   plan.cells.assign(10000, world::Cell::kFree);
   const auto cell = [](int column, int row) { return static_cast<std::size_t>(row) * 100 + column; };
   for (int column = 10; column < 90; ++column) plan.cells[cell(column, 50)] = world::Cell::kOccupied;
@@ -143,15 +148,15 @@ TEST(Failure, TheWorstRegionHoldsTheWallThatIsMissingAndTheOneThatIsFalse) {
   for (int column = 10; column < 90; ++column) seen.wall[cell(column, 50)] = true;
   auto map = plan;
   EXPECT_FALSE(worstRegion(plan, seen, map, {}));
-  // Of the wall between 4 and 5 m ten cells are missing; three false ones stand beside.
+  // Of the wall between 4.4 and 5.5 m ten cells are missing; three false ones stand beside.
   for (int column = 40; column < 50; ++column) map.cells[cell(column, 50)] = world::Cell::kFree;
-  for (int column = 41; column < 44; ++column) map.cells[cell(column, 58)] = world::Cell::kOccupied;
+  for (int column = 41; column < 44; ++column) map.cells[cell(column, 53)] = world::Cell::kOccupied;
   const auto region = worstRegion(plan, seen, map, {});
   ASSERT_TRUE(region);
   EXPECT_NEAR(region->centre.x, 5, 1e-9);
   EXPECT_NEAR(region->centre.y, 5, 1e-9);
-  EXPECT_NEAR(region->missing_wall_m, 0.8, 1e-9);  // a cell at either end lies within 0.1 m of what is mapped
-  EXPECT_NEAR(region->false_wall_m, 0.3, 1e-9);
+  EXPECT_NEAR(region->missing_wall_m, 1.1, 1e-9);
+  EXPECT_NEAR(region->false_wall_m, 0.33, 1e-9);
 }
 
 TEST(Failure, CollisionsComeBackFromTheirFile) {
