@@ -128,6 +128,7 @@ std::optional<Divergence> firstDivergence(const core::Trajectory& truth, const c
   if (pairs.size() < 2) return std::nullopt;
   const double start_s = estimate.front().time_s;
   std::vector<double> errors_m;  // of the positions, start laid on start
+  errors_m.reserve(pairs.size());
   for (const auto& pair : pairs) errors_m.push_back(lengthOf(motionError(pairs.front(), pair)));
   std::size_t from = 0;
   for (std::size_t i = 1; i < pairs.size(); ++i) {
