@@ -96,7 +96,7 @@ class Tuner {
   }
 
   std::vector<std::string> worldsOf(const std::string& key, const std::string& list) const {
-    const auto worlds = entriesOf(list);
+    auto worlds = entriesOf(list);
     const auto* all = ini_.find("suite", "worlds");
     const auto known = all ? entriesOf(all->value) : std::vector<std::string>();
     if (worlds.empty())
@@ -219,6 +219,7 @@ class Tuner {
   /// Ranks those alive; afterwards the best stands first.
   void climb(std::vector<std::size_t>& alive, std::size_t seeds, bool is_first) {
     std::vector<Candidate> here;
+    here.reserve(alive.size());
     for (const auto c : alive) here.push_back(candidates_[c]);
     const auto plan = planOf(here, train_, seedsText(1, seeds));
     work(plan, "training", is_first);

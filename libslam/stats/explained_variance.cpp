@@ -38,6 +38,7 @@ ExplainedVariance explainedVariance(const std::vector<double>& values, const std
   const std::size_t count = numbers.size(), total_count = values.size();
   if (count < 2 || count == total_count) return result;
   std::vector<std::size_t> numbered;
+  numbered.reserve(total_count);
   for (const auto group : groups) numbered.push_back(numbers.at(group));
   double mean = 0, total = 0;
   for (const double v : values) mean += v / static_cast<double>(total_count);
