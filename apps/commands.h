@@ -41,6 +41,8 @@ void addCheck(CLI::App& app, Context& context);
 void addEditing(CLI::App& app, Context& context);  ///< cut, merge, filter
 void addPlot(CLI::App& app, Context& context);
 void addPlugin(CLI::App& app, Context& context);
+void addStress(CLI::App& app, Context& context);
+void addTune(CLI::App& app, Context& context);
 void addRelations(CLI::App& app, Context& context);
 void addWorld(CLI::App& app, Context& context);
 void addWorldMake(CLI::App& world, Context& context);

@@ -10,6 +10,7 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/run/compare.h"
 #include "libslam/run/evaluate.h"
+#include "libslam/run/failure.h"
 #include "libslam/run/gate.h"
 #include "libslam/run/relation_tables.h"
 #include "libslam/run/resources.h"
@@ -109,7 +110,17 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
   const auto detail = context.json ? run::Detail::kFull : run::Detail::kShort;
   const auto table =
       truth ? run::accuracyTable({evaluation}, *truth, detail) : run::agreementTable({evaluation}, detail);
-  print(context, {{"scores", table}, {"cost", run::costTable({evaluation})}}, gate);
+  std::vector<std::pair<std::string, report::Table>> tables = {{"scores", table},
+                                                               {"cost", run::costTable({evaluation})}};
+  if (truth) {
+    const auto& inputs = run_folder.manifest.inputs;
+    const std::string log = inputs.empty() ? "" : inputs.begin()->first;
+    const auto failure =
+        run::explainFailure(run_folder, *truth, run::readEvidence(run_folder, arguments.truth, log));
+    if (failure.divergence || !evaluation.failure.empty())
+      tables.emplace_back("failure", run::failureTable(failure, evaluation.method));
+  }
+  print(context, tables, gate);
   if (truth && evaluation.trajectory.unmatched > 0)
     std::fprintf(stderr,
                  "rasterslam: %zu of %zu poses lie outside the truth's time span and are not scored\n",

@@ -49,6 +49,8 @@ int main(int argc, char** argv) {
   slam::apps::addEval(app, context);
   slam::apps::addCompare(app, context);
   slam::apps::addBench(app, context);
+  slam::apps::addStress(app, context);
+  slam::apps::addTune(app, context);
   slam::apps::addConvert(app, context);
   slam::apps::addNavigate(app, context);
   slam::apps::addInfo(app, context);

@@ -17,6 +17,7 @@
 #include "libslam/logs/relations_io.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/evaluate.h"
+#include "libslam/run/failure.h"
 #include "libslam/run/process_memory.h"
 #include "libslam/run/record.h"
 #include "libslam/run/relation_tables.h"
@@ -172,6 +173,11 @@ void runMethod(const std::string& folder, const Json& spec, const CellInputs& in
   std::optional<Truth> truth;
   if (!inputs.truth.empty()) truth = loadTruth(inputs.truth, inputs.truth_plan, run);
   addFigures(evaluate(run, truth), result);
+  if (truth && firstDivergence(truth->trajectory, run.estimate)) {
+    const auto failure = explainFailure(run, *truth, readEvidence(run, inputs.truth, inputs.log));
+    core::writeFileAtomically(folder + "/failure.json", failureJson(failure));
+    addFile(result, folder, "failure.json");
+  }
   if (!inputs.relations.empty()) {
     const auto scores = scoreByRelations(run, logs::readRelations(inputs.relations));
     result.figures.emplace_back("relation_m", scores.front().error.translation_m.mean);

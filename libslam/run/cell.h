@@ -14,6 +14,7 @@ namespace slam::run {
 ///   cell.json     the spec that the id is the hash of
 ///   result.json   how it ended: the same bytes for the same id, whenever and wherever it is made
 ///   cost.json     time and memory: differ from run to run
+///   failure.json  of a run that left the truth (firstDivergence()): where and why, see readFailure()
 ///   stderr.txt    what a crashed one said last, if anything
 /// and of a log what record() writes (with plan.yaml where the building was generated), of a run a folder `run` of what
 /// buildMap() writes (Suite keep = paths: without the forms for MRPT's viewers).

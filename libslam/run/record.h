@@ -63,6 +63,7 @@ struct Recording {
 ///   run.gt.tum            the truth as TUM (world frame)
 ///   run.operations.txt    the founding document's operation log
 ///   run.movers.csv        where people and doors were, when there are any that move: see MoversLog
+///   run.collisions.csv    when and where a command was cut short, when any was: see readCollisions()
 ///   run.plan.yaml, .png   the true plan, when it is not the given one: a [living] visit after the first
 ///   run.manifest.json     how to make it again
 /// Each file is written beside and renamed; an error or an interrupt leaves none of them.

@@ -8,6 +8,7 @@
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/odometry/scan_odometry.h"
+#include "libslam/run/failure.h"
 #include "libslam/run/movers_log.h"
 #include "libslam/sim/operation_log.h"
 
@@ -105,6 +106,13 @@ Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, 
   recording.files = {state.log_path, state.log_path + ".GT.txt", stem + ".gt.tum", stem + ".operations.txt",
                      stem + ".manifest.json"};
   if (state.movers) state.movers->commit(), recording.files.push_back(stem + ".movers.csv");
+  const std::string collisions_path = collisionsPath(state.log_path);
+  if (!recording.collisions.empty()) {
+    core::writeFileAtomically(collisions_path, collisionsCsv(recording.collisions));
+    recording.files.push_back(collisions_path);
+  } else {
+    std::filesystem::remove(collisions_path);  // of the recording that this one replaces
+  }
   const bool is_later_visit = state.config.living.visit > 1;
   if (is_later_visit) {
     world::savePlan(simulator.scene().planWithDoorsOpen(), stem + ".plan.yaml");
@@ -124,6 +132,8 @@ Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, 
   if (state.movers)
     manifest.files[name(stem) + ".movers.csv"] =
         "truth: where people and doors that move were at every scan (time, kind, id, place, heading, state)";
+  if (!recording.collisions.empty())
+    manifest.files[name(collisions_path)] = "truth: when and where a wall or a person cut a command short";
   if (is_later_visit)
     manifest.files[name(stem) + ".plan.yaml"] =
         "true plan of this visit, furniture moved: rasterslam eval --plan";

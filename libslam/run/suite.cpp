@@ -8,6 +8,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/ini_text.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
@@ -44,6 +45,11 @@ class SuiteReader {
     suite_.text = core::readTextFile(path);
     suite_.folder = folder.empty() ? fs::absolute(path).parent_path().string() : folder;
     ini_ = core::IniFile::parse(suite_.text, path);
+  }
+  SuiteReader(core::IniFile ini, const std::string& path, const std::string& folder) : ini_(std::move(ini)) {
+    suite_.path = path;
+    suite_.text = core::toText(ini_);
+    suite_.folder = folder;
   }
 
   Suite read() {
@@ -330,7 +336,7 @@ class SuiteReader {
 
   void rejectUnknownKinds() const {
     std::vector<std::string> known = kRecordSections;
-    known.insert(known.end(), {"suite", "limits"});
+    known.insert(known.end(), {"suite", "limits", "tune", "tune.parameters"});
     static const std::set<std::string> kKinds = {"world",    "log",   "robot",  "lidar",     "odometry",
                                                  "strategy", "fault", "method", "parameters"};
     for (const auto& [section, entries] : ini_.sections())
@@ -456,6 +462,10 @@ std::string fullName(const SuiteMethod& method) {
 
 Suite readSuite(const std::string& path, const std::string& folder) {
   return SuiteReader(path, folder).read();
+}
+
+Suite readSuite(const core::IniFile& ini, const std::string& path, const std::string& folder) {
+  return SuiteReader(ini, path, folder).read();
 }
 
 core::IniFile layered(const Suite& suite, const SuiteVariant& robot, const SuiteVariant& lidar,

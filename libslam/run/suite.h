@@ -83,6 +83,7 @@ struct Suite {
 ///   [log NAME]         path, and truth, plan, relations where they are known (default: as findTruth() and findPlan() say)
 ///   [method NAME]      base, a method by name or .ini, and keys `section.key` over it
 ///   [parameters NAME]  keys `section.key`, each with a list of values: the grid for the method of that name
+///   [tune] [tune.parameters]   what tune() reads; no part of the sweep
 /// An entry of a list is the name of such a section, or else: for worlds a world by name, a plan's file or
 /// KIND:seed=3:width_m=40; for logs a file; for lidars a name of configs/lidars; for strategies a strategy's name; for
 /// methods a name of configs/methods; for all of them but worlds and logs an .ini file; `built-in` for no overlay. Layers,
@@ -93,6 +94,8 @@ struct Suite {
 /// missing or broken; a combination whose values do not fit.
 /// `folder` takes the place of the suite's folder unless "".
 Suite readSuite(const std::string& path, const std::string& folder = "");
+/// The same of a suite that is not in a file as it stands: `path` stands for it in errors and gives it its name.
+Suite readSuite(const core::IniFile& ini, const std::string& path, const std::string& folder);
 
 /// The configuration of a simulated log: all layers.
 core::IniFile layered(const Suite& suite, const SuiteVariant& robot, const SuiteVariant& lidar,

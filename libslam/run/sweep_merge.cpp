@@ -7,8 +7,8 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/run/cell.h"
+#include "libslam/run/sweep_failures.h"
 #include "libslam/run/sweep_index.h"
-#include "libslam/run/sweep_tables.h"
 
 namespace slam::run {
 namespace fs = std::filesystem;
@@ -105,6 +105,10 @@ void writeTables(const SweepPlan& plan, const SweepResults& results, const std::
   write("summary.tex", report::toLatex(merged.summary));
   write("summary.csv", report::toCsv(merged.full_summary));
   write("summary.json", report::toJson(merged.full_summary));
+  const auto failures = sweepFailures(plan, results, output);
+  write("failures.txt", report::toText(failures.main));
+  write("failures.csv", report::toCsv(failures.all));
+  write("failures.json", report::toJson(failures.all));
   std::vector<CellCost> costs(plan.runs.size());
   for (std::size_t i = 0; i < costs.size(); ++i)
     if (results[i]) costs[i] = readCellCost(output + "/cells/" + plan.runs[i].id);
@@ -134,7 +138,8 @@ MergedSweep mergeSweep(const MergeRequest& request, core::Manifest manifest, cor
     commonPlan({request.folders.front(), request.output});
 
   Merger merger(request);
-  SweepResults results(plan.runs.size());
+  SweepResults& results = merged.results;
+  results.resize(plan.runs.size());
   progress.begin("merging " + plan.name);
   const auto total = static_cast<double>(plan.logs.size() + plan.runs.size());
   double done = 0;
@@ -156,6 +161,7 @@ MergedSweep mergeSweep(const MergeRequest& request, core::Manifest manifest, cor
   manifest.results["failed"] = std::to_string(merged.failed);
   manifest.files = {{"summary.txt", "statistics over the seeds; also .md, .tex, .csv, .json"},
                     {"results.csv", "one row per run; also .json"},
+                    {"failures.csv", "where and why runs failed; also .json, .txt"},
                     {"cost.csv", "time and memory of every run; also .json; medians in cost_summary.txt"},
                     {"index.sqlite", "logs, runs and figures as a database: sqlite3"},
                     {"plan.json", "the cells"},

@@ -7,6 +7,7 @@
 #include "libslam/core/progress.h"
 #include "libslam/report/table.h"
 #include "libslam/run/sweep_plan.h"
+#include "libslam/run/sweep_tables.h"
 
 namespace slam::run {
 
@@ -20,12 +21,14 @@ struct MergedSweep {
   SweepPlan plan;
   std::size_t complete = 0, failed = 0;  ///< runs
   std::vector<std::string> missing;      ///< one line per cell that is not there, or damaged
+  SweepResults results;
   report::Table summary, full_summary, costs;
 };
 
 /// Brings the cells of a sweep together and writes into `output`:
 ///   results.csv .json             one row per run
 ///   summary.txt .md .tex .csv .json   statistics over the seeds
+///   failures.csv .json .txt       where and why runs failed: sweepFailures()
 ///   cost.csv .json, cost_summary.txt .csv   time and memory: differ from run to run, as nothing else here does
 ///   index.sqlite                  writeSweepIndex()
 ///   manifest.json                 command line, how many are missing

@@ -36,10 +36,6 @@ const std::vector<Axis>& axes() {
   return list;
 }
 
-std::string nameOf(const PlannedRun& run) {
-  return fullName({run.method, run.parameters, {}});
-}
-
 struct Figure {
   std::string key, title;
   int decimals;
@@ -63,9 +59,12 @@ Figure figureNamed(const std::string& key) {
   throw core::ContractError("no figure '" + key + "'");
 }
 
-stats::Better betterOf(const std::string& metric) {
-  const bool larger = metric == "wall_f1" || metric == "free_iou";
-  return larger ? stats::Better::kLarger : stats::Better::kSmaller;
+std::string fixed(double value, int decimals) {
+  if (std::isnan(value)) return "-";
+  if (std::isinf(value)) return "failed";
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", decimals, value);
+  return text;
 }
 
 /// Runs that differ in seed and method only (or, of all together, in anything).
@@ -73,14 +72,6 @@ struct Group {
   const PlannedLog* log = nullptr;                ///< nullptr: all together
   std::vector<std::vector<std::size_t>> methods;  ///< by method, its runs in the order of the plan
 };
-
-std::vector<std::string> methodNames(const SweepPlan& plan) {
-  std::vector<std::string> names;
-  std::set<std::string> seen;
-  for (const auto& run : plan.runs)
-    if (seen.insert(nameOf(run)).second) names.push_back(nameOf(run));
-  return names;
-}
 
 std::vector<Group> groupsOf(const SweepPlan& plan, const std::vector<std::string>& names) {
   std::map<std::string, std::size_t> method_index, group_index;
@@ -94,7 +85,7 @@ std::vector<Group> groupsOf(const SweepPlan& plan, const std::vector<std::string
     for (const auto& axis : axes()) key += log.*axis.member + '\n';
     const auto [it, is_new] = group_index.emplace(key, groups.size());
     if (is_new) groups.push_back({&log, std::vector<std::vector<std::size_t>>(names.size())});
-    const std::size_t method = method_index.at(nameOf(plan.runs[i]));
+    const std::size_t method = method_index.at(fullName(plan.runs[i]));
     groups[it->second].methods[method].push_back(i);
     all.methods[method].push_back(i);
   }
@@ -137,13 +128,6 @@ class Summary {
   }
 
  private:
-  /// The metric of a run, a failed one's infinite; NaN where the run is missing or has no such figure.
-  double valueOf(std::size_t run) const {
-    if (!results_[run]) return kNan;
-    if (isFailed(plan_, *results_[run])) return stats::failedValue(better_);
-    return figureOf(*results_[run], plan_.metric);
-  }
-
   stats::Estimate medianOf(const std::vector<double>& values) const {
     if (values.empty()) return {kNan, std::nullopt};
     return stats::bootstrapInterval(values, stats::Statistic::kMedian, {0.95, 1, kResamples});
@@ -157,7 +141,8 @@ class Summary {
       ++row.runs;
       const bool failed = isFailed(plan_, *results_[run]);
       row.failed += failed ? 1 : 0;
-      if (const double value = valueOf(run); !std::isnan(value)) values[0].push_back(value);
+      if (const double value = rankedValue(plan_, results_[run]); !std::isnan(value))
+        values[0].push_back(value);
       for (std::size_t k = 1; k < keys_.size() && !failed; ++k)
         if (const double value = figureOf(*results_[run], keys_[k]); std::isfinite(value))
           values[k].push_back(value);
@@ -171,7 +156,7 @@ class Summary {
     std::vector<std::vector<double>> values(names_.size());
     for (std::size_t i = 0; i < group.methods.front().size(); ++i) {
       std::vector<double> of_seed;
-      for (const auto& runs : group.methods) of_seed.push_back(valueOf(runs[i]));
+      for (const auto& runs : group.methods) of_seed.push_back(rankedValue(plan_, results_[runs[i]]));
       if (std::any_of(of_seed.begin(), of_seed.end(), [](double v) { return std::isnan(v); })) continue;
       for (std::size_t m = 0; m < values.size(); ++m) values[m].push_back(of_seed[m]);
     }
@@ -211,22 +196,6 @@ class Summary {
   stats::Better better_;
   std::size_t baseline_ = 0;
 };
-
-std::string fixed(double value, int decimals) {
-  if (std::isnan(value)) return "-";
-  if (std::isinf(value)) return "failed";
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
-}
-
-std::string withInterval(const stats::Estimate& estimate, int decimals) {
-  std::string text = fixed(estimate.value, decimals);
-  if (estimate.interval && !std::isnan(estimate.value))
-    text += " [" + fixed(estimate.interval->low, decimals) + ", " + fixed(estimate.interval->high, decimals) +
-            "]";
-  return text;
-}
 
 double failureRate(const Row& row) {
   return row.runs == 0 ? kNan : static_cast<double>(row.failed) / static_cast<double>(row.runs);
@@ -268,7 +237,7 @@ void addNotes(const SweepPlan& plan, const SweepResults& results, report::Table&
       plan.baseline + "; p: of that difference, by Holm's method.");
   std::map<std::string, std::size_t> runs_of_group;
   for (const auto& run : plan.runs) {
-    std::string key = nameOf(run);
+    std::string key = fullName(run);
     for (const auto& axis : axes()) key += '\n' + plan.logs[run.log].*axis.member;
     ++runs_of_group[key];
   }
@@ -288,6 +257,37 @@ double figureOf(const CellResult& result, const std::string& key) {
   for (const auto& [name, value] : result.figures)
     if (name == key) return value;
   return kNan;
+}
+
+std::string fullName(const PlannedRun& run) {
+  return fullName({run.method, run.parameters, {}});
+}
+
+std::vector<std::string> methodNames(const SweepPlan& plan) {
+  std::vector<std::string> names;
+  std::set<std::string> seen;
+  for (const auto& run : plan.runs)
+    if (seen.insert(fullName(run)).second) names.push_back(fullName(run));
+  return names;
+}
+
+stats::Better betterOf(const std::string& metric) {
+  const bool larger = metric == "wall_f1" || metric == "free_iou";
+  return larger ? stats::Better::kLarger : stats::Better::kSmaller;
+}
+
+double rankedValue(const SweepPlan& plan, const std::optional<CellResult>& result) {
+  if (!result) return kNan;
+  if (isFailed(plan, *result)) return stats::failedValue(betterOf(plan.metric));
+  return figureOf(*result, plan.metric);
+}
+
+std::string withInterval(const stats::Estimate& estimate, int decimals) {
+  std::string text = fixed(estimate.value, decimals);
+  if (estimate.interval && !std::isnan(estimate.value))
+    text += " [" + fixed(estimate.interval->low, decimals) + ", " + fixed(estimate.interval->high, decimals) +
+            "]";
+  return text;
 }
 
 report::Table resultsTable(const SweepPlan& plan, const SweepResults& results) {
@@ -424,7 +424,7 @@ report::Table sweepCostTable(const SweepPlan& plan, const std::vector<CellCost>&
   for (const auto& column : costColumns())
     table.columns.push_back({column.key, column.title, column.decimals});
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
-    std::vector<report::CellValue> row = {plan.runs[i].id, nameOf(plan.runs[i])};
+    std::vector<report::CellValue> row = {plan.runs[i].id, fullName(plan.runs[i])};
     for (const auto& column : costColumns()) row.emplace_back(costs[i].*column.member);
     table.rows.push_back(std::move(row));
   }
@@ -442,7 +442,7 @@ report::Table sweepCostSummary(const SweepPlan& plan, const std::vector<CellCost
     for (const auto& column : costColumns()) {
       std::vector<double> values;
       for (std::size_t i = 0; i < costs.size(); ++i)
-        if (nameOf(plan.runs[i]) == name && std::isfinite(costs[i].*column.member))
+        if (fullName(plan.runs[i]) == name && std::isfinite(costs[i].*column.member))
           values.push_back(costs[i].*column.member);
       row.emplace_back(values.empty() ? kNan : stats::median(values));
     }

@@ -1,6 +1,7 @@
 #include "libslam/stats/ranking.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <set>
 
@@ -86,6 +87,17 @@ std::string letterOf(std::size_t group) {
 }
 
 }  // namespace
+
+std::vector<double> meanRanks(const std::vector<std::vector<double>>& values_of_methods, Better better) {
+  for (const auto& values : values_of_methods)
+    if (values.empty() || values.size() != values_of_methods.front().size() ||
+        std::any_of(values.begin(), values.end(), [](double v) { return std::isnan(v); }))
+      throw core::ContractError("meanRanks: expected as many values for each method, at least one, none NaN");
+  std::vector<double> ranks;
+  for (std::size_t i = 0; i < values_of_methods.size(); ++i)
+    ranks.push_back(meanRank(values_of_methods, i, better));
+  return ranks;
+}
 
 std::vector<std::string> compactLetters(std::size_t count,
                                         const std::vector<std::pair<std::size_t, std::size_t>>& different) {

@@ -26,6 +26,10 @@ struct Ranking {
   std::vector<PairComparison> pairs;  ///< every pair, in the order given
 };
 
+/// Each method's mean rank over the seeds, 1 the best, equal values share a rank. values_of_methods and REQUIRES as
+/// rankingGroups(). Cost: methods squared times seeds.
+std::vector<double> meanRanks(const std::vector<std::vector<double>>& values_of_methods, Better better);
+
 /// The compact display of which of `count` things, best first, are different: two of them share a letter if and only if
 /// their pair is not in `different`. "a", "ab", "b"; the best has an "a"; after z comes A to Z, then (53), (54) and so on.
 /// Piepho, Journal of Computational and Graphical Statistics 13(2), 2004: insert and absorb, without the sweep that would

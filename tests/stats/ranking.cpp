@@ -104,6 +104,13 @@ TEST(Ranking, PutsFailedRunsLast) {
   EXPECT_EQ(tied.methods[0].mean_rank, 1.5);
 }
 
+TEST(Ranking, MeanRanksAreThoseOfTheGroups) {
+  const double failed = failedValue(Better::kSmaller);
+  EXPECT_EQ(meanRanks({{1, 2, failed}, {1, 1, 3}, {0, 3, failed}}, Better::kSmaller),
+            (std::vector<double>{(2.5 + 2 + 2.5) / 3, (2.5 + 1 + 1) / 3, (1 + 3 + 2.5) / 3}));
+  EXPECT_THROW(meanRanks({{1, 2}, {1}}, Better::kSmaller), core::ContractError);
+}
+
 TEST(Ranking, OfNothingAndOfOne) {
   EXPECT_TRUE(rankingGroups({}, Better::kSmaller).methods.empty());
   const auto one = rankingGroups({{3}}, Better::kSmaller);

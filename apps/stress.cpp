@@ -1,0 +1,119 @@
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "apps/commands.h"
+#include "apps/console.h"
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/run/resources.h"
+#include "libslam/run/stress.h"
+#include "libslam/run/sweep.h"
+#include "libslam/run/sweep_merge.h"
+
+namespace slam::apps {
+namespace {
+
+struct Arguments {
+  run::StressRequest request;
+  run::StressLimits limits;
+  SimulationFlags flags;
+  int seeds = 0, jobs = 1;
+  bool resume = false;
+};
+
+void writeResult(const run::StressResult& result, const std::string& key, const std::string& folder) {
+  const auto write = [&](const std::string& suffix, const std::string& text) {
+    core::writeFileAtomically(folder + "/stress." + suffix, text);
+  };
+  write("csv", report::toCsv(result.all));
+  write("json", report::toJson(result.all));
+  write("txt", report::toText(result.main));
+  write("md", report::toMarkdown(result.main));
+  write("tex", report::toLatex(result.main));
+  report::drawCharts(result.charts, "Stress: " + key, folder + "/stress.png");
+}
+
+int stressMethods(const Context& context, Arguments& arguments) {
+  auto& request = arguments.request;
+  request.settings = simulationConfig(context, arguments.flags);
+  if (arguments.seeds > 0) request.seeds = "1.." + std::to_string(arguments.seeds);
+  auto suite = run::stressSuite(request);
+  const auto sweep = run::planSweep(suite.suite);
+  run::SweepRequest how;
+  how.output = context.output;
+  how.program = context.programPath();
+  how.jobs = arguments.jobs;
+  how.resume = arguments.resume;
+  how.overwrite = context.overwrite;
+  ConsoleProgress progress(context.quiet);
+  const auto outcome = run::sweep(sweep, how, context.manifest(), progress);
+  for (const auto& line : outcome.lost) std::cerr << "rasterslam: " << line << "\n";
+  run::MergeRequest whole;
+  whole.folders = {context.output};
+  whole.output = context.output;
+  const auto merged = run::mergeSweep(whole, context.manifest(), core::silentProgress());
+  const auto result = run::stress(suite, merged.plan, merged.results, arguments.limits);
+  writeResult(result, suite.key, context.output);
+  if (context.json)
+    std::cout << report::toJson(result.all);
+  else
+    std::cout << report::toText(result.main) << "\ncurves, tables, every run: " << context.output << "\n";
+  // Runs that fail are what a stress test is for; only cells that are not there are a failure of its own.
+  return static_cast<int>(merged.missing.empty() ? core::ExitCode::kOk : core::ExitCode::kCellsFailed);
+}
+
+}  // namespace
+
+void addStress(CLI::App& app, Context& context) {
+  auto* command =
+      app.add_subcommand("stress", "vary one thing (field of view, noise, people) until methods break");
+  auto arguments = std::make_shared<Arguments>();
+  auto& request = arguments->request;
+  command
+      ->add_option("ground", request.ground,
+                   "a plan, a world by name, KIND:seed=3:width_m=40, or a suite's .ini")
+      ->required();
+  command
+      ->add_option("--vary", request.vary,
+                   "KEY=LOW..HIGH[:STEPS][:log] or KEY=a,b,c: a number of the simulation (lidar.*, "
+                   "odometry.*, living.people, ...), or world.KEY of generated buildings")
+      ->required();
+  command->add_option("--methods", request.methods,
+                      "names or .ini files, separated by commas (default: the suite's; of a plan graph, "
+                      "icp_exact)");
+  command->add_option("--seeds", arguments->seeds, "seeds 1..N (default: the suite's; of a plan 5)")
+      ->check(CLI::Range(1, 100000));
+  command
+      ->add_option("--failure-limit", arguments->limits.failure_rate,
+                   "share of failed runs above which a method is broken")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--error-limit", arguments->limits.error,
+                   "of the suite's metric (ate_final_m: metres) above which a method is broken; 0: none")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("-j,--jobs", arguments->jobs, "runs side by side")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  command->add_flag("--resume", arguments->resume, "keep the runs that are complete");
+  addOutput(command, context, "folder to write");
+  command->get_option("--output")->required();
+  addSimulationFlags(command, arguments->flags);
+  addConfig(command, context);
+  command->remove_option(command->get_option("--print-config"));
+  addJson(command, context);
+  command->footer(
+      "Examples:\n"
+      "  rasterslam stress office_loop --vary lidar.fov_deg=30..360:6 --seeds 5 -o fov -j 2\n"
+      "  rasterslam stress flat --vary living.people=0..20 --methods icp,graph --duration 60 -o people\n"
+      "  rasterslam stress office:seed=3 --vary world.width_m=20..100:5 -o corridor\n"
+      "  rasterslam stress configs/suites/smoke.ini --vary odometry.slips_per_m=0.01..10:5:log -o slip");
+  command->callback([&context, arguments] {
+    context.action = [&context, arguments] { return stressMethods(context, *arguments); };
+  });
+}
+
+}  // namespace slam::apps
