@@ -201,7 +201,8 @@ std::optional<scanmatch::MatchResult> GraphSlam::relocate(const std::vector<Patc
   for (int k = 0; k < graph_.nodeCount(); ++k) {
     if (is_tried[static_cast<size_t>(k)]) continue;
     const Point2 centre = core::position(graph_.pose(k));
-    for (const int tried : keyframesWithin(centre, kPlaceHalf_m / 2)) is_tried[static_cast<size_t>(tried)] = 1;
+    for (const int tried : keyframesWithin(centre, kPlaceHalf_m / 2))
+      is_tried[static_cast<size_t>(tried)] = 1;
     const auto around = nearestKeyframes(keyframesWithin(centre, kPlaceRadius_m));
     const scanmatch::LikelihoodPyramid pyramid(placeAround(around), kSearchCell_m, kSearchSigma_m,
                                                kSearchLevels);
@@ -254,8 +255,7 @@ bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
     edge.from = around[i], edge.to = k;
     edge.T_from_to = core::between(graph_.pose(around[i]), matched.T_map_robot);
     edge.information =
-        (toBodyAxes(matched.information, matched.T_map_robot.phi) + 1e-6 * Eigen::Matrix3d::Identity()) /
-        static_cast<double>(kConfirmEdges);
+        edgeInformation(matched.information, matched.T_map_robot.phi) / static_cast<double>(kConfirmEdges);
     edge.kind = posegraph::EdgeKind::kLoop;
     hypothesis.edges.push_back(edge);
   }

@@ -36,9 +36,8 @@ void GraphSlam::refine() {
       if (partners.empty()) continue;
       posegraph::Edge edge;
       edge.to = k;
-      edge.information =
-          (toBodyAxes(matched.information, matched.T_map_robot.phi) + 1e-6 * Eigen::Matrix3d::Identity()) /
-          static_cast<double>(partners.size());
+      edge.information = edgeInformation(matched.information, matched.T_map_robot.phi) /
+                         static_cast<double>(partners.size());
       for (const int partner : partners) {
         edge.from = partner;
         edge.T_from_to = core::between(graph_.pose(partner), matched.T_map_robot);

@@ -70,12 +70,14 @@ bool isApart(int keyframe, const std::vector<int>& others) {
 
 }  // namespace
 
-Eigen::Matrix3d toBodyAxes(const Eigen::Matrix3d& information, double phi_rad) {
+Eigen::Matrix3d edgeInformation(const Eigen::Matrix3d& information, double phi_rad) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn(0, 0) = turn(1, 1) = std::cos(phi_rad);
   turn(1, 0) = std::sin(phi_rad), turn(0, 1) = -turn(1, 0);
   const Eigen::Matrix3d body = turn.transpose() * information * turn;
-  return 0.5 * (body + body.transpose());
+  // Rounding leaves a direction that is open a little below zero.
+  const double floor = 1e-6 + 1e-9 * body.trace();
+  return 0.5 * (body + body.transpose()) + floor * Eigen::Matrix3d::Identity();
 }
 
 GraphOptions::GraphOptions() {
@@ -637,9 +639,8 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> poi
     else
       link(k - 1, k);
     const auto partners = partnersOf(k, map_keyframes_, T_map_robot);
-    const Eigen::Matrix3d share =
-        (toBodyAxes(information, T_map_robot.phi) + 1e-6 * Eigen::Matrix3d::Identity()) /
-        static_cast<double>(std::max<size_t>(partners.size(), 1));
+    const Eigen::Matrix3d share = edgeInformation(information, T_map_robot.phi) /
+                                  static_cast<double>(std::max<size_t>(partners.size(), 1));
     for (const int partner : partners) {
       posegraph::Edge edge;
       edge.from = partner, edge.to = k;

@@ -234,7 +234,8 @@ class GraphSlam {
   mutable std::vector<std::pair<double, int>> queue_;
 };
 
-/// Information over (x, y, phi) of a pose, its position in the map's axes, turned into the body's own; symmetric.
-Eigen::Matrix3d toBodyAxes(const Eigen::Matrix3d& information, double phi_rad);
+/// What an edge carries of a match: its information over (x, y, phi), position in the map's axes, turned into the body's
+/// own; symmetric and positive definite, also where the match left a direction open.
+Eigen::Matrix3d edgeInformation(const Eigen::Matrix3d& information, double phi_rad);
 
 }  // namespace slam::mapping

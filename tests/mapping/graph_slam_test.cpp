@@ -308,7 +308,8 @@ TEST(GraphSlam, FollowsOdometryWhereAFinishedMapEnds) {
   for (size_t i = 0; i < half; ++i) graph.process(log.scans[i], log.increments[i], true);
   graph.startAt(log.truth[half - 1]);
   GraphSlam::Step step;
-  for (size_t i = half; i < log.scans.size(); ++i) step = graph.localise(log.scans[i], log.increments[i], true);
+  for (size_t i = half; i < log.scans.size(); ++i)
+    step = graph.localise(log.scans[i], log.increments[i], true);
   // Half a lap by wheels, which err by a few centimetres.
   EXPECT_LT(core::distance(step.T_map_robot, log.truth.back()), 0.5);
 }
@@ -329,6 +330,22 @@ TEST(GraphSlam, IsLessSureTheFartherItDrivesAndSurerOnceALoopIsClosed) {
   const auto covariances = graph.covariances();
   ASSERT_EQ(covariances.size(), log.scans.size());
   EXPECT_LT(covariances[static_cast<size_t>(widest)].trace(), variance[static_cast<size_t>(widest)]);
+}
+
+TEST(GraphSlam, GivesItsEdgesInformationThatTheGraphTakesWhereADirectionIsOpen) {
+  // A wall far away: all that is known stands on one line, and rounding puts the others below zero.
+  for (double phi = -3; phi < 3; phi += 0.1) {
+    const Eigen::Vector3d seen(1e4 * std::cos(0.3), 1e4 * std::sin(0.3), 4e5);
+    posegraph::PoseGraph graph;
+    graph.addNode({});
+    graph.addNode({});
+    posegraph::Edge edge;
+    edge.from = 0, edge.to = 1;
+    Eigen::Matrix3d information = seen * seen.transpose() * 1e-3;
+    information(0, 0) *= 1 - 1e-12;
+    edge.information = edgeInformation(information, phi);
+    EXPECT_NO_THROW(graph.addEdge(edge)) << phi;
+  }
 }
 
 TEST(GraphSlam, RefusesWhatItsContractRulesOut) {
