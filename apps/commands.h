@@ -42,6 +42,7 @@ void addEditing(CLI::App& app, Context& context);  ///< cut, merge, filter
 void addPlot(CLI::App& app, Context& context);
 void addPlugin(CLI::App& app, Context& context);
 void addRelations(CLI::App& app, Context& context);
+void addReport(CLI::App& app, Context& context);
 void addWorld(CLI::App& app, Context& context);
 void addWorldMake(CLI::App& world, Context& context);
 void addWorldCheck(CLI::App& world, Context& context);

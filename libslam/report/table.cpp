@@ -55,12 +55,6 @@ std::string fixed(double value, int decimals) {
   return text;
 }
 
-/// What people read: text on one line, numbers with the column's digits.
-std::string shown(const CellValue& cell, const Column& column) {
-  if (const auto* number = std::get_if<double>(&cell)) return fixed(*number, column.decimals);
-  return onOneLine(std::get<std::string>(cell));
-}
-
 bool isNumeric(const Table& table, size_t column) {
   return std::any_of(table.rows.begin(), table.rows.end(),
                      [column](const auto& row) { return std::holds_alternative<double>(row[column]); });
@@ -115,7 +109,7 @@ std::vector<TextColumn> layOut(const Table& table, bool break_titles) {
     TextColumn column;
     column.right = isNumeric(table, i);
     for (const auto& row : table.rows) {
-      column.cells.push_back(shown(row[i], table.columns[i]));
+      column.cells.push_back(shownText(row[i], table.columns[i]));
       column.width = std::max(column.width, width(column.cells.back()));
     }
     const auto title = onOneLine(table.columns[i].title);
@@ -198,7 +192,7 @@ std::string latexText(const std::string& text) {
 
 std::string latexCell(const CellValue& cell, const Column& column) {
   const auto* number = std::get_if<double>(&cell);
-  if (number == nullptr) return latexText(shown(cell, column));
+  if (number == nullptr) return latexText(shownText(cell, column));
   if (std::isnan(*number)) return "--";
   std::string text = std::isinf(*number) ? "$\\infty$" : fixed(std::abs(*number), column.decimals);
   // A value that rounds to zero has no sign.
@@ -223,6 +217,11 @@ std::string csvCell(const CellValue& cell) {
 }
 
 }  // namespace
+
+std::string shownText(const CellValue& cell, const Column& column) {
+  if (const auto* number = std::get_if<double>(&cell)) return fixed(*number, column.decimals);
+  return onOneLine(std::get<std::string>(cell));
+}
 
 std::string toText(const Table& table) {
   check(table);
@@ -256,7 +255,7 @@ std::string toMarkdown(const Table& table) {
   for (const auto& row : table.rows) {
     text += "|";
     for (size_t i = 0; i < row.size(); ++i)
-      text += " " + markdownCell(shown(row[i], table.columns[i])) + " |";
+      text += " " + markdownCell(shownText(row[i], table.columns[i])) + " |";
     text += "\n";
   }
   for (const auto& note : table.notes) text += "\n" + onOneLine(note) + "\n";

@@ -22,6 +22,9 @@ struct Table {
   std::vector<std::string> notes;            ///< lines under the table
 };
 
+/// What people read of a cell: text on one line, numbers with the column's digits.
+std::string shownText(const CellValue& cell, const Column& column);
+
 // All five: the same table gives the same bytes. Columns that hold a number are aligned right. Line breaks
 // inside a text become blanks, except in CSV and JSON. Two columns with one key, or a row that is not as long
 // as `columns`: ContractError.
