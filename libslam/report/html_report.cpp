@@ -247,7 +247,7 @@ std::string eventsElement(const std::vector<PlacedEvent>& events) {
     table.rows.push_back({e.time_s, static_cast<double>(e.scan), e.event, e.value, e.place.x, e.place.y});
   }
   std::string count = std::to_string(events.size()) + (events.size() == 1 ? " event" : " events");
-  if (step > 1) count += ", of which every " + std::to_string(step) + "th is listed";
+  if (step > 1) count += ", of which one in " + std::to_string(step) + " is listed";
   return "<details class=\"events\"><summary>What it said of its own work: " + htmlText(count) +
          "</summary>\n" + tableElement(table) + "</details>\n";
 }
@@ -380,12 +380,10 @@ std::string thinnedNote(const ReportPage& page) {
   if (page.scan_count > page.scans.size() && !page.scans.empty())
     note += "Of the log's " + std::to_string(page.scan_count) + " scans the player shows " +
             std::to_string(page.scans.size()) + ", evenly chosen. ";
-  if (!page.scans.empty() && page.scans.front().ranges_m.size() > kMostReplayedBeams)
-    note +=
-        "Of each scan's " + std::to_string(page.scans.front().ranges_m.size()) + " beams it shows every " +
-        std::to_string((page.scans.front().ranges_m.size() + kMostReplayedBeams - 1) / kMostReplayedBeams) +
-        (page.scans.front().ranges_m.size() <= 2 * kMostReplayedBeams ? "nd, " : "th, ") +
-        "to the centimetre. ";
+  const size_t beams = page.scans.empty() ? 0 : page.scans.front().ranges_m.size();
+  if (beams > kMostReplayedBeams)
+    note += "Of each scan's " + std::to_string(beams) + " beams it shows one in " +
+            std::to_string((beams + kMostReplayedBeams - 1) / kMostReplayedBeams) + ", to the centimetre. ";
   if (!note.empty()) note += "All figures are of all scans.";
   return note;
 }
@@ -413,6 +411,16 @@ std::string downloadsSection(const std::vector<ReportDownload>& downloads) {
   if (!left_out.empty())
     html += paragraph("Left out to keep this page small; they are in the folder: " + left_out + ".");
   return html + "</section>\n";
+}
+
+std::string picturesSection(const std::vector<ReportPicture>& pictures) {
+  if (pictures.empty()) return "";
+  std::string html = "<section id=\"pictures\"><h2>Pictures</h2>\n<div class=\"maps\">\n";
+  for (const auto& picture : pictures)
+    html += figure(
+        "<img alt=\"" + htmlText(picture.caption) + "\" src=\"" + dataUri("image/png", picture.png) + "\">",
+        picture.caption);
+  return html + "</div></section>\n";
 }
 
 std::string factsSection(const ReportPage& page) {
@@ -453,7 +461,7 @@ std::string toHtml(const ReportPage& page) {
     for (const auto& table : page.tables) html += tableElement(table);
     html += "</section>\n";
   }
-  html += sharedPictures(page, ground);
+  if (!page.runs.empty() || page.plan) html += sharedPictures(page, ground);
   if (!replay.is_null()) {
     html +=
         "<section id=\"replay\"><h2>Replay</h2>\n<noscript><p>The replay needs JavaScript; all else on this "
@@ -469,7 +477,8 @@ std::string toHtml(const ReportPage& page) {
     for (size_t i = 0; i < page.runs.size(); ++i) html += runSection(page, i, ground);
     html += "</section>\n";
   }
-  html += costChart(page) + downloadsSection(page.downloads) + factsSection(page) + "</main>\n";
+  html += picturesSection(page.pictures) + costChart(page) + downloadsSection(page.downloads) +
+          factsSection(page) + "</main>\n";
   if (!replay.is_null())
     html += "<script type=\"application/json\" id=\"replay-data\">" + scriptJson(replay) + "</script>\n";
   return html + "<script>\n" + kPageScript + "</script>\n</body>\n</html>\n";

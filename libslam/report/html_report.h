@@ -28,6 +28,11 @@ struct ReportRun {
   std::vector<PlacedEvent> events;  ///< in the map frame
 };
 
+/// A picture that another command drew.
+struct ReportPicture {
+  std::string caption, png;
+};
+
 /// A file inside the page.
 struct ReportDownload {
   std::string name, what, media_type, bytes;
@@ -52,6 +57,7 @@ struct ReportPage {
   std::vector<robot::Scan> scans;  ///< those that the player shows, at most kMostReplayed; may be empty
   std::size_t scan_count = 0;      ///< in the log
   std::vector<ReportGoal> goals;
+  std::vector<ReportPicture> pictures;
   std::vector<ReportDownload> downloads;
   std::vector<std::pair<std::string, std::string>> facts;  ///< how to make it again: name, value
 };

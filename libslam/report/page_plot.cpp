@@ -177,7 +177,7 @@ std::string errorPathElements(const core::Trajectory& path, const std::vector<do
 
 namespace {
 
-constexpr double kWidth = 720, kHeight = 300, kLeft = 64, kRight = 12, kTop = 14, kBottom = 44;
+constexpr double kWidth = 720, kHeight = 300, kLeft = 78, kRight = 12, kTop = 14, kBottom = 44;
 
 struct Axes {
   double duration_s, low, high;  // decades of the vertical axis
@@ -200,7 +200,7 @@ std::optional<Axes> axesOf(const std::vector<TimeSeries>& series, double duratio
   if (values.empty() || !(duration_s > 0)) return std::nullopt;
   // A path begins on the truth: the first moments alone would stretch the axis down without end.
   std::sort(values.begin(), values.end());
-  const double least = values[values.size() / 100];
+  const double least = values[values.size() / 20];
   const double low = std::floor(std::log10(least)), high = std::ceil(std::log10(values.back()) + 1e-9);
   return Axes{duration_s, low, std::max(high, low + 1)};
 }

@@ -21,6 +21,7 @@ namespace slam::run {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr std::size_t kMostPictures = 12;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::string resultOf(const core::Manifest& manifest, const std::string& key) {
@@ -37,6 +38,36 @@ bool isRunFolder(const std::string& folder) {
 struct Asked {
   std::string method, folder, failure;
 };
+
+nlohmann::json readJsonTable(const std::string& path) {
+  auto json = nlohmann::json::parse(core::readTextFile(path), nullptr, false);
+  if (!json.is_object() || !json.contains("rows") || !json["rows"].is_array() || !json.contains("columns") ||
+      !json["columns"].is_array())
+    throw core::InputError(
+        path + ": is not a table that rasterslam wrote, expected an object with 'columns' and 'rows'");
+  return json;
+}
+
+/// toJson() read back; what it does not tell, the digits, are `decimals`.
+report::Table tableOf(const nlohmann::json& json, int decimals) {
+  report::Table table;
+  table.caption = json.value("caption", "");
+  table.notes = json.value("notes", std::vector<std::string>());
+  for (const auto& column : json["columns"])
+    table.columns.push_back({column.value("key", ""), column.value("title", ""), decimals});
+  for (const auto& row : json["rows"]) {
+    std::vector<report::CellValue> cells;
+    for (const auto& column : table.columns) {
+      const auto cell = row.find(column.key);
+      if (cell != row.end() && cell->is_string())
+        cells.emplace_back(cell->get<std::string>());
+      else
+        cells.emplace_back(cell != row.end() && cell->is_number() ? cell->get<double>() : kNan);
+    }
+    table.rows.push_back(std::move(cells));
+  }
+  return table;
+}
 
 /// Why a method has no figures, from the notes of its comparison's table.
 std::string failureIn(const nlohmann::json& scores, const std::string& method) {
@@ -60,9 +91,7 @@ std::vector<Asked> methodsOfComparison(const std::string& folder, report::Report
         "--resume' goes on with it.");
     return methods;
   }
-  const auto scores = nlohmann::json::parse(core::readTextFile(path), nullptr, false);
-  if (!scores.is_object() || !scores.contains("rows") || !scores["rows"].is_array())
-    throw core::InputError(path + ": is not a table that rasterslam wrote, expected an object with 'rows'");
+  const auto scores = readJsonTable(path);
   for (const auto& row : scores["rows"]) {
     if (!row.is_object() || !row.contains("method") || !row["method"].is_string())
       throw core::InputError(path + ": a row names no method, expected key 'method'");
@@ -99,7 +128,9 @@ void sortByError(std::vector<Evaluation>& evaluations) {
 
 std::string metres(double value_m) {
   char text[40];
-  if (value_m < 1)
+  if (value_m < 0.1)
+    std::snprintf(text, sizeof text, "%.1f mm", 1000 * value_m);
+  else if (value_m < 1)
     std::snprintf(text, sizeof text, "%.1f cm", 100 * value_m);
   else
     std::snprintf(text, sizeof text, "%.2f m", value_m);
@@ -200,23 +231,84 @@ report::ReportRun pageRun(const RunFolder& run, const Evaluation& e, const std::
   return shown;
 }
 
-/// Every n-th scan, so that there are few enough for the player.
+/// Evenly chosen among all, so that there are few enough for the player.
 void readScans(const std::string& log_path, core::Progress& progress, report::ReportPage& page) {
   const auto info = logs::inspectLog(log_path);
   page.scan_count = info.scans;
-  const std::uint64_t step =
-      std::max<std::uint64_t>(1, (info.scans + report::kMostReplayed - 1) / report::kMostReplayed);
+  const std::uint64_t kept = std::min<std::uint64_t>(info.scans, report::kMostReplayed);
   logs::LogReader log(log_path);
   progress.begin("reading " + fs::path(log_path).filename().string());
   std::uint64_t number = 0;
   while (auto entry = log.next()) {
     progress.update(log.fractionRead(), entry->scan.time_s - info.first_time_s);
-    if (number++ % step == 0) page.scans.push_back(std::move(entry->scan));
+    // The first is always kept: times count from it.
+    if (number == 0 || number * kept / info.scans != (number - 1) * kept / info.scans)
+      page.scans.push_back(std::move(entry->scan));
+    ++number;
   }
   progress.end();
   // In some logs stamps run back; a replay does not.
   std::stable_sort(page.scans.begin(), page.scans.end(),
                    [](const robot::Scan& a, const robot::Scan& b) { return a.time_s < b.time_s; });
+}
+
+void addPicture(report::ReportPage& page, const std::string& path, const std::string& caption) {
+  if (fs::exists(path)) page.pictures.push_back({caption, core::readTextFile(path)});
+}
+
+/// Columns of a CSV of numbers by their names in its first line. Errors: InputError with file and line.
+std::vector<std::vector<double>> readColumns(const std::string& path, const std::vector<std::string>& keys) {
+  const auto cellsOf = [](std::string line) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    std::vector<std::string> cells(1);
+    for (const char c : line) {
+      if (c == ',')
+        cells.emplace_back();
+      else
+        cells.back() += c;
+    }
+    return cells;
+  };
+  std::istringstream lines(core::readTextFile(path));
+  std::string line;
+  std::getline(lines, line);
+  const auto names = cellsOf(line);
+  std::vector<size_t> places;
+  for (const auto& key : keys) {
+    const auto name = std::find(names.begin(), names.end(), key);
+    if (name == names.end()) throw core::InputError(path + ":1: names no column '" + key + "'");
+    places.push_back(static_cast<size_t>(name - names.begin()));
+  }
+  std::vector<std::vector<double>> columns(keys.size());
+  for (int number = 2; std::getline(lines, line); ++number) {
+    const auto cells = cellsOf(line);
+    for (size_t i = 0; i < keys.size(); ++i) {
+      double value = kNan;
+      const bool there = places[i] < cells.size();
+      if (!there || (!cells[places[i]].empty() && !core::parseNumber(cells[places[i]], value)))
+        throw core::InputError(path + ":" + std::to_string(number) + ": column '" + keys[i] + "': found '" +
+                               (there ? cells[places[i]] : "") + "', expected a number");
+      columns[i].push_back(value);
+    }
+  }
+  return columns;
+}
+
+/// What an exploration has beside map and path: where it wanted to go, how much it had seen.
+void addExploration(const std::string& folder, report::ReportPage& page) {
+  if (!fs::exists(folder + "/exploration.csv")) return;
+  const auto columns = readColumns(folder + "/exploration.csv", {"time_s", "goal_x_m", "goal_y_m"});
+  const core::Pose2 T_world_map = page.runs.empty() ? core::Pose2{} : page.runs.front().T_world_map;
+  core::Point2 last{kNan, kNan};
+  for (size_t i = 0; i < columns[0].size(); ++i) {
+    const core::Point2 goal{columns[1][i], columns[2][i]};
+    const bool same = (goal.x == last.x && goal.y == last.y) || (std::isnan(goal.x) && std::isnan(last.x));
+    if (!same) page.goals.push_back({columns[0][i] - columns[0][0], T_world_map * goal});
+    last = goal;
+  }
+  addPicture(page, folder + "/coverage.png", "Explored share over time, path and scans.");
+  if (fs::exists(folder + "/scores.json"))
+    page.tables.insert(page.tables.begin(), tableOf(readJsonTable(folder + "/scores.json"), 3));
 }
 
 void addDownload(report::ReportPage& page, const std::string& path, const std::string& name,
@@ -307,6 +399,52 @@ void fill(const std::vector<Asked>& methods, const std::string& folder, const co
   addRunDownloads(runs, page);
 }
 
+/// Several explorations: their tables and curves.
+bool isExplorations(const std::string& folder) {
+  return fs::exists(folder + "/runs.csv") && fs::exists(folder + "/scores.json");
+}
+
+void fillExplorations(const std::string& folder, report::ReportPage& page) {
+  page.title = titleOf(folder, "Explorations");
+  page.tables.push_back(tableOf(readJsonTable(folder + "/scores.json"), 3));
+  page.verdict.push_back(
+      "This folder holds several explorations; 'rasterslam report' of one of theirs has its replay.");
+  addPicture(page, folder + "/coverage.png", "Explored share over time, path and scans.");
+  std::vector<std::string> pictures;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.path().filename() == "path.png") pictures.push_back(entry.path().string());
+  std::sort(pictures.begin(), pictures.end());
+  if (pictures.size() > kMostPictures)
+    page.missing.push_back("Of " + std::to_string(pictures.size()) + " runs the paths of the first " +
+                           std::to_string(kMostPictures) + " are shown.");
+  pictures.resize(std::min(pictures.size(), kMostPictures));
+  for (const auto& path : pictures)
+    addPicture(page, path, "Path of " + fs::relative(fs::path(path).parent_path(), folder).string() + ".");
+  addTableDownloads(folder, page);
+  addDownload(page, folder + "/runs.csv", "runs.csv", "every run", "text/csv");
+}
+
+/// A sweep of bench(): statistics over the seeds, with intervals.
+void fillSweep(const std::string& folder, const core::Manifest& manifest, report::ReportPage& page) {
+  page.title = titleOf(folder, "Sweep");
+  page.tables.push_back(tableOf(readJsonTable(folder + "/summary.json"), 3));
+  page.verdict.push_back(resultOf(manifest, "runs") +
+                         " runs: statistics over the seeds, with 95 % intervals.");
+  const auto missing = resultOf(manifest, "missing"), failed = resultOf(manifest, "failed");
+  if (!missing.empty() && missing != "0")
+    page.missing.push_back("This sweep is not finished: " + missing +
+                           " runs are missing. 'rasterslam bench ... --resume' goes on with it.");
+  if (!failed.empty() && failed != "0") page.verdict.push_back(failed + " runs failed.");
+  std::vector<std::string> pictures;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == ".png") pictures.push_back(entry.path().string());
+  std::sort(pictures.begin(), pictures.end());
+  for (const auto& path : pictures) addPicture(page, path, fs::path(path).filename().string());
+  for (const char* name : {"summary.csv", "summary.tex", "results.csv", "cost.csv"})
+    addDownload(page, folder + "/" + name, name, "",
+                name == std::string("summary.tex") ? "application/x-tex" : "text/csv");
+}
+
 }  // namespace
 
 report::ReportPage gatherReport(const std::string& folder, core::Progress& progress) {
@@ -326,6 +464,15 @@ report::ReportPage gatherReport(const std::string& folder, core::Progress& progr
   if (!method.empty()) {
     page.title = titleOf(folder, method);
     fill({{method, folder, ""}}, folder, manifest, progress, page);
+    addExploration(folder, page);
+    return page;
+  }
+  if (fs::exists(folder + "/summary.json")) {
+    fillSweep(folder, manifest, page);
+    return page;
+  }
+  if (isExplorations(folder)) {
+    fillExplorations(folder, page);
     return page;
   }
   const auto methods = methodsOfComparison(folder, page);

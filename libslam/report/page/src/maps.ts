@@ -21,7 +21,8 @@ class LinkedMaps {
     this.whole = { x: box.x, y: box.y, width: box.width, height: box.height };
     this.view = { ...this.whole };
     for (const map of maps) this.listen(map);
-    for (const group of document.querySelectorAll(".maps")) group.before(this.controls());
+    for (const group of document.querySelectorAll(".maps"))
+      if (group.querySelector("svg.map")) group.before(this.controls());
   }
 
   private controls(): HTMLElement {

@@ -116,7 +116,7 @@ export class Player {
     const transport = make(
       "div",
       { class: "bar" },
-      button("⏮", "To the start (Home)", () => this.show(0)),
+      button("Start", "To the start (Home)", () => this.show(0)),
       button("◀", "One scan back (left arrow)", () => this.step(-1)),
       this.playButton,
       button("▶", "One scan on (right arrow)", () => this.step(1)),
@@ -491,7 +491,7 @@ export class Player {
     const lastAngle = scans.first + (scans.beams - 1) * scans.step;
     const px = (angle: number): number =>
       left + ((width - left - right) * (angle - scans.first)) / (lastAngle - scans.first);
-    const py = (range: number): number => height - bottom - ((height - top - bottom) * range) / scans.longest;
+    const py = (range: number): number => height - bottom - ((height - top - bottom) * Math.min(range, scans.usual)) / scans.usual;
     context.font = "12px system-ui, sans-serif";
     context.fillStyle = themeColour("ink");
     context.strokeStyle = themeColour("line");
@@ -503,9 +503,9 @@ export class Player {
     label("range (m)", 4, 14, "left");
     label("angle (°, left positive)", (left + width - right) / 2, height - 4, "center");
     for (let i = 0; i <= 4; ++i) {
-      const range = (scans.longest * i) / 4;
+      const range = (scans.usual * i) / 4;
       context.strokeRect(left, py(range), width - left - right, 0);
-      label(range.toFixed(scans.longest < 8 ? 1 : 0), left - 5, py(range) + 4, "right");
+      label(range.toFixed(scans.usual < 8 ? 1 : 0), left - 5, py(range) + 4, "right");
       const angle = scans.first + ((lastAngle - scans.first) * i) / 4;
       label(((angle * 180) / Math.PI).toFixed(0), Math.min(px(angle), width - right - 10), height - bottom + 14, "center");
     }
@@ -529,17 +529,17 @@ export class Player {
     const scans = this.replay.scans!;
     const context = prepare(this.polar, 1);
     const half = this.polar.clientWidth / 2;
-    const scale = (half - 10) / scans.longest;
+    const scale = (half - 10) / scans.usual;
     context.strokeStyle = themeColour("line");
     context.fillStyle = themeColour("ink");
     context.font = "12px system-ui, sans-serif";
     context.lineWidth = 1;
     for (const share of [0.5, 1]) {
       context.beginPath();
-      context.arc(half, half, scans.longest * share * scale, 0, 2 * Math.PI);
+      context.arc(half, half, scans.usual * share * scale, 0, 2 * Math.PI);
       context.stroke();
       context.textAlign = "left";
-      context.fillText(`${(scans.longest * share).toFixed(1)} m`, half + 3, half + scans.longest * share * scale - 4);
+      context.fillText(`${(scans.usual * share).toFixed(1)} m`, half + 3, half + scans.usual * share * scale - 4);
     }
     context.fillStyle = this.dark.matches ? "#ff9d6e" : "#d55e00";
     for (let beam = 0; beam < scans.beams; ++beam) {

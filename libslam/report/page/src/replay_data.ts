@@ -37,7 +37,8 @@ export interface Scans {
   step: number;
   beams: number;
   mount: [number, number, number];
-  longest: number;
+  /** Metres; most returns are nearer: what charts show. */
+  usual: number;
   /** Metres; NaN: no return or lost. */
   range(scan: number, beam: number): number;
 }
@@ -53,6 +54,7 @@ export interface Replay {
 }
 
 const kNoReturnCode = 65534;
+const kUsualShare = 0.98;
 
 function bytesOf(base64: string): Uint8Array {
   return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
@@ -67,14 +69,14 @@ function floatsOf(base64: string): Float32Array {
 function scansOf(packed: NonNullable<Packed["scan"]>): Scans {
   const bytes = bytesOf(packed.ranges);
   const code = (index: number): number => bytes[2 * index] | (bytes[2 * index + 1] << 8);
-  let longest = 0;
-  for (let i = 0; i < bytes.length / 2; ++i) if (code(i) < kNoReturnCode) longest = Math.max(longest, code(i));
+  const returns = Array.from({ length: bytes.length / 2 }, (_, i) => code(i)).filter((value) => value < kNoReturnCode);
+  returns.sort((a, b) => a - b);
   return {
     first: packed.first,
     step: packed.step,
     beams: packed.beams,
     mount: packed.mount,
-    longest: Math.max(1, longest / 100),
+    usual: Math.max(1, (returns[Math.floor(kUsualShare * returns.length)] ?? 0) / 100),
     range(scan, beam) {
       const value = code(scan * packed.beams + beam);
       return value >= kNoReturnCode ? NaN : value / 100;
