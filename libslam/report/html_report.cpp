@@ -43,9 +43,8 @@ std::string cellElement(const CellValue& cell, const Column& column, bool is_hea
 }
 
 std::string tableElement(const Table& table) {
-  std::string html = "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"" +
-                     htmlText(table.caption) + "\">\n<table class=\"sortable\">\n" +
-                     tag("caption", table.caption) + "\n<thead><tr>";
+  std::string html = "<section class=\"wide\" tabindex=\"0\" aria-label=\"" + htmlText(table.caption) +
+                     "\">\n<table class=\"sortable\">\n" + tag("caption", table.caption) + "\n<thead><tr>";
   for (size_t i = 0; i < table.columns.size(); ++i) {
     const bool numeric = std::any_of(table.rows.begin(), table.rows.end(),
                                      [i](const auto& row) { return std::holds_alternative<double>(row[i]); });
@@ -58,7 +57,7 @@ std::string tableElement(const Table& table) {
     for (size_t i = 0; i < row.size(); ++i) html += cellElement(row[i], table.columns[i], i == 0);
     html += "</tr>\n";
   }
-  html += "</tbody></table></div>\n";
+  html += "</tbody></table></section>\n";
   for (const auto& note : table.notes) html += "<p class=\"note\">" + htmlText(note) + "</p>\n";
   return html;
 }
@@ -117,14 +116,20 @@ std::string swatch(Colour colour) {
          cssColour(colour) + "\"/></svg>";
 }
 
-std::string legendElement(const std::vector<std::pair<Colour, std::string>>& entries) {
-  std::string html = "<ul class=\"legend\">";
+/// of_raster: its colours turn dark with the picture's.
+std::string legendElement(const std::vector<std::pair<Colour, std::string>>& entries,
+                          bool of_raster = false) {
+  std::string html = of_raster ? "<ul class=\"legend of-raster\">" : "<ul class=\"legend\">";
   for (const auto& [colour, label] : entries) html += "<li>" + swatch(colour) + htmlText(label) + "</li>";
   return html + "</ul>\n";
 }
 
 std::string figure(const std::string& svg, const std::string& caption, const std::string& more = "") {
   return "<figure>" + svg + "<figcaption>" + htmlText(caption) + more + "</figcaption></figure>\n";
+}
+
+std::string barText(const Ground& ground) {
+  return " The bar is " + stepLabel(scaleBar(ground.window)) + " m.";
 }
 
 std::string mapId(size_t run) {
@@ -162,15 +167,16 @@ std::string overview(const ReportPage& page, const Ground& ground) {
     body += pathElement(positions(page.truth), ground.window, kTruthPath, 6);
     legend.emplace_back(kTruthPath, "truth");
   }
-  for (size_t i = 0; i < page.runs.size(); ++i) {
-    if (page.runs[i].path.empty()) continue;
+  // The best lies on top.
+  for (size_t i = page.runs.size(); i-- > 0;)
     body += pathElement(positions(page.runs[i].path), ground.window, methodColour(i), 2);
-    legend.emplace_back(methodColour(i), page.runs[i].method);
-  }
+  for (size_t i = 0; i < page.runs.size(); ++i)
+    if (!page.runs[i].path.empty()) legend.emplace_back(methodColour(i), page.runs[i].method);
   if (body.empty()) return "";
   return "<section id=\"paths\"><h2>Paths</h2>\n<div class=\"maps one\">" +
          figure(mapSvg(ground.window, "the paths of all methods", body),
-                page.plan ? "All paths on the true plan." : "All paths on the map of the first method.",
+                (page.plan ? "All paths on the true plan." : "All paths on the map of the first method.") +
+                    barText(ground),
                 legendElement(legend)) +
          "</div>\n";
 }
@@ -198,9 +204,8 @@ std::string chartFigure(const std::string& svg, const std::string& caption,
   if (svg.empty()) return "";
   std::vector<std::pair<Colour, std::string>> legend;
   for (const auto& line : series) legend.emplace_back(line.colour, line.label);
-  return "<figure><div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"" + htmlText(caption) +
-         "\">" + svg + "</div><figcaption>" + htmlText(caption) + legendElement(legend) +
-         "</figcaption></figure>\n";
+  return "<figure><section class=\"wide\" tabindex=\"0\" aria-label=\"" + htmlText(caption) + "\">" + svg +
+         "</section><figcaption>" + htmlText(caption) + legendElement(legend) + "</figcaption></figure>\n";
 }
 
 std::string errorChart(const ReportPage& page) {
@@ -271,13 +276,15 @@ std::string runSection(const ReportPage& page, size_t index, const Ground& groun
     std::vector<std::pair<Colour, std::string>> legend = {{kTruthPath, "truth"}};
     for (const auto& c : errorClasses()) legend.emplace_back(c.colour, c.label);
     html += figure(mapSvg(ground.window, "the path of " + run.method + " coloured by error", body),
-                   "Its path, coloured by its distance from the true one.", legendElement(legend));
+                   "Its path, coloured by its distance from the true one." + barText(ground),
+                   legendElement(legend));
   } else {
     body += pathElement(positions(run.path), ground.window, methodColour(index), 2);
-    html += figure(mapSvg(ground.window, "the path of " + run.method, body), "Its path.");
+    html += figure(mapSvg(ground.window, "the path of " + run.method, body), "Its path." + barText(ground));
   }
   if (run.map) {
-    html += figure(mapSvg(ground.window, "the map of " + run.method, useElement(mapId(index))), "Its map.");
+    html += figure(mapSvg(ground.window, "the map of " + run.method, useElement(mapId(index))),
+                   "Its map." + barText(ground));
     if (page.plan) {
       const MapDifference difference(*page.plan, *run.map, run.T_world_map,
                                      page.seen ? &*page.seen : nullptr);
@@ -286,7 +293,7 @@ std::string runSection(const ReportPage& page, size_t index, const Ground& groun
       html += figure(mapSvg(ground.window, "the map of " + run.method + " against the true plan",
                             imageElement(ground, "difference-" + std::to_string(index),
                                          differencePng(difference, ground.window, ground.cell_m))),
-                     "The difference from the true plan.", legendElement(legend));
+                     "The difference from the true plan." + barText(ground), legendElement(legend, true));
     }
   }
   return html + "</div>\n" + eventsElement(run.events) + "</section>\n";

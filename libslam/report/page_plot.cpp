@@ -140,8 +140,12 @@ size_t errorClass(double error_m) {
 
 }  // namespace
 
+double scaleBar(const Window& window) {
+  return niceStep(0.25 * window.width());
+}
+
 std::string mapSvg(const Window& window, const std::string& description, const std::string& body) {
-  const double bar_m = niceStep(0.25 * window.width());
+  const double bar_m = scaleBar(window);
   const double air = 0.02 * window.width();
   const double x = window.x0 + air, y = -window.y0 - air;
   return "<svg class=\"map\" viewBox=\"" + fixed(window.x0, 2) + " " + fixed(-window.y1, 2) + " " +
@@ -177,7 +181,7 @@ std::string errorPathElements(const core::Trajectory& path, const std::vector<do
 
 namespace {
 
-constexpr double kWidth = 720, kHeight = 300, kLeft = 78, kRight = 12, kTop = 14, kBottom = 44;
+constexpr double kWidth = 720, kHeight = 300, kLeft = 78, kRight = 22, kTop = 14, kBottom = 44;
 
 struct Axes {
   double duration_s, low, high;  // decades of the vertical axis

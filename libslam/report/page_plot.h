@@ -38,6 +38,8 @@ struct ErrorClass {
 };
 const std::vector<ErrorClass>& errorClasses();
 
+/// Of the bar in mapSvg(): 1, 2 or 5 times a power of ten.
+double scaleBar(const Window& window);
 /// A map for the page. `body`: SVG in metres, y down, over the window.
 std::string mapSvg(const Window& window, const std::string& description, const std::string& body);
 /// <path> elements for mapSvg().

@@ -142,7 +142,7 @@ TEST(HtmlReport, APageWithoutRunsIsAPage) {
   ReportPage page;
   page.title = "nothing";
   EXPECT_THAT(toHtml(page), HasSubstr("</html>"));
-  EXPECT_THAT(toHtml(page), Not(HasSubstr("replay-data\"")));
+  EXPECT_THAT(toHtml(page), Not(HasSubstr("id=\"replay-data\"")));
 }
 
 TEST(HtmlReport, WhatIsThinnedIsSaid) {

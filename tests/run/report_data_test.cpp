@@ -121,7 +121,7 @@ TEST_F(ReportData, WithoutItsLogThereAreNoScansAndThePageSaysSo) {
   ASSERT_EQ(page.missing.size(), 1U);
   EXPECT_THAT(page.missing[0], HasSubstr("/nowhere/run.rawlog is not there any more"));
   EXPECT_THAT(page.verdict.front(), HasSubstr("No truth is known"));
-  EXPECT_THAT(report::toHtml(page), HasSubstr("replay-data"));
+  EXPECT_THAT(report::toHtml(page), HasSubstr("id=\"replay-data\""));
 }
 
 TEST_F(ReportData, AFolderThatIsNoResultIsRefused) {

@@ -366,7 +366,7 @@ export class Player {
         ? `${name} ${pose.x.toFixed(2)}, ${pose.y.toFixed(2)} m, ${((pose.yaw * 180) / Math.PI).toFixed(1)}°`
         : `${name} nowhere`;
     const parts = this.replay.truth ? [say(kTruth.name, this.replay.truth.at(this.index))] : [];
-    for (const run of this.shownRuns) parts.push(say(run.name, run.path.at(this.index)));
+    for (const run of this.replay.runs) if (this.shownRuns.has(run)) parts.push(say(run.name, run.path.at(this.index)));
     this.poses.textContent = parts.join(" · ");
     const pose = this.trueOrFirst();
     this.root.dataset.time = this.replay.times[this.index].toFixed(3);
@@ -442,9 +442,11 @@ export class Player {
     };
     const { truth } = this.replay;
     if (truth && this.showTruth) trail((i) => truth.at(i), kTruth.colour, 5);
-    for (const run of this.shownRuns) trail((i) => run.path.at(i), run.colour, 2);
+    // The best lies on top.
+    const runs = this.replay.runs.filter((run) => this.shownRuns.has(run)).reverse();
+    for (const run of runs) trail((i) => run.path.at(i), run.colour, 2);
     if (truth && this.showTruth) robot(truth.at(this.index), kTruth.colour);
-    for (const run of this.shownRuns) robot(run.path.at(this.index), run.colour);
+    for (const run of runs) robot(run.path.at(this.index), run.colour);
   }
 
   private goalNow(): [number, number] | null {
@@ -487,7 +489,7 @@ export class Player {
     const context = prepare(this.chart, aspect);
     const width = this.chart.clientWidth;
     const height = width * aspect;
-    const [left, right, top, bottom] = [42, 8, 22, 34];
+    const [left, right, top, bottom] = [42, 12, 32, 34];
     const lastAngle = scans.first + (scans.beams - 1) * scans.step;
     const px = (angle: number): number =>
       left + ((width - left - right) * (angle - scans.first)) / (lastAngle - scans.first);
@@ -505,7 +507,7 @@ export class Player {
     for (let i = 0; i <= 4; ++i) {
       const range = (scans.usual * i) / 4;
       context.strokeRect(left, py(range), width - left - right, 0);
-      label(range.toFixed(scans.usual < 8 ? 1 : 0), left - 5, py(range) + 4, "right");
+      label(range.toFixed(0), left - 5, py(range) + 4, "right");
       const angle = scans.first + ((lastAngle - scans.first) * i) / 4;
       label(((angle * 180) / Math.PI).toFixed(0), Math.min(px(angle), width - right - 10), height - bottom + 14, "center");
     }
@@ -539,7 +541,7 @@ export class Player {
       context.arc(half, half, scans.usual * share * scale, 0, 2 * Math.PI);
       context.stroke();
       context.textAlign = "left";
-      context.fillText(`${(scans.usual * share).toFixed(1)} m`, half + 3, half + scans.usual * share * scale - 4);
+      context.fillText(`${(scans.usual * share).toFixed(0)} m`, half + 3, half + scans.usual * share * scale - 4);
     }
     context.fillStyle = this.dark.matches ? "#ff9d6e" : "#d55e00";
     for (let beam = 0; beam < scans.beams; ++beam) {

@@ -37,7 +37,7 @@ export interface Scans {
   step: number;
   beams: number;
   mount: [number, number, number];
-  /** Metres; most returns are nearer: what charts show. */
+  /** Metres; most returns are nearer: what charts show; a multiple of 4. */
   usual: number;
   /** Metres; NaN: no return or lost. */
   range(scan: number, beam: number): number;
@@ -76,7 +76,7 @@ function scansOf(packed: NonNullable<Packed["scan"]>): Scans {
     step: packed.step,
     beams: packed.beams,
     mount: packed.mount,
-    usual: Math.max(1, (returns[Math.floor(kUsualShare * returns.length)] ?? 0) / 100),
+    usual: 4 * Math.max(1, Math.ceil((returns[Math.floor(kUsualShare * returns.length)] ?? 0) / 400)),
     range(scan, beam) {
       const value = code(scan * packed.beams + beam);
       return value >= kNoReturnCode ? NaN : value / 100;
