@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libslam/core/error.h"
+#include "libslam/core/parameters.h"
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/report/page_bundle.h"
 #include "libslam/report/page_plot.h"
@@ -30,16 +31,25 @@ std::string paragraph(const std::string& text) {
 
 // --- tables
 
+/// What sorts: the number itself, not its rounded text; of "0.5 [0.4, 0.6]" the first.
+std::string sortValue(const CellValue& cell) {
+  double number = kNan;
+  if (const auto* value = std::get_if<double>(&cell)) {
+    number = *value;
+  } else {
+    const auto& text = std::get<std::string>(cell);
+    if (text != "-" && !core::parseNumber(text.substr(0, text.find(" [")), number)) return "";
+  }
+  if (std::isfinite(number)) return nlohmann::json(number).dump();
+  return std::isnan(number) ? "NaN" : number > 0 ? "Infinity" : "-Infinity";
+}
+
 std::string cellElement(const CellValue& cell, const Column& column, bool is_head) {
-  const auto* number = std::get_if<double>(&cell);
-  if (is_head) return "<th scope=\"row\">" + htmlText(shownText(cell, column)) + "</th>";
-  if (number == nullptr) return "<td>" + htmlText(shownText(cell, column)) + "</td>";
-  // What sorts is the number itself, not its rounded text.
-  const std::string value = std::isfinite(*number) ? nlohmann::json(*number).dump()
-                            : std::isnan(*number)  ? "NaN"
-                            : *number > 0          ? "Infinity"
-                                                   : "-Infinity";
-  return "<td class=\"number\" data-value=\"" + value + "\">" + htmlText(shownText(cell, column)) + "</td>";
+  const auto text = htmlText(shownText(cell, column));
+  if (is_head) return "<th scope=\"row\">" + text + "</th>";
+  const auto value = sortValue(cell);
+  if (value.empty()) return "<td>" + text + "</td>";
+  return "<td class=\"number\" data-value=\"" + value + "\">" + text + "</td>";
 }
 
 std::string tableElement(const Table& table) {
@@ -47,17 +57,22 @@ std::string tableElement(const Table& table) {
                      "\">\n<table class=\"sortable\">\n" + tag("caption", table.caption) + "\n<thead><tr>";
   for (size_t i = 0; i < table.columns.size(); ++i) {
     const bool numeric = std::any_of(table.rows.begin(), table.rows.end(),
-                                     [i](const auto& row) { return std::holds_alternative<double>(row[i]); });
+                                     [i](const auto& row) { return !sortValue(row[i]).empty(); });
     html += std::string("<th scope=\"col\"") + (numeric ? " class=\"number\">" : ">") +
             htmlText(table.columns[i].title) + "</th>";
   }
   html += "</tr></thead>\n<tbody>\n";
-  for (const auto& row : table.rows) {
+  const size_t rows = std::min(table.rows.size(), kMostTableRows);
+  for (size_t r = 0; r < rows; ++r) {
+    const auto& row = table.rows[r];
     html += "<tr>";
     for (size_t i = 0; i < row.size(); ++i) html += cellElement(row[i], table.columns[i], i == 0);
     html += "</tr>\n";
   }
   html += "</tbody></table></section>\n";
+  if (rows < table.rows.size())
+    html += "<p class=\"note\">The first " + std::to_string(rows) + " of " +
+            std::to_string(table.rows.size()) + " rows.</p>\n";
   for (const auto& note : table.notes) html += "<p class=\"note\">" + htmlText(note) + "</p>\n";
   return html;
 }

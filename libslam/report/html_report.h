@@ -62,6 +62,7 @@ struct ReportPage {
   std::vector<std::pair<std::string, std::string>> facts;  ///< how to make it again: name, value
 };
 inline constexpr std::size_t kMostReplayed = 2000;      ///< scans
+inline constexpr std::size_t kMostTableRows = 300;      ///< the first ones of a table
 inline constexpr std::size_t kMostReplayedBeams = 181;  ///< of a scan; of more every n-th is kept
 inline constexpr std::size_t kMostListedEvents =
     300;  ///< of a run; evenly chosen among more, which the page says

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
@@ -260,6 +261,52 @@ std::string toMarkdown(const Table& table) {
   }
   for (const auto& note : table.notes) text += "\n" + onOneLine(note) + "\n";
   return text;
+}
+
+namespace {
+
+/// The cells of a line that begins and ends with a bar.
+std::vector<std::string> markdownCells(const std::string& line) {
+  std::vector<std::string> cells(1);
+  for (size_t i = 1; i + 1 < line.size(); ++i) {
+    if (line[i] == '|')
+      cells.emplace_back();
+    else if (line[i] != '\\' || line[i + 1] != '|')
+      cells.back() += line[i];
+    else
+      cells.back() += line[++i];
+  }
+  for (auto& cell : cells)  // a blank on either side
+    cell = cell.size() > 2 ? cell.substr(1, cell.size() - 2) : "";
+  return cells;
+}
+
+}  // namespace
+
+Table fromMarkdown(const std::string& markdown) {
+  Table table;
+  std::istringstream lines(markdown);
+  bool is_rule_next = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty()) continue;
+    if (line.front() != '|') {
+      const bool bold = line.size() > 4 && line.substr(0, 2) == "**" && line.substr(line.size() - 2) == "**";
+      if (bold && table.columns.empty())
+        table.caption = line.substr(2, line.size() - 4);
+      else
+        table.notes.push_back(line);
+    } else if (table.columns.empty()) {
+      for (const auto& title : markdownCells(line)) table.columns.push_back({title, title});
+      is_rule_next = true;
+    } else if (is_rule_next) {
+      is_rule_next = false;
+    } else {
+      const auto cells = markdownCells(line);
+      table.rows.emplace_back(cells.begin(), cells.end());
+      table.rows.back().resize(table.columns.size(), std::string());
+    }
+  }
+  return table;
 }
 
 std::string toLatex(const Table& table) {

@@ -39,33 +39,11 @@ struct Asked {
   std::string method, folder, failure;
 };
 
-nlohmann::json readJsonTable(const std::string& path) {
-  auto json = nlohmann::json::parse(core::readTextFile(path), nullptr, false);
-  if (!json.is_object() || !json.contains("rows") || !json["rows"].is_array() || !json.contains("columns") ||
-      !json["columns"].is_array())
-    throw core::InputError(
-        path + ": is not a table that rasterslam wrote, expected an object with 'columns' and 'rows'");
-  return json;
-}
-
-/// toJson() read back; what it does not tell, the digits, are `decimals`.
-report::Table tableOf(const nlohmann::json& json, int decimals) {
-  report::Table table;
-  table.caption = json.value("caption", "");
-  table.notes = json.value("notes", std::vector<std::string>());
-  for (const auto& column : json["columns"])
-    table.columns.push_back({column.value("key", ""), column.value("title", ""), decimals});
-  for (const auto& row : json["rows"]) {
-    std::vector<report::CellValue> cells;
-    for (const auto& column : table.columns) {
-      const auto cell = row.find(column.key);
-      if (cell != row.end() && cell->is_string())
-        cells.emplace_back(cell->get<std::string>());
-      else
-        cells.emplace_back(cell != row.end() && cell->is_number() ? cell->get<double>() : kNan);
-    }
-    table.rows.push_back(std::move(cells));
-  }
+/// A table that toMarkdown() wrote, as people saw it.
+report::Table readTable(const std::string& path) {
+  auto table = report::fromMarkdown(core::readTextFile(path));
+  if (table.columns.empty())
+    throw core::InputError(path + ": holds no table, expected what rasterslam wrote");
   return table;
 }
 
@@ -91,7 +69,9 @@ std::vector<Asked> methodsOfComparison(const std::string& folder, report::Report
         "--resume' goes on with it.");
     return methods;
   }
-  const auto scores = readJsonTable(path);
+  const auto scores = nlohmann::json::parse(core::readTextFile(path), nullptr, false);
+  if (!scores.is_object() || !scores.contains("rows") || !scores["rows"].is_array())
+    throw core::InputError(path + ": is not a table that rasterslam wrote, expected an object with 'rows'");
   for (const auto& row : scores["rows"]) {
     if (!row.is_object() || !row.contains("method") || !row["method"].is_string())
       throw core::InputError(path + ": a row names no method, expected key 'method'");
@@ -307,8 +287,8 @@ void addExploration(const std::string& folder, report::ReportPage& page) {
     last = goal;
   }
   addPicture(page, folder + "/coverage.png", "Explored share over time, path and scans.");
-  if (fs::exists(folder + "/scores.json"))
-    page.tables.insert(page.tables.begin(), tableOf(readJsonTable(folder + "/scores.json"), 3));
+  if (fs::exists(folder + "/scores.md"))
+    page.tables.insert(page.tables.begin(), readTable(folder + "/scores.md"));
 }
 
 void addDownload(report::ReportPage& page, const std::string& path, const std::string& name,
@@ -350,6 +330,31 @@ std::string titleOf(const std::string& folder, const std::string& what) {
   auto path = fs::weakly_canonical(folder);
   if (path.filename().empty()) path = path.parent_path();
   return what + ": " + path.filename().string();
+}
+
+/// The errors against relations, where a comparison was scored by them.
+void addRelations(const std::string& folder, report::ReportPage& page) {
+  const std::string path = folder + "/relations.json";
+  if (!fs::exists(path)) return;
+  const auto json = nlohmann::json::parse(core::readTextFile(path), nullptr, false);
+  if (!json.is_object() || !json.contains("columns") || !json.contains("rows"))
+    throw core::InputError(path + ": is not a table that rasterslam wrote, expected 'columns' and 'rows'");
+  report::Table table;
+  table.caption = json.value("caption", "");
+  table.notes = json.value("notes", std::vector<std::string>());
+  for (const auto& column : json["columns"])
+    table.columns.push_back({column.value("key", ""), column.value("title", "")});
+  for (const auto& row : json["rows"]) {
+    table.rows.emplace_back();
+    for (const auto& column : table.columns) {
+      const auto cell = row.find(column.key);
+      if (cell != row.end() && cell->is_string())
+        table.rows.back().emplace_back(cell->get<std::string>());
+      else
+        table.rows.back().emplace_back(cell != row.end() && cell->is_number() ? cell->get<double>() : kNan);
+    }
+  }
+  page.tables.insert(page.tables.begin(), std::move(table));
 }
 
 /// Runs, figures and replay of a comparison or of a single run.
@@ -395,18 +400,19 @@ void fill(const std::vector<Asked>& methods, const std::string& folder, const co
     page.seen = truth->seen;
   }
   if (!log_path.empty()) readScans(log_path, progress, page);
+  addRelations(folder, page);
   addTableDownloads(folder, page);
   addRunDownloads(runs, page);
 }
 
 /// Several explorations: their tables and curves.
 bool isExplorations(const std::string& folder) {
-  return fs::exists(folder + "/runs.csv") && fs::exists(folder + "/scores.json");
+  return fs::exists(folder + "/runs.csv") && fs::exists(folder + "/scores.md");
 }
 
 void fillExplorations(const std::string& folder, report::ReportPage& page) {
   page.title = titleOf(folder, "Explorations");
-  page.tables.push_back(tableOf(readJsonTable(folder + "/scores.json"), 3));
+  page.tables.push_back(readTable(folder + "/scores.md"));
   page.verdict.push_back(
       "This folder holds several explorations; 'rasterslam report' of one of theirs has its replay.");
   addPicture(page, folder + "/coverage.png", "Explored share over time, path and scans.");
@@ -427,7 +433,7 @@ void fillExplorations(const std::string& folder, report::ReportPage& page) {
 /// A sweep of bench(): statistics over the seeds, with intervals.
 void fillSweep(const std::string& folder, const core::Manifest& manifest, report::ReportPage& page) {
   page.title = titleOf(folder, "Sweep");
-  page.tables.push_back(tableOf(readJsonTable(folder + "/summary.json"), 3));
+  page.tables.push_back(readTable(folder + "/summary.md"));
   page.verdict.push_back(resultOf(manifest, "runs") +
                          " runs: statistics over the seeds, with 95 % intervals.");
   const auto missing = resultOf(manifest, "missing"), failed = resultOf(manifest, "failed");
@@ -467,7 +473,7 @@ report::ReportPage gatherReport(const std::string& folder, core::Progress& progr
     addExploration(folder, page);
     return page;
   }
-  if (fs::exists(folder + "/summary.json")) {
+  if (fs::exists(folder + "/summary.md")) {
     fillSweep(folder, manifest, page);
     return page;
   }
