@@ -255,11 +255,10 @@ std::string timeChart(const std::vector<TimeSeries>& series, const std::string& 
                     fixed(kTop, 0) + "\" data-bottom=\"" + fixed(kHeight - kBottom, 0) +
                     "\" data-duration=\"" + fixed(duration_s, 3) + "\">\n";
   std::string grid, labels;
-  for (double decade = axes->low; decade <= axes->high; ++decade) {
+  for (int decade = static_cast<int>(axes->low); decade <= static_cast<int>(axes->high); ++decade) {
     const double y = axes->y(std::pow(10, decade));
     grid += "M" + fixed(kLeft, 1) + " " + fixed(y, 1) + "H" + fixed(kWidth - kRight, 1);
-    labels += textElement(kLeft - 8, y + 5, "end",
-                          fixed(std::pow(10, decade), static_cast<int>(std::max(0.0, -decade))));
+    labels += textElement(kLeft - 8, y + 5, "end", fixed(std::pow(10, decade), std::max(0, -decade)));
   }
   const double step_s = niceStep(duration_s / 5);
   for (int i = 0; i * step_s <= duration_s; ++i) {

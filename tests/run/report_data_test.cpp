@@ -81,6 +81,15 @@ TEST_F(ReportData, OneRunOfItIsAPageToo) {
   EXPECT_FALSE(page.scans.empty());
 }
 
+TEST_F(ReportData, ARunThatWentOnInAMapFindsItsLogNotTheMap) {
+  const auto path = copy() + "/graph";
+  auto manifest = core::readManifest(path + "/manifest.json");
+  manifest.inputs[path + "/map.simplemap"] = "0";
+  manifest.inputs["/a/map.simplemap"] = "0";
+  core::writeManifest(manifest, path + "/manifest.json");
+  EXPECT_FALSE(gather(path).scans.empty());
+}
+
 TEST_F(ReportData, AMethodThatFailedKeepsItsRowAndReason) {
   const auto folder = copy();
   fs::remove_all(folder + "/graph");
