@@ -82,12 +82,12 @@ TEST_F(ReportData, OneRunOfItIsAPageToo) {
 }
 
 TEST_F(ReportData, ARunThatWentOnInAMapFindsItsLogNotTheMap) {
-  const auto path = copy() + "/graph";
-  auto manifest = core::readManifest(path + "/manifest.json");
-  manifest.inputs[path + "/map.simplemap"] = "0";
-  manifest.inputs["/a/map.simplemap"] = "0";
-  core::writeManifest(manifest, path + "/manifest.json");
-  EXPECT_FALSE(gather(path).scans.empty());
+  const auto folder = copy();
+  const auto path = folder + "/graph/manifest.json";
+  auto manifest = core::readManifest(path);
+  manifest.inputs = {{folder + "/graph/map.simplemap", "0"}, {folder + "/log/run.rawlog", "0"}};
+  core::writeManifest(manifest, path);
+  EXPECT_FALSE(gather(folder + "/graph").scans.empty());
 }
 
 TEST_F(ReportData, AMethodThatFailedKeepsItsRowAndReason) {
