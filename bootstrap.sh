@@ -12,6 +12,7 @@ usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
   test     build, then run all tests
   bench    build with benchmarks, then run them (ARGUMENTS go to the benchmark)
   schedulers   install GNU parallel and Slurm, with which `test` then tries sweeps (without: those tests skip)
+  page     install Node.js and Chromium, make the HTML report's bundle; `test` then tries the report in the browser
   fuzz     build every reader of files with clang's fuzzer and let each run a minute (ARGUMENTS go to tests/fuzz/run.sh)
 
   --no-install   do not install packages (for users without root); says what is missing and goes on
@@ -33,6 +34,8 @@ bench_packages=(libbenchmark-dev)
 oracle_packages=(librosbag-storage-dev libroscpp-core-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev libfastcdr-dev)
 # Schedulers that tests of sweeps start when they are there, and skip otherwise.
 scheduler_packages=(parallel slurmctld slurmd slurm-client munge)
+# What makes the HTML report's bundle, and the browser that tests open it in; without them those tests skip.
+page_packages=(nodejs npm chromium)
 fuzz_packages=(clang-14 libclang-rt-14-dev)
 
 say() { printf 'bootstrap: %s\n' "$*" >&2; }
@@ -111,6 +114,10 @@ case "$verb" in
     ;;
   schedulers)
     install_missing "${scheduler_packages[@]}"
+    ;;
+  page)
+    install_missing "${page_packages[@]}"
+    (cd libslam/report/page && npm ci --ignore-scripts --no-fund --no-audit && npm run build)
     ;;
   bench)
     install_missing "${packages[@]}" "${bench_packages[@]}"

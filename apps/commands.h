@@ -44,6 +44,7 @@ void addPlugin(CLI::App& app, Context& context);
 void addStress(CLI::App& app, Context& context);
 void addTune(CLI::App& app, Context& context);
 void addRelations(CLI::App& app, Context& context);
+void addReport(CLI::App& app, Context& context);
 void addWorld(CLI::App& app, Context& context);
 void addWorldMake(CLI::App& world, Context& context);
 void addWorldCheck(CLI::App& world, Context& context);

@@ -5,7 +5,10 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/report/html_report.h"
 #include "libslam/run/compare.h"
+#include "libslam/run/report_data.h"
 #include "libslam/run/resources.h"
 
 namespace slam::apps {
@@ -28,11 +31,15 @@ run::CompareRequest commonRequest(const Context& context, const std::string& out
   return request;
 }
 
-int show(const run::Comparison& comparison, const std::string& title, const std::string& folder) {
-  std::cout << "\n== " << title << "\n\n"
-            << report::toText(comparison.accuracy) << "\n"
-            << report::toText(comparison.cost) << "\nLook at " << folder << "/maps.png and " << folder
-            << "/paths.png; each method's folder holds its map for MRPT's viewers.\n";
+int show(const run::Comparison& comparison, const std::string& title, const std::string& folder,
+         core::Progress& progress) {
+  const std::string page = folder + "/report.html";
+  core::writeFileAtomically(page, report::toHtml(run::gatherReport(folder, progress)));
+  std::cout
+      << "\n== " << title << "\n\n"
+      << report::toText(comparison.accuracy) << "\n"
+      << report::toText(comparison.cost) << "\nOpen " << page
+      << " in a browser: maps, errors, replay. Each method's folder holds its map for MRPT's viewers.\n";
   return comparison.failed;
 }
 
@@ -44,7 +51,7 @@ int demo(const Context& context) {
   simulated.plan_path = run::resolvePlan(kWorld);
   simulated.record = run::readRecordConfig(core::IniFile());
   int failed = show(run::compare(simulated, context.manifest(), progress),
-                    std::string("A robot explores the plan '") + kWorld + "'", simulated.output);
+                    std::string("A robot explores the plan '") + kWorld + "'", simulated.output, progress);
 
   const std::string datasets = run::mrptDatasetsFolder();
   const std::string real_log = datasets.empty() ? "" : datasets + "/" + kRealLog;
@@ -56,7 +63,7 @@ int demo(const Context& context) {
     auto real = commonRequest(context, output + "/real");
     real.log_path = real_log;
     failed += show(run::compare(real, context.manifest(), progress),
-                   "A real robot in Malaga (MRPT's sample log)", real.output);
+                   "A real robot in Malaga (MRPT's sample log)", real.output, progress);
   }
   std::cout << "\nNext: rasterslam simulate YOUR_PLAN.png -o run.rawlog && rasterslam compare run.rawlog\n";
   return static_cast<int>(failed ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);

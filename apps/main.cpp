@@ -59,6 +59,7 @@ int main(int argc, char** argv) {
   slam::apps::addPlot(app, context);
   slam::apps::addPlugin(app, context);
   slam::apps::addRelations(app, context);
+  slam::apps::addReport(app, context);
   slam::apps::addWorld(app, context);
   slam::apps::addData(app, context);
   slam::apps::addList(app, context);

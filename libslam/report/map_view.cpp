@@ -23,6 +23,13 @@ Window windowWhere(const world::Plan& raster, const core::Pose2& T_world_raster,
   return window;
 }
 
+/// The element in the middle of the order, of an even number the lower.
+double middle(std::vector<double> values) {
+  const auto half = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+  std::nth_element(values.begin(), half, values.end());
+  return *half;
+}
+
 }  // namespace
 
 void Window::include(const core::Point2& p) {
@@ -57,6 +64,34 @@ Window windowOf(const core::Trajectory& path) {
   Window window;
   for (const auto& stamped : path) window.include(core::position(stamped.pose));
   return window;
+}
+
+Window usable(Window window) {
+  if (window.isEmpty()) window.include(core::Point2{0, 0});
+  const double least = std::max(0.05 * std::max(window.width(), window.height()), 0.5);
+  if (window.width() < least) window.x0 -= least / 2, window.x1 += least / 2;
+  if (window.height() < least) window.y0 -= least / 2, window.y1 += least / 2;
+  return window.grownBy(0.025);
+}
+
+Window withEstimates(const Window& truth, const Window& estimates) {
+  Window all = truth;
+  all.include(truth.isEmpty() ? estimates : estimates.cutTo(truth.grownBy(0.1)));
+  return all;
+}
+
+Window commonWindow(const std::vector<Window>& maps, const Window& truth, const Window& estimates) {
+  std::vector<double> left, bottom, right, top;
+  for (const auto& map : maps) {
+    if (map.isEmpty()) continue;
+    left.push_back(-map.x0), bottom.push_back(-map.y0);
+    right.push_back(map.x1), top.push_back(map.y1);
+  }
+  if (left.empty()) return usable(withEstimates(truth, estimates));
+  Window window{-middle(left), -middle(bottom), middle(right), middle(top)};
+  if (window.isEmpty()) return usable(withEstimates(truth, estimates));
+  window.include(truth);
+  return usable(window);
 }
 
 Pixel MapView::toPixel(const core::Point2& p_world) const {

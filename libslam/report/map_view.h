@@ -28,6 +28,14 @@ struct Window {
 Window windowOf(const world::Plan& raster, const core::Pose2& T_world_raster);
 Window windowOf(const core::Trajectory& path);
 
+/// Never empty and never thin, with a little air all round: a picture needs an area.
+Window usable(Window window);
+/// Estimates may have gone far astray: they widen a window that the truth gives by a tenth at most.
+Window withEstimates(const Window& truth, const Window& estimates);
+/// One usable window for several maps. A map that has gone to pieces must not shrink the others: each side lies where
+/// it does for half of the maps that have any, and all of the truth is shown. Without a map: withEstimates().
+Window commonWindow(const std::vector<Window>& maps, const Window& truth, const Window& estimates);
+
 /// A window of the world on a box of a canvas, y up.
 struct MapView {
   Window window;

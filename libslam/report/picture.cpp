@@ -5,7 +5,7 @@
 #include <map>
 
 #include "libslam/core/error.h"
-#include "libslam/metrics/nearest_points.h"
+#include "libslam/report/map_difference.h"
 #include "libslam/report/map_view.h"
 
 namespace slam::report {
@@ -23,22 +23,6 @@ constexpr double kLeastWidth = 600, kMostWidth = 1960;  // of what lies within t
 /// The scale at which a window fills as much of a box as its shape allows.
 double fittingScale(const Window& window, double width, double height) {
   return std::min(width / window.width(), height / window.height());
-}
-
-/// Never empty and never thin: a picture needs an area.
-Window usable(Window window) {
-  if (window.isEmpty()) window.include(core::Point2{0, 0});
-  const double least = std::max(0.05 * std::max(window.width(), window.height()), 0.5);
-  if (window.width() < least) window.x0 -= least / 2, window.x1 += least / 2;
-  if (window.height() < least) window.y0 -= least / 2, window.y1 += least / 2;
-  return window.grownBy(0.025);
-}
-
-/// Estimates may have gone far astray: they widen a window that the truth gives by a tenth at most.
-Window withEstimates(const Window& truth, const Window& estimates) {
-  Window all = truth;
-  all.include(truth.isEmpty() ? estimates : estimates.cutTo(truth.grownBy(0.1)));
-  return all;
 }
 
 std::vector<DrawnPath> truthFirst(std::vector<DrawnPath> paths) {
@@ -116,101 +100,16 @@ class MapSheet {
   MapView view_;
 };
 
-/// Labels of the difference, see LabelRaster. Of the true plan:
-enum TrueLabel : unsigned char {
-  kTrueUnknown,
-  kTrueFree,
-  kInsideWall,
-  kUnseenFace,
-  kAgreedFace,
-  kMissedFace
-};
-/// And of the map:
-enum MapLabel : unsigned char { kMapUnknown, kMapFree, kAgreedWall, kWrongWall };
-
-/// A wall cell that touches free space, be it at a corner: what can be seen of a wall.
-bool isFace(const world::Plan& plan, int column, int row) {
-  for (int dy = -1; dy <= 1; ++dy)
-    for (int dx = -1; dx <= 1; ++dx)
-      if (plan.contains(column + dx, row + dy) && plan.at(column + dx, row + dy) == world::Cell::kFree)
-        return true;
-  return false;
-}
-
-core::Point2 centre(const world::Plan& raster, const core::Pose2& T_world_raster, int column, int row) {
-  return T_world_raster *
-         core::Point2{(column + 0.5) * raster.resolution_m, (row + 0.5) * raster.resolution_m};
-}
-
-std::vector<core::Point2> wallCentres(const world::Plan& raster, const core::Pose2& T_world_raster) {
-  std::vector<core::Point2> centres;
-  for (int row = 0; row < raster.rows; ++row)
-    for (int column = 0; column < raster.columns; ++column)
-      if (raster.at(column, row) == world::Cell::kOccupied)
-        centres.push_back(centre(raster, T_world_raster, column, row));
-  return centres;
-}
-
-LabelRaster labelTruth(const world::Plan& plan, const metrics::NearestPoints& map_walls, double tolerance_m,
-                       const metrics::SeenMask* seen) {
-  return LabelRaster(plan, plan.T_world_plan, [&](int column, int row) {
-    const auto cell = plan.at(column, row);
-    if (cell != world::Cell::kOccupied) return cell == world::Cell::kFree ? kTrueFree : kTrueUnknown;
-    if (!isFace(plan, column, row)) return kInsideWall;
-    const double distance_m = map_walls.distance(centre(plan, plan.T_world_plan, column, row));
-    if (distance_m <= tolerance_m) return kAgreedFace;
-    return !seen || seen->wall[static_cast<size_t>(row) * plan.columns + column] ? kMissedFace : kUnseenFace;
-  });
-}
-
-LabelRaster labelMap(const world::Plan& map, const core::Pose2& T_world_raster,
-                     const metrics::NearestPoints& true_walls, double tolerance_m) {
-  return LabelRaster(map, T_world_raster, [&](int column, int row) {
-    const auto cell = map.at(column, row);
-    if (cell != world::Cell::kOccupied) return cell == world::Cell::kFree ? kMapFree : kMapUnknown;
-    return true_walls.distance(centre(map, T_world_raster, column, row)) <= tolerance_m ? kAgreedWall
-                                                                                        : kWrongWall;
-  });
-}
-
-constexpr Colour kSolid{190, 190, 190}, kUnseen{160, 168, 176}, kClaimedFree{250, 222, 200},
-    kMissed = kBlue, kWrong = kVermillion;
-
-Colour differenceColour(unsigned char truth, unsigned char map) {
-  if (map == kWrongWall) return kWrong;
-  if (truth == kMissedFace) return kMissed;
-  if (map == kAgreedWall || truth == kAgreedFace) return kWall;
-  if (map == kMapFree) return truth == kTrueFree ? kFree : kClaimedFree;
-  if (truth == kUnseenFace) return kUnseen;
-  return truth == kInsideWall ? kSolid : kUnknown;
-}
-
-/// The element in the middle of the order, of an even number the lower.
-double middle(std::vector<double> values) {
-  const auto half = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
-  std::nth_element(values.begin(), half, values.end());
-  return *half;
-}
-
-/// One window for all panels. A map that has gone to pieces must not shrink the others: each side lies where
-/// it does for half of the maps, and all of the truth is shown.
+/// One window for all panels: commonWindow() of their maps.
 Window commonWindow(const std::vector<Panel>& panels) {
-  std::vector<double> left, bottom, right, top;
+  std::vector<Window> maps;
   Window truth, estimates;
   for (const auto& panel : panels) {
-    const auto window = windowOf(panel.map, panel.T_world_map * panel.map.T_world_plan);
-    if (!window.isEmpty()) {
-      left.push_back(-window.x0), bottom.push_back(-window.y0);
-      right.push_back(window.x1), top.push_back(window.y1);
-      if (panel.is_true) truth.include(window);
-    }
+    maps.push_back(windowOf(panel.map, panel.T_world_map * panel.map.T_world_plan));
+    if (panel.is_true) truth.include(maps.back());
     for (const auto& path : panel.paths) (path.is_truth ? truth : estimates).include(windowOf(path.path));
   }
-  Window maps;
-  if (!left.empty()) maps = {-middle(left), -middle(bottom), middle(right), middle(top)};
-  if (maps.isEmpty()) return usable(withEstimates(truth, estimates));
-  maps.include(truth);
-  return usable(maps);
+  return commonWindow(maps, truth, estimates);
 }
 
 /// How n panels stand: the number of columns that shows them largest on a sheet of the usual shape, where an
@@ -285,35 +184,16 @@ void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, cons
 
 void drawDifference(const world::Plan& plan, const world::Plan& map, const core::Pose2& T_world_map,
                     const std::string& title, const std::string& png_path, const metrics::SeenMask* seen) {
-  if (seen && (seen->columns != plan.columns || seen->rows != plan.rows))
-    throw core::ContractError("drawDifference: the mask is not of the plan's size");
-  const double tolerance_m = 2 * std::max(plan.resolution_m, map.resolution_m);
+  const MapDifference difference(plan, map, T_world_map, seen);
   const auto T_world_raster = T_world_map * map.T_world_plan;
-  const bool placed = core::isFinite(T_world_raster);
-  const metrics::NearestPoints true_walls(wallCentres(plan, plan.T_world_plan));
-  const metrics::NearestPoints map_walls(placed ? wallCentres(map, T_world_raster)
-                                                : std::vector<core::Point2>{});
-  const auto truth_labels = labelTruth(plan, map_walls, tolerance_m, seen);
-  const auto map_labels = placed ? labelMap(map, T_world_raster, true_walls, tolerance_m) : LabelRaster{};
-
-  const auto window = usable(
-      withEstimates(windowOf(plan, plan.T_world_plan), placed ? windowOf(map, T_world_raster) : Window{}));
-  using Kind = LegendEntry::Kind;
-  std::vector<LegendEntry> legend = {
-      {Kind::kBox, kWall, "wall in both (within " + stepLabel(tolerance_m) + " m)"},
-      {Kind::kBox, kWrong, "wall in the map only"},
-      {Kind::kBox, kMissed, "wall in the truth only"}};
-  if (seen) legend.push_back({Kind::kBox, kUnseen, "wall never in view"});
-  legend.insert(legend.end(), {{Kind::kBox, kClaimedFree, "free in the map only"},
-                               {Kind::kBox, kFree, "free in both"},
-                               {Kind::kBox, kUnknown, "not mapped"}});
-  MapSheet sheet(window, title, legend);
+  const auto window =
+      usable(withEstimates(windowOf(plan, plan.T_world_plan),
+                           core::isFinite(T_world_raster) ? windowOf(map, T_world_raster) : Window{}));
+  MapSheet sheet(window, title, difference.legend());
   const auto& view = sheet.view();
   const double side_m = 1 / (view.pixelsPerMetre() * Canvas::kSubpixels);
-  sheet.canvas().paint(view.box, [&](Pixel pixel) {
-    const auto p_world = view.toWorld(pixel);
-    return differenceColour(truth_labels.at(p_world, side_m), map_labels.at(p_world, side_m));
-  });
+  sheet.canvas().paint(view.box,
+                       [&](Pixel pixel) { return difference.colourAt(view.toWorld(pixel), side_m); });
   sheet.canvas().frame(view.box, kFrame, 1);
   sheet.canvas().savePng(png_path);
 }

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
@@ -53,12 +54,6 @@ std::string fixed(double value, int decimals) {
   // "-0.000" would ask the reader what it means.
   if (text.front() == '-' && text.find_first_not_of("-0.") == std::string::npos) text.erase(0, 1);
   return text;
-}
-
-/// What people read: text on one line, numbers with the column's digits.
-std::string shown(const CellValue& cell, const Column& column) {
-  if (const auto* number = std::get_if<double>(&cell)) return fixed(*number, column.decimals);
-  return onOneLine(std::get<std::string>(cell));
 }
 
 bool isNumeric(const Table& table, size_t column) {
@@ -115,7 +110,7 @@ std::vector<TextColumn> layOut(const Table& table, bool break_titles) {
     TextColumn column;
     column.right = isNumeric(table, i);
     for (const auto& row : table.rows) {
-      column.cells.push_back(shown(row[i], table.columns[i]));
+      column.cells.push_back(shownText(row[i], table.columns[i]));
       column.width = std::max(column.width, width(column.cells.back()));
     }
     const auto title = onOneLine(table.columns[i].title);
@@ -198,7 +193,7 @@ std::string latexText(const std::string& text) {
 
 std::string latexCell(const CellValue& cell, const Column& column) {
   const auto* number = std::get_if<double>(&cell);
-  if (number == nullptr) return latexText(shown(cell, column));
+  if (number == nullptr) return latexText(shownText(cell, column));
   if (std::isnan(*number)) return "--";
   std::string text = std::isinf(*number) ? "$\\infty$" : fixed(std::abs(*number), column.decimals);
   // A value that rounds to zero has no sign.
@@ -223,6 +218,11 @@ std::string csvCell(const CellValue& cell) {
 }
 
 }  // namespace
+
+std::string shownText(const CellValue& cell, const Column& column) {
+  if (const auto* number = std::get_if<double>(&cell)) return fixed(*number, column.decimals);
+  return onOneLine(std::get<std::string>(cell));
+}
 
 std::string toText(const Table& table) {
   check(table);
@@ -256,11 +256,57 @@ std::string toMarkdown(const Table& table) {
   for (const auto& row : table.rows) {
     text += "|";
     for (size_t i = 0; i < row.size(); ++i)
-      text += " " + markdownCell(shown(row[i], table.columns[i])) + " |";
+      text += " " + markdownCell(shownText(row[i], table.columns[i])) + " |";
     text += "\n";
   }
   for (const auto& note : table.notes) text += "\n" + onOneLine(note) + "\n";
   return text;
+}
+
+namespace {
+
+/// The cells of a line that begins and ends with a bar.
+std::vector<std::string> markdownCells(const std::string& line) {
+  std::vector<std::string> cells(1);
+  for (size_t i = 1; i + 1 < line.size(); ++i) {
+    if (line[i] == '|')
+      cells.emplace_back();
+    else if (line[i] != '\\' || line[i + 1] != '|')
+      cells.back() += line[i];
+    else
+      cells.back() += line[++i];
+  }
+  for (auto& cell : cells)  // a blank on either side
+    cell = cell.size() > 2 ? cell.substr(1, cell.size() - 2) : "";
+  return cells;
+}
+
+}  // namespace
+
+Table fromMarkdown(const std::string& markdown) {
+  Table table;
+  std::istringstream lines(markdown);
+  bool is_rule_next = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty()) continue;
+    if (line.front() != '|') {
+      const bool bold = line.size() > 4 && line.substr(0, 2) == "**" && line.substr(line.size() - 2) == "**";
+      if (bold && table.columns.empty())
+        table.caption = line.substr(2, line.size() - 4);
+      else
+        table.notes.push_back(line);
+    } else if (table.columns.empty()) {
+      for (const auto& title : markdownCells(line)) table.columns.push_back({title, title});
+      is_rule_next = true;
+    } else if (is_rule_next) {
+      is_rule_next = false;
+    } else {
+      const auto cells = markdownCells(line);
+      table.rows.emplace_back(cells.begin(), cells.end());
+      table.rows.back().resize(table.columns.size(), std::string());
+    }
+  }
+  return table;
 }
 
 std::string toLatex(const Table& table) {

@@ -22,6 +22,9 @@ struct Table {
   std::vector<std::string> notes;            ///< lines under the table
 };
 
+/// What people read of a cell: text on one line, numbers with the column's digits.
+std::string shownText(const CellValue& cell, const Column& column);
+
 // All five: the same table gives the same bytes. Columns that hold a number are aligned right. Line breaks
 // inside a text become blanks, except in CSV and JSON. Two columns with one key, or a row that is not as long
 // as `columns`: ContractError.
@@ -31,6 +34,9 @@ struct Table {
 std::string toText(const Table& table);
 /// Caption in bold, a GitHub-flavoured table, notes as paragraphs.
 std::string toMarkdown(const Table& table);
+/// What toMarkdown() wrote, read back as people saw it: columns whose key is their title, cells that are text, with "-" and
+/// the digits shown. No rows where there is no table.
+Table fromMarkdown(const std::string& markdown);
 /// A table float with booktabs' rules (needs \usepackage{booktabs}; UTF-8): caption, tabular, notes in small print below.
 /// What LaTeX would read as a command is escaped; "--" is NaN, a minus sign and infinity are set as mathematics.
 std::string toLatex(const Table& table);

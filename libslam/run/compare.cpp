@@ -226,6 +226,15 @@ std::string findPlan(const std::string& log_path) {
   return "";
 }
 
+TruthFiles truthFiles(const std::string& log_path, const std::string& given_trajectory,
+                      const std::string& given_plan) {
+  TruthFiles files{given_trajectory.empty() ? findTruth(log_path) : given_trajectory,
+                   given_plan.empty() ? findPlan(log_path) : given_plan};
+  // MRPT's own form of the truth starts at the origin: it cannot be laid on the plan.
+  if (fs::path(files.trajectory).extension() != ".tum") files.plan.clear();
+  return files;
+}
+
 Comparison compare(const CompareRequest& request, core::Manifest manifest, core::Progress& progress) {
   auto methods = loadMethods(request);
   std::optional<world::Plan> plan;
@@ -263,16 +272,13 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   std::vector<RunFolder> runs;
   for (const auto& method : methods)
     if (method.failure.empty()) runs.push_back(loadRun(method.folder));
-  const std::string truth_path =
-      request.truth_path.empty() ? findTruth(comparison.log_path) : request.truth_path;
   std::string plan_path = request.truth_plan_path.empty() ? request.plan_path : request.truth_plan_path;
   // A recording on a later visit has a true plan of its own.
   if (request.record.living.visit > 1 && request.truth_plan_path.empty()) plan_path.clear();
-  if (plan_path.empty()) plan_path = findPlan(comparison.log_path);
-  // MRPT's own form of the truth starts at the origin: it cannot be laid on the plan.
-  if (fs::path(truth_path).extension() != ".tum") plan_path.clear();
+  const auto truth_files = truthFiles(comparison.log_path, request.truth_path, plan_path);
   std::optional<Truth> truth;
-  if (!truth_path.empty() && !runs.empty()) truth = loadTruth(truth_path, plan_path, runs.front());
+  if (!truth_files.trajectory.empty() && !runs.empty())
+    truth = loadTruth(truth_files.trajectory, truth_files.plan, runs.front());
   comparison.has_truth = truth.has_value();
   for (const auto& method : methods) {
     const auto run =
@@ -320,6 +326,8 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   manifest.files["paths.png"] = "all paths on one plan";
   manifest.files["scan.png"] = "the first scan: range over angle, and polar";
   manifest.results["status"] = "complete";
+  if (truth && !request.truth_path.empty()) manifest.results["truth"] = request.truth_path;
+  if (truth && !plan_path.empty()) manifest.results["plan"] = plan_path;
   manifest.results["failed_methods"] = std::to_string(comparison.failed);
   core::writeManifest(manifest, request.output + "/manifest.json");
   return comparison;

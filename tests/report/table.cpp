@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -194,6 +195,22 @@ TEST(Table, RefusesARaggedRowAndAKeyTwice) {
   } catch (const core::ContractError& e) {
     EXPECT_STREQ(e.what(), "table 'Office': row 1 has 2 cells, expected 3");
   }
+}
+
+TEST(Table, MarkdownReadsBackAsItWasSeen) {
+  const Table table{"A | B",
+                    {{"method", "method"}, {"m", "final | m", 2}},
+                    {{std::string("a|b"), 0.125}, {std::string("c"), std::nan("")}},
+                    {"First note.", "Second | note."}};
+  const auto read = fromMarkdown(toMarkdown(table));
+  EXPECT_EQ(toMarkdown(read), [&] {
+    auto text = toMarkdown(table);  // read back all is text, on the left
+    text.replace(text.find("---:"), 4, "---");
+    return text;
+  }());
+  EXPECT_EQ(read.caption, "A | B");
+  EXPECT_EQ(std::get<std::string>(read.rows[1][1]), "-");
+  EXPECT_TRUE(fromMarkdown("").rows.empty());
 }
 
 }  // namespace

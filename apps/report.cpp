@@ -1,0 +1,46 @@
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "apps/commands.h"
+#include "apps/console.h"
+#include "libslam/core/files.h"
+#include "libslam/report/html_report.h"
+#include "libslam/run/report_data.h"
+
+namespace slam::apps {
+namespace {
+
+int writeReport(const Context& context, const std::string& folder) {
+  const std::string path = context.output.empty() ? "report.html" : context.output;
+  core::refuseToOverwrite(path, context.overwrite);
+  ConsoleProgress progress(context.quiet);
+  const auto page = run::gatherReport(folder, progress);
+  const auto html = report::toHtml(page);
+  core::writeFileAtomically(path, html);
+  if (context.json)
+    std::cout << nlohmann::json{{"file", path}, {"bytes", html.size()}, {"runs", page.runs.size()}}.dump(2)
+              << "\n";
+  else
+    std::cout << path << "\n";
+  return 0;
+}
+
+}  // namespace
+
+void addReport(CLI::App& app, Context& context) {
+  auto* command = app.add_subcommand(
+      "report", "one HTML file of a result: verdict, tables, maps, errors, replay; opens anywhere");
+  auto folder = std::make_shared<std::string>();
+  command->add_option("folder", *folder, "what compare, run, explore or bench wrote")->required();
+  addOutput(command, context, "the file to write (default report.html)");
+  addJson(command, context);
+  command->footer(
+      "Example:\n  rasterslam compare office_loop -o out\n  rasterslam report out -o report.html\n"
+      "The address report.html#t=83.2 opens the replay 83.2 s after the first scan.");
+  command->callback(
+      [&context, folder] { context.action = [&context, folder] { return writeReport(context, *folder); }; });
+}
+
+}  // namespace slam::apps

@@ -1,0 +1,282 @@
+#include "libslam/report/page_plot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "libslam/core/error.h"
+#include "libslam/report/page_text.h"
+#include "libslam/report/table.h"
+
+namespace slam::report {
+namespace {
+
+std::string fixed(double value, int decimals) {
+  return shownText(value, {"", "", decimals});
+}
+
+struct PictureSize {
+  int width, height;
+  double pixel_m;
+};
+PictureSize pictureSize(const Window& window, double cell_m) {
+  const double pixel_m = std::max(cell_m, std::max(window.width(), window.height()) / kMostPixels);
+  return {std::max(1, static_cast<int>(std::lround(window.width() / pixel_m))),
+          std::max(1, static_cast<int>(std::lround(window.height() / pixel_m))), pixel_m};
+}
+
+/// set(x, y, p_world) for every pixel's centre.
+template <class Set>
+void forPixels(const Window& window, const PictureSize& size, Set set) {
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x)
+      set(x, y,
+          core::Point2{window.x0 + (x + 0.5) * window.width() / size.width,
+                       window.y1 - (y + 0.5) * window.height() / size.height});
+}
+
+std::string encodedPng(const cv::Mat& picture) {
+  std::vector<unsigned char> bytes;
+  if (!cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9}))
+    throw core::IoError("OpenCV cannot encode a PNG");
+  return {bytes.begin(), bytes.end()};
+}
+
+bool isFinitePoint(const core::Point2& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y);
+}
+
+}  // namespace
+
+std::string cssColour(Colour colour) {
+  char text[8];
+  std::snprintf(text, sizeof text, "#%02x%02x%02x", colour.red, colour.green, colour.blue);
+  return text;
+}
+
+Colour methodColour(size_t index) {
+  return lineColours()[index % lineColours().size()];
+}
+
+std::string rasterPng(const world::Plan& raster, const core::Pose2& T_world_raster, const Window& window,
+                      double cell_m) {
+  const auto size = pictureSize(window, cell_m);
+  cv::Mat picture(size.height, size.width, CV_8UC1, cv::Scalar(kUnknown.red));
+  if (core::isFinite(T_world_raster)) {
+    const LabelRaster labels(raster, T_world_raster, [&raster](int column, int row) {
+      const auto cell = raster.at(column, row);
+      return static_cast<unsigned char>(cell == world::Cell::kOccupied ? 2
+                                        : cell == world::Cell::kFree   ? 1
+                                                                       : 0);
+    });
+    const unsigned char greys[] = {kUnknown.red, kFree.red, kWall.red};
+    forPixels(window, size, [&](int x, int y, const core::Point2& p) {
+      picture.at<unsigned char>(y, x) = greys[labels.at(p, size.pixel_m)];
+    });
+  }
+  return encodedPng(picture);
+}
+
+std::string differencePng(const MapDifference& difference, const Window& window, double cell_m) {
+  const auto size = pictureSize(window, cell_m);
+  cv::Mat picture(size.height, size.width, CV_8UC3);
+  forPixels(window, size, [&](int x, int y, const core::Point2& p) {
+    const Colour colour = difference.colourAt(p, size.pixel_m);
+    picture.at<cv::Vec3b>(y, x) = {colour.blue, colour.green, colour.red};
+  });
+  return encodedPng(picture);
+}
+
+std::string pathOutline(const std::vector<core::Point2>& points, double tolerance_m) {
+  std::string outline;
+  for (size_t begin = 0; begin < points.size();) {
+    std::vector<cv::Point2f> piece;
+    for (; begin < points.size() && isFinitePoint(points[begin]); ++begin)
+      piece.emplace_back(static_cast<float>(points[begin].x), static_cast<float>(-points[begin].y));
+    if (!piece.empty()) {
+      std::vector<cv::Point2f> few;
+      cv::approxPolyDP(piece, few, tolerance_m, false);
+      outline += "M";
+      for (const auto& p : few) outline += fixed(p.x, 2) + " " + fixed(p.y, 2) + " ";
+      outline.back() = few.size() == 1 ? 'z' : ' ';
+    }
+    ++begin;
+  }
+  if (!outline.empty() && outline.back() == ' ') outline.pop_back();
+  return outline;
+}
+
+const std::vector<ErrorClass>& errorClasses() {
+  static const std::vector<ErrorClass> classes = {
+      {0.01, kBlue, "below 1 cm"},      {0.03, kSkyBlue, "1 to 3 cm"},
+      {0.1, kGreen, "3 to 10 cm"},      {0.3, kOrange, "10 to 30 cm"},
+      {1, kVermillion, "30 cm to 1 m"}, {std::numeric_limits<double>::infinity(), kPurple, "1 m and more"}};
+  return classes;
+}
+
+namespace {
+
+constexpr double kOutlineShare = 1.0 / 2000;  // of the window's longer side: less than a pixel
+
+double outlineTolerance(const Window& window) {
+  return kOutlineShare * std::max(window.width(), window.height());
+}
+
+std::string outlineElement(const std::string& outline, Colour colour, double line_width) {
+  if (outline.empty()) return "";
+  return "<path d=\"" + outline + "\" stroke=\"" + cssColour(colour) + "\" stroke-width=\"" +
+         fixed(line_width, 1) + "\"/>\n";
+}
+
+size_t errorClass(double error_m) {
+  const auto& classes = errorClasses();
+  const auto it =
+      std::find_if(classes.begin(), classes.end(), [&](const ErrorClass& c) { return error_m < c.below_m; });
+  return static_cast<size_t>(it - classes.begin());  // NaN: past the end
+}
+
+}  // namespace
+
+double scaleBar(const Window& window) {
+  return niceStep(0.25 * window.width());
+}
+
+std::string mapSvg(const Window& window, const std::string& description, const std::string& body) {
+  const double bar_m = scaleBar(window);
+  const double air = 0.02 * window.width();
+  const double x = window.x0 + air, y = -window.y0 - air;
+  return "<svg class=\"map\" viewBox=\"" + fixed(window.x0, 2) + " " + fixed(-window.y1, 2) + " " +
+         fixed(window.width(), 2) + " " + fixed(window.height(), 2) + "\" role=\"img\" aria-label=\"" +
+         htmlText(description + "; the bar is " + stepLabel(bar_m) + " m long") + "\">\n" + body +
+         "<path class=\"scale\" d=\"M" + fixed(x, 2) + " " + fixed(y, 2) + "h" + fixed(bar_m, 2) +
+         "\"/></svg>";
+}
+
+std::string pathElement(const std::vector<core::Point2>& points, const Window& window, Colour colour,
+                        double line_width) {
+  return outlineElement(pathOutline(points, outlineTolerance(window)), colour, line_width);
+}
+
+std::string errorPathElements(const core::Trajectory& path, const std::vector<double>& error_m,
+                              const Window& window) {
+  // One element per class: its stretches are pieces of one outline.
+  std::string elements;
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (size_t wanted = 0; wanted < errorClasses().size(); ++wanted) {
+    std::vector<core::Point2> points;
+    for (size_t i = 0; i + 1 < path.size(); ++i) {
+      if (errorClass(error_m[i]) != wanted) continue;
+      const auto from = core::position(path[i].pose);
+      const bool goes_on = !points.empty() && points.back().x == from.x && points.back().y == from.y;
+      if (!goes_on) points.insert(points.end(), {core::Point2{kNan, kNan}, from});
+      points.push_back(core::position(path[i + 1].pose));
+    }
+    elements += pathElement(points, window, errorClasses()[wanted].colour, 2.5);
+  }
+  return elements;
+}
+
+namespace {
+
+constexpr double kWidth = 720, kHeight = 300, kLeft = 78, kRight = 22, kTop = 14, kBottom = 44;
+
+struct Axes {
+  double duration_s, low, high;  // decades of the vertical axis
+
+  double x(double time_s) const { return kLeft + (kWidth - kLeft - kRight) * time_s / duration_s; }
+  double y(double value) const {
+    return kHeight - kBottom -
+           (kHeight - kTop - kBottom) * (std::clamp(std::log10(value), low, high) - low) / (high - low);
+  }
+};
+
+bool isDrawn(double value) {
+  return std::isfinite(value) && value > 0;
+}
+
+std::optional<Axes> axesOf(const std::vector<TimeSeries>& series, double duration_s) {
+  std::vector<double> values;
+  for (const auto& line : series)
+    std::copy_if(line.value.begin(), line.value.end(), std::back_inserter(values), isDrawn);
+  if (values.empty() || !(duration_s > 0)) return std::nullopt;
+  // A path begins on the truth: the first moments alone would stretch the axis down without end.
+  std::sort(values.begin(), values.end());
+  const double least = values[values.size() / 20];
+  const double low = std::floor(std::log10(least)), high = std::ceil(std::log10(values.back()) + 1e-9);
+  return Axes{duration_s, low, std::max(high, low + 1)};
+}
+
+/// At most one value per half a unit of the axis: the highest.
+std::string seriesOutline(const TimeSeries& line, const Axes& axes) {
+  std::string outline;
+  bool open = false;
+  double column = -1, highest = 0;
+  const auto flush = [&] {
+    if (column < 0) return;
+    outline += (open ? " " : "M") + fixed(column, 1) + " " + fixed(axes.y(highest), 1);
+    open = true;
+    column = -1;
+  };
+  for (size_t i = 0; i < line.value.size(); ++i) {
+    if (!isDrawn(line.value[i])) {
+      flush();
+      open = false;
+      continue;
+    }
+    const double x = std::round(2 * axes.x(line.time_s[i])) / 2;
+    if (x != column) {
+      flush();
+      column = x, highest = line.value[i];
+    }
+    highest = std::max(highest, line.value[i]);
+  }
+  flush();
+  return outline;
+}
+
+std::string textElement(double x, double y, const std::string& anchor, const std::string& text) {
+  return "<text x=\"" + fixed(x, 1) + "\" y=\"" + fixed(y, 1) + "\" text-anchor=\"" + anchor + "\">" +
+         htmlText(text) + "</text>\n";
+}
+
+}  // namespace
+
+std::string timeChart(const std::vector<TimeSeries>& series, const std::string& id,
+                      const std::string& y_title, double duration_s) {
+  const auto axes = axesOf(series, duration_s);
+  if (!axes) return "";
+  std::string svg = "<svg class=\"chart\" id=\"" + htmlText(id) + "\" viewBox=\"0 0 " + fixed(kWidth, 0) +
+                    " " + fixed(kHeight, 0) + "\" role=\"img\" aria-label=\"" +
+                    htmlText(y_title + " over time, logarithmic; one line per method") + "\" data-left=\"" +
+                    fixed(kLeft, 0) + "\" data-right=\"" + fixed(kWidth - kRight, 0) + "\" data-top=\"" +
+                    fixed(kTop, 0) + "\" data-bottom=\"" + fixed(kHeight - kBottom, 0) +
+                    "\" data-duration=\"" + fixed(duration_s, 3) + "\">\n";
+  std::string grid, labels;
+  for (int decade = static_cast<int>(axes->low); decade <= static_cast<int>(axes->high); ++decade) {
+    const double y = axes->y(std::pow(10, decade));
+    grid += "M" + fixed(kLeft, 1) + " " + fixed(y, 1) + "H" + fixed(kWidth - kRight, 1);
+    labels += textElement(kLeft - 8, y + 5, "end", fixed(std::pow(10, decade), std::max(0, -decade)));
+  }
+  const double step_s = niceStep(duration_s / 5);
+  for (int i = 0; i * step_s <= duration_s; ++i) {
+    const double x = axes->x(i * step_s);
+    grid += "M" + fixed(x, 1) + " " + fixed(kTop, 1) + "V" + fixed(kHeight - kBottom, 1);
+    labels += textElement(x, kHeight - kBottom + 18, "middle", fixed(i * step_s, step_s < 1 ? 1 : 0));
+  }
+  svg += "<path class=\"grid\" d=\"" + grid + "\"/>\n" + labels +
+         textElement((kLeft + kWidth - kRight) / 2, kHeight - 6, "middle", "time since the first scan (s)") +
+         "<text class=\"axis\" transform=\"translate(16 " + fixed((kTop + kHeight - kBottom) / 2, 1) +
+         ") rotate(-90)\" text-anchor=\"middle\">" + htmlText(y_title) + "</text>\n";
+  for (const auto& line : series) {
+    const auto outline = seriesOutline(line, *axes);
+    if (!outline.empty())
+      svg += "<path class=\"line\" data-method=\"" + htmlText(line.label) + "\" d=\"" + outline +
+             "\" stroke=\"" + cssColour(line.colour) + "\"/>\n";
+  }
+  return svg + "</svg>";
+}
+
+}  // namespace slam::report

@@ -1,0 +1,215 @@
+#include "libslam/report/html_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/report/page_bundle.h"
+#include "libslam/report/page_plot.h"
+#include "libslam/report/page_text.h"
+
+namespace slam::report {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+world::Plan room() {
+  world::Plan plan;
+  plan.columns = plan.rows = 60;
+  plan.resolution_m = 0.1;
+  plan.cells.assign(3600, world::Cell::kFree);
+  for (size_t i = 0; i < 60; ++i) plan.cells[i] = plan.cells[3540 + i] = world::Cell::kOccupied;
+  return plan;
+}
+
+robot::Scan scan(double time_s, size_t beams) {
+  robot::Scan scan;
+  scan.time_s = time_s;
+  scan.first_angle_rad = -1;
+  scan.step_rad = 2.0 / static_cast<double>(beams);
+  scan.max_range_m = 30;
+  scan.ranges_m.assign(beams, 2.5F);
+  return scan;
+}
+
+ReportPage smallPage() {
+  ReportPage page;
+  page.title = "Comparison: small";
+  page.plan = room();
+  ReportRun run;
+  run.method = "graph";
+  run.map = room();
+  for (int i = 0; i <= 40; ++i) {
+    const double time_s = 100 + i;
+    page.truth.push_back({time_s, {1 + 0.1 * i, 3, 0}});
+    run.path.push_back({time_s, {1 + 0.1 * i, 3.05, 0}});
+    run.error_m.push_back(0.05);
+    page.scans.push_back(scan(time_s, 31));
+  }
+  page.scan_count = page.scans.size();
+  page.runs = {run};
+  page.tables = {{"Accuracy",
+                  {{"method", "method"}, {"ate_m", "ATE m"}},
+                  {{std::string("graph"), 0.05}, {std::string("lost"), kNan}},
+                  {}}};
+  return page;
+}
+
+TEST(PageText, WhatHtmlWouldReadAsItsOwnIsEscaped) {
+  EXPECT_EQ(htmlText("<script>alert(\"a\" & 'b')</script>"),
+            "&lt;script&gt;alert(&quot;a&quot; &amp; &#39;b&#39;)&lt;/script&gt;");
+  EXPECT_EQ(htmlText("B\xC3\xBCro \xE2\x82\xAC"), "B\xC3\xBCro \xE2\x82\xAC");
+  EXPECT_EQ(htmlText("a\xFF"
+                     "b"),
+            "a\xEF\xBF\xBD"
+            "b");  // no UTF-8: U+FFFD
+  EXPECT_EQ(htmlText("a\nb\x01"), "a b ");
+}
+
+// RFC 4648, section 10.
+TEST(PageText, Base64IsThatOfTheStandard) {
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foo"), "Zm9v");
+  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(base64(std::string("\xFF\x00\x80", 3)), "/wCA");
+  EXPECT_EQ(base64Floats({1.0}), "AACAPw==");  // 0x3F800000, lowest byte first
+}
+
+TEST(HtmlReport, NamesWithMarkupStayText) {
+  auto page = smallPage();
+  const std::string evil = "<script>x</script>\"'&\xC3\xA9";
+  page.title = page.subtitle = evil;
+  page.verdict = page.missing = {evil};
+  page.runs[0].method = page.runs[0].failure = page.runs[0].summary = evil;
+  page.runs[0].events = {{3, 3.0, evil, 1, {1, 1}, {kNan, kNan}}};
+  page.runs[0].scan_time_s = {0, 1};
+  page.runs[0].scan_ms = {1, 2};
+  page.tables[0].caption = evil;
+  page.tables[0].columns[0].title = evil;
+  page.tables[0].rows[0][0] = evil;
+  page.tables[0].notes = {evil};
+  page.downloads = {{evil, evil, "text/csv", "a"}};
+  page.pictures = {{evil, "png"}};
+  page.facts = {{evil, evil}};
+  const auto html = toHtml(page);
+  EXPECT_THAT(html, Not(HasSubstr("<script>x")));
+  EXPECT_THAT(html, Not(HasSubstr("\"'&\xC3\xA9")));
+  EXPECT_THAT(html, HasSubstr("&lt;script&gt;x&lt;/script&gt;&quot;&#39;&amp;\xC3\xA9"));
+  EXPECT_THAT(html, HasSubstr(R"(\u003cscript>x\u003c/script>)"));  // in the replay's data
+}
+
+TEST(HtmlReport, NothingIsFetchedFromElsewhere) {
+  const auto html = toHtml(smallPage());
+  for (const char* reference : {"src=\"http", "href=\"http", "url(", "@import", "<link"})
+    EXPECT_THAT(html, Not(HasSubstr(reference)));
+}
+
+TEST(HtmlReport, TheSamePageGivesTheSameBytes) {
+  EXPECT_EQ(toHtml(smallPage()), toHtml(smallPage()));
+}
+
+TEST(HtmlReport, TheBundleIsInsideUnchanged) {
+  const std::string folder = std::string(RASTERSLAM_SOURCE_DIR) + "/libslam/report/page/bundle";
+  EXPECT_EQ(core::readTextFile(folder + "/page.js"), kPageScript);
+  EXPECT_EQ(core::readTextFile(folder + "/page.css"), kPageStyle);
+  EXPECT_THAT(toHtml(smallPage()), HasSubstr(kPageScript));
+}
+
+TEST(HtmlReport, AFigureThatIsNotThereIsADashAndSortsAsNoNumber) {
+  EXPECT_THAT(toHtml(smallPage()), HasSubstr("data-value=\"NaN\">-</td>"));
+}
+
+TEST(HtmlReport, AMethodThatFailedHasItsSectionAndReason) {
+  auto page = smallPage();
+  page.runs.emplace_back();
+  page.runs.back().method = "rbpf";
+  page.runs.back().failure = "killed by signal 11";
+  const auto html = toHtml(page);
+  EXPECT_THAT(html, HasSubstr("Failed: killed by signal 11"));
+  EXPECT_THAT(html, Not(HasSubstr("map-1")));
+}
+
+TEST(HtmlReport, APageWithoutRunsIsAPage) {
+  ReportPage page;
+  page.title = "nothing";
+  EXPECT_THAT(toHtml(page), HasSubstr("</html>"));
+  EXPECT_THAT(toHtml(page), Not(HasSubstr("id=\"replay-data\"")));
+}
+
+TEST(HtmlReport, WhatIsThinnedIsSaid) {
+  auto page = smallPage();
+  EXPECT_THAT(toHtml(page), Not(HasSubstr("evenly chosen")));
+  page.scan_count = 100000;
+  for (auto& one : page.scans) one = scan(one.time_s, 1081);
+  const auto html = toHtml(page);
+  EXPECT_THAT(html, HasSubstr("Of the log&#39;s 100000 scans the player shows 41, evenly chosen."));
+  EXPECT_THAT(html, HasSubstr("Of each scan&#39;s 1081 beams it shows one in 6,"));
+  EXPECT_THAT(html, HasSubstr("\"beams\":181,"));
+}
+
+TEST(HtmlReport, ManyEventsAreThinnedAndCounted) {
+  auto page = smallPage();
+  for (int i = 0; i < 1000; ++i)
+    page.runs[0].events.push_back({i, 0.04 * i, "resampled", 0, {1, 1}, {kNan, kNan}});
+  EXPECT_THAT(toHtml(page), HasSubstr("1000 events, of which one in 4 is listed"));
+}
+
+TEST(HtmlReport, FilesThatAreTooManyAreNamed) {
+  auto page = smallPage();
+  page.downloads = {{"a.png", "", "image/png", std::string(kMostDownloadBytes - 10, 'x')},
+                    {"b.png", "", "image/png", std::string(100, 'x')},
+                    {"c.csv", "", "text/csv", "1"}};
+  const auto html = toHtml(page);
+  EXPECT_THAT(html, HasSubstr("download=\"a.png\""));
+  EXPECT_THAT(html, HasSubstr("download=\"c.csv\""));
+  EXPECT_THAT(html, Not(HasSubstr("download=\"b.png\"")));
+  EXPECT_THAT(html, HasSubstr("they are in the folder: b.png."));
+}
+
+TEST(HtmlReport, ALongPathIsPackedAsGzip) {
+  auto page = smallPage();
+  page.downloads = {{"path.tum", "", "text/plain", std::string(100000, '1')}};
+  const auto html = toHtml(page);
+  EXPECT_THAT(html, HasSubstr("download=\"path.tum.gz\" href=\"data:application/gzip;base64,H4sI"));
+}
+
+TEST(HtmlReport, ErrorsBelongToPoses) {
+  auto page = smallPage();
+  page.runs[0].error_m.pop_back();
+  EXPECT_THROW(toHtml(page), core::ContractError);
+}
+
+TEST(PagePlot, AnOutlineKeepsCornersDropsTheRestAndBreaksAtHoles) {
+  EXPECT_EQ(pathOutline({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}}, 0.01), "M0.00 0.00 2.00 0.00 2.00 -2.00");
+  EXPECT_EQ(pathOutline({{0, 0}, {1, 0}, {kNan, 0}, {5, 1}, {6, 1}}, 0.01),
+            "M0.00 0.00 1.00 0.00 M5.00 -1.00 6.00 -1.00");
+  EXPECT_EQ(pathOutline({}, 0.01), "");
+}
+
+TEST(PagePlot, ErrorsAreColouredByClass) {
+  const core::Trajectory path = {{0, {0, 0, 0}}, {1, {1, 0, 0}}, {2, {2, 0, 0}}, {3, {3, 0, 0}}};
+  const Window window{0, 0, 3, 3};
+  const auto elements = errorPathElements(path, {0.001, 0.2, kNan, 0.2}, window);
+  EXPECT_THAT(elements, HasSubstr("d=\"M0.00 0.00 1.00 0.00\" stroke=\"" + cssColour(kBlue)));
+  EXPECT_THAT(elements, HasSubstr("d=\"M1.00 0.00 2.00 0.00\" stroke=\"" + cssColour(kOrange)));
+  EXPECT_THAT(elements, Not(HasSubstr("3.00 0.00\"")));  // from a pose without truth nothing is known
+}
+
+TEST(PagePlot, AChartOfNothingIsNothing) {
+  EXPECT_EQ(timeChart({}, "c", "error (m)", 10), "");
+  EXPECT_EQ(timeChart({{"a", kBlue, {0, 1}, {kNan, 0}}}, "c", "error (m)", 10), "");
+  EXPECT_THAT(timeChart({{"a", kBlue, {0, 1}, {0.1, 0.2}}}, "c", "error (m)", 10),
+              HasSubstr("data-method=\"a\""));
+}
+
+}  // namespace
+}  // namespace slam::report
