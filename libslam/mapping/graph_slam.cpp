@@ -261,6 +261,7 @@ std::vector<int> GraphSlam::keyframesWithin(const Point2& centre, double radius_
   }
   std::sort(near.begin(), near.end());
   std::vector<int> keyframes;
+  keyframes.reserve(near.size());
   for (const auto& item : near) keyframes.push_back(item.second);
   return keyframes;
 }
