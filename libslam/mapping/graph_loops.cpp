@@ -145,7 +145,7 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
     around.erase(std::remove_if(around.begin(), around.end(),
                                 [&](int a) { return is_local[static_cast<size_t>(a)] != 0; }),
                  around.end());
-    around = nearestKeyframes(std::move(around));
+    around = firstOf(std::move(around), options_.map_keyframes);
     const scanmatch::LikelihoodPyramid pyramid(placeAround(around), kSearchCell_m, kSearchSigma_m,
                                                kSearchLevels);
     scanmatch::SearchWindow window{
@@ -159,21 +159,13 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
     const auto found = searchBest(pyramid, search_points, search_from, window, options_.loop_search_score);
     if (!found) continue;
     note("searched", found->score, old);
-    LevelMaps maps(options_);
-    fill(maps, around, core::position(found->T_map_robot));
-    PosePrior flat;
-    flat.mean = found->T_map_robot;
-    flat.information.setIdentity();
-    const auto matched = match(match_points, maps, found->T_map_robot, flat, 0, false);
-    double conflict = 0;
-    int viewers = 0;
-    for (const int a : around) {
-      if (viewers == kViewers) break;
-      if (core::distance(graph_.pose(a), matched.T_map_robot) > kViewerDistance_m) continue;
-      conflict += view(a, core::between(graph_.pose(a), matched.T_map_robot), keyframe(k).points).conflict();
-      ++viewers;
-    }
-    if (matched.score < options_.loop_score || conflict > 2 * options_.loop_conflict * viewers) continue;
+    const auto matched = matchFreely(match_points, around, found->T_map_robot);
+    std::vector<int> viewers;
+    for (const int a : around)
+      if (core::distance(graph_.pose(a), matched.T_map_robot) <= kViewerDistance_m) viewers.push_back(a);
+    const double conflict =
+        meanConflict(firstOf(std::move(viewers), kViewers), matched.T_map_robot, keyframe(k).points);
+    if (matched.score < options_.loop_score || conflict > 2 * options_.loop_conflict) continue;
     note("found", matched.score, old);
     Hypothesis hypothesis;
     hypothesis.keyframe = k, hypothesis.old_keyframe = old;
@@ -203,18 +195,13 @@ std::optional<scanmatch::MatchResult> GraphSlam::relocate(const std::vector<Patc
     const Point2 centre = core::position(graph_.pose(k));
     for (const int tried : keyframesWithin(centre, kPlaceHalf_m / 2))
       is_tried[static_cast<size_t>(tried)] = 1;
-    const auto around = nearestKeyframes(keyframesWithin(centre, kPlaceRadius_m));
+    const auto around = firstOf(keyframesWithin(centre, kPlaceRadius_m), options_.map_keyframes);
     const scanmatch::LikelihoodPyramid pyramid(placeAround(around), kSearchCell_m, kSearchSigma_m,
                                                kSearchLevels);
     const auto found = searchBest(pyramid, search_points, {centre.x, centre.y, 0}, {kPlaceHalf_m, core::kPi},
                                   options_.loop_search_score);
     if (!found) continue;
-    LevelMaps maps(options_);
-    fill(maps, around, core::position(found->T_map_robot));
-    PosePrior flat;
-    flat.mean = found->T_map_robot;
-    flat.information.setIdentity();
-    const auto matched = match(points, maps, found->T_map_robot, flat, 0, false);
+    const auto matched = matchFreely(points, around, found->T_map_robot);
     if (matched.score >= options_.recover_score && (!best || matched.score > best->score)) best = matched;
   }
   return best;
@@ -238,13 +225,8 @@ bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
   prior.information.diagonal() << 100, 100, 1000;
   const auto& points = keyframe(k).points;
   const auto matched = match(points, maps, expected, prior, 0, false);
-  const size_t viewers = std::min<size_t>(around.size(), kViewers);
-  double conflict = 0;
-  for (size_t i = 0; i < viewers; ++i)
-    conflict +=
-        view(around[i], core::between(graph_.pose(around[i]), matched.T_map_robot), points).conflict();
   if (matched.score < options_.loop_confirm_score ||
-      conflict >= options_.loop_conflict * static_cast<double>(viewers) ||
+      meanConflict(firstOf(around, kViewers), matched.T_map_robot, points) >= options_.loop_conflict ||
       core::distance(matched.T_map_robot, expected) > kConfirmStep_m ||
       std::abs(core::angleDifference(matched.T_map_robot.phi, expected.phi)) > kConfirmTurn_rad)
     return false;

@@ -27,7 +27,7 @@ void GraphSlam::refine() {
       const core::Pose2& T = graph_.pose(k);
       auto around = keyframesAround(k, core::position(T), options_.map_path_m, options_.map_radius_m);
       around.erase(std::remove(around.begin(), around.end(), k), around.end());
-      around = nearestKeyframes(std::move(around));
+      around = firstOf(std::move(around), options_.map_keyframes);
       map.clear(core::position(T), kMapReach_m);
       for (const int other : around) map.add(keyframe(other).points, graph_.pose(other));
       flat.mean = T;

@@ -148,10 +148,36 @@ class GraphSlam {
     double conflict() const;
   };
 
+  /// In standard deviations of a surfel: farther points hardly count.
+  static constexpr double kKernel = 3;
+  /// Poses are compared on every third point.
+  static constexpr int kStride = 3;
+  /// Keyframes that are asked what of a scan they should have seen.
+  static constexpr int kAskedViewers = 4;
+  /// A robot was carried away when so many scans in a row contradict the map and are explained by less than lost_score.
+  /// On the annotated logs (36 thousand scans) five in a row are the most; with a lost_score of 0.75 Intel and Killian
+  /// Court would be torn apart.
+  static constexpr int kLostScans = 8;
+  static constexpr double kMatchCovarianceScale = 0.8;  ///< see graph_covariance.cpp
   /// The local map reaches this far from the robot.
   static constexpr double kMapReach_m = 30;
 
-  // graph_slam.cpp: scans and keyframes
+  // graph_slam.cpp: keyframes and their edges
+  void addKeyframe(const robot::Scan& scan, std::vector<scanmatch::PatchPoint> points,
+                   const core::Pose2& T_map_robot, const Eigen::Matrix3d& information,
+                   const Eigen::Matrix3d& covariance);
+  int addOdometryEdge(int keyframe);
+  void startElsewhere(double score);
+  std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
+                              const core::Pose2& T_map_robot) const;
+  static bool isApart(int keyframe, const std::vector<int>& others);
+  void link(int a, int b);
+  void note(const char* event, double value, int other_keyframe = -1, const std::string& detail = "");
+  core::Pose2 currentPose() const;
+  const Keyframe& keyframe(int k) const { return keyframes_[static_cast<size_t>(k)]; }
+  int lastKeyframe() const { return static_cast<int>(keyframes_.size()) - 1; }
+
+  // graph_track.cpp: a scan and the map around
   static scanmatch::MatchOptions matchOptions(int max_iterations);
   Step track(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry,
              std::vector<scanmatch::PatchPoint>& points, Eigen::Matrix3d& information);
@@ -159,6 +185,8 @@ class GraphSlam {
   scanmatch::MatchResult match(const std::vector<scanmatch::PatchPoint>& points, const LevelMaps& maps,
                                const core::Pose2& T_start, const scanmatch::PosePrior& prior,
                                double prior_kernel, bool with_coarse) const;
+  scanmatch::MatchResult matchFreely(const std::vector<scanmatch::PatchPoint>& points,
+                                     const std::vector<int>& keyframes, const core::Pose2& T_start) const;
   std::optional<scanmatch::MatchResult> recover(const std::vector<scanmatch::PatchPoint>& points,
                                                 const core::Pose2& predicted,
                                                 const core::Pose2& matched) const;
@@ -166,31 +194,25 @@ class GraphSlam {
   std::vector<int> keyframesAround(int start, const core::Point2& centre, double path_m,
                                    double radius_m) const;
   std::vector<int> keyframesWithin(const core::Point2& centre, double radius_m) const;
-  std::vector<int> nearestKeyframes(std::vector<int> near) const;
+  static std::vector<int> firstOf(std::vector<int> keyframes, int most);
   void setMap(const std::vector<int>& near, const core::Point2& centre);
   void setMapNear(const core::Point2& centre);
-  void addKeyframe(const robot::Scan& scan, std::vector<scanmatch::PatchPoint> points,
-                   const core::Pose2& T_map_robot, const Eigen::Matrix3d& information,
-                   const Eigen::Matrix3d& covariance);
-  int addOdometryEdge(int keyframe);
   double knownShare(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot) const;
-  bool contradictsMap(const std::vector<scanmatch::PatchPoint>& points, const Step& step) const;
   void keepTo(const core::Pose2& predicted, const core::Pose2& increment, Step& step);
-  void startElsewhere(double score);
-  std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
-                              const core::Pose2& T_map_robot) const;
-  void link(int a, int b);
+
+  // graph_views.cpp: what keyframes' beams say of other scans
   Sight sight(int viewer, const core::Point2& p_lidar) const;
-  double gain(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot,
-              const core::Pose2& T_map_other) const;
   View view(int viewer, const core::Pose2& T_viewer_points,
             const std::vector<scanmatch::PatchPoint>& points) const;
-  void note(const char* event, double value, int other_keyframe = -1, const std::string& detail = "");
-  core::Pose2 currentPose() const;
+  double meanConflict(const std::vector<int>& viewers, const core::Pose2& T_map_points,
+                      const std::vector<scanmatch::PatchPoint>& points) const;
+  bool contradictsMap(const std::vector<scanmatch::PatchPoint>& points, const Step& step) const;
+  double gain(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot,
+              const core::Pose2& T_map_other) const;
+
+  // graph_covariance.cpp
   std::vector<Eigen::Matrix3d> keyframeCovariances() const;
   Eigen::Matrix3d mapCovariance(const core::Point2& at) const;
-  const Keyframe& keyframe(int k) const { return keyframes_[static_cast<size_t>(k)]; }
-  int lastKeyframe() const { return static_cast<int>(keyframes_.size()) - 1; }
 
   // graph_loops.cpp: places seen again
   void closeLoops();
@@ -233,6 +255,9 @@ class GraphSlam {
   mutable std::vector<int> touched_;
   mutable std::vector<std::pair<double, int>> queue_;
 };
+
+/// Over (x, y, phi), without correlation.
+Eigen::Matrix3d poseInformation(double sigma_xy_m, double sigma_turn_rad);
 
 /// What an edge carries of a match: its information over (x, y, phi), position in the map's axes, turned into the body's
 /// own; symmetric and positive definite, also where the match left a direction open.

@@ -1,0 +1,94 @@
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/mapping/graph_slam.h"
+
+namespace slam::mapping {
+namespace {
+
+using core::Point2;
+using core::Pose2;
+using scanmatch::PatchPoint;
+
+/// How much of a scan must contradict the keyframes nearest.
+constexpr double kLostConflict = 0.15;
+
+}  // namespace
+
+double GraphSlam::View::conflict() const {
+  return agreed + passed == 0 ? 0 : static_cast<double>(passed) / (agreed + passed);
+}
+
+GraphSlam::Sight GraphSlam::sight(int viewer, const Point2& p_lidar) const {
+  // Half of what two walls are apart at least; and beams are compared with their neighbours.
+  constexpr double kSame_m = 0.3;
+  const auto& ranges = keyframe(viewer).ranges_m;
+  double angle = std::atan2(p_lidar.y, p_lidar.x) - geometry_.first_angle_rad;
+  if (angle < 0) angle += 2 * core::kPi;
+  const auto beam = std::lround(angle / geometry_.step_rad);
+  if (beam < 1 || beam + 1 >= static_cast<long>(ranges.size())) return Sight::kUnseen;
+  const double distance_m = std::hypot(p_lidar.x, p_lidar.y);
+  double off_m = 1e9, nearest_m = 1e9;
+  for (long b = beam - 1; b <= beam + 1; ++b) {
+    const float range_m = ranges[static_cast<size_t>(b)];
+    if (!robot::isReturn(range_m)) continue;
+    off_m = std::min(off_m, std::abs(range_m - distance_m));
+    nearest_m = std::min(nearest_m, static_cast<double>(range_m));
+  }
+  if (off_m < kSame_m) return Sight::kAgreed;
+  return nearest_m < 1e9 && nearest_m > distance_m + kSame_m ? Sight::kPassed : Sight::kUnseen;
+}
+
+GraphSlam::View GraphSlam::view(int viewer, const Pose2& T_viewer_points,
+                                const std::vector<PatchPoint>& points) const {
+  const Pose2 T_lidar_points = core::inverse(geometry_.T_robot_lidar) * T_viewer_points;
+  View result;
+  for (const auto& point : points) {
+    const Sight seen = sight(viewer, T_lidar_points * position(point));
+    if (seen == Sight::kAgreed) ++result.agreed;
+    if (seen == Sight::kPassed) ++result.passed;
+  }
+  return result;
+}
+
+/// What the beams of keyframes say of the points of a scan at a pose, on average; 0 without keyframes.
+double GraphSlam::meanConflict(const std::vector<int>& viewers, const Pose2& T_map_points,
+                               const std::vector<PatchPoint>& points) const {
+  double sum = 0;
+  for (const int viewer : viewers)
+    sum += view(viewer, core::between(graph_.pose(viewer), T_map_points), points).conflict();
+  return viewers.empty() ? 0 : sum / static_cast<double>(viewers.size());
+}
+
+/// Whether a scan that the map explains badly lies where the keyframes nearest have seen that there is nothing.
+bool GraphSlam::contradictsMap(const std::vector<PatchPoint>& points, const Step& step) const {
+  if (!(step.score < options_.lost_score)) return false;
+  return meanConflict(firstOf(map_keyframes_, kAskedViewers), step.T_map_robot, points) > kLostConflict;
+}
+
+/// By how much more of the scan a pose explains than another, by the points of which both say something: those that fall
+/// on a surface, and those that beams have gone through. What falls into the unknown, or between two beams of a keyframe
+/// far along a wall, says nothing against a pose.
+double GraphSlam::gain(const std::vector<PatchPoint>& points, const Pose2& T_map_robot,
+                       const Pose2& T_map_other) const {
+  const auto viewers = firstOf(map_keyframes_, kAskedViewers);
+  const Pose2 T_lidar_robot = core::inverse(geometry_.T_robot_lidar);
+  const Point2 origin = maps_.fine.origin();
+  const auto says = [&](const Pose2& T, const PatchPoint& point) {
+    const Point2 p_map = T * position(point);
+    bool agreed = false;
+    for (const int viewer : viewers) {
+      const Sight seen = sight(viewer, T_lidar_robot * (core::inverse(graph_.pose(viewer)) * p_map));
+      if (seen == Sight::kPassed) return true;
+      agreed = agreed || seen == Sight::kAgreed;
+    }
+    return agreed && maps_.fine.at(p_map.x - origin.x, p_map.y - origin.y) != nullptr;
+  };
+  std::vector<PatchPoint> telling;
+  for (size_t p = 0; p < points.size(); p += kStride)
+    if (says(T_map_robot, points[p]) && says(T_map_other, points[p])) telling.push_back(points[p]);
+  return surfelScore(telling, maps_.fine, T_map_robot, kKernel, 1) -
+         surfelScore(telling, maps_.fine, T_map_other, kKernel, 1);
+}
+
+}  // namespace slam::mapping
