@@ -61,6 +61,12 @@ Colour methodColour(size_t index) {
   return lineColours()[index % lineColours().size()];
 }
 
+std::string swatchElement(Colour colour) {
+  return "<svg class=\"swatch\" viewBox=\"0 0 10 10\" aria-hidden=\"true\"><rect width=\"10\" height=\"10\" "
+         "fill=\"" +
+         cssColour(colour) + "\"/></svg>";
+}
+
 std::string rasterPng(const world::Plan& raster, const core::Pose2& T_world_raster, const Window& window,
                       double cell_m) {
   const auto size = pictureSize(window, cell_m);
@@ -144,12 +150,14 @@ double scaleBar(const Window& window) {
   return niceStep(0.25 * window.width());
 }
 
-std::string mapSvg(const Window& window, const std::string& description, const std::string& body) {
+std::string mapSvg(const Window& window, const std::string& description, const std::string& body,
+                   const std::string& group) {
   const double bar_m = scaleBar(window);
   const double air = 0.02 * window.width();
   const double x = window.x0 + air, y = -window.y0 - air;
   return "<svg class=\"map\" viewBox=\"" + fixed(window.x0, 2) + " " + fixed(-window.y1, 2) + " " +
-         fixed(window.width(), 2) + " " + fixed(window.height(), 2) + "\" role=\"img\" aria-label=\"" +
+         fixed(window.width(), 2) + " " + fixed(window.height(), 2) + "\" data-group=\"" + group +
+         "\" role=\"img\" aria-label=\"" +
          htmlText(description + "; the bar is " + stepLabel(bar_m) + " m long") + "\">\n" + body +
          "<path class=\"scale\" d=\"M" + fixed(x, 2) + " " + fixed(y, 2) + "h" + fixed(bar_m, 2) +
          "\"/></svg>";
