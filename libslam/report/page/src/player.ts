@@ -1,89 +1,99 @@
 import { button, make, makeSvg } from "./dom";
-import type { Pose, Replay, Run } from "./replay_data";
+import { LongList } from "./lists";
+import type { Happening, Pose, Replay, Replays } from "./replay_data";
+import { ScanViews } from "./scan_views";
+import { Stage, groundsOf, kTruth, type Ground, type Shown } from "./stage";
+import { Timeline } from "./timeline";
 
-const kTruth = { name: "truth", colour: "#a5a5a5" };
 const kSpeeds = [1, 2, 5, 10, 20, 50];
-const kGrowing = "growing";
 
-/** Colours of the page's own theme, for canvases. */
-function themeColour(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+/** "t 0.21" of the operation log in words. */
+function operationWords(operation: string): string {
+  const [kind, first, second] = operation.split(" ");
+  if (kind === "t") return `turned ${((Number(first) * 180) / Math.PI).toFixed(1)}°`;
+  if (kind === "m") return `moved ${Number(first).toFixed(3)} m by the rear, ${Number(second).toFixed(3)} m by the front`;
+  return "first look";
 }
 
-function prepare(canvas: HTMLCanvasElement, aspect: number): CanvasRenderingContext2D {
-  const scale = window.devicePixelRatio || 1;
-  const width = Math.max(1, Math.round(canvas.clientWidth * scale));
-  const height = Math.max(1, Math.round(width * aspect));
-  if (canvas.width !== width || canvas.height !== height) {
-    canvas.width = width;
-    canvas.height = height;
-  }
-  const context = canvas.getContext("2d")!;
-  context.setTransform(scale, 0, 0, scale, 0, 0);
-  context.clearRect(0, 0, width / scale, height / scale);
-  return context;
+/** A swatch of a colour, as the page's legends have it. */
+function swatch(colour: string): SVGSVGElement {
+  const picture = makeSvg("svg", { class: "swatch", viewBox: "0 0 10 10", "aria-hidden": "true" });
+  picture.append(makeSvg("rect", { width: "10", height: "10", fill: colour }));
+  return picture;
 }
 
-/** A picture of the page, light or dark as the page is. */
-async function loadPicture(id: string, dark: boolean): Promise<HTMLCanvasElement | null> {
-  const source = document.getElementById(id)?.getAttribute("href");
-  if (!source) return null;
-  const image = new Image();
-  image.src = source;
-  await image.decode();
-  const canvas = make("canvas");
-  canvas.width = image.width;
-  canvas.height = image.height;
-  const context = canvas.getContext("2d")!;
-  context.drawImage(image, 0, 0);
-  if (dark) {
-    context.globalCompositeOperation = "difference";
-    context.fillStyle = "#e8e8e8";
-    context.fillRect(0, 0, canvas.width, canvas.height);
-  }
-  return canvas;
-}
-
-/** The places that a pose sees with the beams of a scan. */
-function* returnsOf(replay: Replay, index: number, pose: Pose): Generator<[number, number]> {
-  const { scans } = replay;
-  if (!scans) return;
-  const [mountX, mountY, mountYaw] = scans.mount;
-  const x = pose.x + Math.cos(pose.yaw) * mountX - Math.sin(pose.yaw) * mountY;
-  const y = pose.y + Math.sin(pose.yaw) * mountX + Math.cos(pose.yaw) * mountY;
-  for (let beam = 0; beam < scans.beams; ++beam) {
-    const range = scans.range(index, beam);
-    if (Number.isNaN(range)) continue;
-    const angle = pose.yaw + mountYaw + scans.first + beam * scans.step;
-    yield [x + range * Math.cos(angle), y + range * Math.sin(angle)];
-  }
-}
-
+/** The replays of the page, one at a time. */
 export class Player {
-  private index = 0;
+  private readonly scene: HTMLElement = make("div");
+  private readonly choice = make("select");
+  private current = 0;
+  private view: ReplayView;
+
+  constructor(
+    private readonly replays: Replays,
+    root: HTMLElement,
+  ) {
+    const { names } = replays;
+    names.forEach((name, index) => this.choice.append(make("option", { value: String(index) }, name || `replay ${index + 1}`)));
+    this.choice.addEventListener("change", () => this.open(Number(this.choice.value), 0));
+    if (names.length > 1) root.append(make("div", { class: "bar" }, make("label", {}, "Replay of ", this.choice)));
+    root.append(this.scene);
+    const { replay, time_s } = this.readAddress();
+    this.current = replay;
+    this.view = this.make(replay, time_s ?? 0);
+    if (time_s !== null) this.scrollIntoView();
+    addEventListener("hashchange", () => {
+      const asked = this.readAddress();
+      if (asked.time_s === null) return;
+      if (asked.replay === this.current) this.view.showTime(asked.time_s);
+      else this.open(asked.replay, asked.time_s);
+      this.scrollIntoView();
+    });
+  }
+
+  private scrollIntoView(): void {
+    document.getElementById("replay")?.scrollIntoView();
+  }
+
+  private readAddress(): { replay: number; time_s: number | null } {
+    const time_s = Number(/[#&]t=([0-9.]+)/.exec(location.hash)?.[1] ?? NaN);
+    const replay = Number(/[#&]replay=([0-9]+)/.exec(location.hash)?.[1] ?? 1) - 1;
+    return {
+      replay: replay >= 0 && replay < this.replays.names.length ? replay : this.current,
+      time_s: Number.isFinite(time_s) ? time_s : null,
+    };
+  }
+
+  private open(index: number, time_s: number): void {
+    this.view.close();
+    this.current = index;
+    this.view = this.make(index, time_s);
+  }
+
+  private make(index: number, time_s: number): ReplayView {
+    this.choice.value = String(index);
+    this.scene.replaceChildren();
+    const prefix = index > 0 ? `replay=${index + 1}&` : "";
+    return new ReplayView(this.replays.at(index), this.scene, prefix, time_s);
+  }
+}
+
+/** One replay: its controls, views and lists. */
+class ReplayView {
   private playing = false;
   private lastFrame_ms = 0;
   private time_s = 0;
-  private shownRuns: Set<Run>;
-  private showTruth = true;
-  private showScan = true;
-  private scanFrom: Run | null;
-  private background: string;
-  private pictures = new Map<string, HTMLCanvasElement | null>();
-  private growing: { canvas: HTMLCanvasElement; run: Run; drawn: number } | null = null;
-  private dark = matchMedia("(prefers-color-scheme: dark)");
+  private readonly shown: Shown;
+  private readonly grounds: Ground[];
+  private readonly dark = matchMedia("(prefers-color-scheme: dark)");
+  private readonly closing = new AbortController();
 
-  private readonly map = make("canvas", { class: "replay-map", role: "img", "aria-label": "The robot on the map" });
-  private readonly chart = make("canvas", {
-    class: "scan-chart",
-    role: "img",
-    "aria-label": "The scan: range over angle",
-  });
-  private readonly polar = make("canvas", {
-    class: "scan-polar",
-    role: "img",
-    "aria-label": "The scan from above, ahead up",
-  });
+  private readonly stage: Stage;
+  private readonly scanViews: ScanViews | null;
+  private readonly timeline: Timeline;
+  private readonly operations: LongList;
+  private readonly events: LongList;
+  private listed: Happening[];
   private readonly slider = make("input", { type: "range", min: "0", step: "1", "aria-label": "Scan" });
   private readonly output = make("output", { "aria-live": "off" });
   private readonly poses = make("p", { class: "note poses" });
@@ -95,17 +105,42 @@ export class Player {
   constructor(
     private readonly replay: Replay,
     private readonly root: HTMLElement,
+    private readonly address: string,
+    time_s: number,
   ) {
-    this.shownRuns = new Set(replay.runs);
-    this.scanFrom = replay.truth ? null : (replay.runs[0] ?? null);
-    this.background = replay.ground;
+    this.grounds = groundsOf(replay);
+    this.shown = {
+      index: 0,
+      ground: this.grounds[0],
+      runs: new Set(replay.runs),
+      truth: true,
+      scan: true,
+      scanFrom: replay.truth ? null : (replay.runs[0] ?? null),
+      events: true,
+      goal: true,
+    };
+    this.listed = replay.happenings;
+    this.stage = new Stage(replay);
+    this.scanViews = replay.scans ? new ScanViews(replay.scans) : null;
+    this.timeline = new Timeline(replay, (at_s) => this.seek(at_s));
+    this.operations = new LongList("Operation log", (row, index) => this.fillOperation(row, index), (index) => this.show(index));
+    this.events = new LongList("Events", (row, index) => this.fillEvent(row, index), (index) => this.seek(this.listed[index].time_s));
     this.slider.max = String(replay.times.length - 1);
     this.build();
+    this.operations.show(replay.operations.length);
+    this.events.show(this.listed.length);
     this.joinCharts();
     this.joinMaps();
     this.listen();
+    this.showTime(time_s);
     void this.load();
-    this.readAddress();
+  }
+
+  close(): void {
+    this.closing.abort();
+    this.playing = false;
+    for (const { line } of this.cursors) line.remove();
+    for (const mark of this.marks) mark.remove();
   }
 
   // --- controls
@@ -124,13 +159,9 @@ export class Player {
       this.slider,
       this.output,
     );
-    const views = make(
-      "div",
-      { class: "views" },
-      this.map,
-      ...(this.replay.scans ? [make("div", { class: "scans" }, this.chart, this.polar)] : []),
-    );
-    this.root.append(transport, views, this.poses, this.choices());
+    const views = make("div", { class: "views" }, this.stage.canvas, ...(this.scanViews ? [this.scanViews.root] : []));
+    if (!this.scanViews) views.classList.add("one");
+    this.root.append(transport, this.timeline.canvas, this.choices(), views, this.poses, this.lists());
     this.root.append(
       make(
         "p",
@@ -150,33 +181,25 @@ export class Player {
         this.draw();
       });
       const label = make("label", {}, box);
-      if (colour) {
-        const swatch = makeSvg("svg", { class: "swatch", viewBox: "0 0 10 10", "aria-hidden": "true" });
-        swatch.append(makeSvg("rect", { width: "10", height: "10", fill: colour }));
-        label.append(swatch);
-      }
+      if (colour) label.append(swatch(colour));
       label.append(name);
       shown.append(label);
     };
-    if (this.replay.truth) addBox(kTruth.name, kTruth.colour, (on) => (this.showTruth = on));
-    for (const run of this.replay.runs)
-      addBox(run.name, run.colour, (on) => (on ? this.shownRuns.add(run) : this.shownRuns.delete(run)));
-    if (this.replay.scans) addBox("scan", null, (on) => (this.showScan = on));
-    return make("div", { class: "bar" }, shown, this.backgroundChoice(), ...(this.replay.scans ? [this.scanChoice()] : []));
+    const { replay } = this;
+    if (replay.truth) addBox(kTruth.name, kTruth.colour, (on) => (this.shown.truth = on));
+    for (const run of replay.runs)
+      addBox(run.name, run.colour, (on) => (on ? this.shown.runs.add(run) : this.shown.runs.delete(run)));
+    if (replay.scans) addBox("scan", null, (on) => (this.shown.scan = on));
+    if (replay.goals.length > 0) addBox("goal ⌖", null, (on) => (this.shown.goal = on));
+    if (replay.happenings.length > 0) addBox("loops ○ and mishaps ×", null, (on) => (this.shown.events = on));
+    return make("div", { class: "bar" }, shown, this.groundChoice(), ...(replay.scans ? [this.scanChoice()] : []));
   }
 
-  private backgroundChoice(): HTMLElement {
+  private groundChoice(): HTMLElement {
     const select = make("select");
-    if (this.replay.ground === "plan") select.append(make("option", { value: "plan" }, "the true plan"));
-    for (const run of this.replay.runs)
-      if (run.map) select.append(make("option", { value: run.map }, `the final map of ${run.name}`));
-    if (this.replay.scans)
-      for (const run of this.replay.runs)
-        select.append(make("option", { value: `${kGrowing}:${run.name}` }, `the scans so far, placed by ${run.name}`));
-    select.append(make("option", { value: "" }, "nothing"));
-    select.value = this.background;
+    this.grounds.forEach(({ label }, index) => select.append(make("option", { value: String(index) }, label)));
     select.addEventListener("change", () => {
-      this.background = select.value;
+      this.shown.ground = this.grounds[Number(select.value)];
       this.draw();
     });
     return make("label", {}, "Under it ", select);
@@ -185,47 +208,93 @@ export class Player {
   private scanChoice(): HTMLElement {
     const select = make("select");
     if (this.replay.truth) select.append(make("option", { value: "" }, "where the robot is"));
-    for (const run of this.replay.runs) select.append(make("option", { value: run.name }, `where ${run.name} is`));
+    this.replay.runs.forEach(({ name }, index) => select.append(make("option", { value: String(index) }, `where ${name} has it`)));
     select.addEventListener("change", () => {
-      this.scanFrom = this.replay.runs.find((run) => run.name === select.value) ?? null;
+      this.shown.scanFrom = select.value === "" ? null : this.replay.runs[Number(select.value)];
       this.draw();
     });
     return make("label", {}, "Scan from ", select);
   }
 
-  private listen(): void {
-    this.slider.addEventListener("input", () => this.show(Number(this.slider.value)));
-    this.slider.addEventListener("change", () => this.writeAddress());
-    document.addEventListener("keydown", (event) => {
-      const target = event.target as HTMLElement;
-      if (event.ctrlKey || event.altKey || event.metaKey || target.closest("input, select, button, summary, a, .wide"))
-        return;
-      const step = event.shiftKey ? 10 : 1;
-      const actions: Record<string, () => void> = {
-        " ": () => this.toggle(),
-        ArrowLeft: () => this.step(-step),
-        ArrowRight: () => this.step(step),
-        Home: () => this.show(0),
-        End: () => this.show(this.replay.times.length - 1),
-      };
-      const action = actions[event.key];
-      if (!action) return;
-      event.preventDefault();
-      action();
-    });
-    addEventListener("hashchange", () => this.readAddress());
-    addEventListener("resize", () => this.draw());
-    this.dark.addEventListener("change", () => void this.load());
+  private lists(): HTMLElement {
+    const lists = make("div", { class: "lists" });
+    const { happenings, operations } = this.replay;
+    if (happenings.length > 0) lists.append(make("section", {}, make("h3", {}, "Events"), this.eventChoice(), this.events.root));
+    if (operations.length > 0)
+      lists.append(
+        make(
+          "section",
+          {},
+          make("h3", {}, "Operation log"),
+          make("p", { class: "note" }, "What the robot did before each scan shown, as its scans said: m rear front (m), t angle (rad)."),
+          this.operations.root,
+        ),
+      );
+    return lists;
   }
 
-  private readAddress(): void {
-    const time_s = Number(/[#&]t=([0-9.]+)/.exec(location.hash)?.[1] ?? NaN);
-    this.showTime(Number.isFinite(time_s) ? time_s : this.time_s);
-    if (Number.isFinite(time_s)) document.getElementById("replay")?.scrollIntoView();
+  private eventChoice(): HTMLElement {
+    const kinds = new Map<string, number>();
+    const nameOf = ({ run, what }: Happening): string => (run ? `${run.name}: ${what}` : what);
+    for (const happening of this.replay.happenings) kinds.set(nameOf(happening), (kinds.get(nameOf(happening)) ?? 0) + 1);
+    const select = make("select", {}, make("option", { value: "" }, `all ${this.replay.happenings.length}`));
+    for (const [kind, count] of kinds) select.append(make("option", { value: kind }, `${kind} (${count})`));
+    select.addEventListener("change", () => {
+      this.listed = this.replay.happenings.filter((one) => select.value === "" || nameOf(one) === select.value);
+      this.events.show(this.listed.length);
+      this.draw();
+    });
+    return make("div", { class: "bar" }, make("label", {}, "Show ", select));
+  }
+
+  private fillOperation(row: HTMLButtonElement, index: number): void {
+    const operation = this.replay.operations[index];
+    row.append(
+      make("span", { class: "time" }, `${this.replay.times[index].toFixed(1)} s`),
+      make("code", {}, operation),
+      make("span", { class: "words" }, operationWords(operation)),
+    );
+  }
+
+  private fillEvent(row: HTMLButtonElement, index: number): void {
+    const { time_s, run, what, detail } = this.listed[index];
+    row.append(make("span", { class: "time" }, `${time_s.toFixed(1)} s`));
+    if (run) row.append(swatch(run.colour));
+    row.append(make("span", { class: "words" }, `${run && this.replay.runs.length > 1 ? `${run.name}: ` : ""}${what}${detail ? ` — ${detail}` : ""}`));
+    row.title = `${what} ${detail}`;
+  }
+
+  private listen(): void {
+    const { signal } = this.closing;
+    this.slider.addEventListener("input", () => this.show(Number(this.slider.value)));
+    this.slider.addEventListener("change", () => this.writeAddress());
+    document.addEventListener(
+      "keydown",
+      (event) => {
+        const target = event.target as HTMLElement;
+        if (event.ctrlKey || event.altKey || event.metaKey) return;
+        if (target.closest("input, select, button, summary, a, .wide, .long-view")) return;
+        const step = event.shiftKey ? 10 : 1;
+        const actions: Record<string, () => void> = {
+          " ": () => this.toggle(),
+          ArrowLeft: () => this.step(-step),
+          ArrowRight: () => this.step(step),
+          Home: () => this.show(0),
+          End: () => this.show(this.replay.times.length - 1),
+        };
+        const action = actions[event.key];
+        if (!action) return;
+        event.preventDefault();
+        action();
+      },
+      { signal },
+    );
+    addEventListener("resize", () => this.draw(), { signal });
+    this.dark.addEventListener("change", () => void this.load(), { signal });
   }
 
   private writeAddress(): void {
-    const address = `#t=${this.replay.times[this.index].toFixed(1)}`;
+    const address = `#${this.address}t=${this.replay.times[this.shown.index].toFixed(1)}`;
     // Some browsers forbid it for files.
     try {
       history.replaceState(null, "", address);
@@ -243,7 +312,7 @@ export class Player {
       this.writeAddress();
       return;
     }
-    if (this.index === this.replay.times.length - 1) this.show(0);
+    if (this.shown.index === this.replay.times.length - 1) this.show(0);
     this.lastFrame_ms = performance.now();
     requestAnimationFrame((now_ms) => this.frame(now_ms));
   }
@@ -253,34 +322,36 @@ export class Player {
     const time_s = this.time_s + (Number(this.speed.value) * Math.max(0, now_ms - this.lastFrame_ms)) / 1000;
     this.lastFrame_ms = now_ms;
     this.showTime(time_s);
-    if (this.index === this.replay.times.length - 1) this.toggle();
+    if (this.shown.index === this.replay.times.length - 1) this.toggle();
     else requestAnimationFrame((next_ms) => this.frame(next_ms));
   }
 
-  private step(by: number): void {
-    this.show(this.index + by);
+  private step(scans: number): void {
+    this.show(this.shown.index + scans);
+    this.writeAddress();
+  }
+
+  private seek(time_s: number): void {
+    this.showTime(time_s);
     this.writeAddress();
   }
 
   private show(index: number): void {
-    this.index = Math.min(this.replay.times.length - 1, Math.max(0, index));
-    this.time_s = this.replay.times[this.index];
+    this.shown.index = Math.min(this.replay.times.length - 1, Math.max(0, index));
+    this.time_s = this.replay.times[this.shown.index];
     this.draw();
   }
 
-  /** The last scan at or before a time, with a little slack for addresses that are rounded to tenths. */
+  /** The last scan that is not later. */
   showTime(time_s: number): void {
     const { times } = this.replay;
     let low = 0;
-    let high = times.length;
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (times[middle] <= time_s + 0.0501) low = middle;
-      else high = middle;
-    }
-    if (low === this.index && this.playing) {
-      this.time_s = time_s;
-      return;
+    let high = times.length - 1;
+    while (low < high) {
+      const middle = Math.ceil((low + high) / 2);
+      // An address holds a tenth of a second, a single-precision number a little less than it should.
+      if (times[middle] <= time_s + 1e-3) low = middle;
+      else high = middle - 1;
     }
     this.show(low);
     this.time_s = Math.max(time_s, this.time_s);
@@ -289,7 +360,8 @@ export class Player {
   // --- the page's other plots
 
   private joinCharts(): void {
-    for (const chart of document.querySelectorAll<SVGSVGElement>("svg.chart")) {
+    const { signal } = this.closing;
+    for (const chart of document.querySelectorAll<SVGSVGElement>("svg.chart[data-duration]")) {
       const { left, right, top, bottom, duration } = chart.dataset as Record<string, string>;
       const line = makeSvg("line", { class: "cursor", y1: top, y2: bottom });
       chart.append(line);
@@ -299,16 +371,20 @@ export class Player {
         const x = ((event.clientX - box.left) / box.width) * chart.viewBox.baseVal.width;
         this.showTime((Number(duration) * (x - Number(left))) / (Number(right) - Number(left)));
       };
-      chart.addEventListener("pointerdown", seek);
-      chart.addEventListener("pointermove", (event) => {
-        if (event.buttons === 1) seek(event);
-      });
+      chart.addEventListener("pointerdown", seek, { signal });
+      chart.addEventListener(
+        "pointermove",
+        (event) => {
+          if (event.buttons === 1) seek(event);
+        },
+        { signal },
+      );
     }
   }
 
   private joinMaps(): void {
     const radius = Math.max(this.replay.window.x1 - this.replay.window.x0, 1) / 80;
-    for (const map of document.querySelectorAll<SVGSVGElement>("svg.map")) {
+    for (const map of document.querySelectorAll<SVGSVGElement>(`svg.map[data-group="${this.replay.group}"]`)) {
       const mark = makeSvg("circle", { class: "cursor", r: String(radius) });
       map.append(mark);
       this.marks.push(mark);
@@ -318,12 +394,12 @@ export class Player {
   private markMoment(): void {
     for (const { chart, line } of this.cursors) {
       const { left, right, duration } = chart.dataset as Record<string, string>;
-      const share = this.replay.times[this.index] / Number(duration);
+      const share = Math.min(1, this.replay.times[this.shown.index] / Number(duration));
       const x = String(Number(left) + (Number(right) - Number(left)) * share);
       line.setAttribute("x1", x);
       line.setAttribute("x2", x);
     }
-    const pose = this.trueOrFirst();
+    const pose = this.stage.trueOrFirst(this.shown.index);
     for (const mark of this.marks) {
       mark.setAttribute("visibility", pose ? "visible" : "hidden");
       if (!pose) continue;
@@ -332,229 +408,51 @@ export class Player {
     }
   }
 
-  private trueOrFirst(): Pose | null {
-    return this.replay.truth?.at(this.index) ?? this.replay.runs[0]?.path.at(this.index) ?? null;
-  }
-
   // --- drawing
 
   private async load(): Promise<void> {
-    const ids = new Set(["plan", ...this.replay.runs.map((run) => run.map)].filter((id) => id !== ""));
-    for (const id of ids) this.pictures.set(id, await loadPicture(id, this.dark.matches));
-    this.growing = null;
-    this.draw();
+    await this.stage.load(this.dark.matches);
+    if (!this.closing.signal.aborted) this.draw();
   }
 
   private draw(): void {
-    this.slider.value = String(this.index);
-    const time_s = this.replay.times[this.index];
-    const text = `${time_s.toFixed(1)} s of ${this.replay.times[this.replay.times.length - 1].toFixed(1)} s`;
+    const { index } = this.shown;
+    const { times } = this.replay;
+    const time_s = times[index];
+    this.slider.value = String(index);
+    const text = `${time_s.toFixed(1)} s of ${times[times.length - 1].toFixed(1)} s`;
     this.slider.setAttribute("aria-valuetext", text);
     this.output.textContent = text;
-    this.drawMap();
-    if (this.replay.scans) {
-      this.drawChart();
-      this.drawPolar();
-    }
+    this.stage.draw(this.shown, this.dark.matches);
+    this.scanViews?.draw(index, this.dark.matches);
+    this.timeline.draw(time_s);
+    this.operations.setCurrent(index);
+    this.events.setCurrent(this.lastEventAt(time_s));
     this.sayPoses();
     this.markMoment();
   }
 
+  /** Of those listed; -1 before the first. */
+  private lastEventAt(time_s: number): number {
+    let last = -1;
+    while (last + 1 < this.listed.length && this.listed[last + 1].time_s <= time_s + 1e-3) ++last;
+    return last;
+  }
+
   private sayPoses(): void {
+    const { index } = this.shown;
     const say = (name: string, pose: Pose | null): string =>
       pose
         ? `${name} ${pose.x.toFixed(2)}, ${pose.y.toFixed(2)} m, ${((pose.yaw * 180) / Math.PI).toFixed(1)}°`
         : `${name} nowhere`;
-    const parts = this.replay.truth ? [say(kTruth.name, this.replay.truth.at(this.index))] : [];
-    for (const run of this.replay.runs) if (this.shownRuns.has(run)) parts.push(say(run.name, run.path.at(this.index)));
+    const parts = this.replay.truth ? [say(kTruth.name, this.replay.truth.at(index))] : [];
+    for (const run of this.replay.runs) if (this.shown.runs.has(run)) parts.push(say(run.name, run.path.at(index)));
+    const goal = this.stage.goalAt(this.replay.times[index]);
+    if (goal) parts.push(`goal ${goal[0].toFixed(2)}, ${goal[1].toFixed(2)} m`);
     this.poses.textContent = parts.join(" · ");
-    const pose = this.trueOrFirst();
-    this.root.dataset.time = this.replay.times[this.index].toFixed(3);
-    this.root.dataset.pose = pose ? [pose.x, pose.y, pose.yaw].map((v) => v.toFixed(4)).join(" ") : "";
-  }
-
-  private drawMap(): void {
-    const { x0, y0, x1, y1 } = this.replay.window;
-    const context = prepare(this.map, (y1 - y0) / (x1 - x0));
-    const width = this.map.clientWidth;
-    const scale = width / (x1 - x0);
-    const px = (x: number): number => (x - x0) * scale;
-    const py = (y: number): number => (y1 - y) * scale;
-    const picture = this.background.startsWith(`${kGrowing}:`)
-      ? this.grown(this.background.slice(kGrowing.length + 1))
-      : this.pictures.get(this.background);
-    context.imageSmoothingEnabled = false;
-    if (picture) context.drawImage(picture, 0, 0, width, (y1 - y0) * scale);
-
-    const scanPose = this.scanFrom ? this.scanFrom.path.at(this.index) : this.trueOrFirst();
-    if (this.showScan && scanPose) {
-      context.fillStyle = this.dark.matches ? "#ff9d6e" : "#d55e00";
-      for (const [x, y] of returnsOf(this.replay, this.index, scanPose)) context.fillRect(px(x) - 1.5, py(y) - 1.5, 3, 3);
-    }
-    const goal = this.goalNow();
-    if (goal) {
-      context.strokeStyle = themeColour("failure");
-      context.lineWidth = 3;
-      context.beginPath();
-      context.moveTo(px(goal[0]) - 7, py(goal[1]) - 7);
-      context.lineTo(px(goal[0]) + 7, py(goal[1]) + 7);
-      context.moveTo(px(goal[0]) + 7, py(goal[1]) - 7);
-      context.lineTo(px(goal[0]) - 7, py(goal[1]) + 7);
-      context.stroke();
-    }
-    const trail = (at: (index: number) => Pose | null, colour: string, lineWidth: number): void => {
-      context.strokeStyle = colour;
-      context.lineWidth = lineWidth;
-      context.lineJoin = "round";
-      context.beginPath();
-      let open = false;
-      for (let i = 0; i <= this.index; ++i) {
-        const pose = at(i);
-        if (pose && open) context.lineTo(px(pose.x), py(pose.y));
-        else if (pose) context.moveTo(px(pose.x), py(pose.y));
-        open = pose !== null;
-      }
-      context.stroke();
-    };
-    const robot = (pose: Pose | null, colour: string): void => {
-      if (!pose) return;
-      // The founding sign: a square within its circle, with its heading.
-      context.save();
-      context.translate(px(pose.x), py(pose.y));
-      context.rotate(-pose.yaw);
-      context.strokeStyle = themeColour("ink");
-      context.fillStyle = colour;
-      context.lineWidth = 1.5;
-      const radius = Math.max(7, 0.25 * scale);
-      const half = radius / Math.SQRT2;
-      context.beginPath();
-      context.arc(0, 0, radius, 0, 2 * Math.PI);
-      context.stroke();
-      context.beginPath();
-      context.rect(-half, -half, 2 * half, 2 * half);
-      context.fill();
-      context.stroke();
-      context.beginPath();
-      context.moveTo(0, 0);
-      context.lineTo(1.6 * radius, 0);
-      context.stroke();
-      context.restore();
-    };
-    const { truth } = this.replay;
-    if (truth && this.showTruth) trail((i) => truth.at(i), kTruth.colour, 5);
-    // The best lies on top.
-    const runs = this.replay.runs.filter((run) => this.shownRuns.has(run)).reverse();
-    for (const run of runs) trail((i) => run.path.at(i), run.colour, 2);
-    if (truth && this.showTruth) robot(truth.at(this.index), kTruth.colour);
-    for (const run of runs) robot(run.path.at(this.index), run.colour);
-  }
-
-  private goalNow(): [number, number] | null {
-    const time_s = this.replay.times[this.index];
-    let goal: [number, number] | null = null;
-    for (const [from_s, x, y] of this.replay.goals) {
-      if (from_s > time_s + 1e-3) break;
-      goal = x === null || y === null ? null : [x, y];
-    }
-    return goal;
-  }
-
-  /** The returns of all scans so far, where a method has the robot in the end. */
-  private grown(name: string): HTMLCanvasElement | null {
-    const run = this.replay.runs.find((one) => one.name === name);
-    if (!run) return null;
-    const { x0, y0, x1, y1 } = this.replay.window;
-    const width = 1600;
-    const scale = width / (x1 - x0);
-    if (!this.growing || this.growing.run !== run || this.growing.drawn > this.index + 1) {
-      const canvas = make("canvas");
-      canvas.width = width;
-      canvas.height = Math.round((y1 - y0) * scale);
-      this.growing = { canvas, run, drawn: 0 };
-    }
-    const context = this.growing.canvas.getContext("2d")!;
-    context.fillStyle = themeColour("ink");
-    for (; this.growing.drawn <= this.index; ++this.growing.drawn) {
-      const pose = run.path.at(this.growing.drawn);
-      if (!pose) continue;
-      for (const [x, y] of returnsOf(this.replay, this.growing.drawn, pose))
-        context.fillRect((x - x0) * scale - 0.5, (y1 - y) * scale - 0.5, 1.5, 1.5);
-    }
-    return this.growing.canvas;
-  }
-
-  private drawChart(): void {
-    const scans = this.replay.scans!;
-    const aspect = 0.6;
-    const context = prepare(this.chart, aspect);
-    const width = this.chart.clientWidth;
-    const height = width * aspect;
-    const [left, right, top, bottom] = [42, 12, 32, 34];
-    const lastAngle = scans.first + (scans.beams - 1) * scans.step;
-    const px = (angle: number): number =>
-      left + ((width - left - right) * (angle - scans.first)) / (lastAngle - scans.first);
-    const py = (range: number): number => height - bottom - ((height - top - bottom) * Math.min(range, scans.usual)) / scans.usual;
-    context.font = "12px system-ui, sans-serif";
-    context.fillStyle = themeColour("ink");
-    context.strokeStyle = themeColour("line");
-    context.lineWidth = 1;
-    const label = (text: string, x: number, y: number, align: CanvasTextAlign): void => {
-      context.textAlign = align;
-      context.fillText(text, x, y);
-    };
-    label("range (m)", 4, 14, "left");
-    label("angle (°, left positive)", (left + width - right) / 2, height - 4, "center");
-    for (let i = 0; i <= 4; ++i) {
-      const range = (scans.usual * i) / 4;
-      context.strokeRect(left, py(range), width - left - right, 0);
-      label(range.toFixed(0), left - 5, py(range) + 4, "right");
-      const angle = scans.first + ((lastAngle - scans.first) * i) / 4;
-      label(((angle * 180) / Math.PI).toFixed(0), Math.min(px(angle), width - right - 10), height - bottom + 14, "center");
-    }
-    context.strokeStyle = this.dark.matches ? "#7cc0ff" : "#0072b2";
-    context.lineWidth = 1.5;
-    context.beginPath();
-    let open = false;
-    for (let beam = 0; beam < scans.beams; ++beam) {
-      const range = scans.range(this.index, beam);
-      if (Number.isNaN(range)) open = false;
-      else if (open) context.lineTo(px(scans.first + beam * scans.step), py(range));
-      else {
-        context.moveTo(px(scans.first + beam * scans.step), py(range));
-        open = true;
-      }
-    }
-    context.stroke();
-  }
-
-  private drawPolar(): void {
-    const scans = this.replay.scans!;
-    const context = prepare(this.polar, 1);
-    const half = this.polar.clientWidth / 2;
-    const scale = (half - 10) / scans.usual;
-    context.strokeStyle = themeColour("line");
-    context.fillStyle = themeColour("ink");
-    context.font = "12px system-ui, sans-serif";
-    context.lineWidth = 1;
-    for (const share of [0.5, 1]) {
-      context.beginPath();
-      context.arc(half, half, scans.usual * share * scale, 0, 2 * Math.PI);
-      context.stroke();
-      context.textAlign = "left";
-      context.fillText(`${(scans.usual * share).toFixed(0)} m`, half + 3, half + scans.usual * share * scale - 4);
-    }
-    context.fillStyle = this.dark.matches ? "#ff9d6e" : "#d55e00";
-    for (let beam = 0; beam < scans.beams; ++beam) {
-      const range = scans.range(this.index, beam);
-      if (Number.isNaN(range)) continue;
-      const angle = scans.first + beam * scans.step;
-      context.fillRect(half - range * scale * Math.sin(angle) - 1.5, half - range * scale * Math.cos(angle) - 1.5, 3, 3);
-    }
-    context.fillStyle = themeColour("ink");
-    context.beginPath();
-    context.moveTo(half, half - 9);
-    context.lineTo(half - 6, half + 6);
-    context.lineTo(half + 6, half + 6);
-    context.fill();
+    const pose = this.stage.trueOrFirst(index);
+    const player = this.root.parentElement!;
+    player.dataset.time = this.replay.times[index].toFixed(3);
+    player.dataset.pose = pose ? [pose.x, pose.y, pose.yaw].map((value) => value.toFixed(4)).join(" ") : "";
   }
 }
