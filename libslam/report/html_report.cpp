@@ -216,17 +216,20 @@ std::string errorChart(const ReportPage& page) {
                      "Distance between estimated and true position. The scale is logarithmic.", series);
 }
 
+/// Costs jump from scan to scan: lines of several methods can be told apart only when each place is as wide as this.
+constexpr double kCostPlace = 6;
+
 std::string costChart(const ReportPage& page) {
   std::vector<TimeSeries> series;
   for (size_t i = 0; i < page.runs.size(); ++i)
     if (!page.runs[i].scan_ms.empty())
       series.push_back(
           {page.runs[i].method, methodColour(i), page.runs[i].scan_time_s, page.runs[i].scan_ms});
-  const auto figure = chartFigure(
-      timeChart(series, "cost-chart", "computing time per scan (ms)", durationOf(page)),
-      "Computing time of every scan, one thread; the longest where several share a place. The scale is "
-      "logarithmic. It differs from run to run.",
-      series);
+  const auto figure =
+      chartFigure(timeChart(series, "cost-chart", "time per scan (ms)", durationOf(page), kCostPlace),
+                  "Computing time, one thread: the longest of the scans that share a place. The scale is "
+                  "logarithmic. It differs from run to run.",
+                  series);
   return figure.empty() ? "" : "<section id=\"cost\"><h2>Computing time</h2>\n" + figure + "</section>\n";
 }
 
@@ -378,13 +381,14 @@ std::string toHtml(const ReportPage& page) {
   html += "<section id=\"verdict\"><h2>In short</h2>\n";
   for (const auto& sentence : page.verdict) html += paragraph(sentence);
   for (const auto& what : page.missing) html += "<p class=\"missing\">" + htmlText(what) + "</p>\n";
+  for (const auto& what : page.left_out) html += "<p class=\"note\">" + htmlText(what) + "</p>\n";
   html += "</section>\n";
+  html += chartsSection(page.charts);
   if (!page.tables.empty()) {
     html += "<section id=\"tables\"><h2>Figures</h2>\n";
     for (const auto& table : page.tables) html += tableElement(table);
     html += "</section>\n";
   }
-  html += chartsSection(page.charts);
   if (!page.replays.empty()) html += sharedPictures(page, grounds);
   html += replay.section;
   if (const auto paths = overview(page, grounds); !paths.empty())

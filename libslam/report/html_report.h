@@ -71,9 +71,10 @@ struct ReportReplay {
 /// All that the page shows.
 struct ReportPage {
   std::string title, subtitle;
-  std::vector<std::string> verdict;  ///< sentences, the most important first
-  std::vector<std::string> missing;  ///< what could not be found, and what that leaves out
-  std::vector<Table> tables;         ///< in this order
+  std::vector<std::string> verdict;   ///< sentences, the most important first
+  std::vector<std::string> missing;   ///< what could not be found, and what that leaves out
+  std::vector<std::string> left_out;  ///< what this page has not, for its size
+  std::vector<Table> tables;          ///< in this order
   std::vector<PageChart> charts;
   std::vector<ReportRun> runs;        ///< the best first; colours go by this order
   std::vector<ReportReplay> replays;  ///< their scans together at most kMostReplayed

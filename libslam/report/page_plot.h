@@ -59,9 +59,9 @@ struct TimeSeries {
   std::vector<double> time_s,
       value;  ///< as long as one another; what is not finite or above 0 breaks the line
 };
-/// A chart with a logarithmic axis; long lines are drawn by the highest of the values that share a place. "" where nothing
-/// is to be drawn. `id` is the element's.
+/// A chart with a logarithmic axis; long lines are drawn by the highest of the values that share a place, `place_width`
+/// wide (the drawing is 720). "" where nothing is to be drawn. `id` is the element's.
 std::string timeChart(const std::vector<TimeSeries>& series, const std::string& id,
-                      const std::string& y_title, double duration_s);
+                      const std::string& y_title, double duration_s, double place_width = 0.5);
 
 }  // namespace slam::report

@@ -281,6 +281,14 @@ void addExploration(const std::string& folder, report::ReportPage& page) {
   const core::Pose2 T_world_map = page.runs.empty() ? core::Pose2{} : page.runs.front().T_world_map;
   addGoals(folder, T_world_map, page.replays.front());
   addCoverage({folder}, {"explored"}, page);
+  const auto manifest = core::readManifest(folder + "/manifest.json");
+  double share = kNan;
+  if (core::parseNumber(resultOf(manifest, "coverage"), share)) {
+    std::string text = resultOf(manifest, "strategy") + " explored " + percent(share) +
+                       " of what can be explored; it ended by: " + resultOf(manifest, "end");
+    if (const auto detail = resultOf(manifest, "end_detail"); !detail.empty()) text += " (" + detail + ")";
+    page.verdict.insert(page.verdict.begin(), text + ".");
+  }
   if (fs::exists(folder + "/scores.md"))
     page.tables.insert(page.tables.begin(), readMarkdownTable(folder + "/scores.md"));
 }
@@ -290,7 +298,11 @@ void addExploration(const std::string& folder, report::ReportPage& page) {
 void addRun(const std::string& folder, const std::string& log_path, const std::string& name,
             std::size_t replay, report::ReportPage& page) {
   const auto run = loadRun(folder);
-  const auto files = truthFiles(log_path, "", "");
+  auto files = truthFiles(log_path, "", "");
+  // Where a sweep generated the building.
+  if (const auto plan = fs::path(log_path).parent_path() / "plan.yaml";
+      files.plan.empty() && fs::exists(plan))
+    files.plan = plan.string();
   std::optional<Truth> truth;
   if (!files.trajectory.empty()) truth = loadTruth(files.trajectory, files.plan, run);
   page.runs.push_back(pageRun(run, evaluate(run, truth), truth));

@@ -65,7 +65,12 @@ report::Table explorationsTable(const std::string& path) {
                          {"wall_f1", "wall F1", 3}};
   report::Table table;
   table.caption = all.caption;
-  table.notes = all.notes;
+  const std::string in_text_tables = ", below them the quartiles";
+  for (auto note : all.notes) {
+    if (const auto at = note.find(in_text_tables); at != std::string::npos)
+      note.replace(at, in_text_tables.size(), ", in brackets the quartiles");
+    table.notes.push_back(note);
+  }
   table.columns = {{"strategy", "strategy"}, {"runs", "runs", 0}, {"failed", "failed", 0}};
   for (const auto& one : shown) table.columns.push_back({one.key, one.title, one.decimals});
   table.columns.push_back({"ends", "ends"});
@@ -84,9 +89,6 @@ report::Table explorationsTable(const std::string& path) {
     }
     table.rows.back().push_back(cell(row, "ends"));
   }
-  if (std::any_of(all.rows.begin(), all.rows.end(),
-                  [&](const auto& row) { return numberIn(cell(row, "runs")) > 1; }))
-    table.notes.emplace_back("In brackets the quartiles, 25 to 75 %.");
   return table;
 }
 
@@ -199,9 +201,9 @@ void fillExplorations(const std::string& folder, core::Progress& progress, repor
     addGoals(explored[i].folder, page.runs.back().T_world_map, page.replays[i]);
   }
   if (shown < explored.size())
-    page.missing.push_back("To keep this page small it has maps and replay of " + std::to_string(shown) +
-                           " of " + std::to_string(explored.size()) + " runs only; 'rasterslam report " +
-                           explored[shown].folder + "' shows the next, and so on.");
+    page.left_out.push_back("To keep this page small it has maps and replay of " + std::to_string(shown) +
+                            " of " + std::to_string(explored.size()) + " runs only; 'rasterslam report " +
+                            explored[shown].folder + "' shows the next, and so on.");
   addTableDownloads(folder, page);
   addDownload(page, folder + "/runs.csv", "runs.csv", "every run", "text/csv");
 }

@@ -120,14 +120,14 @@ report::Table rankedTable(const Rows& rows, const std::vector<std::size_t>& best
                           const SweepPlan& plan) {
   report::Table table;
   table.caption = "Methods by " + plan.metric + ", over all cells, with 95 % intervals";
-  table.columns = {{"rank", "rank", 0},
-                   {"method", "method"},
+  table.columns = {{"method", "method"},
+                   {"rank", "rank", 0},
                    {plan.metric, "median " + plan.metric},
                    {"failed", "share failed"},
                    {"group", "group"}};
   for (std::size_t i = 0; i < best_first.size(); ++i) {
     const auto row = best_first[i];
-    table.rows.push_back({static_cast<double>(i + 1), rows.text(row, "method"),
+    table.rows.push_back({rows.text(row, "method"), static_cast<double>(i + 1),
                           shownFigure(rows.figure(row, plan.metric), 3),
                           shownFigure(rows.figure(row, "failure_rate"), 2), rows.text(row, "group")});
   }
@@ -261,24 +261,25 @@ void addWorstRuns(const std::string& folder, const SweepPlan& plan, bool larger_
   }
   for (const auto& [name, row] : worst) {
     if (page.replays.size() == shown) break;
-    auto& replay = page.replays.emplace_back();
-    replay.name = name + " in " + rows.text(row, "world");
+    page.replays.emplace_back();
+    std::string where = rows.text(row, "world");
     for (const auto& axis : {"lidar", "fault"})
-      if (const auto value = rows.text(row, axis); value != "built-in" && value != "-")
-        replay.name += ", " + value;
-    replay.name += ", seed " + rows.text(row, "seed");
+      if (const auto value = rows.text(row, axis); value != "built-in" && value != "-") where += ", " + value;
+    where += ", seed " + rows.text(row, "seed");
+    page.replays.back().name = name + " in " + where;
     const std::string log_folder = rows.text(row, "log_folder");
     const std::string log_path = log_folder.empty() ? "" : folder + "/" + log_folder + "/run.rawlog";
-    addRun(runOf(row), log_path, replay.name, page.replays.size() - 1, page);
+    addRun(runOf(row), log_path, name, page.replays.size() - 1, page);
+    page.runs.back().summary = "Its worst run: " + where + ". " + page.runs.back().summary;
     if (!log_path.empty() && fs::exists(log_path))
       readReplay(log_path, report::kMostReplayed / shown, progress, page.replays.back());
   }
   page.subtitle = "Maps and replay are those of the worst run of each method.";
   if (shown < there)
-    page.missing.push_back("To keep this page small it has maps and replay of " + std::to_string(shown) +
-                           " of " + std::to_string(there) +
-                           " runs only, the worst of each method; 'rasterslam report " + folder +
-                           "/cells/RUN/run' shows any other.");
+    page.left_out.push_back("To keep this page small it has maps and replay of " + std::to_string(shown) +
+                            " of " + std::to_string(there) +
+                            " runs only, the worst of each method; 'rasterslam report " + folder +
+                            "/cells/RUN/run' shows any other.");
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ export class LongList {
   show(count: number): void {
     this.count = count;
     this.rows.style.height = `${count * kRow_px}px`;
+    this.view.style.height = `${Math.min(8, count) * kRow_px + 2}px`;
     this.draw();
   }
 

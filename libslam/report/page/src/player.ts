@@ -2,7 +2,7 @@ import { button, make, makeSvg } from "./dom";
 import { LongList } from "./lists";
 import type { Happening, Pose, Replay, Replays } from "./replay_data";
 import { ScanViews } from "./scan_views";
-import { Stage, groundsOf, kTruth, type Ground, type Shown } from "./stage";
+import { Stage, groundsOf, isWeighty, kTruth, type Ground, type Shown } from "./stage";
 import { Timeline } from "./timeline";
 
 const kSpeeds = [1, 2, 5, 10, 20, 50];
@@ -11,9 +11,22 @@ const kSpeeds = [1, 2, 5, 10, 20, 50];
 function operationWords(operation: string): string {
   const [kind, first, second] = operation.split(" ");
   if (kind === "t") return `turned ${((Number(first) * 180) / Math.PI).toFixed(1)}°`;
-  if (kind === "m") return `moved ${Number(first).toFixed(3)} m by the rear, ${Number(second).toFixed(3)} m by the front`;
-  return "first look";
+  if (kind !== "m") return "first look";
+  // 0 stands for a reading that there was none of; the way is the mean of those that there are.
+  const readings = [first, second].map(Number).filter((value) => value !== 0);
+  const way_m = readings.reduce((sum, value) => sum + value, 0) / Math.max(1, readings.length);
+  return `moved ${way_m.toFixed(3)} m`;
 }
+
+/** The mark of a goal or a mishap as the map has it. */
+function sign(outline: string): SVGSVGElement {
+  const picture = makeSvg("svg", { class: "sign", viewBox: "0 0 16 16", "aria-hidden": "true" });
+  picture.append(makeSvg("path", { d: outline }));
+  return picture;
+}
+const kGoalSign = "M8 0V16M0 8H16M13 8A5 5 0 1 1 3 8A5 5 0 1 1 13 8";
+const kLoopSign = "M14 8A6 6 0 1 1 2 8A6 6 0 1 1 14 8";
+const kMishapSign = "M3 3L13 13M13 3L3 13";
 
 /** A swatch of a colour, as the page's legends have it. */
 function swatch(colour: string): SVGSVGElement {
@@ -173,7 +186,7 @@ class ReplayView {
 
   private choices(): HTMLElement {
     const shown = make("fieldset", {}, make("legend", {}, "Show"));
-    const addBox = (name: string, colour: string | null, onChange: (on: boolean) => void): void => {
+    const addBox = (name: string, colour: string | null, onChange: (on: boolean) => void): HTMLElement => {
       const box = make("input", { type: "checkbox" });
       box.checked = true;
       box.addEventListener("change", () => {
@@ -184,14 +197,21 @@ class ReplayView {
       if (colour) label.append(swatch(colour));
       label.append(name);
       shown.append(label);
+      return label;
     };
     const { replay } = this;
     if (replay.truth) addBox(kTruth.name, kTruth.colour, (on) => (this.shown.truth = on));
     for (const run of replay.runs)
       addBox(run.name, run.colour, (on) => (on ? this.shown.runs.add(run) : this.shown.runs.delete(run)));
     if (replay.scans) addBox("scan", null, (on) => (this.shown.scan = on));
-    if (replay.goals.length > 0) addBox("goal ⌖", null, (on) => (this.shown.goal = on));
-    if (replay.happenings.length > 0) addBox("loops ○ and mishaps ×", null, (on) => (this.shown.events = on));
+    if (replay.goals.length > 0) addBox("goal", null, (on) => (this.shown.goal = on)).append(sign(kGoalSign));
+    const has = (test: (what: string) => boolean): boolean => replay.happenings.some(({ what }) => test(what));
+    const loops = has((what) => what === "accepted");
+    const mishaps = has((what) => what !== "accepted" && isWeighty(what));
+    if (loops || mishaps) {
+      const label = addBox([loops ? "loops" : "", mishaps ? "mishaps" : ""].filter(Boolean).join(", "), null, (on) => (this.shown.events = on));
+      label.append(...(loops ? [sign(kLoopSign)] : []), ...(mishaps ? [sign(kMishapSign)] : []));
+    }
     return make("div", { class: "bar" }, shown, this.groundChoice(), ...(replay.scans ? [this.scanChoice()] : []));
   }
 

@@ -48,8 +48,14 @@ export class ScanViews {
       const range = (scans.usual * i) / 4;
       context.strokeRect(left, py(range), width - left - right, 0);
       label(range.toFixed(0), left - 5, py(range) + 4, "right");
-      const angle = scans.first + ((lastAngle - scans.first) * i) / 4;
-      label(((angle * 180) / Math.PI).toFixed(0), Math.min(px(angle), width - right - 10), height - bottom + 14, "center");
+    }
+    const degrees = 180 / Math.PI;
+    const span = (lastAngle - scans.first) * degrees;
+    const step = [5, 10, 15, 30, 45, 60].find((one) => span / one <= 6) ?? 90;
+    for (let angle = step * Math.ceil((scans.first * degrees) / step); angle <= lastAngle * degrees + 0.5; angle += step) {
+      const x = px(angle / degrees);
+      context.strokeRect(x, top, 0, height - top - bottom);
+      label(String(angle === 0 ? 0 : angle), Math.min(x, width - right - 8), height - bottom + 14, "center");
     }
     context.strokeStyle = dark ? "#7cc0ff" : "#0072b2";
     context.lineWidth = 1.5;

@@ -177,6 +177,7 @@ export class Stage {
       context.lineWidth = 3;
       const [x, y] = [px(goal[0]), py(goal[1])];
       context.beginPath();
+      context.moveTo(x + 9, y);
       context.arc(x, y, 9, 0, 2 * Math.PI);
       context.moveTo(x - 14, y);
       context.lineTo(x + 14, y);
