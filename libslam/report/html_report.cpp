@@ -54,7 +54,8 @@ std::string cellElement(const CellValue& cell, const Column& column, bool is_hea
 
 std::string tableElement(const Table& table) {
   std::string html = "<section class=\"wide\" tabindex=\"0\" aria-label=\"" + htmlText(table.caption) +
-                     "\">\n<table class=\"sortable\">\n" + tag("caption", table.caption) + "\n<thead><tr>";
+                     "\">\n<table class=\"sortable\">\n" + "<caption>" + tag("span", table.caption) +
+                     "</caption>" + "\n<thead><tr>";
   for (size_t i = 0; i < table.columns.size(); ++i) {
     const bool numeric = std::any_of(table.rows.begin(), table.rows.end(),
                                      [i](const auto& row) { return !sortValue(row[i]).empty(); });

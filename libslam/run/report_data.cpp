@@ -251,6 +251,14 @@ void fill(const std::vector<Asked>& methods, const std::string& folder, const co
   page.tables = {truth ? accuracyTable(evaluations, *truth, Detail::kShort)
                        : agreementTable(evaluations, Detail::kShort),
                  costTable(evaluations)};
+  const auto isNone = [](const report::CellValue& cell) {
+    const auto* number = std::get_if<double>(&cell);
+    return number != nullptr && std::isnan(*number);
+  };
+  const auto& costs = page.tables.back().rows;
+  if (std::all_of(costs.begin(), costs.end(),
+                  [&](const auto& row) { return std::all_of(row.begin() + 1, row.end(), isNone); }))
+    page.tables.pop_back();  // an exploration does not measure them
   for (const auto& e : evaluations) {
     const auto run =
         std::find_if(runs.begin(), runs.end(), [&](const RunFolder& r) { return r.method == e.method; });
