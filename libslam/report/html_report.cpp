@@ -236,7 +236,7 @@ std::string costChart(const ReportPage& page) {
 
 std::string eventsElement(const std::vector<PlacedEvent>& events) {
   if (events.empty()) return "";
-  const auto listed = listedEvents(events);
+  const auto chosen = listed(events);
   Table table{"Events",
               {{"time_s", "time (s)", 1},
                {"scan", "scan", 0},
@@ -246,9 +246,9 @@ std::string eventsElement(const std::vector<PlacedEvent>& events) {
                {"y_m", "y (m)", 2}},
               {},
               {}};
-  for (const auto& e : listed.events)
+  for (const auto& e : chosen.events)
     table.rows.push_back({e.time_s, static_cast<double>(e.scan), e.event, e.value, e.place.x, e.place.y});
-  return "<details class=\"events\"><summary>What it said of its own work: " + htmlText(listed.note) +
+  return "<details class=\"events\"><summary>What it said of its own work: " + htmlText(chosen.note) +
          "</summary>\n" + tableElement(table) + "</details>\n";
 }
 

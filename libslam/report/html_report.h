@@ -86,7 +86,7 @@ inline constexpr std::size_t kMostReplayed = 2000;      ///< scans
 inline constexpr std::size_t kMostTableRows = 300;      ///< the first ones of a table
 inline constexpr std::size_t kMostReplayedBeams = 181;  ///< of a scan; of more every n-th is kept
 inline constexpr std::size_t kMostListedEvents =
-    300;  ///< of a run; evenly chosen among more, which the page says
+    300;  ///< of a run or a replay; evenly chosen among more, which the page says
 inline constexpr std::size_t kMostDownloadBytes = 1
                                                   << 20;  ///< in all; what comes after is named and left out
 

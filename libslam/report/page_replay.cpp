@@ -79,7 +79,7 @@ Json runJson(const ReportPage& page, size_t index, const std::vector<double>& st
              {"poses", posesAt(run.path, stamps_s)}};
   if (!run.online.empty()) entry["online"] = posesAt(run.online, stamps_s);
   entry["events"] = Json::array();
-  for (const auto& event : listedEvents(run.events).events) {
+  for (const auto& event : listed(run.events).events) {
     const auto place = run.T_world_map * event.place;
     entry["events"].push_back(
         {rounded(event.time_s), event.event, rounded(event.value), rounded(place.x), rounded(place.y)});
@@ -113,7 +113,7 @@ Json replayJson(const ReportPage& page, const Grounds& grounds, size_t index) {
   for (const auto& goal : replay.goals)
     json["goals"].push_back({rounded(goal.time_s), rounded(goal.place.x), rounded(goal.place.y)});
   json["moments"] = Json::array();
-  for (const auto& moment : replay.moments)
+  for (const auto& moment : listed(replay.moments).events)
     json["moments"].push_back({rounded(moment.time_s), moment.what, moment.detail, rounded(moment.place.x),
                                rounded(moment.place.y)});
   return json;
@@ -142,6 +142,9 @@ std::string thinnedNote(const ReportPage& page) {
   if (beams > kMostReplayedBeams)
     note += "Of each scan's " + std::to_string(beams) + " beams it shows one in " +
             std::to_string((beams + kMostReplayedBeams - 1) / kMostReplayedBeams) + ", to the centimetre. ";
+  for (const auto& replay : page.replays)
+    if (const auto moments = listed(replay.moments); moments.events.size() < replay.moments.size())
+      note += "The robot had " + moments.note + ". ";
   if (!note.empty()) note += "All figures are of all scans.";
   return note;
 }
@@ -178,6 +181,34 @@ void measure(const ReportPage& page, Grounds& grounds, size_t index) {
   }
   ground.window = commonWindow(maps, truth, estimates);
   ground.cell_m = cell_m.value_or(0.05);
+}
+
+template <class Event>
+Listed<Event> thinned(const std::vector<Event>& events, std::string Event::*kind_of) {
+  std::map<std::string, size_t> counts, seen;
+  for (const auto& event : events) ++counts[event.*kind_of];
+  // The largest share for a kind with which all together are few enough.
+  size_t share = events.size();
+  const auto total = [&] {
+    size_t sum = 0;
+    for (const auto& [kind, count] : counts) sum += std::min(count, share);
+    return sum;
+  };
+  while (share > 1 && total() > kMostListedEvents) --share;
+  const auto stepOf = [&](const std::string& kind) { return (counts[kind] + share - 1) / share; };
+  Listed<Event> result;
+  for (const auto& event : events)
+    if (seen[event.*kind_of]++ % stepOf(event.*kind_of) == 0) result.events.push_back(event);
+  result.note = std::to_string(events.size()) + (events.size() == 1 ? " event" : " events");
+  if (result.events.size() == events.size()) return result;
+  result.note += ", of which " + std::to_string(result.events.size()) + " are listed:";
+  std::string separator = " ";
+  for (const auto& [kind, count] : counts)
+    if (stepOf(kind) > 1) {
+      result.note += separator + kind + " one in " + std::to_string(stepOf(kind));
+      separator = ", ";
+    }
+  return result;
 }
 
 }  // namespace
@@ -217,31 +248,12 @@ Grounds groundsOf(const ReportPage& page) {
   return result;
 }
 
-ListedEvents listedEvents(const std::vector<PlacedEvent>& events) {
-  std::map<std::string, size_t> counts, seen;
-  for (const auto& event : events) ++counts[event.event];
-  // The largest share for a kind with which all together are few enough.
-  size_t share = events.size();
-  const auto listed = [&] {
-    size_t sum = 0;
-    for (const auto& [kind, count] : counts) sum += std::min(count, share);
-    return sum;
-  };
-  while (share > 1 && listed() > kMostListedEvents) --share;
-  const auto stepOf = [&](const std::string& kind) { return (counts[kind] + share - 1) / share; };
-  ListedEvents result;
-  for (const auto& event : events)
-    if (seen[event.event]++ % stepOf(event.event) == 0) result.events.push_back(event);
-  result.note = std::to_string(events.size()) + (events.size() == 1 ? " event" : " events");
-  if (result.events.size() == events.size()) return result;
-  result.note += ", of which " + std::to_string(result.events.size()) + " are listed:";
-  std::string separator = " ";
-  for (const auto& [kind, count] : counts)
-    if (stepOf(kind) > 1) {
-      result.note += separator + kind + " one in " + std::to_string(stepOf(kind));
-      separator = ", ";
-    }
-  return result;
+Listed<PlacedEvent> listed(const std::vector<PlacedEvent>& events) {
+  return thinned(events, &PlacedEvent::event);
+}
+
+Listed<ReportMoment> listed(const std::vector<ReportMoment>& moments) {
+  return thinned(moments, &ReportMoment::what);
 }
 
 ReplayParts replayParts(const ReportPage& page, const Grounds& grounds) {

@@ -30,13 +30,15 @@ std::string planId(std::size_t ground);
 /// Of what lies under paths: the true plan, else the map of the best run; "" where there is none.
 std::string groundPictureId(const ReportPage& page, const Grounds& grounds, std::size_t ground);
 
-/// Those listed of a run: all of them where they are at most kMostListedEvents; else every n-th of the kinds that are too
-/// many, and all of the rarer ones. In their order.
-struct ListedEvents {
-  std::vector<PlacedEvent> events;
+/// Those listed of a run or a replay: all of them where they are at most kMostListedEvents; else every n-th of the kinds
+/// that are too many, and all of the rarer ones. In their order.
+template <class Event>
+struct Listed {
+  std::vector<Event> events;
   std::string note;  ///< "1000 events, of which 250 are listed: resampled one in 4"
 };
-ListedEvents listedEvents(const std::vector<PlacedEvent>& events);
+Listed<PlacedEvent> listed(const std::vector<PlacedEvent>& events);
+Listed<ReportMoment> listed(const std::vector<ReportMoment>& moments);
 
 /// The whole section, and the data for the script; both "" where there is nothing to replay. The data is JSON that may stand
 /// in a <script>: nothing in it can end the element.

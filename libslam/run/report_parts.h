@@ -12,6 +12,8 @@ namespace slam::run {
 
 /// "" where the manifest has no such result.
 std::string resultOf(const core::Manifest& manifest, const std::string& key);
+/// The inputs of a run that may be its log.
+std::vector<std::string> logInputs(const core::Manifest& manifest);
 /// "Sweep: NAME" with the folder's own name.
 std::string pageTitle(const std::string& folder, const std::string& what);
 
@@ -58,7 +60,7 @@ void addGoals(const std::string& folder, const core::Pose2& T_world_map, report:
 /// explore() with several runs; reachGoal(); bench() and stress().
 bool isExplorations(const std::string& folder);
 bool isNavigation(const std::string& folder);
-bool isSweep(const std::string& folder);
+bool isSweep(const std::string& folder);  ///< errors: InputError for one without tables
 void fillExplorations(const std::string& folder, core::Progress& progress, report::ReportPage& page);
 void fillNavigation(const std::string& folder, const core::Manifest& manifest, report::ReportPage& page);
 void fillSweep(const std::string& folder, const core::Manifest& manifest, core::Progress& progress,

@@ -86,7 +86,9 @@ bool shareALetter(const std::string& a, const std::string& b) {
 std::vector<std::string> verdictOf(const Rows& rows, const std::vector<std::size_t>& best_first,
                                    const SweepPlan& plan) {
   std::vector<std::string> verdict;
-  if (best_first.empty()) return {"No run has ended."};
+  if (std::none_of(best_first.begin(), best_first.end(),
+                   [&](std::size_t row) { return rows.number(row, "runs") > 0; }))
+    return {"No run has ended."};
   const auto name = [&](std::size_t row) { return rows.text(row, "method"); };
   const auto best = best_first.front();
   if (std::isnan(rows.number(best, plan.metric))) return {"No method has a figure: every run failed."};
@@ -231,22 +233,31 @@ void fillStress(const std::string& folder, report::ReportPage& page) {
                 name == std::string("stress.tex") ? "application/x-tex" : "text/csv");
 }
 
+/// "graph 2, icp 1": how many runs of each method are not there; "" where all are.
+std::string missingRuns(const Rows& results) {
+  std::map<std::string, int> counts;
+  for (std::size_t i = 0; i < results.count(); ++i)
+    if (results.text(i, "status") == "missing") ++counts[results.text(i, "method")];
+  std::string text;
+  for (const auto& [method, count] : counts)
+    text += (text.empty() ? "" : ", ") + method + " " + std::to_string(count);
+  return text;
+}
+
 /// Maps and replay of the worst run of every method.
-void addWorstRuns(const std::string& folder, const SweepPlan& plan, bool larger_is_better,
-                  core::Progress& progress, report::ReportPage& page) {
-  const std::string path = folder + "/results.json";
-  if (!fs::exists(path)) return;
-  const auto table = readJsonTable(path);
-  const Rows rows(table, path);
+void addWorstRuns(const std::string& folder, const Rows& rows, const std::vector<std::string>& methods,
+                  const SweepPlan& plan, core::Progress& progress, report::ReportPage& page) {
+  const bool larger_is_better = betterOf(plan.metric) == stats::Better::kLarger;
   const auto worth = [&](std::size_t row) {
     const double value = rows.number(row, plan.metric);
     if (std::isnan(value)) return HUGE_VAL;
     return larger_is_better ? -value : value;
   };
   std::map<std::string, std::size_t> worst;
-  std::size_t there = 0;
+  std::size_t there = 0, ended = 0;
   const auto runOf = [&](std::size_t row) { return folder + "/" + rows.text(row, "folder") + "/run"; };
   for (std::size_t i = 0; i < rows.count(); ++i) {
+    ended += rows.text(i, "status") == "missing" ? 0 : 1;
     if (!fs::exists(runOf(i) + "/manifest.json")) continue;
     ++there;
     auto name = rows.text(i, "method");
@@ -256,11 +267,14 @@ void addWorstRuns(const std::string& folder, const SweepPlan& plan, bool larger_
   }
   const std::size_t shown = std::min(worst.size(), kMostReplays);
   if (shown == 0) {
-    page.missing.emplace_back("The runs' folders hold no paths (keep = none): no maps and no replay.");
+    if (ended > 0) page.missing.emplace_back("The runs' folders hold no paths: no maps and no replay.");
     return;
   }
-  for (const auto& [name, row] : worst) {
+  for (const auto& name : methods) {
+    const auto it = worst.find(name);
+    if (it == worst.end()) continue;
     if (page.replays.size() == shown) break;
+    const auto row = it->second;
     page.replays.emplace_back();
     std::string where = rows.text(row, "world");
     for (const auto& axis : {"lidar", "fault"})
@@ -268,10 +282,12 @@ void addWorstRuns(const std::string& folder, const SweepPlan& plan, bool larger_
     where += ", seed " + rows.text(row, "seed");
     page.replays.back().name = name + " in " + where;
     const std::string log_folder = rows.text(row, "log_folder");
-    const std::string log_path = log_folder.empty() ? "" : folder + "/" + log_folder + "/run.rawlog";
+    std::string log_path = folder + "/" + log_folder + "/run.rawlog";
+    if (log_folder.empty())  // a log that existed already
+      for (const auto& path : logInputs(core::readManifest(runOf(row) + "/manifest.json"))) log_path = path;
     addRun(runOf(row), log_path, name, page.replays.size() - 1, page);
     page.runs.back().summary = "Its worst run: " + where + ". " + page.runs.back().summary;
-    if (!log_path.empty() && fs::exists(log_path))
+    if (fs::exists(log_path))
       readReplay(log_path, report::kMostReplayed / shown, progress, page.replays.back());
   }
   page.subtitle = "Maps and replay are those of the worst run of each method.";
@@ -285,7 +301,12 @@ void addWorstRuns(const std::string& folder, const SweepPlan& plan, bool larger_
 }  // namespace
 
 bool isSweep(const std::string& folder) {
-  return fs::exists(folder + "/plan.json") && fs::exists(folder + "/summary.json");
+  if (!fs::exists(folder + "/plan.json")) return false;
+  if (!fs::exists(folder + "/summary.json"))
+    throw core::InputError(folder +
+                           ": is a sweep without tables, expected summary.json: 'rasterslam bench merge " +
+                           folder + " -o " + folder + "' makes them of what has ended");
+  return true;
 }
 
 void fillSweep(const std::string& folder, const core::Manifest& manifest, core::Progress& progress,
@@ -295,6 +316,9 @@ void fillSweep(const std::string& folder, const core::Manifest& manifest, core::
   const std::string summary_path = folder + "/summary.json";
   const auto summary = readJsonTable(summary_path);
   const Rows rows(summary, summary_path);
+  const std::string results_path = folder + "/results.json";
+  const auto results = readJsonTable(results_path);
+  const Rows result_rows(results, results_path);
   const bool larger = betterOf(plan.metric) == stats::Better::kLarger;
   page.title = pageTitle(folder, is_stress ? "Stress test" : "Sweep");
   const auto best_first = ranked(rows, pooledRows(rows), plan.metric, larger);
@@ -302,18 +326,25 @@ void fillSweep(const std::string& folder, const core::Manifest& manifest, core::
   const auto runs = resultOf(manifest, "runs"), missing = resultOf(manifest, "missing");
   page.verdict.push_back(runs + " runs were planned" +
                          (missing.empty() || missing == "0" ? ", and all of them have ended." : "."));
-  if (!missing.empty() && missing != "0")
-    page.missing.push_back("This sweep is not finished: " + missing +
-                           " cells are missing, and no figure counts "
-                           "them. 'rasterslam " +
-                           (is_stress ? "stress" : "bench") + " ... --resume' goes on with it.");
+  if (!missing.empty() && missing != "0") {
+    const auto of_runs = missingRuns(result_rows);
+    page.missing.push_back("This sweep is not finished: of its logs and runs " + missing + " are missing" +
+                           (of_runs.empty() ? "" : " (runs: " + of_runs + ")") +
+                           ", and no figure counts them. 'rasterslam " + (is_stress ? "stress" : "bench") +
+                           " ... --resume' goes on with it.");
+  }
   if (is_stress)
     fillStress(folder, page);
   else
     page.tables.push_back(rankedTable(rows, best_first, plan));
   page.tables.push_back(readMarkdownTable(folder + "/summary.md"));
   addFailures(folder, page);
-  addWorstRuns(folder, plan, larger, progress, page);
+  std::vector<std::string> methods;
+  for (const auto row : best_first)
+    if (const auto name = rows.text(row, "method");
+        std::find(methods.begin(), methods.end(), name) == methods.end())
+      methods.push_back(name);
+  addWorstRuns(folder, result_rows, methods, plan, progress, page);
   for (const char* name : {"summary.csv", "summary.tex", "results.csv", "failures.csv", "cost.csv"})
     addDownload(page, folder + "/" + name, name, "",
                 name == std::string("summary.tex") ? "application/x-tex" : "text/csv");
