@@ -443,9 +443,12 @@ class ReplayView {
     const text = `${time_s.toFixed(1)} s of ${times[times.length - 1].toFixed(1)} s`;
     this.slider.setAttribute("aria-valuetext", text);
     this.output.textContent = text;
-    this.stage.draw(this.shown, this.dark.matches);
-    this.scanViews?.draw(index, this.dark.matches);
-    this.timeline.draw(time_s);
+    // On paper there is no player to draw.
+    if (this.root.clientWidth > 0) {
+      this.stage.draw(this.shown, this.dark.matches);
+      this.scanViews?.draw(index, this.dark.matches);
+      this.timeline.draw(time_s);
+    }
     this.operations.setCurrent(index);
     this.events.setCurrent(this.lastEventAt(time_s));
     this.sayPoses();
