@@ -1,6 +1,7 @@
 #include "libslam/report/html_report.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -52,6 +53,15 @@ std::string cellElement(const CellValue& cell, const Column& column, bool is_hea
   return "<td class=\"number\" data-value=\"" + value + "\">" + text + "</td>";
 }
 
+/// "occu- pied", which a text table may break, in one word.
+std::string unbroken(std::string title) {
+  for (auto at = title.find("- "); at != std::string::npos; at = title.find("- ", at + 1))
+    if (at > 0 && std::islower(static_cast<unsigned char>(title[at - 1])) != 0 && at + 2 < title.size() &&
+        std::islower(static_cast<unsigned char>(title[at + 2])) != 0)
+      title.erase(at, 2);
+  return title;
+}
+
 std::string tableElement(const Table& table) {
   std::string html = "<section class=\"wide\" tabindex=\"0\" aria-label=\"" + htmlText(table.caption) +
                      "\">\n<table class=\"sortable\">\n" + "<caption>" + tag("span", table.caption) +
@@ -60,7 +70,7 @@ std::string tableElement(const Table& table) {
     const bool numeric = std::any_of(table.rows.begin(), table.rows.end(),
                                      [i](const auto& row) { return !sortValue(row[i]).empty(); });
     html += std::string("<th scope=\"col\"") + (numeric ? " class=\"number\">" : ">") +
-            htmlText(table.columns[i].title) + "</th>";
+            htmlText(unbroken(table.columns[i].title)) + "</th>";
   }
   html += "</tr></thead>\n<tbody>\n";
   const size_t rows = std::min(table.rows.size(), kMostTableRows);

@@ -82,10 +82,11 @@ std::string logOf(const RunFolder& run, const std::string& folder, report::Repor
   return "";
 }
 
-/// Rows in the order of their figure, those without one last.
-void sortByError(std::vector<Evaluation>& evaluations) {
-  const auto error = [](const Evaluation& e) {
-    const double rmse = e.final_trajectory.position_m.rmse;
+/// Rows in the order of their error, or where no truth is known of how far they are from the others; those without such a
+/// figure last.
+void sortByWorth(std::vector<Evaluation>& evaluations, bool has_truth) {
+  const auto error = [&](const Evaluation& e) {
+    const double rmse = has_truth ? e.final_trajectory.position_m.rmse : e.agreement_m;
     return std::isnan(rmse) ? std::numeric_limits<double>::infinity() : rmse;
   };
   std::stable_sort(evaluations.begin(), evaluations.end(),
@@ -123,7 +124,7 @@ std::string summaryOf(const Evaluation& e, bool has_truth) {
   return text;
 }
 
-/// Evaluations in the order of sortByError().
+/// Evaluations in the order of sortByWorth().
 std::vector<std::string> verdictOf(const std::vector<Evaluation>& evaluations, bool has_truth) {
   std::vector<std::string> verdict;
   const auto rmse = [](const Evaluation& e) { return e.final_trajectory.position_m.rmse; };
@@ -133,6 +134,13 @@ std::vector<std::string> verdictOf(const std::vector<Evaluation>& evaluations, b
     verdict.emplace_back(
         "No truth is known for this log, so nobody can say which path is right; the table shows what can be "
         "said without.");
+    constexpr size_t kFewestToAgree = 3;
+    const auto compared = std::count_if(evaluations.begin(), evaluations.end(),
+                                        [](const Evaluation& e) { return !std::isnan(e.agreement_m); });
+    if (static_cast<size_t>(compared) >= kFewestToAgree)
+      verdict.push_back(evaluations.front().method +
+                        " is nearest to what the others say: half of them are less than " +
+                        metres(evaluations.front().agreement_m) + " away.");
   } else if (scored > 0) {
     const auto& best = evaluations.front();
     std::string text = best.method +
@@ -244,7 +252,7 @@ void fill(const std::vector<Asked>& methods, const std::string& folder, const co
                                             : evaluate(*run, truth));
   }
   setAgreement(runs, evaluations);
-  if (truth) sortByError(evaluations);
+  sortByWorth(evaluations, truth.has_value());
   page.verdict = verdictOf(evaluations, truth.has_value());
   page.tables = {truth ? accuracyTable(evaluations, *truth, Detail::kShort)
                        : agreementTable(evaluations, Detail::kShort),

@@ -162,6 +162,25 @@ TEST(Report, DrivesToAGoalHaveTheirPathsStatesAndGoal) {
   EXPECT_THAT(verdictOf(pageOf("out", folder)), HasSubstr("no path of tangent"));
 }
 
+TEST(Report, WithoutTruthTheMethodThatOthersAgreeWithComesFirst) {
+  const testing::TempFolder folder;
+  ASSERT_EQ(rasterslam("simulate flat --duration 20 -q -o known.rawlog", folder.path()).exit_code, 0);
+  fs::copy(folder / "known.rawlog", folder / "lone.rawlog");
+  ASSERT_EQ(
+      rasterslam("compare lone.rawlog --methods naive_wheel,graph,icp,naive_flow -q -o out", folder.path())
+          .exit_code,
+      0);
+  const auto rows = nlohmann::json::parse(core::readTextFile(folder / "out/scores.json"))["rows"];
+  const auto nearest = std::min_element(rows.begin(), rows.end(), [](const auto& a, const auto& b) {
+    return a["agreement_m"] < b["agreement_m"];
+  });
+  const std::string name = (*nearest)["method"];
+  ASSERT_NE(name, "naive_wheel") << "the first in the table must not be first by chance";
+  const auto page = pageOf("out", folder);
+  EXPECT_THAT(verdictOf(page), HasSubstr(name + " is nearest to what the others say"));
+  EXPECT_EQ(replaysOf(page)[0]["runs"][0]["name"], name);
+}
+
 TEST(Report, OfALogOf100000ScansThePlayerShowsSomeAndSaysSo) {
   const testing::TempFolder folder;
   ASSERT_EQ(rasterslam("simulate flat --duration 20000 --strategy random_heading --set lidar.beams=5 "

@@ -145,6 +145,20 @@ TEST(HtmlReport, AMethodThatFailedHasItsSectionAndReason) {
   EXPECT_THAT(html, Not(HasSubstr("map-1")));
 }
 
+TEST(HtmlReport, OfAMethodThatGotLostTheReasonAndTheLastMapAreShown) {
+  auto page = smallPage();
+  page.runs[0].failure = "lost at scan 12 (2.4 s)";
+  const auto html = toHtml(page);
+  EXPECT_THAT(html, HasSubstr("Failed: lost at scan 12 (2.4 s)"));
+  EXPECT_THAT(html, HasSubstr("<use href=\"#map-0\"/>"));
+}
+
+TEST(HtmlReport, WordsThatTextTablesBreakAreWhole) {
+  auto page = smallPage();
+  page.tables[0].columns[1].title = "occu- pied";
+  EXPECT_THAT(toHtml(page), HasSubstr(">occupied</th>"));
+}
+
 TEST(HtmlReport, APageWithoutRunsIsAPage) {
   ReportPage page;
   page.title = "nothing";

@@ -447,7 +447,7 @@ class ReplayView {
     if (this.root.clientWidth > 0) {
       this.stage.draw(this.shown, this.dark.matches);
       this.scanViews?.draw(index, this.dark.matches);
-      this.timeline.draw(time_s);
+      this.timeline.draw(time_s, this.dark.matches);
     }
     this.operations.setCurrent(index);
     this.events.setCurrent(this.lastEventAt(time_s));

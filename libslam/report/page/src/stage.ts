@@ -9,6 +9,11 @@ export function themeColour(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }
 
+/** A method's colour, seen on the page's ground: the palette's last is black. */
+export function visible(colour: string, dark: boolean): string {
+  return dark && colour === "#000000" ? "#ffffff" : colour;
+}
+
 /** Sized for the screen's pixels and cleared; units are those of the page. */
 export function prepare(canvas: HTMLCanvasElement, aspect: number): CanvasRenderingContext2D {
   const scale = window.devicePixelRatio || 1;
@@ -167,10 +172,10 @@ export class Stage {
     if (truth && shown.truth) trail(truth, kTruth.colour, 5);
     // The best lies on top.
     const runs = replay.runs.filter((run) => shown.runs.has(run)).reverse();
-    for (const run of runs) trail(run.path, run.colour, 2);
-    if (shown.events) this.drawHappenings(context, shown, px, py, time_s);
+    for (const run of runs) trail(run.path, visible(run.colour, dark), 2);
+    if (shown.events) this.drawHappenings(context, shown, px, py, dark);
     if (truth && shown.truth) robot(truth.at(shown.index), kTruth.colour);
-    for (const run of runs) robot(run.path.at(shown.index), run.colour);
+    for (const run of runs) robot(run.path.at(shown.index), visible(run.colour, dark));
     const goal = shown.goal ? this.goalAt(time_s) : null;
     if (goal) {
       context.strokeStyle = themeColour("failure");
@@ -200,14 +205,15 @@ export class Stage {
     shown: Shown,
     px: (x: number) => number,
     py: (y: number) => number,
-    time_s: number,
+    dark: boolean,
   ): void {
+    const time_s = this.replay.times[shown.index];
     context.lineWidth = 2;
     for (const { time_s: at_s, run, what, place } of this.replay.happenings) {
       if (at_s > time_s + 1e-3) break;
       if (!isWeighty(what) || !place || (run && !shown.runs.has(run))) continue;
       const [x, y] = [px(place[0]), py(place[1])];
-      context.strokeStyle = run ? run.colour : themeColour("failure");
+      context.strokeStyle = run ? visible(run.colour, dark) : themeColour("failure");
       context.beginPath();
       if (what === "accepted") context.arc(x, y, 6, 0, 2 * Math.PI);
       else {

@@ -1,6 +1,6 @@
 import { make } from "./dom";
 import type { Happening, Replay, Run } from "./replay_data";
-import { isWeighty, themeColour } from "./stage";
+import { isWeighty, themeColour, visible } from "./stage";
 
 const kRow_px = 18;
 const kRight_px = 8;
@@ -34,7 +34,7 @@ export class Timeline {
     return { left: Math.min(130, 0.28 * this.canvas.clientWidth), right: this.canvas.clientWidth - kRight_px };
   }
 
-  draw(time_s: number): void {
+  draw(time_s: number, dark: boolean): void {
     if (this.rows.length === 0) return;
     const ratio = window.devicePixelRatio || 1;
     const [width, height] = [this.canvas.clientWidth, this.rows.length * kRow_px];
@@ -55,7 +55,7 @@ export class Timeline {
       context.moveTo(left, top + kRow_px - 3.5);
       context.lineTo(right, top + kRow_px - 3.5);
       context.stroke();
-      context.fillStyle = run?.colour ?? themeColour("failure");
+      context.fillStyle = run ? visible(run.colour, dark) : themeColour("failure");
       for (const { time_s: at_s, what } of happenings) {
         const high = isWeighty(what) ? 13 : 6;
         context.fillRect(px(at_s) - 1, top + kRow_px - 4 - high, 2, high);
