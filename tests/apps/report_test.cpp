@@ -122,6 +122,12 @@ TEST(Report, ExplorationsHaveTheirCurvesGoalsAndReplays) {
   EXPECT_FALSE(replays[0]["goals"].empty());
   EXPECT_EQ(replays[0]["moments"][0][1], "decision");
   EXPECT_EQ(replays[0]["operations"][0], "");
+  // The log's first line, to four digits: nearest_frontier begins with a turn.
+  const auto log = core::readTextFile(folder / "out/nearest_frontier/seed_1/run.operations.txt");
+  ASSERT_EQ(log[0], 't');
+  const std::string first = replays[0]["operations"][1];
+  EXPECT_EQ(first[0], 't');
+  EXPECT_NEAR(std::stod(first.substr(2)), std::stod(log.substr(2)), 5e-5);
   EXPECT_THAT(verdictOf(page),
               ContainsRegex("maps and replay of 6 of 8 runs only; &#39;rasterslam report [^ ]*seed_4&#39;"));
 
