@@ -334,7 +334,8 @@ report::ReportPage gatherReport(const std::string& folder, core::Progress& progr
   const std::string manifest_path = folder + "/manifest.json";
   if (!fs::exists(manifest_path))
     throw core::InputError(folder +
-                           ": holds no manifest.json, expected the folder of a compare, run or explore");
+                           ": holds no manifest.json, expected the folder of a compare, run, explore, "
+                           "navigate, bench or stress");
   const auto manifest = core::readManifest(manifest_path);
   report::ReportPage page;
   addFacts(manifest, page);
