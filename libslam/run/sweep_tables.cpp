@@ -107,9 +107,7 @@ struct Row {
 class Summary {
  public:
   Summary(const SweepPlan& plan, const SweepResults& results) : plan_(plan), results_(results) {
-    keys_ = {plan.metric};
-    for (const char* key : {"ate_rmse_m", "wall_f1", "free_iou"})
-      if (key != plan.metric) keys_.emplace_back(key);
+    keys_ = summaryKeys(plan);
     better_ = betterOf(plan.metric);
     names_ = methodNames(plan);
     baseline_ =
@@ -251,6 +249,19 @@ void addNotes(const SweepPlan& plan, const SweepResults& results, report::Table&
 bool isFailed(const SweepPlan& plan, const CellResult& result) {
   if (result.status != "ok") return true;
   return plan.failure_ate_m > 0 && figureOf(result, "ate_final_m") > plan.failure_ate_m;
+}
+
+std::vector<std::string> figureKeys() {
+  std::vector<std::string> keys;
+  for (const auto& figure : figures()) keys.push_back(figure.key);
+  return keys;
+}
+
+std::vector<std::string> summaryKeys(const SweepPlan& plan) {
+  std::vector<std::string> keys = {plan.metric};
+  for (const char* key : {"ate_rmse_m", "wall_f1", "free_iou"})
+    if (key != plan.metric) keys.emplace_back(key);
+  return keys;
 }
 
 double figureOf(const CellResult& result, const std::string& key) {

@@ -16,6 +16,10 @@ using SweepResults = std::vector<std::optional<CellResult>>;
 
 /// A run that gave no usable path: its status is not ok, or it ended farther off than the suite allows (failure_ate_m).
 bool isFailed(const SweepPlan& plan, const CellResult& result);
+/// The figures that a run may have, in the order of the tables; none that depends on the machine.
+std::vector<std::string> figureKeys();
+/// Those that the summary shows, the suite's metric first.
+std::vector<std::string> summaryKeys(const SweepPlan& plan);
 /// NaN where there is no such figure.
 double figureOf(const CellResult& result, const std::string& key);
 /// Of a suite's metric.
