@@ -82,7 +82,8 @@ void describe(const run::SweepOutcome& outcome) {
 int execute(const Context& context, const Arguments& arguments) {
   auto request = requestOf(context, arguments);
   request.resume = true;
-  ConsoleProgress progress(context.quiet);
+  ConsoleProgress progress(context.quiet), cell_progress(true);
+  request.cell_progress = &cell_progress;
   const auto outcome = run::sweep(run::planSweep(arguments.suite), request, context.manifest(), progress);
   describe(outcome);
   if (context.json)
@@ -177,7 +178,8 @@ int bench(const Context& context, const Arguments& arguments) {
   auto request = requestOf(context, arguments);
   if (request.output.empty()) request.output = sweep.plan.name;
   requireUsableGate(context, arguments.gate, sweep.plan);
-  ConsoleProgress progress(context.quiet);
+  ConsoleProgress progress(context.quiet), cell_progress(true);
+  request.cell_progress = &cell_progress;
   run::MergeRequest whole;
   whole.folders = {request.output};
   whole.output = request.output;

@@ -47,7 +47,8 @@ int stressMethods(const Context& context, Arguments& arguments) {
   how.jobs = arguments.jobs;
   how.resume = arguments.resume;
   how.overwrite = context.overwrite;
-  ConsoleProgress progress(context.quiet);
+  ConsoleProgress progress(context.quiet), cell_progress(true);
+  how.cell_progress = &cell_progress;
   const auto outcome = run::sweep(sweep, how, context.manifest(), progress);
   for (const auto& line : outcome.lost) std::cerr << "rasterslam: " << line << "\n";
   run::MergeRequest whole;

@@ -184,6 +184,7 @@ class Tuner {
     sweep_request.output = request_.output + "/" + name;
     sweep_request.program = request_.program;
     sweep_request.jobs = request_.jobs;
+    sweep_request.cell_progress = request_.cell_progress;
     sweep_request.resume = request_.resume || !is_first;
     sweep_request.overwrite = request_.overwrite && is_first;
     auto outcome = sweep(plan, sweep_request, manifest_, progress_);

@@ -29,6 +29,7 @@ struct TuneRequest {
   std::string output, program;  ///< as in SweepRequest, so are the next
   int jobs = 1;
   bool resume = false, overwrite = false;
+  core::Progress* cell_progress = &core::silentProgress();
 };
 
 /// One rung of successive halving.
