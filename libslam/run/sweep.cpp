@@ -336,11 +336,11 @@ class Runner {
     const int signal = result.killed ? result.exit_code - 128 : 0;
     const auto& limits = sweep_.suite.limits;
     static const std::array<int, 7> kOwnDoing = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP};
-    if (result.exit_code == 0)
-      settle(child.is_log, child.index, child.folder);
-    else if (child.timed_out)
+    if (child.timed_out)
       endBySelf(child, "timeout", "more than " + core::formatNumber(limits.wall_limit_s) + " s by the clock",
                 limits.wall_limit_s);
+    else if (result.exit_code == 0)
+      settle(child.is_log, child.index, child.folder);
     else if (signal == SIGXCPU)
       endBySelf(child, "timeout", "more than " + std::to_string(limits.time_limit_s) + " s of computing",
                 limits.time_limit_s);
