@@ -36,6 +36,12 @@ const std::vector<Axis>& axes() {
   return list;
 }
 
+std::string settingKey(const PlannedLog& log) {
+  std::string key;
+  for (const auto& axis : axes()) key += log.*axis.member + '\n';
+  return key;
+}
+
 struct Figure {
   std::string key, title;
   int decimals;
@@ -82,19 +88,13 @@ std::vector<Group> groupsOf(const SweepPlan& plan, const std::vector<std::string
   std::vector<Group> groups;
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     const PlannedLog& log = plan.logs[plan.runs[i].log];
-    std::string key;
-    for (const auto& axis : axes()) key += log.*axis.member + '\n';
-    const auto [it, is_new] = group_index.emplace(key, groups.size());
+    const auto [it, is_new] = group_index.emplace(settingKey(log), groups.size());
     if (is_new) groups.push_back({&log, std::vector<std::vector<std::size_t>>(names.size())});
     const std::size_t method = method_index.at(fullName(plan.runs[i]));
     groups[it->second].methods[method].push_back(i);
     all.methods[method].push_back(i);
-    if (method == 0) all.settings.push_back(it->second);
   }
-  // Where each setting ran once, they are drawn themselves.
-  const bool have_several = std::any_of(groups.begin(), groups.end(),
-                                        [](const Group& group) { return group.methods.front().size() > 1; });
-  if (!have_several) all.settings.clear();
+  all.settings = settingsOf(plan, all.methods.front());
   if (groups.size() > 1) groups.insert(groups.begin(), std::move(all));
   return groups;
 }
@@ -256,9 +256,7 @@ void addNotes(const SweepPlan& plan, const SweepResults& results, report::Table&
       plan.baseline + "; p: of that difference, by Holm's method.");
   std::map<std::string, std::size_t> runs_of_group;
   for (const auto& run : plan.runs) {
-    std::string key = fullName(run);
-    for (const auto& axis : axes()) key += '\n' + plan.logs[run.log].*axis.member;
-    ++runs_of_group[key];
+    ++runs_of_group[fullName(run) + '\n' + settingKey(plan.logs[run.log])];
   }
   const bool is_single = std::any_of(runs_of_group.begin(), runs_of_group.end(),
                                      [](const auto& group) { return group.second == 1; });
@@ -309,6 +307,16 @@ std::vector<std::string> methodNames(const SweepPlan& plan) {
   for (const auto& run : plan.runs)
     if (seen.insert(fullName(run)).second) names.push_back(fullName(run));
   return names;
+}
+
+std::vector<std::size_t> settingsOf(const SweepPlan& plan, const std::vector<std::size_t>& runs) {
+  std::map<std::string, std::size_t> numbers;
+  std::vector<std::size_t> settings;
+  for (const auto run : runs)
+    settings.push_back(
+        numbers.emplace(settingKey(plan.logs[plan.runs[run].log]), numbers.size()).first->second);
+  if (numbers.size() == runs.size()) settings.clear();
+  return settings;
 }
 
 stats::Better betterOf(const std::string& metric) {

@@ -33,6 +33,10 @@ std::vector<std::string> methodNames(const SweepPlan& plan);
 /// "0.012 [0.008, 0.020]"; "-" for NaN, "failed" for infinity.
 std::string withInterval(const stats::Estimate& estimate, int decimals);
 
+/// For BootstrapOptions::strata and its like: of each run (indices) the number of its setting, which is everything but method
+/// and seed. None where no setting has two of the runs: then settings are what is drawn.
+std::vector<std::size_t> settingsOf(const SweepPlan& plan, const std::vector<std::size_t>& runs);
+
 /// One row per run: where it stands on the axes, how it ended, every figure, its folder and how to do it again. The same
 /// bytes for the same suite and code.
 report::Table resultsTable(const SweepPlan& plan, const SweepResults& results);

@@ -141,6 +141,42 @@ Estimate intervalOf(std::size_t count, const IndexStatistic& statistic, const Bo
   return result;
 }
 
+/// The middle between two neighbours of an order.
+double between(double below, double above) {
+  if (std::isinf(below) && std::isinf(above) && below != above)
+    throw core::ContractError("median: infinite values of both signs have no middle");
+  return std::isinf(below) ? below : below + (above - below) / 2;
+}
+
+/// median() of values drawn by their indices, thousands of times: counts how often each was drawn, in their order.
+class MedianOfDrawn {
+ public:
+  explicit MedianOfDrawn(const std::vector<double>& values)
+      : sorted_(values.size()), place_(values.size()), counts_(values.size()) {
+    std::vector<std::size_t> order(values.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t i, std::size_t j) { return values[i] < values[j]; });
+    for (std::size_t k = 0; k < order.size(); ++k) sorted_[k] = values[order[k]], place_[order[k]] = k;
+  }
+
+  double operator()(const std::vector<std::size_t>& indices) {
+    std::fill(counts_.begin(), counts_.end(), 0U);
+    for (const std::size_t i : indices) ++counts_[place_[i]];
+    const std::size_t middle = indices.size() / 2;  // counted from 0
+    std::size_t k = 0, passed = counts_[0];
+    while (passed < middle) passed += counts_[++k];
+    const double below = sorted_[k];  // of rank middle - 1 (or where nothing lies below the middle)
+    while (passed <= middle) passed += counts_[++k];
+    return indices.size() % 2 == 1 ? sorted_[k] : between(below, sorted_[k]);
+  }
+
+ private:
+  std::vector<double> sorted_;
+  std::vector<std::size_t> place_;
+  std::vector<unsigned> counts_;
+};
+
 }  // namespace
 
 double median(std::vector<double> values) {
@@ -148,10 +184,7 @@ double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   if (values.size() % 2 == 1) return *middle;
-  const double below = *std::max_element(values.begin(), middle);
-  if (std::isinf(below) && std::isinf(*middle) && below != *middle)
-    throw core::ContractError("median: infinite values of both signs have no middle");
-  return std::isinf(below) ? below : below + (*middle - below) / 2;
+  return between(*std::max_element(values.begin(), middle), *middle);
 }
 
 double mean(const std::vector<double>& values) {
@@ -163,13 +196,14 @@ Estimate bootstrapInterval(const std::vector<double>& values, Statistic statisti
                            const BootstrapOptions& options) {
   const bool is_median = statistic == Statistic::kMedian;
   check(values, is_median);
+  if (is_median) return intervalOf(values.size(), MedianOfDrawn(values), options, false);
   std::vector<double> drawn;
   const auto of_indices = [&](const std::vector<std::size_t>& indices) {
     drawn.resize(indices.size());
     std::transform(indices.begin(), indices.end(), drawn.begin(), [&](std::size_t i) { return values[i]; });
-    return is_median ? median(drawn) : mean(drawn);
+    return mean(drawn);
   };
-  return intervalOf(values.size(), of_indices, options, !is_median);
+  return intervalOf(values.size(), of_indices, options, true);
 }
 
 Estimate bootstrapInterval(std::size_t count, const IndexStatistic& statistic,

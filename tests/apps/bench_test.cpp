@@ -4,11 +4,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <thread>
 
 #include "libslam/core/files.h"
+#include "libslam/run/sweep.h"
+#include "libslam/run/worker.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -163,6 +167,90 @@ TEST_F(Bench, WhatGoesWrongWithOneCellIsARow) {
   EXPECT_THAT(rows[2]["message"].get<std::string>(), ::testing::Not(HasSubstr(folder.path())));
   EXPECT_TRUE(rows[2]["ate_rmse_m"].is_null());
   EXPECT_THAT(result.out, HasSubstr("failed"));
+}
+
+TEST_F(Bench, MoreComputingThanAllowedIsATimeout) {
+  write(folder / "slow.ini",
+        replaced(kTiny, "naive_wheel, naive\nseeds = 1..2", "naive_wheel, slow\nseeds = 1") +
+            "[method slow]\nbase = rbpf\nparticles.count = 2000\n[limits]\ntime_limit_s = 1\n");
+  EXPECT_EQ(bench("slow.ini -o out -q").exit_code, 6);
+  const auto rows = resultsOf(folder / "out");
+  EXPECT_EQ(rows[0]["status"], "ok") << rows[0];
+  EXPECT_EQ(rows[1]["status"], "timeout") << rows[1];
+  EXPECT_EQ(rows[1]["message"], "more than 1 s of computing");
+}
+
+/// A method that is a line of the shell, whose parent is the cell's process; `awk` gives its path from the odometry.
+class ShellMethod : public Bench {
+ protected:
+  void use(const std::string& line) {
+    write(
+        folder / "shell.ini",
+        "[method]\ntype = external\ncommand = " + line +
+            R"( && awk '{ printf "%s %s %s 0 0 0 %.9f %.9f\n", $1, $2, $3, sin($4 / 2), cos($4 / 2) }' {scans} > {output})"
+            "\n");
+    write(folder / "tiny.ini",
+          replaced(kTiny, "naive_wheel, naive\nseeds = 1..2", "naive_wheel, shell\nseeds = 1") +
+              "[method shell]\nbase = shell.ini\n");
+  }
+};
+
+TEST_F(ShellMethod, ACrashIsARowAndLeavesTheOthersAlone) {
+  use("kill -ABRT $PPID");
+  const auto result = bench("tiny.ini -o out -q");
+  EXPECT_EQ(result.exit_code, 6) << result.err;
+  const auto rows = resultsOf(folder / "out");
+  EXPECT_EQ(rows[0]["status"], "ok") << rows[0];
+  EXPECT_EQ(rows[1]["status"], "crashed") << rows[1];
+  EXPECT_EQ(rows[1]["message"], "SIGABRT");
+}
+
+TEST_F(ShellMethod, RetryDoesAgainWhatFailedAndResumeKeepsIt) {
+  use("test -e {here}/mended");
+  EXPECT_EQ(bench("tiny.ini -o out -q").exit_code, 6);
+  EXPECT_EQ(resultsOf(folder / "out")[1]["status"], "failed");
+  write(folder / "mended", "");
+  EXPECT_EQ(bench("tiny.ini -o out -q --resume").exit_code, 6);
+  EXPECT_EQ(resultsOf(folder / "out")[1]["status"], "failed");
+  const auto retried = bench("tiny.ini -o out -q --resume --retry");
+  EXPECT_EQ(retried.exit_code, 0) << retried.err;
+  EXPECT_EQ(resultsOf(folder / "out")[1]["status"], "ok");
+}
+
+TEST_F(ShellMethod, ACellThatIsKilledFromOutsideIsTriedThreeTimesAndLeftForResume) {
+  use("echo x >> {here}/tries && { test -e {here}/mended || kill -KILL $PPID; }");
+  const auto result = bench("tiny.ini -o out -q");
+  EXPECT_EQ(result.exit_code, 6);
+  EXPECT_THAT(result.err, HasSubstr("shell on flat, seed 1 (cell "));
+  EXPECT_THAT(result.err, HasSubstr("): killed from outside 3 times, at last by SIGKILL"));
+  EXPECT_EQ(core::readTextFile(folder / "tries"), "x\nx\nx\n");
+  EXPECT_EQ(resultsOf(folder / "out")[0]["status"], "ok");
+  EXPECT_EQ(resultsOf(folder / "out")[1]["status"], "missing");
+  const auto lost = nlohmann::json::parse(bench("exec tiny.ini -o out -q --json").out);
+  EXPECT_EQ(lost["lost"].size(), 1U);
+  EXPECT_EQ(lost["reused"], 2);
+  write(folder / "mended", "");
+  const auto resumed = bench("tiny.ini -o out -q --resume");
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+  EXPECT_EQ(resultsOf(folder / "out")[1]["status"], "ok");
+}
+
+TEST_F(Bench, CopiesOfTheRunnerAndProcessesOfTheirOwnGiveTheSameBytes) {
+  const auto sweep = run::planSweep(folder / "tiny.ini");
+  run::SweepRequest request;
+  request.program = RASTERSLAM_PROGRAM;
+  request.output = folder / "copies";
+  ASSERT_TRUE(run::hasOneThread());
+  EXPECT_EQ(run::sweep(sweep, request, {}, core::silentProgress()).done, 6U);
+  // With a second thread a copy of the process would not be sound.
+  request.output = folder / "programs";
+  std::promise<void> end;
+  std::thread other([&] { end.get_future().wait(); });
+  EXPECT_FALSE(run::hasOneThread());
+  EXPECT_EQ(run::sweep(sweep, request, {}, core::silentProgress()).done, 6U);
+  end.set_value();
+  other.join();
+  EXPECT_EQ(contents(folder / "copies"), contents(folder / "programs"));
 }
 
 TEST_F(Bench, ALimitIsARowAndAHigherOneTriesAgain) {
