@@ -170,9 +170,11 @@ TEST_F(Bench, WhatGoesWrongWithOneCellIsARow) {
 }
 
 TEST_F(Bench, MoreComputingThanAllowedIsATimeout) {
+  // A thousand filters' maps, coarse ones so that memory is no question: two seconds or more.
   write(folder / "slow.ini",
         replaced(kTiny, "naive_wheel, naive\nseeds = 1..2", "naive_wheel, slow\nseeds = 1") +
-            "[method slow]\nbase = rbpf\nparticles.count = 2000\n[limits]\ntime_limit_s = 1\n");
+            "[method slow]\nbase = rbpf\nparticles.count = 1000\nmapping.resolution_m = "
+            "0.2\n[limits]\ntime_limit_s = 1\n");
   EXPECT_EQ(bench("slow.ini -o out -q").exit_code, 6);
   const auto rows = resultsOf(folder / "out");
   EXPECT_EQ(rows[0]["status"], "ok") << rows[0];

@@ -9,6 +9,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
+#include "libslam/stats/paired.h"
 
 namespace slam::stats {
 namespace {
@@ -122,6 +123,18 @@ TEST(Bootstrap, OfTheMedianTakesFailedRuns) {
   EXPECT_EQ(most.value, kInfinity);
   EXPECT_EQ(most.interval->high, kInfinity);
   EXPECT_EQ(median({-kInfinity, 2}), -kInfinity);
+}
+
+TEST(Bootstrap, TheMedianByCountingIsTheMedian) {
+  core::RandomStream random(5, "median");
+  for (std::size_t count = 2; count < 60; ++count) {
+    std::vector<double> values;
+    // Many ties; a third of them failed.
+    for (std::size_t i = 0; i < count; ++i)
+      values.push_back(random.below(3) == 0 ? failedValue(Better::kSmaller)
+                                            : static_cast<double>(random.below(9)));
+    EXPECT_EQ(bootstrapInterval(values, Statistic::kMedian, {0.95, 1, 100}).value, median(values)) << count;
+  }
 }
 
 TEST(Bootstrap, RefusesWhatHasNoStatistic) {
