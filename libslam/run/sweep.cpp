@@ -318,8 +318,9 @@ class Runner {
         ++it;
         continue;
       }
-      finish(*it);
+      Running ended = std::move(*it);
       it = running_.erase(it);
+      finish(ended);
     }
   }
 

@@ -158,7 +158,7 @@ bool Worker::read() {
 }
 
 void Worker::signal(int number) const {
-  kill(child_, number);
+  if (child_ > 0) kill(child_, number);  // -1 would be everybody
 }
 
 WorkerResult Worker::wait() {

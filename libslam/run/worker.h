@@ -42,6 +42,7 @@ class Worker {
   int outputEnd() const { return output_end_; }
   /// Takes what it has written, waiting for it when there is nothing yet; false at the end.
   bool read();
+  /// Nothing once it was waited for.
   void signal(int number) const;
   /// Waits for it. REQUIRES that it was not called before.
   WorkerResult wait();
