@@ -11,10 +11,12 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/gate_flags.h"
 #include "libslam/core/error.h"
 #include "libslam/run/cell.h"
 #include "libslam/run/submit.h"
 #include "libslam/run/sweep.h"
+#include "libslam/run/sweep_gate.h"
 #include "libslam/run/sweep_merge.h"
 #include "libslam/run/worker.h"
 
@@ -25,6 +27,7 @@ struct Arguments {
   std::string suite, shard, cell;
   std::vector<std::string> folders;  ///< of merge
   run::SubmitRequest submission;
+  GateFlags gate;
   int jobs = 1;
   bool resume = false, retry = false, check = false, go = false;
 };
@@ -79,7 +82,8 @@ void describe(const run::SweepOutcome& outcome) {
 int execute(const Context& context, const Arguments& arguments) {
   auto request = requestOf(context, arguments);
   request.resume = true;
-  ConsoleProgress progress(context.quiet);
+  ConsoleProgress progress(context.quiet), cell_progress(true);
+  request.cell_progress = &cell_progress;
   const auto outcome = run::sweep(run::planSweep(arguments.suite), request, context.manifest(), progress);
   describe(outcome);
   if (context.json)
@@ -98,27 +102,48 @@ int execute(const Context& context, const Arguments& arguments) {
 
 constexpr std::size_t kMostLines = 20;
 
-int reportMerged(const Context& context, const run::MergedSweep& merged, const std::string& folder) {
+/// Before hours of work, what is wrong with the baseline's file.
+void requireUsableGate(const Context& context, const GateFlags& flags, const run::SweepPlan& plan) {
+  slam::apps::requireUsableGate(context, flags, run::scoresOf(plan, run::SweepResults(plan.runs.size())));
+}
+
+/// 6 where runs are missing; where they failed too, unless a baseline says what may fail.
+int exitCode(const run::MergedSweep& merged, const GateResult& gate) {
+  if (gate.exit_code != 0) return gate.exit_code;
+  const bool whole = merged.missing.empty() && (merged.failed == 0 || gate.table);
+  return static_cast<int>(whole ? core::ExitCode::kOk : core::ExitCode::kCellsFailed);
+}
+
+int reportMerged(const Context& context, const GateFlags& flags, const run::MergedSweep& merged,
+                 const std::string& folder) {
   for (std::size_t i = 0; i < std::min(merged.missing.size(), kMostLines); ++i)
     std::fprintf(stderr, "rasterslam: %s\n", merged.missing[i].c_str());
   if (merged.missing.size() > kMostLines)
     std::fprintf(stderr, "rasterslam: and %zu more cells\n", merged.missing.size() - kMostLines);
-  if (context.json)
-    std::cout << nlohmann::ordered_json{{"folder", folder},
-                                        {"runs", merged.plan.runs.size()},
-                                        {"complete", merged.complete},
-                                        {"failed", merged.failed},
-                                        {"missing", merged.missing},
-                                        {"summary",
-                                         nlohmann::ordered_json::parse(report::toJson(merged.full_summary))},
-                                        {"cost", nlohmann::ordered_json::parse(report::toJson(merged.costs))}}
-                     .dump(2)
-              << "\n";
-  else
-    std::cout << report::toText(merged.summary) << "\n"
-              << report::toText(merged.costs) << "\nevery run, tables, index: " << folder << "\n";
-  const bool whole = merged.missing.empty() && merged.failed == 0;
-  return static_cast<int>(whole ? core::ExitCode::kOk : core::ExitCode::kCellsFailed);
+  if (!flags.write_gate.empty() && !merged.missing.empty())
+    throw core::InputError(folder + ": " + std::to_string(merged.missing.size()) +
+                           " cells are missing, expected a whole sweep to make a baseline of");
+  const auto gate = checkGate(context, flags, run::scoresOf(merged.plan, merged.results));
+  writeGate(context, flags, run::summaryScoresOf(merged.plan, merged.results));
+  const auto parsed = [](const report::Table& table) {
+    return nlohmann::ordered_json::parse(report::toJson(table));
+  };
+  if (context.json) {
+    nlohmann::ordered_json json = {{"folder", folder},
+                                   {"runs", merged.plan.runs.size()},
+                                   {"complete", merged.complete},
+                                   {"failed", merged.failed},
+                                   {"missing", merged.missing},
+                                   {"summary", parsed(merged.full_summary)},
+                                   {"cost", parsed(merged.costs)}};
+    if (gate.table) json["gate"] = parsed(*gate.table);
+    std::cout << json.dump(2) << "\n";
+  } else {
+    std::cout << report::toText(merged.summary) << "\n" << report::toText(merged.costs) << "\n";
+    if (gate.table) std::cout << gateText(*gate.table) << "\n";
+    std::cout << "every run, tables, index: " << folder << "\n";
+  }
+  return exitCode(merged, gate);
 }
 
 int merge(const Context& context, const Arguments& arguments) {
@@ -128,7 +153,8 @@ int merge(const Context& context, const Arguments& arguments) {
   request.output = context.output.empty() ? request.folders.front() : context.output;
   request.check_bytes = arguments.check;
   ConsoleProgress progress(true);
-  return reportMerged(context, run::mergeSweep(request, context.manifest(), progress), request.output);
+  const auto merged = run::mergeSweep(request, context.manifest(), progress);
+  return reportMerged(context, arguments.gate, merged, request.output);
 }
 
 int submit(const Context& context, const Arguments& arguments) {
@@ -151,7 +177,9 @@ int bench(const Context& context, const Arguments& arguments) {
   const auto sweep = run::planSweep(arguments.suite);
   auto request = requestOf(context, arguments);
   if (request.output.empty()) request.output = sweep.plan.name;
-  ConsoleProgress progress(context.quiet);
+  requireUsableGate(context, arguments.gate, sweep.plan);
+  ConsoleProgress progress(context.quiet), cell_progress(true);
+  request.cell_progress = &cell_progress;
   run::MergeRequest whole;
   whole.folders = {request.output};
   whole.output = request.output;
@@ -164,7 +192,7 @@ int bench(const Context& context, const Arguments& arguments) {
     throw;
   }
   const auto merged = run::mergeSweep(whole, context.manifest(), core::silentProgress());
-  return reportMerged(context, merged, request.output);
+  return reportMerged(context, arguments.gate, merged, request.output);
 }
 
 struct CellArguments {
@@ -221,6 +249,9 @@ void addMerge(CLI::App& bench, Context& context, const std::shared_ptr<Arguments
   command->add_option("folders", arguments->folders, "of one sweep, or of its parts")->required();
   command->add_option("-o,--output", context.output, "folder of the whole (default: the first)");
   command->add_flag("--check", arguments->check, "read every file of every cell again");
+  addGateFlags(command, arguments->gate);
+  command->add_flag("--overwrite", context.overwrite,
+                    "with --write-gate: replace the values of these methods; their tolerances stay");
   addJson(command, context);
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return merge(context, *arguments); };
@@ -284,6 +315,7 @@ void addBench(CLI::App& app, Context& context) {
   command->add_option("suite", arguments->suite, "the sweep's .ini: see configs/suites");
   addJobs(command, *arguments);
   command->add_flag("--resume", arguments->resume, "keep the cells that are complete");
+  addGateFlags(command, arguments->gate);
   addOutput(command, context, "folder to write (default: the suite's name)");
   addJson(command, context);
   addPlan(*command, context, arguments);
@@ -292,14 +324,16 @@ void addBench(CLI::App& app, Context& context) {
   addSubmit(*command, context, arguments);
   addCell(*command, context);
   command->footer(
-      "Exit codes: 0 every run ok; 6 runs failed or are missing; 130 interrupted, with tables of what is "
-      "done.\n"
+      "Exit codes: 0 every run ok; 5 worse than --gate allows; 6 runs failed (not with --gate, which "
+      "judges that) or are missing; 130 interrupted, with tables of what is done.\n"
       "Examples:\n"
       "  rasterslam bench configs/suites/smoke.ini -o out -j 2\n"
       "  rasterslam bench configs/suites/smoke.ini -o out --resume\n"
       "  rasterslam bench plan configs/suites/standard.ini\n"
       "  rasterslam bench exec SUITE.ini -o part1 --shard 1/2      # and 2/2 on another machine\n"
       "  rasterslam bench merge part1 part2 -o out\n"
+      "  rasterslam bench merge out --write-gate baseline.json     # then edit its tolerances\n"
+      "  rasterslam bench SUITE.ini -o out2 --gate baseline.json   # the same seeds, pair by pair\n"
       "  rasterslam bench submit SUITE.ini -o out --engine slurm --tasks 50 --go");
   command->callback([&context, arguments, command] {
     if (command->get_subcommands().empty())

@@ -5,13 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
+#include "apps/gate_flags.h"
 #include "libslam/core/error.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/run/compare.h"
 #include "libslam/run/evaluate.h"
 #include "libslam/run/failure.h"
-#include "libslam/run/gate.h"
 #include "libslam/run/relation_tables.h"
 #include "libslam/run/resources.h"
 
@@ -19,53 +19,26 @@ namespace slam::apps {
 namespace {
 
 struct Arguments {
-  std::string folder, truth, plan, relations, gate, write_gate;
+  std::string folder, truth, plan, relations;
+  GateFlags gate;
 };
 
 nlohmann::ordered_json parsed(const report::Table& table) {
   return nlohmann::ordered_json::parse(report::toJson(table));
 }
 
-/// What was measured, held against --gate.
-struct GateResult {
-  std::optional<report::Table> table;
-  int exit_code = 0;
-};
-
-GateResult checkGate(const Context& context, const Arguments& arguments,
-                     const std::vector<run::Score>& scores) {
-  if (arguments.gate.empty()) return {};
-  const auto gate = run::rowsOfMeasured(run::readGate(arguments.gate), scores, arguments.gate);
-  const auto findings = run::checkGate(gate, scores);
-  const auto detail = context.json ? run::Detail::kFull : run::Detail::kShort;
-  const auto code = run::gateIsShut(findings) ? core::ExitCode::kGotWorse : core::ExitCode::kOk;
-  return {run::gateTable(findings, arguments.gate, detail), static_cast<int>(code)};
-}
-
-/// Rows of other methods stay, so that one file can hold several runs.
-void writeGate(const Context& context, const Arguments& arguments, const std::vector<run::Score>& scores) {
-  if (arguments.write_gate.empty()) return;
-  run::Gate old;
-  if (std::filesystem::exists(arguments.write_gate)) old = run::readGate(arguments.write_gate);
-  for (const auto& row : old.rows)
-    for (const auto& score : scores)
-      if (row.baseline.cell == score.cell && !context.overwrite)
-        throw core::InputError(arguments.write_gate + ": holds rows of '" + score.cell +
-                               "'; give --overwrite to replace their values");
-  run::writeGate(run::updatedGate(old, scores), arguments.write_gate);
-}
-
-void print(const Context& context, std::vector<std::pair<std::string, report::Table>> tables,
+void print(const Context& context, const std::vector<std::pair<std::string, report::Table>>& tables,
            const GateResult& gate) {
-  if (gate.table && (context.json || !gate.table->rows.empty())) tables.emplace_back("gate", *gate.table);
   nlohmann::ordered_json json;
   std::string text;
   for (const auto& [name, table] : tables) {
     json[name] = parsed(table);
     text += (text.empty() ? "" : "\n") + report::toText(table);
   }
-  if (gate.table && gate.table->rows.empty())
-    for (const auto& note : gate.table->notes) text += "\n" + note + "\n";
+  if (gate.table) {
+    json["gate"] = parsed(*gate.table);
+    text += "\n" + gateText(*gate.table);
+  }
   std::cout << (context.json ? json.dump(2) + "\n" : text);
 }
 
@@ -83,8 +56,8 @@ int evaluateByRelations(const Context& context, const Arguments& arguments) {
   if (scores[0].error.scored == 0)
     throw core::InputError(arguments.relations + ": no stamp in common with " + arguments.folder +
                            ", expected the relations of the same log");
-  const auto gate = checkGate(context, arguments, run::scoresOf(scores));
-  writeGate(context, arguments, run::scoresOf(scores));
+  const auto gate = checkGate(context, arguments.gate, run::scoresOf(scores));
+  writeGate(context, arguments.gate, run::scoresOf(scores));
   const auto detail = context.json ? run::Detail::kFull : run::Detail::kShort;
   print(context,
         {{"relations", run::relationTable(scores, detail)},
@@ -105,8 +78,8 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
   if (truth && evaluation.trajectory.position_m.count == 0)
     throw core::InputError(arguments.truth + ": no stamp in common with " + arguments.folder +
                            "/trajectory.tum, expected the truth of the same log");
-  const auto gate = checkGate(context, arguments, run::scoresOf(evaluation));
-  writeGate(context, arguments, run::scoresOf(evaluation));
+  const auto gate = checkGate(context, arguments.gate, run::scoresOf(evaluation));
+  writeGate(context, arguments.gate, run::scoresOf(evaluation));
   const auto detail = context.json ? run::Detail::kFull : run::Detail::kShort;
   const auto table =
       truth ? run::accuracyTable({evaluation}, *truth, detail) : run::agreementTable({evaluation}, detail);
@@ -143,15 +116,7 @@ void addEval(CLI::App& app, Context& context) {
       "logs; FOLDER may then be a trajectory too. Poses at their stamps: the same stamp to 1 us, else "
       "interpolated "
       "between the neighbours; outside the path's time not scored");
-  auto* gate = command->add_option(
-      "--gate", arguments->gate,
-      "baseline to hold the scores against, as --write-gate writes it; exit code 5 and a table of the "
-      "figures that got worse");
-  command
-      ->add_option("--write-gate", arguments->write_gate,
-                   "write the scores as a baseline, or add them to one that has none of this method; "
-                   "tolerances (10 % and one unit of the last digit shown) are there to be edited")
-      ->excludes(gate);
+  addGateFlags(command, arguments->gate);
   command->add_flag("--overwrite", context.overwrite,
                     "with --write-gate: replace this method's values; its tolerances stay");
   addJson(command, context);

@@ -7,7 +7,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
-#include "libslam/core/error.h"
+#include "libslam/core/exit_code.h"
 
 namespace {
 
@@ -71,15 +71,9 @@ int main(int argc, char** argv) {
   slam::apps::catchInterrupts();
   try {
     return context.action();
-  } catch (const slam::core::InputError& error) {
-    return report(context, error.what(), ExitCode::kBadInput);
-  } catch (const slam::core::MethodError& error) {
-    return report(context, error.what(), ExitCode::kMethodFailed);
-  } catch (const slam::core::Interrupted& error) {
-    return report(context, error.what(), ExitCode::kInterrupted);
   } catch (const std::bad_alloc&) {
     return report(context, "out of memory", ExitCode::kFailed);
   } catch (const std::exception& error) {
-    return report(context, error.what(), ExitCode::kFailed);
+    return report(context, error.what(), slam::core::exitCodeOf(error));
   }
 }

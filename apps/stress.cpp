@@ -33,6 +33,10 @@ void writeResult(const run::StressResult& result, const std::string& key, const 
   write("md", report::toMarkdown(result.main));
   write("tex", report::toLatex(result.main));
   report::drawCharts(result.charts, "Stress: " + key, folder + "/stress.png");
+  auto manifest = core::readManifest(folder + "/manifest.json");
+  manifest.files["stress.txt"] = "where methods break; also .md, .tex, .csv, .json";
+  manifest.files["stress.png"] = "median error and share of failed runs over what was varied";
+  core::writeManifest(manifest, folder + "/manifest.json");
 }
 
 int stressMethods(const Context& context, Arguments& arguments) {
@@ -47,7 +51,8 @@ int stressMethods(const Context& context, Arguments& arguments) {
   how.jobs = arguments.jobs;
   how.resume = arguments.resume;
   how.overwrite = context.overwrite;
-  ConsoleProgress progress(context.quiet);
+  ConsoleProgress progress(context.quiet), cell_progress(true);
+  how.cell_progress = &cell_progress;
   const auto outcome = run::sweep(sweep, how, context.manifest(), progress);
   for (const auto& line : outcome.lost) std::cerr << "rasterslam: " << line << "\n";
   run::MergeRequest whole;
@@ -109,7 +114,8 @@ void addStress(CLI::App& app, Context& context) {
       "Examples:\n"
       "  rasterslam stress office_loop --vary lidar.fov_deg=30..360:6 --seeds 5 -o fov -j 2\n"
       "  rasterslam stress flat --vary living.people=0..20 --methods icp,graph --duration 60 -o people\n"
-      "  rasterslam stress office:seed=3 --vary world.width_m=20..100:5 -o corridor\n"
+      "  rasterslam stress office:height_m=12 --vary world.width_m=20..100:5 -o corridor   # so long a "
+      "corridor\n"
       "  rasterslam stress configs/suites/smoke.ini --vary odometry.slips_per_m=0.01..10:5:log -o slip");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return stressMethods(context, *arguments); };

@@ -15,7 +15,8 @@ int tuneMethod(const Context& context, run::TuneRequest& request) {
   request.output = context.output;
   request.program = context.programPath();
   request.overwrite = context.overwrite;
-  ConsoleProgress progress(context.quiet);
+  ConsoleProgress progress(context.quiet), cell_progress(true);
+  request.cell_progress = &cell_progress;
   const auto result = run::tune(request, context.manifest(), progress);
   for (const auto& line : result.lost) std::cerr << "rasterslam: " << line << "\n";
   if (context.json) {

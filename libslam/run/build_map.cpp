@@ -25,17 +25,22 @@ namespace slam::run {
 namespace {
 
 /// Peak memory of this process from construction on, over its size then. Linux lets a process forget its own
-/// peak.
+/// peak. Pages of files that have come meanwhile (mostly code that ran for the first time) are not counted: how many those are
+/// depends on what the process did before.
 class MemoryMeter {
  public:
   MemoryMeter() {
     std::ofstream("/proc/self/clear_refs") << "5";
     before_mb_ = processMemoryMb("VmRSS");
+    files_before_mb_ = processMemoryMb("RssFile");
   }
-  double peakMb() const { return processMemoryMb("VmHWM") - before_mb_; }
+  double peakMb() const {
+    return std::max(0.0,
+                    processMemoryMb("VmHWM") - before_mb_ - (processMemoryMb("RssFile") - files_before_mb_));
+  }
 
  private:
-  double before_mb_;
+  double before_mb_, files_before_mb_;
 };
 
 Cost summarize(std::vector<double> milliseconds, double finish_s, double log_seconds) {

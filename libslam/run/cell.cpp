@@ -188,7 +188,7 @@ void runMethod(const std::string& folder, const Json& spec, const CellInputs& in
   cost.peak_memory_mb = run.cost.peak_memory_mb;
   if (inputs.keep == "paths") prune(run_folder);
   for (const auto& [name, meaning] : core::readManifest(run_folder + "/manifest.json").files)
-    if (name != "timing.csv") addFile(result, folder, "run/" + name);
+    if (name != "timing.csv" && name != "printed.txt") addFile(result, folder, "run/" + name);
 }
 
 void clear(const std::string& folder) {

@@ -334,6 +334,17 @@ ExternalMethod readExternalMethod(const core::IniFile& config, const std::string
   return method;
 }
 
+core::IniFile withFixedFolder(core::IniFile config) {
+  const auto* command = config.find("method", "command");
+  if (command == nullptr) return config;
+  const core::IniFile::Entry entry = *command;
+  const std::string line = replaced(entry.value, [&](const std::string& name) -> std::optional<std::string> {
+    return name == "here" ? std::optional(core::shellQuoted({folderOf(entry)})) : std::nullopt;
+  });
+  config.set("method", "command", line, entry.origin);
+  return config;
+}
+
 std::vector<core::ParameterReport> methodParameters(const core::IniFile& config, const std::string& name,
                                                     std::uint64_t seed) {
   if (isExternal(config)) return readExternalMethod(config, name).parameters;

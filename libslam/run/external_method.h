@@ -53,6 +53,10 @@ bool isExternal(const core::IniFile& config);
 /// Errors: InputError for a misspelt, impossible or missing key, an unknown placeholder. REQUIRES isExternal().
 ExternalMethod readExternalMethod(const core::IniFile& config, const std::string& name);
 
+/// The same configuration with the folder in place of {here} in its command, so that it means the same wherever it is kept.
+/// REQUIRES isExternal().
+core::IniFile withFixedFolder(core::IniFile config);
+
 /// All parameters of a method of either kind, checked: makeMapBuilder()'s errors or readExternalMethod()'s.
 std::vector<core::ParameterReport> methodParameters(const core::IniFile& config, const std::string& name,
                                                     std::uint64_t seed);

@@ -34,6 +34,19 @@ double valueOf(const JsonEntry& entry, const std::string& key, const nlohmann::j
   return json.get<double>();
 }
 
+std::vector<std::uint64_t> readSeeds(JsonEntry& entry, std::size_t count) {
+  const auto json = entry.take("seeds");
+  const bool is_list = json.is_array() && json.size() == count &&
+                       std::all_of(json.begin(), json.end(),
+                                   [](const nlohmann::json& seed) { return seed.is_number_unsigned(); });
+  auto seeds = is_list ? json.get<std::vector<std::uint64_t>>() : std::vector<std::uint64_t>();
+  if (std::set<std::uint64_t>(seeds.begin(), seeds.end()).size() != count)
+    entry.fail("seeds", json,
+               "a list of different whole numbers, one for each of " + std::to_string(count) +
+                   (count == 1 ? " value" : " values"));
+  return seeds;
+}
+
 GateRow readRow(const nlohmann::json& json, const std::string& where) {
   JsonEntry entry(json, where);
   GateRow row;
@@ -50,6 +63,7 @@ GateRow readRow(const nlohmann::json& json, const std::string& where) {
   } else {
     row.baseline.values = {valueOf(entry, "value", entry.take("value"), row.better)};
   }
+  if (entry.has("seeds")) row.baseline.seeds = readSeeds(entry, row.baseline.values.size());
   row.relative = numberAtLeastZero(entry, "relative");
   row.absolute = numberAtLeastZero(entry, "absolute");
   entry.expectNothingElse();
@@ -72,6 +86,7 @@ nlohmann::ordered_json jsonOf(const GateRow& row) {
     json["value"] = values.front();
   else
     json["values"] = values;
+  if (!row.baseline.seeds.empty()) json["seeds"] = row.baseline.seeds;
   json["relative"] = row.relative;
   json["absolute"] = row.absolute;
   return json;
@@ -88,8 +103,8 @@ struct Usual {
 
 /// nullopt: nothing to hold a machine-independent figure against.
 std::optional<Usual> usualOf(const std::string& metric) {
-  if (metric == kTranslationMean) return Usual{stats::Better::kSmaller, 4};
-  if (metric == kRotationMean) return Usual{stats::Better::kSmaller, 3};
+  if (metric == kTranslationMean || metric == "relation_m") return Usual{stats::Better::kSmaller, 4};
+  if (metric == kRotationMean || metric == "relation_deg") return Usual{stats::Better::kSmaller, 3};
   const auto& infos = metricInfos();
   const auto info =
       std::find_if(infos.begin(), infos.end(), [&](const MetricInfo& i) { return i.key == metric; });
@@ -106,6 +121,20 @@ double worsening(double a, double b, stats::Better better) {
 std::size_t failures(const std::vector<double>& values) {
   return static_cast<std::size_t>(
       std::count_if(values.begin(), values.end(), [](double value) { return std::isinf(value); }));
+}
+
+/// Leaves of both, where they know their seeds, the values of those that both have, in one order.
+void keepCommonSeeds(Score& a, Score& b) {
+  if (a.seeds.empty() || b.seeds.empty()) return;
+  const Score all_a = a, all_b = b;
+  for (Score* score : {&a, &b}) score->values.clear(), score->seeds.clear();
+  for (std::size_t i = 0; i < all_a.seeds.size(); ++i) {
+    const auto at = std::find(all_b.seeds.begin(), all_b.seeds.end(), all_a.seeds[i]);
+    if (at == all_b.seeds.end()) continue;
+    a.values.push_back(all_a.values[i]);
+    b.values.push_back(all_b.values[static_cast<std::size_t>(at - all_b.seeds.begin())]);
+    for (Score* score : {&a, &b}) score->seeds.push_back(*at);
+  }
 }
 
 /// As shares: the numbers of seeds may differ.
@@ -177,10 +206,14 @@ Gate readGate(const std::string& path) {
 }
 
 void writeGate(const Gate& gate, const std::string& path) {
-  auto rows = nlohmann::ordered_json::array();
-  for (const auto& row : gate.rows) rows.push_back(jsonOf(row));
-  const nlohmann::ordered_json json = {{"alpha", gate.alpha}, {"rows", rows}};
-  core::writeFileAtomically(path, json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  // A row a line, for people who edit tolerances.
+  std::string text = "{\"alpha\": " + nlohmann::json(gate.alpha).dump() + ",\n \"rows\": [";
+  const char* comma = "\n  ";
+  for (const auto& row : gate.rows) {
+    text += comma + jsonOf(row).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    comma = ",\n  ";
+  }
+  core::writeFileAtomically(path, text + "]}\n");
 }
 
 std::vector<Score> scoresOf(const Evaluation& evaluation) {
@@ -251,21 +284,28 @@ std::vector<GateFinding> checkGate(const Gate& gate, const std::vector<Score>& s
   for (const auto& row : gate.rows) {
     GateFinding finding;
     finding.row = row;
-    finding.before = stats::median(row.baseline.values);
-    finding.allowed =
-        std::max(row.absolute, std::isinf(finding.before) ? 0.0 : row.relative * std::abs(finding.before));
+    Score& baseline = finding.row.baseline;
     const auto score = std::find_if(scores.begin(), scores.end(), [&](const Score& s) {
       return isOf(s, row.baseline.cell, row.baseline.metric);
     });
-    const bool is_there =
-        score != scores.end() && !score->values.empty() &&
-        std::none_of(score->values.begin(), score->values.end(), [](double v) { return std::isnan(v); });
+    Score measured;
+    if (score != scores.end()) {
+      measured = *score;
+      keepCommonSeeds(baseline, measured);
+    }
+    if (baseline.values.empty()) baseline = row.baseline;  // no seed in common
+    finding.before = stats::median(baseline.values);
+    finding.allowed =
+        std::max(row.absolute, std::isinf(finding.before) ? 0.0 : row.relative * std::abs(finding.before));
     finding.now = kNan;
+    const bool is_there =
+        !measured.values.empty() &&
+        std::none_of(measured.values.begin(), measured.values.end(), [](double v) { return std::isnan(v); });
     if (is_there) {
-      finding.values = score->values;
+      finding.values = std::move(measured.values);
       finding.now = stats::median(finding.values);
-      if (finding.values.size() == row.baseline.values.size() && finding.values.size() > 1)
-        finding.p = stats::wilcoxonSignedRank(finding.values, row.baseline.values).p;
+      if (finding.values.size() == baseline.values.size() && finding.values.size() > 1)
+        finding.p = stats::wilcoxonSignedRank(finding.values, baseline.values).p;
       finding.verdict = verdictOn(finding, gate.alpha);
     }
     findings.push_back(std::move(finding));

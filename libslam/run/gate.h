@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@ namespace slam::run {
 struct Score {
   std::string cell, metric;
   std::vector<double> values;
+  std::vector<std::uint64_t> seeds = {};  ///< of the values; none: not known
 };
 
 /// A figure as it was, and how much worse it may be: by absolute, or by relative times its size, whichever is more.
@@ -31,9 +33,10 @@ struct Gate {
 };
 
 /// The file: {"alpha": 0.05, "rows": [{"cell": "graph", "metric": "ate_rmse_m", "better": "smaller", "value": 0.012,
-/// "relative": 0.1, "absolute": 0.001}, ...]}, or "values" with one per seed instead of "value"; null is a failed run. Left
-/// out, alpha is 0.05 and a tolerance is 0. Errors: InputError with the file, the row and the key: not JSON, no row, a key
-/// that is missing, unknown or of another kind, a negative tolerance, alpha outside (0, 1), a cell's metric twice.
+/// "relative": 0.1, "absolute": 0.001}, ...]}, or "values" with one per seed instead of "value", which "seeds" may name; null
+/// is a failed run. Left out, alpha is 0.05 and a tolerance is 0. Errors: InputError with the file, the row and the key: not
+/// JSON, no row, a key that is missing, unknown or of another kind, a negative tolerance, alpha outside (0, 1), a cell's
+/// metric twice, seeds that are not as many as the values, or one of them twice.
 Gate readGate(const std::string& path);
 /// Writes what readGate() reads. REQUIRES rows with values, none NaN (ContractError). Errors: IoError.
 void writeGate(const Gate& gate, const std::string& path);
@@ -70,7 +73,8 @@ struct GateFinding {
   GateVerdict verdict = GateVerdict::kMissing;
 };
 
-/// Holds what was measured against each row of the gate, in its order. Values pair up by their place in the lists.
+/// Holds what was measured against each row of the gate, in its order. Values pair up by their seeds, of which those count
+/// that both have; where seeds are not known by their place in the lists.
 /// Chance excuses a worse median only where it could be told from one: by p above alpha with enough pairs for p to get down
 /// to alpha (6 for 0.05); with fewer the tolerance alone decides. Scores without a row are not looked at. Each row is
 /// tested by itself, so of many rows some will be called worse by chance; the tolerance is what keeps them few.

@@ -154,17 +154,20 @@ struct Point {
 Point pointOf(const SweepPlan& plan, const SweepResults& results, const std::vector<std::size_t>& runs) {
   Point point;
   std::vector<double> errors;
+  std::vector<std::size_t> with_error;
   for (const auto run : runs) {
     if (!results[run]) continue;
     ++point.runs;
     point.failed += isFailed(plan, *results[run]) ? 1 : 0;
-    if (const double error = rankedValue(plan, results[run]); !std::isnan(error)) errors.push_back(error);
+    if (const double error = rankedValue(plan, results[run]); !std::isnan(error))
+      errors.push_back(error), with_error.push_back(run);
   }
   point.failure_interval = stats::clopperPearson(point.failed, point.runs);
   if (point.runs > 0)
     point.failure_rate = static_cast<double>(point.failed) / static_cast<double>(point.runs);
   if (!errors.empty())
-    point.error = stats::bootstrapInterval(errors, stats::Statistic::kMedian, {0.95, 1, kResamples});
+    point.error = stats::bootstrapInterval(errors, stats::Statistic::kMedian,
+                                           {0.95, 1, kResamples, settingsOf(plan, with_error)});
   return point;
 }
 

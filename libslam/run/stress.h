@@ -64,7 +64,8 @@ struct StressResult {
   std::vector<report::Chart> charts;  ///< median error and failure rate over the value, whiskers = intervals
 };
 
-/// Statistics of a stress suite's runs, pooled over the other axes and the seeds. A failed run counts as worse than any other
+/// Statistics of a stress suite's runs, pooled over the other axes (drawn within each of their settings, settingsOf()) and the
+/// seeds. A failed run counts as worse than any other
 /// (rankedValue()). results[i] is of plan.runs[i]. REQUIRES a metric of which less is better for an error limit
 /// (InputError). The same bytes for the same results.
 StressResult stress(const StressSuite& suite, const SweepPlan& plan, const SweepResults& results,

@@ -14,6 +14,7 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/run/compare.h"
+#include "libslam/run/external_method.h"
 #include "libslam/run/generated_world.h"
 #include "libslam/run/resources.h"
 
@@ -296,7 +297,8 @@ class SuiteReader {
     if (const Entries* entries = sectionOf("parameters", method.name))
       for (const auto& [key, entry] : *entries) grid = crossed(grid, key, entry);
     for (auto& choice : grid) {
-      mapping::makeMapBuilder(choice.config, choice.name, 1);  // a bad key must not show after an hour
+      methodParameters(choice.config, choice.name, 1);  // a bad key must not show after an hour
+      if (isExternal(choice.config)) choice.config = withFixedFolder(choice.config);
       suite_.methods.push_back(std::move(choice));
     }
   }

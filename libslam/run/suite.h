@@ -89,6 +89,9 @@ struct Suite {
 /// methods a name of configs/methods; for all of them but worlds and logs an .ini file; `built-in` for no overlay. Layers,
 /// weakest first: built-in, the suite's own sections, robot, lidar, odometry, strategy, fault.
 ///
+/// A method may be an external program (external_method.h): its line is part of what decides a cell, what it starts is not,
+/// so after a change of that program a sweep takes --overwrite.
+///
 /// Relative paths start from the suite's folder. Errors, all before anything runs (InputError, with the line where there
 /// is one): unknown section, key, name or value; a section that no list names; a name twice; a seed twice; files that are
 /// missing or broken; a combination whose values do not fit.

@@ -1,10 +1,8 @@
 #include "libslam/run/sweep.h"
 
-#include <fcntl.h>
+#include <malloc.h>
 #include <poll.h>
 #include <signal.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -22,6 +20,7 @@
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
 #include "libslam/run/cell.h"
+#include "libslam/run/sweep_workplace.h"
 #include "libslam/run/worker.h"
 
 namespace slam::run {
@@ -29,92 +28,13 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kAttempts = 3;
+/// Between asking a cell to end and killing it.
+constexpr double kGrace_s = 2;
 
 using Clock = std::chrono::steady_clock;
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-void makeFolder(const std::string& path) {
-  std::error_code error;
-  fs::create_directories(path, error);
-  if (error) throw core::IoError(path + ": cannot be made: " + error.message());
-}
-
-/// partial/HOST.PID in a sweep's folder, locked until this process ends, however it ends.
-class Workplace {
- public:
-  explicit Workplace(const std::string& output) : all_(output + "/partial") {
-    makeFolder(all_);
-    std::array<char, 256> host{};
-    gethostname(host.data(), host.size() - 1);
-    name_ = std::string(host.data()) + "." + std::to_string(getpid());
-    lock();
-    fs::remove_all(path());
-    makeFolder(path());
-  }
-  ~Workplace() {
-    std::error_code ignored;
-    fs::remove_all(path(), ignored);
-    fs::remove(lockPath(name_), ignored);
-    fs::remove(all_, ignored);  // when nobody else works
-    close(lock_);
-  }
-  Workplace(const Workplace&) = delete;
-  Workplace& operator=(const Workplace&) = delete;
-
-  std::string path() const { return all_ + "/" + name_; }
-
-  /// Removes what processes that are no more have left.
-  void removeLeftovers() const {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(all_))
-      if (entry.path().extension() != ".lock" && entry.path().filename() != name_)
-        names.push_back(entry.path().filename().string());
-      else if (entry.path().extension() == ".lock" && entry.path().stem() != name_)
-        names.push_back(entry.path().stem().string());
-    for (const auto& name : names) {
-      const int file = open(lockPath(name).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-      if (file < 0) continue;
-      if (flock(file, LOCK_EX | LOCK_NB) == 0) {
-        std::error_code ignored;
-        fs::remove_all(all_ + "/" + name, ignored);
-        fs::remove(lockPath(name), ignored);
-      }
-      close(file);
-    }
-  }
-
- private:
-  std::string lockPath(const std::string& name) const { return all_ + "/" + name + ".lock"; }
-
-  void lock() {
-    while (true) {
-      lock_ = open(lockPath(name_).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-      if (lock_ < 0 || flock(lock_, LOCK_EX) != 0)
-        throw core::IoError(lockPath(name_) + ": cannot be locked: " + std::strerror(errno));
-      // Somebody who tidies up may have removed the file between the two calls.
-      struct stat named {};
-      struct stat held {};
-      if (stat(lockPath(name_).c_str(), &named) == 0 && fstat(lock_, &held) == 0 &&
-          named.st_ino == held.st_ino)
-        return;
-      close(lock_);
-    }
-  }
-
-  std::string all_, name_;
-  int lock_ = -1;
-};
-
-/// Files that every process in the folder would write alike: made in the own workplace, then renamed.
-void publish(const Workplace& workplace, const std::string& output, const std::string& name,
-             const std::string& text) {
-  core::writeFileAtomically(workplace.path() + "/" + name, text);
-  std::error_code error;
-  fs::rename(workplace.path() + "/" + name, output + "/" + name, error);
-  if (error) throw core::IoError(output + "/" + name + ": cannot be written: " + error.message());
 }
 
 void prepare(const Sweep& sweep, const SweepRequest& request) {
@@ -146,8 +66,8 @@ void prepare(const Sweep& sweep, const SweepRequest& request) {
 
 void publishPlan(const Workplace& workplace, const Sweep& sweep, const SweepRequest& request,
                  core::Manifest manifest) {
-  publish(workplace, request.output, "suite.ini", sweep.suite.text);
-  publish(workplace, request.output, "plan.json", toJson(sweep.plan));
+  workplace.publish("suite.ini", sweep.suite.text, request.output);
+  workplace.publish("plan.json", toJson(sweep.plan), request.output);
   core::writeManifest(manifest, workplace.path() + "/manifest.json");
   fs::rename(workplace.path() + "/manifest.json", request.output + "/manifest.json");
 }
@@ -178,7 +98,20 @@ class Runner {
 
   SweepOutcome go(core::Progress& progress) {
     findWork();
+    malloc_trim(0);  // what planning left would be in every cell's memory
     progress.begin("sweep " + plan_.name);
+    try {
+      work(progress);
+    } catch (...) {
+      askToEnd();
+      throw;
+    }
+    progress.end();
+    return std::move(outcome_);
+  }
+
+ private:
+  void work(core::Progress& progress) {
     const std::size_t total = std::max<std::size_t>(left_, 1), at_start = left_;
     while (left_ > 0) {
       while (running_.size() < static_cast<std::size_t>(request_.jobs) && startNext()) {
@@ -186,11 +119,20 @@ class Runner {
       waitForChildren();
       progress.update(static_cast<double>(at_start - left_) / static_cast<double>(total), robot_time_s_);
     }
-    progress.end();
-    return std::move(outcome_);
   }
 
- private:
+  /// Asked before they are killed, for the sake of their own children.
+  void askToEnd() {
+    for (const auto& child : running_) child.worker.signal(SIGINT);
+    const auto asked = Clock::now();
+    for (auto& child : running_)
+      while (secondsSince(asked) < kGrace_s) {
+        pollfd end{child.worker.outputEnd(), POLLIN, 0};
+        if (poll(&end, 1, 100) > 0 && !child.worker.read()) break;
+      }
+    running_.clear();
+  }
+
   std::string cellFolder(const std::string& id) const { return request_.output + "/cells/" + id; }
   const std::string& idOf(bool is_log, std::size_t index) const {
     return is_log ? plan_.logs[index].id : plan_.runs[index].id;
@@ -302,51 +244,65 @@ class Runner {
   void start(bool is_log, std::size_t index) {
     ++(is_log ? log_attempts_ : run_attempts_)[index];
     const std::string folder = makePartial(is_log, index);
-    running_.push_back({is_log, index, folder,
-                        Worker(commandOf(is_log, index, folder), folder + "/stderr.txt"), Clock::now()});
+    running_.push_back({is_log, index, folder, makeWorker(is_log, index, folder), Clock::now()});
   }
 
-  std::vector<std::string> commandOf(bool is_log, std::size_t index, const std::string& folder) const {
-    const auto& suite = sweep_.suite;
-    std::vector<std::string> command = {request_.program,
-                                        "bench",
-                                        "cell",
-                                        folder,
-                                        "--json",
-                                        "--parent",
-                                        std::to_string(getpid()),
-                                        "--time-limit",
-                                        std::to_string(suite.limits.time_limit_s),
-                                        "--memory-limit",
-                                        core::formatNumber(suite.limits.memory_limit_mb),
-                                        "--keep",
-                                        suite.options.keep,
-                                        "--reproduce",
-                                        reproduceLine(idOf(is_log, index))};
-    const auto add = [&](const char* flag, const std::string& path) {
-      if (!path.empty()) command.insert(command.end(), {flag, path});
+  Worker makeWorker(bool is_log, std::size_t index, const std::string& folder) const {
+    const auto inputs = inputsOf(is_log, index);
+    const std::string errors = folder + "/stderr.txt";
+    if (!hasOneThread()) return Worker(commandOf(inputs, folder), errors);
+    const auto work = [&] {
+      workOnCell(folder, inputs, *request_.cell_progress);
+      return 0;
     };
+    return Worker(work, errors);
+  }
+
+  CellInputs inputsOf(bool is_log, std::size_t index) const {
+    const auto& suite = sweep_.suite;
+    CellInputs inputs;
+    inputs.keep = suite.options.keep;
+    inputs.reproduce = reproduceLine(idOf(is_log, index));
+    inputs.limits = suite.limits;
     const std::size_t log = is_log ? index : plan_.runs[index].log;
     if (!plan_.logs[log].simulated) {
       const auto& existing = suite.logs[sweep_.ground[log]];
-      add("--log", existing.path);
-      add("--truth", existing.truth_path);
-      add("--truth-plan", existing.plan_path);
-      add("--relations", existing.relations_path);
-      return command;
+      inputs.log = existing.path;
+      inputs.truth = existing.truth_path;
+      inputs.truth_plan = existing.plan_path;
+      inputs.relations = existing.relations_path;
+      return inputs;
     }
     const std::string& plan_path = suite.worlds[sweep_.ground[log]].plan_path;
     if (is_log) {
-      add("--plan", plan_path);
-      return command;
+      inputs.plan = plan_path;
+      return inputs;
     }
     const std::string log_folder = cellFolder(plan_.logs[log].id);
-    add("--log", log_folder + "/run.rawlog");
-    add("--truth", log_folder + "/run.gt.tum");
+    inputs.log = log_folder + "/run.rawlog";
+    inputs.truth = log_folder + "/run.gt.tum";
     if (fs::exists(log_folder + "/run.plan.yaml"))
-      add("--truth-plan", log_folder + "/run.plan.yaml");  // a later visit's
+      inputs.truth_plan = log_folder + "/run.plan.yaml";  // a later visit's
     else
-      add("--truth-plan", plan_path.empty() ? log_folder + "/plan.yaml" : plan_path);
+      inputs.truth_plan = plan_path.empty() ? log_folder + "/plan.yaml" : plan_path;
+    return inputs;
+  }
+
+  std::vector<std::string> commandOf(const CellInputs& inputs, const std::string& folder) const {
+    std::vector<std::string> command = {request_.program, "bench", "cell", folder, "--json"};
+    const auto add = [&](const char* flag, const std::string& value) {
+      if (!value.empty()) command.insert(command.end(), {flag, value});
+    };
+    add("--parent", std::to_string(getpid()));
+    add("--time-limit", std::to_string(inputs.limits.time_limit_s));
+    add("--memory-limit", core::formatNumber(inputs.limits.memory_limit_mb));
+    add("--keep", inputs.keep);
+    add("--reproduce", inputs.reproduce);
+    add("--plan", inputs.plan);
+    add("--log", inputs.log);
+    add("--truth", inputs.truth);
+    add("--truth-plan", inputs.truth_plan);
+    add("--relations", inputs.relations);
     return command;
   }
 
@@ -357,18 +313,23 @@ class Runner {
     poll(ends.data(), ends.size(), 100);
     std::size_t i = 0;
     for (auto it = running_.begin(); it != running_.end(); ++i) {
-      const double limit_s = sweep_.suite.limits.wall_limit_s;
-      if (!it->timed_out && secondsSince(it->start) > limit_s) {
-        it->timed_out = true;
-        it->worker.signal(SIGKILL);
-      }
+      enforceWallLimit(*it);
       if (ends[i].revents == 0 || it->worker.read()) {
         ++it;
         continue;
       }
-      finish(*it);
+      Running ended = std::move(*it);
       it = running_.erase(it);
+      finish(ended);
     }
+  }
+
+  /// Asks first, for the sake of the cell's own children.
+  void enforceWallLimit(Running& child) const {
+    const double over_s = secondsSince(child.start) - sweep_.suite.limits.wall_limit_s;
+    if (over_s > 0 && !child.timed_out) child.worker.signal(SIGINT);
+    if (over_s > kGrace_s) child.worker.signal(SIGKILL);
+    child.timed_out = over_s > 0;
   }
 
   void finish(Running& child) {
@@ -376,11 +337,11 @@ class Runner {
     const int signal = result.killed ? result.exit_code - 128 : 0;
     const auto& limits = sweep_.suite.limits;
     static const std::array<int, 7> kOwnDoing = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGSYS, SIGTRAP};
-    if (result.exit_code == 0)
-      settle(child.is_log, child.index, child.folder);
-    else if (child.timed_out)
+    if (child.timed_out)
       endBySelf(child, "timeout", "more than " + core::formatNumber(limits.wall_limit_s) + " s by the clock",
                 limits.wall_limit_s);
+    else if (result.exit_code == 0)
+      settle(child.is_log, child.index, child.folder);
     else if (signal == SIGXCPU)
       endBySelf(child, "timeout", "more than " + std::to_string(limits.time_limit_s) + " s of computing",
                 limits.time_limit_s);

@@ -12,9 +12,11 @@ namespace slam::run {
 /// How to carry out a sweep, or a part of it.
 struct SweepRequest {
   std::string output;   ///< folder
-  std::string program;  ///< rasterslam: each cell is a process of its own, `PROGRAM bench cell FOLDER ...`
-  int jobs = 1;         ///< cells side by side
-  bool resume = false;  ///< go on in a folder that is there; what is complete is kept
+  std::string program;  ///< rasterslam, see sweep()
+  core::Progress* cell_progress =
+      &core::silentProgress();  ///< of each cell; may throw Interrupted, must not print
+  int jobs = 1;                 ///< cells side by side
+  bool resume = false;          ///< go on in a folder that is there; what is complete is kept
   bool overwrite = false;
   bool retry = false;             ///< do cells again that ended otherwise than ok
   std::size_t shard = 1, of = 1;  ///< part `shard` of `of`: all runs of a log are in one part
@@ -37,6 +39,9 @@ struct SweepOutcome {
 ///   partial/        cells in flight, one folder per process that runs them, locked while that process lives
 /// Any number of processes may work in one folder, on one machine or several with a common disk (flock(2) must work
 /// there), on different shards or on the same.
+///
+/// Each cell is a process of its own: a copy of this one where that is sound (hasOneThread()), else `PROGRAM bench cell
+/// FOLDER ...`; both give the same bytes.
 ///
 /// Limits ([limits] of the suite) end a cell as a result: "timeout", "out of memory"; so does a signal that its own doing
 /// raised: "crashed". A cell that was killed from outside is tried three times and then left for --resume. A log that

@@ -36,6 +36,12 @@ const std::vector<Axis>& axes() {
   return list;
 }
 
+std::string settingKey(const PlannedLog& log) {
+  std::string key;
+  for (const auto& axis : axes()) key += log.*axis.member + '\n';
+  return key;
+}
+
 struct Figure {
   std::string key, title;
   int decimals;
@@ -71,6 +77,7 @@ std::string fixed(double value, int decimals) {
 struct Group {
   const PlannedLog* log = nullptr;                ///< nullptr: all together
   std::vector<std::vector<std::size_t>> methods;  ///< by method, its runs in the order of the plan
+  std::vector<std::size_t> settings = {};         ///< of each of these, of all together; else none
 };
 
 std::vector<Group> groupsOf(const SweepPlan& plan, const std::vector<std::string>& names) {
@@ -81,14 +88,13 @@ std::vector<Group> groupsOf(const SweepPlan& plan, const std::vector<std::string
   std::vector<Group> groups;
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     const PlannedLog& log = plan.logs[plan.runs[i].log];
-    std::string key;
-    for (const auto& axis : axes()) key += log.*axis.member + '\n';
-    const auto [it, is_new] = group_index.emplace(key, groups.size());
+    const auto [it, is_new] = group_index.emplace(settingKey(log), groups.size());
     if (is_new) groups.push_back({&log, std::vector<std::vector<std::size_t>>(names.size())});
     const std::size_t method = method_index.at(fullName(plan.runs[i]));
     groups[it->second].methods[method].push_back(i);
     all.methods[method].push_back(i);
   }
+  all.settings = settingsOf(plan, all.methods.front());
   if (groups.size() > 1) groups.insert(groups.begin(), std::move(all));
   return groups;
 }
@@ -107,9 +113,7 @@ struct Row {
 class Summary {
  public:
   Summary(const SweepPlan& plan, const SweepResults& results) : plan_(plan), results_(results) {
-    keys_ = {plan.metric};
-    for (const char* key : {"ate_rmse_m", "wall_f1", "free_iou"})
-      if (key != plan.metric) keys_.emplace_back(key);
+    keys_ = summaryKeys(plan);
     better_ = betterOf(plan.metric);
     names_ = methodNames(plan);
     baseline_ =
@@ -122,55 +126,70 @@ class Summary {
 
   std::vector<Row> rows(const Group& group) const {
     std::vector<Row> rows;
-    for (const auto& runs : group.methods) rows.push_back(alone(runs));
+    for (const auto& runs : group.methods) rows.push_back(alone(runs, group.settings));
     compare(group, rows);
     return rows;
   }
 
  private:
-  stats::Estimate medianOf(const std::vector<double>& values) const {
-    if (values.empty()) return {kNan, std::nullopt};
-    return stats::bootstrapInterval(values, stats::Statistic::kMedian, {0.95, 1, kResamples});
+  /// Values and the settings that they come from (none: all from one).
+  struct Sample {
+    std::vector<double> values;
+    std::vector<std::size_t> settings;
+  };
+
+  static stats::BootstrapOptions bootstrap(const std::vector<std::size_t>& settings) {
+    return {0.95, 1, kResamples, settings};
   }
 
-  Row alone(const std::vector<std::size_t>& runs) const {
+  static stats::Estimate medianOf(const Sample& sample) {
+    if (sample.values.empty()) return {kNan, std::nullopt};
+    return stats::bootstrapInterval(sample.values, stats::Statistic::kMedian, bootstrap(sample.settings));
+  }
+
+  Row alone(const std::vector<std::size_t>& runs, const std::vector<std::size_t>& settings) const {
     Row row;
-    std::vector<std::vector<double>> values(keys_.size());
-    for (const auto run : runs) {
+    std::vector<Sample> samples(keys_.size());
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      const std::size_t run = runs[i];
+      const auto add = [&](std::size_t key, double value) {
+        samples[key].values.push_back(value);
+        if (!settings.empty()) samples[key].settings.push_back(settings[i]);
+      };
       if (!results_[run]) continue;
       ++row.runs;
       const bool failed = isFailed(plan_, *results_[run]);
       row.failed += failed ? 1 : 0;
-      if (const double value = rankedValue(plan_, results_[run]); !std::isnan(value))
-        values[0].push_back(value);
+      if (const double value = rankedValue(plan_, results_[run]); !std::isnan(value)) add(0, value);
       for (std::size_t k = 1; k < keys_.size() && !failed; ++k)
-        if (const double value = figureOf(*results_[run], keys_[k]); std::isfinite(value))
-          values[k].push_back(value);
+        if (const double value = figureOf(*results_[run], keys_[k]); std::isfinite(value)) add(k, value);
     }
     row.failure_rate = stats::clopperPearson(row.failed, row.runs);
-    for (const auto& v : values) row.figures.push_back(medianOf(v));
+    for (const auto& sample : samples) row.figures.push_back(medianOf(sample));
     return row;
   }
 
   void compare(const Group& group, std::vector<Row>& rows) const {
     std::vector<std::vector<double>> values(names_.size());
+    std::vector<std::size_t> settings;
     for (std::size_t i = 0; i < group.methods.front().size(); ++i) {
       std::vector<double> of_seed;
       for (const auto& runs : group.methods) of_seed.push_back(rankedValue(plan_, results_[runs[i]]));
       if (std::any_of(of_seed.begin(), of_seed.end(), [](double v) { return std::isnan(v); })) continue;
       for (std::size_t m = 0; m < values.size(); ++m) values[m].push_back(of_seed[m]);
+      if (!group.settings.empty()) settings.push_back(group.settings[i]);
     }
     if (values.front().empty()) return;
-    for (const auto& ranked : stats::rankingGroups(values, better_).methods)
+    for (const auto& ranked : stats::rankingGroups(values, better_, 0.05, settings).methods)
       rows[ranked.method].letters = ranked.letters;
     std::vector<double> p_values;
     for (std::size_t m = 0; m < values.size(); ++m) {
       if (m == baseline_) continue;
       const auto& mine = values[m];
       const auto& base = values[baseline_];
-      rows[m].better = stats::probabilityOfImprovement(mine, base, better_, {0.95, 1, kResamples});
-      rows[m].p = stats::wilcoxonSignedRank(mine, base).p;
-      rows[m].more_seeds = moreSeeds(mine, base);
+      rows[m].better = stats::probabilityOfImprovement(mine, base, better_, bootstrap(settings));
+      rows[m].p = stats::wilcoxonSignedRank(mine, base, settings).p;
+      rows[m].more_seeds = settings.empty() ? moreSeeds(mine, base) : "-";
       p_values.push_back(rows[m].p);
     }
     const auto adjusted = stats::holm(p_values);
@@ -237,12 +256,18 @@ void addNotes(const SweepPlan& plan, const SweepResults& results, report::Table&
       plan.baseline + "; p: of that difference, by Holm's method.");
   std::map<std::string, std::size_t> runs_of_group;
   for (const auto& run : plan.runs) {
-    std::string key = fullName(run);
-    for (const auto& axis : axes()) key += '\n' + plan.logs[run.log].*axis.member;
-    ++runs_of_group[key];
+    ++runs_of_group[fullName(run) + '\n' + settingKey(plan.logs[run.log])];
   }
   const bool is_single = std::any_of(runs_of_group.begin(), runs_of_group.end(),
                                      [](const auto& group) { return group.second == 1; });
+  const bool is_repeated = std::any_of(runs_of_group.begin(), runs_of_group.end(),
+                                       [](const auto& group) { return group.second > 1; });
+  if (!varying(plan).empty() && is_repeated)
+    table.notes.emplace_back(
+        "All: runs in one setting (building, lidar and so on) have much in common, so intervals come from "
+        "drawing within each setting, and the test ranks the differences within each (as van Elteren's "
+        "does). "
+        "Both speak of these settings, not of others.");
   if (is_single) table.notes.emplace_back("One run with one seed per row: small differences may be chance.");
 }
 
@@ -251,6 +276,19 @@ void addNotes(const SweepPlan& plan, const SweepResults& results, report::Table&
 bool isFailed(const SweepPlan& plan, const CellResult& result) {
   if (result.status != "ok") return true;
   return plan.failure_ate_m > 0 && figureOf(result, "ate_final_m") > plan.failure_ate_m;
+}
+
+std::vector<std::string> figureKeys() {
+  std::vector<std::string> keys;
+  for (const auto& figure : figures()) keys.push_back(figure.key);
+  return keys;
+}
+
+std::vector<std::string> summaryKeys(const SweepPlan& plan) {
+  std::vector<std::string> keys = {plan.metric};
+  for (const char* key : {"ate_rmse_m", "wall_f1", "free_iou"})
+    if (key != plan.metric) keys.emplace_back(key);
+  return keys;
 }
 
 double figureOf(const CellResult& result, const std::string& key) {
@@ -269,6 +307,16 @@ std::vector<std::string> methodNames(const SweepPlan& plan) {
   for (const auto& run : plan.runs)
     if (seen.insert(fullName(run)).second) names.push_back(fullName(run));
   return names;
+}
+
+std::vector<std::size_t> settingsOf(const SweepPlan& plan, const std::vector<std::size_t>& runs) {
+  std::map<std::string, std::size_t> numbers;
+  std::vector<std::size_t> settings;
+  for (const auto run : runs)
+    settings.push_back(
+        numbers.emplace(settingKey(plan.logs[plan.runs[run].log]), numbers.size()).first->second);
+  if (numbers.size() == runs.size()) settings.clear();
+  return settings;
 }
 
 stats::Better betterOf(const std::string& metric) {

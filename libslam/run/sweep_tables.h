@@ -16,6 +16,10 @@ using SweepResults = std::vector<std::optional<CellResult>>;
 
 /// A run that gave no usable path: its status is not ok, or it ended farther off than the suite allows (failure_ate_m).
 bool isFailed(const SweepPlan& plan, const CellResult& result);
+/// The figures that a run may have, in the order of the tables; none that depends on the machine.
+std::vector<std::string> figureKeys();
+/// Those that the summary shows, the suite's metric first.
+std::vector<std::string> summaryKeys(const SweepPlan& plan);
 /// NaN where there is no such figure.
 double figureOf(const CellResult& result, const std::string& key);
 /// Of a suite's metric.
@@ -29,6 +33,10 @@ std::vector<std::string> methodNames(const SweepPlan& plan);
 /// "0.012 [0.008, 0.020]"; "-" for NaN, "failed" for infinity.
 std::string withInterval(const stats::Estimate& estimate, int decimals);
 
+/// For BootstrapOptions::strata and its like: of each run (indices) the number of its setting, which is everything but method
+/// and seed. None where no setting has two of the runs: then settings are what is drawn.
+std::vector<std::size_t> settingsOf(const SweepPlan& plan, const std::vector<std::size_t>& runs);
+
 /// One row per run: where it stands on the axes, how it ended, every figure, its folder and how to do it again. The same
 /// bytes for the same suite and code.
 report::Table resultsTable(const SweepPlan& plan, const SweepResults& results);
@@ -38,8 +46,10 @@ report::Table resultsTable(const SweepPlan& plan, const SweepResults& results);
 /// its 95 % bootstrap interval; groups of methods that cannot be told apart (rankingGroups()); the share of seeds on which a
 /// method beats the baseline, with interval, the p-value of the paired signed-rank test against it, by Holm's method over
 /// the other methods of the group, and how many more seeds would settle it. Of other figures the median and interval over
-/// the runs that did not fail. Failure rates with Clopper and Pearson's interval. Paired figures use the seeds on which every method's run is
-/// there. The same bytes for the same results.
+/// the runs that did not fail. Failure rates with Clopper and Pearson's interval. Paired figures use the seeds on which every
+/// method's run is there. The rows of all settings together draw and rank within each setting (BootstrapOptions::strata,
+/// wilcoxonSignedRank()), for runs in one have much in common; where each setting has a single run, settings are what is drawn.
+/// The same bytes for the same results.
 struct SweepSummary {
   report::Table main;  ///< without the axes that do not vary; an interval and its figure in one cell
   report::Table all;   ///< every figure in a column of its own

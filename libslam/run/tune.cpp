@@ -83,7 +83,7 @@ class Tuner {
     TuneResult result;
     result.candidates = candidatesTable(schedule);
     result.sensitivity = sensitivityTable();
-    judge(candidates_[alive.front()], result);
+    judge(alive, result);
     result.lost = lost_;
     write(result);
     return result;
@@ -184,6 +184,7 @@ class Tuner {
     sweep_request.output = request_.output + "/" + name;
     sweep_request.program = request_.program;
     sweep_request.jobs = request_.jobs;
+    sweep_request.cell_progress = request_.cell_progress;
     sweep_request.resume = request_.resume || !is_first;
     sweep_request.overwrite = request_.overwrite && is_first;
     auto outcome = sweep(plan, sweep_request, manifest_, progress_);
@@ -276,23 +277,29 @@ class Tuner {
     return table;
   }
 
-  void judge(const Candidate& winner, TuneResult& result) {
+  std::string textOf(const Candidate& candidate) const {
     core::IniFile config = mapping::loadMethodConfig(configsFolder() + "/methods", method_);
-    for (std::size_t k = 0; k < winner.values.size(); ++k) {
+    for (std::size_t k = 0; k < candidate.values.size(); ++k) {
       const auto dot = keys_[k].find('.');
-      config.set(keys_[k].substr(0, dot), keys_[k].substr(dot + 1), winner.values[k], "tune");
+      config.set(keys_[k].substr(0, dot), keys_[k].substr(dot + 1), candidate.values[k], "tune");
     }
-    tuned_text_ = core::toText(config);
-    if (winner.values.empty()) {
+    return core::toText(config);
+  }
+
+  /// finalists: the best in training first.
+  void judge(const std::vector<std::size_t>& finalists, TuneResult& result) {
+    tuned_text_ = textOf(candidates_[finalists.front()]);
+    if (candidates_[finalists.front()].values.empty()) {
       result.verdict = "No candidate beat the default of " + request_.method + " in training: keep it.";
       result.held_out.caption = result.verdict;
       result.held_out.columns = {{"method", "method", 0}};
       return;
     }
-    Candidate tuned = winner;
-    tuned.name = "tuned";
+    std::vector<Candidate> judged = {{kDefault, {}, {}}};
+    for (const auto c : finalists)
+      if (!candidates_[c].values.empty()) judged.push_back(candidates_[c]);
     const auto seeds = seedsText(kFirstHeldOutSeed, static_cast<std::uint64_t>(options_.hold_out_seeds));
-    const auto plan = planOf({{kDefault, {}, {}}, tuned}, hold_out_, seeds);
+    const auto plan = planOf(judged, hold_out_, seeds);
     work(plan, "held_out", true);
     const std::string folder = request_.output + "/held_out";
     MergeRequest whole;
@@ -300,20 +307,29 @@ class Tuner {
     whole.output = folder;
     const auto merged = mergeSweep(whole, manifest_, core::silentProgress());
     result.held_out = merged.summary;
-    const auto better = betterOf(metric_);
     const auto values = valuesOf(merged.plan, merged.results);
-    const auto test = stats::wilcoxonSignedRank(values[1], values[0]);
-    const double share = stats::probabilityOfImprovement(values[1], values[0], better).value;
-    result.is_better = test.p <= kAlpha && share > 0.5;
-    const bool is_worse = test.p <= kAlpha && share < 0.5;
-    result.verdict = winner.name + " is " +
-                     (result.is_better ? "better than the default"
-                      : is_worse       ? "worse than the default: keep the default"
-                                       : "not to be told from the default: keep the default") +
-                     " on the held-out worlds (" + metric_ + ", better on " +
-                     core::formatNumber(std::round(share * 1000) / 10) + " % of " +
-                     std::to_string(values[0].size()) +
-                     " logs, signed-rank p = " + core::formatNumber(std::round(test.p * 1e4) / 1e4) + ").";
+    const auto verdict = heldOutVerdict(values, betterOf(metric_), settingsOfLogs(merged.plan));
+    const Candidate& chosen = judged[verdict.method];
+    tuned_text_ = textOf(chosen);
+    result.is_better = verdict.is_better;
+    result.verdict =
+        chosen.name + " is " +
+        (verdict.is_better  ? "better than the default"
+         : verdict.is_worse ? "worse than the default: keep the default"
+                            : "not to be told from the default: keep the default") +
+        " on the held-out worlds (" + metric_ + ", better on " +
+        core::formatNumber(std::round(verdict.share * 1000) / 10) + " % of " +
+        std::to_string(values[0].size()) +
+        " logs, signed-rank p = " + core::formatNumber(std::round(verdict.p * 1e4) / 1e4) +
+        (judged.size() > 2 ? " by Holm's method, best of " + std::to_string(judged.size() - 1) : "") + ").";
+  }
+
+  /// Of the logs in the order of valuesOf().
+  static std::vector<std::size_t> settingsOfLogs(const SweepPlan& plan) {
+    std::vector<std::size_t> runs;
+    for (std::size_t i = 0; i < plan.runs.size(); ++i)
+      if (fullName(plan.runs[i]) == fullName(plan.runs.front())) runs.push_back(i);
+    return settingsOf(plan, runs);
   }
 
   void write(TuneResult& result) const {
@@ -388,6 +404,24 @@ const core::ParameterTable<TuneOptions>& TuneOptions::table() {
 
 TuneOptions::TuneOptions() {
   table().setDefaults(*this);
+}
+
+HeldOutVerdict heldOutVerdict(const std::vector<std::vector<double>>& values, stats::Better better,
+                              const std::vector<std::size_t>& settings) {
+  if (values.size() < 2) throw core::ContractError("heldOutVerdict: no candidate beside the default");
+  std::vector<double> p_values;
+  for (std::size_t m = 1; m < values.size(); ++m)
+    p_values.push_back(stats::wilcoxonSignedRank(values[m], values[0], settings).p);
+  const auto adjusted = stats::holm(p_values);
+  HeldOutVerdict chosen;
+  for (std::size_t m = values.size() - 1; m > 0; --m) {
+    const double share = stats::probabilityOfImprovement(values[m], values[0], better).value;
+    const bool is_clear = adjusted[m - 1] <= kAlpha;
+    const HeldOutVerdict verdict{m, adjusted[m - 1], share, is_clear && share > 0.5, is_clear && share < 0.5};
+    // The first in training, unless only others have proven better.
+    if (verdict.is_better || (m == 1 && !chosen.is_better)) chosen = verdict;
+  }
+  return chosen;
 }
 
 std::vector<TuneRung> tuneSchedule(std::size_t budget, std::size_t logs_per_seed, std::size_t reduction) {

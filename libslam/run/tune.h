@@ -10,6 +10,7 @@
 #include "libslam/core/progress.h"
 #include "libslam/report/table.h"
 #include "libslam/run/value_range.h"
+#include "libslam/stats/paired.h"
 
 namespace slam::run {
 
@@ -29,6 +30,7 @@ struct TuneRequest {
   std::string output, program;  ///< as in SweepRequest, so are the next
   int jobs = 1;
   bool resume = false, overwrite = false;
+  core::Progress* cell_progress = &core::silentProgress();
 };
 
 /// One rung of successive halving.
@@ -55,6 +57,19 @@ std::vector<Sensitivity> sensitivities(const std::vector<std::string>& keys,
                                        const std::vector<std::vector<std::string>>& settings,
                                        const std::vector<double>& scores);
 
+struct HeldOutVerdict {
+  std::size_t method = 0;  ///< index into what was given
+  double p = 1;            ///< by Holm's method over the candidates
+  double share = 0;        ///< of the logs on which it is better than the default, ties half
+  bool is_better = false, is_worse = false;  ///< significantly
+};
+/// values[0] is the default's on the held-out logs, values[m] those of the candidates, the best in training first; settings: of
+/// the logs, as wilcoxonSignedRank() has strata. The first candidate that is better than the default, by the paired
+/// signed-rank test at 5 % with Holm's method over the candidates; where none is, the first. REQUIRES a candidate
+/// (ContractError).
+HeldOutVerdict heldOutVerdict(const std::vector<std::vector<double>>& values, stats::Better better,
+                              const std::vector<std::size_t>& settings);
+
 struct TuneResult {
   report::Table candidates, sensitivity, held_out;
   std::string verdict;  ///< one line
@@ -67,11 +82,12 @@ struct TuneResult {
 /// result where it was not tuned. Candidates are the method as it is ("default") and draws of all parameters of [tune.parameters]
 /// (of the suite, else of configs/tune/METHOD.ini: `section.key = LOW..HIGH[:log]` or a list), by the stream "tune". On each
 /// rung they are ranked by the suite's metric on every log of the training worlds with seeds 1, 2, ...; a failed run is worse
-/// than any other, and the mean rank over the logs counts, so that no world outweighs the others. The winner of the last rung
-/// then meets the default on the held-out worlds, with seeds from 1001 on: paired signed-rank test at 5 %, once.
+/// than any other, and the mean rank over the logs counts, so that no world outweighs the others. Those on the last
+/// rung (three at most) then meet the default on the held-out worlds, with seeds from 1001 on: heldOutVerdict(), once. Where
+/// the default itself was first in training nothing is judged.
 /// Worlds, lidars, odometry, strategies, faults, limits and failure_ate_m are the suite's; its methods, logs and seeds are
 /// not used. Writes into `output`:
-///   METHOD_tuned.ini          the winner's configuration, whatever the verdict; its head says how sure it is
+///   METHOD_tuned.ini          the chosen candidate's configuration, whatever the verdict; its head says how sure it is
 ///   candidates.txt .csv .json      every candidate: its parameters, how far it came, its mean rank on each rung
 ///   sensitivity.txt .csv .json     on the first rung, that all candidates share
 ///   verdict.txt

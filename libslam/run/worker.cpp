@@ -4,15 +4,24 @@
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
+#include <iostream>
+#include <iterator>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "libslam/core/error.h"
+#include "libslam/core/exit_code.h"
 
 extern char** environ;
 
@@ -43,12 +52,81 @@ int spawn(const std::vector<std::string>& command, int stdout_fd, const std::str
   return error;
 }
 
-}  // namespace
-
-Worker::Worker(const std::vector<std::string>& command, const std::string& error_path) {
+std::array<int, 2> makePipe() {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0)
     throw core::IoError(std::string("no pipe: ") + std::strerror(errno));
+  return ends;
+}
+
+/// As exec(2) does.
+void closeOwnFiles() {
+  std::vector<int> files;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd"))
+    files.push_back(std::atoi(entry.path().filename().c_str()));
+  for (const int file : files) {
+    const int flags = fcntl(file, F_GETFD);
+    if (flags >= 0 && (flags & FD_CLOEXEC) != 0) close(file);
+  }
+}
+
+void openAs(int number, const char* path, int flags) {
+  const int file = open(path, flags, 0666);
+  if (file < 0) throw core::IoError(std::string(path) + ": cannot be opened: " + std::strerror(errno));
+  dup2(file, number);
+  close(file);
+}
+
+/// What the child of a fork does.
+[[noreturn]] void workAndExit(const std::function<int()>& work, pid_t parent, int output,
+                              const std::string& error_path) {
+  int code = 0;
+  try {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) throw core::Interrupted();
+    dup2(output, STDOUT_FILENO);
+    closeOwnFiles();
+    openAs(STDIN_FILENO, "/dev/null", O_RDONLY);
+    openAs(STDERR_FILENO, error_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC);
+    code = work();
+  } catch (const std::exception& error) {
+    code = static_cast<int>(core::exitCodeOf(error));
+    std::cout << nlohmann::json{{"error", error.what()}, {"exit_code", code}}.dump(
+                     -1, ' ', false, nlohmann::json::error_handler_t::replace)
+              << "\n";
+  }
+  std::cout.flush();
+  std::fflush(nullptr);
+  _exit(code);  // whatever else would be done at the end is the parent's
+}
+
+}  // namespace
+
+bool hasOneThread() {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::directory_iterator threads("/proc/self/task", error);
+  return !error && std::distance(fs::begin(threads), fs::end(threads)) == 1;
+}
+
+Worker::Worker(const std::function<int()>& work, const std::string& error_path) {
+  if (!hasOneThread()) throw core::ContractError("Worker: a process of several threads is not to be copied");
+  const auto ends = makePipe();
+  std::cout.flush();
+  std::fflush(nullptr);  // or the child would write it again
+  const pid_t parent = getpid();
+  child_ = fork();
+  if (child_ == 0) workAndExit(work, parent, ends[1], error_path);
+  close(ends[1]);
+  output_end_ = ends[0];
+  if (child_ > 0) return;
+  const std::string reason = std::strerror(errno);
+  close(ends[0]);
+  throw core::IoError("no new process: " + reason);
+}
+
+Worker::Worker(const std::vector<std::string>& command, const std::string& error_path) {
+  const auto ends = makePipe();
   const int error = spawn(command, ends[1], error_path, child_);
   close(ends[1]);
   if (error == 0) {
@@ -80,7 +158,7 @@ bool Worker::read() {
 }
 
 void Worker::signal(int number) const {
-  kill(child_, number);
+  if (child_ > 0) kill(child_, number);  // -1 would be everybody
 }
 
 WorkerResult Worker::wait() {

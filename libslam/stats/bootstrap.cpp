@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
+#include <iterator>
+#include <map>
 #include <numeric>
+#include <string>
+#include <utility>
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
@@ -30,32 +34,57 @@ double valueOf(const IndexStatistic& statistic, const std::vector<std::size_t>& 
   return value;
 }
 
-std::vector<double> resampled(std::size_t count, const IndexStatistic& statistic,
+/// Indices of the units, stratum by stratum.
+using Strata = std::vector<std::vector<std::size_t>>;
+
+Strata strataOf(std::size_t count, const BootstrapOptions& options) {
+  if (!options.strata.empty() && options.strata.size() != count)
+    throw core::ContractError("bootstrapInterval: strata for " + std::to_string(options.strata.size()) +
+                              " of " + std::to_string(count) + " values");
+  std::map<std::size_t, std::vector<std::size_t>> by_number;
+  for (std::size_t i = 0; i < count; ++i)
+    by_number[options.strata.empty() ? 0 : options.strata[i]].push_back(i);
+  Strata strata;
+  for (auto& [number, units] : by_number) strata.push_back(std::move(units));
+  return strata;
+}
+
+std::vector<double> resampled(const Strata& strata, const IndexStatistic& statistic,
                               const BootstrapOptions& options) {
   core::RandomStream random(options.seed, "bootstrap");
-  std::vector<std::size_t> indices(count);
+  std::vector<std::size_t> indices;
   std::vector<double> values(static_cast<std::size_t>(options.resamples));
   for (double& value : values) {
-    for (auto& index : indices) index = random.below(count);
+    indices.clear();
+    for (const auto& units : strata)
+      for (std::size_t i = 0; i < units.size(); ++i) indices.push_back(units[random.below(units.size())]);
     value = valueOf(statistic, indices);
   }
   std::sort(values.begin(), values.end());
   return values;
 }
 
-/// Efron 1987, equation 7.3: a sixth of the skewness of the influences, here the jackknife's. 0 where all are equal.
-double jackknifeAcceleration(std::size_t count, const IndexStatistic& statistic) {
-  std::vector<double> without(count);
-  std::vector<std::size_t> others(count - 1);
-  for (std::size_t left_out = 0; left_out < count; ++left_out) {
-    for (std::size_t i = 0; i < others.size(); ++i) others[i] = i < left_out ? i : i + 1;
-    without[left_out] = valueOf(statistic, others);
-  }
-  const double centre = mean(without);
+/// Efron 1987, equation 7.3: a sixth of the skewness of the influences, here the jackknife's; of several strata as
+/// Davison and Hinkley have it. 0 where all are equal.
+double jackknifeAcceleration(const Strata& strata, const IndexStatistic& statistic) {
   double squares = 0, cubes = 0;
-  for (const double value : without) {
-    squares += (centre - value) * (centre - value);
-    cubes += (centre - value) * (centre - value) * (centre - value);
+  for (const auto& units : strata) {
+    if (units.size() < 2) continue;
+    std::vector<double> without;
+    for (const std::size_t left_out : units) {
+      std::vector<std::size_t> others;
+      for (const auto& stratum : strata)
+        std::copy_if(stratum.begin(), stratum.end(), std::back_inserter(others),
+                     [&](std::size_t unit) { return unit != left_out; });
+      without.push_back(valueOf(statistic, others));
+    }
+    const double centre = mean(without);
+    const auto size = static_cast<double>(units.size());
+    for (const double value : without) {
+      const double influence = (size - 1) / size * (centre - value);
+      squares += influence * influence;
+      cubes += influence * influence * influence;
+    }
   }
   return squares > 0 ? cubes / (6 * std::pow(squares, 1.5)) : 0;
 }
@@ -96,19 +125,57 @@ Estimate intervalOf(std::size_t count, const IndexStatistic& statistic, const Bo
   std::vector<std::size_t> all(count);
   std::iota(all.begin(), all.end(), std::size_t{0});
   Estimate result{valueOf(statistic, all), std::nullopt};
-  if (count == 1) return result;
+  const auto strata = strataOf(count, options);
+  if (std::all_of(strata.begin(), strata.end(), [](const auto& units) { return units.size() == 1; }))
+    return result;
 
-  const auto sorted = resampled(count, statistic, options);
+  const auto sorted = resampled(strata, statistic, options);
   const double tail = (1 - options.confidence) / 2;
   result.interval = Interval{atLevel(sorted, tail), atLevel(sorted, 1 - tail)};
   const auto bias = biasCorrection(sorted, result.value);
   if (!bias) return result;
-  const double acceleration = accelerated ? jackknifeAcceleration(count, statistic) : 0;
+  const double acceleration = accelerated ? jackknifeAcceleration(strata, statistic) : 0;
   const auto low = correctedLevel(tail, *bias, acceleration);
   const auto high = correctedLevel(1 - tail, *bias, acceleration);
   if (low && high) result.interval = Interval{atLevel(sorted, *low), atLevel(sorted, *high)};
   return result;
 }
+
+/// The middle between two neighbours of an order.
+double between(double below, double above) {
+  if (std::isinf(below) && std::isinf(above) && below != above)
+    throw core::ContractError("median: infinite values of both signs have no middle");
+  return std::isinf(below) ? below : below + (above - below) / 2;
+}
+
+/// median() of values drawn by their indices, thousands of times: counts how often each was drawn, in their order.
+class MedianOfDrawn {
+ public:
+  explicit MedianOfDrawn(const std::vector<double>& values)
+      : sorted_(values.size()), place_(values.size()), counts_(values.size()) {
+    std::vector<std::size_t> order(values.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t i, std::size_t j) { return values[i] < values[j]; });
+    for (std::size_t k = 0; k < order.size(); ++k) sorted_[k] = values[order[k]], place_[order[k]] = k;
+  }
+
+  double operator()(const std::vector<std::size_t>& indices) {
+    std::fill(counts_.begin(), counts_.end(), 0U);
+    for (const std::size_t i : indices) ++counts_[place_[i]];
+    const std::size_t middle = indices.size() / 2;  // counted from 0
+    std::size_t k = 0, passed = counts_[0];
+    while (passed < middle) passed += counts_[++k];
+    const double below = sorted_[k];  // of rank middle - 1 (or where nothing lies below the middle)
+    while (passed <= middle) passed += counts_[++k];
+    return indices.size() % 2 == 1 ? sorted_[k] : between(below, sorted_[k]);
+  }
+
+ private:
+  std::vector<double> sorted_;
+  std::vector<std::size_t> place_;
+  std::vector<unsigned> counts_;
+};
 
 }  // namespace
 
@@ -117,10 +184,7 @@ double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   if (values.size() % 2 == 1) return *middle;
-  const double below = *std::max_element(values.begin(), middle);
-  if (std::isinf(below) && std::isinf(*middle) && below != *middle)
-    throw core::ContractError("median: infinite values of both signs have no middle");
-  return std::isinf(below) ? below : below + (*middle - below) / 2;
+  return between(*std::max_element(values.begin(), middle), *middle);
 }
 
 double mean(const std::vector<double>& values) {
@@ -132,13 +196,14 @@ Estimate bootstrapInterval(const std::vector<double>& values, Statistic statisti
                            const BootstrapOptions& options) {
   const bool is_median = statistic == Statistic::kMedian;
   check(values, is_median);
+  if (is_median) return intervalOf(values.size(), MedianOfDrawn(values), options, false);
   std::vector<double> drawn;
   const auto of_indices = [&](const std::vector<std::size_t>& indices) {
     drawn.resize(indices.size());
     std::transform(indices.begin(), indices.end(), drawn.begin(), [&](std::size_t i) { return values[i]; });
-    return is_median ? median(drawn) : mean(drawn);
+    return mean(drawn);
   };
-  return intervalOf(values.size(), of_indices, options, !is_median);
+  return intervalOf(values.size(), of_indices, options, true);
 }
 
 Estimate bootstrapInterval(std::size_t count, const IndexStatistic& statistic,

@@ -5,7 +5,9 @@
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
+#include <string>
 
 #include "libslam/core/error.h"
 #include "libslam/stats/proportion.h"
@@ -53,6 +55,25 @@ std::vector<std::size_t> doubledRanks(const std::vector<double>& values) {
   return ranks;
 }
 
+/// The same, each stratum by itself.
+std::vector<std::size_t> doubledRanks(const std::vector<double>& values,
+                                      const std::vector<std::size_t>& strata) {
+  if (strata.empty()) return doubledRanks(values);
+  if (strata.size() != values.size())
+    throw core::ContractError("a paired comparison with strata for " + std::to_string(strata.size()) +
+                              " of " + std::to_string(values.size()) + " pairs");
+  std::map<std::size_t, std::vector<std::size_t>> by_number;
+  for (std::size_t i = 0; i < values.size(); ++i) by_number[strata[i]].push_back(i);
+  std::vector<std::size_t> ranks(values.size());
+  for (const auto& [number, pairs] : by_number) {
+    std::vector<double> own;
+    for (const std::size_t i : pairs) own.push_back(values[i]);
+    const auto own_ranks = doubledRanks(own);
+    for (std::size_t k = 0; k < pairs.size(); ++k) ranks[pairs[k]] = own_ranks[k];
+  }
+  return ranks;
+}
+
 /// Of all sign patterns, the share whose sum of ranks is at most `sum`.
 double shareUpTo(const std::vector<std::size_t>& ranks, std::size_t sum) {
   const std::size_t total = std::accumulate(ranks.begin(), ranks.end(), std::size_t{0});
@@ -81,9 +102,10 @@ double failedValue(Better better) {
   return better == Better::kSmaller ? kInfinity : -kInfinity;
 }
 
-PairedTest wilcoxonSignedRank(const std::vector<double>& a, const std::vector<double>& b) {
+PairedTest wilcoxonSignedRank(const std::vector<double>& a, const std::vector<double>& b,
+                              const std::vector<std::size_t>& strata) {
   const auto difference = differences(a, b);
-  const auto all_ranks = doubledRanks(difference);
+  const auto all_ranks = doubledRanks(difference, strata);
   PairedTest test;
   std::vector<std::size_t> ranks;
   std::size_t above = 0, total = 0;

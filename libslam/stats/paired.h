@@ -29,7 +29,12 @@ struct PairedTest {
 /// variance of these ranks and a continuity correction (Hollander, Wolfe and Chicken, Nonparametric Statistical Methods,
 /// 3rd ed. 2014, section 3.1). p is the doubled smaller tail, at most 1; without any difference 1. Of n pairs it is never
 /// below 2^(1-n): under 6 pairs nothing reaches 0.05. wilcoxonSignedRank(b, a) has the same p.
-PairedTest wilcoxonSignedRank(const std::vector<double>& a, const std::vector<double>& b);
+/// With `strata` (of each pair the one that it was measured in, any numbers; none: all in one) differences are ranked within
+/// their stratum, and the ranks of all are summed: a building in which errors are large does not drown the others, as van
+/// Elteren's test has it for samples that are not paired (Bulletin de l'Institut International de Statistique 37, 1960). The
+/// hypothesis is then that in no stratum either is better. REQUIRES strata for all pairs or none (ContractError).
+PairedTest wilcoxonSignedRank(const std::vector<double>& a, const std::vector<double>& b,
+                              const std::vector<std::size_t>& strata = {});
 
 /// The sign test: binomial, exact for any number of pairs; equal pairs are left out (Hollander, Wolfe and Chicken,
 /// section 3.4). It asks for no symmetry and sees less.

@@ -14,12 +14,13 @@ namespace {
 /// Positions in the ranking that share a letter.
 using Group = std::set<std::size_t>;
 
-std::vector<PairComparison> comparePairs(const std::vector<std::vector<double>>& values) {
+std::vector<PairComparison> comparePairs(const std::vector<std::vector<double>>& values,
+                                         const std::vector<std::size_t>& strata) {
   std::vector<PairComparison> pairs;
   std::vector<double> p_values;
   for (std::size_t i = 0; i < values.size(); ++i)
     for (std::size_t j = i + 1; j < values.size(); ++j) {
-      p_values.push_back(wilcoxonSignedRank(values[i], values[j]).p);
+      p_values.push_back(wilcoxonSignedRank(values[i], values[j], strata).p);
       pairs.push_back({i, j, p_values.back(), 1});
     }
   const auto adjusted = holm(p_values);
@@ -111,13 +112,13 @@ std::vector<std::string> compactLetters(std::size_t count,
   return letters;
 }
 
-Ranking rankingGroups(const std::vector<std::vector<double>>& values_of_methods, Better better,
-                      double alpha) {
+Ranking rankingGroups(const std::vector<std::vector<double>>& values_of_methods, Better better, double alpha,
+                      const std::vector<std::size_t>& strata) {
   if (!(alpha > 0 && alpha < 1)) throw core::ContractError("rankingGroups: alpha must lie in (0, 1)");
   Ranking ranking;
   const std::size_t count = values_of_methods.size();
   if (count == 0) return ranking;
-  ranking.pairs = comparePairs(values_of_methods);
+  ranking.pairs = comparePairs(values_of_methods, strata);
   for (std::size_t i = 0; i < count; ++i)
     ranking.methods.push_back({i, median(values_of_methods[i]), meanRank(values_of_methods, i, better), ""});
   const double sign = better == Better::kSmaller ? 1 : -1;

@@ -39,9 +39,9 @@ std::vector<std::string> compactLetters(std::size_t count,
 
 /// Ranks methods by their values on the same seeds: values_of_methods[m][s] is method m's on seed s; a failed run is
 /// failedValue(better). Two methods are told apart where Holm's p-value of their signed-rank test is at most alpha.
-/// No methods: an empty ranking; one: letter "a". REQUIRES as many values for each method, at least one, none NaN, alpha
+/// strata: of each seed, as wilcoxonSignedRank() has them. No methods: an empty ranking; one: letter "a". REQUIRES as many values for each method, at least one, none NaN, alpha
 /// in (0, 1) (ContractError).
 Ranking rankingGroups(const std::vector<std::vector<double>>& values_of_methods, Better better,
-                      double alpha = 0.05);
+                      double alpha = 0.05, const std::vector<std::size_t>& strata = {});
 
 }  // namespace slam::stats

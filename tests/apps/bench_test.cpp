@@ -4,11 +4,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <thread>
 
 #include "libslam/core/files.h"
+#include "libslam/run/sweep.h"
+#include "libslam/run/worker.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -165,6 +169,92 @@ TEST_F(Bench, WhatGoesWrongWithOneCellIsARow) {
   EXPECT_THAT(result.out, HasSubstr("failed"));
 }
 
+TEST_F(Bench, MoreComputingThanAllowedIsATimeout) {
+  // A thousand filters' maps, coarse ones so that memory is no question: two seconds or more.
+  write(folder / "slow.ini",
+        replaced(kTiny, "naive_wheel, naive\nseeds = 1..2", "naive_wheel, slow\nseeds = 1") +
+            "[method slow]\nbase = rbpf\nparticles.count = 1000\nmapping.resolution_m = "
+            "0.2\n[limits]\ntime_limit_s = 1\n");
+  EXPECT_EQ(bench("slow.ini -o out -q").exit_code, 6);
+  const auto rows = resultsOf(folder / "out");
+  EXPECT_EQ(rows[0]["status"], "ok") << rows[0];
+  EXPECT_EQ(rows[1]["status"], "timeout") << rows[1];
+  EXPECT_EQ(rows[1]["message"], "more than 1 s of computing");
+}
+
+/// A method that is a line of the shell, whose parent is the cell's process; `awk` gives its path from the odometry.
+class ShellMethod : public Bench {
+ protected:
+  void use(const std::string& line) {
+    write(
+        folder / "shell.ini",
+        "[method]\ntype = external\ncommand = " + line +
+            R"( && awk '{ printf "%s %s %s 0 0 0 %.9f %.9f\n", $1, $2, $3, sin($4 / 2), cos($4 / 2) }' {scans} > {output})"
+            "\n");
+    write(folder / "tiny.ini",
+          replaced(kTiny, "naive_wheel, naive\nseeds = 1..2", "naive_wheel, shell\nseeds = 1") +
+              "[method shell]\nbase = shell.ini\n");
+  }
+};
+
+TEST_F(ShellMethod, ACrashIsARowAndLeavesTheOthersAlone) {
+  use("kill -ABRT $PPID");
+  const auto result = bench("tiny.ini -o out -q");
+  EXPECT_EQ(result.exit_code, 6) << result.err;
+  const auto rows = resultsOf(folder / "out");
+  EXPECT_EQ(rows[0]["status"], "ok") << rows[0];
+  EXPECT_EQ(rows[1]["status"], "crashed") << rows[1];
+  EXPECT_EQ(rows[1]["message"], "SIGABRT");
+}
+
+TEST_F(ShellMethod, RetryDoesAgainWhatFailedAndResumeKeepsIt) {
+  use("test -e {here}/mended");
+  EXPECT_EQ(bench("tiny.ini -o out -q").exit_code, 6);
+  EXPECT_EQ(resultsOf(folder / "out")[1]["status"], "failed");
+  write(folder / "mended", "");
+  EXPECT_EQ(bench("tiny.ini -o out -q --resume").exit_code, 6);
+  EXPECT_EQ(resultsOf(folder / "out")[1]["status"], "failed");
+  const auto retried = bench("tiny.ini -o out -q --resume --retry");
+  EXPECT_EQ(retried.exit_code, 0) << retried.err;
+  EXPECT_EQ(resultsOf(folder / "out")[1]["status"], "ok");
+}
+
+TEST_F(ShellMethod, ACellThatIsKilledFromOutsideIsTriedThreeTimesAndLeftForResume) {
+  use("echo x >> {here}/tries && { test -e {here}/mended || kill -KILL $PPID; }");
+  const auto result = bench("tiny.ini -o out -q");
+  EXPECT_EQ(result.exit_code, 6);
+  EXPECT_THAT(result.err, HasSubstr("shell on flat, seed 1 (cell "));
+  EXPECT_THAT(result.err, HasSubstr("): killed from outside 3 times, at last by SIGKILL"));
+  EXPECT_EQ(core::readTextFile(folder / "tries"), "x\nx\nx\n");
+  EXPECT_EQ(resultsOf(folder / "out")[0]["status"], "ok");
+  EXPECT_EQ(resultsOf(folder / "out")[1]["status"], "missing");
+  const auto lost = nlohmann::json::parse(bench("exec tiny.ini -o out -q --json").out);
+  EXPECT_EQ(lost["lost"].size(), 1U);
+  EXPECT_EQ(lost["reused"], 2);
+  write(folder / "mended", "");
+  const auto resumed = bench("tiny.ini -o out -q --resume");
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+  EXPECT_EQ(resultsOf(folder / "out")[1]["status"], "ok");
+}
+
+TEST_F(Bench, CopiesOfTheRunnerAndProcessesOfTheirOwnGiveTheSameBytes) {
+  const auto sweep = run::planSweep(folder / "tiny.ini");
+  run::SweepRequest request;
+  request.program = RASTERSLAM_PROGRAM;
+  request.output = folder / "copies";
+  ASSERT_TRUE(run::hasOneThread());
+  EXPECT_EQ(run::sweep(sweep, request, {}, core::silentProgress()).done, 6U);
+  // With a second thread a copy of the process would not be sound.
+  request.output = folder / "programs";
+  std::promise<void> end;
+  std::thread other([&] { end.get_future().wait(); });
+  EXPECT_FALSE(run::hasOneThread());
+  EXPECT_EQ(run::sweep(sweep, request, {}, core::silentProgress()).done, 6U);
+  end.set_value();
+  other.join();
+  EXPECT_EQ(contents(folder / "copies"), contents(folder / "programs"));
+}
+
 TEST_F(Bench, ALimitIsARowAndAHigherOneTriesAgain) {
   const std::string suite = replaced(kTiny, "naive_wheel, naive\nseeds = 1..2", "naive_wheel\nseeds = 1");
   write(folder / "tiny.ini", suite + "[limits]\nwall_limit_s = 0.001\n");
@@ -244,6 +334,46 @@ TEST_F(Bench, ASuiteThatIsWrongSaysWhereBeforeAnythingRuns) {
   expect("naive\n", "naive_wheel\n", "'naive_wheel' is named twice");
   EXPECT_THAT(bench("exec tiny.ini -o out --shard 3/2").err, HasSubstr("--shard: found '3/2'"));
   EXPECT_THAT(bench("exec tiny.ini -o out --cell 12").err, HasSubstr("--cell: found '12'"));
+}
+
+TEST_F(Bench, AGateNamesWhatGotWorseAndEndsWithFive) {
+  ASSERT_EQ(bench("tiny.ini -o out -q --write-gate gate.json").exit_code, 0);
+  const auto same = bench("merge out --gate gate.json");
+  EXPECT_EQ(same.exit_code, 0) << same.err;
+  EXPECT_THAT(same.out, HasSubstr("gate.json: of 8 figures 8 within their tolerance"));
+  // As if the path had been nearer once, and no run known to fail.
+  auto gate = nlohmann::json::parse(core::readTextFile(folder / "gate.json"));
+  for (auto& row : gate["rows"])
+    if (row["cell"] == "naive on flat" && row["metric"] == "ate_final_m") row["values"] = {0.001, 0.002};
+  write(folder / "gate.json", gate.dump());
+  const auto worse = bench("tiny.ini -o again -q --gate gate.json --json");
+  EXPECT_EQ(worse.exit_code, 5) << worse.err;
+  const auto table = nlohmann::json::parse(worse.out)["gate"];
+  ASSERT_EQ(table["rows"].size(), 8U);
+  for (const auto& row : table["rows"])
+    EXPECT_EQ(row["verdict"],
+              row["cell"] == "naive on flat" && row["metric"] == "ate_final_m" ? "WORSE" : "ok")
+        << row;
+  EXPECT_THAT(bench("merge out --gate gate.json").out, HasSubstr("WORSE"));
+  EXPECT_THAT(bench("merge out --write-gate gate.json").err, HasSubstr("give --overwrite to replace"));
+  EXPECT_EQ(bench("merge out --write-gate gate.json --overwrite").exit_code, 0);
+  EXPECT_EQ(bench("merge out --gate gate.json").exit_code, 0);
+  // A run that is not there: no baseline can be made, and what was measured before is missed.
+  fs::remove_all(cellsOf(folder / "out", "run")[0]);
+  const auto partly = bench("merge out --gate gate.json");
+  EXPECT_EQ(partly.exit_code, 5);
+  EXPECT_THAT(partly.out, HasSubstr("MISSING"));
+  EXPECT_EQ(bench("merge out --write-gate new.json").exit_code, 3);
+  EXPECT_FALSE(fs::exists(folder / "new.json"));
+}
+
+TEST_F(Bench, AGateThatIsWrongSaysSoBeforeAnythingRuns) {
+  write(folder / "gate.json",
+        R"({"rows": [{"cell": "naive on flt", "metric": "ate_final_m", "better": "smaller", "value": 1}]})");
+  const auto result = bench("tiny.ini -o out --gate gate.json");
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.err, HasSubstr("gate.json: key 'cell': found none for 'naive_wheel on flat'"));
+  EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
 TEST_F(Bench, ThePlanListsTheCellsAndOtherInputsGiveOtherIds) {

@@ -28,6 +28,11 @@ TEST(Stress, FindsWhereWheelsThatSlipBreakAMethodAndSaysWhy) {
   ASSERT_EQ(one.exit_code, 0) << one.err;
   EXPECT_THAT(one.out, HasSubstr("naive_wheel: breaks at 30 and above (holds at 0.01)"));
   EXPECT_TRUE(fs::exists(folder / "one/stress.png"));
+  const auto manifest = nlohmann::json::parse(core::readTextFile(folder / "one/manifest.json"));
+  for (const auto& [file, meaning] : manifest["files"].items())
+    EXPECT_TRUE(fs::exists(folder / ("one/" + file))) << meaning;
+  EXPECT_TRUE(manifest["files"].contains("stress.png"));
+  EXPECT_TRUE(manifest["files"].contains("results.csv"));
   const auto failures = nlohmann::json::parse(core::readTextFile(folder / "one/failures.json"))["rows"];
   nlohmann::json failure;  // of the wheels that slip much
   int slipped = 0;
@@ -89,6 +94,19 @@ TEST(Tune, JudgesOnHeldOutWorldsAndGoesOnWhereItWas) {
     if (fs::exists(cell.path() / "run.rawlog")) log = (cell.path() / "run.rawlog").string();
   const auto run = rasterslam("run one/icp_tuned.ini " + log + " -o again -q", folder.path());
   EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
+TEST(Stress, AnOfficeOfOneCorridorTakesAnyLength) {
+  const testing::TempFolder folder;
+  const auto result = rasterslam(
+      "stress office:height_m=12 --vary world.width_m=20,50 --methods naive_wheel --seeds 1 --duration 5 "
+      "--set lidar.beams=31 -o out -q",
+      folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto rows = nlohmann::json::parse(core::readTextFile(folder / "out/results.json"))["rows"];
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0]["world"], "office height_m=12 width_m=20");
+  EXPECT_EQ(rows[1]["status"], "ok");
 }
 
 TEST(Tune, SaysWhatTheSuiteLacks) {

@@ -70,6 +70,22 @@ TEST(Gate, ExcusesWhatChanceCanExplainOnceSeedsAreManyEnough) {
   EXPECT_FALSE(found(ateRow(before, 0, 0.1), {1, 2}).p);
 }
 
+TEST(Gate, PairsUpTheSeedsThatBothHave) {
+  GateRow row = ateRow({1, 2, 3, 4, 5, 6, 7}, 0, 0.1);
+  row.baseline.seeds = {1, 2, 3, 4, 5, 6, 7};
+  // In another order, one seed more and one less: 2 to 7, each worse by 0.2.
+  const Score now{"graph", "ate_rmse_m", {7.2, 6.2, 5.2, 4.2, 3.2, 2.2, 0}, {7, 6, 5, 4, 3, 2, 9}};
+  const auto finding = checkGate({0.05, {row}}, {now}).at(0);
+  EXPECT_DOUBLE_EQ(finding.before, 4.5);
+  EXPECT_DOUBLE_EQ(finding.now, 4.7);
+  EXPECT_EQ(finding.values.size(), 6U);
+  EXPECT_DOUBLE_EQ(*finding.p, 2.0 / 64);
+  EXPECT_EQ(finding.verdict, GateVerdict::kWorse);
+  const auto apart = checkGate({0.05, {row}}, {{"graph", "ate_rmse_m", {1, 1}, {8, 9}}}).at(0);
+  EXPECT_EQ(apart.verdict, GateVerdict::kMissing);
+  EXPECT_DOUBLE_EQ(apart.before, 4);
+}
+
 TEST(Gate, IsShutByANewFailureEvenWhereTheMedianHolds) {
   const std::vector<double> before = {1, 1, 1, 1}, one_failed = {1, 1, 1, kFailed};
   EXPECT_EQ(verdict(ateRow(before, 9, 9), one_failed), GateVerdict::kWorse);
@@ -94,10 +110,11 @@ TEST(Gate, IsShutByWhatIsMissing) {
 
 TEST(Gate, ReadsWhatItWrites) {
   const testing::TempFolder folder;
-  const Gate gate{0.01,
-                  {ateRow({0.1, kFailed, 0.3}, 0.1, 0.001),
-                   {{"icp", "wall_f1", {0.9}}, Better::kLarger, 0, 0.5},
-                   {{"icp", "free_iou", {stats::failedValue(Better::kLarger)}}, Better::kLarger, 0, 0}}};
+  Gate gate{0.01,
+            {ateRow({0.1, kFailed, 0.3}, 0.1, 0.001),
+             {{"icp", "wall_f1", {0.9}}, Better::kLarger, 0, 0.5},
+             {{"icp", "free_iou", {stats::failedValue(Better::kLarger)}}, Better::kLarger, 0, 0}}};
+  gate.rows[0].baseline.seeds = {4, 7, 9};
   writeGate(gate, folder / "gate.json");
   const auto read = readGate(folder / "gate.json");
   EXPECT_EQ(read.alpha, 0.01);
@@ -106,6 +123,7 @@ TEST(Gate, ReadsWhatItWrites) {
     EXPECT_EQ(read.rows[i].baseline.cell, gate.rows[i].baseline.cell);
     EXPECT_EQ(read.rows[i].baseline.metric, gate.rows[i].baseline.metric);
     EXPECT_EQ(read.rows[i].baseline.values, gate.rows[i].baseline.values);
+    EXPECT_EQ(read.rows[i].baseline.seeds, gate.rows[i].baseline.seeds);
     EXPECT_EQ(read.rows[i].better, gate.rows[i].better);
     EXPECT_EQ(read.rows[i].relative, gate.rows[i].relative);
     EXPECT_EQ(read.rows[i].absolute, gate.rows[i].absolute);
@@ -135,6 +153,10 @@ TEST(Gate, SaysWhichRowAndKeyOfTheFileIsWrong) {
               HasSubstr("row 1: key 'value': found \"1\", expected a number, or null"));
   EXPECT_THAT(errorWith(row(R"(, "values": [])")), HasSubstr("key 'values': found []"));
   EXPECT_THAT(errorWith(row(R"(, "values": [1, true])")), HasSubstr("key 'values': found true"));
+  for (const char* seeds : {"[1]", "[1, 1]", "[1, -2]", "[1, 2.5]", "3"})
+    EXPECT_THAT(errorWith(row(R"(, "values": [1, 2], "seeds": )" + std::string(seeds))),
+                HasSubstr("key 'seeds': found "))
+        << seeds;
   EXPECT_THAT(errorWith(row(R"(, "value": 1, "relative": -1)")), HasSubstr("key 'relative': found -1"));
   EXPECT_THAT(errorWith(row(R"(, "value": 1, "absolut": 1)")), HasSubstr("row 1: unknown key 'absolut'"));
   EXPECT_THAT(errorWith(R"({"rows": [{"cell": "a", "metric": "b", "better": "more", "value": 1}]})"),

@@ -34,8 +34,10 @@ export SLURM_CONF
 # The first task's process, as soon as it works on a cell.
 victim=
 while [ -z "$victim" ] && [ ! -f out/results.csv ]; do
-  victim=$(pgrep -f "bench exec $work/out/suite.ini .* 1/2" | tail -n 1) || true
-  if [ -n "$victim" ] && ! ls out/partial/*."$victim"/*/cell.json > /dev/null 2>&1; then victim=; fi
+  # Its cells are copies of it, with the same command line: it is the one that a folder is named after.
+  for process in $(pgrep -f "bench exec $work/out/suite.ini .* 1/2"); do
+    if ls out/partial/*."$process"/*/cell.json > /dev/null 2>&1; then victim=$process; fi
+  done
 done
 [ -n "$victim" ] || fail "no task to kill"
 kill -KILL "$victim"

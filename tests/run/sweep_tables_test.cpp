@@ -116,6 +116,43 @@ TEST(SweepTables, SeveralSettingsHaveARowOfAllTogether) {
   EXPECT_EQ(textIn(summary.all, 4, "group"), "a");  // five pairs can never be significant
 }
 
+TEST(SweepTables, AllTogetherIsDrawnAndRankedWithinEachSetting) {
+  TwoMethods sweep;
+  sweep.plan.logs.resize(4);
+  sweep.plan.runs.resize(8);
+  sweep.results.resize(8);
+  const double good[] = {0.1, 0.1, 0.5, 0.5}, good_less_bad[] = {0.01, 0.02, -0.1, 0.2};
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (i >= 2) sweep.plan.logs[i].world = "office";
+    sweep.results[2 * i]->figures[0].second = good[i];
+    sweep.results[2 * i + 1]->figures[0].second = good[i] - good_less_bad[i];
+  }
+  const auto summary = summarize(sweep.plan, sweep.results);
+  ASSERT_EQ(textIn(summary.all, 0, "world"), "all");
+  // Whatever is drawn within the buildings, the middle lies between theirs.
+  EXPECT_DOUBLE_EQ(numberIn(summary.all, 0, "ate_final_m"), 0.3);
+  EXPECT_DOUBLE_EQ(numberIn(summary.all, 0, "ate_final_m_low"), 0.3);
+  EXPECT_DOUBLE_EQ(numberIn(summary.all, 0, "ate_final_m_high"), 0.3);
+  // Better once in the office: of its two seeds none, one or both are drawn.
+  EXPECT_DOUBLE_EQ(numberIn(summary.all, 0, "better"), 0.25);
+  EXPECT_DOUBLE_EQ(numberIn(summary.all, 0, "better_low"), 0);
+  EXPECT_DOUBLE_EQ(numberIn(summary.all, 0, "better_high"), 0.5);
+  // Ranks 1, 2 and 1, 2 of which a 1 is for `good`; in one row they would be 1, 2, 3, 4 and the 3 (p = 0.625).
+  EXPECT_DOUBLE_EQ(numberIn(summary.all, 0, "p"), 0.375);
+  EXPECT_EQ(textIn(summary.all, 0, "more_seeds"), "-");
+  EXPECT_THAT(summary.main.notes, ::testing::Contains(HasSubstr("drawing within each setting")));
+}
+
+TEST(SweepTables, SettingsThatRanOnceAreDrawnThemselves) {
+  TwoMethods sweep;
+  for (std::size_t i = 0; i < 10; ++i) sweep.plan.logs[i].world = "hall" + std::to_string(i);
+  const auto summary = summarize(sweep.plan, sweep.results);
+  EXPECT_LT(numberIn(summary.all, 0, "ate_final_m_low"), 0.055);
+  EXPECT_GT(numberIn(summary.all, 0, "ate_final_m_high"), 0.055);
+  EXPECT_DOUBLE_EQ(numberIn(summary.all, 0, "p"), 2 * std::pow(2, -10));
+  EXPECT_THAT(summary.main.notes, ::testing::Not(::testing::Contains(HasSubstr("within each setting"))));
+}
+
 TEST(SweepTables, TheIndexIsTheSameBytesEveryTime) {
   const testing::TempFolder folder;
   const TwoMethods sweep;

@@ -61,6 +61,25 @@ TEST(Tune, AFewCandidatesSayNothingOfSensitivity) {
   EXPECT_EQ(result[0].p, 1);
 }
 
+TEST(Tune, TheFirstFinalistThatIsProvenBetterIsChosen) {
+  const auto less = stats::Better::kSmaller;
+  const std::vector<double> base = {1, 2, 3, 4, 5, 6, 7, 8}, mixed = {2, 1, 4, 3, 6, 5, 8, 7};
+  std::vector<double> good, better;
+  for (const double value : base) good.push_back(value - 0.1), better.push_back(value - 0.5);
+  const auto second = heldOutVerdict({base, mixed, good, better}, less, {});
+  EXPECT_EQ(second.method, 2U);  // the best in training of those that are better, not the best here
+  EXPECT_TRUE(second.is_better);
+  EXPECT_DOUBLE_EQ(second.p, 3 * 2.0 / 256);  // the clearest eight pairs can be, by Holm's method of three
+  EXPECT_EQ(heldOutVerdict({base, good, better}, less, {}).method, 1U);
+  const auto none = heldOutVerdict({base, mixed, mixed}, less, {});
+  EXPECT_EQ(none.method, 1U);
+  EXPECT_FALSE(none.is_better || none.is_worse);
+  const auto worse = heldOutVerdict({good, base}, less, {});
+  EXPECT_TRUE(worse.is_worse);
+  EXPECT_DOUBLE_EQ(worse.p, 2.0 / 256);
+  EXPECT_THROW(heldOutVerdict({base}, less, {}), core::ContractError);
+}
+
 TEST(Tune, EveryShippedRangeFitsItsMethod) {
   const auto names = namesInFolder(configsFolder() + "/tune", ".ini");
   EXPECT_GE(names.size(), 4U);

@@ -9,6 +9,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
+#include "libslam/stats/paired.h"
 
 namespace slam::stats {
 namespace {
@@ -124,6 +125,18 @@ TEST(Bootstrap, OfTheMedianTakesFailedRuns) {
   EXPECT_EQ(median({-kInfinity, 2}), -kInfinity);
 }
 
+TEST(Bootstrap, TheMedianByCountingIsTheMedian) {
+  core::RandomStream random(5, "median");
+  for (std::size_t count = 2; count < 60; ++count) {
+    std::vector<double> values;
+    // Many ties; a third of them failed.
+    for (std::size_t i = 0; i < count; ++i)
+      values.push_back(random.below(3) == 0 ? failedValue(Better::kSmaller)
+                                            : static_cast<double>(random.below(9)));
+    EXPECT_EQ(bootstrapInterval(values, Statistic::kMedian, {0.95, 1, 100}).value, median(values)) << count;
+  }
+}
+
 TEST(Bootstrap, RefusesWhatHasNoStatistic) {
   EXPECT_THROW(bootstrapInterval({}, Statistic::kMean), core::ContractError);
   EXPECT_THROW(bootstrapInterval({1, kNaN}, Statistic::kMean), core::ContractError);
@@ -133,6 +146,33 @@ TEST(Bootstrap, RefusesWhatHasNoStatistic) {
   EXPECT_THROW(bootstrapInterval({1, 2}, Statistic::kMean, {1.0, 1, 1000}), core::ContractError);
   EXPECT_THROW(bootstrapInterval({1, 2}, Statistic::kMean, {0.95, 1, 99}), core::ContractError);
   EXPECT_THROW(bootstrapInterval(2, [](const auto&) { return kNaN; }), core::ContractError);
+}
+
+TEST(Bootstrap, DrawsWithinStrata) {
+  // Of 0 and 2 a resample has the sum 0, 2 or 4, with 1/4, 1/2, 1/4; of 10 and 10 always 20.
+  const BootstrapOptions stratified = {0.95, 1, 2000, {4, 9, 4, 9}};
+  const auto estimate = bootstrapInterval({0, 10, 2, 10}, Statistic::kMean, stratified);
+  EXPECT_DOUBLE_EQ(estimate.value, 5.5);
+  EXPECT_DOUBLE_EQ(estimate.interval->low, 5);
+  EXPECT_DOUBLE_EQ(estimate.interval->high, 6);
+  const auto pooled = bootstrapInterval({0, 10, 2, 10}, Statistic::kMean, {0.95, 1, 2000});
+  EXPECT_LT(pooled.interval->low, 3);
+  EXPECT_GT(pooled.interval->high, 7);
+  // What varies between strata only is no spread.
+  const auto between =
+      bootstrapInterval({1, 1, 5, 5, 5}, Statistic::kMedian, {0.95, 1, 200, {0, 0, 1, 1, 1}});
+  EXPECT_EQ(between.interval->low, 5);
+  EXPECT_EQ(between.interval->high, 5);
+  EXPECT_FALSE(bootstrapInterval({1, 2, 3}, Statistic::kMean, {0.95, 1, 200, {0, 1, 2}}).interval);
+  EXPECT_THROW(bootstrapInterval({1, 2, 3}, Statistic::kMean, {0.95, 1, 200, {0, 1}}), core::ContractError);
+}
+
+TEST(Bootstrap, OneStratumIsNone) {
+  const std::vector<double> values = {0.1, 0.7, 0.2, 1.9, 0.4};
+  const auto none = bootstrapInterval(values, Statistic::kMean, {0.95, 1, 500});
+  const auto one = bootstrapInterval(values, Statistic::kMean, {0.95, 1, 500, {3, 3, 3, 3, 3}});
+  EXPECT_EQ(none.interval->low, one.interval->low);
+  EXPECT_EQ(none.interval->high, one.interval->high);
 }
 
 // What the header says of small samples: a measurement, not a wish.

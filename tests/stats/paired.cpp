@@ -125,6 +125,21 @@ TEST(SignedRank, RanksAFailedRunWorstAndTwoFailuresEqual) {
   EXPECT_EQ(wilcoxonSignedRank({kInfinity, 1, 5, 7}, {1, kInfinity, 4, 5}).statistic, 6.5);
 }
 
+TEST(SignedRank, RanksWithinStrata) {
+  const std::vector<double> a = {1, 2, 0, 20}, b = {0, 0, 10, 0};
+  // All together: ranks 1, 2, 3, 4 and the third below: of 16 sign patterns 5 have a sum of 3 or less.
+  EXPECT_DOUBLE_EQ(wilcoxonSignedRank(a, b).p, 2 * 5.0 / 16);
+  // Two by two: ranks 1, 2 and 1, 2, the third pair's is 1: sums of 1 or less are {}, {1}, {1}.
+  const auto test = wilcoxonSignedRank(a, b, {0, 0, 1, 1});
+  EXPECT_DOUBLE_EQ(test.p, 2 * 3.0 / 16);
+  EXPECT_DOUBLE_EQ(test.statistic, 5);
+  EXPECT_DOUBLE_EQ(wilcoxonSignedRank(b, a, {0, 0, 1, 1}).p, test.p);
+  EXPECT_DOUBLE_EQ(wilcoxonSignedRank(a, b, {7, 7, 7, 7}).p, wilcoxonSignedRank(a, b).p);
+  // One by one every rank is 1: the sign test.
+  EXPECT_DOUBLE_EQ(wilcoxonSignedRank(a, b, {0, 1, 2, 3}).p, signTest(a, b).p);
+  EXPECT_THROW(wilcoxonSignedRank(a, b, {0, 1}), core::ContractError);
+}
+
 TEST(SignedRank, IsOneWhereNothingDiffers) {
   EXPECT_EQ(wilcoxonSignedRank({1, 2}, {1, 2}).p, 1);
   EXPECT_EQ(wilcoxonSignedRank({1}, {2}).p, 1);

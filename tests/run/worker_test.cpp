@@ -1,0 +1,94 @@
+#include "libslam/run/worker.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <future>
+#include <iostream>
+#include <thread>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/testing/temp_folder.h"
+
+namespace slam::run {
+namespace {
+using ::testing::HasSubstr;
+
+WorkerResult resultOf(Worker worker) {
+  while (worker.read()) {
+  }
+  return worker.wait();
+}
+
+class WorkerCopy : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!hasOneThread())
+      GTEST_SKIP() << "tests before this one have left threads; by ctest each has its process";
+  }
+  testing::TempFolder folder;
+};
+
+TEST_F(WorkerCopy, ACopyOfThisProcessSaysWhatItPrintsAndReturns) {
+  std::cout << "";  // what waits in a buffer here is not the child's to write
+  int changed = 1;
+  const auto result = resultOf(Worker(
+      [&] {
+        changed = 2;
+        std::cout << "out";
+        std::cerr << "err";
+        return 7;
+      },
+      folder / "stderr.txt"));
+  EXPECT_EQ(result.exit_code, 7);
+  EXPECT_FALSE(result.killed);
+  EXPECT_EQ(result.out, "out");
+  EXPECT_EQ(core::readTextFile(folder / "stderr.txt"), "err");
+  EXPECT_EQ(changed, 1);
+}
+
+TEST_F(WorkerCopy, WhatACopyThrowsIsItsExitCodeAndALineOfJson) {
+  const auto codeOf = [&](const auto& error) {
+    return resultOf(Worker([&]() -> int { throw error; }, folder / "stderr.txt")).exit_code;
+  };
+  EXPECT_EQ(codeOf(core::IoError("x")), 1);
+  EXPECT_EQ(codeOf(core::InputError("x")), 3);
+  EXPECT_EQ(codeOf(core::MethodError("x")), 4);
+  EXPECT_EQ(codeOf(core::Interrupted()), 130);
+  const auto result = resultOf(Worker([]() -> int { throw core::IoError("full"); }, folder / "stderr.txt"));
+  EXPECT_THAT(result.out, HasSubstr("\"error\":\"full\""));
+}
+
+TEST_F(WorkerCopy, ACopyHasTheFilesThatAProgramWouldHave) {
+  const int own = open("/dev/null", O_RDONLY | O_CLOEXEC), shared = open("/dev/null", O_RDONLY);
+  const auto isOpen = [](int file) { return fcntl(file, F_GETFD) >= 0; };
+  const auto result = resultOf(
+      Worker([&] { return (isOpen(own) ? 1 : 0) + (isOpen(shared) ? 2 : 0); }, folder / "stderr.txt"));
+  EXPECT_EQ(result.exit_code, 2);
+  close(own);
+  close(shared);
+}
+
+TEST_F(WorkerCopy, ASignalShows) {
+  const auto result = resultOf(Worker([]() -> int { std::abort(); }, folder / "stderr.txt"));
+  EXPECT_TRUE(result.killed);
+  EXPECT_EQ(result.exit_code, 128 + SIGABRT);
+}
+
+TEST_F(WorkerCopy, AProcessOfSeveralThreadsIsNotCopied) {
+  EXPECT_TRUE(hasOneThread());
+  std::promise<void> end;
+  std::thread other([&] { end.get_future().wait(); });
+  EXPECT_FALSE(hasOneThread());
+  EXPECT_THROW(Worker([] { return 0; }, folder / "stderr.txt"), core::ContractError);
+  end.set_value();
+  other.join();
+}
+
+}  // namespace
+}  // namespace slam::run
