@@ -124,7 +124,7 @@ void drawBoxes(const std::vector<BoxChart>& charts, const std::string& y_title, 
   const double margin = sheetMargin(paper);
   const double slots = static_cast<double>(most) * kLeastSlot + kAxesLeft + kAxesRight;
   auto grid = chartGrid(charts.size(), std::max(slots, 300.0), kShape, paper);
-  const double below = 24 + (has_failed ? kCountHeight : 0);
+  const double below = 34 + (has_failed ? kCountHeight : 0);
   grid.cell_height += kChartTitleHeight - kAxesBottom + below;
   const ChartLegend legend(labels, grid.width());
   const double title_height = title.empty() ? 0 : kTitleHeight;

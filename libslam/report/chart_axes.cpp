@@ -19,6 +19,17 @@ double Axis::place(double value) const {
   return (value - low) / (high - low);
 }
 
+Axis Axis::grownBy(double share) const {
+  Axis grown = *this;
+  if (is_log) {
+    const double factor = std::pow(high / low, share);
+    grown.low = low / factor, grown.high = high * factor;
+  } else {
+    grown.low = low - share * (high - low), grown.high = high + share * (high - low);
+  }
+  return grown;
+}
+
 Axis axisFromZero(double largest, double fixed_end) {
   Axis axis;
   axis.high = fixed_end > 0 ? fixed_end : largest;
@@ -52,16 +63,19 @@ Axis logAxis(const std::vector<double>& values) {
     if (std::isfinite(value) && value > 0) positive.push_back(value);
   if (positive.empty()) positive = {0.1, 1};
   const auto [least, largest] = std::minmax_element(positive.begin(), positive.end());
-  double low = std::floor(std::log10(*least) + 1e-9), high = std::ceil(std::log10(*largest) - 1e-9);
-  if (high <= low) high = low + 1;
-  const bool few = high - low <= 2;
-  // Round numbers of the first and last decade that nothing reaches are left out.
-  for (double decade = low; decade <= high; ++decade)
-    for (const double factor : {1.0, 2.0, 5.0})
-      if (factor == 1 || (few && decade < high)) axis.ticks.push_back(factor * std::pow(10, decade));
-  while (axis.ticks.size() > 2 && axis.ticks[1] <= *least) axis.ticks.erase(axis.ticks.begin());
-  while (axis.ticks.size() > 2 && axis.ticks[axis.ticks.size() - 2] >= *largest) axis.ticks.pop_back();
-  axis.low = axis.ticks.front(), axis.high = axis.ticks.back();
+  // From round number to round number; ticks at all of them, or at powers of ten where those are enough.
+  std::vector<double> powers, round;
+  for (double decade = std::floor(std::log10(*least)) - 1; decade <= std::log10(*largest) + 1; ++decade)
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      const double number = factor * std::pow(10, decade);
+      if (5 * number > *least * (1 + 1e-9) && number < 5 * *largest * (1 - 1e-9)) round.push_back(number);
+    }
+  while (round.size() > 2 && round[1] <= *least * (1 + 1e-9)) round.erase(round.begin());
+  while (round.size() > 2 && round[round.size() - 2] >= *largest * (1 - 1e-9)) round.pop_back();
+  axis.low = round.front(), axis.high = round.back();
+  for (const double number : round)
+    if (std::abs(std::remainder(std::log10(number), 1)) < 1e-6) powers.push_back(number);
+  axis.ticks = powers.size() > 2 ? powers : round;
   return axis;
 }
 

@@ -15,13 +15,16 @@ struct Axis {
 
   /// Where a value stands: 0 at low, 1 at high, also beyond them. NaN where a logarithm has none.
   double place(double value) const;
+  /// Longer by this share at both ends.
+  Axis grownBy(double share) const;
 };
 
 /// From 0 to a whole number of steps, or to `fixed_end` where that is above 0.
 Axis axisFromZero(double largest, double fixed_end = 0);
 /// From the values' least to their largest, a little widened; with ticks at round numbers.
 Axis axisAround(const std::vector<double>& values);
-/// Decades that hold the values above 0; of less than two decades with ticks at 1, 2 and 5 of each.
+/// From 1, 2 or 5 times a power of ten to such a number, round the values above 0; ticks at powers of ten where there are
+/// three of them, else at all such numbers.
 Axis logAxis(const std::vector<double>& values);
 
 /// A box between two axes, y up.

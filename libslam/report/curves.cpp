@@ -95,9 +95,12 @@ void drawCurve(Canvas& canvas, const AxesView& view, const Curve& curve, Colour 
 void drawChart(Canvas& canvas, const Chart& chart, const PixelBox& box,
                const std::vector<std::string>& labels, const ChartLegend& legend) {
   const auto x_values = valuesOf(chart, &core::Point2::x), y_values = valuesOf(chart, &core::Point2::y);
+  Axis x = chart.x_log ? logAxis(x_values) : axisFromZero(largest(x_values));
+  const bool has_marks = std::any_of(chart.curves.begin(), chart.curves.end(),
+                                     [](const Curve& c) { return c.style != Curve::Style::kLine; });
+  if (has_marks) x = x.grownBy(0.05);  // none of them on the frame
   const AxesView view{
-      box, chart.x_log ? logAxis(x_values) : axisFromZero(largest(x_values)),
-      chart.y_log ? logAxis(withoutLeast(y_values)) : axisFromZero(largest(y_values), chart.y_max)};
+      box, x, chart.y_log ? logAxis(withoutLeast(y_values)) : axisFromZero(largest(y_values), chart.y_max)};
   drawAxes(canvas, view, chart.x_title, chart.y_title);
   // Marks at the ends of the axes are shown whole.
   canvas.clipTo({box.left - 6, box.top - 4, box.width + 12, box.height + 8});

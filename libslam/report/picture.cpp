@@ -49,7 +49,9 @@ void drawPaths(Canvas& canvas, const MapView& view, const std::vector<DrawnPath>
                const LineWidths& widths) {
   const auto ordered = truthFirst(paths);
   for (const auto& path : ordered)
-    drawPath(canvas, view, path.path, colours.of(path), path.is_truth ? widths.truth : widths.estimate);
+    if (path.is_truth) drawPath(canvas, view, path.path, colours.of(path), widths.truth);
+  for (auto path = ordered.rbegin(); path != ordered.rend(); ++path)
+    if (!path->is_truth) drawPath(canvas, view, path->path, colours.of(*path), widths.estimate);
   for (const auto& path : ordered) {
     if (path.path.empty()) continue;
     drawStart(canvas, view.toPixel(core::position(path.path.front().pose)));
@@ -150,7 +152,9 @@ Grid arrange(const std::vector<Panel>& panels, const Window& window, const Paper
     const double width = std::min(kLargestMap, (sheet_width - (columns - 1) * kGap) / columns);
     const double height = std::min(kLargestMap, (sheet_height - (rows - 1) * kGap) / rows - kPanelHeadHeight);
     const double scale = fittingScale(window, width, std::max(height, 60.0));
-    const double score = scale * count / (columns * rows);
+    double score = scale * count / (columns * rows);
+    // A page is as wide as it is: what stands empty beside the panels is lost.
+    if (!paper.isScreen()) score *= columns * window.width() * scale / sheet_width;
     if (score <= best_score * 1.0001) continue;
     best_score = score;
     best = {columns, rows, std::max(std::ceil(least_width), std::round(window.width() * scale)),

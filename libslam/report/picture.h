@@ -14,7 +14,7 @@ namespace slam::report {
 struct DrawnPath {
   core::Trajectory path;
   std::string label;
-  bool is_truth = false;  ///< drawn grey and broad, under the others
+  bool is_truth = false;  ///< drawn grey and broad, under the others, of which the first lies on top
 };
 
 // All pictures: PNG, SVG or PDF by the file's extension, the same input gives the same bytes, written atomically

@@ -213,5 +213,31 @@ TEST(Table, MarkdownReadsBackAsItWasSeen) {
   EXPECT_TRUE(fromMarkdown("").rows.empty());
 }
 
+TEST(Table, CsvReadsBack) {
+  const Table table{
+      "", {{"a,b", "a"}, {"n", "n"}}, {{"say \"hi\",\nyou", 0.1}, {"", kNaN}, {"x", INFINITY}}, {}};
+  const auto read = fromCsv(toCsv(table), "t.csv");
+  EXPECT_EQ(toCsv(read), toCsv(table));
+  EXPECT_EQ(read.columns[0].key, "a,b");
+  EXPECT_EQ(std::get<std::string>(read.rows[0][0]), "say \"hi\",\nyou");
+  EXPECT_EQ(std::get<double>(read.rows[0][1]), 0.1);
+  EXPECT_TRUE(std::isnan(std::get<double>(read.rows[1][1])));
+  EXPECT_EQ(fromCsv("a\n1\n2", "t.csv").rows.size(), 2U);  // line feeds alone, the last one missing
+}
+
+TEST(Table, CsvThatIsBrokenNamesFileAndLine) {
+  const auto message = [](const std::string& csv) -> std::string {
+    try {
+      fromCsv(csv, "t.csv");
+    } catch (const core::InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message(""), "t.csv: is empty, expected a header and rows");
+  EXPECT_EQ(message("a,b\n\"x\ny\",2\n3\n"), "t.csv:4: found 1 fields, expected 2 as in the header");
+  EXPECT_EQ(message("a\n\"x"), "t.csv:2: a quoted field has no end, expected '\"'");
+}
+
 }  // namespace
 }  // namespace slam::report
