@@ -23,6 +23,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"mrptworld", {"core", "world"}},
     {"metrics", {"core", "world"}},
     {"report", {"core", "robot", "world", "metrics"}},
+    {"viewer", {"core", "robot", "gridmap", "world", "report"}},
     // the robot's side
     {"gridmap", {"core", "robot"}},
     {"scanmatch", {"core", "robot", "gridmap"}},
