@@ -176,13 +176,17 @@ void Canvas::text(Pixel at, const std::string& utf8, double size, Colour colour,
               strokeWidth(size, bold), cv::LINE_AA);
 }
 
-void Canvas::savePng(const std::string& path) const {
+std::string Canvas::toPng() const {
   cv::Mat averaged;
   cv::resize(sheet_->whole, averaged, cv::Size(width_, height_), 0, 0, cv::INTER_AREA);
   std::vector<unsigned char> bytes;
   if (!cv::imencode(".png", averaged, bytes, {cv::IMWRITE_PNG_COMPRESSION, 6}))
-    throw core::IoError(path + ": the picture cannot be encoded");
-  core::writeFileAtomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    throw core::IoError("a picture cannot be encoded as PNG");
+  return {bytes.begin(), bytes.end()};
+}
+
+void Canvas::savePng(const std::string& path) const {
+  core::writeFileAtomically(path, toPng());
 }
 
 }  // namespace slam::report

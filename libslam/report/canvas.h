@@ -72,6 +72,8 @@ class Canvas {
   /// Cut with "..." so that it is at most `max_width` wide.
   static std::string fitText(const std::string& utf8, double size, double max_width, bool bold = false);
 
+  /// The bytes of a PNG file.
+  std::string toPng() const;
   /// Errors: core::IoError with the path; then no file is left.
   void savePng(const std::string& path) const;
 

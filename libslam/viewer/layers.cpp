@@ -24,12 +24,12 @@ using mrpt::opengl::CTexturedPlane;
 using report::Colour;
 
 constexpr Colour kInk{30, 30, 30}, kGrey{130, 130, 130}, kWhite{255, 255, 255};
-constexpr std::uint8_t kRayAlpha = 70;
+constexpr std::uint8_t kRayAlpha = 110;
 
 /// The layers from the ground up; two heights each, the second for what lies on the first.
-constexpr std::array<const char*, 11> kOrder = {
-    kPlanLayer,      kMapLayer,  kTruthLayer,      kGraphLayer,     kPathLayer, kLoopsLayer,
-    kObstaclesLayer, kScanLayer, kCandidatesLayer, kParticlesLayer, kRobotLayer};
+constexpr std::array<const char*, 12> kOrder = {kPlanLayer,   kMapLayer,        kTruthLayer,     kGraphLayer,
+                                                kPathLayer,   kLoopsLayer,      kObstaclesLayer, kScanLayer,
+                                                kPeopleLayer, kCandidatesLayer, kParticlesLayer, kRobotLayer};
 /// What the depth buffer tells apart when a whole building is looked at.
 constexpr double kSheet_m = 0.02;
 
@@ -161,11 +161,11 @@ Layer robotLayer(double side_m, double line_m) {
 Layer scanLayer(const robot::Scan& scan) {
   auto layer = named(CSetOfObjects::Create(), kScanLayer);
   auto rays = CSetOfLines::Create();
-  rays->setColor_u8(colourOf(report::kBlue, kRayAlpha));
+  rays->setColor_u8(colourOf(report::kSkyBlue, kRayAlpha));
   auto returns = CPointCloud::Create();
   returns->setPointSize(3);
   returns->enableVariablePointSize(false);
-  returns->setColor_u8(colourOf(report::kBlue));
+  returns->setColor_u8(colourOf(report::kVermillion));
   const auto& from = scan.T_robot_lidar;
   for (const auto& p : robot::scanPoints(scan)) {
     rays->appendLine(from.x, from.y, 0, p.x, p.y, 0);
@@ -185,6 +185,12 @@ Layer pathLayer(const core::Trajectory& path, double line_m) {
 Layer truthLayer(const core::Trajectory& path, double line_m) {
   auto layer = triangles(kTruthLayer);
   addPolyline(*layer, placesOf(path), 2.5 * line_m, 0, kGrey, 150);
+  return layer;
+}
+
+Layer peopleLayer(const std::vector<Body>& people) {
+  auto layer = triangles(kPeopleLayer);
+  for (const auto& body : people) addDisc(*layer, body.place, body.radius_m, 0, kInk, 200);
   return layer;
 }
 

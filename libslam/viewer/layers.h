@@ -21,7 +21,7 @@ using Layer = mrpt::opengl::CRenderizable::Ptr;
 /// Names of the layers, to find and exchange them by, from the ground up.
 inline constexpr const char *kPlanLayer = "plan", *kMapLayer = "map", *kTruthLayer = "truth",
                             *kGraphLayer = "graph", *kPathLayer = "path", *kLoopsLayer = "loops",
-                            *kObstaclesLayer = "obstacles", *kScanLayer = "scan",
+                            *kObstaclesLayer = "obstacles", *kScanLayer = "scan", *kPeopleLayer = "people",
                             *kCandidatesLayer = "candidates", *kParticlesLayer = "particles",
                             *kRobotLayer = "robot";
 
@@ -42,6 +42,13 @@ Layer scanLayer(const robot::Scan& scan);
 /// The path as estimated, and the true one broad and grey below it.
 Layer pathLayer(const core::Trajectory& path, double line_m);
 Layer truthLayer(const core::Trajectory& path, double line_m);
+
+/// Something round that moves about, world frame.
+struct Body {
+  core::Point2 place;
+  double radius_m = 0;
+};
+Layer peopleLayer(const std::vector<Body>& people);
 
 /// Particles as arrows of length_m, map frame.
 Layer particlesLayer(const std::vector<core::Pose2>& particles, double length_m);
