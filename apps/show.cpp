@@ -29,9 +29,8 @@ Shown takePicture(const Show& what, const ShowFlags& flags, const Loop& loop, vi
     throw core::InputError("--at: found " + core::formatNumber(flags.at_s) + ", expected at most " +
                            core::formatNumber(maker.time_s()) + ", the time of the last scan");
   scene.show(*observer.moment(), {});
-  core::writeFileAtomically(
-      flags.screenshot,
-      viewer::renderPng(*scene.scene(), viewer::cameraOver(scene.area(), scene.size()), scene.size()));
+  core::writeFileAtomically(flags.screenshot,
+                            viewer::renderPng(scene, viewer::cameraOver(scene.area(), scene.size())));
   return Shown::kPicture;
 }
 

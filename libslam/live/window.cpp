@@ -24,9 +24,10 @@ class CameraMan {
   void showAll() { shows_all_ = true, follows_ = false; }
   void toggleFollow() { follows_ = !follows_, shows_all_ = false; }
 
-  void look(const viewer::LiveScene& scene) {
+  void look(viewer::LiveScene& scene) {
     if (shows_all_ && is_set_ && wasMoved()) shows_all_ = false;
     if (shows_all_) set(viewer::cameraOver(scene.area(), scene.size()));
+    scene.setDepth(static_cast<double>(canvas_.getZoomDistance()));
     if (!follows_) return;
     const auto robot = scene.robotPlace();
     canvas_.setCameraPointing(static_cast<float>(robot.x), static_cast<float>(robot.y), 0);

@@ -24,12 +24,14 @@ using mrpt::opengl::CTexturedPlane;
 using report::Colour;
 
 constexpr Colour kInk{30, 30, 30}, kGrey{130, 130, 130}, kWhite{255, 255, 255};
-constexpr std::uint8_t kRayAlpha = 110;
+constexpr std::uint8_t kRayAlpha = 130;
+constexpr std::uint8_t kEdgeAlpha = 60;
+constexpr size_t kMostRays = 90;  // more would only be a blue area
 
 /// The layers from the ground up; two heights each, the second for what lies on the first.
-constexpr std::array<const char*, 12> kOrder = {kPlanLayer,   kMapLayer,        kTruthLayer,     kGraphLayer,
-                                                kPathLayer,   kLoopsLayer,      kObstaclesLayer, kScanLayer,
-                                                kPeopleLayer, kCandidatesLayer, kParticlesLayer, kRobotLayer};
+constexpr std::array<const char*, 12> kOrder = {
+    kPlanLayer,      kMapLayer,  kTruthLayer,  kGraphLayer,      kPathLayer,  kLoopsLayer,
+    kObstaclesLayer, kScanLayer, kPeopleLayer, kCandidatesLayer, kRobotLayer, kParticlesLayer};
 /// What the depth buffer tells apart when a whole building is looked at.
 constexpr double kSheet_m = 0.02;
 
@@ -135,7 +137,7 @@ Layer mapLayer(const gridmap::OccupancyRaster& map) {
     if (!(occupied > gridmap::kOccupiedAbove || occupied < gridmap::kFreeBelow)) return {{0, 0, 0, 0}, 0};
     // Certain cells hide the plan, those that were seen once let it shine through.
     const float certainty = 2 * std::abs(occupied - 0.5F);
-    const auto alpha = static_cast<std::uint8_t>(std::lround(140 + 115 * certainty));
+    const auto alpha = static_cast<std::uint8_t>(std::lround(190 + 65 * certainty));
     const Colour colour = occupied > 0.5F ? kInk : kWhite;
     return {{colour.red, colour.green, colour.blue, alpha}, occupied > 0.5F ? 2 + certainty : 1};
   });
@@ -167,8 +169,11 @@ Layer scanLayer(const robot::Scan& scan) {
   returns->enableVariablePointSize(false);
   returns->setColor_u8(colourOf(report::kVermillion));
   const auto& from = scan.T_robot_lidar;
-  for (const auto& p : robot::scanPoints(scan)) {
-    rays->appendLine(from.x, from.y, 0, p.x, p.y, 0);
+  const auto points = robot::scanPoints(scan);
+  const size_t stride = 1 + points.size() / kMostRays;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const auto& p = points[i];
+    if (i % stride == 0) rays->appendLine(from.x, from.y, 0, p.x, p.y, 0);
     returns->insertPoint(static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(kSheet_m));
   }
   layer->insert(rays);
@@ -205,9 +210,16 @@ Layer particlesLayer(const std::vector<core::Pose2>& particles, double length_m)
 
 Layer graphLayer(const std::vector<core::Point2>& nodes, const std::vector<Connection>& edges,
                  double line_m) {
-  auto layer = triangles(kGraphLayer);
-  for (const auto& [from, to] : edges) addLine(*layer, from, to, line_m, 0, report::kGreen, 150);
-  for (const auto& node : nodes) addDisc(*layer, node, 1.5 * line_m, kSheet_m, report::kGreen);
+  // There are many edges, and most of them short: as thin lines they do not hide what they tie.
+  auto layer = named(CSetOfObjects::Create(), kGraphLayer);
+  auto lines = CSetOfLines::Create();
+  lines->setColor_u8(colourOf(report::kGreen, kEdgeAlpha));
+  for (const auto& [from, to] : edges) lines->appendLine(from.x, from.y, 0, to.x, to.y, 0);
+  auto dots = Triangles::Create();
+  dots->enableLight(false);
+  for (const auto& node : nodes) addDisc(*dots, node, line_m, kSheet_m, report::kGreen);
+  layer->insert(lines);
+  layer->insert(dots);
   return layer;
 }
 
@@ -220,30 +232,23 @@ Layer loopsLayer(const std::vector<Connection>& loops, double line_m) {
   return layer;
 }
 
-Layer obstaclesLayer(const LocalObstacles& obstacles, double line_m) {
+Layer obstaclesLayer(const LocalObstacles& obstacles, double radius_m) {
   auto layer = triangles(kObstaclesLayer);
-  const double left = obstacles.width_m / 2;
-  addPolyline(*layer,
-              {{obstacles.front_m, left},
-               {-obstacles.rear_m, left},
-               {-obstacles.rear_m, -left},
-               {obstacles.front_m, -left},
-               {obstacles.front_m, left}},
-              line_m / 2, 0, kGrey);
-  for (const auto& p : obstacles.remembered) addDisc(*layer, p, line_m, 0, report::kBlue);
-  for (const auto& p : obstacles.seen) addDisc(*layer, p, line_m, 0, report::kVermillion);
+  for (const auto& p : obstacles.remembered) addDisc(*layer, p, radius_m, 0, report::kBlue);
+  for (const auto& p : obstacles.seen) addDisc(*layer, p, radius_m, 0, report::kVermillion);
   return layer;
 }
 
 Layer candidatesLayer(const Candidates& candidates, double radius_m, double line_m) {
   auto layer = triangles(kCandidatesLayer);
-  addPolyline(*layer, candidates.path, line_m, 0, report::kPurple);
+  addPolyline(*layer, candidates.path, 2 * line_m, 0, kInk);
+  addPolyline(*layer, candidates.path, line_m, kSheet_m / 4, report::kYellow);
   for (const auto& p : candidates.places) {
     addDisc(*layer, p, 0.7 * radius_m, kSheet_m / 2, report::kYellow);
     addRing(*layer, p, 0.7 * radius_m, 0.25 * radius_m, kSheet_m, kInk);
   }
-  addDisc(*layer, candidates.goal, radius_m, kSheet_m / 2, report::kPurple);
-  addRing(*layer, candidates.goal, radius_m, 0.25 * radius_m, kSheet_m, kInk);
+  addDisc(*layer, candidates.goal, 1.3 * radius_m, kSheet_m / 2, report::kYellow);
+  addRing(*layer, candidates.goal, 1.3 * radius_m, 0.4 * radius_m, kSheet_m, kInk);
   return layer;
 }
 

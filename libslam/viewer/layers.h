@@ -22,8 +22,8 @@ using Layer = mrpt::opengl::CRenderizable::Ptr;
 inline constexpr const char *kPlanLayer = "plan", *kMapLayer = "map", *kTruthLayer = "truth",
                             *kGraphLayer = "graph", *kPathLayer = "path", *kLoopsLayer = "loops",
                             *kObstaclesLayer = "obstacles", *kScanLayer = "scan", *kPeopleLayer = "people",
-                            *kCandidatesLayer = "candidates", *kParticlesLayer = "particles",
-                            *kRobotLayer = "robot";
+                            *kCandidatesLayer = "candidates", *kRobotLayer = "robot",
+                            *kParticlesLayer = "particles";
 
 /// Puts a layer from its own frame into the scene's, at its own height.
 void place(const Layer& layer, const core::Pose2& T_scene_layer);
@@ -36,7 +36,7 @@ Layer mapLayer(const gridmap::OccupancyRaster& map);
 
 /// The founding drawing, robot frame: a square, the circle around it that must stay free, and which way is ahead.
 Layer robotLayer(double side_m, double line_m);
-/// Rays to the returns and a dot at each, robot frame. Beams that met nothing have no ray.
+/// A dot at each return and some rays to them, robot frame.
 Layer scanLayer(const robot::Scan& scan);
 
 /// The path as estimated, and the true one broad and grey below it.
@@ -67,8 +67,8 @@ struct LocalObstacles {
   std::vector<core::Point2> remembered;         ///< obstacles that it has turned away from
   double front_m = 0, rear_m = 0, width_m = 0;  ///< of the zone that is remembered
 };
-/// Seen obstacles as vermillion dots, remembered ones blue, the zone as a frame.
-Layer obstaclesLayer(const LocalObstacles& obstacles, double line_m);
+/// Seen obstacles as vermillion dots, remembered ones blue.
+Layer obstaclesLayer(const LocalObstacles& obstacles, double radius_m);
 
 /// What a strategy chose from, and what.
 struct Candidates {

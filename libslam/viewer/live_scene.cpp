@@ -18,7 +18,8 @@ constexpr const char *kMainViewport = "main", *kPanelViewport = "panel";
 constexpr double kAir = 0.05;          // around what is looked at, as a share of it
 constexpr double kLinePixels = 2.2;    // width of lines when the whole area is looked at
 constexpr double kSmallestArea_m = 8;  // a map that has only begun
-constexpr double kFrontOfScreen = 0.1, kBehindScreen = 10000;
+// Of the camera's distance. Some depth buffers have 16 bits, and the sheets of a scene lie close together.
+constexpr double kNearest = 0.01, kFarthest = 3;
 
 /// Shows what there is at least this large.
 report::Window atLeast(report::Window area, double side_m) {
@@ -64,7 +65,6 @@ LiveScene::LiveScene(const world::Plan* plan, double robot_side_m, const WindowS
   scene_->createViewport(kPanelViewport)->setCustomBackgroundColor({0.97F, 0.97F, 0.97F});
   auto main = scene_->getViewport(kMainViewport);
   main->setCustomBackgroundColor({0.8F, 0.81F, 0.82F});
-  main->setViewportClipDistances(static_cast<float>(kFrontOfScreen), static_cast<float>(kBehindScreen));
   panel_.robot_side_m = robot_side_m;
   if (plan) {
     plan_area_ = areaOf(*plan);
@@ -130,9 +130,9 @@ void LiveScene::show(const Snapshot& snapshot, const PanelState& panel) {
   set(kPeopleLayer, !snapshot.people.empty(), {}, [&] { return peopleLayer(snapshot.people); });
   set(kCandidatesLayer, snapshot.candidates.has_value(), T_scene_map,
       [&] { return candidatesLayer(*snapshot.candidates, 3 * line_m_, line_m_); });
-  set(kParticlesLayer, !snapshot.particles.empty(), T_scene_map,
-      [&] { return particlesLayer(snapshot.particles, 5 * line_m_); });
   set(kRobotLayer, true, T_scene_robot, [&] { return robotLayer(robot_side_m_, line_m_); });
+  set(kParticlesLayer, !snapshot.particles.empty(), T_scene_map,
+      [&] { return particlesLayer(snapshot.particles, 4 * line_m_); });
   setPanel(panel);
 }
 
@@ -148,6 +148,12 @@ void LiveScene::resize(const WindowSize& size) {
   drawPanel();
 }
 
+void LiveScene::setDepth(double zoom_m) {
+  scene_->getViewport(kMainViewport)
+      ->setViewportClipDistances(static_cast<float>(kNearest * zoom_m),
+                                 static_cast<float>(kFarthest * zoom_m));
+}
+
 void LiveScene::layOut() {
   const double scene_width = std::max(2, size_.sceneWidth()), height = std::max(2, size_.height);
   scene_->getViewport(kMainViewport)->setViewportPosition(0, 0, scene_width, height);
@@ -159,7 +165,8 @@ void LiveScene::drawPanel() {
       ->setImageView(imageOf(sidePanel(shown_, panel_, std::max(2, size_.height))));
 }
 
-std::string renderPng(const mrpt::opengl::COpenGLScene& scene, const Camera& camera, const WindowSize& size) {
+std::string renderPng(LiveScene& scene, const Camera& camera) {
+  scene.setDepth(camera.zoom_m);
   mrpt::opengl::CCamera eye;
   eye.setPointingAt(static_cast<float>(camera.centre.x), static_cast<float>(camera.centre.y), 0);
   eye.setZoomDistance(static_cast<float>(camera.zoom_m));
@@ -168,9 +175,10 @@ std::string renderPng(const mrpt::opengl::COpenGLScene& scene, const Camera& cam
   eye.setOrthogonal(true);
   mrpt::img::CImage image;
   try {
-    mrpt::opengl::CFBORender renderer(static_cast<unsigned>(size.width), static_cast<unsigned>(size.height));
-    renderer.setCamera(scene, eye);
-    renderer.render_RGB(scene, image);
+    mrpt::opengl::CFBORender renderer(static_cast<unsigned>(scene.size().width),
+                                      static_cast<unsigned>(scene.size().height));
+    renderer.setCamera(*scene.scene(), eye);
+    renderer.render_RGB(*scene.scene(), image);
   } catch (const std::exception&) {
     throw core::IoError(
         "cannot render without a window: EGL gives no context (Debian: apt install libegl-mesa0)");

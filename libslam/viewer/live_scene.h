@@ -42,6 +42,8 @@ class LiveScene {
   void show(const Snapshot& snapshot, const PanelState& panel);
   void setPanel(const PanelState& state);
   void resize(const WindowSize& size);
+  /// Fits the depth buffer to a camera; owed before the scene is rendered by it.
+  void setDepth(double zoom_m);
 
   const WindowSize& size() const { return size_; }
   /// All that is worth seeing: the plan, else the map and the path so far, and the robot.
@@ -65,6 +67,6 @@ class LiveScene {
 };
 
 /// Renders a scene without a window, as PNG. Needs EGL, as Mesa has it, and no display. Errors: IoError when there is none.
-std::string renderPng(const mrpt::opengl::COpenGLScene& scene, const Camera& camera, const WindowSize& size);
+std::string renderPng(LiveScene& scene, const Camera& camera);
 
 }  // namespace slam::viewer

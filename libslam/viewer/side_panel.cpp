@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <sstream>
 
 #include "libslam/report/canvas.h"
 #include "libslam/report/map_view.h"
@@ -17,8 +18,9 @@ using report::Pixel;
 using report::PixelBox;
 
 constexpr double kMargin = 14, kInner = kPanelWidth - 2 * kMargin;
-constexpr double kTitleSize = 19, kTextSize = 16, kTickSize = 13;
-constexpr double kLinePitch = 23, kGap = 14;
+constexpr double kTitleSize = 18, kTextSize = 15, kTickSize = 13;
+constexpr double kLinePitch = 21, kGap = 14;
+constexpr size_t kMostLines = 2;  // of a line of the status
 constexpr double kChartHeight = 132, kZoneHeight = 190;
 constexpr Colour kInk = report::kInk, kGrey = report::kGrey, kRule{226, 226, 226}, kZone{214, 214, 214},
                  kWhite{255, 255, 255}, kSeen = report::kVermillion, kRemembered = report::kBlue;
@@ -31,7 +33,23 @@ std::string format(const char* pattern, Values... values) {
 }
 
 std::string poseText(const char* name, const core::Pose2& pose) {
-  return format("%s  x %.2f m  y %.2f m  %.0f deg", name, pose.x, pose.y, core::radToDeg(pose.phi));
+  return format("%s (%.2f, %.2f) m, %.0f deg", name, pose.x, pose.y, core::radToDeg(pose.phi));
+}
+
+/// In lines that fit the panel; of a long text the first two.
+std::vector<std::string> wrapped(const std::string& text, double size, bool bold) {
+  std::vector<std::string> lines = {""};
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const std::string longer = lines.back().empty() ? word : lines.back() + " " + word;
+    const bool fits = Canvas::textWidth(longer, size, bold) <= kInner;
+    if (fits || lines.back().empty() || lines.size() == kMostLines)
+      lines.back() = longer;
+    else
+      lines.push_back(word);
+  }
+  for (auto& line : lines) line = Canvas::fitText(line, size, kInner, bold);
+  return lines;
 }
 
 double heading(Canvas& canvas, double top, const std::string& text) {
@@ -41,7 +59,7 @@ double heading(Canvas& canvas, double top, const std::string& text) {
 
 /// Range over angle: the founding chart. Returns where it ends.
 double drawChart(Canvas& canvas, double top, const robot::Scan& scan) {
-  top = heading(canvas, top, "Scan: range (m) over angle (deg)");
+  top = heading(canvas, top, "Scan: range (m), angle (deg)");
   const PixelBox box{kMargin + 26, top, kInner - 30, kChartHeight};
   double farthest_m = 1;
   for (const float range_m : scan.ranges_m)
@@ -137,8 +155,7 @@ std::vector<LegendRow> legendRows(const Snapshot& snapshot) {
   if (!snapshot.nodes.empty()) rows.push_back({report::kGreen, "graph"});
   if (!snapshot.nodes.empty() || !snapshot.loops.empty()) rows.push_back({report::kOrange, "loops closed"});
   if (snapshot.candidates) {
-    rows.push_back({report::kPurple, "goal and way to it"});
-    rows.push_back({report::kYellow, "other candidates"});
+    rows.push_back({report::kYellow, "goal, way to it, candidates"});
   }
   if (!snapshot.people.empty()) rows.push_back({kInk, "people"});
   return rows;
@@ -176,7 +193,7 @@ std::vector<std::string> statusLines(const Snapshot& snapshot, const PanelState&
   if (snapshot.T_scene_truth) {
     const core::Pose2 estimate = snapshot.T_scene_map * snapshot.T_map_robot;
     lines.push_back(
-        format("off the truth by %.3f m, %.1f deg", core::distance(*snapshot.T_scene_truth, estimate),
+        format("error %.3f m, %.1f deg", core::distance(*snapshot.T_scene_truth, estimate),
                std::abs(core::radToDeg(core::angleDifference(estimate.phi, snapshot.T_scene_truth->phi)))));
   }
   if (snapshot.collisions > 0) lines.push_back(format("%zu collisions", snapshot.collisions));
@@ -192,13 +209,14 @@ std::string sidePanel(const Snapshot& snapshot, const PanelState& state, int hei
   bool is_title = true;
   for (const auto& line : statusLines(snapshot, state)) {
     const double size = is_title ? kTitleSize : kTextSize;
-    canvas.text({kMargin, y}, Canvas::fitText(line, size, kInner, is_title), size, kInk, Align::kLeft,
-                is_title);
-    y += kLinePitch;
+    for (const auto& piece : wrapped(line, size, is_title)) {
+      canvas.text({kMargin, y}, piece, size, kInk, Align::kLeft, is_title);
+      y += kLinePitch;
+    }
     is_title = false;
   }
   // Room for the longest status, so that what stands below does not jump.
-  y = std::max(y, kMargin + kTitleSize + 7 * kLinePitch) - kLinePitch + kGap;
+  y = std::max(y, kMargin + kTitleSize + 8 * kLinePitch) - kLinePitch + kGap;
   const double bottom = height - 6;
   if (y + kChartHeight + 60 < bottom) y = drawChart(canvas, y, snapshot.scan);
   if (snapshot.obstacles && y + kZoneHeight + 40 < bottom)

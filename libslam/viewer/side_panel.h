@@ -7,7 +7,7 @@
 namespace slam::viewer {
 
 /// Width of the column beside the scene, pixels.
-inline constexpr int kPanelWidth = 320;
+inline constexpr int kPanelWidth = 330;
 
 /// A key and what it does.
 struct KeyHelp {
