@@ -23,6 +23,8 @@ class CSensoryFrame;
 
 namespace slam::mapping {
 
+class GraphSlam;
+
 /// A SLAM method ready to run: MRPT's interface, and what feeds it. Feed it through processScan().
 struct MapBuilder {
   MapBuilder();
@@ -103,6 +105,12 @@ std::vector<JournalEntry> journalOf(const MapBuilder& method);
 /// so far. Where the filter only counted wheels (between two updates) the pose is that at the last update, moved on by the
 /// wheels. nullopt for the other methods: there what was given online is all there is. REQUIRES online to be complete.
 std::optional<core::Trajectory> finalPath(const MapBuilder& method, const core::Trajectory& online);
+
+/// Where the particles are now, map frame (rbpf: at the last update); empty for methods without.
+std::vector<core::Pose2> particlePoses(const MapBuilder& method);
+
+/// The graph of type graph, nullptr for the others. Lives as long as the method.
+const GraphSlam* graphSlamOf(const MapBuilder& method);
 
 /// Writes map.yaml + map.png (ROS map_server, trinary), map.gridmap.gz (a plain COccupancyGridMap2D),
 /// map.simplemap and map.3Dscene (stock MRPT classes only) into an existing folder. `estimate` is drawn as

@@ -171,7 +171,7 @@ core::Pose2 endOfRun(const std::string& folder) {
 MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
                 core::Manifest manifest, core::Progress& progress, bool measure_memory,
-                const Continuation& continuation) {
+                const Continuation& continuation, StepObserver* observer) {
   core::PendingFolder output(folder, overwrite);
   std::optional<ExternalRun> external;
   core::IniFile builder_config = method_config;
@@ -207,7 +207,9 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
     if (const auto covariance = mapping::poseCovariance(method))
       run.covariances.push_back({entry->scan.time_s, *covariance});
     stamps_s.push_back(entry->scan.time_s);
-    progress.update(log.fractionRead(), entry->scan.time_s - stamps_s.front());
+    const double time_s = entry->scan.time_s - stamps_s.front();
+    progress.update(log.fractionRead(), time_s);
+    if (observer) observer->onStep({time_s, entry->scan, T_previous_robot, T_map_robot, &method});
   }
   progress.end();
   if (run.estimate.empty()) throw core::InputError(log_path + ": holds 0 laser scans, expected at least 1");
@@ -219,6 +221,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   run.end = run.estimate.back().pose;
   // Before anything else takes memory.
   const double peak_memory_mb = measure_memory ? memory.peakMb() : std::numeric_limits<double>::quiet_NaN();
+  if (observer) observer->onFinished(method);
   // Scans and poses pair up in the log's order, which is the robot's; a trajectory's order is that of the stamps, which
   // run back in some logs.
   auto final_path = mapping::finalPath(method, run.estimate);

@@ -166,7 +166,7 @@ class Loop {
     if (!folder.empty()) recorder_.emplace(folder + "/run.rawlog", config.record);
   }
 
-  void run(core::Progress& progress) {
+  void run(core::Progress& progress, StepObserver* observer) {
     const double start_time_s = simulator_.time_s();
     const double duration_s = config_.record.simulation.duration_s;
     sim::Sensed sensed = simulator_.sense();
@@ -181,6 +181,9 @@ class Loop {
       if (const auto verdict = referee_.judge(elapsed_s, coverage_.area_m2(), simulator_.truth()))
         return end(*verdict);
       const robot::Command command = decide(sensed, T_map_robot, elapsed_s);
+      if (observer)
+        observer->onStep({elapsed_s, sensed.scan, sensed.T_previous_robot, T_map_robot, &localiser_.builder(),
+                          &simulator_, &driver_->currentDecision()});
       goals_.push_back(goalInMap(decisions_.back()));
       if (driver_->finished()) {
         end(ExplorationEnd::kFinished);
@@ -406,10 +409,10 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
 
 LoopResult exploreOnce(const world::Plan& given_plan, const ExploreConfig& config, const LoopMethod& method,
                        std::uint64_t seed, const std::string& folder, core::Manifest manifest,
-                       core::Progress& progress) {
+                       core::Progress& progress, StepObserver* observer) {
   const world::Plan plan = planOfVisit(given_plan, config.record.living, seed);
   Loop loop(plan, config, method, seed, folder);
-  loop.run(progress);
+  loop.run(progress, observer);
   LoopResult result = loop.result();
   if (!folder.empty()) loop.writeFiles(result, std::move(manifest));
   return result;

@@ -23,6 +23,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"mrptworld", {"core", "world"}},
     {"metrics", {"core", "world"}},
     {"report", {"core", "robot", "world", "metrics"}},
+    {"viewer", {"core", "robot", "gridmap", "world", "report"}},
     // the robot's side
     {"gridmap", {"core", "robot"}},
     {"scanmatch", {"core", "robot", "gridmap"}},
@@ -38,6 +39,9 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"run",
      {"core", "stats", "robot", "gridmap", "logs", "world", "sim", "metrics", "report", "navigate", "mrptnav",
       "obstacles", "odometry", "mapping"}},
+    {"live",
+     {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "obstacles", "navigate", "mapping",
+      "run", "viewer"}},
     {"plugin", {"core", "robot", "logs", "world", "sim", "navigate", "run"}},
     {"testing", {"core", "robot", "posegraph", "world"}},
 };
