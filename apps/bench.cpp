@@ -35,7 +35,7 @@ int plan(const Context& context, const Arguments& arguments) {
   if (context.json)
     std::cout << run::toJson(sweep.plan);
   else
-    std::cout << report::toText(table);
+    std::cout << tableText(table);
   return 0;
 }
 
@@ -115,8 +115,8 @@ int reportMerged(const Context& context, const run::MergedSweep& merged, const s
                      .dump(2)
               << "\n";
   else
-    std::cout << report::toText(merged.summary) << "\n"
-              << report::toText(merged.costs) << "\nevery run, tables, index: " << folder << "\n";
+    std::cout << tableText(merged.summary) << "\n"
+              << tableText(merged.costs) << "\nevery run, tables, index: " << folder << "\n";
   const bool whole = merged.missing.empty() && merged.failed == 0;
   return static_cast<int>(whole ? core::ExitCode::kOk : core::ExitCode::kCellsFailed);
 }
@@ -127,7 +127,7 @@ int merge(const Context& context, const Arguments& arguments) {
     request.folders.push_back(std::filesystem::path(folder).lexically_normal().string());
   request.output = context.output.empty() ? request.folders.front() : context.output;
   request.check_bytes = arguments.check;
-  ConsoleProgress progress(true);
+  ConsoleProgress progress(context.quiet);
   return reportMerged(context, run::mergeSweep(request, context.manifest(), progress), request.output);
 }
 

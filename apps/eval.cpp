@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
+#include "apps/console.h"
 #include "libslam/core/error.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
@@ -62,7 +63,7 @@ void print(const Context& context, std::vector<std::pair<std::string, report::Ta
   std::string text;
   for (const auto& [name, table] : tables) {
     json[name] = parsed(table);
-    text += (text.empty() ? "" : "\n") + report::toText(table);
+    text += (text.empty() ? "" : "\n") + tableText(table);
   }
   if (gate.table && gate.table->rows.empty())
     for (const auto& note : gate.table->notes) text += "\n" + note + "\n";

@@ -3,8 +3,10 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 
 #include "apps/commands.h"
+#include "apps/view_mrpt.h"
 #include "libslam/core/error.h"
 
 namespace slam::apps {
@@ -29,7 +31,15 @@ void addView(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand("view", "watch a robot live in a window, or drive it by hand");
   command->set_help_flag();  // the viewer's own
   command->prefix_command();
-  command->callback([&context] { context.action = [&context] { return becomeViewer(context); }; });
+  auto file = std::make_shared<std::string>();
+  command->add_option("--mrpt", *file,
+                      "show a file in MRPT's own viewer instead: .rawlog, .3Dscene, .simplemap");
+  command->callback([&context, file] {
+    context.action = [&context, file] {
+      if (!file->empty()) showWithMrpt(*file);
+      return becomeViewer(context);
+    };
+  });
 }
 
 }  // namespace slam::apps

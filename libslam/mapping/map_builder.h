@@ -112,10 +112,9 @@ std::vector<core::Pose2> particlePoses(const MapBuilder& method);
 /// The graph of type graph, nullptr for the others. Lives as long as the method.
 const GraphSlam* graphSlamOf(const MapBuilder& method);
 
-/// Writes map.yaml + map.png (ROS map_server, trinary), map.gridmap.gz (a plain COccupancyGridMap2D),
-/// map.simplemap and map.3Dscene (stock MRPT classes only) into an existing folder. `estimate` is drawn as
-/// the path. Same input, same bytes. Errors: IoError with the path.
-void saveMaps(const MapBuilder& method, const core::Trajectory& estimate, const std::string& folder);
+/// Writes map.yaml + map.png (ROS map_server, trinary), map.gridmap.gz (a plain COccupancyGridMap2D) and map.simplemap
+/// (stock MRPT classes only) into an existing folder. Same input, same bytes. Errors: IoError with the path.
+void saveMaps(const MapBuilder& method, const std::string& folder);
 
 /// Registers our map classes with MRPT, so that an .ini can name them: mapping::registerMaps(). Also done by
 /// loading librasterslam-mrpt.so into a stock program (LD_PRELOAD).

@@ -16,6 +16,7 @@
 #include "libslam/run/map_plan.h"
 #include "libslam/run/recorder.h"
 #include "libslam/run/return_to_start.h"
+#include "libslam/run/scene_file.h"
 
 namespace slam::run {
 namespace {
@@ -222,6 +223,7 @@ class Loop {
     const auto& scan = sensed.scan;
     const auto& T_world_robot = simulator_.truth();
     if (!first_scan_) first_scan_ = scan;
+    last_scan_ = scan;
     if (!truth_.empty()) path_m_ += core::distance(truth_.back().pose, T_world_robot);
     truth_.push_back({simulator_.time_s(), T_world_robot});
     estimate_.push_back({scan.time_s, T_map_robot});
@@ -276,7 +278,7 @@ class Loop {
   NearMisses near_misses_;
   std::optional<Recorder> recorder_;
 
-  std::optional<robot::Scan> first_scan_;
+  std::optional<robot::Scan> first_scan_, last_scan_;
   core::Trajectory truth_, estimate_;
   std::vector<metrics::CoveragePoint> curve_;
   std::vector<core::Point2> goals_;  ///< after every scan, map frame; none for the last when it ended there
@@ -365,7 +367,11 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
   auto& e = result.exploration;
   recorder_->finish(simulator_, seed_, manifest);
   logs::writeTum(estimate_, folder_ + "/trajectory.tum");
-  mapping::saveMaps(localiser_.builder(), estimate_, folder_);
+  mapping::saveMaps(localiser_.builder(), folder_);
+  writeScene(localiser_.builder(), estimate_, *last_scan_, folder_ + "/map.3Dscene");
+  if (core::isFinite(e.evaluation.trajectory.T_truth_estimate))
+    addTruthToScene(truth_, &plan_, core::inverse(e.evaluation.trajectory.T_truth_estimate),
+                    folder_ + "/map.3Dscene");
   core::writeFileAtomically(folder_ + "/exploration.csv", report::toCsv(explorationTable()));
   core::writeFileAtomically(folder_ + "/decisions.csv", report::toCsv(decisionTable()));
 

@@ -38,7 +38,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     // both
     {"run",
      {"core", "stats", "robot", "gridmap", "logs", "world", "sim", "metrics", "report", "navigate", "mrptnav",
-      "obstacles", "odometry", "mapping"}},
+      "obstacles", "odometry", "mapping", "viewer"}},
     {"live",
      {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "obstacles", "navigate", "mapping",
       "run", "viewer"}},

@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/report/table_text.h"
 
 namespace slam::report {
 namespace {
@@ -161,6 +164,58 @@ TEST(Table, BreaksTitlesWhereItWouldBeWiderThanATerminal) {
             "icp              0.000\n");
   EXPECT_EQ(toText({"", {{"m", "Method"}}, {}, {std::string(78, 'x') + " and more"}}),
             "Method\n------\n\n" + std::string(78, 'x') + "\nand more\n");
+}
+
+TEST(Table, WiderThanItsPlaceIsSetInBlocksThatNameTheirRows) {
+  const Table table{
+      "Caption",
+      {{"w", "World"}, {"m", "Method"}, {"a", "first", 1}, {"b", "second", 1}, {"c", "third", 1}},
+      {{"flat", "icp", 1.0, 2.0, 3.0}, {"flat", "graph", 4.0, 5.0, 6.0}},
+      {"A note."}};
+  EXPECT_EQ(toTextWithin(table, 30),
+            "Caption\n"
+            "\n"
+            "World  Method  first  second\n"
+            "-----  ------  -----  ------\n"
+            "flat   icp       1.0     2.0\n"
+            "flat   graph     4.0     5.0\n"
+            "\n"
+            "World  Method  third\n"
+            "-----  ------  -----\n"
+            "flat   icp       3.0\n"
+            "flat   graph     6.0\n"
+            "\n"
+            "A note.\n");
+  EXPECT_EQ(toTextWithin(table, 80), toText(table));
+  EXPECT_EQ(toTextWithin(table, 80).find("third\n-----  ------  -----  ------  -----\n"), 37U);
+}
+
+TEST(Table, LongTextIsBrokenInsideItsCell) {
+  const std::string reason = "the robot was carried away and nothing that it saw afterwards fitted the map";
+  const Table table{
+      "", {{"m", "Method"}, {"r", "Reason"}, {"n", "n", 0}}, {{"icp", reason, 1.0}, {"rbpf", "", 2.0}}, {}};
+  EXPECT_EQ(toTextWithin(table, 50),
+            "Method  Reason                        n\n"
+            "------  ----------------------------  -\n"
+            "icp     the robot was carried away    1\n"
+            "        and nothing that it saw\n"
+            "        afterwards fitted the map\n"
+            "rbpf                                  2\n");
+}
+
+TEST(Table, NoBlockIsWiderThanItsPlaceWhereThatCanBe) {
+  auto table = withErrorColumns(12);
+  for (const size_t width : {40U, 60U, 80U, 120U, 400U}) {
+    std::istringstream lines(toTextWithin(table, width));
+    size_t figures = 0;
+    for (std::string line; std::getline(lines, line);) {
+      EXPECT_LE(line.size(), width);
+      if (line.rfind("icp", 0) == 0)
+        figures += static_cast<size_t>(std::count(line.begin(), line.end(), '.'));
+    }
+    EXPECT_EQ(figures, 12U) << width;  // none is lost, none comes twice
+  }
+  EXPECT_NE(toTextWithin({"", {{"a", std::string(90, 'x')}}, {{"y"}}, {}}, 40), "");
 }
 
 TEST(Table, ShowsNoNegativeZeroAndNamesInfinity) {
