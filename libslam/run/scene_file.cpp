@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
@@ -25,9 +26,10 @@ constexpr double kLineShare =
 constexpr double kRobotSide_m = 0.3;
 // Of the camera's distance: with orthogonal projection it is what the window shows across, about.
 constexpr double kAir = 1.15;
+constexpr float kNearest_m = 1, kFarthest_m = 1000;
 
 /// What is transparent lets through what was drawn before it: from the ground up.
-constexpr std::array<const char*, 9> kOrder = {
+constexpr std::array<std::string_view, 9> kOrder = {
     viewer::kPlanLayer,  viewer::kMapLayer,  viewer::kTruthLayer, viewer::kGraphLayer,    viewer::kPathLayer,
     viewer::kLoopsLayer, viewer::kScanLayer, viewer::kRobotLayer, viewer::kParticlesLayer};
 
@@ -40,12 +42,17 @@ void save(const COpenGLScene& scene, const std::string& file) {
       file, report::gzip({static_cast<const char*>(buffer.getRawBufferData()), buffer.getTotalBytesCount()}));
 }
 
+/// Some viewers have depth buffers of 16 bits, and look from far: layers stand farther apart than in a window of ours.
+constexpr double kSheet_m = 0.1;
+
 void insert(COpenGLScene& scene, const viewer::Layer& layer, const core::Pose2& T_map_layer) {
-  viewer::place(layer, T_map_layer);
+  const auto place = std::find(kOrder.begin(), kOrder.end(), layer->getName()) - kOrder.begin();
+  layer->setPose(mrpt::poses::CPose3D(T_map_layer.x, T_map_layer.y, kSheet_m * static_cast<double>(place),
+                                      T_map_layer.phi, 0, 0));
   scene.insert(layer);
 }
 
-/// From straight above, the whole window in view.
+/// From straight above, the whole window in view, and no layer lost in the depth buffer.
 void lookAt(COpenGLScene& scene, const report::Window& window) {
   auto& camera = scene.getViewport("main")->getCamera();
   camera.setPointingAt(static_cast<float>((window.x0 + window.x1) / 2),
@@ -54,6 +61,8 @@ void lookAt(COpenGLScene& scene, const report::Window& window) {
   camera.setAzimuthDegrees(-90);
   camera.setElevationDegrees(89.9F);
   camera.setOrthogonal(true);
+  scene.enableFollowCamera(true);  // SceneViewer3D takes it over when the file is opened
+  scene.getViewport("main")->setViewportClipDistances(kNearest_m, kFarthest_m);
 }
 
 report::Window windowOf(const gridmap::OccupancyRaster& map, const core::Trajectory& path) {
@@ -87,8 +96,8 @@ void insertGraph(COpenGLScene& scene, const mapping::GraphSlam& slam, double lin
 /// The layers of a scene that was read, in the order in which they are drawn.
 void sortLayers(COpenGLScene& scene) {
   std::vector<viewer::Layer> layers;
-  for (const char* name : kOrder)
-    if (const auto layer = scene.getByName(name)) layers.push_back(layer);
+  for (const auto name : kOrder)
+    if (const auto layer = scene.getByName(std::string(name))) layers.push_back(layer);
   for (const auto& layer : layers) scene.removeObject(layer);
   for (const auto& layer : layers) scene.insert(layer);
 }

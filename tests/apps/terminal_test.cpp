@@ -16,9 +16,9 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 /// What a command says to a terminal of that many columns, which is both its outputs; 0 columns: one that does not know.
-std::string onTerminal(const std::string& arguments, unsigned short columns, const std::string& folder) {
+std::string onTerminal(const std::string& arguments, int columns, const std::string& folder) {
   winsize size{};
-  size.ws_col = columns, size.ws_row = 24;
+  size.ws_col = static_cast<unsigned short>(columns), size.ws_row = 24;
   int terminal = -1;
   const pid_t child = forkpty(&terminal, nullptr, nullptr, &size);
   if (child == 0) {
@@ -60,12 +60,12 @@ class Terminal : public ::testing::Test {
 };
 
 TEST_F(Terminal, HasNoLineThatItWouldBreak) {
-  for (const unsigned short columns : {60, 80, 132}) {
+  for (const int columns : {60, 80, 132}) {
     const auto said =
         onTerminal("env -u COLUMNS TERM=xterm " + program_ +
                        " compare flat --methods naive_wheel,icp --duration 2 --overwrite -o out",
                    columns, folder_.path());
-    EXPECT_LE(widest(said), columns) << said;
+    EXPECT_LE(widest(said), static_cast<size_t>(columns)) << said;
     EXPECT_THAT(said, HasSubstr("naive_wheel"));
     EXPECT_THAT(said, HasSubstr("took"));  // a bar, to its end
     // The only sequence is that which wipes the line of the bar: no colour, with NO_COLOR or without.
