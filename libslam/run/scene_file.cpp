@@ -24,8 +24,8 @@ using mrpt::opengl::COpenGLScene;
 constexpr double kLineShare =
     1.0 / 450;  // of the scene's longer side: broad enough when all of it is looked at
 constexpr double kRobotSide_m = 0.3;
-// Of the camera's distance: with orthogonal projection it is what the window shows across, about.
-constexpr double kAir = 1.15;
+// A camera shows half of its distance from top to bottom; windows are broader than tall.
+constexpr double kDistance = 2.1, kBreadth = 1.3;
 constexpr float kNearest_m = 1, kFarthest_m = 1000;
 
 /// What is transparent lets through what was drawn before it: from the ground up.
@@ -57,7 +57,8 @@ void lookAt(COpenGLScene& scene, const report::Window& window) {
   auto& camera = scene.getViewport("main")->getCamera();
   camera.setPointingAt(static_cast<float>((window.x0 + window.x1) / 2),
                        static_cast<float>((window.y0 + window.y1) / 2), 0);
-  camera.setZoomDistance(static_cast<float>(kAir * std::max(window.width(), window.height())));
+  camera.setZoomDistance(
+      static_cast<float>(kDistance * std::max(window.width() / kBreadth, window.height())));
   camera.setAzimuthDegrees(-90);
   camera.setElevationDegrees(89.9F);
   camera.setOrthogonal(true);
