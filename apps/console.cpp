@@ -72,6 +72,7 @@ ConsoleProgress::ConsoleProgress(bool quiet)
 void ConsoleProgress::begin(const std::string& stage) {
   const std::lock_guard lock(mutex_);
   stage_ = stage;
+  is_open_ = true;
   start_ = last_drawn_ = std::chrono::steady_clock::now();
   last_tenth_ = 0;
   log_time_s_ = 0;
@@ -81,6 +82,7 @@ void ConsoleProgress::update(double fraction, double log_time_s) {
   if (stop_asked) throw core::Interrupted();
   if (quiet_) return;
   const std::lock_guard lock(mutex_);
+  if (!is_open_) return;
   log_time_s_ = log_time_s;
   if (is_terminal_) {
     if (secondsSince(last_drawn_) > 0.1) drawBar(fraction, log_time_s, false);
@@ -94,6 +96,7 @@ void ConsoleProgress::update(double fraction, double log_time_s) {
 void ConsoleProgress::end() {
   if (quiet_) return;
   const std::lock_guard lock(mutex_);
+  is_open_ = false;
   if (is_terminal_) {
     drawBar(1.0, log_time_s_, true);
     return;

@@ -27,6 +27,7 @@ class ConsoleProgress : public core::Progress {
 
   std::mutex mutex_;
   bool quiet_, is_terminal_;
+  bool is_open_ = false;  ///< between begin() and end(); outside them nothing is drawn
   std::string stage_;
   std::chrono::steady_clock::time_point start_, last_drawn_;
   int last_tenth_ = -1;
