@@ -73,7 +73,8 @@ int plotPaths(const Context& context, const Arguments& arguments) {
   const auto paths = run::allPaths(page);
   if (paths.empty())
     throw core::InputError(arguments.inputs.front() + ": holds no path, expected a run that has one");
-  report::drawPlan(page.plan.value_or(world::Plan{}), paths, arguments.title, file, {}, paper);
+  report::drawPlan(page.replays.empty() ? world::Plan{} : page.replays.front().plan.value_or(world::Plan{}),
+                   paths, arguments.title, file, {}, paper);
   auto list = nlohmann::ordered_json::array();
   for (const auto& path : paths) list.push_back(path.label);
   sayPicture(context, {{"file", file}, {"paths", list}}, file);

@@ -37,6 +37,11 @@ double numberOf(const report::CellValue& cell) {
   return number == nullptr ? std::nan("") : *number;
 }
 
+/// May be empty.
+core::Trajectory truthOf(const report::ReportPage& page, const report::ReportRun& run) {
+  return run.replay < page.replays.size() ? page.replays[run.replay].truth : core::Trajectory();
+}
+
 double rms(const std::vector<double>& values) {
   double sum = 0;
   std::size_t count = 0;
@@ -80,7 +85,8 @@ std::vector<report::Panel> mapPanels(const report::ReportPage& page, const std::
     panel.map = *run.map;
     panel.T_world_map = run.T_world_map;
     panel.paths.push_back({run.path, run.method});
-    if (!page.truth.empty()) panel.paths.push_back({page.truth, "true path", true});
+    if (const auto truth = truthOf(page, run); !truth.empty())
+      panel.paths.push_back({truth, "true path", true});
     panels.push_back(std::move(panel));
   }
   if (panels.empty()) throw core::InputError(folder + ": holds no map, expected a run that has one");
@@ -91,7 +97,11 @@ std::vector<report::DrawnPath> allPaths(const report::ReportPage& page) {
   std::vector<report::DrawnPath> paths;
   for (const auto& run : page.runs)
     if (!run.path.empty()) paths.push_back({run.path, run.method});
-  if (!page.truth.empty()) paths.push_back({page.truth, "true path", true});
+  for (const auto& replay : page.replays)
+    if (!replay.truth.empty()) {
+      paths.push_back({replay.truth, "true path", true});
+      break;
+    }
   return paths;
 }
 
