@@ -38,7 +38,7 @@ int plan(const Context& context, const Arguments& arguments) {
   if (context.json)
     std::cout << run::toJson(sweep.plan);
   else
-    std::cout << report::toText(table);
+    std::cout << tableText(table);
   return 0;
 }
 
@@ -139,7 +139,7 @@ int reportMerged(const Context& context, const GateFlags& flags, const run::Merg
     if (gate.table) json["gate"] = parsed(*gate.table);
     std::cout << json.dump(2) << "\n";
   } else {
-    std::cout << report::toText(merged.summary) << "\n" << report::toText(merged.costs) << "\n";
+    std::cout << tableText(merged.summary) << "\n" << tableText(merged.costs) << "\n";
     if (gate.table) std::cout << gateText(*gate.table) << "\n";
     std::cout << "every run, tables, index: " << folder << "\n";
   }
@@ -152,7 +152,7 @@ int merge(const Context& context, const Arguments& arguments) {
     request.folders.push_back(std::filesystem::path(folder).lexically_normal().string());
   request.output = context.output.empty() ? request.folders.front() : context.output;
   request.check_bytes = arguments.check;
-  ConsoleProgress progress(true);
+  ConsoleProgress progress(context.quiet);
   const auto merged = run::mergeSweep(request, context.manifest(), progress);
   return reportMerged(context, arguments.gate, merged, request.output);
 }

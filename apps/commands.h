@@ -45,6 +45,7 @@ void addStress(CLI::App& app, Context& context);
 void addTune(CLI::App& app, Context& context);
 void addRelations(CLI::App& app, Context& context);
 void addReport(CLI::App& app, Context& context);
+void addView(CLI::App& app, Context& context);  ///< hands over to rasterslam-view
 void addWorld(CLI::App& app, Context& context);
 void addWorldMake(CLI::App& world, Context& context);
 void addWorldCheck(CLI::App& world, Context& context);

@@ -64,9 +64,9 @@ int compareMethods(const Context& context, const Arguments& arguments) {
     json["cost"] = parsed(comparison.cost);
     std::cout << json.dump(2) << "\n";
   } else {
-    if (comparison.relations) std::cout << report::toText(*comparison.relations) << "\n";
-    std::cout << report::toText(comparison.accuracy) << "\n"
-              << report::toText(comparison.cost) << "\nmaps, paths, pictures: " << request.output << "\n";
+    if (comparison.relations) std::cout << tableText(*comparison.relations) << "\n";
+    std::cout << tableText(comparison.accuracy) << "\n"
+              << tableText(comparison.cost) << "\nmaps, paths, pictures: " << request.output << "\n";
     if (comparison.relations) std::cout << "worst relations: " << request.output << "/relations.txt\n";
   }
   return static_cast<int>(comparison.failed ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);

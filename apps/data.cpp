@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "apps/commands.h"
+#include "apps/console.h"
 #include "libslam/core/error.h"
 #include "libslam/report/table.h"
 #include "libslam/run/public_data.h"
@@ -98,7 +99,7 @@ int showData(const Context& context, const std::string& name) {
       for (const auto& data : table.data) list.push_back(toJson(data));
       std::cout << nlohmann::ordered_json{{"note", table.note}, {"data", list}}.dump(2) << "\n";
     } else {
-      std::cout << report::toText(overview(table));
+      std::cout << tableText(overview(table));
       for (const auto& data : table.data)
         for (const auto& path : data.here) std::cout << "here: " << path << "\n";
     }

@@ -37,8 +37,8 @@ int show(const run::Comparison& comparison, const std::string& title, const std:
   core::writeFileAtomically(page, report::toHtml(run::gatherReport(folder, progress)));
   std::cout
       << "\n== " << title << "\n\n"
-      << report::toText(comparison.accuracy) << "\n"
-      << report::toText(comparison.cost) << "\nOpen " << page
+      << tableText(comparison.accuracy) << "\n"
+      << tableText(comparison.cost) << "\nOpen " << page
       << " in a browser: maps, errors, replay. Each method's folder holds its map for MRPT's viewers.\n";
   return comparison.failed;
 }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
+#include "apps/console.h"
 #include "apps/gate_flags.h"
 #include "libslam/core/error.h"
 #include "libslam/logs/relations_io.h"
@@ -33,7 +34,7 @@ void print(const Context& context, const std::vector<std::pair<std::string, repo
   std::string text;
   for (const auto& [name, table] : tables) {
     json[name] = parsed(table);
-    text += (text.empty() ? "" : "\n") + report::toText(table);
+    text += (text.empty() ? "" : "\n") + tableText(table);
   }
   if (gate.table) {
     json["gate"] = parsed(*gate.table);

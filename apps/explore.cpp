@@ -69,7 +69,7 @@ int explorePlan(const Context& context, const Arguments& arguments) {
                      .dump(2)
               << "\n";
   else
-    std::cout << report::toText(result.scores) << "\npictures, maps, tables: " << request.output << "\n";
+    std::cout << tableText(result.scores) << "\npictures, maps, tables: " << request.output << "\n";
   return static_cast<int>(result.failed ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);
 }
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <set>
 
+#include "apps/console.h"
 #include "libslam/core/error.h"
 
 namespace slam::apps {
@@ -57,7 +58,7 @@ void writeGate(const Context& context, const GateFlags& flags, const std::vector
 }
 
 std::string gateText(const report::Table& table) {
-  if (!table.rows.empty()) return report::toText(table);
+  if (!table.rows.empty()) return tableText(table);
   std::string text;
   for (const auto& note : table.notes) text += note + "\n";
   return text;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
+#include "apps/console.h"
 #include "libslam/doctor/log_check.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/run/compare.h"
@@ -59,30 +60,39 @@ int showInfo(const Context& context, const std::string& path) {
               << "\n";
     return 0;
   }
-  std::printf("file        %s (%.2f MB)\n", info.path.c_str(), static_cast<double>(info.file_bytes) / 1e6);
-  std::printf("form        %s, %lu entries\n", info.form.c_str(), static_cast<unsigned long>(info.entries));
-  std::printf("scans       %lu from \"%s\", %lu other observations\n", static_cast<unsigned long>(info.scans),
-              info.sensor_label.c_str(), static_cast<unsigned long>(info.other_observations));
+  const auto line = [](const std::string& heading, const char* form, auto... values) {
+    const int size = std::snprintf(nullptr, 0, form, values...);
+    std::string text(static_cast<std::size_t>(size), '\0');
+    std::snprintf(text.data(), text.size() + 1, form, values...);
+    printWrapped(padded(heading, 12), text);
+  };
+  const auto count = [](std::uint64_t number) { return static_cast<unsigned long>(number); };
+  line("file", "%s (%.2f MB)", info.path.c_str(), static_cast<double>(info.file_bytes) / 1e6);
+  line("form", "%s, %lu entries", info.form.c_str(), count(info.entries));
+  line("scans", "%lu from \"%s\", %lu other observations", count(info.scans), info.sensor_label.c_str(),
+       count(info.other_observations));
   if (info.scans > 0) {
-    std::printf("lidar       %d beams over %.2f deg, step %.4f deg, range to %.1f m\n", info.beams,
-                core::radToDeg(info.fov_rad), core::radToDeg(info.step_rad), info.max_range_m);
-    std::printf("mounted at  x %.3f m, y %.3f m, yaw %.2f deg\n", info.T_robot_lidar.x, info.T_robot_lidar.y,
-                core::radToDeg(info.T_robot_lidar.phi));
-    std::printf("readings    %.1f %% no return, %.1f %% lost\n", 100 * info.no_return_share,
-                100 * info.lost_share);
-    std::printf("time        %.1f s from %.3f, a scan every %.3f s, longest gap %.3f s%s\n",
-                info.last_time_s - info.first_time_s, info.first_time_s, info.median_scan_period_s,
-                info.longest_gap_s, info.stamps_run_back ? ", stamps run back" : "");
+    line("lidar", "%d beams over %.2f deg, step %.4f deg, range to %.1f m", info.beams,
+         core::radToDeg(info.fov_rad), core::radToDeg(info.step_rad), info.max_range_m);
+    line("mounted at", "x %.3f m, y %.3f m, yaw %.2f deg", info.T_robot_lidar.x, info.T_robot_lidar.y,
+         core::radToDeg(info.T_robot_lidar.phi));
+    line("readings", "%.1f %% no return, %.1f %% lost", 100 * info.no_return_share, 100 * info.lost_share);
+    line("time", "%.1f s from %.3f, a scan every %.3f s, longest gap %.3f s%s",
+         info.last_time_s - info.first_time_s, info.first_time_s, info.median_scan_period_s,
+         info.longest_gap_s, info.stamps_run_back ? ", stamps run back" : "");
   }
-  std::printf("odometry    %lu readings, %.1f m\n", static_cast<unsigned long>(info.odometry_readings),
-              info.odometry_length_m);
+  line("odometry", "%lu readings, %.1f m", count(info.odometry_readings), info.odometry_length_m);
   for (const auto& stream : streams) {
-    std::printf("stream      %s '%s': %lu", stream.kind.c_str(), stream.label.c_str(),
-                static_cast<unsigned long>(stream.count));
-    if (stream.mean_period_s > 0) std::printf(", %.2f Hz", 1 / stream.mean_period_s);
-    std::printf("\n");
+    std::string rate;
+    if (stream.mean_period_s > 0) {
+      char text[40];
+      std::snprintf(text, sizeof text, ", %.2f Hz", 1 / stream.mean_period_s);
+      rate = text;
+    }
+    line("stream", "%s '%s': %lu%s", stream.kind.c_str(), stream.label.c_str(), count(stream.count),
+         rate.c_str());
   }
-  std::printf("truth       %s\n", truth.empty() ? "none beside the log" : truth.c_str());
+  line("truth", "%s", truth.empty() ? "none beside the log" : truth.c_str());
   return 0;
 }
 

@@ -1,33 +1,8 @@
 #include <CLI/CLI.hpp>
-#include <cstdio>
-#include <exception>
-#include <iostream>
-#include <new>
-#include <nlohmann/json.hpp>
 
 #include "apps/commands.h"
-#include "apps/console.h"
-#include "libslam/core/exit_code.h"
-
-namespace {
-
-using slam::core::ExitCode;
-
-int code(ExitCode exit_code) {
-  return static_cast<int>(exit_code);
-}
-
-/// One line on standard error; with --json also an object on standard output, for the program that called us.
-int report(const slam::apps::Context& context, const char* message, ExitCode exit_code) {
-  std::fprintf(stderr, "rasterslam: %s\n", message);
-  if (context.json)
-    std::cout << nlohmann::json{{"error", message}, {"exit_code", code(exit_code)}}.dump(
-                     -1, ' ', false, nlohmann::json::error_handler_t::replace)
-              << "\n";
-  return code(exit_code);
-}
-
-}  // namespace
+#include "apps/program.h"
+#include "libslam/core/manifest.h"
 
 int main(int argc, char** argv) {
   slam::apps::Context context;
@@ -60,20 +35,9 @@ int main(int argc, char** argv) {
   slam::apps::addPlugin(app, context);
   slam::apps::addRelations(app, context);
   slam::apps::addReport(app, context);
+  slam::apps::addView(app, context);
   slam::apps::addWorld(app, context);
   slam::apps::addData(app, context);
   slam::apps::addList(app, context);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? code(ExitCode::kOk) : code(ExitCode::kUsage);
-  }
-  slam::apps::catchInterrupts();
-  try {
-    return context.action();
-  } catch (const std::bad_alloc&) {
-    return report(context, "out of memory", ExitCode::kFailed);
-  } catch (const std::exception& error) {
-    return report(context, error.what(), slam::core::exitCodeOf(error));
-  }
+  return slam::apps::runProgram(app, context);
 }

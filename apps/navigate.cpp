@@ -53,7 +53,7 @@ int navigateTo(const Context& context, const Arguments& arguments) {
   if (context.json)
     std::cout << report::toJson(comparison.table) << "\n";
   else
-    std::cout << report::toText(comparison.table) << "\npaths, states, pictures: " << request.output << "\n";
+    std::cout << tableText(comparison.table) << "\npaths, states, pictures: " << request.output << "\n";
   return static_cast<int>(comparison.wrong ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);
 }
 

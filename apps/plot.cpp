@@ -5,9 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "apps/commands.h"
+#include "apps/plot.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/parameters.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/report/journal_picture.h"
@@ -22,19 +23,77 @@
 namespace slam::apps {
 namespace {
 
-/// Where the picture goes; refused before any work is done.
-std::string picturePath(const Context& context, const std::string& default_name) {
-  std::string path = context.output.empty() ? default_name : context.output;
-  core::refuseToOverwrite(path, context.overwrite);
-  return path;
+/// Of a number with one of the units, or without in the first of them; in that. Errors: InputError with the option's name.
+double lengthOf(const std::string& text, const std::string& option,
+                const std::vector<std::pair<std::string, double>>& units) {
+  std::string number = text;
+  double factor = 1;
+  for (const auto& [unit, size] : units) {
+    if (text.size() <= unit.size() || text.compare(text.size() - unit.size(), unit.size(), unit) != 0)
+      continue;
+    number = core::trimmed(text.substr(0, text.size() - unit.size()));
+    factor = size;
+    break;
+  }
+  double value = 0;
+  if (!core::parseNumber(number, value) || !(value > 0)) {
+    std::string known;
+    for (const auto& [unit, size] : units) known += (known.empty() ? "" : ", ") + unit;
+    throw core::InputError(option + ": found '" + text + "', expected a length above 0 in " + known);
+  }
+  return value * factor;
 }
 
-void say(const Context& context, const nlohmann::ordered_json& facts, const std::string& line) {
+}  // namespace
+
+std::shared_ptr<PaperArguments> addPicture(CLI::App* command, Context& context,
+                                           const std::string& default_name) {
+  auto paper = std::make_shared<PaperArguments>();
+  addOutput(command, context, "the picture to write: .png, .svg or .pdf (default " + default_name + ")");
+  command->add_option(
+      "--width", paper->width,
+      "of the picture on paper: 85mm is a column, 170mm a page, also cm, in, pt (default: a PNG is made "
+      "for the screen, the others are as wide as a page)");
+  command->add_option("--font", paper->font, "size of the text on paper")->capture_default_str();
+  command->add_option("--dpi", paper->dpi, "of a PNG that has a --width")
+      ->check(CLI::Range(30.0, 2400.0))
+      ->capture_default_str();
+  addJson(command, context);
+  return paper;
+}
+
+PicturePlace picturePlace(const Context& context, const PaperArguments& arguments,
+                          const std::string& default_name) {
+  PicturePlace place;
+  place.file = context.output.empty() ? default_name : context.output;
+  report::requirePicturePath(place.file);
+  core::refuseToOverwrite(place.file, context.overwrite);
+  constexpr double kPage_mm = 170;
+  auto& paper = place.paper;
+  if (!arguments.width.empty())
+    paper.width_mm =
+        lengthOf(arguments.width, "--width", {{"mm", 1}, {"cm", 10}, {"in", 25.4}, {"pt", 25.4 / 72}});
+  else if (std::filesystem::path(place.file).extension() != ".png")
+    paper.width_mm = kPage_mm;
+  paper.font_pt = lengthOf(arguments.font, "--font", {{"pt", 1}, {"mm", 72 / 25.4}});
+  paper.dpi = arguments.dpi;
+  constexpr double kLeastUnits = 300;  // narrower, labels have no room
+  if (!paper.isScreen() && !(paper.unitsWide() >= kLeastUnits && paper.width_mm <= 2000))
+    throw core::InputError("--width: found " + core::formatNumber(paper.width_mm) + " mm with text of " +
+                           core::formatNumber(paper.font_pt) + " pt, expected " +
+                           core::formatNumber(std::ceil(kLeastUnits / paper.unitsWide() * paper.width_mm)) +
+                           " to 2000 mm");
+  return place;
+}
+
+void sayPicture(const Context& context, const nlohmann::ordered_json& facts, const std::string& line) {
   if (context.json)
     std::cout << facts.dump(2) << "\n";
   else
     std::printf("%s\n", line.c_str());
 }
+
+namespace {
 
 // --- plot scan
 
@@ -53,11 +112,12 @@ robot::Scan scanAt(const std::string& log_path, int index) {
                          std::to_string(count - 1));
 }
 
-int plotScan(const Context& context, const ScanArguments& arguments) {
-  const std::string path = picturePath(context, "scan.png");
+int plotScan(const Context& context, const ScanArguments& arguments, const PaperArguments& how) {
+  const auto [path, paper] = picturePlace(context, how, "scan.png");
   const auto scan = scanAt(arguments.log, arguments.index);
-  report::drawScan(scan, path);
-  say(context,
+  report::drawScan(scan, path, paper);
+  sayPicture(
+      context,
       {{"file", path}, {"index", arguments.index}, {"time_s", scan.time_s}, {"beams", scan.ranges_m.size()}},
       path);
   return 0;
@@ -68,11 +128,10 @@ void addPlotScan(CLI::App& plot, Context& context) {
   auto arguments = std::make_shared<ScanArguments>();
   command->add_option("log", arguments->log, "a log: MRPT rawlog, CARMEN, ...")->required();
   command->add_option("--index", arguments->index, "which scan, the first is 0")->capture_default_str();
-  addOutput(command, context, "the picture to write (default scan.png)");
-  addJson(command, context);
+  const auto how = addPicture(command, context, "scan.png");
   command->footer("Example:\n  rasterslam plot scan run.rawlog --index 20 -o scan.png");
-  command->callback([&context, arguments] {
-    context.action = [&context, arguments] { return plotScan(context, *arguments); };
+  command->callback([&context, arguments, how] {
+    context.action = [&context, arguments, how] { return plotScan(context, *arguments, *how); };
   });
 }
 
@@ -91,8 +150,8 @@ std::string logBeside(const std::string& operations_path) {
   return ends_so ? operations_path.substr(0, operations_path.size() - suffix.size()) + ".rawlog" : "";
 }
 
-int plotOperations(const Context& context, const OperationsArguments& arguments) {
-  const std::string path = picturePath(context, "operations.png");
+int plotOperations(const Context& context, const OperationsArguments& arguments, const PaperArguments& how) {
+  const auto [path, paper] = picturePlace(context, how, "operations.png");
   const auto operations = sim::parseOperations(core::readTextFile(arguments.file), arguments.file);
   auto replayed = sim::replayOperations(operations);
   const double length_m = core::pathLength(replayed);
@@ -116,18 +175,18 @@ int plotOperations(const Context& context, const OperationsArguments& arguments)
   }
   if (!plan_path.empty()) plan = world::loadPlan(run::resolvePlan(plan_path));
   paths.push_back({replayed, "operations replayed", false});
-  report::drawPlan(plan, paths, "Dead reckoning of " + arguments.file, path);
+  report::drawPlan(plan, paths, "Dead reckoning of " + arguments.file, path, {}, paper);
   char line[160];
   std::snprintf(line, sizeof line, "%zu operations, path %.2f m, end at x %.2f m, y %.2f m, yaw %.1f deg\n  ",
                 operations.size(), length_m, end.x, end.y, core::radToDeg(end.phi));
-  say(context,
-      {{"file", path},
-       {"operations", operations.size()},
-       {"path_length_m", length_m},
-       {"end_pose", {end.x, end.y, end.phi}},
-       {"truth", truth_path},
-       {"plan", plan_path}},
-      line + path);
+  sayPicture(context,
+             {{"file", path},
+              {"operations", operations.size()},
+              {"path_length_m", length_m},
+              {"end_pose", {end.x, end.y, end.phi}},
+              {"truth", truth_path},
+              {"plan", plan_path}},
+             line + path);
   return 0;
 }
 
@@ -139,17 +198,16 @@ void addPlotOperations(CLI::App& plot, Context& context) {
   command->add_option("--truth", arguments->truth, "true path, TUM (default: the one beside the file)");
   command->add_option("--plan", arguments->plan,
                       "true plan (default: the one that the log was simulated in)");
-  addOutput(command, context, "the picture to write (default operations.png)");
-  addJson(command, context);
+  const auto how = addPicture(command, context, "operations.png");
   command->footer("Example:\n  rasterslam plot operations run.operations.txt -o operations.png");
-  command->callback([&context, arguments] {
-    context.action = [&context, arguments] { return plotOperations(context, *arguments); };
+  command->callback([&context, arguments, how] {
+    context.action = [&context, arguments, how] { return plotOperations(context, *arguments, *how); };
   });
 }
 
 // --- plot obstacles
 
-int plotObstacles(const Context& context, const std::string& sensor) {
+int plotObstacles(const Context& context, const std::string& sensor, const PaperArguments& how) {
   core::IniFile ini;
   if (!context.config.empty()) ini = core::IniFile::load(context.config);
   for (const auto& setting : context.settings) ini.setFromArgument(setting, "--set");
@@ -159,14 +217,14 @@ int plotObstacles(const Context& context, const std::string& sensor) {
     printParameters(config.parameters, context.json);
     return 0;
   }
-  const std::string path = picturePath(context, "obstacles.png");
+  const auto [path, paper] = picturePlace(context, how, "obstacles.png");
   const auto moments = run::turnAway(config);
-  run::drawTurnAway(moments, config, path);
+  run::drawTurnAway(moments, config, path, paper);
   auto list = nlohmann::ordered_json::array();
   for (const auto& moment : moments)
     list.push_back(
         {{"moment", moment.what}, {"seen", moment.seen.size()}, {"remembered", moment.remembered.size()}});
-  say(context, {{"file", path}, {"moments", list}}, path);
+  sayPicture(context, {{"file", path}, {"moments", list}}, path);
   return 0;
 }
 
@@ -175,23 +233,22 @@ void addPlotObstacles(CLI::App& plot, Context& context) {
       "obstacles", "the local obstacle map's experiment: turn away from obstacles and remember them");
   auto sensor = std::make_shared<std::string>();
   command->add_option("--sensor", *sensor, "camera or lidar");
-  addOutput(command, context, "the picture to write (default obstacles.png)");
+  const auto how = addPicture(command, context, "obstacles.png");
   addConfig(command, context);
-  addJson(command, context);
   command->footer(
       "Examples:\n"
       "  rasterslam plot obstacles -o obstacles.png\n"
       "  rasterslam plot obstacles --sensor lidar --set sector.width_deg=90\n"
       "  rasterslam plot obstacles --set camera.area=original --set camera.pitch_deg=40");
-  command->callback([&context, sensor] {
-    context.action = [&context, sensor] { return plotObstacles(context, *sensor); };
+  command->callback([&context, sensor, how] {
+    context.action = [&context, sensor, how] { return plotObstacles(context, *sensor, *how); };
   });
 }
 
 // --- plot plans
 
-int plotPlans(const Context& context, const std::vector<std::string>& plans) {
-  const std::string path = picturePath(context, "plans.png");
+int plotPlans(const Context& context, const std::vector<std::string>& plans, const PaperArguments& how) {
+  const auto [path, paper] = picturePlace(context, how, "plans.png");
   std::vector<report::Panel> panels;
   auto list = nlohmann::ordered_json::array();
   for (const auto& name : plans) {
@@ -208,8 +265,8 @@ int plotPlans(const Context& context, const std::vector<std::string>& plans) {
     list.push_back({{"plan", name}, {"size", panel.subtitle}});
     panels.push_back(std::move(panel));
   }
-  report::drawPanels(panels, path);
-  say(context, {{"file", path}, {"plans", list}}, path);
+  report::drawPanels(panels, path, paper);
+  sayPicture(context, {{"file", path}, {"plans", list}}, path);
   return 0;
 }
 
@@ -219,17 +276,17 @@ void addPlotPlans(CLI::App& plot, Context& context) {
   command->add_option("plans", *plans, "1 to 8 plans: bmp, png, pgm, jpg, a ROS map yaml, or a world by name")
       ->required()
       ->expected(1, 8);
-  addOutput(command, context, "the picture to write (default plans.png)");
-  addJson(command, context);
+  const auto how = addPicture(command, context, "plans.png");
   command->footer("Example:\n  rasterslam plot plans flat office_loop pillar_hall -o plans.png");
-  command->callback(
-      [&context, plans] { context.action = [&context, plans] { return plotPlans(context, *plans); }; });
+  command->callback([&context, plans, how] {
+    context.action = [&context, plans, how] { return plotPlans(context, *plans, *how); };
+  });
 }
 
 // --- plot journal
 
-int plotJournal(const Context& context, const std::string& folder) {
-  const std::string path = picturePath(context, "journal.png");
+int plotJournal(const Context& context, const std::string& folder, const PaperArguments& how) {
+  const auto [path, paper] = picturePlace(context, how, "journal.png");
   const auto run = run::loadRun(folder);
   const std::string file = folder + "/journal.csv";
   if (!std::filesystem::exists(file))
@@ -238,8 +295,8 @@ int plotJournal(const Context& context, const std::string& folder) {
   for (const auto& line : run::readJournal(file))
     events.push_back({line.scan, line.time_s, line.event, line.value, line.place, line.other_place});
   report::drawJournal(run.map, run.final_estimate.value_or(run.estimate), events,
-                      "What " + run.method + " did", path);
-  say(context, {{"file", path}, {"events", events.size()}}, path);
+                      "What " + run.method + " did", path, paper);
+  sayPicture(context, {{"file", path}, {"events", events.size()}}, path);
   return 0;
 }
 
@@ -248,20 +305,31 @@ void addPlotJournal(CLI::App& plot, Context& context) {
       "journal", "what a method said of its work, on its map and over time: loops, trouble");
   auto folder = std::make_shared<std::string>();
   command->add_option("folder", *folder, "what 'rasterslam run' wrote")->required();
-  addOutput(command, context, "the picture to write (default journal.png)");
-  addJson(command, context);
+  const auto how = addPicture(command, context, "journal.png");
   command->footer(
       "Example:\n  rasterslam run graph run.rawlog -o out\n  rasterslam plot journal out -o journal.png");
-  command->callback(
-      [&context, folder] { context.action = [&context, folder] { return plotJournal(context, *folder); }; });
+  command->callback([&context, folder, how] {
+    context.action = [&context, folder, how] { return plotJournal(context, *folder, *how); };
+  });
 }
 
 }  // namespace
 
 void addPlot(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand(
-      "plot", "draw one thing: a scan, an operation log, plans, a method's journal, the local obstacle map");
+      "plot", "figures as PNG, SVG or PDF: maps, errors, seeds, stress, exploration, a scan, plans");
   command->require_subcommand(1);
+  command->footer(
+      "Examples:\n"
+      "  rasterslam plot map out -o map.pdf --width 170mm        maps and paths of a comparison\n"
+      "  rasterslam plot paths out -o paths.svg                  all paths over the true plan\n"
+      "  rasterslam plot errors out -o errors.pdf --width 85mm   position error over time\n"
+      "  rasterslam plot seeds sweep -o seeds.pdf                box plots over the seeds of a sweep\n"
+      "  rasterslam plot stress fov -o fov.pdf                   curves of a stress test\n"
+      "  rasterslam plot exploration ex -o coverage.pdf          explored share over time and path\n"
+      "  rasterslam plot scan run.rawlog --index 20 -o scan.pdf  one scan\n"
+      "Text is 8 pt in Liberation Sans, lines are 0.5 to 1.4 pt, colours those of Okabe and Ito.");
+  addPlotResults(*command, context);
   addPlotScan(*command, context);
   addPlotOperations(*command, context);
   addPlotPlans(*command, context);

@@ -64,7 +64,7 @@ int stressMethods(const Context& context, Arguments& arguments) {
   if (context.json)
     std::cout << report::toJson(result.all);
   else
-    std::cout << report::toText(result.main) << "\ncurves, tables, every run: " << context.output << "\n";
+    std::cout << tableText(result.main) << "\ncurves, tables, every run: " << context.output << "\n";
   // Runs that fail are what a stress test is for; only cells that are not there are a failure of its own.
   return static_cast<int>(merged.missing.empty() ? core::ExitCode::kOk : core::ExitCode::kCellsFailed);
 }

@@ -32,8 +32,8 @@ int tuneMethod(const Context& context, run::TuneRequest& request) {
                      .dump(2)
               << "\n";
   } else {
-    std::cout << report::toText(result.sensitivity) << "\n";
-    if (!result.held_out.rows.empty()) std::cout << report::toText(result.held_out) << "\n";
+    std::cout << tableText(result.sensitivity) << "\n";
+    if (!result.held_out.rows.empty()) std::cout << tableText(result.held_out) << "\n";
     std::cout << result.verdict << "\nconfiguration: " << result.tuned_path << "\n";
   }
   return static_cast<int>(result.lost.empty() ? core::ExitCode::kOk : core::ExitCode::kCellsFailed);

@@ -483,6 +483,22 @@ std::optional<core::Trajectory> finalPath(const MapBuilder& method, const core::
   return path;
 }
 
+std::vector<core::Pose2> particlePoses(const MapBuilder& method) {
+  if (const auto* filter = dynamic_cast<const ParticleMapBuilder*>(method.builder.get()))
+    return filter->filter().poses();
+  std::vector<core::Pose2> poses;
+  if (const auto* particles = particlesOf(method))
+    for (const auto& particle : particles->m_particles)
+      if (!particle.d->robotPath.empty())
+        poses.push_back(robot::fromMrpt(mrpt::math::TPose2D(particle.d->robotPath.back())));
+  return poses;
+}
+
+const GraphSlam* graphSlamOf(const MapBuilder& method) {
+  const auto* graph = graphOf(method);
+  return graph ? &graph->graph() : nullptr;
+}
+
 std::vector<std::string> methodNames(const std::string& methods_folder) {
   std::error_code error;
   std::filesystem::directory_iterator files(methods_folder, error);

@@ -23,6 +23,8 @@ class CSensoryFrame;
 
 namespace slam::mapping {
 
+class GraphSlam;
+
 /// A SLAM method ready to run: MRPT's interface, and what feeds it. Feed it through processScan().
 struct MapBuilder {
   MapBuilder();
@@ -104,10 +106,15 @@ std::vector<JournalEntry> journalOf(const MapBuilder& method);
 /// wheels. nullopt for the other methods: there what was given online is all there is. REQUIRES online to be complete.
 std::optional<core::Trajectory> finalPath(const MapBuilder& method, const core::Trajectory& online);
 
-/// Writes map.yaml + map.png (ROS map_server, trinary), map.gridmap.gz (a plain COccupancyGridMap2D),
-/// map.simplemap and map.3Dscene (stock MRPT classes only) into an existing folder. `estimate` is drawn as
-/// the path. Same input, same bytes. Errors: IoError with the path.
-void saveMaps(const MapBuilder& method, const core::Trajectory& estimate, const std::string& folder);
+/// Where the particles are now, map frame (rbpf: at the last update); empty for methods without.
+std::vector<core::Pose2> particlePoses(const MapBuilder& method);
+
+/// The graph of type graph, nullptr for the others. Lives as long as the method.
+const GraphSlam* graphSlamOf(const MapBuilder& method);
+
+/// Writes map.yaml + map.png (ROS map_server, trinary), map.gridmap.gz (a plain COccupancyGridMap2D) and map.simplemap
+/// (stock MRPT classes only) into an existing folder. Same input, same bytes. Errors: IoError with the path.
+void saveMaps(const MapBuilder& method, const std::string& folder);
 
 /// Registers our map classes with MRPT, so that an .ini can name them: mapping::registerMaps(). Also done by
 /// loading librasterslam-mrpt.so into a stock program (LD_PRELOAD).

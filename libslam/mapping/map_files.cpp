@@ -1,6 +1,5 @@
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
-#include <mrpt/maps/CPointsMap.h>
 #include <mrpt/maps/CSimpleMap.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/slam/CMetricMapBuilder.h>
@@ -20,7 +19,6 @@ namespace slam::mapping {
 namespace {
 
 using mrpt::maps::COccupancyGridMap2D;
-namespace viz = compat::viz;
 
 const mrpt::maps::CMultiMetricMap& mapsOf(const MapBuilder& method) {
   return compat::asReference(method.builder->getCurrentlyBuiltMetricMap());
@@ -95,71 +93,6 @@ void writeRosMap(const gridmap::OccupancyRaster& map, const std::string& folder)
           core::formatNumber(map.y_min_m) + ", 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
 }
 
-/// Heights of the scene's layers: far enough apart for the depth buffer of a viewer that looks at a whole
-/// building.
-constexpr float kGroundHeight_m = 0.02F, kPointsHeight_m = 0.08F, kPathHeight_m = 0.2F;
-
-/// The points that the method matches to; for a method without them, the centres of the occupied cells.
-viz::CPointCloud::Ptr pointsLayer(const MapBuilder& method) {
-  auto layer = viz::CPointCloud::Create();
-  layer->setName("obstacle points");
-  layer->setPointSize(2);
-  layer->setColor(0.8F, 0.1F, 0.1F);
-  if (const auto points = mapsOf(method).mapByClass<mrpt::maps::CPointsMap>()) {
-    for (size_t i = 0; i < points->size(); ++i) {
-      float x = 0, y = 0;
-      points->getPoint(i, x, y);
-      layer->insertPoint(x, y, kPointsHeight_m);
-    }
-    return layer;
-  }
-  const auto grid = gridOf(method);
-  const auto occupied = COccupancyGridMap2D::p2l(1.0F - gridmap::kOccupiedAbove);
-  for (size_t i = 0; i < grid->getRawMap().size(); ++i)
-    if (grid->getRawMap()[i] < occupied)
-      layer->insertPoint(grid->idx2x(i % grid->getSizeX()), grid->idx2y(i / grid->getSizeX()),
-                         kPointsHeight_m);
-  return layer;
-}
-
-viz::CSetOfLines::Ptr pathLayer(const core::Trajectory& path) {
-  auto layer = viz::CSetOfLines::Create();
-  layer->setName("path");
-  layer->setLineWidth(3);
-  layer->setColor(0.1F, 0.3F, 0.9F);
-  const auto height = static_cast<double>(kPathHeight_m);
-  for (size_t i = 1; i < path.size(); ++i)
-    layer->appendLine(path[i - 1].pose.x, path[i - 1].pose.y, height, path[i].pose.x, path[i].pose.y, height);
-  return layer;
-}
-
-void writeScene(const MapBuilder& method, const core::Trajectory& path, const std::string& file) {
-  const auto grid = plainCopy(*gridOf(method));
-  compat::Scene scene;
-  auto ground = viz::CGridPlaneXY::Create(grid.getXMin(), grid.getXMax(), grid.getYMin(), grid.getYMax(),
-                                          kGroundHeight_m, 1.0F);
-  ground->setName("ground, 1 m");
-  ground->setColor(0.45F, 0.5F, 0.55F);
-  ground->setLineWidth(1);
-  ground->enableAntiAliasing(false);
-  scene.insert(ground);
-  auto occupancy = viz::CSetOfObjects::Create();
-  occupancy->setName("occupancy grid");
-  grid.getVisualizationInto(*occupancy);
-  scene.insert(occupancy);
-  scene.insert(pointsLayer(method));
-  scene.insert(pathLayer(path));
-  if (!path.empty()) {
-    auto robot = viz::stock_objects::CornerXYZSimple(0.8F, 3.0F);
-    robot->setName("robot");
-    const auto& pose = path.back().pose;
-    robot->setPose(
-        mrpt::poses::CPose3D(pose.x, pose.y, 2.0 * static_cast<double>(kPathHeight_m), pose.phi, 0, 0));
-    scene.insert(robot);
-  }
-  writeObject(scene, file);
-}
-
 }  // namespace
 
 gridmap::OccupancyRaster currentMap(const MapBuilder& method) {
@@ -182,13 +115,12 @@ gridmap::OccupancyRaster currentMap(const MapBuilder& method) {
   return map;
 }
 
-void saveMaps(const MapBuilder& method, const core::Trajectory& estimate, const std::string& folder) {
+void saveMaps(const MapBuilder& method, const std::string& folder) {
   writeRosMap(currentMap(method), folder);
   writeObject(plainCopy(*gridOf(method)), folder + "/map.gridmap.gz");
   mrpt::maps::CSimpleMap key_frames;
   method.builder->getCurrentlyBuiltMap(key_frames);
   writeObject(key_frames, folder + "/map.simplemap");
-  writeScene(method, estimate, folder + "/map.3Dscene");
 }
 
 }  // namespace slam::mapping

@@ -11,33 +11,13 @@
 #include <memory>
 #include <string>
 
-#if MRPT_VERSION >= 0x030000
-#include <mrpt/viz/CGridPlaneXY.h>
-#include <mrpt/viz/CPointCloud.h>
-#include <mrpt/viz/CSetOfLines.h>
-#include <mrpt/viz/CSetOfObjects.h>
-#include <mrpt/viz/Scene.h>
-#include <mrpt/viz/stock_objects.h>
-#else
-#include <mrpt/opengl/CGridPlaneXY.h>
-#include <mrpt/opengl/COpenGLScene.h>
-#include <mrpt/opengl/CPointCloud.h>
-#include <mrpt/opengl/CSetOfLines.h>
-#include <mrpt/opengl/CSetOfObjects.h>
-#include <mrpt/opengl/stock_objects.h>
-#endif
-
 namespace slam::mapping::compat {
 
-// 3.0.0 split the drawable data from the OpenGL code and changed two signatures of CMetricMapBuilder.
+// 3.0.0 changed two signatures of CMetricMapBuilder.
 #if MRPT_VERSION >= 0x030000
-namespace viz = mrpt::viz;
-using Scene = mrpt::viz::Scene;
 using MapSize = size_t;
 #define RASTERSLAM_MRPT_SAVE_IMAGE_ARGUMENTS const std::string& file
 #else
-namespace viz = mrpt::opengl;
-using Scene = mrpt::opengl::COpenGLScene;
 using MapSize = unsigned int;
 #define RASTERSLAM_MRPT_SAVE_IMAGE_ARGUMENTS const std::string &file, bool
 #endif

@@ -445,6 +445,13 @@ core::Trajectory ParticleFilter::path() const {
   return path;
 }
 
+std::vector<core::Pose2> ParticleFilter::poses() const {
+  std::vector<core::Pose2> poses;
+  poses.reserve(particles_.size());
+  for (const Particle& particle : particles_) poses.push_back(mapFromRaster() * particle.T_raster_robot);
+  return poses;
+}
+
 size_t ParticleFilter::distinctTiles() const {
   std::vector<const void*> tiles;
   for (const Particle& particle : particles_) particle.grid.appendTiles(tiles);

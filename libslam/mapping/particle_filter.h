@@ -118,6 +118,8 @@ class ParticleFilter {
   void setMapping(bool mapping) { mapping_ = mapping; }
   std::uint64_t scans() const { return scans_; }
   int particles() const { return static_cast<int>(particles_.size()); }
+  /// Where the particles are at the last scan, map frame.
+  std::vector<core::Pose2> poses() const;
   /// Cells stored in all maps, shared ones counted once; counted again at every 32nd insertion.
   double cells() const { return cells_; }
   /// All maps and paths, what is shared counted once, directories included. Cost: a few 10 us per thousand tiles.

@@ -2,58 +2,39 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
+#include <filesystem>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/report/page_text.h"
 
 namespace slam::report {
 namespace {
 
-constexpr int kShift = 4;  // OpenCV takes coordinates in sixteenths
-// Hershey's capitals are 21 units tall and the descender 7 more at scale 1.
-constexpr double kFontUnits = 28;
+/// Advances of the letters from U+0020 to U+007E in thousandths of the size: those of Helvetica, which Liberation Sans
+/// and Arial share.
+constexpr std::array<short, 95> kRegular = {
+    278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333,  278, 278, 556, 556, 556,
+    556, 556, 556, 556, 556, 556, 556, 278, 278, 584, 584, 584, 556, 1015, 667, 667, 722, 722, 667,
+    611, 778, 722, 278, 500, 667, 556, 833, 722, 778, 667, 778, 722, 667,  611, 722, 667, 944, 667,
+    667, 611, 278, 278, 278, 469, 556, 333, 556, 556, 500, 556, 556, 278,  556, 556, 222, 222, 500,
+    222, 833, 556, 556, 556, 556, 333, 500, 278, 556, 500, 722, 500, 500,  500, 334, 260, 334, 584};
+constexpr std::array<short, 95> kBold = {
+    278, 333, 474, 556, 556, 889, 722, 238, 333, 333, 389, 584, 278, 333, 278, 278, 556, 556, 556,
+    556, 556, 556, 556, 556, 556, 556, 333, 333, 584, 584, 584, 611, 975, 722, 722, 722, 722, 667,
+    611, 778, 722, 278, 556, 722, 611, 833, 722, 778, 667, 778, 722, 667, 611, 722, 667, 944, 667,
+    667, 611, 333, 278, 333, 584, 556, 333, 556, 611, 556, 611, 556, 333, 611, 611, 278, 278, 556,
+    278, 889, 611, 611, 611, 611, 389, 556, 333, 611, 556, 778, 556, 556, 500, 389, 280, 389, 584};
+constexpr int kOtherLetter = 600;  // few letters beyond ASCII are wider
 
-cv::Scalar scalar(Colour c) {
-  return {double(c.blue), double(c.green), double(c.red)};
+bool isFinite(Pixel p) {
+  return std::isfinite(p.x) && std::isfinite(p.y);
 }
 
-int thickness(double pixels) {
-  return std::max(1, static_cast<int>(std::lround(pixels * Canvas::kSubpixels)));
-}
-
-int fontFace(bool bold) {
-  return bold ? cv::FONT_HERSHEY_DUPLEX : cv::FONT_HERSHEY_SIMPLEX;
-}
-
-double fontScale(double size) {
-  return size * Canvas::kSubpixels / kFontUnits;
-}
-
-int strokeWidth(double size, bool bold) {
-  return std::max(1, static_cast<int>(std::lround(size * Canvas::kSubpixels * (bold ? 0.085 : 0.07))));
-}
-
-/// The letters of U+00C0 to U+00FF without their accents; a blank where there is no likeness.
-constexpr const char* kLatin1Letters = "AAAAAAACEEEEIIIIDNOOOOOxOUUUUY saaaaaaaceeeeiiiidnooooo ouuuuy y";
-
-std::string asAscii(const std::string& utf8) {
-  std::string ascii;
-  for (size_t i = 0; i < utf8.size(); ++i) {
-    const auto byte = static_cast<unsigned char>(utf8[i]);
-    if (byte < 0x80) {
-      ascii += byte < ' ' ? ' ' : utf8[i];
-      continue;
-    }
-    if ((byte & 0xC0) == 0x80) continue;  // belongs to the letter before
-    const bool is_latin1_letter = byte == 0xC3 && i + 1 < utf8.size();
-    const char letter =
-        is_latin1_letter ? kLatin1Letters[static_cast<unsigned char>(utf8[i + 1]) & 0x3F] : ' ';
-    ascii += letter == ' ' ? '?' : letter;
-  }
-  return ascii;
+/// Far points are pulled in to where no format overflows; lines still leave the sheet in the same direction, nearly.
+Pixel reachable(Pixel p) {
+  constexpr double kFar = 1e5;
+  return {std::clamp(p.x, -kFar, kFar), std::clamp(p.y, -kFar, kFar)};
 }
 
 }  // namespace
@@ -64,49 +45,35 @@ const std::vector<Colour>& lineColours() {
   return colours;
 }
 
-struct Canvas::Sheet {
-  cv::Mat whole;
-  cv::Rect clip;
-
-  cv::Mat target() { return whole(clip); }
-  /// In OpenCV's fixed point, relative to the clip. Far points are pulled in to where they do not overflow.
-  cv::Point fixedPoint(Pixel p) const {
-    const auto fixed = [](double v) {
-      return static_cast<int>(std::lround(std::clamp(v, -1e6, 1e6) * (1 << kShift)));
-    };
-    // A pixel's centre has the whole-numbered coordinate in OpenCV and the half one here.
-    return {fixed(p.x * kSubpixels - 0.5 - clip.x), fixed(p.y * kSubpixels - 0.5 - clip.y)};
-  }
-};
-
-Canvas::Canvas(int width, int height) : width_(width), height_(height), sheet_(std::make_unique<Sheet>()) {
-  sheet_->whole = cv::Mat(height * kSubpixels, width * kSubpixels, CV_8UC3, cv::Scalar(255, 255, 255));
-  liftClip();
+double Paper::unitsWide() const {
+  constexpr double kPointsPerMillimetre = 72 / 25.4;
+  return width_mm * kPointsPerMillimetre * kTextSize / font_pt;
 }
 
-Canvas::~Canvas() = default;
+void requirePicturePath(const std::string& path) {
+  const auto extension = std::filesystem::path(path).extension();
+  if (extension != ".png" && extension != ".svg" && extension != ".pdf")
+    throw core::InputError(path + ": found extension '" + extension.string() +
+                           "', expected .png, .svg or .pdf");
+}
 
 void Canvas::clipTo(const PixelBox& box) {
-  const cv::Point corner(subpixel(box.left), subpixel(box.top));
-  const cv::Point opposite(subpixel(box.left + box.width), subpixel(box.top + box.height));
-  sheet_->clip = cv::Rect(corner, opposite) & cv::Rect({0, 0}, sheet_->whole.size());
+  marks_.emplace_back(drawing::Clip{box});
 }
 
 void Canvas::liftClip() {
-  sheet_->clip = cv::Rect({0, 0}, sheet_->whole.size());
+  marks_.emplace_back(drawing::LiftClip{});
 }
 
 void Canvas::polyline(const std::vector<Pixel>& points, Colour colour, double line_width) {
-  auto target = sheet_->target();
-  std::vector<cv::Point> run;
+  drawing::Polyline run{{}, colour, line_width};
   const auto finishRun = [&] {
-    if (run.size() > 1)
-      cv::polylines(target, run, false, scalar(colour), thickness(line_width), cv::LINE_AA, kShift);
-    run.clear();
+    if (run.points.size() > 1) marks_.emplace_back(run);
+    run.points.clear();
   };
   for (const auto& p : points) {
-    if (std::isfinite(p.x) && std::isfinite(p.y))
-      run.push_back(sheet_->fixedPoint(p));
+    if (isFinite(p))
+      run.points.push_back(reachable(p));
     else
       finishRun();
   }
@@ -114,32 +81,22 @@ void Canvas::polyline(const std::vector<Pixel>& points, Colour colour, double li
 }
 
 void Canvas::fillPolygon(const std::vector<Pixel>& corners, Colour colour) {
-  std::vector<cv::Point> outline;
+  drawing::Polygon polygon{{}, colour};
   for (const auto& p : corners)
-    if (std::isfinite(p.x) && std::isfinite(p.y)) outline.push_back(sheet_->fixedPoint(p));
-  auto target = sheet_->target();
-  if (outline.size() > 2)
-    cv::fillPoly(target, std::vector<std::vector<cv::Point>>{outline}, scalar(colour), cv::LINE_AA, kShift);
+    if (isFinite(p)) polygon.corners.push_back(reachable(p));
+  if (polygon.corners.size() > 2) marks_.emplace_back(std::move(polygon));
 }
 
 void Canvas::disc(Pixel centre, double radius, Colour colour) {
-  if (!std::isfinite(centre.x) || !std::isfinite(centre.y)) return;
-  auto target = sheet_->target();
-  const int fixed_radius = static_cast<int>(std::lround(radius * kSubpixels * (1 << kShift)));
-  cv::circle(target, sheet_->fixedPoint(centre), fixed_radius, scalar(colour), cv::FILLED, cv::LINE_AA,
-             kShift);
+  circle(centre, radius, colour, 0);
 }
 
 void Canvas::circle(Pixel centre, double radius, Colour colour, double line_width) {
-  if (!std::isfinite(centre.x) || !std::isfinite(centre.y)) return;
-  auto target = sheet_->target();
-  const int fixed_radius = static_cast<int>(std::lround(radius * kSubpixels * (1 << kShift)));
-  cv::circle(target, sheet_->fixedPoint(centre), fixed_radius, scalar(colour), thickness(line_width),
-             cv::LINE_AA, kShift);
+  if (isFinite(centre)) marks_.emplace_back(drawing::Circle{reachable(centre), radius, colour, line_width});
 }
 
 void Canvas::box(const PixelBox& box, Colour colour) {
-  paint(box, [colour](Pixel) { return colour; });
+  marks_.emplace_back(drawing::Box{box, colour});
 }
 
 void Canvas::frame(const PixelBox& box, Colour colour, double line_width) {
@@ -148,41 +105,38 @@ void Canvas::frame(const PixelBox& box, Colour colour, double line_width) {
            colour, line_width);
 }
 
-void Canvas::setSubpixel(int x, int y, Colour colour) {
-  if (sheet_->clip.contains({x, y}))
-    sheet_->whole.at<cv::Vec3b>(y, x) = cv::Vec3b(colour.blue, colour.green, colour.red);
-}
-
 double Canvas::textWidth(const std::string& utf8, double size, bool bold) {
-  const auto extent =
-      cv::getTextSize(asAscii(utf8), fontFace(bold), fontScale(size), strokeWidth(size, bold), nullptr);
-  return static_cast<double>(extent.width) / kSubpixels;
+  int width = 0;
+  for (const char c : utf8) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= ' ' && byte < 0x7F)
+      width += (bold ? kBold : kRegular)[byte - ' '];
+    else if ((byte & 0xC0) != 0x80)  // the others belong to the letter before
+      width += kOtherLetter;
+  }
+  return size * width / 1000;
 }
 
 std::string Canvas::fitText(const std::string& utf8, double size, double max_width, bool bold) {
-  std::string fitted = asAscii(utf8);
+  std::string fitted = plainText(utf8);
   if (textWidth(fitted, size, bold) <= max_width) return fitted;
-  while (!fitted.empty() && textWidth(fitted + "...", size, bold) > max_width) fitted.pop_back();
+  const auto dropLetter = [&] {
+    while (!fitted.empty() && (fitted.back() & 0xC0) == 0x80) fitted.pop_back();
+    if (!fitted.empty()) fitted.pop_back();
+  };
+  while (!fitted.empty() && textWidth(fitted + "...", size, bold) > max_width) dropLetter();
   return fitted + "...";
 }
 
 void Canvas::text(Pixel at, const std::string& utf8, double size, Colour colour, Align align, bool bold) {
-  const double text_width = textWidth(utf8, size, bold);
-  const double shift = align == Align::kLeft ? 0 : align == Align::kCentre ? text_width / 2 : text_width;
-  const cv::Point origin(static_cast<int>(std::lround((at.x - shift) * kSubpixels)) - sheet_->clip.x,
-                         static_cast<int>(std::lround(at.y * kSubpixels)) - sheet_->clip.y);
-  auto target = sheet_->target();
-  cv::putText(target, asAscii(utf8), origin, fontFace(bold), fontScale(size), scalar(colour),
-              strokeWidth(size, bold), cv::LINE_AA);
+  if (isFinite(at) && !utf8.empty())
+    marks_.emplace_back(drawing::Text{at, plainText(utf8), size, colour, align, bold});
 }
 
-void Canvas::savePng(const std::string& path) const {
-  cv::Mat averaged;
-  cv::resize(sheet_->whole, averaged, cv::Size(width_, height_), 0, 0, cv::INTER_AREA);
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", averaged, bytes, {cv::IMWRITE_PNG_COMPRESSION, 6}))
-    throw core::IoError(path + ": the picture cannot be encoded");
-  core::writeFileAtomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+void Canvas::save(const std::string& path) const {
+  requirePicturePath(path);
+  const auto extension = std::filesystem::path(path).extension();
+  core::writeFileAtomically(path, extension == ".png" ? toPng() : extension == ".svg" ? toSvg() : toPdf());
 }
 
 }  // namespace slam::report

@@ -4,38 +4,39 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/report/canvas.h"
+#include "libslam/report/chart_axes.h"
 #include "libslam/report/map_view.h"
 
 namespace slam::report {
 namespace {
 
-constexpr double kMargin = 20, kTitleHeight = 48, kTitleSize = 25;
-constexpr double kPlotWidth = 480, kPlotHeight = 400;
-constexpr double kLeftOfPlot = 78, kRightOfPlot = 22, kBelowPlot = 62;
-constexpr double kTextSize = 17, kLegendLine = 28, kSample = 34;
-constexpr Colour kGridLine{225, 225, 225};
+constexpr double kTitleHeight = 40, kTitleSize = 25;
+constexpr double kLeastChartWidth = 330, kShape = 0.78;
+constexpr double kLineWidth = 2, kMarkRadius = 3.2, kApart = 6, kWhiskerEnd = 3.5;
 
-/// An axis from 0 to a whole number of steps, or to a given end.
-struct Axis {
-  double end = 1, step = 0.2;
-};
-
-Axis axisTo(double largest, double fixed_end) {
-  Axis axis;
-  axis.end = fixed_end > 0 ? fixed_end : largest;
-  if (!(axis.end > 0) || !std::isfinite(axis.end)) axis.end = 1;
-  axis.step = niceStep(axis.end / 4);
-  if (!(fixed_end > 0)) axis.end = axis.step * std::ceil(axis.end / axis.step - 1e-9);
-  return axis;
+std::vector<double> valuesOf(const Chart& chart, double core::Point2::*coordinate) {
+  std::vector<double> values;
+  for (const auto& curve : chart.curves)
+    for (const auto& p : curve.points) values.push_back(p.*coordinate);
+  return values;
 }
 
-double largest(const Chart& chart, double core::Point2::*coordinate) {
+double largest(const std::vector<double>& values) {
   double most = 0;
-  for (const auto& curve : chart.curves)
-    for (const auto& p : curve.points)
-      if (std::isfinite(p.*coordinate)) most = std::max(most, p.*coordinate);
+  for (const double value : values)
+    if (std::isfinite(value)) most = std::max(most, value);
   return most;
+}
+
+/// Of an error that begins near 0 the first moments alone would stretch the axis down without end: the least twentieth of
+/// the values does not count.
+std::vector<double> withoutLeast(std::vector<double> values) {
+  values.erase(
+      std::remove_if(values.begin(), values.end(), [](double v) { return !(std::isfinite(v) && v > 0); }),
+      values.end());
+  std::sort(values.begin(), values.end());
+  values.erase(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 20));
+  return values;
 }
 
 std::vector<std::string> labelsOf(const std::vector<Chart>& charts) {
@@ -46,84 +47,97 @@ std::vector<std::string> labelsOf(const std::vector<Chart>& charts) {
   return labels;
 }
 
-Colour colourOf(const std::string& label, const std::vector<std::string>& labels) {
-  const auto index = static_cast<size_t>(std::find(labels.begin(), labels.end(), label) - labels.begin());
-  return lineColours()[index % lineColours().size()];
+/// Of the points that share half a unit across only the lowest and the highest: nobody sees more.
+std::vector<Pixel> thinned(const std::vector<Pixel>& points) {
+  std::vector<Pixel> few;
+  std::vector<Pixel> column;
+  const auto finish = [&] {
+    if (column.size() > 2) {
+      const auto ends = std::minmax_element(column.begin(), column.end(),
+                                            [](const Pixel& a, const Pixel& b) { return a.y < b.y; });
+      few.push_back(*std::min(ends.first, ends.second));
+      few.push_back(*std::max(ends.first, ends.second));
+    } else {
+      few.insert(few.end(), column.begin(), column.end());
+    }
+    column.clear();
+  };
+  for (const auto& p : points) {
+    const bool is_place = std::isfinite(p.x) && std::isfinite(p.y);
+    if (!column.empty() && (!is_place || std::floor(2 * p.x) != std::floor(2 * column.front().x))) finish();
+    if (is_place)
+      column.push_back(p);
+    else
+      few.push_back(p);
+  }
+  finish();
+  return few;
+}
+
+void drawCurve(Canvas& canvas, const AxesView& view, const Curve& curve, Colour colour, double shift) {
+  std::vector<Pixel> points;
+  for (const auto& p : curve.points) {
+    points.push_back(view.toPixel(p));
+    if (curve.style != Curve::Style::kLine) points.back().x += shift;
+  }
+  if (curve.style == Curve::Style::kWhisker) {
+    if (points.size() != 2) throw core::ContractError("drawCharts: a whisker needs two points");
+    canvas.polyline(points, colour, 0.6 * kLineWidth);
+    for (const auto& end : points)
+      canvas.line({end.x - kWhiskerEnd, end.y}, {end.x + kWhiskerEnd, end.y}, colour, 0.6 * kLineWidth);
+    return;
+  }
+  canvas.polyline(thinned(points), colour, kLineWidth);
+  if (curve.style == Curve::Style::kMarked)
+    for (const auto& p : points) canvas.disc(p, kMarkRadius, colour);
 }
 
 void drawChart(Canvas& canvas, const Chart& chart, const PixelBox& box,
-               const std::vector<std::string>& labels) {
-  const Axis x = axisTo(largest(chart, &core::Point2::x), 0);
-  const Axis y = axisTo(largest(chart, &core::Point2::y), chart.y_max);
-  const double bottom = box.top + box.height;
-  const auto pixel = [&](const core::Point2& p) {
-    return Pixel{box.left + p.x / x.end * box.width, bottom - p.y / y.end * box.height};
-  };
-  for (int i = 0; i * x.step <= x.end * (1 + 1e-9); ++i) {
-    const Pixel at = pixel({i * x.step, 0});
-    canvas.line(at, {at.x, box.top}, kGridLine, 1);
-    canvas.text({at.x, bottom + 22}, stepLabel(i * x.step), kTextSize, kInk, Align::kCentre);
-  }
-  for (int i = 0; i * y.step <= y.end * (1 + 1e-9); ++i) {
-    const Pixel at = pixel({0, i * y.step});
-    canvas.line(at, {box.left + box.width, at.y}, kGridLine, 1);
-    canvas.text({box.left - 8, at.y + 6}, stepLabel(i * y.step), kTextSize, kInk, Align::kRight);
-  }
-  canvas.clipTo({box.left, box.top - 2, box.width, box.height + 4});
+               const std::vector<std::string>& labels, const ChartLegend& legend) {
+  const auto x_values = valuesOf(chart, &core::Point2::x), y_values = valuesOf(chart, &core::Point2::y);
+  Axis x = chart.x_log ? logAxis(x_values) : axisFromZero(largest(x_values));
+  const bool has_marks = std::any_of(chart.curves.begin(), chart.curves.end(),
+                                     [](const Curve& c) { return c.style != Curve::Style::kLine; });
+  if (has_marks) x = x.grownBy(0.05);  // none of them on the frame
+  const AxesView view{
+      box, x, chart.y_log ? logAxis(withoutLeast(y_values)) : axisFromZero(largest(y_values), chart.y_max)};
+  drawAxes(canvas, view, chart.x_title, chart.y_title);
+  // Marks at the ends of the axes are shown whole.
+  canvas.clipTo({box.left - 6, box.top - 4, box.width + 12, box.height + 8});
+  const double middle = (static_cast<double>(labels.size()) - 1) / 2;
   for (const auto& curve : chart.curves) {
-    std::vector<Pixel> points;
-    for (const auto& p : curve.points) points.push_back(pixel(p));
-    canvas.polyline(points, colourOf(curve.label, labels), 2);
+    const auto index = std::find(labels.begin(), labels.end(), curve.label) - labels.begin();
+    drawCurve(canvas, view, curve, legend.colourOf(curve.label),
+              (static_cast<double>(index) - middle) * kApart);
   }
   canvas.liftClip();
-  canvas.frame(box, kFrame, 1);
-  canvas.text({box.left + box.width / 2, bottom + 50}, chart.x_title, kTextSize, kInk, Align::kCentre);
-  canvas.text({box.left - kLeftOfPlot + 4, box.top - 12}, chart.y_title, kTextSize, kInk);
-}
-
-/// Where the entries of the legend stand within a width, and how many lines they take.
-struct Legend {
-  std::vector<Pixel> places;
-  int lines = 1;
-};
-
-Legend arrangeLegend(const std::vector<std::string>& labels, double width) {
-  Legend legend;
-  Pixel at;
-  for (const auto& label : labels) {
-    const double needed = kSample + 9 + Canvas::textWidth(label, kTextSize) + 28;
-    if (at.x > 0 && at.x + needed > width) at = {0, at.y + kLegendLine}, ++legend.lines;
-    legend.places.push_back(at);
-    at.x += needed;
-  }
-  return legend;
 }
 
 }  // namespace
 
-void drawCharts(const std::vector<Chart>& charts, const std::string& title, const std::string& png_path) {
+void drawCharts(const std::vector<Chart>& charts, const std::string& title, const std::string& file,
+                const Paper& paper) {
   if (charts.empty() || charts.size() > 4) throw core::ContractError("drawCharts: needs 1 to 4 charts");
+  const double margin = sheetMargin(paper);
+  const auto grid = chartGrid(charts.size(), kLeastChartWidth, kShape, paper);
   const auto labels = labelsOf(charts);
-  const double chart_width = kLeftOfPlot + kPlotWidth + kRightOfPlot;
-  const double width = static_cast<double>(charts.size()) * chart_width;
-  const auto legend = arrangeLegend(labels, width);
-  const double plot_top = kMargin + kTitleHeight + 24;
-  const double legend_top = plot_top + kPlotHeight + kBelowPlot;
-  Canvas canvas(static_cast<int>(width + 2 * kMargin),
-                static_cast<int>(legend_top + legend.lines * kLegendLine + kMargin));
-  canvas.text({kMargin, kMargin + kTitleSize}, Canvas::fitText(title, kTitleSize, width, true), kTitleSize,
-              kInk, Align::kLeft, true);
-  for (size_t i = 0; i < charts.size(); ++i)
-    drawChart(
-        canvas, charts[i],
-        {kMargin + static_cast<double>(i) * chart_width + kLeftOfPlot, plot_top, kPlotWidth, kPlotHeight},
-        labels);
-  for (size_t i = 0; i < labels.size(); ++i) {
-    const Pixel at{kMargin + legend.places[i].x, legend_top + legend.places[i].y + kLegendLine / 2};
-    canvas.line(at, {at.x + kSample, at.y}, colourOf(labels[i], labels), 2.5);
-    canvas.text({at.x + kSample + 9, at.y + 6}, labels[i], kTextSize, kInk);
+  const ChartLegend legend(labels, grid.width());
+  const double title_height = title.empty() ? 0 : kTitleHeight;
+  const double legend_top = margin + title_height + grid.height() + 6;
+  Canvas canvas(grid.width() + 2 * margin, std::ceil(legend_top + legend.height() + margin), paper);
+  if (!title.empty())
+    canvas.text({margin, margin + kTitleSize}, Canvas::fitText(title, kTitleSize, grid.width(), true),
+                kTitleSize, kInk, Align::kLeft, true);
+  for (size_t i = 0; i < charts.size(); ++i) {
+    const auto column = static_cast<int>(i) % grid.columns, row = static_cast<int>(i) / grid.columns;
+    const Pixel corner{margin + column * grid.cell_width, margin + title_height + row * grid.cell_height};
+    drawChart(canvas, charts[i],
+              {corner.x + kAxesLeft, corner.y + kAxesTop, grid.cell_width - kAxesLeft - kAxesRight,
+               grid.cell_height - kAxesTop - kAxesBottom},
+              labels, legend);
   }
-  canvas.savePng(png_path);
+  legend.draw(canvas, {margin, legend_top});
+  canvas.save(file);
 }
 
 }  // namespace slam::report

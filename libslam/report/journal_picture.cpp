@@ -6,12 +6,13 @@
 #include <map>
 
 #include "libslam/report/canvas.h"
+#include "libslam/report/chart_axes.h"
 #include "libslam/report/map_view.h"
 
 namespace slam::report {
 namespace {
 
-constexpr double kMargin = 20, kTitleSize = 25, kTitleHeight = 44, kTextSize = 17;
+constexpr double kTitleSize = 25, kTitleHeight = 44;
 constexpr double kLeastWidth = 900, kRowHeight = 24, kLabelWidth = 130, kChartHeight = 130, kAxisHeight = 56;
 constexpr Colour kPathColour{120, 120, 120}, kGridLine{225, 225, 225};
 
@@ -218,7 +219,7 @@ class TimeStrip {
 }  // namespace
 
 void drawJournal(const world::Plan& map, const core::Trajectory& path, const std::vector<PlacedEvent>& events,
-                 const std::string& title, const std::string& png_path) {
+                 const std::string& title, const std::string& file, const Paper& paper) {
   const auto styles = stylesOf(events);
   Window window = windowOf(map, map.T_world_plan);
   window.include(windowOf(path).cutTo(window.isEmpty() ? windowOf(path) : window.grownBy(0.1)));
@@ -228,20 +229,25 @@ void drawJournal(const world::Plan& map, const core::Trajectory& path, const std
   if (window.height() < least_m) window.y0 -= least_m / 2, window.y1 += least_m / 2;
   window = window.grownBy(0.025);
 
-  const double scale = std::min(1200 / window.width(), 900 / window.height());
+  const double margin = sheetMargin(paper);
+  const double paper_width = paper.unitsWide() - 2 * margin;
+  const double scale = paper.isScreen()
+                           ? std::min(1200 / window.width(), 900 / window.height())
+                           : std::min(paper_width / window.width(), paper_width / window.height());
   const double map_width = std::round(window.width() * scale),
                map_height = std::round(window.height() * scale);
-  const double width = std::max(kLeastWidth, map_width);
+  const double width = paper.isScreen() ? std::max(kLeastWidth, map_width) : paper_width;
   const LegendStrip legend(legendOf(styles), width, scale);
   const TimeStrip strip(path, events, styles);
-  const double legend_top = kMargin + kTitleHeight + map_height + 12;
+  const double title_height = title.empty() ? 0 : kTitleHeight;
+  const double legend_top = margin + title_height + map_height + 12;
   const double strip_top = legend_top + legend.height() + 20;
-  Canvas canvas(static_cast<int>(std::lround(width + 2 * kMargin)),
-                static_cast<int>(std::lround(strip_top + strip.height() + kMargin)));
-  canvas.text({kMargin, kMargin + kTitleSize}, Canvas::fitText(title, kTitleSize, width, true), kTitleSize,
-              kInk, Align::kLeft, true);
+  Canvas canvas(width + 2 * margin, std::round(strip_top + strip.height() + margin), paper);
+  if (!title.empty())
+    canvas.text({margin, margin + kTitleSize}, Canvas::fitText(title, kTitleSize, width, true), kTitleSize,
+                kInk, Align::kLeft, true);
   const MapView view{
-      window, {std::round(kMargin + (width - map_width) / 2), kMargin + kTitleHeight, map_width, map_height}};
+      window, {std::round(margin + (width - map_width) / 2), margin + title_height, map_width, map_height}};
   drawRaster(canvas, view, map, map.T_world_plan);
   canvas.clipTo(view.box);
   drawPath(canvas, view, path, kPathColour, 1.5);
@@ -249,9 +255,9 @@ void drawJournal(const world::Plan& map, const core::Trajectory& path, const std
   if (!path.empty()) drawStart(canvas, view.toPixel(core::position(path.front().pose)));
   canvas.liftClip();
   canvas.frame(view.box, kFrame, 1);
-  legend.draw(canvas, {kMargin, legend_top});
-  strip.draw(canvas, {kMargin, strip_top, width, strip.height()});
-  canvas.savePng(png_path);
+  legend.draw(canvas, {margin, legend_top});
+  strip.draw(canvas, {margin, strip_top, width, strip.height()});
+  canvas.save(file);
 }
 
 }  // namespace slam::report

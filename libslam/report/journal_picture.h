@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/report/canvas.h"
 #include "libslam/world/plan.h"
 
 namespace slam::report {
@@ -21,8 +22,8 @@ struct PlacedEvent {
 /// there is `optimised`, the graph's error after each. Loops `accepted` and `rejected` are lines between both places;
 /// `degenerate` and `poor` at scans that follow one another, and everything from `lost` to `recovered`, are stretches of the
 /// path; `resampled` and other events are marks. What happens on the way to a loop (`searched`, `found`, `confirmed`, `dropped`)
-/// stands in the strip alone. PNG as the other pictures (picture.h).
+/// stands in the strip alone. Under the rules of the pictures in picture.h.
 void drawJournal(const world::Plan& map, const core::Trajectory& path, const std::vector<PlacedEvent>& events,
-                 const std::string& title, const std::string& png_path);
+                 const std::string& title, const std::string& file, const Paper& paper = {});
 
 }  // namespace slam::report

@@ -8,7 +8,6 @@
 namespace slam::report {
 namespace {
 
-constexpr double kTextSize = 17;
 constexpr double kLine = 28;  // pitch of the legend's lines
 constexpr double kSample = 34, kGapAfterSample = 9, kGapAfterEntry = 28, kGapBeforeBar = 8;
 constexpr double kMostOfScaleBar = 0.18;  // of the strip's width

@@ -77,7 +77,7 @@ void drawPanel(Canvas& canvas, const ObstaclePanel& panel, const ObstacleZone& z
 }  // namespace
 
 void drawObstacles(const std::vector<ObstaclePanel>& panels, const ObstacleZone& zone,
-                   const std::string& title, const std::string& png_path) {
+                   const std::string& title, const std::string& file, const Paper& paper) {
   if (panels.empty() || panels.size() > 12) throw core::ContractError("drawObstacles: needs 1 to 12 panels");
   if (!(zone.width_m > 0) || !(zone.front_m + zone.rear_m > 0))
     throw core::ContractError("drawObstacles: needs a zone with an area");
@@ -96,7 +96,7 @@ void drawObstacles(const std::vector<ObstaclePanel>& panels, const ObstacleZone&
   const double row_height = kHeadHeight + grid.map_height + kMargin;
   const double legend_top = kMargin + title_height + grid.rows * row_height - 0.4 * kMargin;
   Canvas canvas(static_cast<int>(std::lround(inner_width + 2 * kMargin)),
-                static_cast<int>(std::lround(legend_top + strip.height() + kMargin)));
+                static_cast<int>(std::lround(legend_top + strip.height() + kMargin)), paper);
   canvas.text({kMargin, kMargin + kTitleSize}, Canvas::fitText(title, kTitleSize, inner_width, true),
               kTitleSize, kInk, Align::kLeft, true);
   for (size_t i = 0; i < panels.size(); ++i) {
@@ -107,7 +107,7 @@ void drawObstacles(const std::vector<ObstaclePanel>& panels, const ObstacleZone&
               {window, {head.x, head.y + kHeadHeight, grid.panel_width, grid.map_height}}, head);
   }
   strip.draw(canvas, {kMargin, legend_top});
-  canvas.savePng(png_path);
+  canvas.save(file);
 }
 
 }  // namespace slam::report

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/report/canvas.h"
 
 namespace slam::report {
 
@@ -27,6 +28,6 @@ struct ObstacleZone {
 /// rings where they really are. Under the rules of the pictures in picture.h. REQUIRES 1 to 12 panels and a zone
 /// with an area (ContractError).
 void drawObstacles(const std::vector<ObstaclePanel>& panels, const ObstacleZone& zone,
-                   const std::string& title, const std::string& png_path);
+                   const std::string& title, const std::string& file, const Paper& paper = {});
 
 }  // namespace slam::report

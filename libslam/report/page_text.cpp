@@ -20,9 +20,16 @@ std::string validUtf8(std::string_view text) {
 
 }  // namespace
 
+std::string plainText(std::string_view utf8) {
+  auto text = validUtf8(utf8);
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < ' ' || c == 0x7F) c = ' ';
+  return text;
+}
+
 std::string htmlText(std::string_view utf8) {
   std::string text;
-  for (const char c : validUtf8(utf8)) {
+  for (const char c : plainText(utf8)) {
     switch (c) {
       case '&':
         text += "&amp;";
@@ -39,10 +46,8 @@ std::string htmlText(std::string_view utf8) {
       case '\'':
         text += "&#39;";
         break;
-      default: {
-        const auto byte = static_cast<unsigned char>(c);
-        text += byte < ' ' || byte == 0x7F ? ' ' : c;
-      }
+      default:
+        text += c;
     }
   }
   return text;

@@ -5,20 +5,22 @@
 #include <map>
 
 #include "libslam/core/error.h"
+#include "libslam/report/chart_axes.h"
 #include "libslam/report/map_difference.h"
 #include "libslam/report/map_view.h"
 
 namespace slam::report {
 namespace {
 
-constexpr double kMargin = 20;  // pixels, round the sheet and between its parts
+constexpr double kGap = 20;  // units, between the parts of a sheet
 constexpr double kTitleSize = 25, kTitleHeight = 44;
 constexpr double kPanelTitleSize = 23, kSubtitleSize = 18, kPanelHeadHeight = 58;
 struct LineWidths {
   double truth, estimate;
 };
 constexpr LineWidths kPlanLines{7, 2.5}, kPanelLines{5, 2};
-constexpr double kLeastWidth = 600, kMostWidth = 1960;  // of what lies within the margins
+constexpr double kLeastWidth = 600, kMostWidth = 1960;  // on the screen, of what lies within the margins
+constexpr double kTallest = 1.15;                       // on paper, of a map's height in widths
 
 /// The scale at which a window fills as much of a box as its shape allows.
 double fittingScale(const Window& window, double width, double height) {
@@ -47,7 +49,9 @@ void drawPaths(Canvas& canvas, const MapView& view, const std::vector<DrawnPath>
                const LineWidths& widths) {
   const auto ordered = truthFirst(paths);
   for (const auto& path : ordered)
-    drawPath(canvas, view, path.path, colours.of(path), path.is_truth ? widths.truth : widths.estimate);
+    if (path.is_truth) drawPath(canvas, view, path.path, colours.of(path), widths.truth);
+  for (auto path = ordered.rbegin(); path != ordered.rend(); ++path)
+    if (!path->is_truth) drawPath(canvas, view, path->path, colours.of(*path), widths.estimate);
   for (const auto& path : ordered) {
     if (path.path.empty()) continue;
     drawStart(canvas, view.toPixel(core::position(path.path.front().pose)));
@@ -68,32 +72,41 @@ std::vector<LegendEntry> legendOf(const std::vector<DrawnPath>& paths, PathColou
   return entries;
 }
 
+/// Within the margins.
+double paperWidth(const Paper& paper) {
+  return paper.unitsWide() - 2 * sheetMargin(paper);
+}
+
 /// One map under a title, over a legend: the sheet of drawPlan() and drawDifference().
 class MapSheet {
  public:
-  MapSheet(const Window& window, const std::string& title, const std::vector<LegendEntry>& legend)
-      : scale_(fittingScale(window, 1200, 1000)),
-        width_(std::max(kLeastWidth, window.width() * scale_)),
+  MapSheet(const Window& window, const std::string& title, const std::vector<LegendEntry>& legend,
+           const Paper& paper)
+      : margin_(sheetMargin(paper)),
+        scale_(paper.isScreen() ? fittingScale(window, 1200, 1000)
+                                : fittingScale(window, paperWidth(paper), kTallest * paperWidth(paper))),
+        width_(paper.isScreen() ? std::max(kLeastWidth, window.width() * scale_) : paperWidth(paper)),
         strip_(legend, width_, scale_),
         title_height_(title.empty() ? 0 : kTitleHeight),
-        canvas_(static_cast<int>(std::lround(width_ + 2 * kMargin)),
-                static_cast<int>(std::lround(title_height_ + window.height() * scale_ + 0.6 * kMargin +
-                                             strip_.height() + 2 * kMargin))) {
+        canvas_(
+            paper.isScreen() ? std::round(width_ + 2 * margin_) : paper.unitsWide(),
+            std::round(title_height_ + window.height() * scale_ + 0.6 * kGap + strip_.height() + 2 * margin_),
+            paper) {
     const double map_width = std::round(window.width() * scale_), map_height = window.height() * scale_;
     view_ = {
         window,
-        {std::round(kMargin + (width_ - map_width) / 2), kMargin + title_height_, map_width, map_height}};
+        {std::round(margin_ + (width_ - map_width) / 2), margin_ + title_height_, map_width, map_height}};
     if (!title.empty())
-      canvas_.text({kMargin, kMargin + kTitleSize}, Canvas::fitText(title, kTitleSize, width_, true),
+      canvas_.text({margin_, margin_ + kTitleSize}, Canvas::fitText(title, kTitleSize, width_, true),
                    kTitleSize, kInk, Align::kLeft, true);
-    strip_.draw(canvas_, {kMargin, view_.box.top + view_.box.height + 0.6 * kMargin});
+    strip_.draw(canvas_, {margin_, view_.box.top + view_.box.height + 0.6 * kGap});
   }
 
   Canvas& canvas() { return canvas_; }
   const MapView& view() const { return view_; }
 
  private:
-  double scale_, width_;
+  double margin_, scale_, width_;
   LegendStrip strip_;
   double title_height_;
   Canvas canvas_;
@@ -118,8 +131,11 @@ struct Grid {
   int columns = 1, rows = 1;
   double panel_width = 0, map_height = 0;
 };
-Grid arrange(const std::vector<Panel>& panels, const Window& window) {
-  constexpr double kSheetWidth = 1500, kSheetHeight = 1050, kLargestMap = 900;
+Grid arrange(const std::vector<Panel>& panels, const Window& window, const Paper& paper) {
+  const double sheet_width = paper.isScreen() ? 1500 : paperWidth(paper);
+  const double sheet_height = paper.isScreen() ? 1050 : kTallest * sheet_width;
+  const double most_width = paper.isScreen() ? kMostWidth : sheet_width + kGap;
+  constexpr double kLargestMap = 900;
   double least_width = 120;  // of a panel: a narrow map is no wider than its title, up to a point
   for (const auto& panel : panels) {
     least_width = std::max(least_width, Canvas::textWidth(panel.title, kPanelTitleSize, true) + 4);
@@ -131,13 +147,14 @@ Grid arrange(const std::vector<Panel>& panels, const Window& window) {
   Grid best;
   double best_score = 0;
   for (int columns = 1; columns <= count; ++columns) {
-    if (columns > 1 && columns * (least_width + kMargin) > kMostWidth) break;
+    if (columns > 1 && columns * (least_width + kGap) > most_width) break;
     const int rows = (count + columns - 1) / columns;
-    const double width = std::min(kLargestMap, (kSheetWidth - (columns - 1) * kMargin) / columns);
-    const double height =
-        std::min(kLargestMap, (kSheetHeight - (rows - 1) * kMargin) / rows - kPanelHeadHeight);
+    const double width = std::min(kLargestMap, (sheet_width - (columns - 1) * kGap) / columns);
+    const double height = std::min(kLargestMap, (sheet_height - (rows - 1) * kGap) / rows - kPanelHeadHeight);
     const double scale = fittingScale(window, width, std::max(height, 60.0));
-    const double score = scale * count / (columns * rows);
+    double score = scale * count / (columns * rows);
+    // A page is as wide as it is: what stands empty beside the panels is lost.
+    if (!paper.isScreen()) score *= columns * window.width() * scale / sheet_width;
     if (score <= best_score * 1.0001) continue;
     best_score = score;
     best = {columns, rows, std::max(std::ceil(least_width), std::round(window.width() * scale)),
@@ -165,13 +182,13 @@ void drawPanel(Canvas& canvas, const Panel& panel, const MapView& view, const Pi
 }  // namespace
 
 void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, const std::string& title,
-              const std::string& png_path, const DrawnMarks& marks) {
+              const std::string& file, const DrawnMarks& marks, const Paper& paper) {
   Window truth = windowOf(plan, plan.T_world_plan), estimates;
   for (const auto& path : paths) (path.is_truth ? truth : estimates).include(windowOf(path.path));
   PathColours colours;
   auto legend = legendOf(paths, colours);
   if (!marks.places.empty()) legend.push_back({LegendEntry::Kind::kDot, kOrange, marks.label});
-  MapSheet sheet(usable(withEstimates(truth, estimates)), title, legend);
+  MapSheet sheet(usable(withEstimates(truth, estimates)), title, legend, paper);
   auto& canvas = sheet.canvas();
   canvas.clipTo(sheet.view().box);
   drawRaster(canvas, sheet.view(), plan, plan.T_world_plan);
@@ -179,29 +196,30 @@ void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, cons
   for (const auto& place : marks.places) canvas.disc(sheet.view().toPixel(place), 5, kOrange);
   canvas.liftClip();
   canvas.frame(sheet.view().box, kFrame, 1);
-  canvas.savePng(png_path);
+  canvas.save(file);
 }
 
 void drawDifference(const world::Plan& plan, const world::Plan& map, const core::Pose2& T_world_map,
-                    const std::string& title, const std::string& png_path, const metrics::SeenMask* seen) {
+                    const std::string& title, const std::string& file, const metrics::SeenMask* seen,
+                    const Paper& paper) {
   const MapDifference difference(plan, map, T_world_map, seen);
   const auto T_world_raster = T_world_map * map.T_world_plan;
   const auto window =
       usable(withEstimates(windowOf(plan, plan.T_world_plan),
                            core::isFinite(T_world_raster) ? windowOf(map, T_world_raster) : Window{}));
-  MapSheet sheet(window, title, difference.legend());
+  MapSheet sheet(window, title, difference.legend(), paper);
   const auto& view = sheet.view();
   const double side_m = 1 / (view.pixelsPerMetre() * Canvas::kSubpixels);
   sheet.canvas().paint(view.box,
                        [&](Pixel pixel) { return difference.colourAt(view.toWorld(pixel), side_m); });
   sheet.canvas().frame(view.box, kFrame, 1);
-  sheet.canvas().savePng(png_path);
+  sheet.canvas().save(file);
 }
 
-void drawPanels(const std::vector<Panel>& panels, const std::string& png_path) {
+void drawPanels(const std::vector<Panel>& panels, const std::string& file, const Paper& paper) {
   if (panels.empty() || panels.size() > 8) throw core::ContractError("drawPanels: needs 1 to 8 panels");
   const auto window = commonWindow(panels);
-  const auto grid = arrange(panels, window);
+  const auto grid = arrange(panels, window, paper);
   const double scale = grid.map_height / window.height();
 
   PathColours colours;
@@ -209,24 +227,27 @@ void drawPanels(const std::vector<Panel>& panels, const std::string& png_path) {
   for (const auto& panel : panels)
     for (const auto& path : panel.paths)
       all_paths.push_back({{}, path.label, path.is_truth}), colours.of(path);
-  const double inner_width = std::max(kLeastWidth, grid.columns * (grid.panel_width + kMargin) - kMargin);
+  const double margin = sheetMargin(paper);
+  const double inner_width = paper.isScreen()
+                                 ? std::max(kLeastWidth, grid.columns * (grid.panel_width + kGap) - kGap)
+                                 : paperWidth(paper);
   const LegendStrip strip(legendOf(all_paths, colours), inner_width, scale);
 
-  const double row_height = kPanelHeadHeight + grid.map_height + kMargin;
-  const double legend_top = kMargin + grid.rows * row_height - 0.4 * kMargin;
-  Canvas canvas(static_cast<int>(std::lround(inner_width + 2 * kMargin)),
-                static_cast<int>(std::lround(legend_top + strip.height() + kMargin)));
+  const double row_height = kPanelHeadHeight + grid.map_height + kGap;
+  const double legend_top = margin + grid.rows * row_height - 0.4 * kGap;
+  Canvas canvas(paper.isScreen() ? std::round(inner_width + 2 * margin) : paper.unitsWide(),
+                std::round(legend_top + strip.height() + margin), paper);
   for (size_t i = 0; i < panels.size(); ++i) {
     const auto column = static_cast<int>(i) % grid.columns, row = static_cast<int>(i) / grid.columns;
-    const PixelBox whole{kMargin + column * (grid.panel_width + kMargin), kMargin + row * row_height,
+    const PixelBox whole{margin + column * (grid.panel_width + kGap), margin + row * row_height,
                          grid.panel_width, row_height};
     const MapView view{
         window,
         {whole.left, whole.top + kPanelHeadHeight, std::round(window.width() * scale), grid.map_height}};
     drawPanel(canvas, panels[i], view, whole, colours);
   }
-  strip.draw(canvas, {kMargin, legend_top});
-  canvas.savePng(png_path);
+  strip.draw(canvas, {margin, legend_top});
+  canvas.save(file);
 }
 
 }  // namespace slam::report

@@ -4,6 +4,7 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/metrics/map_score.h"
+#include "libslam/report/canvas.h"
 #include "libslam/robot/scan.h"
 #include "libslam/world/plan.h"
 
@@ -13,15 +14,16 @@ namespace slam::report {
 struct DrawnPath {
   core::Trajectory path;
   std::string label;
-  bool is_truth = false;  ///< drawn grey and broad, under the others
+  bool is_truth = false;  ///< drawn grey and broad, under the others, of which the first lies on top
 };
 
-// All pictures: PNG, the same input gives the same bytes, written atomically (core::IoError with the path).
-// At least 600 pixels wide, at most 2000 on either side. Legend and scale bar stand in a strip below the map.
+// All pictures: PNG, SVG or PDF by the file's extension, the same input gives the same bytes, written atomically
+// (core::IoError with the path). For the screen at least 600 pixels wide, at most 2000 on either side; for paper exactly as
+// wide as that, the layout made for it (drawn with the text of the size asked for). Legend and scale bar stand in a strip below the map.
 // Colours are the Okabe-Ito palette (safe for colour-blind readers), given to paths by label in the order of
 // first use. Walls are dark, free space white, the unknown grey. What is shown is the part of the world that
 // holds walls and the true path; estimates may widen it by a tenth and are cut where they leave it. Points
-// that are not finite break a path. Text is ASCII: accents are dropped. Rasters lie where their T_world_plan
+// that are not finite break a path. Rasters lie where their T_world_plan
 // says.
 
 /// Places to mark with a dot, in the frame of the picture's plan.
@@ -32,7 +34,7 @@ struct DrawnMarks {
 
 /// A plan with paths, and marks over them.
 void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, const std::string& title,
-              const std::string& png_path, const DrawnMarks& marks = {});
+              const std::string& file, const DrawnMarks& marks = {}, const Paper& paper = {});
 
 /// An estimated map over the true plan. A wall cell of one agrees when the other has a wall within two cells
 /// (of the coarser raster; the legend states it in metres); agreeing walls are dark, walls of the map alone
@@ -42,8 +44,8 @@ void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, cons
 /// the robot was there or not. T_world_map not finite: the truth alone. REQUIRES a mask of the plan's size
 /// (ContractError).
 void drawDifference(const world::Plan& plan, const world::Plan& map, const core::Pose2& T_world_map,
-                    const std::string& title, const std::string& png_path,
-                    const metrics::SeenMask* seen = nullptr);
+                    const std::string& title, const std::string& file,
+                    const metrics::SeenMask* seen = nullptr, const Paper& paper = {});
 
 /// One map per method, all in the same window of the world at the same scale, in the grid that shows them
 /// largest: the picture of a comparison. The window holds what half of the maps reach, so that one that has
@@ -55,10 +57,10 @@ struct Panel {
   std::vector<DrawnPath> paths;  ///< in the world frame
   bool is_true = false;          ///< the map is a true plan
 };
-void drawPanels(const std::vector<Panel>& panels, const std::string& png_path);
+void drawPanels(const std::vector<Panel>& panels, const std::string& file, const Paper& paper = {});
 
 /// A scan: range over angle (the founding chart; beams without a return leave gaps) beside the polar plot,
 /// lidar frame, ahead up.
-void drawScan(const robot::Scan& scan, const std::string& png_path);
+void drawScan(const robot::Scan& scan, const std::string& file, const Paper& paper = {});
 
 }  // namespace slam::report

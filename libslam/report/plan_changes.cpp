@@ -76,7 +76,7 @@ std::vector<LegendEntry> legendOf(const std::vector<Change>& changes) {
 }  // namespace
 
 void drawPlanChanges(const world::Plan& before, const world::Plan& mended, const std::vector<Change>& changes,
-                     const std::string& title, const std::string& png_path) {
+                     const std::string& title, const std::string& file, const Paper& paper) {
   if (before.cells.size() != mended.cells.size() || changes.size() != mended.cells.size() ||
       before.columns != mended.columns)
     throw core::ContractError("drawPlanChanges: rasters of different sizes");
@@ -96,7 +96,7 @@ void drawPlanChanges(const world::Plan& before, const world::Plan& mended, const
   const LegendStrip legend(legendOf(changes), content, scale);
   const double total =
       kTitleHeight + down * (kHeadHeight + map_height) + (down - 1) * kMargin + legend.height();
-  Canvas canvas(static_cast<int>(content + 2 * kMargin), static_cast<int>(total + 2 * kMargin));
+  Canvas canvas(static_cast<int>(content + 2 * kMargin), static_cast<int>(total + 2 * kMargin), paper);
   canvas.text({kMargin, kMargin + kTitleSize}, Canvas::fitText(title, kTitleSize, content, true), kTitleSize,
               kInk, Align::kLeft, true);
   const Window window{0, 0, map_width / scale, map_height / scale};
@@ -111,7 +111,7 @@ void drawPlanChanges(const world::Plan& before, const world::Plan& mended, const
       drawMap(canvas, view, after, withoutRemoved(changes));
   }
   legend.draw(canvas, {kMargin, total + kMargin - legend.height()});
-  canvas.savePng(png_path);
+  canvas.save(file);
 }
 
 }  // namespace slam::report

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "libslam/report/canvas.h"
 #include "libslam/world/plan.h"
 #include "libslam/world/plan_check.h"
 
@@ -13,6 +14,6 @@ namespace slam::report {
 /// picture.h. REQUIRES rasters and changes of one size (ContractError).
 void drawPlanChanges(const world::Plan& before, const world::Plan& after,
                      const std::vector<world::Change>& changes, const std::string& title,
-                     const std::string& png_path);
+                     const std::string& file, const Paper& paper = {});
 
 }  // namespace slam::report

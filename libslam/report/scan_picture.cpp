@@ -1,17 +1,44 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/report/chart_axes.h"
 #include "libslam/report/map_view.h"
 #include "libslam/report/picture.h"
 
 namespace slam::report {
 namespace {
 
-constexpr int kWidth = 1400, kHeight = 600;
-constexpr PixelBox kChart{85, 55, 745, 470};
-constexpr Pixel kPolarCentre{1120, 290};
-constexpr double kPolarRadius = 230;
-constexpr double kTextSize = 17, kTitleSize = 20;
+/// The chart and the view from above, beside one another where the width allows.
+struct Layout {
+  double width = 1400, height = 600;
+  PixelBox chart{85, 55, 745, 470};
+  Pixel centre{1120, 290};
+  double radius = 230;
+};
+constexpr double kBelowChart = 64, kBelowRings = 66;
+
+Layout layoutFor(const Paper& paper) {
+  Layout layout;
+  if (paper.isScreen()) return layout;
+  const double width = paper.unitsWide(), margin = sheetMargin(paper);
+  layout.width = width;
+  constexpr double kLeft = 58, kHead = 40, kLeastBeside = 800;
+  if (width >= kLeastBeside) {
+    layout.radius = 0.19 * width;
+    layout.centre = {width - margin - layout.radius - 4, kHead + layout.radius + 4};
+    layout.chart = {kLeft, kHead, layout.centre.x - layout.radius - kLeft - 40, 2 * layout.radius - 10};
+    layout.height = kHead + 2 * layout.radius + kBelowRings;
+  } else {
+    layout.chart = {kLeft, kHead, width - kLeft - 14, 0.6 * width};
+    layout.radius = 0.36 * width;
+    layout.centre = {width / 2, layout.chart.top + layout.chart.height + kBelowChart + kHead + layout.radius};
+    layout.height = layout.centre.y + layout.radius + kBelowRings;
+  }
+  layout.height = std::round(layout.height);
+  return layout;
+}
+
+constexpr double kTitleSize = 20;
 constexpr Colour kRule{222, 222, 222}, kSeenArea{226, 240, 250};
 
 /// Ends of both range axes and their ticks, metres.
@@ -37,8 +64,8 @@ double angleStep_deg(double span_deg) {
 
 class Chart {
  public:
-  Chart(Canvas& canvas, const robot::Scan& scan, const RangeAxis& ranges)
-      : canvas_(canvas), scan_(scan), ranges_(ranges) {
+  Chart(Canvas& canvas, const PixelBox& box, const robot::Scan& scan, const RangeAxis& ranges)
+      : canvas_(canvas), box_(box), scan_(scan), ranges_(ranges) {
     const double last_rad = scan.angle(scan.ranges_m.empty() ? 0 : scan.ranges_m.size() - 1);
     first_deg_ = core::radToDeg(scan.first_angle_rad), last_deg_ = core::radToDeg(last_rad);
     if (!(last_deg_ - first_deg_ > 1e-6))
@@ -46,37 +73,37 @@ class Chart {
   }
 
   void draw() const {
-    canvas_.text({kChart.left, 34}, "Range over angle", kTitleSize, kInk, Align::kLeft, true);
+    canvas_.text({box_.left, box_.top - 21}, "Range over angle", kTitleSize, kInk, Align::kLeft, true);
     drawRangeTicks();
     drawAngleTicks();
-    canvas_.frame(kChart, kFrame, 1);
+    canvas_.frame(box_, kFrame, 1);
     drawReadings();
   }
 
  private:
   Pixel at(double angle_deg, double range_m) const {
-    return {kChart.left + kChart.width * (angle_deg - first_deg_) / (last_deg_ - first_deg_),
-            kChart.top + kChart.height * (1 - range_m / ranges_.end_m)};
+    return {box_.left + box_.width * (angle_deg - first_deg_) / (last_deg_ - first_deg_),
+            box_.top + box_.height * (1 - range_m / ranges_.end_m)};
   }
 
   void drawRangeTicks() const {
     for (int i = 0; i * ranges_.step_m <= ranges_.end_m * (1 + 1e-9); ++i) {
       const double y = at(first_deg_, i * ranges_.step_m).y;
-      canvas_.line({kChart.left, y}, {kChart.left + kChart.width, y}, kRule, 1);
-      canvas_.text({kChart.left - 10, y + 6}, stepLabel(i * ranges_.step_m), kTextSize, kInk, Align::kRight);
+      canvas_.line({box_.left, y}, {box_.left + box_.width, y}, kRule, 1);
+      canvas_.text({box_.left - 10, y + 6}, stepLabel(i * ranges_.step_m), kTextSize, kInk, Align::kRight);
     }
-    canvas_.text({kChart.left - 60, kChart.top - 14}, "m", kTextSize, kInk);
+    canvas_.text({box_.left - 10, box_.top - 21}, "m", kTextSize, kInk, Align::kRight);
   }
 
   void drawAngleTicks() const {
     const double step = angleStep_deg(last_deg_ - first_deg_);
     for (double k = std::ceil(first_deg_ / step - 1e-6); k * step <= last_deg_ + 1e-6; ++k) {
-      const double x = at(k * step, 0).x, bottom = kChart.top + kChart.height;
-      canvas_.line({x, kChart.top}, {x, bottom}, kRule, 1);
+      const double x = at(k * step, 0).x, bottom = box_.top + box_.height;
+      canvas_.line({x, box_.top}, {x, bottom}, kRule, 1);
       canvas_.line({x, bottom}, {x, bottom + 6}, kInk, 1);
       canvas_.text({x, bottom + 26}, stepLabel(k * step + 0.0), kTextSize, kInk, Align::kCentre);
     }
-    canvas_.text({kChart.left + kChart.width / 2, kChart.top + kChart.height + 54},
+    canvas_.text({box_.left + box_.width / 2, box_.top + box_.height + 54},
                  "beam angle (degrees, 0 ahead, left positive)", kTextSize, kInk, Align::kCentre);
   }
 
@@ -94,54 +121,59 @@ class Chart {
   }
 
   Canvas& canvas_;
+  PixelBox box_;
   const robot::Scan& scan_;
   RangeAxis ranges_;
   double first_deg_, last_deg_;
 };
 
 /// As seen from above with the lidar looking up the page.
-Pixel polar(double angle_rad, double radius) {
-  return {kPolarCentre.x - radius * std::sin(angle_rad), kPolarCentre.y - radius * std::cos(angle_rad)};
+Pixel polar(Pixel centre, double angle_rad, double radius) {
+  return {centre.x - radius * std::sin(angle_rad), centre.y - radius * std::cos(angle_rad)};
 }
 
-void drawSeenArea(Canvas& canvas, const robot::Scan& scan, double pixels_per_metre) {
+void drawSeenArea(Canvas& canvas, Pixel centre, const robot::Scan& scan, double units_per_metre) {
   for (size_t i = 0; i + 1 < scan.ranges_m.size(); ++i) {
     if (!robot::isReturn(scan.ranges_m[i]) || !robot::isReturn(scan.ranges_m[i + 1])) continue;
-    canvas.fillPolygon({kPolarCentre, polar(scan.angle(i), scan.ranges_m[i] * pixels_per_metre),
-                        polar(scan.angle(i + 1), scan.ranges_m[i + 1] * pixels_per_metre)},
+    canvas.fillPolygon({centre, polar(centre, scan.angle(i), scan.ranges_m[i] * units_per_metre),
+                        polar(centre, scan.angle(i + 1), scan.ranges_m[i + 1] * units_per_metre)},
                        kSeenArea);
   }
 }
 
-void drawPolar(Canvas& canvas, const robot::Scan& scan, const RangeAxis& ranges) {
-  const double pixels_per_metre = kPolarRadius / ranges.end_m;
-  canvas.text({kPolarCentre.x - kPolarRadius - 20, 34}, "From above", kTitleSize, kInk, Align::kLeft, true);
-  drawSeenArea(canvas, scan, pixels_per_metre);
+void drawPolar(Canvas& canvas, Pixel centre, double radius, const robot::Scan& scan,
+               const RangeAxis& ranges) {
+  const double units_per_metre = radius / ranges.end_m;
+  canvas.text({centre.x - radius - 4, centre.y - radius - 18}, "From above", kTitleSize, kInk, Align::kLeft,
+              true);
+  drawSeenArea(canvas, centre, scan, units_per_metre);
   for (int i = 1; i * ranges.step_m <= ranges.end_m * (1 + 1e-9); ++i)
-    canvas.circle(kPolarCentre, i * ranges.step_m * pixels_per_metre, kRule, 1);
+    canvas.circle(centre, i * ranges.step_m * units_per_metre, kRule, 1);
   for (const double degrees : {0.0, 90.0, 180.0, 270.0})
-    canvas.line(kPolarCentre, polar(core::degToRad(degrees), kPolarRadius), kRule, 1);
+    canvas.line(centre, polar(centre, core::degToRad(degrees), radius), kRule, 1);
   for (size_t i = 0; i < scan.ranges_m.size(); ++i)
     if (robot::isReturn(scan.ranges_m[i]))
-      canvas.disc(polar(scan.angle(i), scan.ranges_m[i] * pixels_per_metre), 2.2, kBlue);
-  canvas.fillPolygon({polar(0, 12), polar(core::degToRad(140), 10), polar(core::degToRad(220), 10)},
-                     kVermillion);
-  canvas.text({kPolarCentre.x, kPolarCentre.y + kPolarRadius + 32},
+      canvas.disc(polar(centre, scan.angle(i), scan.ranges_m[i] * units_per_metre), 2.2, kBlue);
+  canvas.fillPolygon(
+      {polar(centre, 0, 12), polar(centre, core::degToRad(140), 10), polar(centre, core::degToRad(220), 10)},
+      kVermillion);
+  canvas.text({centre.x, centre.y + radius + 26},
               "rings every " + stepLabel(ranges.step_m) + " m, ahead is up", kTextSize, kInk, Align::kCentre);
 }
 
 }  // namespace
 
-void drawScan(const robot::Scan& scan, const std::string& png_path) {
-  Canvas canvas(kWidth, kHeight);
+void drawScan(const robot::Scan& scan, const std::string& file, const Paper& paper) {
+  const auto layout = layoutFor(paper);
+  Canvas canvas(layout.width, layout.height, paper);
   const auto ranges = rangeAxis(scan);
-  Chart(canvas, scan, ranges).draw();
-  drawPolar(canvas, scan, ranges);
+  Chart(canvas, layout.chart, scan, ranges).draw();
+  drawPolar(canvas, layout.centre, layout.radius, scan, ranges);
   const auto returns = std::count_if(scan.ranges_m.begin(), scan.ranges_m.end(), robot::isReturn);
-  canvas.text({kPolarCentre.x, kPolarCentre.y + kPolarRadius + 56},
+  canvas.text({layout.centre.x, layout.centre.y + layout.radius + 50},
               std::to_string(returns) + " returns of " + std::to_string(scan.ranges_m.size()) + " beams",
               kTextSize, kGrey, Align::kCentre);
-  canvas.savePng(png_path);
+  canvas.save(file);
 }
 
 }  // namespace slam::report

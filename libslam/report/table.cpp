@@ -11,14 +11,11 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
+#include "libslam/report/table_parts.h"
 
 namespace slam::report {
-namespace {
 
-constexpr size_t kTextWidth = 80;
-constexpr size_t kGap = 2;
-
-void check(const Table& table) {
+void checkTable(const Table& table) {
   std::set<std::string> keys;
   for (const auto& column : table.columns)
     if (!keys.insert(column.key).second)
@@ -31,17 +28,18 @@ void check(const Table& table) {
                                 std::to_string(table.columns.size()));
 }
 
-/// Letters, not bytes: every byte of UTF-8 that does not continue a code point begins one.
-size_t width(const std::string& utf8) {
-  return static_cast<size_t>(
-      std::count_if(utf8.begin(), utf8.end(), [](char c) { return (c & 0xC0) != 0x80; }));
-}
-
 std::string onOneLine(std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < ' ') c = ' ';
   return text;
 }
+
+bool isNumeric(const Table& table, size_t column) {
+  return std::any_of(table.rows.begin(), table.rows.end(),
+                     [column](const auto& row) { return std::holds_alternative<double>(row[column]); });
+}
+
+namespace {
 
 std::string fixed(double value, int decimals) {
   if (std::isnan(value)) return "-";
@@ -54,104 +52,6 @@ std::string fixed(double value, int decimals) {
   // "-0.000" would ask the reader what it means.
   if (text.front() == '-' && text.find_first_not_of("-0.") == std::string::npos) text.erase(0, 1);
   return text;
-}
-
-bool isNumeric(const Table& table, size_t column) {
-  return std::any_of(table.rows.begin(), table.rows.end(),
-                     [column](const auto& row) { return std::holds_alternative<double>(row[column]); });
-}
-
-std::string padded(const std::string& text, size_t to_width, bool right) {
-  const std::string blanks(to_width - std::min(to_width, width(text)), ' ');
-  return right ? blanks + text : text + blanks;
-}
-
-std::vector<std::string> words(const std::string& text) {
-  std::vector<std::string> result(1);
-  for (const char c : text) {
-    if (c != ' ')
-      result.back() += c;
-    else if (!result.back().empty())
-      result.emplace_back();
-  }
-  if (result.back().empty()) result.pop_back();
-  return result;
-}
-
-/// Lines of at most `limit` letters, broken at blanks; a longer word stands alone.
-std::vector<std::string> wrapped(const std::string& text, size_t limit) {
-  std::vector<std::string> lines;
-  for (const auto& word : words(text)) {
-    if (!lines.empty() && width(lines.back()) + 1 + width(word) <= limit)
-      lines.back() += " " + word;
-    else
-      lines.push_back(word);
-  }
-  return lines;
-}
-
-/// A column laid out for a fixed pitch.
-struct TextColumn {
-  bool right = false;
-  size_t width = 0;
-  std::vector<std::string> title;  ///< lines
-  std::vector<std::string> cells;
-};
-
-size_t totalWidth(const std::vector<TextColumn>& columns) {
-  size_t total = columns.empty() ? 0 : kGap * (columns.size() - 1);
-  for (const auto& column : columns) total += column.width;
-  return total;
-}
-
-std::vector<TextColumn> layOut(const Table& table, bool break_titles) {
-  std::vector<TextColumn> columns;
-  for (size_t i = 0; i < table.columns.size(); ++i) {
-    TextColumn column;
-    column.right = isNumeric(table, i);
-    for (const auto& row : table.rows) {
-      column.cells.push_back(shownText(row[i], table.columns[i]));
-      column.width = std::max(column.width, width(column.cells.back()));
-    }
-    const auto title = onOneLine(table.columns[i].title);
-    size_t title_width = width(title);
-    if (break_titles) {
-      title_width = 0;
-      for (const auto& word : words(title)) title_width = std::max(title_width, width(word));
-    }
-    column.width = std::max(column.width, title_width);
-    column.title = wrapped(title, column.width);
-    columns.push_back(std::move(column));
-  }
-  return columns;
-}
-
-void appendLine(std::string& text, const std::vector<TextColumn>& columns,
-                const std::vector<std::string>& cells) {
-  std::string line;
-  for (size_t i = 0; i < columns.size(); ++i) {
-    if (i > 0) line.append(kGap, ' ');
-    line += padded(cells[i], columns[i].width, columns[i].right);
-  }
-  line.erase(line.find_last_not_of(' ') + 1);
-  text += line + "\n";
-}
-
-void appendTitles(std::string& text, const std::vector<TextColumn>& columns) {
-  size_t height = 0;
-  for (const auto& column : columns) height = std::max(height, column.title.size());
-  for (size_t line = 0; line < height; ++line) {
-    std::vector<std::string> cells;
-    for (const auto& column : columns) {  // the last lines stand level
-      const size_t above = height - column.title.size();
-      cells.push_back(line < above ? "" : column.title[line - above]);
-    }
-    appendLine(text, columns, cells);
-  }
-  std::vector<std::string> rule;
-  rule.reserve(columns.size());
-  for (const auto& column : columns) rule.emplace_back(column.width, '-');
-  appendLine(text, columns, rule);
 }
 
 std::string markdownCell(const std::string& text) {
@@ -224,28 +124,8 @@ std::string shownText(const CellValue& cell, const Column& column) {
   return onOneLine(std::get<std::string>(cell));
 }
 
-std::string toText(const Table& table) {
-  check(table);
-  auto columns = layOut(table, false);
-  if (totalWidth(columns) > kTextWidth) columns = layOut(table, true);
-  std::string text;
-  for (const auto& line : wrapped(onOneLine(table.caption), kTextWidth)) text += line + "\n";
-  if (!text.empty()) text += "\n";
-  appendTitles(text, columns);
-  for (size_t row = 0; row < table.rows.size(); ++row) {
-    std::vector<std::string> cells;
-    cells.reserve(columns.size());
-    for (const auto& column : columns) cells.push_back(column.cells[row]);
-    appendLine(text, columns, cells);
-  }
-  if (!table.notes.empty()) text += "\n";
-  for (const auto& note : table.notes)
-    for (const auto& line : wrapped(onOneLine(note), kTextWidth)) text += line + "\n";
-  return text;
-}
-
 std::string toMarkdown(const Table& table) {
-  check(table);
+  checkTable(table);
   std::string text;
   if (!table.caption.empty()) text += "**" + onOneLine(table.caption) + "**\n\n";
   text += "|";
@@ -310,7 +190,7 @@ Table fromMarkdown(const std::string& markdown) {
 }
 
 std::string toLatex(const Table& table) {
-  check(table);
+  checkTable(table);
   std::string text = "\\begin{table}\n\\centering\n";
   if (!table.caption.empty()) text += "\\caption{" + latexText(onOneLine(table.caption)) + "}\n";
   text += "\\begin{tabular}{";
@@ -328,7 +208,7 @@ std::string toLatex(const Table& table) {
 }
 
 std::string toCsv(const Table& table) {
-  check(table);
+  checkTable(table);
   std::string text;
   const auto endField = [&](size_t i) { text += i + 1 < table.columns.size() ? "," : "\r\n"; };
   for (size_t i = 0; i < table.columns.size(); ++i) text += csvField(table.columns[i].key), endField(i);
@@ -338,7 +218,7 @@ std::string toCsv(const Table& table) {
 }
 
 std::string toJson(const Table& table) {
-  check(table);
+  checkTable(table);
   nlohmann::ordered_json json;
   json["caption"] = table.caption;
   json["columns"] = nlohmann::ordered_json::array();

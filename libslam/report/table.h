@@ -43,6 +43,10 @@ std::string toLatex(const Table& table);
 /// RFC 4180: header of keys, lines end with CR LF; numbers with the digits that read back the same. No
 /// caption, no notes.
 std::string toCsv(const Table& table);
+/// What toCsv() wrote, or any RFC 4180 file with a header (lines may end with LF alone): columns whose title is their key;
+/// what reads as a number is one, an empty field NaN. Errors: InputError with path and line: no header, a row of another
+/// length, a quote that does not end.
+Table fromCsv(const std::string& csv, const std::string& path);
 /// {"caption": text, "columns": [{"key", "title"}], "rows": [{key: value}], "notes": [text]}
 std::string toJson(const Table& table);
 

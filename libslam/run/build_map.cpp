@@ -19,6 +19,7 @@
 #include "libslam/run/external_method.h"
 #include "libslam/run/map_plan.h"
 #include "libslam/run/process_memory.h"
+#include "libslam/run/scene_file.h"
 #include "libslam/run/self_score.h"
 
 namespace slam::run {
@@ -67,7 +68,8 @@ const std::map<std::string, std::string>& fileNotes() {
       {"map.png", "the map as a picture"},
       {"map.gridmap.gz", "MRPT occupancy grid: pf-localization, GridmapNavSimul"},
       {"map.simplemap", "MRPT key frames: robot-map-gui, observations2map, pf-localization"},
-      {"map.3Dscene", "map and path in 3D: SceneViewer3D"},
+      {"map.3Dscene",
+       "map, path, last scan, and particles or graph with loops, in 3D: rasterslam view --mrpt"},
       {"journal.csv", "what the method says of its work: matches, loops, corrections, by scan"},
       {"timing.csv", "CPU milliseconds of every scan"},
       {"printed.txt", "what the external program printed"},
@@ -176,7 +178,7 @@ core::Pose2 endOfRun(const std::string& folder) {
 MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
                 core::Manifest manifest, core::Progress& progress, bool measure_memory,
-                const Continuation& continuation) {
+                const Continuation& continuation, StepObserver* observer) {
   core::PendingFolder output(folder, overwrite);
   std::optional<ExternalRun> external;
   core::IniFile builder_config = method_config;
@@ -193,6 +195,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   logs::LogReader log(log_path);
   MapRun run;
   std::vector<double> milliseconds, stamps_s;
+  robot::Scan last_scan;
   progress.begin("mapping with " + method_name);
   while (const auto entry = log.next()) {
     if (run.estimate.empty())
@@ -209,10 +212,13 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
       throw core::MethodError(method_name + " diverged at scan " + std::to_string(run.estimate.size() + 1) +
                               ": its pose is not finite");
     run.estimate.push_back({entry->scan.time_s, T_map_robot});
+    last_scan = entry->scan;
     if (const auto covariance = mapping::poseCovariance(method))
       run.covariances.push_back({entry->scan.time_s, *covariance});
     stamps_s.push_back(entry->scan.time_s);
-    progress.update(log.fractionRead(), entry->scan.time_s - stamps_s.front());
+    const double time_s = entry->scan.time_s - stamps_s.front();
+    progress.update(log.fractionRead(), time_s);
+    if (observer) observer->onStep({time_s, entry->scan, T_previous_robot, T_map_robot, &method});
   }
   progress.end();
   if (run.estimate.empty()) throw core::InputError(log_path + ": holds 0 laser scans, expected at least 1");
@@ -224,6 +230,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   run.end = run.estimate.back().pose;
   // Before anything else takes memory.
   const double peak_memory_mb = measure_memory ? memory.peakMb() : std::numeric_limits<double>::quiet_NaN();
+  if (observer) observer->onFinished(method);
   // Scans and poses pair up in the log's order, which is the robot's; a trajectory's order is that of the stamps, which
   // run back in some logs.
   auto final_path = mapping::finalPath(method, run.estimate);
@@ -231,6 +238,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   const core::Pose2 end_final = final_path ? final_path->back().pose : run.end;
   const auto map = mapping::currentMap(method);
   const auto self = selfScore(log_path, final_path ? *final_path : run.estimate, toPlan(map), progress);
+  const auto in_log_order = final_path.value_or(run.estimate);
   run.estimate = inStampOrder(std::move(run.estimate));
   run.covariances =
       areGiven(run.covariances) ? inStampOrder(std::move(run.covariances)) : std::vector<StampedCovariance>();
@@ -248,7 +256,8 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   if (!run.covariances.empty()) writeCovariances(run.covariances, output.path() + "/covariances.csv");
   if (!run.final_covariances.empty())
     writeCovariances(run.final_covariances, output.path() + "/covariances_final.csv");
-  mapping::saveMaps(method, run.final_estimate.value_or(run.estimate), output.path());
+  mapping::saveMaps(method, output.path());
+  writeScene(method, in_log_order, last_scan, output.path() + "/map.3Dscene");
   if (continuation.localise_only) keepMap(continuation.folder, output.path());
   if (external)
     core::writeFileAtomically(output.path() + "/printed.txt", external->printed);

@@ -12,6 +12,7 @@
 #include "libslam/robot/scan.h"
 #include "libslam/run/journal_file.h"
 #include "libslam/run/pose_covariances.h"
+#include "libslam/run/step_observer.h"
 
 namespace slam::run {
 
@@ -61,7 +62,7 @@ struct Continuation {
 MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
                 core::Manifest manifest, core::Progress& progress, bool measure_memory = true,
-                const Continuation& continuation = {});
+                const Continuation& continuation = {}, StepObserver* observer = nullptr);
 
 /// T_map_robot at the last scan of a run, as it is in the end. Errors: InputError.
 core::Pose2 endOfRun(const std::string& folder);

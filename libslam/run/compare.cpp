@@ -18,6 +18,7 @@
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
 #include "libslam/run/relation_tables.h"
+#include "libslam/run/scene_file.h"
 #include "libslam/run/worker.h"
 
 namespace slam::run {
@@ -146,6 +147,9 @@ void drawPictures(const std::vector<RunFolder>& runs, const std::vector<Evaluati
     panel.paths.push_back({moved(T_world_map, run.final_estimate.value_or(run.estimate)), run.method, false});
     paths.push_back(panel.paths.back());
     panels.push_back(std::move(panel));
+    if (truth && core::isFinite(T_world_map) && fs::exists(run.path + "/map.3Dscene"))
+      addTruthToScene(truth->trajectory, truth->plan ? &*truth->plan : nullptr, core::inverse(T_world_map),
+                      run.path + "/map.3Dscene");
     if (truth && truth->plan)
       report::drawDifference(*truth->plan, run.map, T_world_map, run.method, run.path + "/difference.png",
                              truth->seen ? &*truth->seen : nullptr);

@@ -50,7 +50,7 @@ struct Comparison {
 
 /// Simulates if asked, runs every method on the same log, scores, draws, and writes into `output`:
 ///   log/run.rawlog (and its truth)   when simulated
-///   METHOD/                          one buildMap() folder per method, with difference.png where a plan is known
+///   METHOD/                          one buildMap() folder per method, with difference.png where a plan is known, and truth and plan in its map.3Dscene
 ///   scores.txt .md .tex              accuracy, the main figures
 ///   scores.csv .json                 accuracy, all figures; like the two above the same bytes for the same seed, any number of threads
 ///   relations.txt .csv .json         with relations: the error of every path against them; worst_relations.csv

@@ -16,6 +16,7 @@
 #include "libslam/run/map_plan.h"
 #include "libslam/run/recorder.h"
 #include "libslam/run/return_to_start.h"
+#include "libslam/run/scene_file.h"
 
 namespace slam::run {
 namespace {
@@ -166,7 +167,7 @@ class Loop {
     if (!folder.empty()) recorder_.emplace(folder + "/run.rawlog", config.record);
   }
 
-  void run(core::Progress& progress) {
+  void run(core::Progress& progress, StepObserver* observer) {
     const double start_time_s = simulator_.time_s();
     const double duration_s = config_.record.simulation.duration_s;
     sim::Sensed sensed = simulator_.sense();
@@ -181,6 +182,9 @@ class Loop {
       if (const auto verdict = referee_.judge(elapsed_s, coverage_.area_m2(), simulator_.truth()))
         return end(*verdict);
       const robot::Command command = decide(sensed, T_map_robot, elapsed_s);
+      if (observer)
+        observer->onStep({elapsed_s, sensed.scan, sensed.T_previous_robot, T_map_robot, &localiser_.builder(),
+                          &simulator_, &driver_->currentDecision()});
       goals_.push_back(goalInMap(decisions_.back()));
       if (driver_->finished()) {
         end(ExplorationEnd::kFinished);
@@ -219,6 +223,7 @@ class Loop {
     const auto& scan = sensed.scan;
     const auto& T_world_robot = simulator_.truth();
     if (!first_scan_) first_scan_ = scan;
+    last_scan_ = scan;
     if (!truth_.empty()) path_m_ += core::distance(truth_.back().pose, T_world_robot);
     truth_.push_back({simulator_.time_s(), T_world_robot});
     estimate_.push_back({scan.time_s, T_map_robot});
@@ -273,7 +278,7 @@ class Loop {
   NearMisses near_misses_;
   std::optional<Recorder> recorder_;
 
-  std::optional<robot::Scan> first_scan_;
+  std::optional<robot::Scan> first_scan_, last_scan_;
   core::Trajectory truth_, estimate_;
   std::vector<metrics::CoveragePoint> curve_;
   std::vector<core::Point2> goals_;  ///< after every scan, map frame; none for the last when it ended there
@@ -362,7 +367,11 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
   auto& e = result.exploration;
   recorder_->finish(simulator_, seed_, manifest);
   logs::writeTum(estimate_, folder_ + "/trajectory.tum");
-  mapping::saveMaps(localiser_.builder(), estimate_, folder_);
+  mapping::saveMaps(localiser_.builder(), folder_);
+  writeScene(localiser_.builder(), estimate_, *last_scan_, folder_ + "/map.3Dscene");
+  if (core::isFinite(e.evaluation.trajectory.T_truth_estimate))
+    addTruthToScene(truth_, &plan_, core::inverse(e.evaluation.trajectory.T_truth_estimate),
+                    folder_ + "/map.3Dscene");
   core::writeFileAtomically(folder_ + "/exploration.csv", report::toCsv(explorationTable()));
   core::writeFileAtomically(folder_ + "/decisions.csv", report::toCsv(decisionTable()));
 
@@ -406,10 +415,10 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
 
 LoopResult exploreOnce(const world::Plan& given_plan, const ExploreConfig& config, const LoopMethod& method,
                        std::uint64_t seed, const std::string& folder, core::Manifest manifest,
-                       core::Progress& progress) {
+                       core::Progress& progress, StepObserver* observer) {
   const world::Plan plan = planOfVisit(given_plan, config.record.living, seed);
   Loop loop(plan, config, method, seed, folder);
-  loop.run(progress);
+  loop.run(progress, observer);
   LoopResult result = loop.result();
   if (!folder.empty()) loop.writeFiles(result, std::move(manifest));
   return result;

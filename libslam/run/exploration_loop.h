@@ -5,6 +5,7 @@
 
 #include "libslam/core/ini.h"
 #include "libslam/run/explore.h"
+#include "libslam/run/step_observer.h"
 #include "libslam/world/plan.h"
 
 namespace slam::run {
@@ -28,6 +29,6 @@ struct LoopMethod {
 /// InputError (start, configuration), MethodError (the method failed; what was written stays).
 LoopResult exploreOnce(const world::Plan& given_plan, const ExploreConfig& config, const LoopMethod& method,
                        std::uint64_t seed, const std::string& folder, core::Manifest manifest,
-                       core::Progress& progress);
+                       core::Progress& progress, StepObserver* observer = nullptr);
 
 }  // namespace slam::run

@@ -82,10 +82,10 @@ class SharedProgress {
 };
 
 void runJob(Job& job, const world::Plan& plan, const LoopMethod& method, const core::Manifest& manifest,
-            core::Progress& progress) {
+            core::Progress& progress, StepObserver* observer) {
   if (!job.folder.empty()) fs::create_directories(job.folder);
   try {
-    job.result = exploreOnce(plan, *job.config, method, job.seed, job.folder, manifest, progress);
+    job.result = exploreOnce(plan, *job.config, method, job.seed, job.folder, manifest, progress, observer);
   } catch (const core::MethodError& error) {
     Exploration& e = job.result.exploration;
     e.strategy = job.config->record.strategy.name;
@@ -102,7 +102,7 @@ void runJob(Job& job, const world::Plan& plan, const LoopMethod& method, const c
 
 /// Each run is independent, so the number of threads changes nothing but the time.
 void runJobs(std::vector<Job>& jobs, const world::Plan& plan, const LoopMethod& method, int thread_count,
-             const core::Manifest& manifest, core::Progress& progress) {
+             const core::Manifest& manifest, core::Progress& progress, StepObserver* observer) {
   SharedProgress shared(progress, jobs.size());
   std::atomic<size_t> next{0};
   std::vector<std::exception_ptr> errors(jobs.size());
@@ -110,7 +110,7 @@ void runJobs(std::vector<Job>& jobs, const world::Plan& plan, const LoopMethod& 
     for (size_t i = next++; i < jobs.size(); i = next++) {
       try {
         SharedProgress::OfOneRun of_this_run(shared);
-        runJob(jobs[i], plan, method, manifest, of_this_run);
+        runJob(jobs[i], plan, method, manifest, of_this_run, observer);
         of_this_run.finish();
       } catch (...) {
         errors[i] = std::current_exception();
@@ -387,6 +387,8 @@ void checkRequest(const ExploreRequest& request) {
       throw core::InputError("strategy '" + config.record.strategy.name + "' is named twice");
   if (request.seeds < 1 || request.threads < 1)
     throw core::ContractError("explore: seeds and threads from 1");
+  if (request.observer && (request.strategies.size() != 1 || request.seeds != 1))
+    throw core::ContractError("explore: an observer sees one run");
 }
 
 }  // namespace
@@ -455,7 +457,7 @@ ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest
 
   auto jobs = makeJobs(request, output.path());
   progress.begin("exploring " + plan.name);
-  runJobs(jobs, plan, method, request.threads, manifest, progress);
+  runJobs(jobs, plan, method, request.threads, manifest, progress, request.observer);
   progress.end();
 
   ExplorationReport result;

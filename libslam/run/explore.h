@@ -12,6 +12,7 @@
 #include "libslam/report/table.h"
 #include "libslam/run/evaluate.h"
 #include "libslam/run/record.h"
+#include "libslam/run/step_observer.h"
 
 namespace slam::run {
 
@@ -49,6 +50,7 @@ struct ExploreRequest {
   int threads = 1;           ///< runs side by side; the results do not depend on it
   bool tables_only = false;  ///< no folder per run: sweeps
   bool overwrite = false;
+  StepObserver* observer = nullptr;  ///< of a single run: one strategy, one seed (ContractError)
 };
 
 /// How an exploration ended.

@@ -61,6 +61,7 @@ class PoseSource {
     if (!builder_) return sensed.T_odom_robot;
     return mapping::processScan(*builder_, sensed.scan, sensed.T_previous_robot, true);
   }
+  const mapping::MapBuilder* method() const { return builder_ ? &*builder_ : nullptr; }
 
  private:
   std::optional<mapping::MapBuilder> builder_;
@@ -253,6 +254,11 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
     }
     run.status = step.status;
     run.reason = step.reason;
+    if (request.observer)
+      request.observer->onStep({elapsed_s, sensed.scan, sensed.T_previous_robot,
+                                core::between(request.T_world_start, run.estimate.back().pose),
+                                pose_source.method(), &simulator, nullptr,
+                                step.state + (step.reason.empty() ? "" : ": " + step.reason)});
     if (step.status != GoalStatus::kMoving) break;
     sensed = simulator.step(step.command);
   }

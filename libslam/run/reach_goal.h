@@ -14,6 +14,7 @@
 #include "libslam/report/table.h"
 #include "libslam/robot/lidar.h"
 #include "libslam/robot/odometry_noise.h"
+#include "libslam/run/step_observer.h"
 #include "libslam/sim/living.h"
 #include "libslam/world/plan.h"
 
@@ -43,6 +44,7 @@ struct ReachGoalRequest {
   std::string output;                ///< folder
   std::uint64_t seed = 1;
   bool overwrite = false;
+  StepObserver* observer = nullptr;  ///< of every drive
 };
 
 struct StateChange {

@@ -74,33 +74,68 @@ world::Plan planOfVisit(const world::Plan& plan, const sim::LivingOptions& livin
   return found;
 }
 
-Recording record(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
-                 const std::string& log_path, core::Manifest manifest, core::Progress& progress) {
+namespace {
+
+/// The loop of every recording. `decision` tells the observer what the commander follows; nullptr: nothing.
+Recording recordLoop(sim::Simulator& simulator, const RecordConfig& config, std::uint64_t seed,
+                     const std::string& log_path, core::Manifest manifest, core::Progress& progress,
+                     const Commander& commander, StepObserver* observer,
+                     const std::function<const navigate::Decision*()>& decision) {
   const double period_s = 1 / config.lidar.rate_hz;
-  const world::Plan plan = planOfVisit(given_plan, config.living, seed);
-  sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, startPose(plan, config), seed,
-                           sim::Simulator::kStartTime_s, config.living);
-  navigate::Driver driver(navigate::makeStrategy(config.strategy, core::RandomStream(seed, "strategy")),
-                          config.strategy, config.robot, period_s, core::RandomStream(seed, "driver"));
-  if (driver.wantsMap())
-    throw core::InputError("strategy '" + config.strategy.name +
-                           "' needs a map, and a recording builds none: use 'rasterslam explore'");
   Recorder recorder(log_path, config);
-  progress.begin("simulating " + plan.name);
+  progress.begin("simulating " + simulator.scene().plan().name);
   const double start_time_s = simulator.time_s();
   sim::Sensed sensed = simulator.sense();
   recorder.begin(simulator, sensed);
   while (true) {
     const double elapsed_s = simulator.time_s() - start_time_s;
     progress.update(elapsed_s / config.simulation.duration_s, elapsed_s);
-    if (elapsed_s + period_s / 2 >= config.simulation.duration_s) break;
-    const robot::Command command = driver.next(sensed.scan, sensed.T_odom_robot, sensed.collided);
-    if (driver.finished()) break;
-    sensed = simulator.step(command);
-    recorder.add(command, simulator, sensed);
+    const bool is_over = elapsed_s + period_s / 2 >= config.simulation.duration_s;
+    const auto command = is_over ? std::nullopt : commander(sensed);
+    if (observer)
+      observer->onStep({elapsed_s, sensed.scan, sensed.T_previous_robot, sensed.T_odom_robot, nullptr,
+                        &simulator, decision()});
+    if (!command) break;
+    sensed = simulator.step(*command);
+    recorder.add(*command, simulator, sensed);
   }
   progress.end();
   return recorder.finish(simulator, seed, std::move(manifest));
+}
+
+}  // namespace
+
+Recording record(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
+                 const std::string& log_path, core::Manifest manifest, core::Progress& progress,
+                 StepObserver* observer) {
+  const world::Plan plan = planOfVisit(given_plan, config.living, seed);
+  sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, startPose(plan, config), seed,
+                           sim::Simulator::kStartTime_s, config.living);
+  navigate::Driver driver(navigate::makeStrategy(config.strategy, core::RandomStream(seed, "strategy")),
+                          config.strategy, config.robot, 1 / config.lidar.rate_hz,
+                          core::RandomStream(seed, "driver"));
+  if (driver.wantsMap())
+    throw core::InputError("strategy '" + config.strategy.name +
+                           "' needs a map, and a recording builds none: use 'rasterslam explore'");
+  bool has_decided = false;
+  const auto drive = [&](const sim::Sensed& sensed) -> std::optional<robot::Command> {
+    const auto command = driver.next(sensed.scan, sensed.T_odom_robot, sensed.collided);
+    has_decided = true;
+    if (driver.finished()) return std::nullopt;
+    return command;
+  };
+  return recordLoop(simulator, config, seed, log_path, std::move(manifest), progress, drive, observer,
+                    [&] { return has_decided ? &driver.currentDecision() : nullptr; });
+}
+
+Recording recordCommands(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
+                         const std::string& log_path, core::Manifest manifest, core::Progress& progress,
+                         const Commander& commander, StepObserver* observer) {
+  const world::Plan plan = planOfVisit(given_plan, config.living, seed);
+  sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, startPose(plan, config), seed,
+                           sim::Simulator::kStartTime_s, config.living);
+  return recordLoop(simulator, config, seed, log_path, std::move(manifest), progress, commander, observer,
+                    [] { return nullptr; });
 }
 
 }  // namespace slam::run

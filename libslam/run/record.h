@@ -1,5 +1,7 @@
 #pragma once
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "libslam/robot/drive.h"
 #include "libslam/robot/lidar.h"
 #include "libslam/robot/odometry_noise.h"
+#include "libslam/run/step_observer.h"
 #include "libslam/sim/living.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/world/plan.h"
@@ -70,7 +73,15 @@ struct Recording {
 /// Same plan, config and seed: the same bytes (but for the times in the manifest). InputError for a strategy
 /// that needs a map: explore() builds one.
 Recording record(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
-                 const std::string& log_path, core::Manifest manifest, core::Progress& progress);
+                 const std::string& log_path, core::Manifest manifest, core::Progress& progress,
+                 StepObserver* observer = nullptr);
+
+/// The next command to the robot by what it senses; nullopt ends the recording.
+using Commander = std::function<std::optional<robot::Command>(const sim::Sensed& sensed)>;
+/// The same with commands from elsewhere, such as from someone at the keys, instead of a strategy.
+Recording recordCommands(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
+                         const std::string& log_path, core::Manifest manifest, core::Progress& progress,
+                         const Commander& commander, StepObserver* observer = nullptr);
 
 /// "a/run.rawlog" -> "a/run": the stem of the files beside a log.
 std::string logStem(const std::string& log_path);

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/run/figures.h"
 #include "libslam/run/resources.h"
 #include "libslam/run/value_range.h"
 #include "libslam/stats/bootstrap.h"
@@ -197,14 +198,6 @@ std::string textOf(const std::vector<double>& values, const std::vector<bool>& i
   return text.empty() ? "holds everywhere" : text;
 }
 
-report::Curve whisker(const std::string& label, double x, double low, double high) {
-  return {label, {{x, low}, {x, high}}};
-}
-
-double finiteOrNan(double value) {
-  return std::isfinite(value) ? value : kNan;
-}
-
 }  // namespace
 
 StressSuite stressSuite(const StressRequest& request) {
@@ -273,10 +266,7 @@ StressResult stress(const StressSuite& suite, const SweepPlan& plan, const Sweep
   for (const char* part : {"", "_low", "_high"})
     result.all.columns.push_back({plan.metric + part, plan.metric + part, 4});
   result.all.columns.push_back({"broken", "broken", 0});
-  report::Chart errors{suite.key, "median " + plan.metric, {}, 0},
-      failures{suite.key, "share of failed runs", {}, 1};
   std::vector<std::vector<bool>> is_broken(methods.size(), std::vector<bool>(suite.values.size()));
-  std::vector<report::Curve> error_lines(methods.size()), failure_lines(methods.size());
   for (const auto& method : methods) result.breaks.push_back({method, {}, {}, ""});
   for (std::size_t v = 0; v < suite.values.size(); ++v)
     for (std::size_t m = 0; m < methods.size(); ++m) {
@@ -295,20 +285,8 @@ StressResult stress(const StressSuite& suite, const SweepPlan& plan, const Sweep
                                  static_cast<double>(point.failed), point.failure_rate,
                                  point.failure_interval.low, point.failure_interval.high, point.error.value,
                                  low, high, word});
-      error_lines[m].label = failure_lines[m].label = methods[m];
-      error_lines[m].points.push_back({value, finiteOrNan(point.error.value)});
-      failure_lines[m].points.push_back({value, point.failure_rate});
-      // Half of the interval may lie among the failed runs: then the whisker would have no end.
-      if (std::isfinite(low) && std::isfinite(high))
-        errors.curves.push_back(whisker(methods[m], value, low, high));
-      if (point.runs > 0)
-        failures.curves.push_back(
-            whisker(methods[m], value, point.failure_interval.low, point.failure_interval.high));
     }
-  // Lines first: the legend keeps the order of the methods.
-  errors.curves.insert(errors.curves.begin(), error_lines.begin(), error_lines.end());
-  failures.curves.insert(failures.curves.begin(), failure_lines.begin(), failure_lines.end());
-  result.charts = {errors, failures};
+  result.charts = stressCharts(result.all, "stress.csv");
 
   std::vector<std::string> notes;
   for (std::size_t m = 0; m < methods.size(); ++m) {

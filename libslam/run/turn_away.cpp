@@ -160,7 +160,7 @@ std::vector<TurnAwayMoment> turnAway(const TurnAwayConfig& config) {
 }
 
 void drawTurnAway(const std::vector<TurnAwayMoment>& moments, const TurnAwayConfig& config,
-                  const std::string& png_path) {
+                  const std::string& file, const report::Paper& paper) {
   std::vector<report::ObstaclePanel> panels;
   for (const auto& moment : moments)
     panels.push_back({moment.what,
@@ -170,8 +170,9 @@ void drawTurnAway(const std::vector<TurnAwayMoment>& moments, const TurnAwayConf
   report::ObstacleZone zone;
   zone.front_m = config.map.front_m, zone.rear_m = config.map.rear_m, zone.width_m = config.map.width_m;
   zone.obstacle_radius_m = kPostRadius_m;
-  report::drawObstacles(
-      panels, zone, "Local obstacle map: the robot turns away (" + config.experiment.sensor + ")", png_path);
+  report::drawObstacles(panels, zone,
+                        "Local obstacle map: the robot turns away (" + config.experiment.sensor + ")", file,
+                        paper);
 }
 
 }  // namespace slam::run

@@ -8,6 +8,7 @@
 #include "libslam/obstacles/camera_view.h"
 #include "libslam/obstacles/lidar_view.h"
 #include "libslam/obstacles/local_obstacle_map.h"
+#include "libslam/report/canvas.h"
 
 namespace slam::run {
 
@@ -51,6 +52,6 @@ inline constexpr double kPostRadius_m = 0.05;
 
 /// Draws the moments (report::drawObstacles()).
 void drawTurnAway(const std::vector<TurnAwayMoment>& moments, const TurnAwayConfig& config,
-                  const std::string& png_path);
+                  const std::string& file, const report::Paper& paper = {});
 
 }  // namespace slam::run

@@ -135,8 +135,70 @@ TEST(Plot, PrintsAndChecksTheObstacleParameters) {
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
+TEST(Plot, DrawsAComparisonInEveryFormat) {
+  const testing::TempFolder folder;
+  const auto compared =
+      rasterslam("compare flat --methods naive_wheel,icp --duration 3 -o out -q", folder.path());
+  ASSERT_EQ(compared.exit_code, 0) << compared.err;
+  for (const std::string kind : {"map", "paths", "errors"}) {
+    for (const std::string extension : {"pdf", "svg", "png"}) {
+      const auto file = kind + "." + extension;
+      const auto drawn = rasterslam("plot " + kind + " out -q --width 85mm -o " + file, folder.path());
+      ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+      EXPECT_EQ(drawn.out, file + "\n");
+    }
+    EXPECT_THAT(core::readTextFile(folder / (kind + ".svg")), HasSubstr("width=\"85mm\""));
+    EXPECT_THAT(core::readTextFile(folder / (kind + ".svg")), HasSubstr(">icp</text>"));
+    EXPECT_EQ(cv::imread(folder / (kind + ".png")).cols, 1004);  // 300 dpi
+  }
+  const auto one = rasterslam("plot paths out -q --methods icp -o one.svg --json", folder.path());
+  ASSERT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_EQ(nlohmann::json::parse(one.out)["paths"], nlohmann::json({"icp", "true path"}));
+  EXPECT_THAT(core::readTextFile(folder / "one.svg"), HasSubstr("width=\"170mm\""));  // a page
+  const auto unknown = rasterslam("plot errors out -q --methods icq -o no.svg", folder.path());
+  EXPECT_EQ(unknown.exit_code, 3);
+  EXPECT_THAT(unknown.err,
+              HasSubstr("--methods: found 'icq', expected a method in out; did you mean 'icp'?"));
+  EXPECT_FALSE(fs::exists(folder / "no.svg"));
+}
+
+TEST(Plot, DrawsTablesThatAnybodyMayWrite) {
+  const testing::TempFolder folder;
+  std::ofstream(folder / "results.csv")
+      << "world,seed,method,status,ate_final_m\nflat,1,icp,ok,0.1\nflat,2,icp,ok,0.2\n";
+  const auto seeds = rasterslam("plot seeds results.csv --json", folder.path());
+  ASSERT_EQ(seeds.exit_code, 0) << seeds.err;
+  EXPECT_EQ(nlohmann::json::parse(seeds.out)["boxes"][0]["values"], 2);
+  EXPECT_TRUE(isPicture(folder / "seeds.png"));
+  const auto metric = rasterslam("plot seeds . --metric wall_f1 -o w.pdf", folder.path());
+  EXPECT_EQ(metric.exit_code, 3);
+  EXPECT_THAT(metric.err, HasSubstr("./results.csv:1: names no column 'wall_f1'"));
+  std::ofstream(folder / "broken.csv") << "a,b\n1\n";
+  EXPECT_THAT(rasterslam("plot stress broken.csv", folder.path()).err,
+              HasSubstr("broken.csv:2: found 1 fields, expected 2"));
+  EXPECT_THAT(rasterslam("plot stress .", folder.path()).err, HasSubstr("stress.csv: no such file"));
+  EXPECT_THAT(rasterslam("plot exploration .", folder.path()).err, HasSubstr("holds no exploration.csv"));
+  EXPECT_FALSE(fs::exists(folder / "w.pdf"));
+}
+
+TEST(Plot, RefusesExtensionsAndSizesBeforeAnyWork) {
+  const testing::TempFolder folder;
+  for (const auto& [arguments, message] :
+       {std::pair{"-o x.jpg", "x.jpg: found extension '.jpg', expected .png, .svg or .pdf"},
+        {"-o x.pdf --width 8", "--width: found 8 mm with text of 8 pt, expected 50 to 2000 mm"},
+        {"-o x.pdf --width wide", "--width: found 'wide', expected a length above 0 in mm, cm, in, pt"},
+        {"-o x.pdf --width -3cm", "--width: found '-3cm'"},
+        {"-o x.pdf --font 0pt", "--font: found '0pt'"}}) {
+    const auto result = rasterslam(std::string("plot plans flat ") + arguments, folder.path());
+    EXPECT_EQ(result.exit_code, 3) << arguments;
+    EXPECT_THAT(result.err, HasSubstr(message));
+  }
+  EXPECT_EQ(rasterslam("plot plans flat --dpi 1", folder.path()).exit_code, 2);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
 TEST(Plot, WantsToKnowWhatToDraw) {
-  for (const std::string arguments : {"plot", "plot map", "plot scan", "plot operations"})
+  for (const std::string arguments : {"plot", "plot map", "plot seeds", "plot scan", "plot operations"})
     EXPECT_EQ(rasterslam(arguments).exit_code, 2) << arguments;
 }
 

@@ -23,6 +23,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"mrptworld", {"core", "world"}},
     {"metrics", {"core", "world"}},
     {"report", {"core", "robot", "world", "metrics"}},
+    {"viewer", {"core", "robot", "gridmap", "world", "report"}},
     // the robot's side
     {"gridmap", {"core", "robot"}},
     {"scanmatch", {"core", "robot", "gridmap"}},
@@ -37,7 +38,10 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     // both
     {"run",
      {"core", "stats", "robot", "gridmap", "logs", "world", "sim", "metrics", "report", "navigate", "mrptnav",
-      "obstacles", "odometry", "mapping"}},
+      "obstacles", "odometry", "mapping", "viewer"}},
+    {"live",
+     {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "obstacles", "navigate", "mapping",
+      "run", "viewer"}},
     {"plugin", {"core", "robot", "logs", "world", "sim", "navigate", "run"}},
     {"testing", {"core", "robot", "posegraph", "world"}},
 };

@@ -64,7 +64,7 @@ TEST_P(EveryMethod, GivesTheSameBytesForTheSameSeedWhateverElseUsesTheGenerator)
   const testing::TempFolder first_folder, second_folder;
   auto first = makeMethod(GetParam(), 7);
   const auto first_path = runDrive(first, drive);
-  saveMaps(first, first_path, first_folder.path());
+  saveMaps(first, first_folder.path());
 
   // Another thread, whose generator has been seeded and half used by somebody else.
   core::Trajectory second_path;
@@ -73,11 +73,11 @@ TEST_P(EveryMethod, GivesTheSameBytesForTheSameSeedWhateverElseUsesTheGenerator)
     mrpt::random::getRandomGenerator().drawGaussian1D_normalized();
     auto second = makeMethod(GetParam(), 7);
     second_path = runDrive(second, drive);
-    saveMaps(second, second_path, second_folder.path());
+    saveMaps(second, second_folder.path());
   }).join();
 
   EXPECT_EQ(fingerprint(first_path), fingerprint(second_path));
-  for (const char* file : {"map.yaml", "map.png", "map.gridmap.gz", "map.simplemap", "map.3Dscene"})
+  for (const char* file : {"map.yaml", "map.png", "map.gridmap.gz", "map.simplemap"})
     EXPECT_EQ(core::fileSha256(first_folder / file), core::fileSha256(second_folder / file)) << file;
 }
 
@@ -288,7 +288,7 @@ TEST(MapFiles, TheRosMapHasTheMapsCellsWithTheTopRowFirst) {
   const testing::TempFolder folder;
   auto method = makeMethod("naive_wheel");
   const auto estimate = runDrive(method, test::driveThroughRoom(20));
-  saveMaps(method, estimate, folder.path());
+  saveMaps(method, folder.path());
   const auto map = currentMap(method);
   // MRPT's own reader of ROS maps turns the rows back; it keeps only occupied, free and unknown.
   mrpt::maps::COccupancyGridMap2D ros(0, 1, 0, 1, 0.5F);
@@ -315,7 +315,7 @@ TEST(MapFiles, TheGridFileIsAStockGridWithTheSameCells) {
   const testing::TempFolder folder;
   auto method = makeMethod("rbpf_exact");
   const auto estimate = runDrive(method, test::driveThroughRoom(10));
-  saveMaps(method, estimate, folder.path());
+  saveMaps(method, folder.path());
   mrpt::io::CFileGZInputStream file(folder / "map.gridmap.gz");
   const auto object = mrpt::serialization::archiveFrom(file).ReadObject();
   ASSERT_STREQ(object->GetRuntimeClass()->className, "mrpt::maps::COccupancyGridMap2D");
@@ -328,29 +328,18 @@ TEST(MapFiles, TheSimpleMapHoldsTheKeyFrames) {
   const testing::TempFolder folder;
   auto method = makeMethod("icp");
   const auto estimate = runDrive(method, test::driveThroughRoom(20));
-  saveMaps(method, estimate, folder.path());
+  saveMaps(method, folder.path());
   mrpt::maps::CSimpleMap key_frames;
   ASSERT_TRUE(key_frames.loadFromFile(folder / "map.simplemap"));
   EXPECT_EQ(key_frames.size(), method.builder->getCurrentlyBuiltMapSize());
   EXPECT_GE(key_frames.size(), 2U);
 }
 
-TEST(MapFiles, TheSceneHasItsNamedLayers) {
-  const testing::TempFolder folder;
-  auto method = makeMethod("icp");
-  const auto estimate = runDrive(method, test::driveThroughRoom(20));
-  saveMaps(method, estimate, folder.path());
-  compat::Scene scene;
-  ASSERT_TRUE(scene.loadFromFile(folder / "map.3Dscene"));
-  for (const char* layer : {"ground, 1 m", "occupancy grid", "obstacle points", "path", "robot"})
-    EXPECT_TRUE(scene.getByName(layer)) << layer;
-}
-
 TEST(MapFiles, AFolderThatCannotBeWrittenIsAnIoError) {
   auto method = makeMethod("naive");
   const auto estimate = runDrive(method, test::driveThroughRoom(2));
   try {
-    saveMaps(method, estimate, "/nowhere/at/all");
+    saveMaps(method, "/nowhere/at/all");
     FAIL();
   } catch (const core::IoError& error) {
     EXPECT_THAT(error.what(), ::testing::StartsWith("/nowhere/at/all/map"));

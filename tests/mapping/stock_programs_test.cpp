@@ -1,8 +1,6 @@
 // MRPT's own programs, with our configurations, plugin and files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <mrpt/opengl/CCamera.h>
-#include <mrpt/opengl/CFBORender.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -12,7 +10,6 @@
 #include "libslam/core/files.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/mapping/mrpt_compat.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/mapping/small_room.h"
 
@@ -108,7 +105,7 @@ class SavedRun : public ::testing::Test {
     for (const auto& entry : test::driveThroughRoom(30).entries)
       estimate.push_back(
           {entry.scan.time_s, processScan(method, entry.scan, entry.T_previous_robot, entry.has_odometry)});
-    saveMaps(method, estimate, folder_.path());
+    saveMaps(method, folder_.path());
   }
   testing::TempFolder folder_;
 };
@@ -124,41 +121,6 @@ TEST_F(SavedRun, TheSimpleMapIsReadByObservations2map) {
   for (const auto& file : std::filesystem::directory_iterator(folder_.path()))
     found = found || file.path().filename().string().find("COccupancyGridMap2D") != std::string::npos;
   EXPECT_TRUE(found) << run.out;
-}
-
-TEST_F(SavedRun, TheSceneRendersOffScreen) {
-  setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
-  unsetenv("DISPLAY");
-  compat::Scene scene;
-  ASSERT_TRUE(scene.loadFromFile(folder_ / "map.3Dscene"));
-  mrpt::img::CImage picture;
-  try {
-    mrpt::opengl::CFBORender renderer(300, 300);
-    mrpt::opengl::CCamera camera;
-    camera.setPointingAt(2.0F, 0.0F, 0.0F);
-    camera.setZoomDistance(20);
-    camera.setAzimuthDegrees(-90);
-    camera.setElevationDegrees(89.9F);
-    camera.setOrthogonal(true);
-    renderer.setCamera(scene, camera);
-    renderer.render_RGB(scene, picture);
-  } catch (const std::exception& error) {
-    GTEST_SKIP() << "no off-screen rendering here: " << std::string(error.what()).substr(0, 120);
-  }
-  ASSERT_TRUE(picture.saveToFile(folder_ / "scene.png"));
-  EXPECT_GT(std::filesystem::file_size(folder_ / "scene.png"), 1000U);
-  // Free cells are white, the walls' points red, the path blue.
-  int red = 0, blue = 0, white = 0;
-  for (unsigned y = 0; y < 300; ++y)
-    for (unsigned x = 0; x < 300; ++x) {
-      const auto* pixel = picture.ptr<std::uint8_t>(x, y);  // blue, green, red
-      if (pixel[2] > 150 && pixel[0] < 100) ++red;
-      if (pixel[0] > 150 && pixel[2] < 100) ++blue;
-      if (pixel[0] > 200 && pixel[1] > 200 && pixel[2] > 200) ++white;
-    }
-  EXPECT_GT(red, 100);
-  EXPECT_GT(blue, 20);
-  EXPECT_GT(white, 2000);
 }
 
 }  // namespace

@@ -122,9 +122,9 @@ TEST(DrawPlan, DrawsTheTruthUnderTheEstimates) {
            folder / "plan.png");
   const auto image = load(folder / "plan.png");
   const int estimate = countOf(image, lineColours()[0]), truth = countOf(image, kTruthPath);
-  // 6 m of about 145 pixels each: at least two whole pixels of the estimate, and one of the truth at either
-  // side.
-  EXPECT_GT(estimate, 2 * 800);
+  // 6 m of about 145 pixels each: of the estimate, 2.5 wide, at least one whole pixel wherever it lies, and one of the
+  // truth at either side.
+  EXPECT_GT(estimate, 800);
   EXPECT_GT(truth, 2 * 800);
 }
 

@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/report/table_text.h"
 
 namespace slam::report {
 namespace {
@@ -163,6 +166,58 @@ TEST(Table, BreaksTitlesWhereItWouldBeWiderThanATerminal) {
             "Method\n------\n\n" + std::string(78, 'x') + "\nand more\n");
 }
 
+TEST(Table, WiderThanItsPlaceIsSetInBlocksThatNameTheirRows) {
+  const Table table{
+      "Caption",
+      {{"w", "World"}, {"m", "Method"}, {"a", "first", 1}, {"b", "second", 1}, {"c", "third", 1}},
+      {{"flat", "icp", 1.0, 2.0, 3.0}, {"flat", "graph", 4.0, 5.0, 6.0}},
+      {"A note."}};
+  EXPECT_EQ(toTextWithin(table, 30),
+            "Caption\n"
+            "\n"
+            "World  Method  first  second\n"
+            "-----  ------  -----  ------\n"
+            "flat   icp       1.0     2.0\n"
+            "flat   graph     4.0     5.0\n"
+            "\n"
+            "World  Method  third\n"
+            "-----  ------  -----\n"
+            "flat   icp       3.0\n"
+            "flat   graph     6.0\n"
+            "\n"
+            "A note.\n");
+  EXPECT_EQ(toTextWithin(table, 80), toText(table));
+  EXPECT_EQ(toTextWithin(table, 80).find("third\n-----  ------  -----  ------  -----\n"), 39U);
+}
+
+TEST(Table, LongTextIsBrokenInsideItsCell) {
+  const std::string reason = "the robot was carried away and nothing that it saw afterwards fitted the map";
+  const Table table{
+      "", {{"m", "Method"}, {"r", "Reason"}, {"n", "n", 0}}, {{"icp", reason, 1.0}, {"rbpf", "", 2.0}}, {}};
+  EXPECT_EQ(toTextWithin(table, 50),
+            "Method  Reason                      n\n"
+            "------  --------------------------  -\n"
+            "icp     the robot was carried away  1\n"
+            "        and nothing that it saw\n"
+            "        afterwards fitted the map\n"
+            "rbpf                                2\n");
+}
+
+TEST(Table, NoBlockIsWiderThanItsPlaceWhereThatCanBe) {
+  auto table = withErrorColumns(12);
+  for (const size_t width : {40U, 60U, 80U, 120U, 400U}) {
+    std::istringstream lines(toTextWithin(table, width));
+    size_t figures = 0;
+    for (std::string line; std::getline(lines, line);) {
+      EXPECT_LE(line.size(), width);
+      if (line.rfind("icp", 0) == 0)
+        figures += static_cast<size_t>(std::count(line.begin(), line.end(), '.'));
+    }
+    EXPECT_EQ(figures, 12U) << width;  // none is lost, none comes twice
+  }
+  EXPECT_NE(toTextWithin({"", {{"a", std::string(90, 'x')}}, {{"y"}}, {}}, 40), "");
+}
+
 TEST(Table, ShowsNoNegativeZeroAndNamesInfinity) {
   const Table table{"", {{"v", "v", 2}}, {{-0.001}, {-0.01}, {double(INFINITY)}, {-double(INFINITY)}}, {}};
   EXPECT_EQ(toText(table), "    v\n-----\n 0.00\n-0.01\n  inf\n -inf\n");
@@ -211,6 +266,32 @@ TEST(Table, MarkdownReadsBackAsItWasSeen) {
   EXPECT_EQ(read.caption, "A | B");
   EXPECT_EQ(std::get<std::string>(read.rows[1][1]), "-");
   EXPECT_TRUE(fromMarkdown("").rows.empty());
+}
+
+TEST(Table, CsvReadsBack) {
+  const Table table{
+      "", {{"a,b", "a"}, {"n", "n"}}, {{"say \"hi\",\nyou", 0.1}, {"", kNaN}, {"x", INFINITY}}, {}};
+  const auto read = fromCsv(toCsv(table), "t.csv");
+  EXPECT_EQ(toCsv(read), toCsv(table));
+  EXPECT_EQ(read.columns[0].key, "a,b");
+  EXPECT_EQ(std::get<std::string>(read.rows[0][0]), "say \"hi\",\nyou");
+  EXPECT_EQ(std::get<double>(read.rows[0][1]), 0.1);
+  EXPECT_TRUE(std::isnan(std::get<double>(read.rows[1][1])));
+  EXPECT_EQ(fromCsv("a\n1\n2", "t.csv").rows.size(), 2U);  // line feeds alone, the last one missing
+}
+
+TEST(Table, CsvThatIsBrokenNamesFileAndLine) {
+  const auto message = [](const std::string& csv) -> std::string {
+    try {
+      fromCsv(csv, "t.csv");
+    } catch (const core::InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message(""), "t.csv: is empty, expected a header and rows");
+  EXPECT_EQ(message("a,b\n\"x\ny\",2\n3\n"), "t.csv:4: found 1 fields, expected 2 as in the header");
+  EXPECT_EQ(message("a\n\"x"), "t.csv:2: a quoted field has no end, expected '\"'");
 }
 
 }  // namespace

@@ -1,0 +1,224 @@
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+
+#include "apps/console.h"
+#include "apps/plot.h"
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/report/picture.h"
+#include "libslam/run/figures.h"
+#include "libslam/run/report_data.h"
+
+namespace slam::apps {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> inputs;
+  std::string methods, title;
+  bool is_linear = false;
+  run::SeedSelection seeds;
+  std::shared_ptr<PaperArguments> how;
+};
+
+std::vector<std::string> namesIn(const std::string& list) {
+  std::vector<std::string> names;
+  std::istringstream in(list);
+  for (std::string name; std::getline(in, name, ',');)
+    if (!name.empty()) names.push_back(name);
+  return names;
+}
+
+/// What the HTML report knows of a folder, with the methods that were asked for. Errors: InputError for a method that is not
+/// in the folder.
+report::ReportPage pageOf(const Context& context, const Arguments& arguments) {
+  const auto& folder = arguments.inputs.front();
+  ConsoleProgress progress(context.quiet);
+  auto page = run::gatherReport(folder, progress);
+  const auto wanted = namesIn(arguments.methods);
+  if (wanted.empty()) return page;
+  std::vector<std::string> known;
+  for (const auto& run : page.runs) known.push_back(run.method);
+  for (const auto& name : wanted)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw core::InputError("--methods: found '" + name + "', expected a method in " + folder +
+                             core::didYouMean(name, known));
+  const auto is_unwanted = [&](const report::ReportRun& run) {
+    return std::find(wanted.begin(), wanted.end(), run.method) == wanted.end();
+  };
+  page.runs.erase(std::remove_if(page.runs.begin(), page.runs.end(), is_unwanted), page.runs.end());
+  return page;
+}
+
+int plotMap(const Context& context, const Arguments& arguments) {
+  const auto [file, paper] = picturePlace(context, *arguments.how, "map.png");
+  const auto page = pageOf(context, arguments);
+  const auto panels = run::mapPanels(page, arguments.inputs.front());
+  if (panels.size() == 1) {
+    auto map = panels.front().map;
+    map.T_world_plan = panels.front().T_world_map * map.T_world_plan;
+    report::drawPlan(map, panels.front().paths, arguments.title, file, {}, paper);
+  } else {
+    report::drawPanels(panels, file, paper);
+  }
+  auto methods = nlohmann::ordered_json::array();
+  for (const auto& panel : panels) methods.push_back(panel.title);
+  sayPicture(context, {{"file", file}, {"methods", methods}}, file);
+  return 0;
+}
+
+int plotPaths(const Context& context, const Arguments& arguments) {
+  const auto [file, paper] = picturePlace(context, *arguments.how, "paths.png");
+  const auto page = pageOf(context, arguments);
+  const auto paths = run::allPaths(page);
+  if (paths.empty())
+    throw core::InputError(arguments.inputs.front() + ": holds no path, expected a run that has one");
+  report::drawPlan(page.replays.empty() ? world::Plan{} : page.replays.front().plan.value_or(world::Plan{}),
+                   paths, arguments.title, file, {}, paper);
+  auto list = nlohmann::ordered_json::array();
+  for (const auto& path : paths) list.push_back(path.label);
+  sayPicture(context, {{"file", file}, {"paths", list}}, file);
+  return 0;
+}
+
+int plotErrors(const Context& context, const Arguments& arguments) {
+  const auto [file, paper] = picturePlace(context, *arguments.how, "errors.png");
+  const auto page = pageOf(context, arguments);
+  const auto chart = run::errorChart(page, arguments.inputs.front(), !arguments.is_linear);
+  report::drawCharts({chart}, arguments.title, file, paper);
+  auto methods = nlohmann::ordered_json::array();
+  for (const auto& curve : chart.curves) methods.push_back(curve.label);
+  sayPicture(context, {{"file", file}, {"methods", methods}}, file);
+  return 0;
+}
+
+/// The file itself, or the one of that name in a folder.
+std::string tableIn(const std::string& input, const std::string& name) {
+  return std::filesystem::is_directory(input) ? input + "/" + name : input;
+}
+
+int plotSeeds(const Context& context, Arguments& arguments) {
+  const auto [file, paper] = picturePlace(context, *arguments.how, "seeds.png");
+  const auto path = tableIn(arguments.inputs.front(), "results.csv");
+  arguments.seeds.methods = namesIn(arguments.methods);
+  const auto charts = run::seedBoxes(report::fromCsv(core::readTextFile(path), path), arguments.seeds, path);
+  report::drawBoxes(charts, run::axisTitle(arguments.seeds.metric), !arguments.is_linear, arguments.title,
+                    file, paper);
+  auto list = nlohmann::ordered_json::array();
+  for (const auto& chart : charts)
+    for (const auto& sample : chart.samples)
+      list.push_back({{"chart", chart.title},
+                      {"method", sample.label},
+                      {"values", sample.values.size()},
+                      {"failed", sample.failed}});
+  sayPicture(context, {{"file", file}, {"metric", arguments.seeds.metric}, {"boxes", list}}, file);
+  return 0;
+}
+
+int plotStress(const Context& context, const Arguments& arguments) {
+  const auto [file, paper] = picturePlace(context, *arguments.how, "stress.png");
+  const auto path = tableIn(arguments.inputs.front(), "stress.csv");
+  const auto charts = run::stressCharts(report::fromCsv(core::readTextFile(path), path), path);
+  report::drawCharts(charts, arguments.title, file, paper);
+  sayPicture(context, {{"file", file}, {"varied", charts.front().x_title}}, file);
+  return 0;
+}
+
+int plotExploration(const Context& context, const Arguments& arguments) {
+  const auto [file, paper] = picturePlace(context, *arguments.how, "exploration.png");
+  const auto charts = run::explorationCharts(arguments.inputs);
+  report::drawCharts(charts, arguments.title, file, paper);
+  sayPicture(context, {{"file", file}, {"runs", charts.front().curves.size()}}, file);
+  return 0;
+}
+
+/// A kind of figure: what every one of them has.
+CLI::App* addKind(CLI::App& plot, Context& context, const std::shared_ptr<Arguments>& arguments,
+                  const std::string& name, const std::string& what, const std::string& input,
+                  int (*draw)(const Context&, Arguments&)) {
+  auto* command = plot.add_subcommand(name, what);
+  command->add_option("input", arguments->inputs, input)->required()->expected(1);
+  command->add_option("--title", arguments->title, "above the picture (default: none)");
+  arguments->how = addPicture(command, context, name + ".png");
+  command->callback([&context, arguments, draw] {
+    context.action = [&context, arguments, draw] { return draw(context, *arguments); };
+  });
+  return command;
+}
+
+template <int (*kDraw)(const Context&, const Arguments&)>
+int asMutable(const Context& context, Arguments& arguments) {
+  return kDraw(context, arguments);
+}
+
+}  // namespace
+
+void addPlotResults(CLI::App& plot, Context& context) {
+  const std::string of_runs = "what 'rasterslam compare', 'run' or 'explore' wrote";
+  const auto made = [] { return std::make_shared<Arguments>(); };
+  const auto addMethods = [](CLI::App* command, const std::shared_ptr<Arguments>& arguments) {
+    command->add_option("--methods", arguments->methods, "these alone, separated by commas (default: all)");
+  };
+  const auto addLinear = [](CLI::App* command, const std::shared_ptr<Arguments>& arguments) {
+    command->add_flag("--linear", arguments->is_linear, "no logarithmic axis");
+  };
+
+  auto arguments = made();
+  auto* command =
+      addKind(plot, context, arguments, "map", "the map of each method with its path and the true one",
+              of_runs, asMutable<plotMap>);
+  addMethods(command, arguments);
+  command->footer(
+      "Examples:\n"
+      "  rasterslam plot map out -o map.pdf --width 170mm\n"
+      "  rasterslam plot map out --methods graph -o graph.svg --width 85mm");
+
+  arguments = made();
+  command = addKind(plot, context, arguments, "paths", "the paths of all methods over the true plan", of_runs,
+                    asMutable<plotPaths>);
+  addMethods(command, arguments);
+  command->footer("Example:\n  rasterslam plot paths out -o paths.pdf --width 85mm");
+
+  arguments = made();
+  command = addKind(plot, context, arguments, "errors", "position error over time, a line per method",
+                    of_runs, asMutable<plotErrors>);
+  addMethods(command, arguments);
+  addLinear(command, arguments);
+  command->footer("Example:\n  rasterslam plot errors out -o errors.pdf --width 85mm");
+
+  arguments = made();
+  command = addKind(plot, context, arguments, "seeds", "box plots over the seeds of a sweep",
+                    "what 'rasterslam bench' wrote, or its results.csv", plotSeeds);
+  addMethods(command, arguments);
+  addLinear(command, arguments);
+  command
+      ->add_option("--metric", arguments->seeds.metric,
+                   "a column of results.csv: see 'rasterslam list metrics'")
+      ->capture_default_str();
+  command
+      ->add_option("--where", arguments->seeds.where,
+                   "KEY=VALUE, runs whose column KEY holds VALUE; repeat for more")
+      ->take_all()
+      ->expected(1);
+  command->footer(
+      "Boxes from the lower to the upper quartile with the median; whiskers to the last value within 1.5 "
+      "boxes.\n"
+      "Examples:\n"
+      "  rasterslam plot seeds sweep -o seeds.pdf\n"
+      "  rasterslam plot seeds sweep/results.csv --where world=flat --metric wall_f1 --linear -o walls.svg "
+      "--width 85mm");
+
+  arguments = made();
+  command = addKind(plot, context, arguments, "stress", "error and failures over what a stress test varied",
+                    "what 'rasterslam stress' wrote, or its stress.csv", asMutable<plotStress>);
+  command->footer("Example:\n  rasterslam plot stress fov -o fov.pdf --width 170mm");
+
+  arguments = made();
+  command = addKind(plot, context, arguments, "exploration", "explored share over time and over the path",
+                    "what 'rasterslam explore' wrote; several folders are drawn together",
+                    asMutable<plotExploration>);
+  command->get_option("input")->expected(1, 100);
+  command->footer("Example:\n  rasterslam plot exploration ex1 ex2 -o coverage.pdf --width 170mm");
+}
+
+}  // namespace slam::apps

@@ -1,0 +1,71 @@
+#include "apps/show.h"
+
+#include <exception>
+#include <thread>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/core/parameters.h"
+
+namespace slam::apps {
+namespace {
+
+live::SnapshotMaker makerOf(const Show& what) {
+  live::SnapshotMaker maker(what.title, what.method, what.T_scene_map);
+  maker.setTruth(what.truth);
+  maker.setLoops(what.loops);
+  return maker;
+}
+
+Shown takePicture(const Show& what, const ShowFlags& flags, const Loop& loop, viewer::LiveScene& scene) {
+  auto maker = makerOf(what);
+  live::MomentAt observer(maker, flags.at_s);
+  try {
+    loop(observer, nullptr);
+  } catch (const core::Interrupted&) {
+    if (!observer.moment()) throw;
+  }
+  if (!observer.moment())
+    throw core::InputError("--at: found " + core::formatNumber(flags.at_s) + ", expected at most " +
+                           core::formatNumber(maker.time_s()) + ", the time of the last scan");
+  scene.show(*observer.moment(), {});
+  core::writeFileAtomically(flags.screenshot,
+                            viewer::renderPng(scene, viewer::cameraOver(scene.area(), scene.size())));
+  return Shown::kPicture;
+}
+
+}  // namespace
+
+Shown show(const Show& what, const ShowFlags& flags, const Loop& loop) {
+  viewer::LiveScene scene(what.plan ? &*what.plan : nullptr, what.robot_side_m,
+                          {flags.size[0], flags.size[1]});
+  if (!flags.screenshot.empty()) return takePicture(what, flags, loop, scene);
+  live::requireDisplay();
+  live::Stage stage(live::Playback(flags.speed, flags.paused));
+  auto maker = makerOf(what);
+  live::StagedLoop observer(stage, maker, what.hands == live::Hands::kWatch);
+  std::exception_ptr error;
+  bool is_whole = false;
+  std::thread worker([&] {
+    try {
+      loop(observer, &stage);
+      is_whole = !stage.isClosed();
+      stage.finish();
+    } catch (...) {
+      if (!stage.isClosed()) error = std::current_exception();
+      stage.close();
+    }
+  });
+  try {
+    live::showWindow(stage, scene, what.title + " - rasterslam", what.hands);
+  } catch (...) {
+    stage.close();
+    worker.join();
+    throw;
+  }
+  worker.join();
+  if (error) std::rethrow_exception(error);
+  return is_whole ? Shown::kWhole : Shown::kClosed;
+}
+
+}  // namespace slam::apps

@@ -1,0 +1,351 @@
+#include "apps/view_commands.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "apps/console.h"
+#include "apps/show.h"
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/live/replay.h"
+#include "libslam/logs/log_reader.h"
+#include "libslam/logs/trajectory_io.h"
+#include "libslam/metrics/trajectory_error.h"
+#include "libslam/run/build_map.h"
+#include "libslam/run/compare.h"
+#include "libslam/run/explore.h"
+#include "libslam/run/external_method.h"
+#include "libslam/run/resources.h"
+
+namespace slam::apps {
+namespace fs = std::filesystem;
+namespace {
+
+struct ViewArguments {
+  std::string input;  ///< plan, log or folder
+  std::string method, slam = "graph", log, plan;
+  SimulationFlags simulation;
+  ShowFlags show;
+};
+
+/// Where a loop writes what nobody asked to keep.
+class ScratchFolder {
+ public:
+  ScratchFolder() : path_(fs::temp_directory_path() / ("rasterslam-view-" + std::to_string(getpid()))) {
+    fs::create_directories(path_);
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  fs::path path_;
+};
+
+void requireSensible(const ShowFlags& flags) {
+  if (flags.screenshot.empty() != (flags.at_s < 0))
+    throw core::InputError("--screenshot and --at: found one of them, expected both (what, and when)");
+}
+
+int report(Shown shown, const ShowFlags& flags, const std::string& written) {
+  if (shown == Shown::kPicture) std::printf("%s\n", flags.screenshot.c_str());
+  if (shown == Shown::kClosed) std::printf("closed before its end: nothing was written\n");
+  if (shown == Shown::kWhole && !written.empty()) std::printf("%s\n", written.c_str());
+  return 0;
+}
+
+std::string nameOf(const std::string& path) {
+  return fs::path(path).stem().string();
+}
+
+/// A plan with everything that starts a robot in it.
+struct Start {
+  std::string plan_path;
+  world::Plan plan;
+  core::Manifest manifest;
+};
+
+Start startIn(const Context& context, const std::string& input) {
+  Start start;
+  start.plan_path = run::resolvePlan(input);
+  start.plan = world::loadPlan(start.plan_path);
+  start.manifest = context.manifest();
+  start.manifest.inputs[start.plan_path] = core::fileSha256(start.plan_path);
+  return start;
+}
+
+Show showOf(const Start& start, const run::RecordConfig& config, std::uint64_t seed) {
+  Show what;
+  what.plan = run::planOfVisit(start.plan, config.living, seed);
+  what.robot_side_m = config.robot.side_m;
+  what.T_scene_map = run::startPose(*what.plan, config);
+  return what;
+}
+
+void refuseToOverwriteLog(const Context& context, const std::string& log_path) {
+  for (const auto& path : {log_path, run::logStem(log_path) + ".gt.tum"})
+    core::refuseToOverwrite(path, context.overwrite);
+}
+
+std::string writtenText(const run::Recording& recording) {
+  char text[200];
+  std::snprintf(text, sizeof text, "%zu scans in %.1f s over %.1f m, %zu collisions", recording.scans,
+                recording.duration_s, recording.path_length_m, recording.collisions.size());
+  std::string lines = text;
+  for (const auto& file : recording.files) lines += "\n  " + file;
+  return lines;
+}
+
+int viewSimulate(const Context& context, const ViewArguments& arguments) {
+  requireSensible(arguments.show);
+  const auto config = run::readRecordConfig(simulationConfig(context, arguments.simulation));
+  if (context.print_config) return printParameters(config.parameters, context.json), 0;
+  const auto start = startIn(context, arguments.input);
+  if (!context.output.empty()) refuseToOverwriteLog(context, context.output);
+  const ScratchFolder scratch;
+  const std::string log_path = context.output.empty() ? scratch / "run.rawlog" : context.output;
+  Show what = showOf(start, config, context.seed);
+  what.title = "simulate " + start.plan.name;
+  what.method = config.strategy.name + ", wheel odometry";
+  ConsoleProgress progress(context.quiet);
+  std::string written;
+  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, const live::Stage*) {
+    const auto recording =
+        run::record(start.plan, config, context.seed, log_path, start.manifest, progress, &observer);
+    if (!context.output.empty()) written = writtenText(recording);
+  });
+  return report(shown, arguments.show, written);
+}
+
+int viewDrive(const Context& context, const ViewArguments& arguments) {
+  const auto config = run::readRecordConfig(simulationConfig(context, arguments.simulation));
+  if (context.print_config) return printParameters(config.parameters, context.json), 0;
+  const auto start = startIn(context, arguments.input);
+  const std::string log_path = context.output.empty() ? "run.rawlog" : context.output;
+  refuseToOverwriteLog(context, log_path);
+  Show what = showOf(start, config, context.seed);
+  what.title = "drive " + start.plan.name;
+  what.method = "by hand; wheel odometry";
+  what.hands = live::Hands::kDrive;
+  auto manifest = start.manifest;
+  manifest.results["driven"] = "by hand";
+  const double period_s = 1 / config.lidar.rate_hz;
+  ConsoleProgress progress(true);
+  std::string written;
+  show(what, arguments.show, [&](run::StepObserver& observer, const live::Stage* stage) {
+    const auto hand = [&](const sim::Sensed&) -> std::optional<robot::Command> {
+      if (stage->isClosed()) return std::nullopt;
+      return live::commandOf(stage->keys(), config.robot, period_s);
+    };
+    written = writtenText(
+        run::recordCommands(start.plan, config, context.seed, log_path, manifest, progress, hand, &observer));
+  });
+  std::printf("%s\nnext: rasterslam compare %s\n", written.c_str(), log_path.c_str());
+  return 0;
+}
+
+int viewExplore(const Context& context, const ViewArguments& arguments) {
+  requireSensible(arguments.show);
+  run::ExploreRequest request;
+  request.strategies = {run::readExploreConfig(simulationConfig(context, arguments.simulation))};
+  const auto& config = request.strategies.front().record;
+  if (context.print_config) return printParameters(config.parameters, context.json), 0;
+  const auto start = startIn(context, arguments.input);
+  const ScratchFolder scratch;
+  request.plan_path = start.plan_path;
+  request.slam = arguments.slam;
+  request.methods_folder = run::configsFolder() + "/methods";
+  request.output = context.output.empty() ? scratch / "exploration" : context.output;
+  request.seed = context.seed;
+  request.overwrite = context.overwrite;
+  request.tables_only = context.output.empty();
+  Show what = showOf(start, config, context.seed);
+  what.title = "explore " + start.plan.name;
+  what.method = config.strategy.name + " on " + nameOf(arguments.slam);
+  ConsoleProgress progress(context.quiet);
+  std::string written;
+  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, const live::Stage*) {
+    request.observer = &observer;
+    const auto result = run::explore(request, context.manifest(), progress);
+    written = report::toText(result.scores);
+    if (!context.output.empty()) written += "\npictures, maps, tables: " + context.output;
+  });
+  return report(shown, arguments.show, written);
+}
+
+/// What is known to be true of a log, laid under what is shown. `path` in the map frame, nothing for a method that is to begin.
+void addTruth(const std::string& log_path, const std::string& given_plan, Show& what) {
+  const auto truth = run::truthFiles(log_path, "", given_plan);
+  if (!truth.trajectory.empty()) {
+    what.truth = logs::readTrajectory(truth.trajectory);
+    const auto first = logs::LogReader(log_path).next();
+    if (first) metrics::poseAt(what.truth, first->scan.time_s, what.T_scene_map);
+  }
+  if (!truth.plan.empty()) what.plan = world::loadPlan(truth.plan);
+}
+
+int viewRun(const Context& context, const ViewArguments& arguments) {
+  requireSensible(arguments.show);
+  auto config = mapping::loadMethodConfig(run::configsFolder() + "/methods", arguments.method);
+  if (!context.config.empty()) config.overrideWith(core::IniFile::load(context.config));
+  for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
+  const std::string name = nameOf(arguments.method);
+  if (context.print_config)
+    return printParameters(run::methodParameters(config, name, context.seed), context.json), 0;
+  const ScratchFolder scratch;
+  const std::string folder = context.output.empty() ? scratch / name : context.output;
+  Show what;
+  what.title = name + " on " + fs::path(arguments.input).filename().string();
+  addTruth(arguments.input, arguments.plan, what);
+  ConsoleProgress progress(context.quiet);
+  std::string written;
+  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, const live::Stage*) {
+    run::buildMap(arguments.input, config, name, context.seed, folder, context.overwrite, context.manifest(),
+                  progress, true, {}, &observer);
+    if (!context.output.empty()) written = "map, path, journal: " + folder;
+  });
+  return report(shown, arguments.show, written);
+}
+
+int viewReplay(const Context&, const ViewArguments& arguments) {
+  requireSensible(arguments.show);
+  const auto replay = live::loadReplay(arguments.input, arguments.log);
+  Show what;
+  what.title = "replay " + arguments.input;
+  what.method = replay.method;
+  addTruth(replay.log_path, arguments.plan, what);
+  what.loops = replay.loops;
+  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, const live::Stage*) {
+    live::play(replay, observer);
+  });
+  return report(shown, arguments.show, "");
+}
+
+void addWindowSize(CLI::App* command, ShowFlags& flags) {
+  command->add_option("--size", flags.size, "of the window, WIDTHxHEIGHT in pixels")
+      ->delimiter('x')
+      ->expected(2)
+      ->check(CLI::Range(480, 7680))
+      ->default_str("1280x800");
+}
+
+void addShowFlags(CLI::App* command, ShowFlags& flags) {
+  command->add_option("--speed", flags.speed, "times the robot's time, 0.125 to 64; 0 = as fast as it goes")
+      ->check(CLI::Range(0.0, live::Playback::kFastest))
+      ->capture_default_str();
+  command->add_flag("--paused", flags.paused, "begin paused");
+  addWindowSize(command, flags);
+  command->add_option("--screenshot", flags.screenshot,
+                      "a PNG to write instead of opening a window; needs no display");
+  command
+      ->add_option("--at", flags.at_s, "of the screenshot: seconds of the robot's time since the first scan")
+      ->check(CLI::NonNegativeNumber);
+}
+
+std::string keysText(live::Hands hands) {
+  std::string text;
+  for (const auto& key : live::keysOf(hands)) text += "\n  " + padded(key.key, 12) + key.meaning;
+  return text;
+}
+
+using Action = int (*)(const Context&, const ViewArguments&);
+
+std::shared_ptr<ViewArguments> onCall(CLI::App* command, Context& context, Action action) {
+  auto arguments = std::make_shared<ViewArguments>();
+  command->callback([&context, arguments, action] {
+    context.action = [&context, arguments, action] { return action(context, *arguments); };
+  });
+  return arguments;
+}
+
+constexpr const char* kPlanMeaning = "bmp, png, pgm, jpg, a ROS map yaml, or a world by name";
+
+}  // namespace
+
+void addViewCommands(CLI::App& app, Context& context) {
+  auto* view = app.add_subcommand("view", "watch a robot live in a window, or drive it by hand");
+  view->require_subcommand(1);
+  view->footer("Keys:" + keysText(live::Hands::kWatch) +
+               "\nExit codes: as rasterslam's; 1 without a display (--screenshot needs none).\n"
+               "'rasterslam view COMMAND --help' shows examples.");
+
+  auto* drive = view->add_subcommand("drive", "drive by the arrow keys; writes a rawlog and its truth");
+  auto driving = onCall(drive, context, viewDrive);
+  drive->add_option("plan", driving->input, kPlanMeaning)->required();
+  addOutput(drive, context, "the rawlog to write (default run.rawlog)");
+  addSeed(drive, context);
+  drive->add_option("--lidar", driving->simulation.lidar,
+                    "a lidar by name (see 'rasterslam list lidars') or an .ini file");
+  drive->add_option("--duration", driving->simulation.duration_s, "longest recording, seconds");
+  drive->add_option("--form", driving->simulation.form, "form of the rawlog: action or observation");
+  addConfig(drive, context);
+  addWindowSize(drive, driving->show);
+  driving->show.speed = 1;
+  drive->footer(
+      "Keys:" + keysText(live::Hands::kDrive) +
+      "\nThe files are those of 'rasterslam simulate'; closing the window saves them, Ctrl-C does not.\n"
+      "Example:\n  rasterslam view drive flat -o run.rawlog --set living.people=3");
+
+  auto* simulate = view->add_subcommand("simulate", "watch 'rasterslam simulate'");
+  auto simulating = onCall(simulate, context, viewSimulate);
+  simulate->add_option("plan", simulating->input, kPlanMeaning)->required();
+  addOutput(simulate, context, "the rawlog to write (default: none)");
+  addSeed(simulate, context);
+  addSimulationFlags(simulate, simulating->simulation);
+  addConfig(simulate, context);
+  addShowFlags(simulate, simulating->show);
+  simulate->footer("Example:\n  rasterslam view simulate office_loop --set living.people=8 --speed 8");
+
+  auto* explore = view->add_subcommand("explore", "watch 'rasterslam explore' with one strategy");
+  auto exploring = onCall(explore, context, viewExplore);
+  exploring->slam = "icp_exact";
+  explore->add_option("plan", exploring->input, kPlanMeaning)->required();
+  explore
+      ->add_option("--slam", exploring->slam, "the method that estimates pose and map, or truth (reference)")
+      ->capture_default_str();
+  addOutput(explore, context, "folder to write (default: none)");
+  addSeed(explore, context);
+  addSimulationFlags(explore, exploring->simulation);
+  addConfig(explore, context);
+  addShowFlags(explore, exploring->show);
+  explore->footer(
+      "Examples:\n"
+      "  rasterslam view explore flat --strategy information_gain --slam particles\n"
+      "  rasterslam view explore flat --strategy quadrant --screenshot flat.png --at 60");
+
+  auto* run_method = view->add_subcommand("run", "watch 'rasterslam run': a method at work on a log");
+  auto running = onCall(run_method, context, viewRun);
+  run_method->add_option("method", running->method, "a name of 'rasterslam list methods', or an .ini file")
+      ->required();
+  run_method->add_option("log", running->input, "a log: MRPT rawlog, CARMEN, ...")->required();
+  run_method->add_option("--plan", running->plan, "true plan to show (default: the one the log was made in)");
+  addOutput(run_method, context, "folder to write (default: none)");
+  addSeed(run_method, context);
+  addConfig(run_method, context);
+  addShowFlags(run_method, running->show);
+  run_method->footer(
+      "Examples:\n"
+      "  rasterslam view run graph run.rawlog --speed 16\n"
+      "  rasterslam view run rbpf_exact intel.clf -o out");
+
+  auto* replay =
+      view->add_subcommand("replay", "watch a finished run again: the scans at the poses of its final path");
+  auto replaying = onCall(replay, context, viewReplay);
+  replay->add_option("folder", replaying->input, "what 'rasterslam run' or 'explore' wrote")->required();
+  replay->add_option("--log", replaying->log, "the run's log, where it is no longer in its place");
+  replay->add_option("--plan", replaying->plan, "true plan to show (default: the one the log was made in)");
+  addShowFlags(replay, replaying->show);
+  replay->footer("Example:\n  rasterslam view replay out --speed 16");
+}
+
+}  // namespace slam::apps

@@ -1,0 +1,70 @@
+#include "apps/view_mrpt.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <sstream>
+#include <string_view>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+
+namespace slam::apps {
+namespace {
+
+struct Viewer {
+  std::string_view suffix;
+  const char *program, *package;
+};
+constexpr std::array<Viewer, 3> kViewers = {{{".rawlog", "RawLogViewer", "mrpt-apps"},
+                                             {".3Dscene", "SceneViewer3D", "mrpt-apps"},
+                                             {".simplemap", "robot-map-gui", "mrpt-apps"}}};
+
+const Viewer& viewerOf(const std::string& file) {
+  for (const auto& viewer : kViewers)
+    if (file.size() > viewer.suffix.size() &&
+        file.compare(file.size() - viewer.suffix.size(), std::string::npos, viewer.suffix) == 0)
+      return viewer;
+  throw core::InputError(
+      file + ": is of no kind that a viewer of MRPT's opens, expected .rawlog, .3Dscene or .simplemap");
+}
+
+bool isSet(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+
+/// Among the folders of PATH; "" when none has it.
+std::string whereIs(const char* program) {
+  const char* folders = std::getenv("PATH");
+  std::istringstream list(folders == nullptr ? "" : folders);
+  for (std::string folder; std::getline(list, folder, ':');) {
+    const auto path = (std::filesystem::path(folder.empty() ? "." : folder) / program).string();
+    if (access(path.c_str(), X_OK) == 0 && std::filesystem::is_regular_file(path)) return path;
+  }
+  return "";
+}
+
+}  // namespace
+
+void showWithMrpt(const std::string& file) {
+  const Viewer& viewer = viewerOf(file);
+  core::requireReadableFile(file);
+  const std::string program = whereIs(viewer.program);
+  if (program.empty())
+    throw core::IoError(std::string(viewer.program) + ": not found in PATH, needed to show " + file +
+                        " (Debian: apt install " + viewer.package + ")");
+  if (!isSet("DISPLAY") && !isSet("WAYLAND_DISPLAY"))
+    throw core::IoError(std::string(viewer.program) +
+                        ": there is no display (DISPLAY is not set), expected a desktop");
+  std::string name = viewer.program, argument = file;
+  char* const words[] = {name.data(), argument.data(), nullptr};
+  execv(program.c_str(), words);
+  throw core::IoError(program + ": cannot be started: " + std::strerror(errno));
+}
+
+}  // namespace slam::apps

@@ -1,0 +1,25 @@
+#pragma once
+#include <string>
+
+#include "libslam/live/stage.h"
+#include "libslam/viewer/live_scene.h"
+
+namespace slam::live {
+
+/// What a window does with its keys besides looking.
+enum class Hands {
+  kWatch,  ///< n and the right arrow: one step; + and -: the playback's speed
+  kDrive   ///< the arrows drive the robot, + and - say how fast
+};
+
+/// The keys of a window, for its help and for `--help`.
+std::vector<viewer::KeyHelp> keysOf(Hands hands);
+
+/// Errors: IoError with one line when no window can be opened for want of a display.
+void requireDisplay();
+
+/// Shows a stage in a window until q is pressed, or the window or the stage is closed; then both are. Runs in the calling thread, which must be
+/// the program's first. Once in a process. Errors: as requireDisplay(); IoError when the display has no OpenGL 3.3.
+void showWindow(Stage& stage, viewer::LiveScene& scene, const std::string& title, Hands hands);
+
+}  // namespace slam::live

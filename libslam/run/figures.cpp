@@ -1,0 +1,314 @@
+#include "libslam/run/figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/core/parameters.h"
+
+namespace slam::run {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t kMostPanels = 8, kMostCharts = 24;
+
+std::size_t columnOf(const report::Table& table, const std::string& key, const std::string& path) {
+  std::vector<std::string> keys;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    if (table.columns[i].key == key) return i;
+    keys.push_back(table.columns[i].key);
+  }
+  throw core::InputError(path + ":1: names no column '" + key + "'" + core::didYouMean(key, keys));
+}
+
+std::string textOf(const report::CellValue& cell) {
+  if (const auto* number = std::get_if<double>(&cell))
+    return std::isnan(*number) ? "" : core::formatNumber(*number);
+  return std::get<std::string>(cell);
+}
+
+double numberOf(const report::CellValue& cell) {
+  const auto* number = std::get_if<double>(&cell);
+  return number == nullptr ? std::nan("") : *number;
+}
+
+/// May be empty.
+core::Trajectory truthOf(const report::ReportPage& page, const report::ReportRun& run) {
+  return run.replay < page.replays.size() ? page.replays[run.replay].truth : core::Trajectory();
+}
+
+double rms(const std::vector<double>& values) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (const double value : values)
+    if (std::isfinite(value)) sum += value * value, ++count;
+  return count == 0 ? std::nan("") : std::sqrt(sum / static_cast<double>(count));
+}
+
+}  // namespace
+
+std::string axisTitle(const std::string& key) {
+  static const std::vector<std::pair<std::string, std::string>> units = {
+      {"_percent", " (%)"}, {"_deg", " (deg)"}, {"_ms", " (ms)"},
+      {"_mb", " (MB)"},     {"_m", " (m)"},     {"_s", " (s)"}};
+  std::string title = key, unit;
+  const auto endsWith = [&](const std::string& end) {
+    return title.size() > end.size() && title.compare(title.size() - end.size(), end.size(), end) == 0;
+  };
+  if (!endsWith("_per_m") && !endsWith("_per_s"))
+    for (const auto& [suffix, text] : units)
+      if (unit.empty() && endsWith(suffix)) title.resize(title.size() - suffix.size()), unit = text;
+  std::replace(title.begin(), title.end(), '_', ' ');
+  for (const std::string name : {"ate", "rpe"})
+    if (title.compare(0, name.size(), name) == 0)
+      title.replace(0, name.size(), name == "ate" ? "ATE" : "RPE");
+  return title + unit;
+}
+
+std::vector<report::Panel> mapPanels(const report::ReportPage& page, const std::string& folder) {
+  std::vector<report::Panel> panels;
+  for (const auto& run : page.runs) {
+    if (!run.map || panels.size() == kMostPanels) continue;
+    report::Panel panel;
+    panel.title = run.method;
+    const double error_m = rms(run.error_m);
+    if (std::isfinite(error_m)) {
+      char text[64];
+      std::snprintf(text, sizeof text, "error %.3f m rmse", error_m);
+      panel.subtitle = text;
+    }
+    panel.map = *run.map;
+    panel.T_world_map = run.T_world_map;
+    panel.paths.push_back({run.path, run.method});
+    if (const auto truth = truthOf(page, run); !truth.empty())
+      panel.paths.push_back({truth, "true path", true});
+    panels.push_back(std::move(panel));
+  }
+  if (panels.empty()) throw core::InputError(folder + ": holds no map, expected a run that has one");
+  return panels;
+}
+
+std::vector<report::DrawnPath> allPaths(const report::ReportPage& page) {
+  std::vector<report::DrawnPath> paths;
+  for (const auto& run : page.runs)
+    if (!run.path.empty()) paths.push_back({run.path, run.method});
+  for (const auto& replay : page.replays)
+    if (!replay.truth.empty()) {
+      paths.push_back({replay.truth, "true path", true});
+      break;
+    }
+  return paths;
+}
+
+report::Chart errorChart(const report::ReportPage& page, const std::string& folder, bool is_log) {
+  report::Chart chart{"time since the first scan (s)", "position error (m)", {}};
+  chart.y_log = is_log;
+  for (const auto& run : page.runs) {
+    if (std::isnan(rms(run.error_m))) continue;
+    report::Curve curve{run.method, {}};
+    for (std::size_t i = 0; i < run.path.size(); ++i)
+      curve.points.push_back({run.path[i].time_s - run.path.front().time_s, run.error_m[i]});
+    chart.curves.push_back(std::move(curve));
+  }
+  if (chart.curves.empty())
+    throw core::InputError(folder + ": has no errors to draw, expected a run whose true path is known");
+  return chart;
+}
+
+namespace {
+
+/// Rows that a selection takes, and how their charts and boxes are named.
+class SeedRows {
+ public:
+  SeedRows(const report::Table& results, const SeedSelection& selection, const std::string& path)
+      : results_(results),
+        metric_(columnOf(results, selection.metric, path)),
+        method_(columnOf(results, "method", path)),
+        status_(columnOf(results, "status", path)) {
+    for (const auto& column : results.columns)
+      if (column.key == "parameters") parameters_ = columnOf(results, "parameters", path);
+    std::vector<std::pair<std::size_t, std::string>> conditions;
+    for (const auto& condition : selection.where) {
+      const auto equals = condition.find('=');
+      if (equals == std::string::npos)
+        throw core::InputError("--where: found '" + condition +
+                               "', expected KEY=VALUE, such as world=office_loop");
+      conditions.emplace_back(columnOf(results, condition.substr(0, equals), path),
+                              condition.substr(equals + 1));
+    }
+    for (const auto& row : results.rows) {
+      const bool is_chosen = std::all_of(conditions.begin(), conditions.end(),
+                                         [&](const auto& c) { return textOf(row[c.first]) == c.second; });
+      const auto& methods = selection.methods;
+      const auto name = textOf(row[method_]);
+      if (is_chosen && (methods.empty() || std::count(methods.begin(), methods.end(), name) > 0))
+        rows_.push_back(&row);
+    }
+    if (rows_.empty())
+      throw core::InputError(path + ": none of its " + std::to_string(results.rows.size()) +
+                             " runs was chosen, expected at least one (--where, --methods)");
+    for (std::size_t i = 0; i < results.columns.size(); ++i) {
+      static const std::set<std::string> axes = {"world", "robot", "lidar", "odometry", "strategy", "fault"};
+      std::set<std::string> values;
+      for (const auto* row : rows_) values.insert(textOf((*row)[i]));
+      if (values.size() > 1 && axes.count(results.columns[i].key) > 0) varying_.push_back(i);
+    }
+  }
+
+  std::vector<report::BoxChart> charts() const {
+    std::vector<report::BoxChart> charts;
+    std::vector<std::string> methods;
+    for (const auto* row : rows_)
+      if (const auto name = labelOf(*row); std::find(methods.begin(), methods.end(), name) == methods.end())
+        methods.push_back(name);
+    std::map<std::string, std::size_t> places;
+    for (const auto* row : rows_) {
+      const auto [place, is_new] = places.emplace(titleOf(*row), charts.size());
+      if (is_new) {
+        charts.push_back({titleOf(*row), {}});
+        for (const auto& method : methods) charts.back().samples.push_back({method, {}, 0});
+      }
+      const auto method = std::find(methods.begin(), methods.end(), labelOf(*row)) - methods.begin();
+      auto& sample = charts[place->second].samples[static_cast<std::size_t>(method)];
+      if (textOf((*row)[status_]) == "ok")
+        sample.values.push_back(numberOf((*row)[metric_]));
+      else
+        ++sample.failed;
+    }
+    return charts;
+  }
+
+ private:
+  using Row = std::vector<report::CellValue>;
+  std::string labelOf(const Row& row) const {
+    std::string label = textOf(row[method_]);
+    if (parameters_ && !textOf(row[*parameters_]).empty()) label += " " + textOf(row[*parameters_]);
+    return label;
+  }
+  std::string titleOf(const Row& row) const {
+    std::string title;
+    for (const auto column : varying_) title += (title.empty() ? "" : ", ") + textOf(row[column]);
+    return title;
+  }
+
+  const report::Table& results_;
+  std::size_t metric_, method_, status_;
+  std::optional<std::size_t> parameters_;
+  std::vector<const Row*> rows_;
+  std::vector<std::size_t> varying_;
+};
+
+}  // namespace
+
+std::vector<report::BoxChart> seedBoxes(const report::Table& results, const SeedSelection& selection,
+                                        const std::string& path) {
+  auto charts = SeedRows(results, selection, path).charts();
+  if (charts.size() > kMostCharts)
+    throw core::InputError(path + ": has " + std::to_string(charts.size()) +
+                           " combinations of its axes, expected at most " + std::to_string(kMostCharts) +
+                           "; choose with --where, such as --where world=" +
+                           charts.front().title.substr(0, charts.front().title.find(',')));
+  return charts;
+}
+
+std::vector<report::Chart> stressCharts(const report::Table& stress, const std::string& path) {
+  const auto value = columnOf(stress, "value", path), method = columnOf(stress, "method", path),
+             key = columnOf(stress, "key", path), rate = columnOf(stress, "failure_rate", path);
+  const auto rate_low = columnOf(stress, "failure_rate_low", path),
+             rate_high = columnOf(stress, "failure_rate_high", path);
+  if (rate_high + 3 >= stress.columns.size() || stress.rows.empty())
+    throw core::InputError(
+        path + ": is not the table of a stress test, expected rows, and columns after failure_rate_high");
+  const std::size_t error = rate_high + 1;  // the suite's metric, then its interval
+  const std::string name = axisTitle(textOf(stress.rows.front()[key]));
+  report::Chart errors{name, "median " + axisTitle(stress.columns[error].key), {}};
+  report::Chart failures{name, "share of failed runs", {}, 1};
+  std::vector<report::Curve> error_whiskers, failure_whiskers;
+  std::vector<double> values;
+  const auto add = [](std::vector<report::Curve>& curves, const std::string& label, const core::Point2& p) {
+    auto curve = std::find_if(curves.begin(), curves.end(), [&](const auto& c) { return c.label == label; });
+    if (curve == curves.end())
+      curve = curves.insert(curves.end(), {label, {}, report::Curve::Style::kMarked});
+    curve->points.push_back(p);
+  };
+  for (const auto& row : stress.rows) {
+    const double x = numberOf(row[value]);
+    const std::string label = textOf(row[method]);
+    if (values.empty() || values.back() != x) values.push_back(x);
+    // A median that is a failed run has no place on the axis.
+    const double y = numberOf(row[error]), low = numberOf(row[error + 1]), high = numberOf(row[error + 2]);
+    add(errors.curves, label, {x, std::isfinite(y) ? y : std::nan("")});
+    add(failures.curves, label, {x, numberOf(row[rate])});
+    if (std::isfinite(low) && std::isfinite(high))
+      error_whiskers.push_back({label, {{x, low}, {x, high}}, report::Curve::Style::kWhisker});
+    if (std::isfinite(numberOf(row[rate])))
+      failure_whiskers.push_back({label,
+                                  {{x, numberOf(row[rate_low])}, {x, numberOf(row[rate_high])}},
+                                  report::Curve::Style::kWhisker});
+  }
+  errors.curves.insert(errors.curves.end(), error_whiskers.begin(), error_whiskers.end());
+  failures.curves.insert(failures.curves.end(), failure_whiskers.begin(), failure_whiskers.end());
+  const auto [least, largest] = std::minmax_element(values.begin(), values.end());
+  const bool is_log = *least > 0 && *largest > 50 * *least;
+  errors.x_log = failures.x_log = is_log;
+  return {errors, failures};
+}
+
+std::vector<report::Chart> explorationCharts(const std::vector<std::string>& folders) {
+  struct Run {
+    std::string folder, strategy, file;
+  };
+  std::vector<Run> runs;
+  for (const auto& folder : folders) {
+    if (!fs::is_directory(folder))
+      throw core::InputError(folder + ": is not a folder, expected one that 'rasterslam explore' wrote");
+    std::vector<std::string> files;
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+      if (entry.path().filename() == "exploration.csv") files.push_back(entry.path().string());
+    std::sort(files.begin(), files.end());
+    if (files.empty())
+      throw core::InputError(folder +
+                             ": holds no exploration.csv, expected a folder that 'rasterslam explore' wrote");
+    for (const auto& file : files) {
+      const auto inside = fs::relative(fs::path(file).parent_path(), folder);
+      std::string strategy = inside.begin()->string();
+      if (strategy == ".") {  // a single run
+        const std::string list = folder + "/runs.csv";
+        const auto table = report::fromCsv(core::readTextFile(list), list);
+        if (table.rows.empty()) throw core::InputError(list + ": holds no run, expected one");
+        strategy = textOf(table.rows.front()[columnOf(table, "strategy", list)]);
+      }
+      runs.push_back({folder, strategy, file});
+    }
+  }
+  std::vector<report::Chart> charts = {{"time (s)", "explored (%)", {}, 100},
+                                       {"path (m)", "explored (%)", {}, 100}};
+  for (const auto& run : runs) {
+    const bool is_elsewhere = std::any_of(runs.begin(), runs.end(), [&](const Run& other) {
+      return other.strategy == run.strategy && other.folder != run.folder;
+    });
+    const auto name = fs::path(run.folder).lexically_normal();
+    const std::string label =
+        is_elsewhere ? (name.has_filename() ? name.filename() : name.parent_path().filename()).string() +
+                           ", " + run.strategy
+                     : run.strategy;
+    const auto table = report::fromCsv(core::readTextFile(run.file), run.file);
+    const auto share = columnOf(table, "explored_share", run.file);
+    const char* keys[] = {"time_s", "path_m"};
+    for (std::size_t i = 0; i < charts.size(); ++i) {
+      const auto x = columnOf(table, keys[i], run.file);
+      report::Curve curve{label, {}};
+      for (const auto& row : table.rows)
+        curve.points.push_back({numberOf(row[x]), 100 * numberOf(row[share])});
+      charts[i].curves.push_back(std::move(curve));
+    }
+  }
+  return charts;
+}
+
+}  // namespace slam::run
