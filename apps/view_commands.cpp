@@ -139,16 +139,16 @@ int viewDrive(const Context& context, const ViewArguments& arguments) {
   what.hands = live::Hands::kDrive;
   auto manifest = start.manifest;
   manifest.results["driven"] = "by hand";
-  const double period_s = 1 / config.lidar.rate_hz;
   ConsoleProgress progress(true);
   std::string written;
   show(what, arguments.show, [&](run::StepObserver& observer, const live::Stage* stage) {
-    const auto hand = [&](const sim::Sensed&) -> std::optional<robot::Command> {
+    live::HandDrive hand(config.robot, 1 / config.lidar.rate_hz);
+    const auto commander = [&](const sim::Sensed& sensed) -> std::optional<robot::Command> {
       if (stage->isClosed()) return std::nullopt;
-      return live::commandOf(stage->keys(), config.robot, period_s);
+      return hand.next(stage->keys(), sensed.collided);
     };
-    written = writtenText(
-        run::recordCommands(start.plan, config, context.seed, log_path, manifest, progress, hand, &observer));
+    written = writtenText(run::recordCommands(start.plan, config, context.seed, log_path, manifest, progress,
+                                              commander, &observer));
   });
   std::printf("%s\nnext: rasterslam compare %s\n", written.c_str(), log_path.c_str());
   return 0;

@@ -50,7 +50,7 @@ void SnapshotMaker::add(const run::Step& step) {
   takeTruth(step);
   lookAround(step);
   followDecision(step);
-  if (step.time_s - collided_at_s_ < kCollisionShown_s) now_.note = "bumped into something and stopped";
+  if (step.time_s - collided_at_s_ < kCollisionShown_s) now_.note = "bumped into something";
 }
 
 void SnapshotMaker::takeTruth(const run::Step& step) {

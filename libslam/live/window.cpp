@@ -21,7 +21,7 @@ class CameraMan {
     canvas_.setCameraProjective(false);
   }
 
-  void showAll() { shows_all_ = true, follows_ = false; }
+  void showAll() { shows_all_ = true, follows_ = false, is_set_ = false; }
   void toggleFollow() { follows_ = !follows_, shows_all_ = false; }
 
   void look(viewer::LiveScene& scene) {
@@ -145,7 +145,8 @@ class LiveWindow {
   std::string playbackText() const {
     const std::string text = stage_.playbackText();
     if (hands_ != Hands::kDrive) return text;
-    return text + ", arrows drive at " + core::formatNumber(100 * keys_.share) + " %";
+    const std::string share = core::formatNumber(100 * keys_.share) + " % speed";
+    return text == "paused" || text == "finished" ? text : "arrows drive at " + share;
   }
 
   void refresh() {
