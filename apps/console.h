@@ -10,6 +10,8 @@ namespace slam::apps {
 
 /// Ctrl-C and SIGTERM ask to stop at the next progress report; a second one ends the program at once.
 void catchInterrupts();
+/// Whether one was asked for, for those who do not report progress.
+bool interruptAsked();
 
 /// Progress on standard error: a bar with time left and real-time factor on a terminal, else a line every 10
 /// %.

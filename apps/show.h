@@ -17,6 +17,7 @@ namespace slam::apps {
 struct ShowFlags {
   double speed = 4;  ///< 0 = as fast as it goes
   bool paused = false;
+  bool close = false;  ///< the window, when the loop has ended
   std::vector<int> size = {1280, 800};
   std::string screenshot;  ///< a PNG instead of a window
   double at_s = -1;        ///< of the robot's time, of the screenshot

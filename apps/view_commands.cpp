@@ -244,6 +244,7 @@ void addShowFlags(CLI::App* command, ShowFlags& flags) {
       ->check(CLI::Range(0.0, live::Playback::kFastest))
       ->capture_default_str();
   command->add_flag("--paused", flags.paused, "begin paused");
+  command->add_flag("--close", flags.close, "close the window at the end");
   addWindowSize(command, flags);
   command->add_option("--screenshot", flags.screenshot,
                       "a PNG to write instead of opening a window; needs no display");
