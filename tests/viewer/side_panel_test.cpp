@@ -5,6 +5,8 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "libslam/report/canvas.h"
+
 namespace slam::viewer {
 namespace {
 using ::testing::ElementsAre;
