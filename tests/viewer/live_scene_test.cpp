@@ -191,6 +191,9 @@ TEST(Layers, LeaveOutWhatIsNotFinite) {
   const auto shapes = std::dynamic_pointer_cast<mrpt::opengl::CSetOfTriangles>(layer);
   ASSERT_TRUE(shapes);
   EXPECT_EQ(shapes->getTrianglesCount(), 0U);
+  const auto particles =
+      std::dynamic_pointer_cast<mrpt::opengl::CSetOfTriangles>(particlesLayer({{nan, 0, 0}, {0, 0, 0}}, 0.1));
+  EXPECT_EQ(particles->getTrianglesCount(), 1U);
   const auto whole = std::dynamic_pointer_cast<mrpt::opengl::CSetOfTriangles>(
       pathLayer({{0, {0, 0, 0}}, {1, {1, 0, 0}}, {2, {2, 0, 0}}}, 0.1));
   EXPECT_EQ(whole->getTrianglesCount(), 4U);  // two pieces

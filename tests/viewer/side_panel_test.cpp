@@ -66,7 +66,7 @@ TEST(SidePanel, HasTheChartAndTheObstaclesWhereThereIsRoom) {
   snapshot.obstacles = obstacles;
   EXPECT_GT(shareOf(decoded(sidePanel(snapshot, {}, 800)), report::kBlue), 0);
   // The chart and what follows find no room; nothing is drawn over the rest.
-  EXPECT_EQ(shareOf(decoded(sidePanel(snapshot, {}, 200)), report::kVermillion), 0);
+  EXPECT_EQ(shareOf(decoded(sidePanel(snapshot, {}, 260)), report::kVermillion), 0);
 }
 
 TEST(SidePanel, AScanWithoutAnyReturnHasNoCurve) {
