@@ -65,8 +65,10 @@ TEST(SidePanel, HasTheChartAndTheObstaclesWhereThereIsRoom) {
   obstacles.front_m = 4, obstacles.rear_m = 2, obstacles.width_m = 5;
   snapshot.obstacles = obstacles;
   EXPECT_GT(shareOf(decoded(sidePanel(snapshot, {}, 800)), report::kBlue), 0);
-  // The chart and what follows find no room; nothing is drawn over the rest.
-  EXPECT_EQ(shareOf(decoded(sidePanel(snapshot, {}, 260)), report::kVermillion), 0);
+  // The chart and the obstacles find no room; nothing is drawn over the rest.
+  PanelState keys;
+  keys.keys = {{"q", "end"}};
+  EXPECT_EQ(shareOf(decoded(sidePanel(snapshot, keys, 260)), report::kVermillion), 0);
 }
 
 TEST(SidePanel, AScanWithoutAnyReturnHasNoCurve) {
