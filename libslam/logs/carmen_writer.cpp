@@ -119,16 +119,7 @@ class CarmenSink : public ObjectSink {
 
   void close() override { file_.commit(); }
 
-  std::string dropped() const override {
-    std::string text;
-    for (const auto& [what, count] : dropped_)
-      text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
-    return text;
-  }
-
  private:
-  void drop(const std::string& what) { ++dropped_[what]; }
-
   /// The stamp in seconds, or the newest one before; false without any.
   bool stampOf(const mrpt::obs::CObservation& observation, double& time_s) {
     if (ticksOf(observation) != kNoStamp)
@@ -318,7 +309,6 @@ class CarmenSink : public ObjectSink {
   CarmenSettings settings_;
   std::string host_ = "nohost";
   std::map<std::string, std::string> notes_, kinds_;
-  std::map<std::string, std::uint64_t> dropped_;
   core::Pose2 odometry_, laser_pose_;
   std::string laser_pose_of_;  ///< label of the laser pose that waits for its scan
   double tv_mps_ = 0, rv_radps_ = 0, start_s_ = 0;

@@ -25,6 +25,13 @@ const char* formatName(LogFormat format) {
   return "";
 }
 
+std::string ObjectSink::dropped() const {
+  std::string text;
+  for (const auto& [what, count] : dropped_)
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+  return text;
+}
+
 LogFormat detectLogFormat(const std::string& path) {
   UnpackingStream stream(path);
   constexpr size_t kEnough = 1 << 16;  // for the remarks before a CARMEN log's first message

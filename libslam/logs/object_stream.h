@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -55,7 +56,13 @@ class ObjectSink {
   virtual void write(const mrpt::serialization::CSerializable& object) = 0;
   virtual void close() = 0;
   /// What could not be held, in one line, or "".
-  virtual std::string dropped() const { return ""; }
+  std::string dropped() const;
+
+ protected:
+  void drop(const std::string& what) { ++dropped_[what]; }
+
+ private:
+  std::map<std::string, std::uint64_t> dropped_;
 };
 
 /// kRawlog writes objects as they come; turning one of MRPT's two forms into the other is a step before.

@@ -79,16 +79,7 @@ class RosObjectSink : public ObjectSink {
 
   void close() override { writer_->close(); }
 
-  std::string dropped() const override {
-    std::string text;
-    for (const auto& [what, count] : dropped_)
-      text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
-    return text;
-  }
-
  private:
-  void drop(const std::string& what) { ++dropped_[what]; }
-
   void writeObservation(const CObservation& observation) {
     const auto* scan = dynamic_cast<const CObservation2DRangeScan*>(&observation);
     const auto* odometry = dynamic_cast<const mrpt::obs::CObservationOdometry*>(&observation);
@@ -204,7 +195,6 @@ class RosObjectSink : public ObjectSink {
   }
 
   std::unique_ptr<RosBagWriter> writer_;
-  std::map<std::string, std::uint64_t> dropped_;
   std::map<std::string, std::string> topics_;  ///< by label
   std::set<std::string> taken_{"/odom", "/tf", "/tf_static", "/ground_truth"};
   std::map<std::string, CPose3D> mountings_;  ///< by frame

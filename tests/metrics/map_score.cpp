@@ -9,6 +9,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "libslam/world/ray_caster.h"
+#include "tests/metrics/drawn.h"
 
 namespace slam::metrics {
 namespace {
@@ -20,18 +21,6 @@ using world::Plan;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kExact = 1e-9;  // a few operations on coordinates of metres
 constexpr double kNoLimit = 0;
-
-/// '#' wall, '.' free, '?' unknown; the last line is row 0.
-Plan drawn(const std::vector<std::string>& picture, double resolution_m = 0.1) {
-  Plan plan;
-  plan.resolution_m = resolution_m;
-  plan.rows = static_cast<int>(picture.size());
-  plan.columns = static_cast<int>(picture.front().size());
-  for (auto line = picture.rbegin(); line != picture.rend(); ++line)
-    for (const char c : *line)
-      plan.cells.push_back(c == '#' ? Cell::kOccupied : c == '.' ? Cell::kFree : Cell::kUnknown);
-  return plan;
-}
 
 /// The same alphabet, for what a mask saw: '#' wall, '.' free, ' ' neither.
 std::vector<std::string> picture(const SeenMask& seen) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "libslam/core/random.h"
+#include "tests/metrics/drawn.h"
 
 namespace slam::metrics {
 namespace {
@@ -16,18 +17,6 @@ using core::kPi;
 using core::Point2;
 using world::Cell;
 using world::Plan;
-
-/// '#' wall, '.' free, '?' unknown; the last line is row 0.
-Plan drawn(const std::vector<std::string>& picture, double resolution_m = 0.1) {
-  Plan plan;
-  plan.resolution_m = resolution_m;
-  plan.rows = static_cast<int>(picture.size());
-  plan.columns = static_cast<int>(picture.front().size());
-  for (auto line = picture.rbegin(); line != picture.rend(); ++line)
-    for (const char c : *line)
-      plan.cells.push_back(c == '#' ? Cell::kOccupied : c == '.' ? Cell::kFree : Cell::kUnknown);
-  return plan;
-}
 
 Plan field(double side_m, double resolution_m, Cell cell = Cell::kFree) {
   Plan map;

@@ -9,6 +9,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "libslam/metrics/statistics.h"
+#include "tests/metrics/drawn.h"
 
 namespace slam::metrics {
 namespace {
@@ -171,18 +172,6 @@ TEST(PointSharpness, PassesOverPointsThatLieNowhere) {
   for (const double bad : {kNaN, std::numeric_limits<double>::infinity(), -1e300}) points.push_back({bad, 0});
   EXPECT_EQ(pointSharpness(points).points, 8U);
   EXPECT_EQ(pointSharpness(points).mean_map_entropy, expected);
-}
-
-/// '#' wall, '.' free, '?' unknown; the last line is row 0; cells of 0.1 m.
-Plan drawn(const std::vector<std::string>& picture) {
-  Plan plan;
-  plan.resolution_m = 0.1;
-  plan.rows = static_cast<int>(picture.size());
-  plan.columns = static_cast<int>(picture.front().size());
-  for (auto line = picture.rbegin(); line != picture.rend(); ++line)
-    for (const char c : *line)
-      plan.cells.push_back(c == '#' ? Cell::kOccupied : c == '.' ? Cell::kFree : Cell::kUnknown);
-  return plan;
 }
 
 ScanAgreement agreementOf(const Plan& map, const core::Pose2& T_map_lidar,
