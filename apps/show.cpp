@@ -15,6 +15,7 @@ live::SnapshotMaker makerOf(const Show& what) {
   live::SnapshotMaker maker(what.title, what.method, what.T_scene_map);
   maker.setTruth(what.truth);
   maker.setLoops(what.loops);
+  if (what.goal) maker.setGoal(*what.goal);
   return maker;
 }
 

@@ -31,6 +31,7 @@ struct Show {
   core::Pose2 T_scene_map;
   core::Trajectory truth;  ///< beside a log
   std::vector<std::pair<int, viewer::Connection>> loops;
+  std::optional<core::Point2> goal;  ///< of a drive to a goal, map frame
   live::Hands hands = live::Hands::kWatch;
 };
 

@@ -21,6 +21,7 @@
 #include "libslam/run/compare.h"
 #include "libslam/run/explore.h"
 #include "libslam/run/external_method.h"
+#include "libslam/run/reach_goal.h"
 #include "libslam/run/resources.h"
 
 namespace slam::apps {
@@ -29,7 +30,7 @@ namespace {
 
 struct ViewArguments {
   std::string input;  ///< plan, log or folder
-  std::string method, slam = "graph", log, plan;
+  std::string method, slam = "graph", log, plan, start = "auto", goal;
   SimulationFlags simulation;
   ShowFlags show;
 };
@@ -183,6 +184,40 @@ int viewExplore(const Context& context, const ViewArguments& arguments) {
   return report(shown, arguments.show, written);
 }
 
+int viewNavigate(const Context& context, const ViewArguments& arguments) {
+  requireSensible(arguments.show);
+  run::ReachGoalRequest request;
+  request.config = run::readReachGoalConfig(simulationConfig(context, arguments.simulation));
+  if (context.print_config) return printParameters(request.config.parameters, context.json), 0;
+  request.p_world_goal = run::parsePlace(arguments.goal, "--goal");
+  const auto start = startIn(context, arguments.input);
+  request.plan = run::planOfVisit(start.plan, request.config.living, context.seed);
+  request.T_world_start = run::goalStart(request.plan, request.config, arguments.start);
+  request.methods = {arguments.method};
+  request.slam = arguments.slam == "odometry" ? "" : arguments.slam;
+  request.methods_folder = run::configsFolder() + "/methods";
+  const ScratchFolder scratch;
+  request.output = context.output.empty() ? scratch / "navigation" : context.output;
+  request.seed = context.seed;
+  request.overwrite = context.overwrite;
+  Show what;
+  what.plan = request.plan;
+  what.robot_side_m = request.config.robot.side_m;
+  what.T_scene_map = request.T_world_start;
+  what.goal = core::inverse(what.T_scene_map) * request.p_world_goal;
+  what.title = "navigate " + start.plan.name;
+  what.method = arguments.method + " on " + nameOf(arguments.slam);
+  ConsoleProgress progress(context.quiet);
+  std::string written;
+  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, const live::Stage*) {
+    request.observer = &observer;
+    const auto comparison = run::reachGoal(request, start.manifest, progress);
+    written = report::toText(comparison.table);
+    if (!context.output.empty()) written += "\npaths, states, pictures: " + context.output;
+  });
+  return report(shown, arguments.show, written);
+}
+
 /// What is known to be true of a log, laid under what is shown. `path` in the map frame, nothing for a method that is to begin.
 void addTruth(const std::string& log_path, const std::string& given_plan, Show& what) {
   const auto truth = run::truthFiles(log_path, "", given_plan);
@@ -323,6 +358,28 @@ void addViewCommands(CLI::App& app, Context& context) {
       "Examples:\n"
       "  rasterslam view explore flat --strategy information_gain --slam particles\n"
       "  rasterslam view explore flat --strategy quadrant --screenshot flat.png --at 60");
+
+  auto* navigate = view->add_subcommand("navigate", "watch 'rasterslam navigate' with one method");
+  auto navigating = onCall(navigate, context, viewNavigate);
+  navigating->slam = "naive_flow";
+  navigating->method = "tangent";
+  navigate->add_option("plan", navigating->input, kPlanMeaning)->required();
+  navigate->add_option("--start", navigating->start, "\"x_m y_m yaw_deg\" in the world frame, or auto")
+      ->capture_default_str();
+  navigate->add_option("--goal", navigating->goal, "\"x_m y_m\" in the world frame")->required();
+  navigate->add_option("--method", navigating->method, "bug1, bug2, tangent, lidar_bug or mrpt_reactive")
+      ->capture_default_str();
+  navigate
+      ->add_option("--slam", navigating->slam,
+                   "where the pose comes from: a method, or odometry for the wheels")
+      ->capture_default_str();
+  navigate->add_option("--lidar", navigating->simulation.lidar,
+                       "a lidar by name (see 'rasterslam list lidars') or an .ini file");
+  addOutput(navigate, context, "folder to write (default: none)");
+  addSeed(navigate, context);
+  addConfig(navigate, context);
+  addShowFlags(navigate, navigating->show);
+  navigate->footer("Example:\n  rasterslam view navigate office_loop --goal \"3 2\" --method bug2 --speed 8");
 
   auto* run_method = view->add_subcommand("run", "watch 'rasterslam run': a method at work on a log");
   auto running = onCall(run_method, context, viewRun);

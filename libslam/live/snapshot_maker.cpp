@@ -83,7 +83,6 @@ void SnapshotMaker::lookAround(const run::Step& step) {
 }
 
 void SnapshotMaker::followDecision(const run::Step& step) {
-  now_.candidates.reset();
   if (!step.decision) return;
   const auto& decision = *step.decision;
   if (!decision_ || !isSame(*decision_, decision)) {

@@ -110,6 +110,7 @@ TEST(ViewCommand, RefusesInOneLine) {
       {"run graph run.rawlog --at 1 --screenshot a.png", 3, "run.rawlog"},
       {"replay nowhere --at 1 --screenshot a.png", 3, "nowhere/manifest.json"},
       {"explore flat --strategy quadrantt", 3, "did you mean 'quadrant'?"},
+      {"navigate flat --goal 3", 3, "expected two numbers"},
       {"drive flat --set robot.side_m=9", 3, "no free place"}};
   for (const auto& [arguments, code, what] : refusals) {
     const auto result = withoutDisplay("view " + std::string(arguments), folder.path());

@@ -82,6 +82,19 @@ TEST(SnapshotMaker, TakesAChoiceOnTheMapAsItIs) {
   EXPECT_EQ(snapshot.candidates->path.size(), 3U);
 }
 
+TEST(SnapshotMaker, KeepsAGoalThatNoStrategyChose) {
+  SnapshotMaker maker("", "", {});
+  maker.setGoal({3, 4});
+  const auto scan = scanAt(100);
+  run::Step step{0, scan, {}, {}};
+  step.note = "to the goal";
+  maker.add(step);
+  const auto snapshot = maker.snapshot(nullptr, false);
+  ASSERT_TRUE(snapshot.candidates);
+  EXPECT_EQ(snapshot.candidates->goal.y, 4);
+  EXPECT_EQ(snapshot.note, "to the goal");
+}
+
 TEST(SnapshotMaker, ShowsALoopOnlyOnceItWasClosed) {
   SnapshotMaker maker("", "", {});
   maker.setLoops({{1, {{0, 0}, {1, 1}}}, {1, {{0, 0}, {2, 2}}}, {3, {{0, 0}, {3, 3}}}});
