@@ -13,6 +13,7 @@ usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
   bench    build with benchmarks, then run them (ARGUMENTS go to the benchmark)
   schedulers   install GNU parallel and Slurm, with which `test` then tries sweeps (without: those tests skip)
   page     install Node.js and Chromium, make the HTML report's bundle; `test` then tries the report in the browser
+  page test    check that the bundle that is checked in is current, build, and try the report in the browser
   fuzz     build every reader of files with clang's fuzzer and let each run a minute (ARGUMENTS go to tests/fuzz/run.sh)
 
   --no-install   do not install packages (for users without root); says what is missing and goes on
@@ -35,7 +36,9 @@ oracle_packages=(librosbag-storage-dev libroscpp-core-dev libsensor-msgs-dev lib
 # Schedulers that tests of sweeps start when they are there, and skip otherwise.
 scheduler_packages=(parallel slurmctld slurmd slurm-client munge)
 # What makes the HTML report's bundle, and the browser that tests open it in; without them those tests skip.
-page_packages=(nodejs npm chromium)
+page_packages=(chromium)
+# Node.js from elsewhere brings an npm of its own, beside which Debian's cannot be installed.
+command -v npm >/dev/null || page_packages+=(nodejs npm)
 fuzz_packages=(clang-14 libclang-rt-14-dev)
 
 say() { printf 'bootstrap: %s\n' "$*" >&2; }
@@ -116,8 +119,21 @@ case "$verb" in
     install_missing "${scheduler_packages[@]}"
     ;;
   page)
+    if [ "${arguments[*]}" != "" ] && [ "${arguments[*]}" != test ]; then
+      say "page: found '${arguments[*]}', expected test or nothing"
+      exit 2
+    fi
     install_missing "${page_packages[@]}"
-    (cd libslam/report/page && npm ci --ignore-scripts --no-fund --no-audit && npm run build)
+    (cd libslam/report/page && npm ci --ignore-scripts --no-fund --no-audit)
+    if [ "${arguments[*]}" = test ]; then
+      install_missing "${packages[@]}"
+      # Here what ctest would skip is an error.
+      tests/report/page/bundle.sh
+      build release
+      tests/report/page/browser.sh "$PWD/build/release/apps/rasterslam"
+    else
+      (cd libslam/report/page && npm run build)
+    fi
     ;;
   bench)
     install_missing "${packages[@]}" "${bench_packages[@]}"

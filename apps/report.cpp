@@ -33,12 +33,15 @@ void addReport(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand(
       "report", "one HTML file of a result: verdict, tables, maps, errors, replay; opens anywhere");
   auto folder = std::make_shared<std::string>();
-  command->add_option("folder", *folder, "what compare, run, explore or bench wrote")->required();
+  command->add_option("folder", *folder, "what compare, run, explore, navigate, bench or stress wrote")
+      ->required();
   addOutput(command, context, "the file to write (default report.html)");
   addJson(command, context);
   command->footer(
       "Example:\n  rasterslam compare office_loop -o out\n  rasterslam report out -o report.html\n"
-      "The address report.html#t=83.2 opens the replay 83.2 s after the first scan.");
+      "The address report.html#t=83.2 opens the replay 83.2 s after the first scan, #replay=2&t=83.2 the "
+      "second "
+      "of several.");
   command->callback(
       [&context, folder] { context.action = [&context, folder] { return writeReport(context, *folder); }; });
 }

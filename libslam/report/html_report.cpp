@@ -1,15 +1,16 @@
 #include "libslam/report/html_report.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
-#include "libslam/metrics/trajectory_error.h"
 #include "libslam/report/page_bundle.h"
 #include "libslam/report/page_plot.h"
+#include "libslam/report/page_replay.h"
 #include "libslam/report/page_text.h"
 
 namespace slam::report {
@@ -52,14 +53,24 @@ std::string cellElement(const CellValue& cell, const Column& column, bool is_hea
   return "<td class=\"number\" data-value=\"" + value + "\">" + text + "</td>";
 }
 
+/// "occu- pied", which a text table may break, in one word.
+std::string unbroken(std::string title) {
+  for (auto at = title.find("- "); at != std::string::npos; at = title.find("- ", at + 1))
+    if (at > 0 && std::islower(static_cast<unsigned char>(title[at - 1])) != 0 && at + 2 < title.size() &&
+        std::islower(static_cast<unsigned char>(title[at + 2])) != 0)
+      title.erase(at, 2);
+  return title;
+}
+
 std::string tableElement(const Table& table) {
   std::string html = "<section class=\"wide\" tabindex=\"0\" aria-label=\"" + htmlText(table.caption) +
-                     "\">\n<table class=\"sortable\">\n" + tag("caption", table.caption) + "\n<thead><tr>";
+                     "\">\n<table class=\"sortable\">\n" + "<caption>" + tag("span", table.caption) +
+                     "</caption>" + "\n<thead><tr>";
   for (size_t i = 0; i < table.columns.size(); ++i) {
     const bool numeric = std::any_of(table.rows.begin(), table.rows.end(),
                                      [i](const auto& row) { return !sortValue(row[i]).empty(); });
     html += std::string("<th scope=\"col\"") + (numeric ? " class=\"number\">" : ">") +
-            htmlText(table.columns[i].title) + "</th>";
+            htmlText(unbroken(table.columns[i].title)) + "</th>";
   }
   html += "</tr></thead>\n<tbody>\n";
   const size_t rows = std::min(table.rows.size(), kMostTableRows);
@@ -79,35 +90,6 @@ std::string tableElement(const Table& table) {
 
 // --- maps
 
-/// What of the world all maps of the page show, and how fine.
-struct Ground {
-  Window window;
-  double cell_m = 0.05;
-};
-
-Ground groundOf(const ReportPage& page) {
-  std::vector<Window> maps;
-  Window truth, estimates;
-  std::optional<double> cell_m;
-  const auto use = [&](const world::Plan& raster) {
-    cell_m = std::min(cell_m.value_or(raster.resolution_m), raster.resolution_m);
-  };
-  for (const auto& run : page.runs) {
-    if (run.map && core::isFinite(run.T_world_map)) {
-      maps.push_back(windowOf(*run.map, run.T_world_map * run.map->T_world_plan));
-      use(*run.map);
-    }
-    estimates.include(windowOf(run.path));
-  }
-  truth.include(windowOf(page.truth));
-  if (page.plan) {
-    truth.include(windowOf(*page.plan, page.plan->T_world_plan));
-    use(*page.plan);
-    maps.clear();  // the plan alone says what there is to show
-  }
-  return {commonWindow(maps, truth, estimates), cell_m.value_or(0.05)};
-}
-
 std::string imageElement(const Ground& ground, const std::string& id, const std::string& png) {
   const auto& w = ground.window;
   return "<image class=\"raster\" id=\"" + id + "\" x=\"" + fixed(w.x0, 2) + "\" y=\"" + fixed(-w.y1, 2) +
@@ -125,17 +107,12 @@ std::vector<core::Point2> positions(const core::Trajectory& path) {
   return points;
 }
 
-std::string swatch(Colour colour) {
-  return "<svg class=\"swatch\" viewBox=\"0 0 10 10\" aria-hidden=\"true\"><rect width=\"10\" height=\"10\" "
-         "fill=\"" +
-         cssColour(colour) + "\"/></svg>";
-}
-
 /// of_raster: its colours turn dark with the picture's.
 std::string legendElement(const std::vector<std::pair<Colour, std::string>>& entries,
                           bool of_raster = false) {
   std::string html = of_raster ? "<ul class=\"legend of-raster\">" : "<ul class=\"legend\">";
-  for (const auto& [colour, label] : entries) html += "<li>" + swatch(colour) + htmlText(label) + "</li>";
+  for (const auto& [colour, label] : entries)
+    html += "<li>" + swatchElement(colour) + htmlText(label) + "</li>";
   return html + "</ul>\n";
 }
 
@@ -147,71 +124,85 @@ std::string barText(const Ground& ground) {
   return " The bar is " + stepLabel(scaleBar(ground.window)) + " m.";
 }
 
-std::string mapId(size_t run) {
-  return "map-" + std::to_string(run);
-}
-
-/// The picture that lies under paths: the true plan, else the map of the best.
-std::string groundId(const ReportPage& page) {
-  if (page.plan) return "plan";
-  for (size_t i = 0; i < page.runs.size(); ++i)
-    if (page.runs[i].map) return mapId(i);
-  return "";
-}
-
 /// Pictures that several figures share, each once.
-std::string sharedPictures(const ReportPage& page, const Ground& ground) {
+std::string sharedPictures(const ReportPage& page, const Grounds& grounds) {
   std::string html = "<svg class=\"shared\" aria-hidden=\"true\"><defs>\n";
-  if (page.plan)
-    html += imageElement(ground, "plan",
-                         rasterPng(*page.plan, page.plan->T_world_plan, ground.window, ground.cell_m));
-  for (size_t i = 0; i < page.runs.size(); ++i)
-    if (const auto& run = page.runs[i]; run.map)
-      html += imageElement(
-          ground, mapId(i),
-          rasterPng(*run.map, run.T_world_map * run.map->T_world_plan, ground.window, ground.cell_m));
+  for (size_t k = 0; k < grounds.grounds.size(); ++k) {
+    const auto& ground = grounds.grounds[k];
+    if (ground.plan != nullptr)
+      html += imageElement(ground, planId(k),
+                           rasterPng(*ground.plan, ground.plan->T_world_plan, ground.window, ground.cell_m));
+    for (const size_t i : ground.runs)
+      if (const auto& run = page.runs[i]; run.map)
+        html += imageElement(
+            ground, mapId(i),
+            rasterPng(*run.map, run.T_world_map * run.map->T_world_plan, ground.window, ground.cell_m));
+  }
   return html + "</defs></svg>\n";
 }
 
-std::string overview(const ReportPage& page, const Ground& ground) {
+/// The map as mapSvg() draws it, linked with the others on its ground.
+std::string groundSvg(const Grounds& grounds, size_t ground, const std::string& description,
+                      const std::string& body) {
+  return mapSvg(grounds.grounds[ground].window, description, body, std::to_string(ground));
+}
+
+/// All paths on one ground.
+std::string overviewFigure(const ReportPage& page, const Grounds& grounds, size_t index) {
+  const auto& ground = grounds.grounds[index];
   std::string body;
-  const auto id = groundId(page);
-  if (!id.empty()) body += useElement(id);
+  if (const auto id = groundPictureId(page, grounds, index); !id.empty()) body += useElement(id);
   std::vector<std::pair<Colour, std::string>> legend;
-  if (!page.truth.empty()) {
-    body += pathElement(positions(page.truth), ground.window, kTruthPath, 6);
-    legend.emplace_back(kTruthPath, "truth");
+  for (size_t i = 0; i < page.replays.size(); ++i) {
+    if (grounds.of_replay[i] != index || page.replays[i].truth.empty()) continue;
+    body += pathElement(positions(page.replays[i].truth), ground.window, kTruthPath, 6);
+    if (legend.empty()) legend.emplace_back(kTruthPath, "truth");
   }
   // The best lies on top.
-  for (size_t i = page.runs.size(); i-- > 0;)
-    body += pathElement(positions(page.runs[i].path), ground.window, methodColour(i), 2);
-  for (size_t i = 0; i < page.runs.size(); ++i)
+  for (size_t k = ground.runs.size(); k-- > 0;)
+    body += pathElement(positions(page.runs[ground.runs[k]].path), ground.window,
+                        methodColour(ground.runs[k]), 2);
+  for (const size_t i : ground.runs)
     if (!page.runs[i].path.empty()) legend.emplace_back(methodColour(i), page.runs[i].method);
   if (body.empty()) return "";
-  return "<section id=\"paths\"><h2>Paths</h2>\n<div class=\"maps one\">" +
-         figure(mapSvg(ground.window, "the paths of all methods", body),
-                (page.plan ? "All paths on the true plan." : "All paths on the map of the first method.") +
-                    barText(ground),
-                legendElement(legend)) +
-         "</div>\n";
+  return figure(
+      groundSvg(grounds, index, "the paths of all methods", body),
+      (ground.plan != nullptr ? "All paths on the true plan." : "All paths on the map of the first method.") +
+          barText(ground),
+      legendElement(legend));
+}
+
+/// All paths at once, ground by ground.
+std::string overview(const ReportPage& page, const Grounds& grounds) {
+  std::string figures;
+  for (size_t i = 0; i < grounds.grounds.size(); ++i) figures += overviewFigure(page, grounds, i);
+  if (figures.empty()) return "";
+  const bool is_one = grounds.grounds.size() == 1;
+  return std::string("<section id=\"paths\"><h2>Paths</h2>\n<div class=\"maps") + (is_one ? " one" : "") +
+         "\">" + figures + "</div>\n";
+}
+
+/// Of the log that a run read: where its replay and its charts begin.
+double startTime(const ReportPage& page, const ReportRun& run) {
+  const auto& replay = page.replays[run.replay];
+  if (!replay.scans.empty()) return replay.scans.front().time_s;
+  double start_s = std::numeric_limits<double>::infinity();
+  if (!replay.truth.empty()) start_s = replay.truth.front().time_s;
+  for (const auto& other : page.runs)
+    if (other.replay == run.replay && !other.path.empty())
+      start_s = std::min(start_s, other.path.front().time_s);
+  return std::isfinite(start_s) ? start_s : 0;
 }
 
 double durationOf(const ReportPage& page) {
   double duration_s = 0;
-  if (!page.truth.empty()) duration_s = page.truth.back().time_s - page.truth.front().time_s;
+  for (const auto& replay : page.replays)
+    if (!replay.truth.empty())
+      duration_s = std::max(duration_s, replay.truth.back().time_s - replay.truth.front().time_s);
   for (const auto& run : page.runs)
     if (!run.path.empty())
       duration_s = std::max(duration_s, run.path.back().time_s - run.path.front().time_s);
   return duration_s;
-}
-
-/// Of the log: where replay and charts begin.
-double startTime(const ReportPage& page) {
-  if (!page.scans.empty()) return page.scans.front().time_s;
-  double start_s = std::numeric_limits<double>::infinity();
-  for (const auto& run : page.runs)
-    if (!run.path.empty()) start_s = std::min(start_s, run.path.front().time_s);
-  return std::isfinite(start_s) ? start_s : 0;
 }
 
 std::string chartFigure(const std::string& svg, const std::string& caption,
@@ -229,12 +220,15 @@ std::string errorChart(const ReportPage& page) {
     const auto& run = page.runs[i];
     if (run.error_m.empty()) continue;
     TimeSeries line{run.method, methodColour(i), {}, run.error_m};
-    for (const auto& stamped : run.path) line.time_s.push_back(stamped.time_s - startTime(page));
+    for (const auto& stamped : run.path) line.time_s.push_back(stamped.time_s - startTime(page, run));
     series.push_back(std::move(line));
   }
   return chartFigure(timeChart(series, "error-chart", "position error (m)", durationOf(page)),
                      "Distance between estimated and true position. The scale is logarithmic.", series);
 }
+
+/// Costs jump from scan to scan: lines of several methods can be told apart only when each place is as wide as this.
+constexpr double kCostPlace = 6;
 
 std::string costChart(const ReportPage& page) {
   std::vector<TimeSeries> series;
@@ -242,17 +236,17 @@ std::string costChart(const ReportPage& page) {
     if (!page.runs[i].scan_ms.empty())
       series.push_back(
           {page.runs[i].method, methodColour(i), page.runs[i].scan_time_s, page.runs[i].scan_ms});
-  const auto figure = chartFigure(
-      timeChart(series, "cost-chart", "computing time per scan (ms)", durationOf(page)),
-      "Computing time of every scan, one thread; the longest where several share a place. The scale is "
-      "logarithmic. It differs from run to run.",
-      series);
+  const auto figure =
+      chartFigure(timeChart(series, "cost-chart", "time per scan (ms)", durationOf(page), kCostPlace),
+                  "Computing time, one thread: the longest of the scans that share a place. The scale is "
+                  "logarithmic. It differs from run to run.",
+                  series);
   return figure.empty() ? "" : "<section id=\"cost\"><h2>Computing time</h2>\n" + figure + "</section>\n";
 }
 
 std::string eventsElement(const std::vector<PlacedEvent>& events) {
   if (events.empty()) return "";
-  const size_t step = (events.size() + kMostListedEvents - 1) / kMostListedEvents;
+  const auto chosen = listed(events);
   Table table{"Events",
               {{"time_s", "time (s)", 1},
                {"scan", "scan", 0},
@@ -262,153 +256,60 @@ std::string eventsElement(const std::vector<PlacedEvent>& events) {
                {"y_m", "y (m)", 2}},
               {},
               {}};
-  for (size_t i = 0; i < events.size(); i += step) {
-    const auto& e = events[i];
+  for (const auto& e : chosen.events)
     table.rows.push_back({e.time_s, static_cast<double>(e.scan), e.event, e.value, e.place.x, e.place.y});
-  }
-  std::string count = std::to_string(events.size()) + (events.size() == 1 ? " event" : " events");
-  if (step > 1) count += ", of which one in " + std::to_string(step) + " is listed";
-  return "<details class=\"events\"><summary>What it said of its own work: " + htmlText(count) +
+  return "<details class=\"events\"><summary>What it said of its own work: " + htmlText(chosen.note) +
          "</summary>\n" + tableElement(table) + "</details>\n";
 }
 
-std::string runSection(const ReportPage& page, size_t index, const Ground& ground) {
+std::string runSection(const ReportPage& page, size_t index, const Grounds& grounds) {
   const auto& run = page.runs[index];
+  const auto& replay = page.replays[run.replay];
+  const size_t ground_index = grounds.of_replay[run.replay];
+  const auto& ground = grounds.grounds[ground_index];
+  const auto svg = [&](const std::string& description, const std::string& body) {
+    return groundSvg(grounds, ground_index, description, body);
+  };
   std::string html = "<section class=\"run\" id=\"run-" + std::to_string(index) + "\"><h3>" +
-                     swatch(methodColour(index)) + htmlText(run.method) + "</h3>\n";
+                     swatchElement(methodColour(index)) + htmlText(run.method) + "</h3>\n";
   if (!run.failure.empty()) html += "<p class=\"failure\">Failed: " + htmlText(run.failure) + "</p>\n";
   if (!run.summary.empty()) html += paragraph(run.summary);
   if (run.path.empty() && !run.map) return html + "</section>\n";
   html += "<div class=\"maps\">\n";
   std::string body;
-  if (page.plan)
-    body += useElement("plan");
+  if (ground.plan != nullptr)
+    body += useElement(planId(ground_index));
   else if (run.map)
     body += useElement(mapId(index));
-  if (!page.truth.empty()) body += pathElement(positions(page.truth), ground.window, kTruthPath, 6);
+  if (!replay.truth.empty()) body += pathElement(positions(replay.truth), ground.window, kTruthPath, 6);
   if (!run.error_m.empty()) {
     body += errorPathElements(run.path, run.error_m, ground.window);
     std::vector<std::pair<Colour, std::string>> legend = {{kTruthPath, "truth"}};
     for (const auto& c : errorClasses()) legend.emplace_back(c.colour, c.label);
-    html += figure(mapSvg(ground.window, "the path of " + run.method + " coloured by error", body),
+    html += figure(svg("the path of " + run.method + " coloured by error", body),
                    "Its path, coloured by its distance from the true one." + barText(ground),
                    legendElement(legend));
   } else {
     body += pathElement(positions(run.path), ground.window, methodColour(index), 2);
-    html += figure(mapSvg(ground.window, "the path of " + run.method, body), "Its path." + barText(ground));
+    html += figure(svg("the path of " + run.method, body), "Its path." + barText(ground));
   }
   if (run.map) {
-    html += figure(mapSvg(ground.window, "the map of " + run.method, useElement(mapId(index))),
-                   "Its map." + barText(ground));
-    if (page.plan) {
-      const MapDifference difference(*page.plan, *run.map, run.T_world_map,
-                                     page.seen ? &*page.seen : nullptr);
+    html += figure(svg("the map of " + run.method, useElement(mapId(index))), "Its map." + barText(ground));
+    if (ground.plan != nullptr) {
+      const MapDifference difference(*ground.plan, *run.map, run.T_world_map,
+                                     replay.seen ? &*replay.seen : nullptr);
       std::vector<std::pair<Colour, std::string>> legend;
       for (const auto& entry : difference.legend()) legend.emplace_back(entry.colour, entry.label);
-      html += figure(mapSvg(ground.window, "the map of " + run.method + " against the true plan",
-                            imageElement(ground, "difference-" + std::to_string(index),
-                                         differencePng(difference, ground.window, ground.cell_m))),
+      html += figure(svg("the map of " + run.method + " against the true plan",
+                         imageElement(ground, "difference-" + std::to_string(index),
+                                      differencePng(difference, ground.window, ground.cell_m))),
                      "The difference from the true plan." + barText(ground), legendElement(legend, true));
     }
   }
   return html + "</div>\n" + eventsElement(run.events) + "</section>\n";
 }
 
-// --- what the script needs
-
-/// x, y, yaw at each time, NaN where the path has no pose.
-std::string posesAt(const core::Trajectory& path, const std::vector<double>& stamps_s) {
-  std::vector<double> numbers;
-  for (const double stamp_s : stamps_s) {
-    core::Pose2 pose{kNan, kNan, kNan};
-    if (!metrics::poseAt(path, stamp_s, pose)) pose = {kNan, kNan, kNan};
-    numbers.insert(numbers.end(), {pose.x, pose.y, pose.phi});
-  }
-  return base64Floats(numbers);
-}
-
-constexpr unsigned kLostCode = 65535, kNoReturnCode = 65534;
-
-/// Ranges in centimetres, two bytes each, lowest first. Scans of another geometry than the first have none.
-nlohmann::ordered_json scansJson(const std::vector<robot::Scan>& scans) {
-  const auto& first = scans.front();
-  const size_t beams = first.ranges_m.size();
-  const size_t step = (beams + kMostReplayedBeams - 1) / kMostReplayedBeams;
-  std::string bytes;
-  for (const auto& scan : scans)
-    for (size_t i = 0; i < beams; i += step) {
-      unsigned code = kLostCode;
-      if (scan.ranges_m.size() == beams && scan.ranges_m[i] == robot::kNoReturn) code = kNoReturnCode;
-      if (scan.ranges_m.size() == beams && robot::isReturn(scan.ranges_m[i]))
-        code = static_cast<unsigned>(std::min(65533.0, std::round(100.0 * scan.ranges_m[i])));
-      bytes += {static_cast<char>(code & 0xFFU), static_cast<char>(code >> 8U)};
-    }
-  const auto& mount = first.T_robot_lidar;
-  return {{"first", first.first_angle_rad},         {"step", first.step_rad * static_cast<double>(step)},
-          {"beams", (beams + step - 1) / step},     {"allBeams", beams},
-          {"mount", {mount.x, mount.y, mount.phi}}, {"ranges", base64(bytes)}};
-}
-
-nlohmann::ordered_json replayJson(const ReportPage& page, const Ground& ground) {
-  std::vector<double> stamps_s, times_s;
-  for (const auto& scan : page.scans) stamps_s.push_back(scan.time_s);
-  if (stamps_s.empty()) {  // the paths alone can be replayed too
-    const auto longest = std::max_element(
-        page.runs.begin(), page.runs.end(),
-        [](const ReportRun& a, const ReportRun& b) { return a.path.size() < b.path.size(); });
-    if (longest == page.runs.end() || longest->path.empty()) return nullptr;
-    const size_t step = (longest->path.size() + kMostReplayed - 1) / kMostReplayed;
-    for (size_t i = 0; i < longest->path.size(); i += step) stamps_s.push_back(longest->path[i].time_s);
-  }
-  for (const double stamp_s : stamps_s) times_s.push_back(stamp_s - stamps_s.front());
-  const auto& w = ground.window;
-  nlohmann::ordered_json json{{"window", {w.x0, w.y0, w.x1, w.y1}}, {"times", base64Floats(times_s)}};
-  json["ground"] = groundId(page);
-  if (!page.truth.empty()) json["truth"] = posesAt(page.truth, stamps_s);
-  if (!page.scans.empty()) json["scan"] = scansJson(page.scans);
-  json["runs"] = nlohmann::ordered_json::array();
-  for (size_t i = 0; i < page.runs.size(); ++i) {
-    const auto& run = page.runs[i];
-    if (run.path.empty()) continue;
-    nlohmann::ordered_json entry{{"name", run.method},
-                                 {"colour", cssColour(methodColour(i))},
-                                 {"map", run.map ? mapId(i) : ""},
-                                 {"poses", posesAt(run.path, stamps_s)}};
-    const size_t step = std::max<size_t>(1, (run.events.size() + kMostListedEvents - 1) / kMostListedEvents);
-    entry["events"] = nlohmann::ordered_json::array();
-    for (size_t k = 0; k < run.events.size(); k += step) {
-      const auto place = run.T_world_map * run.events[k].place;
-      entry["events"].push_back({run.events[k].time_s, run.events[k].event, place.x, place.y});
-    }
-    json["runs"].push_back(std::move(entry));
-  }
-  json["goals"] = nlohmann::ordered_json::array();
-  for (const auto& goal : page.goals) json["goals"].push_back({goal.time_s, goal.place.x, goal.place.y});
-  return json;
-}
-
-/// JSON that may stand in a <script>: nothing in it can end the element.
-std::string scriptJson(const nlohmann::ordered_json& json) {
-  std::string text;
-  for (const char c : json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace))
-    text += c == '<' ? std::string("\\u003c") : std::string(1, c);
-  return text;
-}
-
 // --- the rest
-
-std::string thinnedNote(const ReportPage& page) {
-  std::string note;
-  if (page.scan_count > page.scans.size() && !page.scans.empty())
-    note += "Of the log's " + std::to_string(page.scan_count) + " scans the player shows " +
-            std::to_string(page.scans.size()) + ", evenly chosen. ";
-  const size_t beams = page.scans.empty() ? 0 : page.scans.front().ranges_m.size();
-  if (beams > kMostReplayedBeams)
-    note += "Of each scan's " + std::to_string(beams) + " beams it shows one in " +
-            std::to_string((beams + kMostReplayedBeams - 1) / kMostReplayedBeams) + ", to the centimetre. ";
-  if (!note.empty()) note += "All figures are of all scans.";
-  return note;
-}
 
 std::string downloadsSection(const std::vector<ReportDownload>& downloads) {
   if (downloads.empty()) return "";
@@ -435,6 +336,12 @@ std::string downloadsSection(const std::vector<ReportDownload>& downloads) {
   return html + "</section>\n";
 }
 
+std::string chartsSection(const std::vector<PageChart>& charts) {
+  std::string figures;
+  for (const auto& chart : charts) figures += chartElement(chart);
+  return figures.empty() ? "" : "<section id=\"curves\"><h2>Curves</h2>\n" + figures + "</section>\n";
+}
+
 std::string picturesSection(const std::vector<ReportPicture>& pictures) {
   if (pictures.empty()) return "";
   std::string html = "<section id=\"pictures\"><h2>Pictures</h2>\n<div class=\"maps\">\n";
@@ -456,18 +363,26 @@ void check(const ReportPage& page) {
   for (const auto& run : page.runs) {
     if (!run.error_m.empty() && run.error_m.size() != run.path.size())
       throw core::ContractError("toHtml: " + run.method + " has not as many errors as poses");
+    if (run.replay >= page.replays.size())
+      throw core::ContractError("toHtml: " + run.method + " belongs to no replay");
     if (run.scan_time_s.size() != run.scan_ms.size())
       throw core::ContractError("toHtml: " + run.method + " has not as many times as costs");
   }
-  if (page.scans.size() > kMostReplayed) throw core::ContractError("toHtml: too many scans");
+  size_t scans = 0;
+  for (const auto& replay : page.replays) {
+    scans += replay.scans.size();
+    if (!replay.operations.empty() && replay.operations.size() != replay.scans.size())
+      throw core::ContractError("toHtml: a replay has not as many operations as scans");
+  }
+  if (scans > kMostReplayed) throw core::ContractError("toHtml: too many scans");
 }
 
 }  // namespace
 
 std::string toHtml(const ReportPage& page) {
   check(page);
-  const Ground ground = groundOf(page);
-  const auto replay = replayJson(page, ground);
+  const Grounds grounds = groundsOf(page);
+  const auto replay = replayParts(page, grounds);
   std::string html =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
@@ -477,33 +392,26 @@ std::string toHtml(const ReportPage& page) {
   html += "<section id=\"verdict\"><h2>In short</h2>\n";
   for (const auto& sentence : page.verdict) html += paragraph(sentence);
   for (const auto& what : page.missing) html += "<p class=\"missing\">" + htmlText(what) + "</p>\n";
+  for (const auto& what : page.left_out) html += "<p class=\"note\">" + htmlText(what) + "</p>\n";
   html += "</section>\n";
+  html += chartsSection(page.charts);
   if (!page.tables.empty()) {
     html += "<section id=\"tables\"><h2>Figures</h2>\n";
     for (const auto& table : page.tables) html += tableElement(table);
     html += "</section>\n";
   }
-  if (!page.runs.empty() || page.plan) html += sharedPictures(page, ground);
-  if (!replay.is_null()) {
-    html +=
-        "<section id=\"replay\"><h2>Replay</h2>\n<noscript><p>The replay needs JavaScript; all else on this "
-        "page does not.</p></noscript>\n<div id=\"player\"></div>\n";
-    if (const auto note = thinnedNote(page); !note.empty())
-      html += "<p class=\"note\">" + htmlText(note) + "</p>\n";
-    html += "</section>\n";
-  }
-  if (const auto paths = overview(page, ground); !paths.empty())
+  if (!page.replays.empty()) html += sharedPictures(page, grounds);
+  html += replay.section;
+  if (const auto paths = overview(page, grounds); !paths.empty())
     html += paths + errorChart(page) + "</section>\n";
   if (!page.runs.empty()) {
     html += "<section id=\"runs\"><h2>Method by method</h2>\n";
-    for (size_t i = 0; i < page.runs.size(); ++i) html += runSection(page, i, ground);
+    for (size_t i = 0; i < page.runs.size(); ++i) html += runSection(page, i, grounds);
     html += "</section>\n";
   }
   html += picturesSection(page.pictures) + costChart(page) + downloadsSection(page.downloads) +
           factsSection(page) + "</main>\n";
-  if (!replay.is_null())
-    html += "<script type=\"application/json\" id=\"replay-data\">" + scriptJson(replay) + "</script>\n";
-  return html + "<script>\n" + kPageScript + "</script>\n</body>\n</html>\n";
+  return html + replay.data + "<script>\n" + kPageScript + "</script>\n</body>\n</html>\n";
 }
 
 }  // namespace slam::report

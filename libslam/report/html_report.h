@@ -8,6 +8,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/metrics/map_score.h"
 #include "libslam/report/journal_picture.h"
+#include "libslam/report/page_chart.h"
 #include "libslam/report/table.h"
 #include "libslam/robot/scan.h"
 #include "libslam/world/plan.h"
@@ -21,11 +22,14 @@ struct ReportRun {
   std::string summary;             ///< a sentence on how well it did
   std::optional<world::Plan> map;  ///< the last good state of a method that failed; none: it left nothing
   core::Pose2 T_world_map;
-  core::Trajectory path;        ///< as the method has it in the end
-  std::vector<double> error_m;  ///< of each pose, NaN where no truth is near in time; empty without truth
+  core::Trajectory path;    ///< as the method has it in the end
+  core::Trajectory online;  ///< as it was given at the time, where that differs; else empty
+  std::vector<double>
+      error_m;  ///< of each pose of path, NaN where no truth is near in time; empty without truth
   std::vector<double> scan_time_s,
       scan_ms;                      ///< computing time scan by scan, since the first scan; may be empty
   std::vector<PlacedEvent> events;  ///< in the map frame
+  std::size_t replay = 0;           ///< index into ReportPage::replays: its log, truth and plan
 };
 
 /// A picture that another command drew.
@@ -44,19 +48,36 @@ struct ReportGoal {
   core::Point2 place;  ///< as the runs' paths; NaN: none
 };
 
+/// Something that happened to the robot, whatever the methods made of it.
+struct ReportMoment {
+  double time_s = 0;  ///< since the first scan
+  std::string what, detail;
+  core::Point2 place;  ///< as the runs' paths; NaN: none
+};
+
+/// A robot on its way: what its runs are laid on, and what the player shows.
+struct ReportReplay {
+  std::string name;                 ///< to choose by, where there are several
+  core::Trajectory truth;           ///< may be empty
+  std::optional<world::Plan> plan;  ///< the true one
+  std::optional<metrics::SeenMask> seen;
+  std::vector<robot::Scan> scans;       ///< those shown, in time; may be empty
+  std::size_t scan_count = 0;           ///< in the log
+  std::vector<std::string> operations;  ///< the one before each of `scans`, "" where none; may be empty
+  std::vector<ReportGoal> goals;
+  std::vector<ReportMoment> moments;
+};
+
 /// All that the page shows.
 struct ReportPage {
   std::string title, subtitle;
-  std::vector<std::string> verdict;  ///< sentences, the most important first
-  std::vector<std::string> missing;  ///< what could not be found, and what that leaves out
-  std::vector<Table> tables;         ///< in this order
-  std::vector<ReportRun> runs;       ///< the best first; colours go by this order
-  std::optional<world::Plan> plan;   ///< the true one
-  std::optional<metrics::SeenMask> seen;
-  core::Trajectory truth;          ///< may be empty
-  std::vector<robot::Scan> scans;  ///< those that the player shows, at most kMostReplayed; may be empty
-  std::size_t scan_count = 0;      ///< in the log
-  std::vector<ReportGoal> goals;
+  std::vector<std::string> verdict;   ///< sentences, the most important first
+  std::vector<std::string> missing;   ///< what could not be found, and what that leaves out
+  std::vector<std::string> left_out;  ///< what this page has not, for its size
+  std::vector<Table> tables;          ///< in this order
+  std::vector<PageChart> charts;
+  std::vector<ReportRun> runs;        ///< the best first; colours go by this order
+  std::vector<ReportReplay> replays;  ///< their scans together at most kMostReplayed
   std::vector<ReportPicture> pictures;
   std::vector<ReportDownload> downloads;
   std::vector<std::pair<std::string, std::string>> facts;  ///< how to make it again: name, value
@@ -65,12 +86,12 @@ inline constexpr std::size_t kMostReplayed = 2000;      ///< scans
 inline constexpr std::size_t kMostTableRows = 300;      ///< the first ones of a table
 inline constexpr std::size_t kMostReplayedBeams = 181;  ///< of a scan; of more every n-th is kept
 inline constexpr std::size_t kMostListedEvents =
-    300;  ///< of a run; evenly chosen among more, which the page says
+    300;  ///< of a run or a replay; evenly chosen among more, which the page says
 inline constexpr std::size_t kMostDownloadBytes = 1
                                                   << 20;  ///< in all; what comes after is named and left out
 
 /// The page as one HTML file that needs neither network nor server. Tables, pictures and plots need no script; the player,
-/// sorting and zooming do (page/, whose bundle is checked in). Everything from outside is escaped. The same page gives the
+/// sorting, filtering and zooming do (page/, whose bundle is checked in). Everything from outside is escaped. The same page gives the
 /// same bytes. Scans, beams and long lists are thinned to the bounds above, and the page says so. Errors: ContractError
 /// where lists of a run differ in length.
 std::string toHtml(const ReportPage& page);

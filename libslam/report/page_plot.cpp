@@ -61,6 +61,12 @@ Colour methodColour(size_t index) {
   return lineColours()[index % lineColours().size()];
 }
 
+std::string swatchElement(Colour colour) {
+  return "<svg class=\"swatch\" viewBox=\"0 0 10 10\" aria-hidden=\"true\"><rect width=\"10\" height=\"10\" "
+         "fill=\"" +
+         cssColour(colour) + "\"/></svg>";
+}
+
 std::string rasterPng(const world::Plan& raster, const core::Pose2& T_world_raster, const Window& window,
                       double cell_m) {
   const auto size = pictureSize(window, cell_m);
@@ -144,12 +150,14 @@ double scaleBar(const Window& window) {
   return niceStep(0.25 * window.width());
 }
 
-std::string mapSvg(const Window& window, const std::string& description, const std::string& body) {
+std::string mapSvg(const Window& window, const std::string& description, const std::string& body,
+                   const std::string& group) {
   const double bar_m = scaleBar(window);
   const double air = 0.02 * window.width();
   const double x = window.x0 + air, y = -window.y0 - air;
   return "<svg class=\"map\" viewBox=\"" + fixed(window.x0, 2) + " " + fixed(-window.y1, 2) + " " +
-         fixed(window.width(), 2) + " " + fixed(window.height(), 2) + "\" role=\"img\" aria-label=\"" +
+         fixed(window.width(), 2) + " " + fixed(window.height(), 2) + "\" data-group=\"" + group +
+         "\" role=\"img\" aria-label=\"" +
          htmlText(description + "; the bar is " + stepLabel(bar_m) + " m long") + "\">\n" + body +
          "<path class=\"scale\" d=\"M" + fixed(x, 2) + " " + fixed(y, 2) + "h" + fixed(bar_m, 2) +
          "\"/></svg>";
@@ -209,8 +217,8 @@ std::optional<Axes> axesOf(const std::vector<TimeSeries>& series, double duratio
   return Axes{duration_s, low, std::max(high, low + 1)};
 }
 
-/// At most one value per half a unit of the axis: the highest.
-std::string seriesOutline(const TimeSeries& line, const Axes& axes) {
+/// At most one value per place: the highest.
+std::string seriesOutline(const TimeSeries& line, const Axes& axes, double place_width) {
   std::string outline;
   bool open = false;
   double column = -1, highest = 0;
@@ -226,7 +234,7 @@ std::string seriesOutline(const TimeSeries& line, const Axes& axes) {
       open = false;
       continue;
     }
-    const double x = std::round(2 * axes.x(line.time_s[i])) / 2;
+    const double x = std::round(axes.x(line.time_s[i]) / place_width) * place_width;
     if (x != column) {
       flush();
       column = x, highest = line.value[i];
@@ -245,7 +253,7 @@ std::string textElement(double x, double y, const std::string& anchor, const std
 }  // namespace
 
 std::string timeChart(const std::vector<TimeSeries>& series, const std::string& id,
-                      const std::string& y_title, double duration_s) {
+                      const std::string& y_title, double duration_s, double place_width) {
   const auto axes = axesOf(series, duration_s);
   if (!axes) return "";
   std::string svg = "<svg class=\"chart\" id=\"" + htmlText(id) + "\" viewBox=\"0 0 " + fixed(kWidth, 0) +
@@ -271,7 +279,7 @@ std::string timeChart(const std::vector<TimeSeries>& series, const std::string& 
          "<text class=\"axis\" transform=\"translate(16 " + fixed((kTop + kHeight - kBottom) / 2, 1) +
          ") rotate(-90)\" text-anchor=\"middle\">" + htmlText(y_title) + "</text>\n";
   for (const auto& line : series) {
-    const auto outline = seriesOutline(line, *axes);
+    const auto outline = seriesOutline(line, *axes, place_width);
     if (!outline.empty())
       svg += "<path class=\"line\" data-method=\"" + htmlText(line.label) + "\" d=\"" + outline +
              "\" stroke=\"" + cssColour(line.colour) + "\"/>\n";

@@ -17,6 +17,8 @@ namespace slam::report {
 std::string cssColour(Colour colour);
 /// Of the n-th method, as in the pictures (picture.h).
 Colour methodColour(size_t index);
+/// A small square of the colour, for legends.
+std::string swatchElement(Colour colour);
 
 /// A raster over a window of the world as PNG, walls dark, free white, unknown grey: about a pixel per cell of
 /// `cell_m`, at most kMostPixels on a side. T_world_raster not finite: all unknown.
@@ -40,8 +42,9 @@ const std::vector<ErrorClass>& errorClasses();
 
 /// Of the bar in mapSvg(): 1, 2 or 5 times a power of ten.
 double scaleBar(const Window& window);
-/// A map for the page. `body`: SVG in metres, y down, over the window.
-std::string mapSvg(const Window& window, const std::string& description, const std::string& body);
+/// A map for the page. `body`: SVG in metres, y down, over the window. Maps of one `group` zoom together.
+std::string mapSvg(const Window& window, const std::string& description, const std::string& body,
+                   const std::string& group = "0");
 /// <path> elements for mapSvg().
 std::string pathElement(const std::vector<core::Point2>& points, const Window& window, Colour colour,
                         double line_width);
@@ -56,9 +59,9 @@ struct TimeSeries {
   std::vector<double> time_s,
       value;  ///< as long as one another; what is not finite or above 0 breaks the line
 };
-/// A chart with a logarithmic axis; long lines are drawn by the highest of the values that share a place. "" where nothing
-/// is to be drawn. `id` is the element's.
+/// A chart with a logarithmic axis; long lines are drawn by the highest of the values that share a place, `place_width`
+/// wide (the drawing is 720). "" where nothing is to be drawn. `id` is the element's.
 std::string timeChart(const std::vector<TimeSeries>& series, const std::string& id,
-                      const std::string& y_title, double duration_s);
+                      const std::string& y_title, double duration_s, double place_width = 0.5);
 
 }  // namespace slam::report

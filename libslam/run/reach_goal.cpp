@@ -323,6 +323,8 @@ GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifes
   manifest.files["paths.png"] = "the true paths of all methods";
   manifest.files["scores.txt"] = "the table; also .md, .tex, .csv, .json";
   for (const auto& run : comparison.runs) manifest.results[run.method] = resultOf(run);
+  manifest.results["goal_x_m"] = core::formatNumber(request.p_world_goal.x);
+  manifest.results["goal_y_m"] = core::formatNumber(request.p_world_goal.y);
   core::writeManifest(manifest, output.path() + "/manifest.json");
   output.commit();
   return comparison;

@@ -12,22 +12,16 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
-#include "libslam/logs/log_reader.h"
 #include "libslam/run/compare.h"
 #include "libslam/run/evaluate.h"
 #include "libslam/run/journal_file.h"
+#include "libslam/run/report_parts.h"
 
 namespace slam::run {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kMostPictures = 12;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-std::string resultOf(const core::Manifest& manifest, const std::string& key) {
-  const auto it = manifest.results.find(key);
-  return it == manifest.results.end() ? "" : it->second;
-}
 
 bool isRunFolder(const std::string& folder) {
   return fs::exists(folder + "/manifest.json") &&
@@ -38,14 +32,6 @@ bool isRunFolder(const std::string& folder) {
 struct Asked {
   std::string method, folder, failure;
 };
-
-/// A table that toMarkdown() wrote, as people saw it.
-report::Table readTable(const std::string& path) {
-  auto table = report::fromMarkdown(core::readTextFile(path));
-  if (table.columns.empty())
-    throw core::InputError(path + ": holds no table, expected what rasterslam wrote");
-  return table;
-}
 
 /// Why a method has no figures, from the notes of its comparison's table.
 std::string failureIn(const nlohmann::json& scores, const std::string& method) {
@@ -88,9 +74,7 @@ std::vector<Asked> methodsOfComparison(const std::string& folder, report::Report
 /// The log that a run read; "" with a word on the page where it is gone.
 std::string logOf(const RunFolder& run, const std::string& folder, report::ReportPage& page) {
   std::vector<std::string> candidates = {folder + "/log/run.rawlog", folder + "/run.rawlog"};
-  // A run that goes on in a map names that too.
-  for (const auto& [path, hash] : run.manifest.inputs)
-    if (fs::path(path).extension() != ".simplemap") candidates.push_back(path);
+  for (const auto& path : logInputs(run.manifest)) candidates.push_back(path);
   for (const auto& path : candidates)
     if (fs::exists(path)) return path;
   page.missing.push_back("The log " + candidates.back() +
@@ -98,10 +82,11 @@ std::string logOf(const RunFolder& run, const std::string& folder, report::Repor
   return "";
 }
 
-/// Rows in the order of their figure, those without one last.
-void sortByError(std::vector<Evaluation>& evaluations) {
-  const auto error = [](const Evaluation& e) {
-    const double rmse = e.final_trajectory.position_m.rmse;
+/// Rows in the order of their error, or where no truth is known of how far they are from the others; those without such a
+/// figure last.
+void sortByWorth(std::vector<Evaluation>& evaluations, bool has_truth) {
+  const auto error = [&](const Evaluation& e) {
+    const double rmse = has_truth ? e.final_trajectory.position_m.rmse : e.agreement_m;
     return std::isnan(rmse) ? std::numeric_limits<double>::infinity() : rmse;
   };
   std::stable_sort(evaluations.begin(), evaluations.end(),
@@ -139,7 +124,7 @@ std::string summaryOf(const Evaluation& e, bool has_truth) {
   return text;
 }
 
-/// Evaluations in the order of sortByError().
+/// Evaluations in the order of sortByWorth().
 std::vector<std::string> verdictOf(const std::vector<Evaluation>& evaluations, bool has_truth) {
   std::vector<std::string> verdict;
   const auto rmse = [](const Evaluation& e) { return e.final_trajectory.position_m.rmse; };
@@ -149,6 +134,13 @@ std::vector<std::string> verdictOf(const std::vector<Evaluation>& evaluations, b
     verdict.emplace_back(
         "No truth is known for this log, so nobody can say which path is right; the table shows what can be "
         "said without.");
+    constexpr size_t kFewestToAgree = 3;
+    const auto compared = std::count_if(evaluations.begin(), evaluations.end(),
+                                        [](const Evaluation& e) { return !std::isnan(e.agreement_m); });
+    if (static_cast<size_t>(compared) >= kFewestToAgree)
+      verdict.push_back(evaluations.front().method +
+                        " is nearest to what the others say: half of them are less than " +
+                        metres(evaluations.front().agreement_m) + " away.");
   } else if (scored > 0) {
     const auto& best = evaluations.front();
     std::string text = best.method +
@@ -199,6 +191,9 @@ report::ReportRun pageRun(const RunFolder& run, const Evaluation& e, const std::
   const core::Pose2 T_world_map = truth ? e.final_trajectory.T_truth_estimate : core::Pose2{};
   shown.map = run.map;
   shown.T_world_map = T_world_map;
+  if (run.final_estimate)
+    for (const auto& stamped : run.estimate)
+      shown.online.push_back({stamped.time_s, T_world_map * stamped.pose});
   for (const auto& stamped : run.final_estimate.value_or(run.estimate)) {
     shown.path.push_back({stamped.time_s, T_world_map * stamped.pose});
     if (!truth) continue;
@@ -211,98 +206,6 @@ report::ReportRun pageRun(const RunFolder& run, const Evaluation& e, const std::
     for (const auto& line : readJournal(run.path + "/journal.csv"))
       shown.events.push_back({line.scan, line.time_s, line.event, line.value, line.place, line.other_place});
   return shown;
-}
-
-/// Evenly chosen among all, so that there are few enough for the player.
-void readScans(const std::string& log_path, core::Progress& progress, report::ReportPage& page) {
-  const auto info = logs::inspectLog(log_path);
-  page.scan_count = info.scans;
-  const std::uint64_t kept = std::min<std::uint64_t>(info.scans, report::kMostReplayed);
-  logs::LogReader log(log_path);
-  progress.begin("reading " + fs::path(log_path).filename().string());
-  std::uint64_t number = 0;
-  while (auto entry = log.next()) {
-    progress.update(log.fractionRead(), entry->scan.time_s - info.first_time_s);
-    // The first is always kept: times count from it.
-    if (number == 0 || number * kept / info.scans != (number - 1) * kept / info.scans)
-      page.scans.push_back(std::move(entry->scan));
-    ++number;
-  }
-  progress.end();
-  // In some logs stamps run back; a replay does not.
-  std::stable_sort(page.scans.begin(), page.scans.end(),
-                   [](const robot::Scan& a, const robot::Scan& b) { return a.time_s < b.time_s; });
-}
-
-void addPicture(report::ReportPage& page, const std::string& path, const std::string& caption) {
-  if (fs::exists(path)) page.pictures.push_back({caption, core::readTextFile(path)});
-}
-
-/// Columns of a CSV of numbers by their names in its first line. Errors: InputError with file and line.
-std::vector<std::vector<double>> readColumns(const std::string& path, const std::vector<std::string>& keys) {
-  const auto cellsOf = [](std::string line) {
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    std::vector<std::string> cells(1);
-    for (const char c : line) {
-      if (c == ',')
-        cells.emplace_back();
-      else
-        cells.back() += c;
-    }
-    return cells;
-  };
-  std::istringstream lines(core::readTextFile(path));
-  std::string line;
-  std::getline(lines, line);
-  const auto names = cellsOf(line);
-  std::vector<size_t> places;
-  for (const auto& key : keys) {
-    const auto name = std::find(names.begin(), names.end(), key);
-    if (name == names.end()) throw core::InputError(path + ":1: names no column '" + key + "'");
-    places.push_back(static_cast<size_t>(name - names.begin()));
-  }
-  std::vector<std::vector<double>> columns(keys.size());
-  for (int number = 2; std::getline(lines, line); ++number) {
-    const auto cells = cellsOf(line);
-    for (size_t i = 0; i < keys.size(); ++i) {
-      double value = kNan;
-      const bool there = places[i] < cells.size();
-      if (!there || (!cells[places[i]].empty() && !core::parseNumber(cells[places[i]], value)))
-        throw core::InputError(path + ":" + std::to_string(number) + ": column '" + keys[i] + "': found '" +
-                               (there ? cells[places[i]] : "") + "', expected a number");
-      columns[i].push_back(value);
-    }
-  }
-  return columns;
-}
-
-/// What an exploration has beside map and path: where it wanted to go, how much it had seen.
-void addExploration(const std::string& folder, report::ReportPage& page) {
-  if (!fs::exists(folder + "/exploration.csv")) return;
-  const auto columns = readColumns(folder + "/exploration.csv", {"time_s", "goal_x_m", "goal_y_m"});
-  const core::Pose2 T_world_map = page.runs.empty() ? core::Pose2{} : page.runs.front().T_world_map;
-  core::Point2 last{kNan, kNan};
-  for (size_t i = 0; i < columns[0].size(); ++i) {
-    const core::Point2 goal{columns[1][i], columns[2][i]};
-    const bool same = (goal.x == last.x && goal.y == last.y) || (std::isnan(goal.x) && std::isnan(last.x));
-    if (!same) page.goals.push_back({columns[0][i] - columns[0][0], T_world_map * goal});
-    last = goal;
-  }
-  addPicture(page, folder + "/coverage.png", "Explored share over time, path and scans.");
-  if (fs::exists(folder + "/scores.md"))
-    page.tables.insert(page.tables.begin(), readTable(folder + "/scores.md"));
-}
-
-void addDownload(report::ReportPage& page, const std::string& path, const std::string& name,
-                 const std::string& what, const std::string& media_type) {
-  if (fs::exists(path)) page.downloads.push_back({name, what, media_type, core::readTextFile(path)});
-}
-
-void addTableDownloads(const std::string& folder, report::ReportPage& page) {
-  addDownload(page, folder + "/scores.csv", "scores.csv", "all figures", "text/csv");
-  addDownload(page, folder + "/scores.tex", "scores.tex", "the main figures for LaTeX", "application/x-tex");
-  addDownload(page, folder + "/relations.csv", "relations.csv", "errors against the relations", "text/csv");
-  addDownload(page, folder + "/cost.csv", "cost.csv", "time and memory", "text/csv");
 }
 
 void addRunDownloads(const std::vector<RunFolder>& runs, report::ReportPage& page) {
@@ -328,37 +231,6 @@ void addFacts(const core::Manifest& manifest, report::ReportPage& page) {
     page.facts.emplace_back("input " + path, "SHA-256 " + hash);
 }
 
-std::string titleOf(const std::string& folder, const std::string& what) {
-  auto path = fs::weakly_canonical(folder);
-  if (path.filename().empty()) path = path.parent_path();
-  return what + ": " + path.filename().string();
-}
-
-/// The errors against relations, where a comparison was scored by them.
-void addRelations(const std::string& folder, report::ReportPage& page) {
-  const std::string path = folder + "/relations.json";
-  if (!fs::exists(path)) return;
-  const auto json = nlohmann::json::parse(core::readTextFile(path), nullptr, false);
-  if (!json.is_object() || !json.contains("columns") || !json.contains("rows"))
-    throw core::InputError(path + ": is not a table that rasterslam wrote, expected 'columns' and 'rows'");
-  report::Table table;
-  table.caption = json.value("caption", "");
-  table.notes = json.value("notes", std::vector<std::string>());
-  for (const auto& column : json["columns"])
-    table.columns.push_back({column.value("key", ""), column.value("title", "")});
-  for (const auto& row : json["rows"]) {
-    table.rows.emplace_back();
-    for (const auto& column : table.columns) {
-      const auto cell = row.find(column.key);
-      if (cell != row.end() && cell->is_string())
-        table.rows.back().emplace_back(cell->get<std::string>());
-      else
-        table.rows.back().emplace_back(cell != row.end() && cell->is_number() ? cell->get<double>() : kNan);
-    }
-  }
-  page.tables.insert(page.tables.begin(), std::move(table));
-}
-
 /// Runs, figures and replay of a comparison or of a single run.
 void fill(const std::vector<Asked>& methods, const std::string& folder, const core::Manifest& manifest,
           core::Progress& progress, report::ReportPage& page) {
@@ -380,11 +252,19 @@ void fill(const std::vector<Asked>& methods, const std::string& folder, const co
                                             : evaluate(*run, truth));
   }
   setAgreement(runs, evaluations);
-  if (truth) sortByError(evaluations);
+  sortByWorth(evaluations, truth.has_value());
   page.verdict = verdictOf(evaluations, truth.has_value());
   page.tables = {truth ? accuracyTable(evaluations, *truth, Detail::kShort)
                        : agreementTable(evaluations, Detail::kShort),
                  costTable(evaluations)};
+  const auto isNone = [](const report::CellValue& cell) {
+    const auto* number = std::get_if<double>(&cell);
+    return number != nullptr && std::isnan(*number);
+  };
+  const auto& costs = page.tables.back().rows;
+  if (std::all_of(costs.begin(), costs.end(),
+                  [&](const auto& row) { return std::all_of(row.begin() + 1, row.end(), isNone); }))
+    page.tables.pop_back();  // an exploration does not measure them
   for (const auto& e : evaluations) {
     const auto run =
         std::find_if(runs.begin(), runs.end(), [&](const RunFolder& r) { return r.method == e.method; });
@@ -396,64 +276,57 @@ void fill(const std::vector<Asked>& methods, const std::string& folder, const co
       page.runs.back().failure = e.failure;
     }
   }
+  auto& replay = page.replays.emplace_back();
   if (truth) {
-    page.truth = truth->trajectory;
-    page.plan = truth->plan;
-    page.seen = truth->seen;
+    replay.truth = truth->trajectory;
+    replay.plan = truth->plan;
+    replay.seen = truth->seen;
   }
-  if (!log_path.empty()) readScans(log_path, progress, page);
-  addRelations(folder, page);
+  if (!log_path.empty()) readReplay(log_path, report::kMostReplayed, progress, replay);
+  if (fs::exists(folder + "/relations.json"))
+    page.tables.insert(page.tables.begin(), readJsonTable(folder + "/relations.json"));
   addTableDownloads(folder, page);
   addRunDownloads(runs, page);
 }
 
-/// Several explorations: their tables and curves.
-bool isExplorations(const std::string& folder) {
-  return fs::exists(folder + "/runs.csv") && fs::exists(folder + "/scores.md");
-}
-
-void fillExplorations(const std::string& folder, report::ReportPage& page) {
-  page.title = titleOf(folder, "Explorations");
-  page.tables.push_back(readTable(folder + "/scores.md"));
-  page.verdict.push_back(
-      "This folder holds several explorations; 'rasterslam report' of one of theirs has its replay.");
-  addPicture(page, folder + "/coverage.png", "Explored share over time, path and scans.");
-  std::vector<std::string> pictures;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.path().filename() == "path.png") pictures.push_back(entry.path().string());
-  std::sort(pictures.begin(), pictures.end());
-  if (pictures.size() > kMostPictures)
-    page.missing.push_back("Of " + std::to_string(pictures.size()) + " runs the paths of the first " +
-                           std::to_string(kMostPictures) + " are shown.");
-  pictures.resize(std::min(pictures.size(), kMostPictures));
-  for (const auto& path : pictures)
-    addPicture(page, path, "Path of " + fs::relative(fs::path(path).parent_path(), folder).string() + ".");
-  addTableDownloads(folder, page);
-  addDownload(page, folder + "/runs.csv", "runs.csv", "every run", "text/csv");
-}
-
-/// A sweep of bench(): statistics over the seeds, with intervals.
-void fillSweep(const std::string& folder, const core::Manifest& manifest, report::ReportPage& page) {
-  page.title = titleOf(folder, "Sweep");
-  page.tables.push_back(readTable(folder + "/summary.md"));
-  page.verdict.push_back(resultOf(manifest, "runs") +
-                         " runs: statistics over the seeds, with 95 % intervals.");
-  const auto missing = resultOf(manifest, "missing"), failed = resultOf(manifest, "failed");
-  if (!missing.empty() && missing != "0")
-    page.missing.push_back("This sweep is not finished: " + missing +
-                           " runs are missing. 'rasterslam bench ... --resume' goes on with it.");
-  if (!failed.empty() && failed != "0") page.verdict.push_back(failed + " runs failed.");
-  std::vector<std::string> pictures;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().extension() == ".png") pictures.push_back(entry.path().string());
-  std::sort(pictures.begin(), pictures.end());
-  for (const auto& path : pictures) addPicture(page, path, fs::path(path).filename().string());
-  for (const char* name : {"summary.csv", "summary.tex", "results.csv", "cost.csv"})
-    addDownload(page, folder + "/" + name, name, "",
-                name == std::string("summary.tex") ? "application/x-tex" : "text/csv");
+/// What an exploration has beside map and path: where it wanted to go, how much it had seen.
+void addExploration(const std::string& folder, report::ReportPage& page) {
+  if (!fs::exists(folder + "/exploration.csv")) return;
+  const core::Pose2 T_world_map = page.runs.empty() ? core::Pose2{} : page.runs.front().T_world_map;
+  addGoals(folder, T_world_map, page.replays.front());
+  addCoverage({folder}, {"explored"}, page);
+  const auto manifest = core::readManifest(folder + "/manifest.json");
+  double share = kNan;
+  if (core::parseNumber(resultOf(manifest, "coverage"), share)) {
+    std::string text = resultOf(manifest, "strategy") + " explored " + percent(share) +
+                       " of what can be explored; it ended by: " + resultOf(manifest, "end");
+    if (const auto detail = resultOf(manifest, "end_detail"); !detail.empty()) text += " (" + detail + ")";
+    page.verdict.insert(page.verdict.begin(), text + ".");
+  }
+  if (fs::exists(folder + "/scores.md"))
+    page.tables.insert(page.tables.begin(), readMarkdownTable(folder + "/scores.md"));
 }
 
 }  // namespace
+
+void addRun(const std::string& folder, const std::string& log_path, const std::string& name,
+            std::size_t replay, report::ReportPage& page) {
+  const auto run = loadRun(folder);
+  auto files = truthFiles(log_path, "", "");
+  // Where a sweep generated the building.
+  if (const auto plan = fs::path(log_path).parent_path() / "plan.yaml";
+      files.plan.empty() && fs::exists(plan))
+    files.plan = plan.string();
+  std::optional<Truth> truth;
+  if (!files.trajectory.empty()) truth = loadTruth(files.trajectory, files.plan, run);
+  page.runs.push_back(pageRun(run, evaluate(run, truth), truth));
+  page.runs.back().method = name;
+  page.runs.back().replay = replay;
+  if (!truth) return;
+  page.replays[replay].truth = truth->trajectory;
+  page.replays[replay].plan = truth->plan;
+  page.replays[replay].seen = truth->seen;
+}
 
 report::ReportPage gatherReport(const std::string& folder, core::Progress& progress) {
   if (!fs::is_directory(folder))
@@ -461,7 +334,8 @@ report::ReportPage gatherReport(const std::string& folder, core::Progress& progr
   const std::string manifest_path = folder + "/manifest.json";
   if (!fs::exists(manifest_path))
     throw core::InputError(folder +
-                           ": holds no manifest.json, expected the folder of a compare, run or explore");
+                           ": holds no manifest.json, expected the folder of a compare, run, explore, "
+                           "navigate, bench or stress");
   const auto manifest = core::readManifest(manifest_path);
   report::ReportPage page;
   addFacts(manifest, page);
@@ -470,24 +344,28 @@ report::ReportPage gatherReport(const std::string& folder, core::Progress& progr
                   "by least squares without scale.";
   const std::string method = resultOf(manifest, "method");
   if (!method.empty()) {
-    page.title = titleOf(folder, method);
+    page.title = pageTitle(folder, method);
     fill({{method, folder, ""}}, folder, manifest, progress, page);
     addExploration(folder, page);
     return page;
   }
-  if (fs::exists(folder + "/summary.md")) {
-    fillSweep(folder, manifest, page);
+  if (isSweep(folder)) {
+    fillSweep(folder, manifest, progress, page);
     return page;
   }
   if (isExplorations(folder)) {
-    fillExplorations(folder, page);
+    fillExplorations(folder, progress, page);
+    return page;
+  }
+  if (isNavigation(folder)) {
+    fillNavigation(folder, manifest, page);
     return page;
   }
   const auto methods = methodsOfComparison(folder, page);
   if (methods.empty()) {
     throw core::InputError(folder + ": holds no run, expected the folder of a compare, run or explore");
   }
-  page.title = titleOf(folder, "Comparison");
+  page.title = pageTitle(folder, "Comparison");
   fill(methods, folder, manifest, progress, page);
   return page;
 }

@@ -42,18 +42,20 @@ robot::Scan scan(double time_s, size_t beams) {
 ReportPage smallPage() {
   ReportPage page;
   page.title = "Comparison: small";
-  page.plan = room();
+  ReportReplay replay;
+  replay.plan = room();
   ReportRun run;
   run.method = "graph";
   run.map = room();
   for (int i = 0; i <= 40; ++i) {
     const double time_s = 100 + i;
-    page.truth.push_back({time_s, {1 + 0.1 * i, 3, 0}});
+    replay.truth.push_back({time_s, {1 + 0.1 * i, 3, 0}});
     run.path.push_back({time_s, {1 + 0.1 * i, 3.05, 0}});
     run.error_m.push_back(0.05);
-    page.scans.push_back(scan(time_s, 31));
+    replay.scans.push_back(scan(time_s, 31));
   }
-  page.scan_count = page.scans.size();
+  replay.scan_count = replay.scans.size();
+  page.replays = {replay};
   page.runs = {run};
   page.tables = {{"Accuracy",
                   {{"method", "method"}, {"ate_m", "ATE m"}},
@@ -99,6 +101,11 @@ TEST(HtmlReport, NamesWithMarkupStayText) {
   page.tables[0].notes = {evil};
   page.downloads = {{evil, evil, "text/csv", "a"}};
   page.pictures = {{evil, "png"}};
+  page.left_out = {evil};
+  page.charts = {{evil, evil, evil, evil, {{evil, {{0, 1}, {1, 2}}, {}, {}, {}, evil}}, 0, 0}};
+  page.replays[0].name = evil;
+  page.replays[0].operations.assign(page.replays[0].scans.size(), evil);
+  page.replays[0].moments = {{1, evil, evil, {1, 1}}};
   page.facts = {{evil, evil}};
   const auto html = toHtml(page);
   EXPECT_THAT(html, Not(HasSubstr("<script>x")));
@@ -138,6 +145,20 @@ TEST(HtmlReport, AMethodThatFailedHasItsSectionAndReason) {
   EXPECT_THAT(html, Not(HasSubstr("map-1")));
 }
 
+TEST(HtmlReport, OfAMethodThatGotLostTheReasonAndTheLastMapAreShown) {
+  auto page = smallPage();
+  page.runs[0].failure = "lost at scan 12 (2.4 s)";
+  const auto html = toHtml(page);
+  EXPECT_THAT(html, HasSubstr("Failed: lost at scan 12 (2.4 s)"));
+  EXPECT_THAT(html, HasSubstr("<use href=\"#map-0\"/>"));
+}
+
+TEST(HtmlReport, WordsThatTextTablesBreakAreWhole) {
+  auto page = smallPage();
+  page.tables[0].columns[1].title = "occu- pied";
+  EXPECT_THAT(toHtml(page), HasSubstr(">occupied</th>"));
+}
+
 TEST(HtmlReport, APageWithoutRunsIsAPage) {
   ReportPage page;
   page.title = "nothing";
@@ -148,8 +169,8 @@ TEST(HtmlReport, APageWithoutRunsIsAPage) {
 TEST(HtmlReport, WhatIsThinnedIsSaid) {
   auto page = smallPage();
   EXPECT_THAT(toHtml(page), Not(HasSubstr("evenly chosen")));
-  page.scan_count = 100000;
-  for (auto& one : page.scans) one = scan(one.time_s, 1081);
+  page.replays[0].scan_count = 100000;
+  for (auto& one : page.replays[0].scans) one = scan(one.time_s, 1081);
   const auto html = toHtml(page);
   EXPECT_THAT(html, HasSubstr("Of the log&#39;s 100000 scans the player shows 41, evenly chosen."));
   EXPECT_THAT(html, HasSubstr("Of each scan&#39;s 1081 beams it shows one in 6,"));
@@ -160,7 +181,10 @@ TEST(HtmlReport, ManyEventsAreThinnedAndCounted) {
   auto page = smallPage();
   for (int i = 0; i < 1000; ++i)
     page.runs[0].events.push_back({i, 0.04 * i, "resampled", 0, {1, 1}, {kNan, kNan}});
-  EXPECT_THAT(toHtml(page), HasSubstr("1000 events, of which one in 4 is listed"));
+  page.runs[0].events.push_back({999, 40, "lost", 0, {1, 1}, {kNan, kNan}});
+  const auto html = toHtml(page);
+  EXPECT_THAT(html, HasSubstr("1001 events, of which 251 are listed: resampled one in 4"));
+  EXPECT_THAT(html, HasSubstr("<td>lost</td>"));
 }
 
 TEST(HtmlReport, FilesThatAreTooManyAreNamed) {
@@ -180,6 +204,44 @@ TEST(HtmlReport, ALongPathIsPackedAsGzip) {
   page.downloads = {{"path.tum", "", "text/plain", std::string(100000, '1')}};
   const auto html = toHtml(page);
   EXPECT_THAT(html, HasSubstr("download=\"path.tum.gz\" href=\"data:application/gzip;base64,H4sI"));
+}
+
+TEST(HtmlReport, ReplaysOnOnePlanShareItsPictureAndOthersHaveTheirOwn) {
+  auto page = smallPage();
+  page.replays.push_back(page.replays[0]);
+  page.runs.push_back(page.runs[0]);
+  page.runs[1].replay = 1;
+  const auto shared = toHtml(page);
+  EXPECT_THAT(shared, HasSubstr("id=\"plan-0\""));
+  EXPECT_THAT(shared, Not(HasSubstr("id=\"plan-1\"")));
+  page.replays[1].plan->cells[1800] = world::Cell::kOccupied;
+  const auto apart = toHtml(page);
+  EXPECT_THAT(apart, HasSubstr("id=\"plan-1\""));
+  EXPECT_THAT(apart, HasSubstr("data-group=\"1\""));
+}
+
+TEST(HtmlReport, EveryRunBelongsToAReplayAndOperationsToScans) {
+  auto page = smallPage();
+  page.runs[0].replay = 1;
+  EXPECT_THROW(toHtml(page), core::ContractError);
+  page = smallPage();
+  page.replays[0].operations = {"", "t 0.1"};
+  EXPECT_THROW(toHtml(page), core::ContractError);
+}
+
+TEST(HtmlReport, ThePlayerKnowsOperationsGoalsMomentsAndTheOnlinePath) {
+  auto page = smallPage();
+  auto& replay = page.replays[0];
+  replay.operations.assign(replay.scans.size(), "");
+  replay.operations[1] = "t 0.2094";
+  replay.goals = {{2, {1.5, 3}}, {4, {kNan, kNan}}};
+  replay.moments = {{3, "collision", "", {1.25, 3}}};
+  page.runs[0].online = page.runs[0].path;
+  const auto html = toHtml(page);
+  EXPECT_THAT(html, HasSubstr(R"("operations":["","t 0.2094",)"));
+  EXPECT_THAT(html, HasSubstr(R"("goals":[[2.0,1.5,3.0],[4.0,null,null]])"));
+  EXPECT_THAT(html, HasSubstr(R"("moments":[[3.0,"collision","",1.25,3.0]])"));
+  EXPECT_THAT(html, HasSubstr(R"("online":")"));
 }
 
 TEST(HtmlReport, ErrorsBelongToPoses) {
@@ -209,6 +271,66 @@ TEST(PagePlot, AChartOfNothingIsNothing) {
   EXPECT_EQ(timeChart({{"a", kBlue, {0, 1}, {kNan, 0}}}, "c", "error (m)", 10), "");
   EXPECT_THAT(timeChart({{"a", kBlue, {0, 1}, {0.1, 0.2}}}, "c", "error (m)", 10),
               HasSubstr("data-method=\"a\""));
+}
+
+PageChart chartOf(const std::vector<core::Point2>& points) {
+  return {"c", "A chart.", "x (m)", "y (s)", {{"a", points, {}, {}, {}, ""}}, 0, 0};
+}
+
+TEST(PageChart, AChartOfNothingIsNothing) {
+  EXPECT_EQ(chartElement(chartOf({})), "");
+  EXPECT_EQ(chartElement(chartOf({{kNan, 1}, {1, kNan}})), "");
+}
+
+// The drawing is 720 by 340, its axes from 78 to 698 and from 290 up to 16.
+TEST(PageChart, PointsLieWhereTheAxesSay) {
+  const auto html = chartElement(chartOf({{0, 0}, {5, 10}, {10, 5}}));
+  EXPECT_THAT(html, HasSubstr("d=\"M78.00 290.00 388.00 16.00 698.00 153.00\""));
+  EXPECT_THAT(html, HasSubstr("data-values=\"0 0;5 10;10 5\""));
+  EXPECT_THAT(html, HasSubstr("x (m)</text>"));
+  EXPECT_THAT(html, Not(HasSubstr("logarithmic")));
+}
+
+TEST(PageChart, AnIntervalIsDrawnAndABrokenPointHasACross) {
+  auto chart = chartOf({{0, 1}, {10, 2}});
+  chart.y_max = 4;
+  chart.curves[0].low = {0.5, kNan};
+  chart.curves[0].high = {3, kNan};
+  chart.curves[0].broken = {false, true};
+  chart.curves[0].note = "breaks at 10";
+  const auto html = chartElement(chart);
+  EXPECT_THAT(html, HasSubstr("data-values=\"0 1 0.5 3;10 2\""));
+  EXPECT_THAT(html, HasSubstr("class=\"whisker\" d=\"M78.0 255.8V84.5"));
+  EXPECT_THAT(html, HasSubstr("class=\"cross\" d=\"M692.0 147.0l12 12"));
+  EXPECT_THAT(html, HasSubstr("<span>a</span>: breaks at 10"));
+}
+
+TEST(PageChart, WideSpreadsGetALogarithmicAxisThatTheCaptionNames) {
+  const auto html = chartElement(chartOf({{0.01, 0.001}, {1, 0.5}}));
+  EXPECT_THAT(html, HasSubstr("The lower axis is logarithmic. The left axis is logarithmic."));
+  EXPECT_THAT(html, HasSubstr("data-log=\"1\""));
+  // 0 has no logarithm.
+  EXPECT_THAT(chartElement(chartOf({{0, 0.001}, {1, 0.5}})), Not(HasSubstr("The lower axis is logarithmic")));
+}
+
+TEST(PageChart, LinesWithOneLabelShareColourAndLegend) {
+  auto chart = chartOf({{0, 1}, {1, 2}});
+  chart.curves.push_back(chart.curves[0]);
+  chart.curves.push_back({"b", {{0, 1}, {1, 3}}, {}, {}, {}, ""});
+  const auto html = chartElement(chart);
+  const auto count = [&](const std::string& what) {
+    size_t found = 0;
+    for (auto at = html.find(what); at != std::string::npos; at = html.find(what, at + 1)) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("<g data-series=\"0\""), 2U);
+  EXPECT_EQ(count("<li data-series="), 2U);
+}
+
+TEST(PageChart, IntervalsBelongToPoints) {
+  auto chart = chartOf({{0, 1}, {1, 2}});
+  chart.curves[0].low = {0};
+  EXPECT_THROW(chartElement(chart), core::ContractError);
 }
 
 }  // namespace

@@ -61,10 +61,10 @@ TEST_F(ReportData, AComparisonHasTheBestFirstTruthPlanAndScans) {
   const auto page = gather(output());
   ASSERT_EQ(page.runs.size(), 2U);
   EXPECT_EQ(page.runs[0].method, "graph");
-  EXPECT_TRUE(page.plan.has_value());
-  EXPECT_EQ(page.truth.size(), page.runs[0].path.size());
+  EXPECT_TRUE(page.replays[0].plan.has_value());
+  EXPECT_EQ(page.replays[0].truth.size(), page.runs[0].path.size());
   EXPECT_EQ(page.runs[0].error_m.size(), page.runs[0].path.size());
-  EXPECT_EQ(page.scan_count, page.scans.size());
+  EXPECT_EQ(page.replays[0].scan_count, page.replays[0].scans.size());
   EXPECT_EQ(page.runs[0].scan_ms.size(), page.runs[0].path.size());
   EXPECT_THAT(page.missing, IsEmpty());
   EXPECT_THAT(page.verdict.front(), HasSubstr("graph came nearest to the truth"));
@@ -77,8 +77,8 @@ TEST_F(ReportData, TheSameFolderGivesTheSameBytes) {
 TEST_F(ReportData, OneRunOfItIsAPageToo) {
   const auto page = gather(output() + "/graph");
   ASSERT_EQ(page.runs.size(), 1U);
-  EXPECT_TRUE(page.plan.has_value());
-  EXPECT_FALSE(page.scans.empty());
+  EXPECT_TRUE(page.replays[0].plan.has_value());
+  EXPECT_FALSE(page.replays[0].scans.empty());
 }
 
 TEST_F(ReportData, ARunThatWentOnInAMapFindsItsLogNotTheMap) {
@@ -87,7 +87,7 @@ TEST_F(ReportData, ARunThatWentOnInAMapFindsItsLogNotTheMap) {
   auto manifest = core::readManifest(path);
   manifest.inputs = {{folder + "/graph/map.simplemap", "0"}, {folder + "/log/run.rawlog", "0"}};
   core::writeManifest(manifest, path);
-  EXPECT_FALSE(gather(folder + "/graph").scans.empty());
+  EXPECT_FALSE(gather(folder + "/graph").replays[0].scans.empty());
 }
 
 TEST_F(ReportData, AMethodThatFailedKeepsItsRowAndReason) {
@@ -126,7 +126,7 @@ TEST_F(ReportData, WithoutItsLogThereAreNoScansAndThePageSaysSo) {
     core::writeManifest(manifest, folder + "/" + method + "/manifest.json");
   }
   const auto page = gather(folder);
-  EXPECT_TRUE(page.scans.empty());
+  EXPECT_TRUE(page.replays[0].scans.empty());
   ASSERT_EQ(page.missing.size(), 1U);
   EXPECT_THAT(page.missing[0], HasSubstr("/nowhere/run.rawlog is not there any more"));
   EXPECT_THAT(page.verdict.front(), HasSubstr("No truth is known"));

@@ -11,7 +11,7 @@ interface View {
 const kStep = 1.4;
 const kMostZoom = 60;
 
-/** All maps show the same part of the world: what is done to one is done to all. */
+/** Maps of one ground show the same part of the world: what is done to one is done to all of them. */
 class LinkedMaps {
   private view: View;
   private readonly whole: View;
@@ -22,7 +22,7 @@ class LinkedMaps {
     this.view = { ...this.whole };
     for (const map of maps) this.listen(map);
     for (const group of document.querySelectorAll(".maps"))
-      if (group.querySelector("svg.map")) group.before(this.controls());
+      if (group.querySelector("svg.map") && maps.includes(group.querySelector("svg.map")!)) group.before(this.controls());
   }
 
   private controls(): HTMLElement {
@@ -95,6 +95,10 @@ class LinkedMaps {
 }
 
 export function linkMaps(): void {
-  const maps = Array.from(document.querySelectorAll<SVGSVGElement>("svg.map"));
-  if (maps.length > 0) new LinkedMaps(maps);
+  const groups = new Map<string, SVGSVGElement[]>();
+  for (const map of document.querySelectorAll<SVGSVGElement>("svg.map")) {
+    const name = map.dataset.group ?? "";
+    groups.set(name, [...(groups.get(name) ?? []), map]);
+  }
+  for (const maps of groups.values()) new LinkedMaps(maps);
 }

@@ -1,10 +1,12 @@
+import { enlivenCharts } from "./charts";
 import { linkMaps } from "./maps";
 import { Player } from "./player";
-import { readReplay } from "./replay_data";
+import { readReplays } from "./replay_data";
 import { enliven } from "./tables";
 
 enliven();
 linkMaps();
-const replay = readReplay();
+enlivenCharts();
+const replays = readReplays();
 const root = document.getElementById("player");
-if (replay && root && replay.times.length > 0) new Player(replay, root);
+if (replays && root) new Player(replays, root);

@@ -1,12 +1,23 @@
-/** As toHtml() writes it (html_report.cpp). Metres, radians, seconds since the first scan; frames as on the maps. */
+/** As page_replay.cpp writes it. Metres, radians, seconds since the first scan; frames as on the maps. */
 interface Packed {
+  name: string;
+  group: number;
   window: [number, number, number, number];
   times: string;
   ground: string;
   truth?: string;
-  scan?: { first: number; step: number; beams: number; allBeams: number; mount: [number, number, number]; ranges: string };
-  runs: { name: string; colour: string; map: string; poses: string; events: [number, string, number, number][] }[];
+  scan?: { first: number; step: number; beams: number; mount: [number, number, number]; ranges: string };
+  operations?: string[];
+  runs: {
+    name: string;
+    colour: string;
+    map: string;
+    poses: string;
+    online?: string;
+    events: [number, string, number | null, number | null, number | null][];
+  }[];
   goals: [number, number | null, number | null][];
+  moments: [number, string, string, number | null, number | null][];
 }
 
 export interface Pose {
@@ -28,8 +39,10 @@ export interface Run {
   name: string;
   colour: string;
   map: string;
+  /** As it is in the end. */
   path: Path;
-  events: [number, string, number, number][];
+  /** As it was given at the time, where that differs. */
+  online: Path | null;
 }
 
 export interface Scans {
@@ -43,21 +56,40 @@ export interface Scans {
   range(scan: number, beam: number): number;
 }
 
+/** Something that happened, to a method or (run null) to the robot. */
+export interface Happening {
+  time_s: number;
+  run: Run | null;
+  what: string;
+  detail: string;
+  place: [number, number] | null;
+}
+
 export interface Replay {
+  name: string;
+  /** Of the maps that show it. */
+  group: number;
   window: { x0: number; y0: number; x1: number; y1: number };
   times: Float32Array;
   ground: string;
   truth: Path | null;
   scans: Scans | null;
+  /** What the robot did before each scan, as in the operation log; "" for nothing. */
+  operations: string[];
   runs: Run[];
   goals: [number, number | null, number | null][];
+  /** In time. */
+  happenings: Happening[];
 }
 
 const kNoReturnCode = 65534;
 const kUsualShare = 0.98;
 
 function bytesOf(base64: string): Uint8Array {
-  return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+  const text = atob(base64);
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+  return bytes;
 }
 
 function floatsOf(base64: string): Float32Array {
@@ -69,8 +101,8 @@ function floatsOf(base64: string): Float32Array {
 function scansOf(packed: NonNullable<Packed["scan"]>): Scans {
   const bytes = bytesOf(packed.ranges);
   const code = (index: number): number => bytes[2 * index] | (bytes[2 * index + 1] << 8);
-  const returns = Array.from({ length: bytes.length / 2 }, (_, i) => code(i)).filter((value) => value < kNoReturnCode);
-  returns.sort((a, b) => a - b);
+  const returns = Uint16Array.from({ length: bytes.length / 2 }, (_, i) => code(i)).filter((value) => value < kNoReturnCode);
+  returns.sort();
   return {
     first: packed.first,
     step: packed.step,
@@ -84,18 +116,79 @@ function scansOf(packed: NonNullable<Packed["scan"]>): Scans {
   };
 }
 
-export function readReplay(): Replay | null {
-  const text = document.getElementById("replay-data")?.textContent;
-  if (!text) return null;
-  const packed = JSON.parse(text) as Packed;
+function placeOf(x: number | null, y: number | null): [number, number] | null {
+  return x === null || y === null ? null : [x, y];
+}
+
+function replayOf(packed: Packed): Replay {
   const [x0, y0, x1, y1] = packed.window;
+  const happenings: Happening[] = packed.moments.map(([time_s, what, detail, x, y]) => ({
+    time_s,
+    run: null,
+    what,
+    detail,
+    place: placeOf(x, y),
+  }));
+  const runs = packed.runs.map(({ name, colour, map, poses, online, events }) => {
+    const path = new Path(floatsOf(poses));
+    const run: Run = { name, colour, map, path, online: online === undefined ? null : new Path(floatsOf(online)) };
+    for (const [time_s, what, value, x, y] of events)
+      happenings.push({ time_s, run, what, detail: value ? String(Number(value.toPrecision(3))) : "", place: placeOf(x, y) });
+    return run;
+  });
+  happenings.sort((a, b) => a.time_s - b.time_s);
   return {
+    name: packed.name,
+    group: packed.group,
     window: { x0, y0, x1, y1 },
     times: floatsOf(packed.times),
     ground: packed.ground,
     truth: packed.truth === undefined ? null : new Path(floatsOf(packed.truth)),
-    scans: packed.scan === undefined ? null : scansOf(packed.scan),
-    runs: packed.runs.map(({ poses, ...run }) => ({ ...run, path: new Path(floatsOf(poses)) })),
+    scans: packed.scan === undefined || packed.scan.beams === 0 ? null : scansOf(packed.scan),
+    operations: packed.operations ?? [],
+    runs,
     goals: packed.goals,
+    happenings,
   };
+}
+
+/** The names of all replays; each is unpacked when it is asked for. */
+export class Replays {
+  private readonly unpacked = new Map<number, Replay>();
+  constructor(private readonly packed: Packed[]) {}
+  get names(): string[] {
+    return this.packed.map(({ name }) => name);
+  }
+  at(index: number): Replay {
+    const there = this.unpacked.get(index);
+    if (there) return there;
+    const replay = replayOf(this.packed[index]);
+    this.unpacked.set(index, replay);
+    return replay;
+  }
+}
+
+export function readReplays(): Replays | null {
+  const text = document.getElementById("replay-data")?.textContent;
+  return text ? new Replays(JSON.parse(text) as Packed[]) : null;
+}
+
+/** The places that a pose sees with the beams of a scan, and from where. */
+export function originOf(scans: Scans, pose: Pose): Pose {
+  const [mountX, mountY, mountYaw] = scans.mount;
+  return {
+    x: pose.x + Math.cos(pose.yaw) * mountX - Math.sin(pose.yaw) * mountY,
+    y: pose.y + Math.sin(pose.yaw) * mountX + Math.cos(pose.yaw) * mountY,
+    yaw: pose.yaw + mountYaw,
+  };
+}
+
+export function* returnsOf(scans: Scans, index: number, pose: Pose): Generator<[number, number]> {
+  const origin = originOf(scans, pose);
+  for (let beam = 0; beam < scans.beams; ++beam) {
+    const range = scans.range(index, beam);
+    if (Number.isNaN(range)) continue;
+    const angle = origin.yaw + scans.first + beam * scans.step;
+    yield [origin.x + range * Math.cos(angle), origin.y + range * Math.sin(angle)];
+  }
 }
