@@ -28,7 +28,7 @@ packages=(
   libmrpt-dev mrpt-apps mrpt-common
   libopencv-dev libeigen3-dev libboost-dev libcli11-dev nlohmann-json3-dev libssl-dev zlib1g-dev libbz2-dev liblzma-dev
   liblz4-dev libzstd-dev libsqlite3-dev libcairo2-dev fonts-liberation
-  libgtest-dev libgmock-dev clang-format-14 bzip2 xz-utils python3
+  libgtest-dev libgmock-dev clang-format-14 bzip2 xz-utils python3 xvfb xauth
 )
 bench_packages=(libbenchmark-dev)
 # ROS's own libraries, with which tests compare ours; those tests skip where Debian no longer has them.

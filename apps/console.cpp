@@ -66,6 +66,10 @@ void catchInterrupts() {
   std::signal(SIGTERM, onInterrupt);
 }
 
+bool interruptAsked() {
+  return stop_asked;
+}
+
 ConsoleProgress::ConsoleProgress(bool quiet)
     : quiet_(quiet), is_terminal_(isatty(STDERR_FILENO) != 0 && !isDumb()) {}
 

@@ -11,6 +11,8 @@ namespace slam::apps {
 
 /// Ctrl-C and SIGTERM ask to stop at the next progress report; a second one ends the program at once.
 void catchInterrupts();
+/// Whether one was asked for, for those who do not report progress.
+bool interruptAsked();
 
 /// Progress on standard error: a bar with time left and real-time factor on a terminal, else a line every 10 %. Nothing
 /// of ours has colour (so there is nothing that NO_COLOR would have to turn off); a terminal that can do nothing

@@ -19,16 +19,6 @@ struct Arguments {
   SimulationFlags flags;
 };
 
-core::Pose2 startIn(const world::Plan& plan, const run::ReachGoalConfig& config, const std::string& text) {
-  if (text != "auto") return run::parsePose(text, "--start");
-  // With room around it where there is such a place.
-  const double radius_m = robot::circumscribedRadius(config.robot);
-  for (const double clearance_m : {radius_m + 0.3, radius_m})
-    if (const auto pose = world::findStartPose(plan, clearance_m)) return *pose;
-  throw core::InputError(plan.name + ": no free place for a robot of side " +
-                         core::formatNumber(config.robot.side_m) + " m");
-}
-
 int navigateTo(const Context& context, const Arguments& arguments) {
   run::ReachGoalRequest request;
   request.config = run::readReachGoalConfig(simulationConfig(context, arguments.flags));
@@ -39,7 +29,7 @@ int navigateTo(const Context& context, const Arguments& arguments) {
   request.p_world_goal = run::parsePlace(arguments.goal, "--goal");
   const std::string plan_path = run::resolvePlan(arguments.plan);
   request.plan = run::planOfVisit(world::loadPlan(plan_path), request.config.living, context.seed);
-  request.T_world_start = startIn(request.plan, request.config, arguments.start);
+  request.T_world_start = run::goalStart(request.plan, request.config, arguments.start);
   request.methods = arguments.methods;
   request.slam = arguments.slam == "odometry" ? "" : arguments.slam;
   request.methods_folder = run::configsFolder() + "/methods";

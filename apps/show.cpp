@@ -3,6 +3,7 @@
 #include <exception>
 #include <thread>
 
+#include "apps/console.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
@@ -14,6 +15,7 @@ live::SnapshotMaker makerOf(const Show& what) {
   live::SnapshotMaker maker(what.title, what.method, what.T_scene_map);
   maker.setTruth(what.truth);
   maker.setLoops(what.loops);
+  if (what.goal) maker.setGoal(*what.goal);
   return maker;
 }
 
@@ -51,13 +53,16 @@ Shown show(const Show& what, const ShowFlags& flags, const Loop& loop) {
       loop(observer, &stage);
       is_whole = !stage.isClosed();
       stage.finish();
-    } catch (...) {
+    } catch (const core::Interrupted&) {
       if (!stage.isClosed()) error = std::current_exception();
+      stage.close();
+    } catch (...) {
+      error = std::current_exception();
       stage.close();
     }
   });
   try {
-    live::showWindow(stage, scene, what.title + " - rasterslam", what.hands);
+    live::showWindow(stage, scene, {what.title + " - rasterslam", what.hands, flags.close, interruptAsked});
   } catch (...) {
     stage.close();
     worker.join();
@@ -65,6 +70,7 @@ Shown show(const Show& what, const ShowFlags& flags, const Loop& loop) {
   }
   worker.join();
   if (error) std::rethrow_exception(error);
+  if (interruptAsked() && what.hands == live::Hands::kWatch) throw core::Interrupted();
   return is_whole ? Shown::kWhole : Shown::kClosed;
 }
 

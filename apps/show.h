@@ -17,6 +17,7 @@ namespace slam::apps {
 struct ShowFlags {
   double speed = 4;  ///< 0 = as fast as it goes
   bool paused = false;
+  bool close = false;  ///< the window, when the loop has ended
   std::vector<int> size = {1280, 800};
   std::string screenshot;  ///< a PNG instead of a window
   double at_s = -1;        ///< of the robot's time, of the screenshot
@@ -30,6 +31,7 @@ struct Show {
   core::Pose2 T_scene_map;
   core::Trajectory truth;  ///< beside a log
   std::vector<std::pair<int, viewer::Connection>> loops;
+  std::optional<core::Point2> goal;  ///< of a drive to a goal, map frame
   live::Hands hands = live::Hands::kWatch;
 };
 

@@ -21,6 +21,7 @@
 #include "libslam/run/compare.h"
 #include "libslam/run/explore.h"
 #include "libslam/run/external_method.h"
+#include "libslam/run/reach_goal.h"
 #include "libslam/run/resources.h"
 
 namespace slam::apps {
@@ -29,7 +30,7 @@ namespace {
 
 struct ViewArguments {
   std::string input;  ///< plan, log or folder
-  std::string method, slam = "graph", log, plan;
+  std::string method, slam = "graph", log, plan, start = "auto", goal;
   SimulationFlags simulation;
   ShowFlags show;
 };
@@ -139,16 +140,16 @@ int viewDrive(const Context& context, const ViewArguments& arguments) {
   what.hands = live::Hands::kDrive;
   auto manifest = start.manifest;
   manifest.results["driven"] = "by hand";
-  const double period_s = 1 / config.lidar.rate_hz;
   ConsoleProgress progress(true);
   std::string written;
   show(what, arguments.show, [&](run::StepObserver& observer, const live::Stage* stage) {
-    const auto hand = [&](const sim::Sensed&) -> std::optional<robot::Command> {
+    live::HandDrive hand(config.robot, 1 / config.lidar.rate_hz);
+    const auto commander = [&](const sim::Sensed& sensed) -> std::optional<robot::Command> {
       if (stage->isClosed()) return std::nullopt;
-      return live::commandOf(stage->keys(), config.robot, period_s);
+      return hand.next(stage->keys(), sensed.collided);
     };
-    written = writtenText(
-        run::recordCommands(start.plan, config, context.seed, log_path, manifest, progress, hand, &observer));
+    written = writtenText(run::recordCommands(start.plan, config, context.seed, log_path, manifest, progress,
+                                              commander, &observer));
   });
   std::printf("%s\nnext: rasterslam compare %s\n", written.c_str(), log_path.c_str());
   return 0;
@@ -179,6 +180,40 @@ int viewExplore(const Context& context, const ViewArguments& arguments) {
     const auto result = run::explore(request, context.manifest(), progress);
     written = report::toText(result.scores);
     if (!context.output.empty()) written += "\npictures, maps, tables: " + context.output;
+  });
+  return report(shown, arguments.show, written);
+}
+
+int viewNavigate(const Context& context, const ViewArguments& arguments) {
+  requireSensible(arguments.show);
+  run::ReachGoalRequest request;
+  request.config = run::readReachGoalConfig(simulationConfig(context, arguments.simulation));
+  if (context.print_config) return printParameters(request.config.parameters, context.json), 0;
+  request.p_world_goal = run::parsePlace(arguments.goal, "--goal");
+  const auto start = startIn(context, arguments.input);
+  request.plan = run::planOfVisit(start.plan, request.config.living, context.seed);
+  request.T_world_start = run::goalStart(request.plan, request.config, arguments.start);
+  request.methods = {arguments.method};
+  request.slam = arguments.slam == "odometry" ? "" : arguments.slam;
+  request.methods_folder = run::configsFolder() + "/methods";
+  const ScratchFolder scratch;
+  request.output = context.output.empty() ? scratch / "navigation" : context.output;
+  request.seed = context.seed;
+  request.overwrite = context.overwrite;
+  Show what;
+  what.plan = request.plan;
+  what.robot_side_m = request.config.robot.side_m;
+  what.T_scene_map = request.T_world_start;
+  what.goal = core::inverse(what.T_scene_map) * request.p_world_goal;
+  what.title = "navigate " + start.plan.name;
+  what.method = arguments.method + " on " + nameOf(arguments.slam);
+  ConsoleProgress progress(context.quiet);
+  std::string written;
+  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, const live::Stage*) {
+    request.observer = &observer;
+    const auto comparison = run::reachGoal(request, start.manifest, progress);
+    written = report::toText(comparison.table);
+    if (!context.output.empty()) written += "\npaths, states, pictures: " + context.output;
   });
   return report(shown, arguments.show, written);
 }
@@ -244,6 +279,7 @@ void addShowFlags(CLI::App* command, ShowFlags& flags) {
       ->check(CLI::Range(0.0, live::Playback::kFastest))
       ->capture_default_str();
   command->add_flag("--paused", flags.paused, "begin paused");
+  command->add_flag("--close", flags.close, "close the window at the end");
   addWindowSize(command, flags);
   command->add_option("--screenshot", flags.screenshot,
                       "a PNG to write instead of opening a window; needs no display");
@@ -277,6 +313,7 @@ void addViewCommands(CLI::App& app, Context& context) {
   view->require_subcommand(1);
   view->footer("Keys:" + keysText(live::Hands::kWatch) +
                "\nExit codes: as rasterslam's; 1 without a display (--screenshot needs none).\n"
+               "'rasterslam view --mrpt FILE' shows a file in MRPT's own viewer instead.\n"
                "'rasterslam view COMMAND --help' shows examples.");
 
   auto* drive = view->add_subcommand("drive", "drive by the arrow keys; writes a rawlog and its truth");
@@ -308,7 +345,6 @@ void addViewCommands(CLI::App& app, Context& context) {
 
   auto* explore = view->add_subcommand("explore", "watch 'rasterslam explore' with one strategy");
   auto exploring = onCall(explore, context, viewExplore);
-  exploring->slam = "icp_exact";
   explore->add_option("plan", exploring->input, kPlanMeaning)->required();
   explore
       ->add_option("--slam", exploring->slam, "the method that estimates pose and map, or truth (reference)")
@@ -322,6 +358,28 @@ void addViewCommands(CLI::App& app, Context& context) {
       "Examples:\n"
       "  rasterslam view explore flat --strategy information_gain --slam particles\n"
       "  rasterslam view explore flat --strategy quadrant --screenshot flat.png --at 60");
+
+  auto* navigate = view->add_subcommand("navigate", "watch 'rasterslam navigate' with one method");
+  auto navigating = onCall(navigate, context, viewNavigate);
+  navigating->slam = "naive_flow";
+  navigating->method = "tangent";
+  navigate->add_option("plan", navigating->input, kPlanMeaning)->required();
+  navigate->add_option("--start", navigating->start, "\"x_m y_m yaw_deg\" in the world frame, or auto")
+      ->capture_default_str();
+  navigate->add_option("--goal", navigating->goal, "\"x_m y_m\" in the world frame")->required();
+  navigate->add_option("--method", navigating->method, "bug1, bug2, tangent, lidar_bug or mrpt_reactive")
+      ->capture_default_str();
+  navigate
+      ->add_option("--slam", navigating->slam,
+                   "where the pose comes from: a method, or odometry for the wheels")
+      ->capture_default_str();
+  navigate->add_option("--lidar", navigating->simulation.lidar,
+                       "a lidar by name (see 'rasterslam list lidars') or an .ini file");
+  addOutput(navigate, context, "folder to write (default: none)");
+  addSeed(navigate, context);
+  addConfig(navigate, context);
+  addShowFlags(navigate, navigating->show);
+  navigate->footer("Example:\n  rasterslam view navigate office_loop --goal \"3 2\" --method bug2 --speed 8");
 
   auto* run_method = view->add_subcommand("run", "watch 'rasterslam run': a method at work on a log");
   auto running = onCall(run_method, context, viewRun);

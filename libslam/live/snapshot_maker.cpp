@@ -50,7 +50,7 @@ void SnapshotMaker::add(const run::Step& step) {
   takeTruth(step);
   lookAround(step);
   followDecision(step);
-  if (step.time_s - collided_at_s_ < kCollisionShown_s) now_.note = "bumped into something and stopped";
+  if (step.time_s - collided_at_s_ < kCollisionShown_s) now_.note = "bumped into something";
 }
 
 void SnapshotMaker::takeTruth(const run::Step& step) {
@@ -83,7 +83,6 @@ void SnapshotMaker::lookAround(const run::Step& step) {
 }
 
 void SnapshotMaker::followDecision(const run::Step& step) {
-  now_.candidates.reset();
   if (!step.decision) return;
   const auto& decision = *step.decision;
   if (!decision_ || !isSame(*decision_, decision)) {

@@ -24,6 +24,9 @@ class SnapshotMaker {
   /// Loops that a method closed when the run was made, map frame, and the scan at which it did; in the order of the scans.
   void setLoops(std::vector<std::pair<int, viewer::Connection>> loops) { known_loops_ = std::move(loops); }
 
+  /// Where someone else than a strategy sends the robot, map frame.
+  void setGoal(const core::Point2& goal) { now_.candidates = viewer::Candidates{{}, goal, {}}; }
+
   void add(const run::Step& step);
   /// Of the step that was added last. `method`: the step's. with_map: its map, path and graph as they are now, else as
   /// they were when they were last asked for.

@@ -21,7 +21,7 @@ class CameraMan {
     canvas_.setCameraProjective(false);
   }
 
-  void showAll() { shows_all_ = true, follows_ = false; }
+  void showAll() { shows_all_ = true, follows_ = false, is_set_ = false; }
   void toggleFollow() { follows_ = !follows_, shows_all_ = false; }
 
   void look(viewer::LiveScene& scene) {
@@ -58,11 +58,13 @@ class CameraMan {
 
 class LiveWindow {
  public:
-  LiveWindow(Stage& stage, viewer::LiveScene& scene, const std::string& title, Hands hands)
+  LiveWindow(Stage& stage, viewer::LiveScene& scene, const WindowOptions& options)
       : stage_(stage),
         scene_(scene),
-        hands_(hands),
-        window_(title, static_cast<unsigned>(scene.size().width), static_cast<unsigned>(scene.size().height)),
+        options_(options),
+        hands_(options.hands),
+        window_(options.title, static_cast<unsigned>(scene.size().width),
+                static_cast<unsigned>(scene.size().height)),
         camera_(window_.camera()) {
     window_.background_scene = scene.scene();
     window_.addKeyboardCallback([this](int key, int scancode, int action, int modifiers) {
@@ -145,11 +147,14 @@ class LiveWindow {
   std::string playbackText() const {
     const std::string text = stage_.playbackText();
     if (hands_ != Hands::kDrive) return text;
-    return text + ", arrows drive at " + core::formatNumber(100 * keys_.share) + " %";
+    const std::string share = core::formatNumber(100 * keys_.share) + " % speed";
+    return text == "paused" || text == "finished" ? text : "arrows drive at " + share;
   }
 
   void refresh() {
-    if (stage_.isClosed()) window_.setVisible(false);
+    const bool is_over = options_.close_at_end && stage_.isFinished();
+    if (is_over || stage_.isClosed() || (options_.interrupted && options_.interrupted()))
+      window_.setVisible(false);
     const viewer::WindowSize size = {window_.size().x(), window_.size().y()};
     const std::lock_guard lock(window_.background_scene_mtx);
     if (size.width != scene_.size().width || size.height != scene_.size().height) scene_.resize(size);
@@ -167,6 +172,7 @@ class LiveWindow {
 
   Stage& stage_;
   viewer::LiveScene& scene_;
+  const WindowOptions& options_;
   Hands hands_;
   mrpt::gui::CDisplayWindowGUI window_;
   CameraMan camera_;
@@ -202,11 +208,11 @@ void requireDisplay() {
         "no window can be opened: there is no display (is DISPLAY set?); --screenshot needs none");
 }
 
-void showWindow(Stage& stage, viewer::LiveScene& scene, const std::string& title, Hands hands) {
+void showWindow(Stage& stage, viewer::LiveScene& scene, const WindowOptions& options) {
   requireDisplay();
   nanogui::init();
   try {
-    LiveWindow window(stage, scene, title, hands);
+    LiveWindow window(stage, scene, options);
     nanogui::mainloop(kRefresh_ms);
   } catch (const std::exception& error) {
     stage.close();

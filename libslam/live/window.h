@@ -1,5 +1,7 @@
 #pragma once
+#include <functional>
 #include <string>
+#include <vector>
 
 #include "libslam/live/stage.h"
 #include "libslam/viewer/live_scene.h"
@@ -18,8 +20,15 @@ std::vector<viewer::KeyHelp> keysOf(Hands hands);
 /// Errors: IoError with one line when no window can be opened for want of a display.
 void requireDisplay();
 
+struct WindowOptions {
+  std::string title;
+  Hands hands = Hands::kWatch;
+  bool close_at_end = false;               ///< do not wait for q when the loop has ended
+  std::function<bool()> interrupted = {};  ///< asked often; true: close
+};
+
 /// Shows a stage in a window until q is pressed, or the window or the stage is closed; then both are. Runs in the calling thread, which must be
 /// the program's first. Once in a process. Errors: as requireDisplay(); IoError when the display has no OpenGL 3.3.
-void showWindow(Stage& stage, viewer::LiveScene& scene, const std::string& title, Hands hands);
+void showWindow(Stage& stage, viewer::LiveScene& scene, const WindowOptions& options);
 
 }  // namespace slam::live

@@ -204,6 +204,15 @@ core::Pose2 parsePose(const std::string& text, const std::string& flag) {
   return {numbers[0], numbers[1], core::wrapToPi(core::degToRad(numbers[2]))};
 }
 
+core::Pose2 goalStart(const world::Plan& plan, const ReachGoalConfig& config, const std::string& text) {
+  if (text != "auto") return parsePose(text, "--start");
+  const double radius_m = robot::circumscribedRadius(config.robot);
+  for (const double clearance_m : {radius_m + 0.3, radius_m})
+    if (const auto pose = world::findStartPose(plan, clearance_m)) return *pose;
+  throw core::InputError(plan.name + ": no free place for a robot of side " +
+                         core::formatNumber(config.robot.side_m) + " m");
+}
+
 ReachGoalConfig readReachGoalConfig(const core::IniFile& ini) {
   core::rejectUnknownSections(
       ini, {"robot", "lidar", "odometry", "living", "navigate", "lidar_bug", "mrpt_reactive"});

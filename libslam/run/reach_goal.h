@@ -90,4 +90,8 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
 core::Point2 parsePlace(const std::string& text, const std::string& flag);
 core::Pose2 parsePose(const std::string& text, const std::string& flag);
 
+/// Where a drive starts: as "x y yaw_deg" says, or "auto": a free place in the middle, with room around it where there is
+/// such a place. Errors: malformed text, no free place (InputError).
+core::Pose2 goalStart(const world::Plan& plan, const ReachGoalConfig& config, const std::string& text);
+
 }  // namespace slam::run

@@ -155,7 +155,7 @@ Layer robotLayer(double side_m, double line_m) {
   addRing(*layer, {0, 0}, radius_m, line_m, kSheet_m / 3, report::kVermillion);
   addPolygon(*layer, {{half, half}, {-half, half}, {-half, -half}, {half, -half}}, 2 * kSheet_m / 3,
              report::kVermillion);
-  addTriangle(*layer, {0.8 * half, 0}, {-0.4 * half, 0.6 * half}, {-0.4 * half, -0.6 * half}, kSheet_m,
+  addTriangle(*layer, {0.85 * half, 0}, {-0.6 * half, 0.45 * half}, {-0.6 * half, -0.45 * half}, kSheet_m,
               kWhite);
   return layer;
 }

@@ -19,9 +19,9 @@ using report::PixelBox;
 
 constexpr double kMargin = 14, kInner = kPanelWidth - 2 * kMargin;
 constexpr double kTitleSize = 18, kTextSize = 15, kTickSize = 13;
-constexpr double kLinePitch = 21, kGap = 14;
+constexpr double kLinePitch = 21, kGap = 13;
 constexpr size_t kMostLines = 2;  // of a line of the status
-constexpr double kChartHeight = 132, kZoneHeight = 190;
+constexpr double kChartHeight = 108, kZoneHeight = 152;
 constexpr Colour kInk = report::kInk, kGrey = report::kGrey, kRule{226, 226, 226}, kZone{214, 214, 214},
                  kWhite{255, 255, 255}, kSeen = report::kVermillion, kRemembered = report::kBlue;
 
@@ -179,7 +179,7 @@ void drawKeys(Canvas& canvas, double top, double bottom, const std::vector<KeyHe
     canvas.text({kMargin, y}, key.key, kTickSize + 1, kInk, Align::kLeft, true);
     canvas.text({kMargin + 92, y}, Canvas::fitText(key.meaning, kTickSize + 1, kInner - 92), kTickSize + 1,
                 kInk);
-    y += 20;
+    y += 19;
   }
 }
 
@@ -188,7 +188,7 @@ void drawKeys(Canvas& canvas, double top, double bottom, const std::vector<KeyHe
 std::vector<std::string> statusLines(const Snapshot& snapshot, const PanelState& state) {
   std::vector<std::string> lines = {snapshot.title};
   if (!snapshot.method.empty()) lines.push_back(snapshot.method);
-  lines.push_back(format("time %.1f s   scan %zu", snapshot.time_s, snapshot.scans));
+  lines.push_back(format("%.1f s, scan %zu", snapshot.time_s, snapshot.scans));
   lines.push_back(poseText("pose", snapshot.T_map_robot));
   if (snapshot.T_scene_truth) {
     const core::Pose2 estimate = snapshot.T_scene_map * snapshot.T_map_robot;
