@@ -152,7 +152,7 @@ int merge(const Context& context, const Arguments& arguments) {
     request.folders.push_back(std::filesystem::path(folder).lexically_normal().string());
   request.output = context.output.empty() ? request.folders.front() : context.output;
   request.check_bytes = arguments.check;
-  ConsoleProgress progress(context.quiet);
+  ConsoleProgress progress(true);
   const auto merged = run::mergeSweep(request, context.manifest(), progress);
   return reportMerged(context, arguments.gate, merged, request.output);
 }

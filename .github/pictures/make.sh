@@ -6,6 +6,13 @@ out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 build/release/apps/rasterslam demo --quiet -o "$out/demo" >"$out/tables.txt"
 cp "$out/demo/simulated/maps.png" .github/pictures/maps.png
+build/release/apps/rasterslam plot errors "$out/demo/simulated" -o .github/pictures/errors.png --width 170mm --overwrite
+build/release/apps/rasterslam view explore flat --screenshot .github/pictures/view.png --at 60 --overwrite
+# The player, where Chromium and the page's tools are at hand: ./bootstrap.sh page
+chromium=$(command -v chromium || true)
+if [ -n "$chromium" ] && [ -d libslam/report/page/node_modules ]; then
+  node .github/pictures/player.mjs "$out/demo/simulated/report.html" .github/pictures/player.png 300 "$chromium"
+fi
 for kind in flat office hall hospital cave; do
   build/release/apps/rasterslam world make "$kind" --size 60x42 --seed 3 -o "$out/$kind.yaml" >"$out/made.txt"
 done
