@@ -149,7 +149,7 @@ def exploration():
     return markdown(["world", *(f"`{strategy}`:" for strategy in STRATEGIES)], lines)
 
 
-TABLES = {"relations": relations, "casting": casting, "exploration": exploration}
+TABLES = {"standard": standard, "relations": relations, "casting": casting, "exploration": exploration}
 
 
 def main():

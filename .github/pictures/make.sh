@@ -6,8 +6,8 @@ out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 build/release/apps/rasterslam demo --quiet -o "$out/demo" >"$out/tables.txt"
 cp "$out/demo/simulated/maps.png" .github/pictures/maps.png
-build/release/apps/rasterslam plot errors "$out/demo/simulated" -o .github/pictures/errors.png --width 170mm --overwrite
-build/release/apps/rasterslam view explore flat --screenshot .github/pictures/view.png --at 60 --overwrite
+build/release/apps/rasterslam plot errors "$out/demo/simulated" --methods graph,particles,icp,rbpf_exact -o .github/pictures/errors.png --width 170mm --overwrite
+build/release/apps/rasterslam view explore office_loop --strategy next_best_view --screenshot .github/pictures/view.png --at 120 --overwrite
 # The player, where Chromium and the page's tools are at hand: ./bootstrap.sh page
 chromium=$(command -v chromium || true)
 if [ -n "$chromium" ] && [ -d libslam/report/page/node_modules ]; then
