@@ -3,11 +3,19 @@
 #include <mrpt/img/CImage.h>
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/opengl/COpenGLScene.h>
+#include <mrpt/opengl/CPointCloud.h>
+#include <mrpt/opengl/CSetOfLines.h>
+#include <mrpt/opengl/CSetOfObjects.h>
+#include <mrpt/opengl/CSetOfTexturedTriangles.h>
+#include <mrpt/opengl/CSetOfTriangles.h>
 #include <mrpt/serialization/CArchive.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
@@ -42,14 +50,94 @@ void save(const COpenGLScene& scene, const std::string& file) {
       file, report::gzip({static_cast<const char*>(buffer.getRawBufferData()), buffer.getTotalBytesCount()}));
 }
 
-/// Some viewers have depth buffers of 16 bits, and look from far: layers stand farther apart than in a window of ours.
-constexpr double kSheet_m = 0.1;
+constexpr double kSheet_m = 0.1;  ///< between layers
 
-void insert(COpenGLScene& scene, const viewer::Layer& layer, const core::Pose2& T_map_layer) {
+using mrpt::img::TColor;
+using Triangle = mrpt::opengl::TTriangle;
+
+/// What an object draws, as opaque triangles: lines and points as broad as `line_m`, what is transparent as on white.
+void addTriangles(const mrpt::opengl::CRenderizable& object, double line_m,
+                  std::vector<std::pair<Triangle, TColor>>& triangles) {
+  const auto onWhite = [](const TColor& colour) {
+    const auto mixed = [&](std::uint8_t c) {
+      return static_cast<std::uint8_t>((c * colour.A + 255 * (255 - colour.A)) / 255);
+    };
+    return TColor(mixed(colour.R), mixed(colour.G), mixed(colour.B));
+  };
+  const auto colour = onWhite(object.getColor_u8());
+  const auto addQuad = [&](const std::array<mrpt::math::TPoint3Df, 4>& corners) {
+    triangles.emplace_back(Triangle(corners[0], corners[1], corners[2]), colour);
+    triangles.emplace_back(Triangle(corners[0], corners[2], corners[3]), colour);
+  };
+  const auto half = static_cast<float>(line_m / 2);
+  if (const auto* group = dynamic_cast<const mrpt::opengl::CSetOfObjects*>(&object)) {
+    for (const auto& part : *group) addTriangles(*part, line_m, triangles);
+  } else if (const auto* set = dynamic_cast<const mrpt::opengl::CSetOfTriangles*>(&object)) {
+    for (size_t i = 0; i < set->getTrianglesCount(); ++i) {
+      Triangle triangle;
+      set->getTriangle(i, triangle);
+      const auto& corner = triangle.vertices[0].xyzrgba;
+      triangles.emplace_back(triangle, onWhite({corner.r, corner.g, corner.b, corner.a}));
+    }
+  } else if (const auto* lines = dynamic_cast<const mrpt::opengl::CSetOfLines*>(&object)) {
+    for (size_t i = 0; i < lines->getLineCount(); ++i) {
+      const auto line = (lines->begin() + static_cast<std::ptrdiff_t>(i));
+      const auto from = mrpt::math::TPoint3Df(line->point1), to = mrpt::math::TPoint3Df(line->point2);
+      const float length = std::hypot(to.x - from.x, to.y - from.y);
+      if (!(length > 0)) continue;
+      const float dx = -(to.y - from.y) / length * half, dy = (to.x - from.x) / length * half;
+      addQuad({{{from.x + dx, from.y + dy, from.z},
+                {from.x - dx, from.y - dy, from.z},
+                {to.x - dx, to.y - dy, to.z},
+                {to.x + dx, to.y + dy, to.z}}});
+    }
+  } else if (const auto* points = dynamic_cast<const mrpt::opengl::CPointCloud*>(&object)) {
+    for (size_t i = 0; i < points->size(); ++i) {
+      const auto p = points->getPoint3Df(i);
+      addQuad({{{p.x - half, p.y - half, p.z},
+                {p.x + half, p.y - half, p.z},
+                {p.x + half, p.y + half, p.z},
+                {p.x - half, p.y + half, p.z}}});
+    }
+  }
+}
+
+/// A layer as triangles with a texture, a set for each colour. Seen from 50 m SceneViewer3D's depth buffer of 16 bits holds all
+/// layers for equally far, and what is drawn first stays: MRPT draws what has a texture, as the maps have, from near to far.
+viewer::Layer painted(const viewer::Layer& layer, double line_m) {
+  std::vector<std::pair<Triangle, TColor>> triangles;
+  addTriangles(*layer, line_m, triangles);
+  std::stable_sort(triangles.begin(), triangles.end(),
+                   [](const auto& a, const auto& b) { return a.first.z(0) > b.first.z(0); });
+  auto sets = mrpt::opengl::CSetOfObjects::Create();
+  std::vector<std::pair<TColor, mrpt::opengl::CSetOfTexturedTriangles::Ptr>> by_colour;
+  for (const auto& [triangle, colour] : triangles) {
+    const auto isOfColour = [&of = colour](const auto& entry) { return entry.first == of; };
+    auto found = std::find_if(by_colour.begin(), by_colour.end(), isOfColour);
+    if (found == by_colour.end()) {
+      constexpr int kSide = 4;
+      mrpt::img::CImage image(kSide, kSide, mrpt::img::CH_RGB);
+      image.filledRectangle(0, 0, kSide - 1, kSide - 1, colour);
+      found = by_colour.insert(found, {colour, mrpt::opengl::CSetOfTexturedTriangles::Create()});
+      found->second->assignImage(image);
+      found->second->enableLight(false);
+      sets->insert(found->second);
+    }
+    found->second->insertTriangle(triangle);
+  }
+  sets->setName(layer->getName());
+  return sets;
+}
+
+void insertRaster(COpenGLScene& scene, const viewer::Layer& layer, const core::Pose2& T_map_layer) {
   const auto place = std::find(kOrder.begin(), kOrder.end(), layer->getName()) - kOrder.begin();
   layer->setPose(mrpt::poses::CPose3D(T_map_layer.x, T_map_layer.y, kSheet_m * static_cast<double>(place),
                                       T_map_layer.phi, 0, 0));
   scene.insert(layer);
+}
+
+void insert(COpenGLScene& scene, const viewer::Layer& layer, const core::Pose2& T_map_layer, double line_m) {
+  insertRaster(scene, painted(layer, line_m), T_map_layer);
 }
 
 /// From straight above, the whole window in view, and no layer lost in the depth buffer.
@@ -90,8 +178,8 @@ void insertGraph(COpenGLScene& scene, const mapping::GraphSlam& slam, double lin
     auto& list = edge.kind == posegraph::EdgeKind::kLoop ? loops : edges;
     list.emplace_back(nodes[static_cast<size_t>(edge.from)], nodes[static_cast<size_t>(edge.to)]);
   }
-  insert(scene, viewer::graphLayer(nodes, edges, 0.7 * line_m), {});
-  if (!loops.empty()) insert(scene, viewer::loopsLayer(loops, line_m), {});
+  insert(scene, viewer::graphLayer(nodes, edges, 0.7 * line_m), {}, 0.2 * line_m);
+  if (!loops.empty()) insert(scene, viewer::loopsLayer(loops, line_m), {}, line_m);
 }
 
 /// The layers of a scene that was read, in the order in which they are drawn.
@@ -111,15 +199,15 @@ void writeScene(const mapping::MapBuilder& method, const core::Trajectory& path,
   const auto window = windowOf(map, path);
   const double line_m = lineWidth(window);
   COpenGLScene scene;
-  insert(scene, viewer::mapLayer(map), {});
+  insertRaster(scene, viewer::mapLayer(map), {});
   if (const auto* graph = mapping::graphSlamOf(method)) insertGraph(scene, *graph, line_m);
-  insert(scene, viewer::pathLayer(path, line_m), {});
+  insert(scene, viewer::pathLayer(path, line_m), {}, line_m);
   if (!path.empty()) {
-    insert(scene, viewer::scanLayer(last_scan), path.back().pose);
-    insert(scene, viewer::robotLayer(kRobotSide_m, 0.5 * line_m), path.back().pose);
+    insert(scene, viewer::scanLayer(last_scan), path.back().pose, 0.5 * line_m);
+    insert(scene, viewer::robotLayer(kRobotSide_m, 0.5 * line_m), path.back().pose, line_m);
   }
   if (const auto particles = mapping::particlePoses(method); !particles.empty())
-    insert(scene, viewer::particlesLayer(particles, 3 * line_m), {});
+    insert(scene, viewer::particlesLayer(particles, 3 * line_m), {}, line_m);
   sortLayers(scene);
   lookAt(scene, window);
   save(scene, file);
@@ -138,10 +226,10 @@ void addTruthToScene(const core::Trajectory& truth, const world::Plan* plan, con
   window.include(report::windowOf(truth_in_map));
   if (plan) {
     window.include(report::windowOf(*plan, T_map_world * plan->T_world_plan));
-    insert(scene, viewer::planLayer(*plan), T_map_world);
+    insertRaster(scene, viewer::planLayer(*plan), T_map_world);
   }
   window = report::usable(window);
-  insert(scene, viewer::truthLayer(truth, lineWidth(window)), T_map_world);
+  insert(scene, viewer::truthLayer(truth, lineWidth(window)), T_map_world, lineWidth(window));
   sortLayers(scene);
   lookAt(scene, window);
   save(scene, file);

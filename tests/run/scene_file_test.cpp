@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <mrpt/opengl/CFBORender.h>
 #include <mrpt/opengl/COpenGLScene.h>
+#include <mrpt/opengl/CSetOfObjects.h>
+#include <mrpt/opengl/CSetOfTexturedTriangles.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -50,6 +52,22 @@ TEST(SceneFile, HasTheLayersThatTheMethodKnows) {
               ElementsAre("map", "path", "scan", "robot", "particles"));
   write("graph", folder / "graph.3Dscene");
   EXPECT_THAT(layersOf(folder / "graph.3Dscene"), ElementsAre("map", "graph", "path", "scan", "robot"));
+}
+
+/// As plain lines and triangles they were behind the map in SceneViewer3D, whose depth buffer has 16 bits.
+TEST(SceneFile, WhatLiesOnTheMapIsDrawnAsTheMapIs) {
+  const testing::TempFolder folder;
+  write("graph", folder / "graph.3Dscene");
+  COpenGLScene scene;
+  ASSERT_TRUE(scene.loadFromFile(folder / "graph.3Dscene"));
+  for (const char* name : {"graph", "path", "scan", "robot"}) {
+    const auto layer =
+        std::dynamic_pointer_cast<mrpt::opengl::CSetOfObjects>(scene.getByName(std::string(name)));
+    ASSERT_TRUE(layer) << name;
+    EXPECT_GT(layer->size(), 0U) << name;
+    for (const auto& part : *layer)
+      EXPECT_TRUE(std::dynamic_pointer_cast<mrpt::opengl::CSetOfTexturedTriangles>(part)) << name;
+  }
 }
 
 TEST(SceneFile, TheTruthGoesUnderneathAndTakesThePlaceOfAnEarlierOne) {
