@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -32,14 +31,9 @@ using mrpt::opengl::COpenGLScene;
 constexpr double kLineShare =
     1.0 / 450;  // of the scene's longer side: broad enough when all of it is looked at
 constexpr double kRobotSide_m = 0.3;
+constexpr double kUnstretched_m = 30;
 // A camera shows half of its distance from top to bottom; windows are broader than tall.
 constexpr double kDistance = 2.1, kBreadth = 1.3;
-constexpr float kNearest_m = 1, kFarthest_m = 1000;
-
-/// What is transparent lets through what was drawn before it: from the ground up.
-constexpr std::array<std::string_view, 9> kOrder = {
-    viewer::kPlanLayer,  viewer::kMapLayer,  viewer::kTruthLayer, viewer::kGraphLayer,    viewer::kPathLayer,
-    viewer::kLoopsLayer, viewer::kScanLayer, viewer::kRobotLayer, viewer::kParticlesLayer};
 
 void save(const COpenGLScene& scene, const std::string& file) {
   // Otherwise walls get the rings of a photograph.
@@ -49,8 +43,6 @@ void save(const COpenGLScene& scene, const std::string& file) {
   core::writeFileAtomically(
       file, report::gzip({static_cast<const char*>(buffer.getRawBufferData()), buffer.getTotalBytesCount()}));
 }
-
-constexpr double kSheet_m = 0.1;  ///< between layers
 
 using mrpt::img::TColor;
 using Triangle = mrpt::opengl::TTriangle;
@@ -130,9 +122,7 @@ viewer::Layer painted(const viewer::Layer& layer, double line_m) {
 }
 
 void insertRaster(COpenGLScene& scene, const viewer::Layer& layer, const core::Pose2& T_map_layer) {
-  const auto place = std::find(kOrder.begin(), kOrder.end(), layer->getName()) - kOrder.begin();
-  layer->setPose(mrpt::poses::CPose3D(T_map_layer.x, T_map_layer.y, kSheet_m * static_cast<double>(place),
-                                      T_map_layer.phi, 0, 0));
+  viewer::place(layer, T_map_layer);
   scene.insert(layer);
 }
 
@@ -140,7 +130,7 @@ void insert(COpenGLScene& scene, const viewer::Layer& layer, const core::Pose2& 
   insertRaster(scene, painted(layer, line_m), T_map_layer);
 }
 
-/// From straight above, the whole window in view, and no layer lost in the depth buffer.
+/// From straight above, the whole window in view.
 void lookAt(COpenGLScene& scene, const report::Window& window) {
   auto& camera = scene.getViewport("main")->getCamera();
   camera.setPointingAt(static_cast<float>((window.x0 + window.x1) / 2),
@@ -151,7 +141,6 @@ void lookAt(COpenGLScene& scene, const report::Window& window) {
   camera.setElevationDegrees(89.9F);
   camera.setOrthogonal(true);
   scene.enableFollowCamera(true);  // SceneViewer3D takes it over when the file is opened
-  scene.getViewport("main")->setViewportClipDistances(kNearest_m, kFarthest_m);
 }
 
 report::Window windowOf(const gridmap::OccupancyRaster& map, const core::Trajectory& path) {
@@ -182,12 +171,21 @@ void insertGraph(COpenGLScene& scene, const mapping::GraphSlam& slam, double lin
   if (!loops.empty()) insert(scene, viewer::loopsLayer(loops, line_m), {}, line_m);
 }
 
-/// The layers of a scene that was read, in the order in which they are drawn.
-void sortLayers(COpenGLScene& scene) {
-  std::vector<viewer::Layer> layers;
-  for (const auto name : kOrder)
-    if (const auto layer = scene.getByName(std::string(name))) layers.push_back(layer);
-  for (const auto& layer : layers) scene.removeObject(layer);
+/// From the ground up: what is transparent lets through only what was drawn before it. The wider the scene is, the farther
+/// apart the layers lie, so that a viewer's depth buffer tells them apart when all of it is looked at.
+void stackLayers(COpenGLScene& scene, const report::Window& window) {
+  const double stretch = std::max(1.0, std::max(window.width(), window.height()) / kUnstretched_m);
+  auto& viewport = *scene.getViewport("main");
+  std::vector<viewer::Layer> layers(viewport.begin(), viewport.end());
+  for (const auto& layer : layers) {
+    viewer::place(layer, {layer->getPoseX(), layer->getPoseY(), layer->getPoseYawRad()});
+    auto pose = layer->getPose();
+    pose.z *= stretch;
+    layer->setPose(pose);
+  }
+  std::stable_sort(layers.begin(), layers.end(),
+                   [](const auto& a, const auto& b) { return a->getPoseZ() < b->getPoseZ(); });
+  viewport.clear();
   for (const auto& layer : layers) scene.insert(layer);
 }
 
@@ -208,7 +206,7 @@ void writeScene(const mapping::MapBuilder& method, const core::Trajectory& path,
   }
   if (const auto particles = mapping::particlePoses(method); !particles.empty())
     insert(scene, viewer::particlesLayer(particles, 3 * line_m), {}, line_m);
-  sortLayers(scene);
+  stackLayers(scene, window);
   lookAt(scene, window);
   save(scene, file);
 }
@@ -230,7 +228,7 @@ void addTruthToScene(const core::Trajectory& truth, const world::Plan* plan, con
   }
   window = report::usable(window);
   insert(scene, viewer::truthLayer(truth, lineWidth(window)), T_map_world, lineWidth(window));
-  sortLayers(scene);
+  stackLayers(scene, window);
   lookAt(scene, window);
   save(scene, file);
 }
