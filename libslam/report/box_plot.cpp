@@ -10,7 +10,7 @@
 namespace slam::report {
 namespace {
 
-constexpr double kTitleHeight = 40, kTitleSize = 25, kChartTitleHeight = 22;
+constexpr double kChartTitleHeight = 22;
 constexpr double kShape = 0.78;
 constexpr double kLeastSlot = 62, kMostBox = 34;  // of one sample, across
 constexpr double kCountHeight = 22;
@@ -121,31 +121,14 @@ void drawBoxes(const std::vector<BoxChart>& charts, const std::string& y_title, 
   const bool has_log = is_log && std::all_of(values.begin(), values.end(), [](double v) { return v > 0; });
   const Axis y = has_log ? logAxis(values) : axisAround(values);
 
-  const double margin = sheetMargin(paper);
   const double slots = static_cast<double>(most) * kLeastSlot + kAxesLeft + kAxesRight;
   auto grid = chartGrid(charts.size(), std::max(slots, 300.0), kShape, paper);
-  const double below = 34 + (has_failed ? kCountHeight : 0);
+  const double below = 34 + (has_failed ? kCountHeight : 0), above = kAxesTop + kChartTitleHeight;
   grid.cell_height += kChartTitleHeight - kAxesBottom + below;
-  const ChartLegend legend(labels, grid.width());
-  const double title_height = title.empty() ? 0 : kTitleHeight;
-  const double legend_top = margin + title_height + grid.height() + 6;
-  Canvas canvas(grid.width() + 2 * margin, std::ceil(legend_top + legend.height() + margin), paper);
-  if (!title.empty())
-    canvas.text({margin, margin + kTitleSize}, Canvas::fitText(title, kTitleSize, grid.width(), true),
-                kTitleSize, kInk, Align::kLeft, true);
-  for (std::size_t i = 0; i < charts.size(); ++i) {
-    const auto column = static_cast<int>(i) % grid.columns, row = static_cast<int>(i) / grid.columns;
-    const Pixel corner{margin + column * grid.cell_width, margin + title_height + row * grid.cell_height};
-    const double top = kAxesTop + kChartTitleHeight;
-    drawChart(canvas, charts[i],
-              {{corner.x + kAxesLeft, corner.y + top, grid.cell_width - kAxesLeft - kAxesRight,
-                grid.cell_height - top - below},
-               {},
-               y},
-              y_title, legend);
-  }
-  legend.draw(canvas, {margin, legend_top});
-  canvas.save(file);
+  ChartSheet sheet(grid, title, std::move(labels), paper);
+  for (std::size_t i = 0; i < charts.size(); ++i)
+    drawChart(sheet.canvas(), charts[i], {sheet.box(i, above, below), {}, y}, y_title, sheet.legend());
+  sheet.save(file);
 }
 
 }  // namespace slam::report

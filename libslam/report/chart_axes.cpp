@@ -9,7 +9,7 @@ namespace slam::report {
 namespace {
 
 constexpr Colour kGridLine{225, 225, 225};
-constexpr double kLegendLine = 26, kSample = 30, kGapAfterSample = 8, kGapAfterEntry = 24;
+constexpr double kAboveLegend = 6, kLegendLine = 26, kSample = 30, kGapAfterSample = 8, kGapAfterEntry = 24;
 constexpr double kScreenCell = 580;
 
 }  // namespace
@@ -159,6 +159,28 @@ ChartGrid chartGrid(std::size_t count, double least_width, double shape, const P
 
 double sheetMargin(const Paper& paper) {
   return paper.isScreen() ? 20 : 4;
+}
+
+ChartSheet::ChartSheet(const ChartGrid& grid, const std::string& title, std::vector<std::string> labels,
+                       const Paper& paper)
+    : grid_(grid),
+      margin_(sheetMargin(paper)),
+      top_(margin_ + titleHeight(title)),
+      legend_(std::move(labels), grid.width()),
+      canvas_(grid.width() + 2 * margin_,
+              std::ceil(top_ + grid.height() + kAboveLegend + legend_.height() + margin_), paper) {
+  drawTitle(canvas_, {margin_, margin_}, title, grid.width());
+}
+
+PixelBox ChartSheet::box(std::size_t chart, double above, double below) const {
+  const auto column = static_cast<int>(chart) % grid_.columns, row = static_cast<int>(chart) / grid_.columns;
+  return {margin_ + column * grid_.cell_width + kAxesLeft, top_ + row * grid_.cell_height + above,
+          grid_.cell_width - kAxesLeft - kAxesRight, grid_.cell_height - above - below};
+}
+
+void ChartSheet::save(const std::string& file) {
+  legend_.draw(canvas_, {margin_, top_ + grid_.height() + kAboveLegend});
+  canvas_.save(file);
 }
 
 }  // namespace slam::report

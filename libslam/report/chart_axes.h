@@ -72,4 +72,23 @@ ChartGrid chartGrid(std::size_t count, double least_width, double shape, const P
 /// Of the sheet's air all round.
 double sheetMargin(const Paper& paper);
 
+/// Charts in a grid under a title, unless it is empty, and over their legend.
+class ChartSheet {
+ public:
+  ChartSheet(const ChartGrid& grid, const std::string& title, std::vector<std::string> labels,
+             const Paper& paper);
+  Canvas& canvas() { return canvas_; }
+  const ChartLegend& legend() const { return legend_; }
+  /// Of a chart within its axes, row by row from the upper left; `above` and `below` is the room for its labels there.
+  PixelBox box(std::size_t chart, double above, double below) const;
+  /// Draws the legend, and saves the sheet.
+  void save(const std::string& file);
+
+ private:
+  ChartGrid grid_;
+  double margin_, top_;
+  ChartLegend legend_;
+  Canvas canvas_;
+};
+
 }  // namespace slam::report

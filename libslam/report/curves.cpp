@@ -10,7 +10,6 @@
 namespace slam::report {
 namespace {
 
-constexpr double kTitleHeight = 40, kTitleSize = 25;
 constexpr double kLeastChartWidth = 330, kShape = 0.78;
 constexpr double kLineWidth = 2, kMarkRadius = 3.2, kApart = 6, kWhiskerEnd = 3.5;
 
@@ -118,26 +117,11 @@ void drawChart(Canvas& canvas, const Chart& chart, const PixelBox& box,
 void drawCharts(const std::vector<Chart>& charts, const std::string& title, const std::string& file,
                 const Paper& paper) {
   if (charts.empty() || charts.size() > 4) throw core::ContractError("drawCharts: needs 1 to 4 charts");
-  const double margin = sheetMargin(paper);
-  const auto grid = chartGrid(charts.size(), kLeastChartWidth, kShape, paper);
   const auto labels = labelsOf(charts);
-  const ChartLegend legend(labels, grid.width());
-  const double title_height = title.empty() ? 0 : kTitleHeight;
-  const double legend_top = margin + title_height + grid.height() + 6;
-  Canvas canvas(grid.width() + 2 * margin, std::ceil(legend_top + legend.height() + margin), paper);
-  if (!title.empty())
-    canvas.text({margin, margin + kTitleSize}, Canvas::fitText(title, kTitleSize, grid.width(), true),
-                kTitleSize, kInk, Align::kLeft, true);
-  for (size_t i = 0; i < charts.size(); ++i) {
-    const auto column = static_cast<int>(i) % grid.columns, row = static_cast<int>(i) / grid.columns;
-    const Pixel corner{margin + column * grid.cell_width, margin + title_height + row * grid.cell_height};
-    drawChart(canvas, charts[i],
-              {corner.x + kAxesLeft, corner.y + kAxesTop, grid.cell_width - kAxesLeft - kAxesRight,
-               grid.cell_height - kAxesTop - kAxesBottom},
-              labels, legend);
-  }
-  legend.draw(canvas, {margin, legend_top});
-  canvas.save(file);
+  ChartSheet sheet(chartGrid(charts.size(), kLeastChartWidth, kShape, paper), title, labels, paper);
+  for (size_t i = 0; i < charts.size(); ++i)
+    drawChart(sheet.canvas(), charts[i], sheet.box(i, kAxesTop, kAxesBottom), labels, sheet.legend());
+  sheet.save(file);
 }
 
 }  // namespace slam::report

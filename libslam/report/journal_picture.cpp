@@ -12,7 +12,6 @@
 namespace slam::report {
 namespace {
 
-constexpr double kTitleSize = 25, kTitleHeight = 44;
 constexpr double kLeastWidth = 900, kRowHeight = 24, kLabelWidth = 130, kChartHeight = 130, kAxisHeight = 56;
 constexpr Colour kPathColour{120, 120, 120}, kGridLine{225, 225, 225};
 
@@ -239,13 +238,11 @@ void drawJournal(const world::Plan& map, const core::Trajectory& path, const std
   const double width = paper.isScreen() ? std::max(kLeastWidth, map_width) : paper_width;
   const LegendStrip legend(legendOf(styles), width, scale);
   const TimeStrip strip(path, events, styles);
-  const double title_height = title.empty() ? 0 : kTitleHeight;
+  const double title_height = titleHeight(title);
   const double legend_top = margin + title_height + map_height + 12;
   const double strip_top = legend_top + legend.height() + 20;
   Canvas canvas(width + 2 * margin, std::round(strip_top + strip.height() + margin), paper);
-  if (!title.empty())
-    canvas.text({margin, margin + kTitleSize}, Canvas::fitText(title, kTitleSize, width, true), kTitleSize,
-                kInk, Align::kLeft, true);
+  drawTitle(canvas, {margin, margin}, title, width);
   const MapView view{
       window, {std::round(margin + (width - map_width) / 2), margin + title_height, map_width, map_height}};
   drawRaster(canvas, view, map, map.T_world_plan);

@@ -238,4 +238,15 @@ std::string stepLabel(double value) {
   return core::formatNumber(std::round(value * 1e6) / 1e6);
 }
 
+double titleHeight(const std::string& title) {
+  return title.empty() ? 0 : 44;
+}
+
+void drawTitle(Canvas& canvas, Pixel upper_left, const std::string& title, double width) {
+  constexpr double kSize = 25;
+  if (title.empty()) return;
+  canvas.text({upper_left.x, upper_left.y + kSize}, Canvas::fitText(title, kSize, width, true), kSize, kInk,
+              Align::kLeft, true);
+}
+
 }  // namespace slam::report

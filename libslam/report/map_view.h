@@ -113,4 +113,9 @@ double niceStep(double most);
 /// "0.5", "20": such a step as a label.
 std::string stepLabel(double value);
 
+/// The room of a picture's title, units: none for an empty one.
+double titleHeight(const std::string& title);
+/// Cut to the width.
+void drawTitle(Canvas& canvas, Pixel upper_left, const std::string& title, double width);
+
 }  // namespace slam::report

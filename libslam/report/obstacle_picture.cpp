@@ -9,7 +9,7 @@
 namespace slam::report {
 namespace {
 
-constexpr double kMargin = 20, kTitleSize = 25, kTitleHeight = 44;
+constexpr double kMargin = 20;
 constexpr double kPanelTitleSize = 20, kSubtitleSize = 17, kHeadHeight = 54;
 constexpr Colour kSeen = kVermillion, kRemembered = kBlue, kVisible{255, 255, 255}, kBody{205, 205, 205};
 
@@ -92,13 +92,12 @@ void drawObstacles(const std::vector<ObstaclePanel>& panels, const ObstacleZone&
                            {Kind::kDot, kRemembered, "obstacle remembered"},
                            {Kind::kRing, kGrey, "its true place"}},
                           inner_width, scale);
-  const double title_height = title.empty() ? 0 : kTitleHeight;
+  const double title_height = titleHeight(title);
   const double row_height = kHeadHeight + grid.map_height + kMargin;
   const double legend_top = kMargin + title_height + grid.rows * row_height - 0.4 * kMargin;
   Canvas canvas(static_cast<int>(std::lround(inner_width + 2 * kMargin)),
                 static_cast<int>(std::lround(legend_top + strip.height() + kMargin)), paper);
-  canvas.text({kMargin, kMargin + kTitleSize}, Canvas::fitText(title, kTitleSize, inner_width, true),
-              kTitleSize, kInk, Align::kLeft, true);
+  drawTitle(canvas, {kMargin, kMargin}, title, inner_width);
   for (size_t i = 0; i < panels.size(); ++i) {
     const auto column = static_cast<int>(i) % grid.columns, row = static_cast<int>(i) / grid.columns;
     const Pixel head{kMargin + column * (grid.panel_width + kMargin),

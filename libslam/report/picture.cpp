@@ -13,7 +13,6 @@ namespace slam::report {
 namespace {
 
 constexpr double kGap = 20;  // units, between the parts of a sheet
-constexpr double kTitleSize = 25, kTitleHeight = 44;
 constexpr double kPanelTitleSize = 23, kSubtitleSize = 18, kPanelHeadHeight = 58;
 struct LineWidths {
   double truth, estimate;
@@ -87,7 +86,7 @@ class MapSheet {
                                 : fittingScale(window, paperWidth(paper), kTallest * paperWidth(paper))),
         width_(paper.isScreen() ? std::max(kLeastWidth, window.width() * scale_) : paperWidth(paper)),
         strip_(legend, width_, scale_),
-        title_height_(title.empty() ? 0 : kTitleHeight),
+        title_height_(titleHeight(title)),
         canvas_(
             paper.isScreen() ? std::round(width_ + 2 * margin_) : paper.unitsWide(),
             std::round(title_height_ + window.height() * scale_ + 0.6 * kGap + strip_.height() + 2 * margin_),
@@ -96,9 +95,7 @@ class MapSheet {
     view_ = {
         window,
         {std::round(margin_ + (width_ - map_width) / 2), margin_ + title_height_, map_width, map_height}};
-    if (!title.empty())
-      canvas_.text({margin_, margin_ + kTitleSize}, Canvas::fitText(title, kTitleSize, width_, true),
-                   kTitleSize, kInk, Align::kLeft, true);
+    drawTitle(canvas_, {margin_, margin_}, title, width_);
     strip_.draw(canvas_, {margin_, view_.box.top + view_.box.height + 0.6 * kGap});
   }
 

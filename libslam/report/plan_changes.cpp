@@ -12,7 +12,7 @@ namespace {
 using world::Cell;
 using world::Change;
 
-constexpr double kMargin = 20, kTitleSize = 25, kTitleHeight = 44, kHeadSize = 20, kHeadHeight = 32;
+constexpr double kMargin = 20, kHeadSize = 20, kHeadHeight = 32;
 constexpr double kMostWidth = 1960, kMostHeight = 1700, kLeastMapWidth = 600;
 constexpr Colour kHiddenColour{190, 214, 232};
 
@@ -87,22 +87,22 @@ void drawPlanChanges(const world::Plan& before, const world::Plan& mended, const
   const double width_m = after.columns * after.resolution_m, height_m = after.rows * after.resolution_m;
   const bool beside = height_m > 0.6 * width_m;
   const int across = beside ? 2 : 1, down = beside ? 1 : 2;
+  const double title_height = titleHeight(title);
   const double scale =
       std::min({(kMostWidth / across - kMargin) / width_m,
-                ((kMostHeight - kTitleHeight) / down - kHeadHeight) / height_m, 8 / after.resolution_m});
+                ((kMostHeight - title_height) / down - kHeadHeight) / height_m, 8 / after.resolution_m});
   const double map_width = std::max(1.0, std::round(width_m * scale)),
                map_height = std::max(1.0, std::round(height_m * scale));
   const double content = std::max(kLeastMapWidth, across * map_width + (across - 1) * kMargin);
   const LegendStrip legend(legendOf(changes), content, scale);
   const double total =
-      kTitleHeight + down * (kHeadHeight + map_height) + (down - 1) * kMargin + legend.height();
+      title_height + down * (kHeadHeight + map_height) + (down - 1) * kMargin + legend.height();
   Canvas canvas(static_cast<int>(content + 2 * kMargin), static_cast<int>(total + 2 * kMargin), paper);
-  canvas.text({kMargin, kMargin + kTitleSize}, Canvas::fitText(title, kTitleSize, content, true), kTitleSize,
-              kInk, Align::kLeft, true);
+  drawTitle(canvas, {kMargin, kMargin}, title, content);
   const Window window{0, 0, map_width / scale, map_height / scale};
   for (int i = 0; i < 2; ++i) {
     const double x = kMargin + (beside ? i * (map_width + kMargin) : 0);
-    const double y = kMargin + kTitleHeight + (beside ? 0 : i * (kHeadHeight + map_height + kMargin));
+    const double y = kMargin + title_height + (beside ? 0 : i * (kHeadHeight + map_height + kMargin));
     canvas.text({x, y + kHeadSize}, i == 0 ? "before: what goes" : "after: what came", kHeadSize, kInk);
     const MapView view{window, {x, y + kHeadHeight, map_width, map_height}};
     if (i == 0)
