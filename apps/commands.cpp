@@ -23,6 +23,12 @@ std::string Context::programPath() const {
   return error ? command_line.front() : path.string();
 }
 
+const std::vector<std::string>& defaultMethods() {
+  static const std::vector<std::string> kMethods = {"naive", "naive_correlation", "naive_flow", "icp",
+                                                    "rbpf",  "rbpf_exact",        "particles",  "graph"};
+  return kMethods;
+}
+
 void addSeed(CLI::App* command, Context& context) {
   command->add_option("--seed", context.seed, "seed of every random stream")->capture_default_str();
 }

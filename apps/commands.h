@@ -57,6 +57,15 @@ void addOutput(CLI::App* command, Context& context, const std::string& what);
 void addConfig(CLI::App* command, Context& context);
 void addJson(CLI::App* command, Context& context);
 
+// What is meant where nothing is named.
+/// The methods that are compared.
+const std::vector<std::string>& defaultMethods();
+/// Where an explorer's pose and map come from.
+inline constexpr const char* kExplorersSlam = "graph";
+/// Where the pose of a robot comes from that drives to a goal: the lidar's own odometry, which has no map and drifts a tenth as
+/// much as the wheels.
+inline constexpr const char* kNavigatorsSlam = "naive_flow";
+
 /// Flags of a simulation, shared by simulate and compare.
 struct SimulationFlags {
   std::string lidar, strategy, form;

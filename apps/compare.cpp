@@ -14,8 +14,7 @@ namespace {
 
 struct Arguments {
   std::string input, truth, plan, relations;
-  std::vector<std::string> methods = {"naive", "naive_correlation", "naive_flow", "icp",
-                                      "rbpf",  "rbpf_exact",        "particles",  "graph"};
+  std::vector<std::string> methods = defaultMethods();
   SimulationFlags flags;
   int threads = 1;
   bool resume = false;

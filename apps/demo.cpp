@@ -19,8 +19,7 @@ constexpr const char* kRealLog = "2006-01ENE-21-SENA_Telecom Faculty_one_loop_on
 
 run::CompareRequest commonRequest(const Context& context, const std::string& output) {
   run::CompareRequest request;
-  request.methods = {"naive", "naive_correlation", "naive_flow", "icp",
-                     "rbpf",  "rbpf_exact",        "particles",  "graph"};
+  request.methods = defaultMethods();
   request.methods_folder = run::configsFolder() + "/methods";
   request.output = output;
   request.program = context.programPath();

@@ -14,7 +14,7 @@ namespace slam::apps {
 namespace {
 
 struct Arguments {
-  std::string plan, slam = "graph";
+  std::string plan, slam = kExplorersSlam;
   SimulationFlags flags;
   int seeds = 1, threads = 1;
   bool return_to_start = false, tables_only = false;

@@ -14,7 +14,7 @@ namespace {
 
 struct Arguments {
   std::string plan, start = "auto", goal;
-  std::string slam = "naive_flow";  // the lidar's own odometry: no map, and a tenth of the wheels' drift
+  std::string slam = kNavigatorsSlam;
   std::vector<std::string> methods = {"bug1", "bug2", "tangent", "lidar_bug"};
   SimulationFlags flags;
 };

@@ -1,7 +1,5 @@
 #include "apps/view_commands.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -30,27 +28,9 @@ namespace {
 
 struct ViewArguments {
   std::string input;  ///< plan, log or folder
-  std::string method, slam = "graph", log, plan, start = "auto", goal;
+  std::string method, slam = kExplorersSlam, log, plan, start = "auto", goal;
   SimulationFlags simulation;
   ShowFlags show;
-};
-
-/// Where a loop writes what nobody asked to keep.
-class ScratchFolder {
- public:
-  ScratchFolder() : path_(fs::temp_directory_path() / ("rasterslam-view-" + std::to_string(getpid()))) {
-    fs::create_directories(path_);
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  fs::path path_;
 };
 
 void requireSensible(const ShowFlags& flags) {
@@ -113,7 +93,7 @@ int viewSimulate(const Context& context, const ViewArguments& arguments) {
   if (context.print_config) return printParameters(config.parameters, context.json), 0;
   const auto start = startIn(context, arguments.input);
   if (!context.output.empty()) refuseToOverwriteLog(context, context.output);
-  const ScratchFolder scratch;
+  const core::ScratchFolder scratch;
   const std::string log_path = context.output.empty() ? scratch / "run.rawlog" : context.output;
   Show what = showOf(start, config, context.seed);
   what.title = "simulate " + start.plan.name;
@@ -162,7 +142,7 @@ int viewExplore(const Context& context, const ViewArguments& arguments) {
   const auto& config = request.strategies.front().record;
   if (context.print_config) return printParameters(config.parameters, context.json), 0;
   const auto start = startIn(context, arguments.input);
-  const ScratchFolder scratch;
+  const core::ScratchFolder scratch;
   request.plan_path = start.plan_path;
   request.slam = arguments.slam;
   request.methods_folder = run::configsFolder() + "/methods";
@@ -196,7 +176,7 @@ int viewNavigate(const Context& context, const ViewArguments& arguments) {
   request.methods = {arguments.method};
   request.slam = arguments.slam == "odometry" ? "" : arguments.slam;
   request.methods_folder = run::configsFolder() + "/methods";
-  const ScratchFolder scratch;
+  const core::ScratchFolder scratch;
   request.output = context.output.empty() ? scratch / "navigation" : context.output;
   request.seed = context.seed;
   request.overwrite = context.overwrite;
@@ -237,7 +217,7 @@ int viewRun(const Context& context, const ViewArguments& arguments) {
   const std::string name = nameOf(arguments.method);
   if (context.print_config)
     return printParameters(run::methodParameters(config, name, context.seed), context.json), 0;
-  const ScratchFolder scratch;
+  const core::ScratchFolder scratch;
   const std::string folder = context.output.empty() ? scratch / name : context.output;
   Show what;
   what.title = name + " on " + fs::path(arguments.input).filename().string();
@@ -361,7 +341,7 @@ void addViewCommands(CLI::App& app, Context& context) {
 
   auto* navigate = view->add_subcommand("navigate", "watch 'rasterslam navigate' with one method");
   auto navigating = onCall(navigate, context, viewNavigate);
-  navigating->slam = "naive_flow";
+  navigating->slam = kNavigatorsSlam;
   navigating->method = "tangent";
   navigate->add_option("plan", navigating->input, kPlanMeaning)->required();
   navigate->add_option("--start", navigating->start, "\"x_m y_m yaw_deg\" in the world frame, or auto")

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -137,6 +138,19 @@ void PendingFolder::commit() {
   fs::rename(temporary_path_, final_path_, error);
   if (error) throw IoError(final_path_ + ": cannot be written: " + error.message());
   committed_ = true;
+}
+
+ScratchFolder::ScratchFolder() {
+  std::error_code error;
+  const fs::path parent = fs::temp_directory_path(error);
+  path_ = ((error ? fs::path("/tmp") : parent) / "rasterslam-XXXXXX").string();
+  if (mkdtemp(path_.data()) == nullptr)
+    throw IoError(path_ + ": this folder cannot be made: " + std::strerror(errno));
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
 }
 
 void refuseToOverwrite(const std::string& path, bool overwrite) {

@@ -66,6 +66,22 @@ class PendingFolder {
   bool overwrite_, committed_ = false;
 };
 
+/// An empty folder of a name that nobody else has, where the system keeps such things ($TMPDIR, else /tmp); removed at the
+/// end with all in it. Errors: IoError with the path.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const std::string& path() const { return path_; }
+  /// path()/name
+  std::string operator/(const std::string& name) const { return path_ + "/" + name; }
+
+ private:
+  std::string path_;
+};
+
 /// InputError "… exists; give --overwrite to replace it" when path exists and overwrite is false.
 void refuseToOverwrite(const std::string& path, bool overwrite);
 

@@ -8,7 +8,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <limits>
 #include <optional>
 #include <system_error>
@@ -49,25 +48,6 @@ class SimulatedClock {
 
  private:
   mrpt::Clock::Source before_;
-};
-
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "rasterslam-XXXXXX").string();
-    if (!mkdtemp(pattern.data())) throw core::IoError(pattern + ": cannot be made");
-    path_ = pattern;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
 };
 
 /// The robot as MRPT's navigation sees it: what was sensed last, and the speeds that it was told.
@@ -185,7 +165,7 @@ class ReactiveNavigator : public navigate::GuardedNavigator {
                     const navigate::GoalTask& task)
       : GuardedNavigator(navigate_options, task), reactive_(options), navigation_(robot_) {
     try {
-      const ScratchFolder scratch;
+      const core::ScratchFolder scratch;
       navigation_.loadConfigFile(configurationFor(options, task));
       navigation_.params_abstract_ptg_navigator.ptg_cache_files_directory = scratch.path();
       navigation_.initialize();

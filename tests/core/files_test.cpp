@@ -44,6 +44,18 @@ TEST(PendingFile, LeavesNothingWithoutCommit) {
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
+TEST(ScratchFolder, IsItsOwnAndGoesWithAllInIt) {
+  std::string path;
+  {
+    const ScratchFolder one, other;
+    EXPECT_NE(one.path(), other.path());
+    path = one.path();
+    writeFileAtomically(one / "a", "a");
+    EXPECT_EQ(readTextFile(path + "/a"), "a");
+  }
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
 TEST(PendingFolder, LeavesNothingWithoutCommitAndReplacesOnlyResults) {
   const testing::TempFolder folder;
   const std::string path = folder / "out/run";
