@@ -16,6 +16,7 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "libslam/core/error.h"
@@ -52,32 +53,96 @@ double groupMemoryMb(pid_t group) {
   return total * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
 }
 
+/// How a line of the shell is started: in a process group of its own.
+class Shell {
+ public:
+  Shell() {
+    posix_spawn_file_actions_init(&actions_);
+    posix_spawnattr_init(&attributes_);
+    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETPGROUP);
+    posix_spawnattr_setpgroup(&attributes_, 0);
+  }
+  ~Shell() {
+    posix_spawnattr_destroy(&attributes_);
+    posix_spawn_file_actions_destroy(&actions_);
+  }
+  Shell(const Shell&) = delete;
+  Shell& operator=(const Shell&) = delete;
+
+  posix_spawn_file_actions_t* actions() { return &actions_; }
+
+  pid_t start(std::string line) {
+    std::string shell = "sh", option = "-c";
+    std::array<char*, 4> argv{shell.data(), option.data(), line.data(), nullptr};
+    pid_t child = -1;
+    const int error = posix_spawn(&child, "/bin/sh", &actions_, &attributes_, argv.data(), environ);
+    if (error != 0) throw core::IoError("/bin/sh: cannot be started: " + std::string(std::strerror(error)));
+    return child;
+  }
+
+ private:
+  posix_spawn_file_actions_t actions_;
+  posix_spawnattr_t attributes_;
+};
+
 pid_t spawnGroup(const std::string& shell_line, const std::string& folder, const std::string& printed_path) {
-  std::string shell = "sh", option = "-c", line = shell_line;
-  std::array<char*, 4> argv{shell.data(), option.data(), line.data(), nullptr};
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, printed_path.c_str(),
+  Shell shell;
+  posix_spawn_file_actions_addopen(shell.actions(), STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(shell.actions(), STDOUT_FILENO, printed_path.c_str(),
                                    O_WRONLY | O_CREAT | O_TRUNC, 0666);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  pid_t child = -1;
-  const int error = posix_spawn(&child, "/bin/sh", &actions, &attributes, argv.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) throw core::IoError("/bin/sh: cannot be started: " + std::string(std::strerror(error)));
-  return child;
+  posix_spawn_file_actions_adddup2(shell.actions(), STDOUT_FILENO, STDERR_FILENO);
+  posix_spawn_file_actions_addchdir_np(shell.actions(), folder.c_str());
+  return shell.start(shell_line);
 }
 
-/// A running group; nothing of it outlives this.
+/// Kills a process group when this process ends without a word, as by kill -9.
+class Heir {
+ public:
+  explicit Heir(pid_t group) {
+    std::array<int, 2> pipe{};
+    if (pipe2(pipe.data(), O_CLOEXEC) != 0)
+      throw core::IoError("a pipe cannot be made: " + std::string(std::strerror(errno)));
+    our_end_ = pipe[1];
+    try {
+      Shell shell;
+      posix_spawn_file_actions_adddup2(shell.actions(), pipe[0], STDIN_FILENO);
+      heir_ = shell.start("read word || kill -s KILL -- -" + std::to_string(group) + " 2>/dev/null");
+    } catch (...) {
+      close(pipe[0]);
+      close(our_end_);
+      throw;
+    }
+    close(pipe[0]);
+  }
+  ~Heir() { dismiss(); }
+  Heir(const Heir&) = delete;
+  Heir& operator=(const Heir&) = delete;
+
+  void dismiss() {
+    if (heir_ < 0) return;
+    kill(heir_, SIGKILL);
+    close(our_end_);
+    while (waitpid(heir_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+    heir_ = -1;
+  }
+
+ private:
+  int our_end_ = -1;
+  pid_t heir_ = -1;
+};
+
+/// A running group; nothing of it outlives this, or this process.
 class Group {
  public:
-  explicit Group(pid_t leader) : leader_(leader) {}
+  explicit Group(pid_t leader) : leader_(leader) {
+    try {
+      heir_.emplace(leader);
+    } catch (...) {
+      stop();
+      throw;
+    }
+  }
   ~Group() {
     if (!buried_) stop();
   }
@@ -93,6 +158,7 @@ class Group {
   /// Kills what still runs.
   void stop() {
     kill(-leader_, SIGKILL);
+    if (heir_) heir_->dismiss();  // as long as the group's number is its own
     while (wait4(leader_, &status_, 0, &usage_) < 0 && errno == EINTR) {
     }
     buried_ = true;
@@ -114,6 +180,7 @@ class Group {
 
  private:
   pid_t leader_;
+  std::optional<Heir> heir_;
   int status_ = 0;
   rusage usage_{};
   bool buried_ = false;

@@ -21,8 +21,8 @@ struct ProcessOutcome {
 
 /// Runs a line of /bin/sh in `folder` with standard input closed and waits for it; what it prints goes to the file
 /// `printed_path`. Time and memory are the kernel's own account (getrusage(2)). It is a process group of its own: all of
-/// it is killed when a limit is broken, when progress.update() throws, which it may ten times a second, and what is left of it
-/// when it ends. Errors: IoError when it cannot be started.
+/// it is killed when a limit is broken, when progress.update() throws, which it may ten times a second, when this process
+/// ends in whatever way, and what is left of it when it ends itself. Errors: IoError when it cannot be started.
 ProcessOutcome runMeasured(const std::string& shell_line, const std::string& folder,
                            const std::string& printed_path, const ProcessLimits& limits,
                            core::Progress& progress);

@@ -3,16 +3,19 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
 #include <future>
 #include <iostream>
 #include <thread>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/run/measured_process.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::run {
@@ -88,6 +91,25 @@ TEST_F(WorkerCopy, AProcessOfSeveralThreadsIsNotCopied) {
   EXPECT_THROW(Worker([] { return 0; }, folder / "stderr.txt"), core::ContractError);
   end.set_value();
   other.join();
+}
+
+TEST_F(WorkerCopy, TheProgramThatItMeasuresEndsWithIt) {
+  const std::string line_out = folder / "line_out";
+  ASSERT_EQ(mkfifo(line_out.c_str(), 0600), 0);
+  // A child of the shell's, as scripts have them, holds the other end.
+  Worker worker(
+      [&] {
+        runMeasured("(echo started; sleep 60; echo survived) > '" + line_out + "'; true", folder.path(),
+                    folder / "printed.txt", {1000, 1000}, core::silentProgress());
+        return 0;
+      },
+      folder / "stderr.txt");
+  std::ifstream in(line_out);
+  std::string said;
+  ASSERT_TRUE(std::getline(in, said));
+  worker.signal(SIGKILL);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "");
+  EXPECT_TRUE(worker.wait().killed);
 }
 
 }  // namespace
