@@ -87,10 +87,9 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
   std::vector<std::pair<std::string, report::Table>> tables = {{"scores", table},
                                                                {"cost", run::costTable({evaluation})}};
   if (truth) {
-    const auto& inputs = run_folder.manifest.inputs;
-    const std::string log = inputs.empty() ? "" : inputs.begin()->first;
-    const auto failure =
-        run::explainFailure(run_folder, *truth, run::readEvidence(run_folder, arguments.truth, log));
+    const auto failure = run::explainFailure(
+        run_folder, *truth,
+        run::readEvidence(run_folder, arguments.truth, run::logInput(run_folder.manifest)));
     if (failure.divergence || !evaluation.failure.empty())
       tables.emplace_back("failure", run::failureTable(failure, evaluation.method));
   }

@@ -7,6 +7,7 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "libslam/core/error.h"
+#include "libslam/core/files.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/run/external_method.h"
 #include "libslam/run/resources.h"
@@ -17,13 +18,6 @@ namespace {
 struct Arguments {
   std::string method, log;
 };
-
-/// A folder beside others' in the system's place for such things, removed with all in it.
-std::string newWorkFolder() {
-  std::string path = (std::filesystem::temp_directory_path() / "rasterslam-XXXXXX").string();
-  if (mkdtemp(path.data()) == nullptr) throw core::IoError(path + ": cannot be made");
-  return path;
-}
 
 void printCheck(const run::ExternalRun& run, const std::string& name, std::size_t scans) {
   for (const auto& violation : run.violations) std::printf("violation: %s\n", violation.c_str());
@@ -51,7 +45,8 @@ int checkPlugin(const Context& context, const Arguments& arguments) {
     return 0;
   }
   ConsoleProgress progress(context.quiet);
-  const auto run = run::runExternalMethod(method, arguments.log, context.seed, newWorkFolder(), progress);
+  const core::ScratchFolder scratch;
+  const auto run = run::runExternalMethod(method, arguments.log, context.seed, scratch / "work", progress);
   if (context.json)
     std::cout << nlohmann::ordered_json{{"method", name},
                                         {"violations", run.violations},
@@ -91,6 +86,8 @@ void addPlugin(CLI::App& app, Context& context) {
       "It owes: exit code 0; {output} with a line per pose, finite, the quaternion of length 1, the\n"
       "stamp that of a scan of the log to 0.1 ms, no scan twice, in the order of the stamps or of the\n"
       "log. Scans that it leaves out get a pose from its neighbours and the odometry between them.\n"
+      "What the command names by an absolute path, or finds by the PATH, is a part of the method: after\n"
+      "a change there --resume does its runs again.\n"
       "Time is CPU time of all its processes, with reading the log; memory the largest of them, whole.\n\n"
       "Examples in configs/plugins: icp-slam, rbpf-slam and graphslam-engine of MRPT.\n"
       "  rasterslam plugin check configs/plugins/graphslam-engine.ini run.rawlog\n"

@@ -19,14 +19,12 @@ namespace {
 
 constexpr double kSameStamp_s = 2e-6;  // trajectories are written with microseconds
 
-/// The log among a run's inputs, with its hash: what is no map, no configuration and no plan.
+/// The log that a run was made from, with its hash.
 std::pair<std::string, std::string> logOf(const run::RunFolder& run) {
   const std::string own = run.path + "/run.rawlog";
   if (fs::exists(own)) return {own, ""};
-  for (const auto& [path, hash] : run.manifest.inputs) {
-    const auto suffix = fs::path(path).extension().string();
-    if (suffix != ".simplemap" && suffix != ".ini" && !run::looksLikePlan(path)) return {path, hash};
-  }
+  const auto& inputs = run.manifest.inputs;
+  if (const auto input = inputs.find(run::logInput(run.manifest)); input != inputs.end()) return *input;
   throw core::InputError(run.path + "/manifest.json: names no log that the run was made from; give --log");
 }
 

@@ -268,6 +268,8 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
     core::writeFileAtomically(output.path() + "/journal.csv", journalCsv(run.journal));
 
   manifest.seed = seed;
+  if (external)
+    for (const auto& [path, hash] : programFiles(method_config)) manifest.inputs[path] = hash;
   manifest.inputs[log_path] = core::fileSha256(log_path);
   for (const auto& line : methodParameters(method_config, method_name, seed))
     manifest.config[line.section + "." + line.info.key] = line.value;
@@ -278,6 +280,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   if (run.covariances.empty()) manifest.files.erase("covariances.csv");
   if (run.final_covariances.empty()) manifest.files.erase("covariances_final.csv");
   manifest.results["method"] = method_name;
+  manifest.results["log"] = log_path;
   manifest.results["scans"] = std::to_string(run.estimate.size());
   manifest.results["steps_without_odometry"] = std::to_string(run.steps_without_odometry);
   // Of the log's order, which the files' order of stamps may lose.

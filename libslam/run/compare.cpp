@@ -60,6 +60,10 @@ bool isSameRun(const Method& method, const std::string& log_path, std::uint64_t 
       const auto it = manifest.config.find(line.section + "." + line.info.key);
       if (it == manifest.config.end() || it->second != line.value) return false;
     }
+    if (isExternal(method.config))
+      for (const auto& [path, hash] : programFiles(method.config))
+        if (const auto it = manifest.inputs.find(path); it == manifest.inputs.end() || it->second != hash)
+          return false;
     const auto input = manifest.inputs.find(log_path);
     return manifest.seed == seed && manifest.version == core::versionText() &&
            input != manifest.inputs.end() && input->second == core::fileSha256(log_path);

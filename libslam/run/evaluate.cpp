@@ -9,6 +9,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/run/resources.h"
 #include "libslam/stats/consistency.h"
 
 namespace slam::run {
@@ -88,6 +89,15 @@ RunFolder loadRun(const std::string& folder) {
   run.cost = {timeOf(run.manifest, "mean_ms_per_scan"), timeOf(run.manifest, "p99_ms_per_scan"),
               numberOf(run.manifest, "peak_memory_mb", folder), timeOf(run.manifest, "real_time_factor")};
   return run;
+}
+
+std::string logInput(const core::Manifest& manifest) {
+  if (const auto named = manifest.results.find("log"); named != manifest.results.end()) return named->second;
+  for (const auto& [path, hash] : manifest.inputs) {
+    const auto suffix = std::filesystem::path(path).extension().string();
+    if (suffix != ".simplemap" && suffix != ".ini" && !looksLikePlan(path)) return path;
+  }
+  return "";
 }
 
 Truth loadTruth(const std::string& truth_path, const std::string& plan_path, const RunFolder& lidar_of) {

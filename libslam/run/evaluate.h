@@ -28,6 +28,9 @@ struct RunFolder {
 };
 /// Errors: InputError naming the file that is missing or broken.
 RunFolder loadRun(const std::string& folder);
+/// The log that a run was made from, as its manifest names it: of older ones the input that is no map, configuration or plan. ""
+/// where there is none.
+std::string logInput(const core::Manifest& manifest);
 
 /// What is known to be true. The plan and what of it could be seen are only there when a plan was given.
 struct Truth {

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,11 @@ ExternalMethod readExternalMethod(const core::IniFile& config, const std::string
 /// The same configuration with the folder in place of {here} in its command, so that it means the same wherever it is kept.
 /// REQUIRES isExternal().
 core::IniFile withFixedFolder(core::IniFile config);
+
+/// The files that make up the program, as far as its command names them, each with the SHA-256 of its bytes: what stands where
+/// a command of the shell does, found by the PATH, and any word, or its part behind a '=', that is the absolute path of a
+/// file, {here} being replaced, unless the program is to write there (behind a '>'). What those load or start in their turn is not known. REQUIRES isExternal().
+std::map<std::string, std::string> programFiles(const core::IniFile& config);
 
 /// All parameters of a method of either kind, checked: makeMapBuilder()'s errors or readExternalMethod()'s.
 std::vector<core::ParameterReport> methodParameters(const core::IniFile& config, const std::string& name,

@@ -74,7 +74,7 @@ std::vector<Asked> methodsOfComparison(const std::string& folder, report::Report
 /// The log that a run read; "" with a word on the page where it is gone.
 std::string logOf(const RunFolder& run, const std::string& folder, report::ReportPage& page) {
   std::vector<std::string> candidates = {folder + "/log/run.rawlog", folder + "/run.rawlog"};
-  for (const auto& path : logInputs(run.manifest)) candidates.push_back(path);
+  if (const auto path = logInput(run.manifest); !path.empty()) candidates.push_back(path);
   for (const auto& path : candidates)
     if (fs::exists(path)) return path;
   page.missing.push_back("The log " + candidates.back() +

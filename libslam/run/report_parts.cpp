@@ -69,14 +69,6 @@ std::string resultOf(const core::Manifest& manifest, const std::string& key) {
   return it == manifest.results.end() ? "" : it->second;
 }
 
-std::vector<std::string> logInputs(const core::Manifest& manifest) {
-  std::vector<std::string> paths;
-  // A run that goes on in a map names that too.
-  for (const auto& [path, hash] : manifest.inputs)
-    if (fs::path(path).extension() != ".simplemap") paths.push_back(path);
-  return paths;
-}
-
 std::string pageTitle(const std::string& folder, const std::string& what) {
   auto path = fs::weakly_canonical(folder);
   if (path.filename().empty()) path = path.parent_path();

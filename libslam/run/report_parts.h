@@ -12,8 +12,6 @@ namespace slam::run {
 
 /// "" where the manifest has no such result.
 std::string resultOf(const core::Manifest& manifest, const std::string& key);
-/// The inputs of a run that may be its log.
-std::vector<std::string> logInputs(const core::Manifest& manifest);
 /// "Sweep: NAME" with the folder's own name.
 std::string pageTitle(const std::string& folder, const std::string& what);
 

@@ -7,6 +7,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
+#include "libslam/run/evaluate.h"
 #include "libslam/run/report_parts.h"
 #include "libslam/run/sweep_tables.h"
 
@@ -284,7 +285,7 @@ void addWorstRuns(const std::string& folder, const Rows& rows, const std::vector
     const std::string log_folder = rows.text(row, "log_folder");
     std::string log_path = folder + "/" + log_folder + "/run.rawlog";
     if (log_folder.empty())  // a log that existed already
-      for (const auto& path : logInputs(core::readManifest(runOf(row) + "/manifest.json"))) log_path = path;
+      log_path = logInput(core::readManifest(runOf(row) + "/manifest.json"));
     addRun(runOf(row), log_path, name, page.replays.size() - 1, page);
     page.runs.back().summary = "Its worst run: " + where + ". " + page.runs.back().summary;
     if (fs::exists(log_path))

@@ -298,7 +298,10 @@ class SuiteReader {
       for (const auto& [key, entry] : *entries) grid = crossed(grid, key, entry);
     for (auto& choice : grid) {
       methodParameters(choice.config, choice.name, 1);  // a bad key must not show after an hour
-      if (isExternal(choice.config)) choice.config = withFixedFolder(choice.config);
+      if (isExternal(choice.config)) {
+        choice.config = withFixedFolder(choice.config);
+        choice.programs = programFiles(choice.config);
+      }
       suite_.methods.push_back(std::move(choice));
     }
   }

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,7 @@ struct SuiteMethod {
   std::string name;
   std::string parameters;  ///< "graph.keyframe_m=0.5 mapping.grid=exact", or ""
   core::IniFile config;
+  std::map<std::string, std::string> programs;  ///< programFiles() of an external one
 };
 /// "graph", or "graph graph.keyframe_m=0.5".
 std::string fullName(const SuiteMethod& method);

@@ -40,12 +40,14 @@ std::string logSpec(const SuiteWorld& world, const core::IniFile& config, std::u
 
 std::string runSpec(const PlannedLog& log, const SuiteMethod& method, std::uint64_t seed,
                     const std::string& code) {
-  return textOf({{"kind", "run"},
-                 {"code", code},
-                 {"log", log.id},
-                 {"method", method.name},
-                 {"config", toJson(method.config)},
-                 {"seed", seed}});
+  Json spec = {{"kind", "run"},
+               {"code", code},
+               {"log", log.id},
+               {"method", method.name},
+               {"config", toJson(method.config)},
+               {"seed", seed}};
+  if (!method.programs.empty()) spec["programs_sha256"] = method.programs;
+  return textOf(spec);
 }
 
 void addLog(Sweep& sweep, PlannedLog log, std::string spec, std::size_t ground) {

@@ -298,7 +298,7 @@ double figureOf(const CellResult& result, const std::string& key) {
 }
 
 std::string fullName(const PlannedRun& run) {
-  return fullName({run.method, run.parameters, {}});
+  return fullName({run.method, run.parameters, {}, {}});
 }
 
 std::vector<std::string> methodNames(const SweepPlan& plan) {

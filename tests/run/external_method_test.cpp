@@ -9,12 +9,14 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/manifest.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/run/compare.h"
 #include "libslam/run/record.h"
 #include "libslam/run/resources.h"
+#include "libslam/run/sweep_plan.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -176,6 +178,46 @@ TEST_F(External, IsARowOfAComparison) {
               comparison.evaluations[1].trajectory.position_m.rmse, 1e-5);
   request.resume = true;
   EXPECT_EQ(compare(request, {}, core::silentProgress()).reused, 2);
+}
+
+TEST_F(External, ItsFilesAreAPartOfIt) {
+  const auto config = [&](const std::string& command) { return core::IniFile::load(method(command)); };
+  const std::string script = here_ / "my slam.sh";
+  core::writeFileAtomically(script, kWheels);
+  const auto shell = programFiles(config("sh {output}"));
+  ASSERT_EQ(shell.size(), 1U);
+  EXPECT_EQ(fs::path(shell.begin()->first).filename(), "sh");
+  const auto [sh, hash] = *shell.begin();
+  using Files = std::map<std::string, std::string>;
+  EXPECT_EQ(programFiles(config("A=1 sh {here}/'my slam.sh' sh {log} {output} no/such")),
+            (Files{{sh, hash}, {script, core::fileSha256(script)}}));
+  EXPECT_EQ(programFiles(config("no_such_program {output} && sh --rcfile=" + core::shellQuoted({script}))),
+            (Files{{sh, hash}, {script, core::fileSha256(script)}}));
+  EXPECT_EQ(programFiles(config("\"" + sh + "\" {here} sh >{output} 2>> {here}/'my slam.sh'")),
+            (Files{{sh, hash}}));
+}
+
+TEST_F(External, ChangedFilesAreAnotherMethod) {
+  const std::string script = here_ / "slam.sh";
+  const auto write = [&](const std::string& end) {
+    core::writeFileAtomically(script,
+                              "awk '{ print $1, $2, $3, 0, 0, 0, sin($4 / 2), cos($4 / 2) }' $1 > $2" + end);
+  };
+  write("");
+  CompareRequest request;
+  request.log_path = log();
+  request.methods_folder = configsFolder() + "/methods";
+  request.methods = {method("sh {here}/slam.sh {scans} {output}")};
+  request.output = here_ / "out";
+  core::writeFileAtomically(here_ / "suite.ini", "[suite]\nworlds = flat\nmethods = mine.ini\nseeds = 1\n");
+  compare(request, {}, core::silentProgress());
+  const auto id = planSweep(here_ / "suite.ini").plan.runs.at(0).id;
+  request.resume = true;
+  EXPECT_EQ(compare(request, {}, core::silentProgress()).reused, 1);
+  EXPECT_EQ(planSweep(here_ / "suite.ini").plan.runs.at(0).id, id);
+  write("\n# mended\n");
+  EXPECT_EQ(compare(request, {}, core::silentProgress()).reused, 0);
+  EXPECT_NE(planSweep(here_ / "suite.ini").plan.runs.at(0).id, id);
 }
 
 TEST_F(External, SeesNoTruthAndWorksInAnEmptyFolder) {

@@ -122,7 +122,7 @@ TEST_F(ReportData, WithoutItsLogThereAreNoScansAndThePageSaysSo) {
   fs::create_directory(folder + "/hidden");
   for (const char* method : {"graph", "naive_wheel"}) {
     auto manifest = core::readManifest(folder + "/" + method + "/manifest.json");
-    manifest.inputs = {{"/nowhere/run.rawlog", "0"}};
+    manifest.results["log"] = "/nowhere/run.rawlog";
     core::writeManifest(manifest, folder + "/" + method + "/manifest.json");
   }
   const auto page = gather(folder);
