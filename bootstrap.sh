@@ -27,7 +27,7 @@ packages=(
   g++ cmake ninja-build pkg-config
   libmrpt-dev mrpt-apps mrpt-common
   libopencv-dev libeigen3-dev libboost-dev libcli11-dev nlohmann-json3-dev libssl-dev zlib1g-dev libbz2-dev liblzma-dev
-  liblz4-dev libzstd-dev libsqlite3-dev libcairo2-dev fonts-liberation
+  liblz4-dev libzstd-dev libsqlite3-dev libyaml-cpp-dev libcairo2-dev fonts-liberation
   libgtest-dev libgmock-dev clang-format-14 bzip2 xz-utils python3 xvfb xauth
 )
 bench_packages=(libbenchmark-dev)

@@ -173,7 +173,8 @@ int submit(const Context& context, const Arguments& arguments) {
 
 /// Everything: cells, then tables, also of what an interrupt has left.
 int bench(const Context& context, const Arguments& arguments) {
-  if (arguments.suite.empty()) throw core::InputError("bench: no suite named, expected the sweep's .ini");
+  if (arguments.suite.empty())
+    throw core::InputError("bench: no suite named, expected the sweep's .ini or .yaml");
   const auto sweep = run::planSweep(arguments.suite);
   auto request = requestOf(context, arguments);
   if (request.output.empty()) request.output = sweep.plan.name;

@@ -4,6 +4,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::core {
 namespace {
@@ -26,7 +27,8 @@ std::string trimmed(const std::string& text) {
 }
 
 IniFile IniFile::load(const std::string& path) {
-  return parse(readTextFile(path), path);
+  const auto text = readTextFile(path);
+  return isYamlFile(path) ? parseYaml(text, path) : parse(text, path);
 }
 
 IniFile IniFile::parse(const std::string& text, const std::string& name) {

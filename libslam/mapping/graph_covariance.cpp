@@ -9,7 +9,7 @@ using core::Pose2;
 
 /// Errors of matches that share a map are not independent, as the graph takes them to be. This and kMatchCovarianceScale
 /// make the poses' mean normalised squared error about 1 over 56 simulated runs in rooms and corridors;
-/// benchmarks/results/consistency.csv has other runs than those.
+/// benchmarks/results/consistency.csv.xz has other runs than those.
 constexpr double kGraphCovarianceScale = 3;
 
 /// Of a pose at `from`, as one that is firmly joined to it and lies at `to` has it; map frame.

@@ -25,6 +25,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/ini_yaml.h"
 #include "libslam/core/random.h"
 #include "libslam/mapping/graph_map_builder.h"
 #include "libslam/mapping/map_grid.h"
@@ -511,8 +512,7 @@ std::vector<std::string> methodNames(const std::string& methods_folder) {
 }
 
 core::IniFile loadMethodConfig(const std::string& methods_folder, const std::string& name_or_path) {
-  const bool is_path = name_or_path.find('/') != std::string::npos ||
-                       std::filesystem::path(name_or_path).extension() == ".ini";
+  const bool is_path = name_or_path.find('/') != std::string::npos || core::isConfigFile(name_or_path);
   if (is_path) return core::IniFile::load(name_or_path);
   const auto names = methodNames(methods_folder);
   if (std::find(names.begin(), names.end(), name_or_path) == names.end())

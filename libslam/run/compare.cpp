@@ -10,6 +10,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/ini_yaml.h"
 #include "libslam/logs/convert.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
@@ -36,8 +37,7 @@ std::vector<Method> loadMethods(const CompareRequest& request) {
   std::vector<Method> methods;
   for (const auto& name_or_path : request.methods) {
     Method method;
-    method.name =
-        fs::path(name_or_path).extension() == ".ini" ? fs::path(name_or_path).stem().string() : name_or_path;
+    method.name = core::isConfigFile(name_or_path) ? fs::path(name_or_path).stem().string() : name_or_path;
     method.argument = name_or_path;
     method.config = mapping::loadMethodConfig(request.methods_folder, name_or_path);
     method.folder = request.output + "/" + method.name;

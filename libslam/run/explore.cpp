@@ -13,6 +13,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/ini_yaml.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/report/curves.h"
 #include "libslam/run/exploration_loop.h"
@@ -31,7 +32,7 @@ LoopMethod loadMethod(const ExploreRequest& request) {
   // The method that believes its wheels, for perfect wheels.
   const std::string name = method.is_reference ? "naive_wheel" : request.slam;
   method.config = mapping::loadMethodConfig(request.methods_folder, name);
-  method.name = fs::path(name).extension() == ".ini" ? fs::path(name).stem().string() : name;
+  method.name = core::isConfigFile(name) ? fs::path(name).stem().string() : name;
   if (method.is_reference) method.name = kTruthReference;
   mapping::makeMapBuilder(method.config, method.name, request.seed);  // a bad key must not show in every run
   return method;

@@ -215,7 +215,7 @@ StressSuite stressSuite(const StressRequest& request) {
   stress.values = spacedValues(range, kSteps, whole, kVary);
   stress.names.resize(stress.values.size());
 
-  const bool is_suite = fs::path(request.ground).extension() == ".ini";
+  const bool is_suite = isSuiteFile(request.ground);
   auto ini = is_suite ? core::IniFile::load(request.ground) : suiteOfWorld(request.ground);
   if (!request.methods.empty()) {
     ini.set("suite", "methods", request.methods, "--methods");

@@ -9,6 +9,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/ini_text.h"
+#include "libslam/core/ini_yaml.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
@@ -45,7 +46,12 @@ class SuiteReader {
     suite_.path = path;
     suite_.text = core::readTextFile(path);
     suite_.folder = folder.empty() ? fs::absolute(path).parent_path().string() : folder;
-    ini_ = core::IniFile::parse(suite_.text, path);
+    if (core::isYamlFile(path)) {
+      ini_ = core::parseYaml(suite_.text, path);
+      suite_.text = core::toText(ini_);
+    } else {
+      ini_ = core::IniFile::parse(suite_.text, path);
+    }
   }
   SuiteReader(core::IniFile ini, const std::string& path, const std::string& folder) : ini_(std::move(ini)) {
     suite_.path = path;
@@ -153,14 +159,15 @@ class SuiteReader {
   /// A value that comes with the program, or from a file.
   SuiteVariant preset(const std::string& key, const std::string& kind, const std::string& word) const {
     if (word == kBuiltIn) return {word, {}};
-    if (fs::path(word).extension() == ".ini")
+    if (core::isConfigFile(word))
       return {fs::path(word).stem().string(), core::IniFile::load(resolved(word))};
     std::vector<std::string> names;
     if (kind == "lidar") names = namesInFolder(configsFolder() + "/lidars", ".ini");
     if (kind == "strategy") names = navigate::strategyNames();
     if (std::find(names.begin(), names.end(), word) == names.end()) {
       names.emplace_back(kBuiltIn);
-      throw unknown(key, word, std::string("built-in, a known ") + kind + ", an .ini file", names, kind);
+      throw unknown(key, word, std::string("built-in, a known ") + kind + ", an .ini or .yaml file", names,
+                    kind);
     }
     if (kind == "lidar") return {word, core::IniFile::load(configsFolder() + "/lidars/" + word + ".ini")};
     SuiteVariant result{word, {}};
@@ -290,7 +297,7 @@ class SuiteReader {
       method.name = word;
       layOver(method.config, *entries, {"base"});
     } else {
-      method.name = fs::path(word).extension() == ".ini" ? fs::path(word).stem().string() : word;
+      method.name = core::isConfigFile(word) ? fs::path(word).stem().string() : word;
       method.config = load(word);
     }
     std::vector<SuiteMethod> grid = {method};
@@ -463,6 +470,14 @@ CellLimits::CellLimits() {
 
 std::string fullName(const SuiteMethod& method) {
   return method.parameters.empty() ? method.name : method.name + " " + method.parameters;
+}
+
+bool isSuiteFile(const std::string& path) {
+  if (!core::isYamlFile(path)) return core::isConfigFile(path);
+  std::istringstream lines(core::readTextFile(path));
+  for (std::string line; std::getline(lines, line);)
+    if (line.compare(0, 6, "suite:") == 0) return true;
+  return false;  // a ROS map's
 }
 
 Suite readSuite(const std::string& path, const std::string& folder) {

@@ -66,7 +66,7 @@ std::string fullName(const SuiteMethod& method);
 struct Suite {
   std::string path;    ///< the file
   std::string folder;  ///< that the relative paths in it start from
-  std::string text;    ///< its bytes
+  std::string text;    ///< its bytes, of YAML as .ini
   SuiteOptions options;
   CellLimits limits;
   core::IniFile base;  ///< the suite's own sections [robot] ... [simulation], under every overlay
@@ -98,7 +98,10 @@ struct Suite {
 /// is one): unknown section, key, name or value; a section that no list names; a name twice; a seed twice; files that are
 /// missing or broken; a combination whose values do not fit.
 /// `folder` takes the place of the suite's folder unless "".
+/// A file in YAML (core::parseYaml()) means the .ini that it stands for.
 Suite readSuite(const std::string& path, const std::string& folder = "");
+/// Whether a file is a suite by its name, one in YAML by its section `suite`: plans have that ending too.
+bool isSuiteFile(const std::string& path);
 /// The same of a suite that is not in a file as it stands: `path` stands for it in errors and gives it its name.
 Suite readSuite(const core::IniFile& ini, const std::string& path, const std::string& folder);
 

@@ -32,7 +32,7 @@ struct SweepOutcome {
 };
 
 /// Does the cells of a sweep that are not complete yet. In `output`:
-///   suite.ini       the suite as it was given
+///   suite.ini       the suite as it was given; of one in YAML the same as .ini
 ///   plan.json       the cells (SweepPlan)
 ///   manifest.json   command line
 ///   cells/ID/       one folder per cell, see cell.h; it appears whole or not at all

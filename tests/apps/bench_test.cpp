@@ -237,6 +237,24 @@ TEST_F(ShellMethod, ACellThatIsKilledFromOutsideIsTriedThreeTimesAndLeftForResum
   EXPECT_EQ(resultsOf(folder / "out")[1]["status"], "ok");
 }
 
+TEST_F(Bench, ASuiteInYamlIsTheSameSweep) {
+  write(folder / "tiny.yaml",
+        "suite:\n  worlds: flat\n  methods: [naive_wheel, naive]\n  seeds: 1..2\nlidar: {beams: 61}\n"
+        "simulation: {duration_s: 5}\n");
+  const auto plan = bench("plan tiny.yaml --json");
+  EXPECT_EQ(plan.exit_code, 0) << plan.err;
+  EXPECT_EQ(plan.out, bench("plan tiny.ini --json").out);
+  const auto whole = bench("tiny.yaml -o out -q --json");
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  const auto again = bench("exec out/suite.ini -o out --json");
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(nlohmann::json::parse(again.out)["reused"], 6) << again.out;
+  write(folder / "wrong.yaml", "suite:\n  worlds: flat\n  methods: naive\n  seed: 3\n");
+  const auto wrong = bench("plan wrong.yaml");
+  EXPECT_EQ(wrong.exit_code, 3);
+  EXPECT_THAT(wrong.err, HasSubstr("wrong.yaml:4: section [suite], unknown key 'seed'"));
+}
+
 TEST_F(Bench, CopiesOfTheRunnerAndProcessesOfTheirOwnGiveTheSameBytes) {
   const auto sweep = run::planSweep(folder / "tiny.ini");
   run::SweepRequest request;
