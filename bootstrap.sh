@@ -80,10 +80,11 @@ available_packages() {
   done
 }
 
+# The configure preset, how long it takes the first time, and the build preset where that has another name.
 build() {
-  say "building with preset $1 (about 5 minutes on 2 cores the first time)"
+  say "building (about $2 minutes on 2 cores the first time)"
   cmake --preset "$1" >&2
-  cmake --build --preset "$1" >&2
+  cmake --build --preset "${3:-$1}" >&2
 }
 
 verb=""
@@ -100,19 +101,19 @@ done
 case "$verb" in
   build)
     install_missing "${packages[@]}"
-    build release
+    build release 4 programs
     say "the program is build/release/apps/rasterslam"
     ;;
   demo)
     install_missing "${packages[@]}"
-    build release
+    build release 4 programs
     build/release/apps/rasterslam demo "${arguments[@]}"
     ;;
   test)
     install_missing "${packages[@]}"
     mapfile -t oracles < <(available_packages "${oracle_packages[@]}")
     install_missing "${oracles[@]}"
-    build release
+    build release 8
     ctest --preset release -j "$(nproc)" "${arguments[@]}"
     ;;
   schedulers)
@@ -129,7 +130,7 @@ case "$verb" in
       install_missing "${packages[@]}"
       # Here what ctest would skip is an error.
       tests/report/page/bundle.sh
-      build release
+      build release 4 programs
       tests/report/page/browser.sh "$PWD/build/release/apps/rasterslam"
     else
       (cd libslam/report/page && npm run build)
@@ -137,7 +138,7 @@ case "$verb" in
     ;;
   bench)
     install_missing "${packages[@]}" "${bench_packages[@]}"
-    build bench
+    build bench 9
     build/release/benchmarks/rasterslam_bench "${arguments[@]}"
     ;;
   fuzz)

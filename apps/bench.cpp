@@ -135,6 +135,7 @@ int reportMerged(const Context& context, const GateFlags& flags, const run::Merg
                                    {"failed", merged.failed},
                                    {"missing", merged.missing},
                                    {"summary", parsed(merged.full_summary)},
+                                   {"consistency", parsed(merged.consistency)},
                                    {"cost", parsed(merged.costs)}};
     if (gate.table) json["gate"] = parsed(*gate.table);
     std::cout << json.dump(2) << "\n";

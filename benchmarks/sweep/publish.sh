@@ -17,7 +17,7 @@ field() { grep -m1 "$1" /proc/cpuinfo | cut -d: -f2- | sed 's/^ *//'; }
   echo "Seeds:   $(sed -n 's/^seeds *= *//p' "$sweep/suite.ini")"
   echo "Version: $(sed -n 's/^  "version": "\(.*\)",/\1/p' "$sweep/manifest.json"), commit $commit; $(sed -n 's/^  "build": "\(.*\)",/\1/p' "$sweep/manifest.json")"
   echo "Machine: $(field 'model name'), $(nproc) cores, $(awk '/MemTotal/ { printf "%.0f GB", $2 / 1048576 }' /proc/meminfo); Debian $(cat /etc/debian_version)"
-  for part in summary cost_summary; do
+  for part in summary consistency cost_summary; do
     echo
     cat "$sweep/$part.txt"
   done

@@ -121,7 +121,8 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
   e.trajectory = e.final_trajectory = {kNoStatistics, kNoStatistics, {}, 0};
   e.per_metre = e.per_second = {kNoStatistics, kNoStatistics};
   e.map = {kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
-  e.anees = e.within_50_share = e.within_95_share = e.anees_final = e.within_95_share_final = kNan;
+  e.anees = e.within_50_share = e.within_95_share = kNan;
+  e.anees_final = e.within_50_share_final = e.within_95_share_final = kNan;
   e.cost = {kNan, kNan, kNan, kNan};
   e.path_length_m = e.map_mean_entropy_bits = e.agreement_m = kNan;
   e.structure = {kNan, 0, 0};
@@ -146,6 +147,7 @@ void judgeCovariances(const RunFolder& run, const Truth& truth, Evaluation& e) {
             stats::consistency({poseNees(truth.trajectory, *run.final_estimate, run.final_covariances)},
                                kPoseDegreesOfFreedom)) {
       e.anees_final = in_the_end->anees.value;
+      e.within_50_share_final = in_the_end->coverage50.value;
       e.within_95_share_final = in_the_end->coverage95.value;
     }
 }
@@ -247,6 +249,8 @@ const std::vector<MetricInfo>& metricInfos() {
       {"anees_final", "ANEES final",
        "the same of the poses in the end, where the method states how sure it is of them", 2,
        [](const E& e) { return e.anees_final; }, kNeither},
+      {"within_50_share_final", "in 50 % final", "share of those within their ellipsoid of 50 %", 3,
+       [](const E& e) { return e.within_50_share_final; }, kNeither},
       {"within_95_share_final", "in 95 % final", "share of those within their ellipsoid of 95 %", 3,
        [](const E& e) { return e.within_95_share_final; }, kNeither},
       {"path_length_m", "path m", "length of the estimated path", 2,
@@ -339,7 +343,7 @@ report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Tr
   };
   if (detail == Detail::kFull)
     add({"ate_max_m", "rpe_1s_m", "rpe_1s_deg", "anees", "within_50_share", "within_95_share", "anees_final",
-         "within_95_share_final", "path_length_m"});
+         "within_50_share_final", "within_95_share_final", "path_length_m"});
   if (truth.plan) add({"wall_f1", "free_iou", "wall_p95_m"});
   if (truth.plan && detail == Detail::kFull)
     add({"wall_p50_m", "wall_precision", "wall_recall", "missed_p50_m", "missed_p95_m", "known_share"});

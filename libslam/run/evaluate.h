@@ -52,7 +52,7 @@ struct Evaluation {
   /// Whether the covariances of the online poses tell the truth (poseNees(), stats::consistency()), and those of the final
   /// poses; NaN where there are none.
   double anees, within_50_share, within_95_share;
-  double anees_final, within_95_share_final;
+  double anees_final, within_50_share_final, within_95_share_final;
   Cost cost;
   double path_length_m = 0;
   core::Pose2 end_pose;  ///< T_map_robot at the last scan

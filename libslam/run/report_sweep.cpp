@@ -339,6 +339,8 @@ void fillSweep(const std::string& folder, const core::Manifest& manifest, core::
   else
     page.tables.push_back(rankedTable(rows, best_first, plan));
   page.tables.push_back(readMarkdownTable(folder + "/summary.md"));
+  if (const auto path = folder + "/consistency.md"; fs::exists(path))  // sweeps of older versions have none
+    if (auto table = readMarkdownTable(path); !table.rows.empty()) page.tables.push_back(std::move(table));
   addFailures(folder, page);
   std::vector<std::string> methods;
   for (const auto row : best_first)
@@ -346,7 +348,8 @@ void fillSweep(const std::string& folder, const core::Manifest& manifest, core::
         std::find(methods.begin(), methods.end(), name) == methods.end())
       methods.push_back(name);
   addWorstRuns(folder, result_rows, methods, plan, progress, page);
-  for (const char* name : {"summary.csv", "summary.tex", "results.csv", "failures.csv", "cost.csv"})
+  for (const char* name :
+       {"summary.csv", "summary.tex", "results.csv", "consistency.csv", "failures.csv", "cost.csv"})
     addDownload(page, folder + "/" + name, name, "",
                 name == std::string("summary.tex") ? "application/x-tex" : "text/csv");
 }

@@ -7,6 +7,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/run/cell.h"
+#include "libslam/run/sweep_consistency.h"
 #include "libslam/run/sweep_failures.h"
 #include "libslam/run/sweep_index.h"
 
@@ -105,6 +106,13 @@ void writeTables(const SweepPlan& plan, const SweepResults& results, const std::
   write("summary.tex", report::toLatex(merged.summary));
   write("summary.csv", report::toCsv(merged.full_summary));
   write("summary.json", report::toJson(merged.full_summary));
+  auto consistency = sweepConsistency(plan, results);
+  write("consistency.txt", report::toText(consistency.main));
+  write("consistency.md", report::toMarkdown(consistency.main));
+  write("consistency.tex", report::toLatex(consistency.main));
+  write("consistency.csv", report::toCsv(consistency.all));
+  write("consistency.json", report::toJson(consistency.all));
+  merged.consistency = std::move(consistency.all);
   const auto failures = sweepFailures(plan, results, output);
   write("failures.txt", report::toText(failures.main));
   write("failures.csv", report::toCsv(failures.all));
@@ -161,6 +169,7 @@ MergedSweep mergeSweep(const MergeRequest& request, core::Manifest manifest, cor
   manifest.results["failed"] = std::to_string(merged.failed);
   manifest.files = {{"summary.txt", "statistics over the seeds; also .md, .tex, .csv, .json"},
                     {"results.csv", "one row per run; also .json"},
+                    {"consistency.txt", "whether covariances are true; also .md, .tex, .csv, .json"},
                     {"failures.csv", "where and why runs failed; also .json, .txt"},
                     {"cost.csv", "time and memory of every run; also .json; medians in cost_summary.txt"},
                     {"index.sqlite", "logs, runs and figures as a database: sqlite3"},

@@ -22,12 +22,13 @@ struct MergedSweep {
   std::size_t complete = 0, failed = 0;  ///< runs
   std::vector<std::string> missing;      ///< one line per cell that is not there, or damaged
   SweepResults results;
-  report::Table summary, full_summary, costs;
+  report::Table summary, full_summary, consistency, costs;
 };
 
 /// Brings the cells of a sweep together and writes into `output`:
 ///   results.csv .json             one row per run
 ///   summary.txt .md .tex .csv .json   statistics over the seeds
+///   consistency.txt .md .tex .csv .json   whether the covariances are true: sweepConsistency()
 ///   failures.csv .json .txt       where and why runs failed: sweepFailures()
 ///   cost.csv .json, cost_summary.txt .csv   time and memory: differ from run to run, as nothing else here does
 ///   index.sqlite                  writeSweepIndex()

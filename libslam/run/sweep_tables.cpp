@@ -10,6 +10,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/run/sweep.h"
+#include "libslam/run/sweep_groups.h"
 #include "libslam/stats/bootstrap.h"
 #include "libslam/stats/multiple_tests.h"
 #include "libslam/stats/paired.h"
@@ -23,24 +24,6 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 /// Enough for two digits of an interval; a sweep has thousands of them.
 constexpr int kResamples = 2000;
-
-struct Axis {
-  const char* key;
-  std::string PlannedLog::*member;
-};
-const std::vector<Axis>& axes() {
-  static const std::vector<Axis> list = {
-      {"world", &PlannedLog::world},       {"robot", &PlannedLog::robot},
-      {"lidar", &PlannedLog::lidar},       {"odometry", &PlannedLog::odometry},
-      {"strategy", &PlannedLog::strategy}, {"fault", &PlannedLog::fault}};
-  return list;
-}
-
-std::string settingKey(const PlannedLog& log) {
-  std::string key;
-  for (const auto& axis : axes()) key += log.*axis.member + '\n';
-  return key;
-}
 
 struct Figure {
   std::string key, title;
@@ -73,32 +56,6 @@ std::string fixed(double value, int decimals) {
   return text;
 }
 
-/// Runs that differ in seed and method only (or, of all together, in anything).
-struct Group {
-  const PlannedLog* log = nullptr;                ///< nullptr: all together
-  std::vector<std::vector<std::size_t>> methods;  ///< by method, its runs in the order of the plan
-  std::vector<std::size_t> settings = {};         ///< of each of these, of all together; else none
-};
-
-std::vector<Group> groupsOf(const SweepPlan& plan, const std::vector<std::string>& names) {
-  std::map<std::string, std::size_t> method_index, group_index;
-  for (std::size_t i = 0; i < names.size(); ++i) method_index[names[i]] = i;
-  Group all;
-  all.methods.resize(names.size());
-  std::vector<Group> groups;
-  for (std::size_t i = 0; i < plan.runs.size(); ++i) {
-    const PlannedLog& log = plan.logs[plan.runs[i].log];
-    const auto [it, is_new] = group_index.emplace(settingKey(log), groups.size());
-    if (is_new) groups.push_back({&log, std::vector<std::vector<std::size_t>>(names.size())});
-    const std::size_t method = method_index.at(fullName(plan.runs[i]));
-    groups[it->second].methods[method].push_back(i);
-    all.methods[method].push_back(i);
-  }
-  all.settings = settingsOf(plan, all.methods.front());
-  if (groups.size() > 1) groups.insert(groups.begin(), std::move(all));
-  return groups;
-}
-
 /// What a row of the summary says of one method in one group.
 struct Row {
   std::size_t runs = 0, failed = 0;
@@ -122,9 +79,9 @@ class Summary {
 
   const std::vector<std::string>& keys() const { return keys_; }
   const std::vector<std::string>& names() const { return names_; }
-  std::vector<Group> groups() const { return groupsOf(plan_, names_); }
+  std::vector<SweepGroup> groups() const { return groupsOf(plan_, names_); }
 
-  std::vector<Row> rows(const Group& group) const {
+  std::vector<Row> rows(const SweepGroup& group) const {
     std::vector<Row> rows;
     for (const auto& runs : group.methods) rows.push_back(alone(runs, group.settings));
     compare(group, rows);
@@ -169,7 +126,7 @@ class Summary {
     return row;
   }
 
-  void compare(const Group& group, std::vector<Row>& rows) const {
+  void compare(const SweepGroup& group, std::vector<Row>& rows) const {
     std::vector<std::vector<double>> values(names_.size());
     std::vector<std::size_t> settings;
     for (std::size_t i = 0; i < group.methods.front().size(); ++i) {
@@ -227,17 +184,6 @@ double highOf(const stats::Estimate& estimate) {
   return estimate.interval ? estimate.interval->high : kNan;
 }
 
-/// The axes on which the logs of the sweep differ.
-std::vector<Axis> varying(const SweepPlan& plan) {
-  std::vector<Axis> list;
-  for (const auto& axis : axes()) {
-    std::set<std::string> names;
-    for (const auto& log : plan.logs) names.insert(log.*axis.member);
-    if (names.size() > 1) list.push_back(axis);
-  }
-  return list;
-}
-
 void addNotes(const SweepPlan& plan, const SweepResults& results, report::Table& table) {
   const auto missing = std::count(results.begin(), results.end(), std::nullopt);
   if (missing > 0)
@@ -262,7 +208,7 @@ void addNotes(const SweepPlan& plan, const SweepResults& results, report::Table&
                                      [](const auto& group) { return group.second == 1; });
   const bool is_repeated = std::any_of(runs_of_group.begin(), runs_of_group.end(),
                                        [](const auto& group) { return group.second > 1; });
-  if (!varying(plan).empty() && is_repeated)
+  if (!varyingAxes(plan).empty() && is_repeated)
     table.notes.emplace_back(
         "All: runs in one setting (building, lidar and so on) have much in common, so intervals come from "
         "drawing within each setting, and the test ranks the differences within each (as van Elteren's "
@@ -297,28 +243,6 @@ double figureOf(const CellResult& result, const std::string& key) {
   return kNan;
 }
 
-std::string fullName(const PlannedRun& run) {
-  return fullName({run.method, run.parameters, {}, {}});
-}
-
-std::vector<std::string> methodNames(const SweepPlan& plan) {
-  std::vector<std::string> names;
-  std::set<std::string> seen;
-  for (const auto& run : plan.runs)
-    if (seen.insert(fullName(run)).second) names.push_back(fullName(run));
-  return names;
-}
-
-std::vector<std::size_t> settingsOf(const SweepPlan& plan, const std::vector<std::size_t>& runs) {
-  std::map<std::string, std::size_t> numbers;
-  std::vector<std::size_t> settings;
-  for (const auto run : runs)
-    settings.push_back(
-        numbers.emplace(settingKey(plan.logs[plan.runs[run].log]), numbers.size()).first->second);
-  if (numbers.size() == runs.size()) settings.clear();
-  return settings;
-}
-
 stats::Better betterOf(const std::string& metric) {
   const bool larger = metric == "wall_f1" || metric == "free_iou";
   return larger ? stats::Better::kLarger : stats::Better::kSmaller;
@@ -342,7 +266,7 @@ report::Table resultsTable(const SweepPlan& plan, const SweepResults& results) {
   report::Table table;
   table.caption = "Sweep " + plan.name + ", one row per run";
   table.columns = {{"run", "run", 0}};
-  for (const auto& axis : axes()) table.columns.push_back({axis.key, axis.key, 0});
+  for (const auto& axis : sweepAxes()) table.columns.push_back({axis.key, axis.key, 0});
   for (const char* key : {"seed", "method", "parameters", "status", "message"})
     table.columns.push_back({key, key, 0});
   const auto list = figures();
@@ -352,7 +276,7 @@ report::Table resultsTable(const SweepPlan& plan, const SweepResults& results) {
     const auto& run = plan.runs[i];
     const auto& log = plan.logs[run.log];
     std::vector<report::CellValue> row = {run.id};
-    for (const auto& axis : axes()) row.emplace_back(log.*axis.member);
+    for (const auto& axis : sweepAxes()) row.emplace_back(log.*axis.member);
     row.insert(row.end(),
                {std::to_string(run.seed), run.method, run.parameters,
                 results[i] ? results[i]->status : "missing", results[i] ? results[i]->message : ""});
@@ -367,10 +291,10 @@ namespace {
 
 using Rows = std::vector<Row>;  ///< of one group, by method
 
-report::Table shortSummary(const SweepPlan& plan, const Summary& summary, const std::vector<Group>& groups,
-                           const std::vector<Rows>& rows_of_groups) {
+report::Table shortSummary(const SweepPlan& plan, const Summary& summary,
+                           const std::vector<SweepGroup>& groups, const std::vector<Rows>& rows_of_groups) {
   report::Table table;
-  const auto shown_axes = varying(plan);
+  const auto shown_axes = varyingAxes(plan);
   for (const auto& axis : shown_axes) table.columns.push_back({axis.key, axis.key, 0});
   for (const char* key : {"method", "runs", "failed"}) table.columns.push_back({key, key, 0});
   std::vector<std::size_t> shown = {0};  // of the summary's keys
@@ -384,9 +308,7 @@ report::Table shortSummary(const SweepPlan& plan, const Summary& summary, const 
   for (std::size_t g = 0; g < groups.size(); ++g)
     for (std::size_t m = 0; m < rows_of_groups[g].size(); ++m) {
       const Row& of = rows_of_groups[g][m];
-      std::vector<report::CellValue> row;
-      for (const auto& axis : shown_axes)
-        row.emplace_back(groups[g].log ? groups[g].log->*axis.member : "all");
+      auto row = axisCells(groups[g], shown_axes);
       row.emplace_back(summary.names()[m]);
       row.emplace_back(static_cast<double>(of.runs));
       row.emplace_back(withInterval({failureRate(of), of.failure_rate}, 2));
@@ -400,10 +322,10 @@ report::Table shortSummary(const SweepPlan& plan, const Summary& summary, const 
   return table;
 }
 
-report::Table fullSummary(const Summary& summary, const std::vector<Group>& groups,
+report::Table fullSummary(const Summary& summary, const std::vector<SweepGroup>& groups,
                           const std::vector<Rows>& rows_of_groups) {
   report::Table table;
-  for (const auto& axis : axes()) table.columns.push_back({axis.key, axis.key, 0});
+  for (const auto& axis : sweepAxes()) table.columns.push_back({axis.key, axis.key, 0});
   for (const char* key :
        {"method", "runs", "failed", "failure_rate", "failure_rate_low", "failure_rate_high"})
     table.columns.push_back({key, key, 3});
@@ -417,8 +339,7 @@ report::Table fullSummary(const Summary& summary, const std::vector<Group>& grou
   for (std::size_t g = 0; g < groups.size(); ++g)
     for (std::size_t m = 0; m < rows_of_groups[g].size(); ++m) {
       const Row& of = rows_of_groups[g][m];
-      std::vector<report::CellValue> row;
-      for (const auto& axis : axes()) row.emplace_back(groups[g].log ? groups[g].log->*axis.member : "all");
+      auto row = axisCells(groups[g], sweepAxes());
       row.emplace_back(summary.names()[m]);
       row.insert(row.end(), {static_cast<double>(of.runs), static_cast<double>(of.failed), failureRate(of),
                              of.failure_rate.low, of.failure_rate.high});

@@ -6,6 +6,7 @@
 #include "libslam/report/table.h"
 #include "libslam/run/cell.h"
 #include "libslam/run/evaluate.h"
+#include "libslam/run/sweep_groups.h"
 #include "libslam/run/sweep_plan.h"
 #include "libslam/stats/paired.h"
 
@@ -26,16 +27,8 @@ double figureOf(const CellResult& result, const std::string& key);
 stats::Better betterOf(const std::string& metric);
 /// The suite's metric of a run, of a failed one stats::failedValue(); NaN where it is missing or has no such figure.
 double rankedValue(const SweepPlan& plan, const std::optional<CellResult>& result);
-/// "graph", or "graph graph.keyframe_m=0.5".
-std::string fullName(const PlannedRun& run);
-/// Of all runs, in the order of the plan.
-std::vector<std::string> methodNames(const SweepPlan& plan);
 /// "0.012 [0.008, 0.020]"; "-" for NaN, "failed" for infinity.
 std::string withInterval(const stats::Estimate& estimate, int decimals);
-
-/// For BootstrapOptions::strata and its like: of each run (indices) the number of its setting, which is everything but method
-/// and seed. None where no setting has two of the runs: then settings are what is drawn.
-std::vector<std::size_t> settingsOf(const SweepPlan& plan, const std::vector<std::size_t>& runs);
 
 /// One row per run: where it stands on the axes, how it ended, every figure, its folder and how to do it again. The same
 /// bytes for the same suite and code.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "libslam/core/files.h"
+#include "libslam/run/sweep_consistency.h"
 #include "libslam/run/sweep_index.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -48,6 +49,47 @@ double numberIn(const report::Table& table, std::size_t row, const std::string& 
   for (std::size_t c = 0; c < table.columns.size(); ++c)
     if (table.columns[c].key == key) return std::get<double>(table.rows[row][c]);
   return std::nan("");
+}
+
+TEST(SweepConsistency, SaysWhoIsTooSureAndWhoSaysNothing) {
+  TwoMethods sweep;
+  // `good` is too sure online (ANEES 1.5, 2, ..., 6) and in the end neither (0.5 and 1.5 in turn); `bad` states nothing.
+  for (std::size_t i = 0; i < sweep.results.size(); i += 2) {
+    const double seed = static_cast<double>(i / 2 + 1);
+    auto& figures = sweep.results[i]->figures;
+    figures.emplace_back("anees", 1 + seed / 2);
+    figures.emplace_back("within_50_share", 0.25);
+    figures.emplace_back("anees_final", i % 4 == 0 ? 0.5 : 1.5);
+  }
+  const auto tables = sweepConsistency(sweep.plan, sweep.results);
+  ASSERT_EQ(tables.all.rows.size(), 1U);
+  EXPECT_EQ(textIn(tables.all, 0, "method"), "good");
+  EXPECT_EQ(numberIn(tables.all, 0, "runs"), 10);
+  EXPECT_DOUBLE_EQ(numberIn(tables.all, 0, "anees"), 3.75);
+  EXPECT_GT(numberIn(tables.all, 0, "anees_low"), 1);
+  EXPECT_EQ(textIn(tables.all, 0, "verdict"), "too sure");
+  EXPECT_EQ(textIn(tables.main, 0, "within_50_share"), "0.25 [0.25, 0.25]");
+  EXPECT_TRUE(std::isnan(numberIn(tables.all, 0, "within_95_share")));
+  EXPECT_EQ(textIn(tables.all, 0, "verdict_final"), "not refuted");
+  for (std::size_t i = 2; i < sweep.results.size(); ++i) sweep.results[i].reset();
+  EXPECT_EQ(textIn(sweepConsistency(sweep.plan, sweep.results).all, 0, "verdict"), "one run");
+  sweep.results[0]->figures.clear();
+  EXPECT_TRUE(sweepConsistency(sweep.plan, sweep.results).main.rows.empty());
+}
+
+TEST(SweepConsistency, AllTogetherDrawsWithinEachSetting) {
+  TwoMethods sweep;
+  // Two buildings, 0.1 in all runs of one and 10.1 in the other's: nothing varies within them.
+  for (std::size_t i = 0; i < sweep.plan.logs.size(); ++i)
+    sweep.plan.logs[i].world = i % 2 == 0 ? "hall" : "cave";
+  for (std::size_t i = 0; i < sweep.results.size(); i += 2)
+    sweep.results[i]->figures.emplace_back("anees", i % 4 == 0 ? 0.1 : 10.1);
+  const auto tables = sweepConsistency(sweep.plan, sweep.results);
+  ASSERT_EQ(tables.main.rows.size(), 3U);
+  EXPECT_EQ(textIn(tables.main, 0, "world"), "all");
+  EXPECT_EQ(textIn(tables.main, 0, "anees"), "5.10 [5.10, 5.10]");
+  EXPECT_EQ(textIn(tables.main, 1, "verdict"), "too modest");
+  EXPECT_EQ(textIn(tables.main, 2, "verdict"), "too sure");
 }
 
 TEST(SweepTables, AMethodThatAlwaysWinsIsInAGroupOfItsOwn) {
