@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <map>
+#include <optional>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
@@ -42,6 +44,31 @@ Pixel reachable(Pixel p) {
 const std::vector<Colour>& lineColours() {
   static const std::vector<Colour> colours = {kBlue,   kVermillion, kGreen,  kPurple,
                                               kOrange, kSkyBlue,    kYellow, Colour{0, 0, 0}};
+  return colours;
+}
+
+std::vector<Colour> labelColours(const std::vector<std::string>& labels) {
+  static const std::map<std::string, size_t> kOwn = {
+      {"graph", 0}, {"particles", 1},  {"rbpf_exact", 2},        {"icp", 3},   {"icp_exact", 3},
+      {"rbpf", 4},  {"naive_flow", 5}, {"naive_correlation", 6}, {"naive", 7}, {"naive_wheel", 7}};
+  const auto& palette = lineColours();
+  std::vector<std::optional<size_t>> chosen(labels.size());
+  std::vector<bool> taken(palette.size());
+  for (size_t i = 0; i < labels.size(); ++i) {
+    const auto own = kOwn.find(labels[i].substr(0, labels[i].find_first_of(" ,")));
+    if (own == kOwn.end() || taken[own->second]) continue;
+    chosen[i] = own->second;
+    taken[own->second] = true;
+  }
+  std::vector<Colour> colours;
+  for (size_t i = 0; i < labels.size(); ++i) {
+    if (!chosen[i]) {
+      const auto free = std::find(taken.begin(), taken.end(), false);
+      chosen[i] = free == taken.end() ? i % palette.size() : static_cast<size_t>(free - taken.begin());
+      taken[*chosen[i]] = true;
+    }
+    colours.push_back(palette[*chosen[i]]);
+  }
   return colours;
 }
 

@@ -15,6 +15,10 @@ struct Colour {
 /// The Okabe-Ito palette (jfly.uni-koeln.de/color, 2008), told apart with any colour vision; in the order in
 /// which lines are given their colour: the strong ones first, yellow last because it is weak on white.
 const std::vector<Colour>& lineColours();
+/// Of the lines of one picture, by their labels: a method that comes along has its own colour in every picture (by the label's
+/// first word: that of "graph graph.keyframe_m=0.5" is graph's), other lines and those whose colour is taken get the first that is
+/// free. Of more than eight lines some share one.
+std::vector<Colour> labelColours(const std::vector<std::string>& labels);
 inline constexpr Colour kOrange{230, 159, 0}, kSkyBlue{86, 180, 233}, kGreen{0, 158, 115}, kBlue{0, 114, 178},
     kVermillion{213, 94, 0}, kPurple{204, 121, 167}, kYellow{240, 228, 66};
 

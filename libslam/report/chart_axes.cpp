@@ -110,7 +110,8 @@ void drawAxes(Canvas& canvas, const AxesView& view, const std::string& x_title, 
               kTextSize, kInk);
 }
 
-ChartLegend::ChartLegend(std::vector<std::string> labels, double width) : labels_(std::move(labels)) {
+ChartLegend::ChartLegend(std::vector<std::string> labels, double width)
+    : labels_(std::move(labels)), colours_(labelColours(labels_)) {
   Pixel at;
   for (const auto& label : labels_) {
     const double needed = kSample + kGapAfterSample + Canvas::textWidth(label, kTextSize);
@@ -133,8 +134,7 @@ void ChartLegend::draw(Canvas& canvas, Pixel upper_left) const {
 }
 
 Colour ChartLegend::colourOf(const std::string& label) const {
-  const auto index = static_cast<size_t>(std::find(labels_.begin(), labels_.end(), label) - labels_.begin());
-  return lineColours()[index % lineColours().size()];
+  return colours_.at(static_cast<size_t>(std::find(labels_.begin(), labels_.end(), label) - labels_.begin()));
 }
 
 ChartGrid chartGrid(std::size_t count, double least_width, double shape, const Paper& paper) {

@@ -56,6 +56,7 @@ class ChartLegend {
 
  private:
   std::vector<std::string> labels_;
+  std::vector<Colour> colours_;
   std::vector<Pixel> places_;
   int lines_ = 1;
 };

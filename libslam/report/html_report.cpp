@@ -161,9 +161,9 @@ std::string overviewFigure(const ReportPage& page, const Grounds& grounds, size_
   // The best lies on top.
   for (size_t k = ground.runs.size(); k-- > 0;)
     body += pathElement(positions(page.runs[ground.runs[k]].path), ground.window,
-                        methodColour(ground.runs[k]), 2);
+                        runColours(page)[ground.runs[k]], 2);
   for (const size_t i : ground.runs)
-    if (!page.runs[i].path.empty()) legend.emplace_back(methodColour(i), page.runs[i].method);
+    if (!page.runs[i].path.empty()) legend.emplace_back(runColours(page)[i], page.runs[i].method);
   if (body.empty()) return "";
   return figure(
       groundSvg(grounds, index, "the paths of all methods", body),
@@ -219,7 +219,7 @@ std::string errorChart(const ReportPage& page) {
   for (size_t i = 0; i < page.runs.size(); ++i) {
     const auto& run = page.runs[i];
     if (run.error_m.empty()) continue;
-    TimeSeries line{run.method, methodColour(i), {}, run.error_m};
+    TimeSeries line{run.method, runColours(page)[i], {}, run.error_m};
     for (const auto& stamped : run.path) line.time_s.push_back(stamped.time_s - startTime(page, run));
     series.push_back(std::move(line));
   }
@@ -235,7 +235,7 @@ std::string costChart(const ReportPage& page) {
   for (size_t i = 0; i < page.runs.size(); ++i)
     if (!page.runs[i].scan_ms.empty())
       series.push_back(
-          {page.runs[i].method, methodColour(i), page.runs[i].scan_time_s, page.runs[i].scan_ms});
+          {page.runs[i].method, runColours(page)[i], page.runs[i].scan_time_s, page.runs[i].scan_ms});
   const auto figure =
       chartFigure(timeChart(series, "cost-chart", "time per scan (ms)", durationOf(page), kCostPlace),
                   "Computing time, one thread: the longest of the scans that share a place. The scale is "
@@ -271,7 +271,7 @@ std::string runSection(const ReportPage& page, size_t index, const Grounds& grou
     return groundSvg(grounds, ground_index, description, body);
   };
   std::string html = "<section class=\"run\" id=\"run-" + std::to_string(index) + "\"><h3>" +
-                     swatchElement(methodColour(index)) + htmlText(run.method) + "</h3>\n";
+                     swatchElement(runColours(page)[index]) + htmlText(run.method) + "</h3>\n";
   if (!run.failure.empty()) html += "<p class=\"failure\">Failed: " + htmlText(run.failure) + "</p>\n";
   if (!run.summary.empty()) html += paragraph(run.summary);
   if (run.path.empty() && !run.map) return html + "</section>\n";
@@ -290,7 +290,7 @@ std::string runSection(const ReportPage& page, size_t index, const Grounds& grou
                    "Its path, coloured by its distance from the true one." + barText(ground),
                    legendElement(legend));
   } else {
-    body += pathElement(positions(run.path), ground.window, methodColour(index), 2);
+    body += pathElement(positions(run.path), ground.window, runColours(page)[index], 2);
     html += figure(svg("the path of " + run.method, body), "Its path." + barText(ground));
   }
   if (run.map) {
@@ -412,6 +412,12 @@ std::string toHtml(const ReportPage& page) {
   html += picturesSection(page.pictures) + costChart(page) + downloadsSection(page.downloads) +
           factsSection(page) + "</main>\n";
   return html + replay.data + "<script>\n" + kPageScript + "</script>\n</body>\n</html>\n";
+}
+
+std::vector<Colour> runColours(const ReportPage& page) {
+  std::vector<std::string> labels;
+  for (const auto& run : page.runs) labels.push_back(run.method);
+  return labelColours(labels);
 }
 
 }  // namespace slam::report

@@ -7,6 +7,7 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/metrics/map_score.h"
+#include "libslam/report/canvas.h"
 #include "libslam/report/journal_picture.h"
 #include "libslam/report/page_chart.h"
 #include "libslam/report/table.h"
@@ -76,7 +77,7 @@ struct ReportPage {
   std::vector<std::string> left_out;  ///< what this page has not, for its size
   std::vector<Table> tables;          ///< in this order
   std::vector<PageChart> charts;
-  std::vector<ReportRun> runs;        ///< the best first; colours go by this order
+  std::vector<ReportRun> runs;        ///< the best first
   std::vector<ReportReplay> replays;  ///< their scans together at most kMostReplayed
   std::vector<ReportPicture> pictures;
   std::vector<ReportDownload> downloads;
@@ -95,5 +96,8 @@ inline constexpr std::size_t kMostDownloadBytes = 1
 /// same bytes. Scans, beams and long lists are thinned to the bounds above, and the page says so. Errors: ContractError
 /// where lists of a run differ in length.
 std::string toHtml(const ReportPage& page);
+
+/// Of the page's runs, by their methods (labelColours()).
+std::vector<Colour> runColours(const ReportPage& page);
 
 }  // namespace slam::report

@@ -219,6 +219,7 @@ std::string chartElement(const PageChart& chart) {
                     "\" data-bottom=\"" + place(kHeight - kBottom) + "\" data-from=\"" +
                     shortNumber(axes.x.from) + "\" data-to=\"" + shortNumber(axes.x.to) + "\" data-x=\"" +
                     htmlText(chart.x_title) + "\" data-y=\"" + htmlText(chart.y_title) + "\"";
+  const auto colours = labelColours(labels);
   if (axes.x.is_log) svg += " data-log=\"1\"";
   if (chart.duration_s > 0) svg += " data-duration=\"" + fixed(chart.duration_s, 3) + "\"";
   svg += ">\n" + frame(chart, axes);
@@ -228,12 +229,12 @@ std::string chartElement(const PageChart& chart) {
         static_cast<size_t>(std::find(labels.begin(), labels.end(), curve.label) - labels.begin());
     const double middle = (static_cast<double>(labels.size()) - 1) / 2;
     const double shift = curve.low.empty() ? 0 : 5 * (static_cast<double>(series) - middle);
-    svg += curveElement(curve, axes, series, methodColour(series), shift);
+    svg += curveElement(curve, axes, series, colours[series], shift);
   }
   svg += "</svg>";
   std::string legend = "<ul class=\"legend\" data-chart=\"" + htmlText(chart.id) + "\">";
   for (size_t i = 0; i < labels.size(); ++i)
-    legend += "<li data-series=\"" + std::to_string(i) + "\">" + swatchElement(methodColour(i)) + "<span>" +
+    legend += "<li data-series=\"" + std::to_string(i) + "\">" + swatchElement(colours[i]) + "<span>" +
               htmlText(labels[i]) + "</span>" + (notes[i].empty() ? "" : ": " + htmlText(notes[i])) + "</li>";
   legend += "</ul>\n";
   std::string caption = chart.caption;

@@ -6,7 +6,7 @@
 
 namespace slam::report {
 
-/// A line of a chart; its colour goes by its place among the labels of the page's chart.
+/// A line of a chart; its colour goes by its label, among those of the page's chart.
 struct PageCurve {
   std::string label;
   std::vector<core::Point2> points;  ///< in the axes' units, x ascending; what is not finite breaks the line

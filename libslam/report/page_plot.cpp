@@ -57,10 +57,6 @@ std::string cssColour(Colour colour) {
   return text;
 }
 
-Colour methodColour(size_t index) {
-  return lineColours()[index % lineColours().size()];
-}
-
 std::string swatchElement(Colour colour) {
   return "<svg class=\"swatch\" viewBox=\"0 0 10 10\" aria-hidden=\"true\"><rect width=\"10\" height=\"10\" "
          "fill=\"" +

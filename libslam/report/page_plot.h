@@ -15,8 +15,6 @@ namespace slam::report {
 
 /// "#0072b2"
 std::string cssColour(Colour colour);
-/// Of the n-th method, as in the pictures (picture.h).
-Colour methodColour(size_t index);
 /// A small square of the colour, for legends.
 std::string swatchElement(Colour colour);
 

@@ -74,7 +74,7 @@ std::vector<double> stampsOf(const ReportPage& page, size_t replay) {
 Json runJson(const ReportPage& page, size_t index, const std::vector<double>& stamps_s) {
   const auto& run = page.runs[index];
   Json entry{{"name", run.method},
-             {"colour", cssColour(methodColour(index))},
+             {"colour", cssColour(runColours(page)[index])},
              {"map", run.map ? mapId(index) : ""},
              {"poses", posesAt(run.path, stamps_s)}};
   if (!run.online.empty()) entry["online"] = posesAt(run.online, stamps_s);

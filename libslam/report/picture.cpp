@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "libslam/core/error.h"
 #include "libslam/report/chart_axes.h"
@@ -31,21 +30,28 @@ std::vector<DrawnPath> truthFirst(std::vector<DrawnPath> paths) {
   return paths;
 }
 
-/// Colours by label, in the order of first use, so that a method looks the same in every panel.
+/// Colours by label, so that a method looks the same in every panel.
 class PathColours {
  public:
-  Colour of(const DrawnPath& path) {
+  explicit PathColours(const std::vector<DrawnPath>& paths) {
+    for (const auto& path : paths)
+      if (!path.is_truth && std::find(labels_.begin(), labels_.end(), path.label) == labels_.end())
+        labels_.push_back(path.label);
+    colours_ = labelColours(labels_);
+  }
+  Colour of(const DrawnPath& path) const {
     if (path.is_truth) return kTruthPath;
-    const auto index = indices_.emplace(path.label, indices_.size()).first->second;
-    return lineColours()[index % lineColours().size()];
+    return colours_[static_cast<size_t>(std::find(labels_.begin(), labels_.end(), path.label) -
+                                        labels_.begin())];
   }
 
  private:
-  std::map<std::string, size_t> indices_;
+  std::vector<std::string> labels_;
+  std::vector<Colour> colours_;
 };
 
-void drawPaths(Canvas& canvas, const MapView& view, const std::vector<DrawnPath>& paths, PathColours& colours,
-               const LineWidths& widths) {
+void drawPaths(Canvas& canvas, const MapView& view, const std::vector<DrawnPath>& paths,
+               const PathColours& colours, const LineWidths& widths) {
   const auto ordered = truthFirst(paths);
   for (const auto& path : ordered)
     if (path.is_truth) drawPath(canvas, view, path.path, colours.of(path), widths.truth);
@@ -58,7 +64,7 @@ void drawPaths(Canvas& canvas, const MapView& view, const std::vector<DrawnPath>
   }
 }
 
-std::vector<LegendEntry> legendOf(const std::vector<DrawnPath>& paths, PathColours& colours) {
+std::vector<LegendEntry> legendOf(const std::vector<DrawnPath>& paths, const PathColours& colours) {
   std::vector<LegendEntry> entries;
   for (const auto& path : truthFirst(paths)) {
     const auto kind = path.is_truth ? LegendEntry::Kind::kBroadLine : LegendEntry::Kind::kLine;
@@ -161,7 +167,7 @@ Grid arrange(const std::vector<Panel>& panels, const Window& window, const Paper
 }
 
 void drawPanel(Canvas& canvas, const Panel& panel, const MapView& view, const PixelBox& whole,
-               PathColours& colours) {
+               const PathColours& colours) {
   canvas.text({whole.left, whole.top + 22}, Canvas::fitText(panel.title, kPanelTitleSize, whole.width, true),
               kPanelTitleSize, kInk, Align::kLeft, true);
   canvas.text({whole.left, whole.top + 46}, Canvas::fitText(panel.subtitle, kSubtitleSize, whole.width),
@@ -182,7 +188,7 @@ void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, cons
               const std::string& file, const DrawnMarks& marks, const Paper& paper) {
   Window truth = windowOf(plan, plan.T_world_plan), estimates;
   for (const auto& path : paths) (path.is_truth ? truth : estimates).include(windowOf(path.path));
-  PathColours colours;
+  const PathColours colours(paths);
   auto legend = legendOf(paths, colours);
   if (!marks.places.empty()) legend.push_back({LegendEntry::Kind::kDot, kOrange, marks.label});
   MapSheet sheet(usable(withEstimates(truth, estimates)), title, legend, paper);
@@ -219,11 +225,10 @@ void drawPanels(const std::vector<Panel>& panels, const std::string& file, const
   const auto grid = arrange(panels, window, paper);
   const double scale = grid.map_height / window.height();
 
-  PathColours colours;
   std::vector<DrawnPath> all_paths;
   for (const auto& panel : panels)
-    for (const auto& path : panel.paths)
-      all_paths.push_back({{}, path.label, path.is_truth}), colours.of(path);
+    for (const auto& path : panel.paths) all_paths.push_back({{}, path.label, path.is_truth});
+  const PathColours colours(all_paths);
   const double margin = sheetMargin(paper);
   const double inner_width = paper.isScreen()
                                  ? std::max(kLeastWidth, grid.columns * (grid.panel_width + kGap) - kGap)

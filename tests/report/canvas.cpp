@@ -40,6 +40,21 @@ cv::Mat decoded(const std::string& png) {
   return cv::imdecode(std::vector<unsigned char>(png.begin(), png.end()), cv::IMREAD_COLOR);
 }
 
+TEST(LabelColours, AMethodHasItsOwnWhateverStandsBesideIt) {
+  const auto same = [](Colour a, Colour b) {
+    return a.red == b.red && a.green == b.green && a.blue == b.blue;
+  };
+  const auto alone = labelColours({"graph"}), among = labelColours({"mine", "naive", "particles", "graph"});
+  EXPECT_TRUE(same(alone[0], kBlue));
+  EXPECT_TRUE(same(among[3], kBlue));
+  EXPECT_TRUE(same(among[2], kVermillion));
+  EXPECT_TRUE(same(among[0], kGreen));  // the first that is free
+  const auto variants = labelColours({"graph", "graph graph.keyframe_m=0.5", "icp", "icp_exact"});
+  for (std::size_t i = 0; i < variants.size(); ++i)
+    for (std::size_t k = 0; k < i; ++k) EXPECT_FALSE(same(variants[i], variants[k])) << i << " " << k;
+  EXPECT_TRUE(same(labelColours({"a", "b", "c", "d", "e", "f", "g", "h", "i"})[8], lineColours()[0]));
+}
+
 TEST(Canvas, AsSvgHasTheSameBytesOnEveryMachine) {
   EXPECT_EQ(core::sha256(everything().toSvg()),
             "8704ce64984acec8a3f122916de744f24a21481c5f0531c24adb84e209c4bf3c");

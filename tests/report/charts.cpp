@@ -75,9 +75,9 @@ TEST(Charts, BreakLinesDrawWhiskersAndNameEveryLabelOnce) {
   };
   EXPECT_EQ(count(">icp</text>"), 1U);
   EXPECT_EQ(count(">graph</text>"), 1U);
-  EXPECT_EQ(count("stroke=\"#0072b2\""), 3U);  // two pieces, a sample in the legend
+  EXPECT_EQ(count("stroke=\"#cc79a7\""), 3U);  // two pieces, a sample in the legend
   EXPECT_EQ(count("<circle"), 2U);
-  EXPECT_EQ(count("stroke=\"#d55e00\""), 5U);  // line, whisker and its ends, sample
+  EXPECT_EQ(count("stroke=\"#0072b2\""), 5U);  // line, whisker and its ends, sample
   EXPECT_THAT(svg, HasSubstr(">time (s)</text>"));
   EXPECT_THAT(svg, HasSubstr(">error (m)</text>"));
 }
