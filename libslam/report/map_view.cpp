@@ -89,6 +89,9 @@ Window commonWindow(const std::vector<Window>& maps, const Window& truth, const 
   if (left.empty()) return usable(withEstimates(truth, estimates));
   Window window{-middle(left), -middle(bottom), middle(right), middle(top)};
   if (window.isEmpty()) return usable(withEstimates(truth, estimates));
+  const Window most = window.grownBy(0.15);
+  for (const auto& map : maps)
+    if (!map.isEmpty()) window.include(map.cutTo(most));
   window.include(truth);
   return usable(window);
 }

@@ -284,6 +284,15 @@ TEST(DrawPanels, IsNotShrunkByOneMapThatWentAstray) {
   EXPECT_GT(with(-1000, "left.png"), good / 2);
 }
 
+TEST(CommonWindow, ShowsAllOfMapsThatDifferALittle) {
+  const Window one{0, 0, 100, 100}, wider{-10, 0, 100, 112}, astray{0, 0, 5000, 100};
+  const auto both = commonWindow({one, wider}, {}, {});
+  EXPECT_LT(both.x0, -10);
+  EXPECT_GT(both.y1, 112);
+  EXPECT_LT(both.x1, 110);
+  EXPECT_LT(commonWindow({one, one, astray}, {}, {}).x1, 125);
+}
+
 // A plan that is larger than its neighbours is shown whole: only then do walls stand in its part of the picture.
 TEST(DrawPanels, ShowsTruePlansWholeHoweverUnlikeTheirSizes) {
   const TempFolder folder;
