@@ -1,7 +1,5 @@
 #include "libslam/run/external_method.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -10,7 +8,6 @@
 #include <limits>
 #include <optional>
 #include <sstream>
-#include <string_view>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
@@ -18,6 +15,7 @@
 #include "libslam/logs/convert.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/run/command_files.h"
 #include "libslam/run/measured_process.h"
 
 namespace slam::run {
@@ -52,57 +50,6 @@ std::string replaced(const std::string& command, ValueOf value_of) {
     at = value ? end + 1 : at + 1;
   }
   return line;
-}
-
-struct ShellWord {
-  std::string text;
-  bool is_command;  ///< stands where a line of the shell begins
-  bool is_output;   ///< behind a '>'
-};
-
-/// The words of a shell line without their quotes. Words that set a variable come before the command.
-std::vector<ShellWord> shellWords(const std::string& line) {
-  std::vector<ShellWord> words;
-  std::string word;
-  bool is_first = true, is_output = false;
-  char quote = 0;
-  const auto finish = [&] {
-    if (word.empty()) return;
-    const bool sets_variable = is_first && word.find('=') != std::string::npos;
-    words.push_back({word, is_first && !sets_variable, is_output});
-    is_first = sets_variable;
-    is_output = false;
-    word.clear();
-  };
-  for (size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (quote == 0 && std::string_view(" \t\n;&|()<>").find(c) != std::string_view::npos) {
-      finish();
-      is_first = is_first || std::string_view("\n;&|(").find(c) != std::string_view::npos;
-      is_output = is_output || c == '>';
-    } else if (c == quote) {
-      quote = 0;
-    } else if (quote == 0 && (c == '\'' || c == '"')) {
-      quote = c;
-    } else if (c == '\\' && quote != '\'' && i + 1 < line.size()) {
-      word += line[++i];
-    } else {
-      word += c;
-    }
-  }
-  finish();
-  return words;
-}
-
-/// Where the shell finds a program; "" where it does not.
-fs::path onPath(const std::string& program) {
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path == nullptr ? "" : path);
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    const auto file = fs::path(folder) / program;
-    if (access(file.c_str(), X_OK) == 0) return file;
-  }
-  return {};
 }
 
 void requireUsableCommand(const core::IniFile::Entry& entry) {
@@ -400,23 +347,9 @@ core::IniFile withFixedFolder(core::IniFile config) {
 }
 
 std::map<std::string, std::string> programFiles(const core::IniFile& config) {
-  std::map<std::string, std::string> files;
   const auto fixed = withFixedFolder(config);
   const auto* command = fixed.find("method", "command");
-  if (command == nullptr) return files;
-  const auto add = [&](const fs::path& path) {
-    std::error_code error;
-    if (fs::is_regular_file(path, error)) files[path.string()] = core::fileSha256(path.string());
-  };
-  for (const auto& [word, is_command, is_output] : shellWords(command->value)) {
-    const auto path = word.substr(word[0] == '/' ? 0 : word.find('=') + 1);
-    if (path.empty() || is_output) continue;
-    if (path[0] == '/')
-      add(path);
-    else if (is_command && path.find('/') == std::string::npos)
-      add(onPath(path));
-  }
-  return files;
+  return command == nullptr ? std::map<std::string, std::string>() : filesOfCommand(command->value);
 }
 
 std::vector<core::ParameterReport> methodParameters(const core::IniFile& config, const std::string& name,

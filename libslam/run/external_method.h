@@ -58,9 +58,8 @@ ExternalMethod readExternalMethod(const core::IniFile& config, const std::string
 /// REQUIRES isExternal().
 core::IniFile withFixedFolder(core::IniFile config);
 
-/// The files that make up the program, as far as its command names them, each with the SHA-256 of its bytes: what stands where
-/// a command of the shell does, found by the PATH, and any word, or its part behind a '=', that is the absolute path of a
-/// file, {here} being replaced, unless the program is to write there (behind a '>'). What those load or start in their turn is not known. REQUIRES isExternal().
+/// The files that make up the program, as far as its command names them, {here} being replaced: filesOfCommand(). REQUIRES
+/// isExternal().
 std::map<std::string, std::string> programFiles(const core::IniFile& config);
 
 /// All parameters of a method of either kind, checked: makeMapBuilder()'s errors or readExternalMethod()'s.
