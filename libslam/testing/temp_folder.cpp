@@ -4,22 +4,15 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
-#include <stdexcept>
 
 namespace slam::testing {
 namespace fs = std::filesystem;
 
-TempFolder::TempFolder() {
-  std::string pattern = (fs::temp_directory_path() / "rasterslam-test-XXXXXX").string();
-  if (!mkdtemp(pattern.data())) throw std::runtime_error("cannot make a folder like " + pattern);
-  path_ = pattern;
-}
-
 TempFolder::~TempFolder() {
   std::error_code ignored;
-  fs::permissions(path_, fs::perms::owner_all, ignored);
-  fs::remove_all(path_, ignored);
+  fs::permissions(path(), fs::perms::owner_all, ignored);
 }
 
 CommandResult runCommand(const std::string& shell_line) {

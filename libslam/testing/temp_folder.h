@@ -1,22 +1,17 @@
 #pragma once
-#include <filesystem>
 #include <string>
+
+#include "libslam/core/files.h"
 
 namespace slam::testing {
 
-/// A fresh folder for one test, removed with everything in it.
-class TempFolder {
+/// A fresh folder for one test, removed with everything in it, also where the test took its permissions away.
+class TempFolder : public core::ScratchFolder {
  public:
-  TempFolder();
+  TempFolder() = default;
   ~TempFolder();
   TempFolder(const TempFolder&) = delete;
   TempFolder& operator=(const TempFolder&) = delete;
-  std::string path() const { return path_.string(); }
-  /// path()/name
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
 };
 
 /// What a program printed and how it ended. The command is a shell line; standard input is /dev/null.
