@@ -146,7 +146,7 @@ class Summary {
       const auto& base = values[baseline_];
       rows[m].better = stats::probabilityOfImprovement(mine, base, better_, bootstrap(settings));
       rows[m].p = stats::wilcoxonSignedRank(mine, base, settings).p;
-      rows[m].more_seeds = settings.empty() ? moreSeeds(mine, base) : "-";
+      rows[m].more_seeds = settings.empty() ? moreSeeds(mine, base, values.size() - 1) : "-";
       p_values.push_back(rows[m].p);
     }
     const auto adjusted = stats::holm(p_values);
@@ -154,12 +154,14 @@ class Summary {
       if (m != baseline_) rows[m].adjusted_p = adjusted[i++];
   }
 
-  static std::string moreSeeds(const std::vector<double>& a, const std::vector<double>& b) {
+  /// Of one among so many comparisons: at the first step of Holm's method, which is the hardest.
+  static std::string moreSeeds(const std::vector<double>& a, const std::vector<double>& b,
+                               std::size_t comparisons) {
     std::vector<double> differences;
     for (std::size_t i = 0; i < a.size(); ++i)
       if (std::isfinite(a[i]) && std::isfinite(b[i])) differences.push_back(a[i] - b[i]);
     if (differences.size() != a.size()) return "unknown";
-    const auto needed = stats::moreSeedsNeeded(differences);
+    const auto needed = stats::moreSeedsNeeded(differences, 0.05 / static_cast<double>(comparisons));
     using Answer = stats::SeedsNeeded::Answer;
     if (needed.answer == Answer::kEnough) return "0";
     if (needed.answer == Answer::kMore) return std::to_string(needed.more);
@@ -199,7 +201,10 @@ void addNotes(const SweepPlan& plan, const SweepResults& results, report::Table&
       "Methods that share a letter cannot be told apart by " + plan.metric +
       " (signed-rank test on the same seeds, Holm's method, 5 %). Better: share of seeds on "
       "which the method beats " +
-      plan.baseline + "; p: of that difference, by Holm's method.");
+      plan.baseline +
+      "; p: of that difference, by Holm's method. More seeds: how many more would settle it, by the "
+      "differences "
+      "seen so far.");
   std::map<std::string, std::size_t> runs_of_group;
   for (const auto& run : plan.runs) {
     ++runs_of_group[fullName(run) + '\n' + settingKey(plan.logs[run.log])];
@@ -305,6 +310,7 @@ report::Table shortSummary(const SweepPlan& plan, const Summary& summary,
     table.columns.push_back({figure.key, figure.title, figure.decimals});
   }
   for (const char* key : {"group", "better", "p"}) table.columns.push_back({key, key, 3});
+  table.columns.push_back({"more_seeds", "more seeds", 0});
   for (std::size_t g = 0; g < groups.size(); ++g)
     for (std::size_t m = 0; m < rows_of_groups[g].size(); ++m) {
       const Row& of = rows_of_groups[g][m];
@@ -317,6 +323,7 @@ report::Table shortSummary(const SweepPlan& plan, const Summary& summary,
       row.emplace_back(of.letters);
       row.emplace_back(withInterval(of.better, 2));
       row.emplace_back(of.adjusted_p);
+      row.emplace_back(of.more_seeds.empty() ? "-" : of.more_seeds);
       table.rows.push_back(std::move(row));
     }
   return table;

@@ -38,11 +38,11 @@ report::Table resultsTable(const SweepPlan& plan, const SweepResults& results);
 /// all of them together. Of the suite's metric: the median of all runs, a failed one counting as worse than any other, with
 /// its 95 % bootstrap interval; groups of methods that cannot be told apart (rankingGroups()); the share of seeds on which a
 /// method beats the baseline, with interval, the p-value of the paired signed-rank test against it, by Holm's method over
-/// the other methods of the group, and how many more seeds would settle it. Of other figures the median and interval over
-/// the runs that did not fail. Failure rates with Clopper and Pearson's interval. Paired figures use the seeds on which every
-/// method's run is there. The rows of all settings together draw and rank within each setting (BootstrapOptions::strata,
-/// wilcoxonSignedRank()), for runs in one have much in common; where each setting has a single run, settings are what is drawn.
-/// The same bytes for the same results.
+/// the other methods of the group, and how many more seeds would settle it (moreSeedsNeeded() at 5 % over the number of such
+/// comparisons, Holm's hardest step). Of other figures the median and interval over the runs that did not fail. Failure rates
+/// with Clopper and Pearson's interval. Paired figures use the seeds on which every method's run is there. The rows of all
+/// settings together draw and rank within each setting (BootstrapOptions::strata, wilcoxonSignedRank()), for runs in one have
+/// much in common; where each setting has a single run, settings are what is drawn. The same bytes for the same results.
 struct SweepSummary {
   report::Table main;  ///< without the axes that do not vary; an interval and its figure in one cell
   report::Table all;   ///< every figure in a column of its own

@@ -51,6 +51,30 @@ double numberIn(const report::Table& table, std::size_t row, const std::string& 
   return std::nan("");
 }
 
+TEST(SweepTables, AmongMoreMethodsMoreSeedsAreNeeded) {
+  const auto seedsAmong = [](std::size_t methods) {
+    SweepPlan plan;
+    plan.baseline = "m0";
+    plan.metric = "ate_final_m";
+    SweepResults results;
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+      const std::string number = std::to_string(seed);
+      plan.logs.push_back({"log" + number, "hall", "-", "-", "-", "-", "-", seed, true});
+      for (std::size_t m = 0; m < methods; ++m) {
+        plan.runs.push_back(
+            {"run" + std::to_string(plan.runs.size()), seed - 1, seed, "m" + std::to_string(m), ""});
+        CellResult result;
+        // m1 is 0.01 m better in the mean, give or take 0.02 m.
+        result.figures = {{"ate_final_m", m == 0 ? 0.2 : seed % 2 == 0 ? 0.17 : 0.21}};
+        results.emplace_back(result);
+      }
+    }
+    return std::stoi(textIn(summarize(plan, results).main, 1, "more_seeds"));
+  };
+  EXPECT_GT(seedsAmong(2), 10);
+  EXPECT_GT(seedsAmong(6), seedsAmong(2) + 10);
+}
+
 TEST(SweepConsistency, SaysWhoIsTooSureAndWhoSaysNothing) {
   TwoMethods sweep;
   // `good` is too sure online (ANEES 1.5, 2, ..., 6) and in the end neither (0.5 and 1.5 in turn); `bad` states nothing.
