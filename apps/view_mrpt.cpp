@@ -38,23 +38,12 @@ bool isSet(const char* variable) {
   return value != nullptr && *value != '\0';
 }
 
-/// Among the folders of PATH; "" when none has it.
-std::string whereIs(const char* program) {
-  const char* folders = std::getenv("PATH");
-  std::istringstream list(folders == nullptr ? "" : folders);
-  for (std::string folder; std::getline(list, folder, ':');) {
-    const auto path = (std::filesystem::path(folder.empty() ? "." : folder) / program).string();
-    if (access(path.c_str(), X_OK) == 0 && std::filesystem::is_regular_file(path)) return path;
-  }
-  return "";
-}
-
 }  // namespace
 
 void showWithMrpt(const std::string& file) {
   const Viewer& viewer = viewerOf(file);
   core::requireReadableFile(file);
-  const std::string program = whereIs(viewer.program);
+  const std::string program = core::findProgram(viewer.program);
   if (program.empty())
     throw core::IoError(std::string(viewer.program) + ": not found in PATH, needed to show " + file +
                         " (Debian: apt install " + viewer.package + ")");

@@ -82,6 +82,9 @@ class ScratchFolder {
   std::string path_;
 };
 
+/// The file that the shell would start for the name of a program, by the PATH; "" where there is none.
+std::string findProgram(const std::string& name);
+
 /// InputError "… exists; give --overwrite to replace it" when path exists and overwrite is false.
 void refuseToOverwrite(const std::string& path, bool overwrite);
 

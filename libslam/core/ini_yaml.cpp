@@ -51,7 +51,7 @@ class YamlReader {
   /// What an .ini can hold.
   std::string plain(const YAML::Node& node, const std::string& what) const {
     if (!node.IsScalar()) throw wrong(node, what);
-    const auto text = trimmed(node.Scalar());
+    auto text = trimmed(node.Scalar());
     const bool is_comment = !text.empty() && (text.front() == '#' || text.front() == ';');
     for (const char* no : {"\n", " #", " ;", "\t#", "\t;"})
       if (is_comment || text.find(no) != std::string::npos)

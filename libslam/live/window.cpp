@@ -145,7 +145,7 @@ class LiveWindow {
   }
 
   std::string playbackText() const {
-    const std::string text = stage_.playbackText();
+    std::string text = stage_.playbackText();
     if (hands_ != Hands::kDrive) return text;
     const std::string share = core::formatNumber(100 * keys_.share) + " % speed";
     return text == "paused" || text == "finished" ? text : "arrows drive at " + share;

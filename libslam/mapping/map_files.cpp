@@ -25,7 +25,7 @@ const mrpt::maps::CMultiMetricMap& mapsOf(const MapBuilder& method) {
 }
 
 COccupancyGridMap2D::Ptr gridOf(const MapBuilder& method) {
-  const auto grid = mapsOf(method).mapByClass<COccupancyGridMap2D>();
+  auto grid = mapsOf(method).mapByClass<COccupancyGridMap2D>();
   if (!grid) throw core::ContractError("method " + method.name + " holds no grid");
   return grid;
 }

@@ -65,7 +65,8 @@ Axis logAxis(const std::vector<double>& values) {
   const auto [least, largest] = std::minmax_element(positive.begin(), positive.end());
   // From round number to round number; ticks at all of them, or at powers of ten where those are enough.
   std::vector<double> powers, round;
-  for (double decade = std::floor(std::log10(*least)) - 1; decade <= std::log10(*largest) + 1; ++decade)
+  const int first = static_cast<int>(std::floor(std::log10(*least))) - 1;
+  for (int decade = first; decade <= std::log10(*largest) + 1; ++decade)
     for (const double factor : {1.0, 2.0, 5.0}) {
       const double number = factor * std::pow(10, decade);
       if (5 * number > *least * (1 + 1e-9) && number < 5 * *largest * (1 - 1e-9)) round.push_back(number);

@@ -32,14 +32,16 @@ std::string paragraph(const std::string& text) {
 
 // --- tables
 
-/// What sorts: the number itself, not its rounded text; of "0.5 [0.4, 0.6]" the first.
+/// What sorts: the number itself, not its rounded text; of "0.5 [0.4, 0.6]" the first, of "<0.001" less than that.
 std::string sortValue(const CellValue& cell) {
   double number = kNan;
   if (const auto* value = std::get_if<double>(&cell)) {
     number = *value;
   } else {
     const auto& text = std::get<std::string>(cell);
-    if (text != "-" && !core::parseNumber(text.substr(0, text.find(" [")), number)) return "";
+    const bool is_bound = !text.empty() && text.front() == '<';
+    if (text != "-" && !core::parseNumber(text.substr(is_bound ? 1 : 0, text.find(" [")), number)) return "";
+    if (is_bound) number /= 2;
   }
   if (std::isfinite(number)) return nlohmann::json(number).dump();
   return std::isnan(number) ? "NaN" : number > 0 ? "Infinity" : "-Infinity";
@@ -209,6 +211,7 @@ std::string chartFigure(const std::string& svg, const std::string& caption,
                         const std::vector<TimeSeries>& series) {
   if (svg.empty()) return "";
   std::vector<std::pair<Colour, std::string>> legend;
+  legend.reserve(series.size());
   for (const auto& line : series) legend.emplace_back(line.colour, line.label);
   return "<figure><section class=\"wide\" tabindex=\"0\" aria-label=\"" + htmlText(caption) + "\">" + svg +
          "</section><figcaption>" + htmlText(caption) + legendElement(legend) + "</figcaption></figure>\n";

@@ -93,6 +93,7 @@ Json replayJson(const ReportPage& page, const Grounds& grounds, size_t index) {
   const auto& window = grounds.grounds[ground].window;
   const auto stamps_s = stampsOf(page, index);
   std::vector<double> times_s;
+  times_s.reserve(stamps_s.size());
   for (const double stamp_s : stamps_s) times_s.push_back(stamp_s - stamps_s.front());
   Json json{{"name", replay.name},
             {"group", ground},
@@ -107,7 +108,7 @@ Json replayJson(const ReportPage& page, const Grounds& grounds, size_t index) {
     const auto& run = page.runs[i];
     if (run.replay != index || run.path.empty()) continue;
     json["runs"].push_back(runJson(page, i, stamps_s));
-    if (json["ground"] == "" && run.map) json["ground"] = mapId(i);
+    if (json["ground"].get_ref<const std::string&>().empty() && run.map) json["ground"] = mapId(i);
   }
   json["goals"] = Json::array();
   for (const auto& goal : replay.goals)

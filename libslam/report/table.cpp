@@ -54,6 +54,13 @@ std::string fixed(double value, int decimals) {
   return text;
 }
 
+/// Without its sign.
+std::string shownNumber(double number, const Column& column) {
+  const auto text = fixed(std::abs(number), column.decimals);
+  const bool is_bound = column.shows_bound && number > 0 && text.find_first_not_of("0.") == std::string::npos;
+  return is_bound ? "<" + fixed(std::pow(10, -column.decimals), column.decimals) : text;
+}
+
 std::string markdownCell(const std::string& text) {
   std::string escaped;
   for (const char c : text) {
@@ -95,7 +102,7 @@ std::string latexCell(const CellValue& cell, const Column& column) {
   const auto* number = std::get_if<double>(&cell);
   if (number == nullptr) return latexText(shownText(cell, column));
   if (std::isnan(*number)) return "--";
-  std::string text = std::isinf(*number) ? "$\\infty$" : fixed(std::abs(*number), column.decimals);
+  std::string text = std::isinf(*number) ? "$\\infty$" : latexText(shownNumber(*number, column));
   // A value that rounds to zero has no sign.
   return fixed(*number, column.decimals).front() == '-' ? "$-$" + text : text;
 }
@@ -120,7 +127,8 @@ std::string csvCell(const CellValue& cell) {
 }  // namespace
 
 std::string shownText(const CellValue& cell, const Column& column) {
-  if (const auto* number = std::get_if<double>(&cell)) return fixed(*number, column.decimals);
+  if (const auto* number = std::get_if<double>(&cell))
+    return *number > 0 ? shownNumber(*number, column) : fixed(*number, column.decimals);
   return onOneLine(std::get<std::string>(cell));
 }
 

@@ -13,6 +13,8 @@ struct Column {
   std::string key;    ///< machine name with unit, for CSV and JSON: "ate_rmse_m"
   std::string title;  ///< for people: "ATE rmse (m)"
   int decimals = 3;   ///< of numbers; text formats only, CSV and JSON keep full precision
+  /// For p-values: a positive number that rounds to 0 is shown as "<0.001".
+  bool shows_bound = false;
 };
 
 struct Table {

@@ -1,10 +1,6 @@
 #include "libslam/run/command_files.h"
 
-#include <unistd.h>
-
-#include <cstdlib>
 #include <filesystem>
-#include <sstream>
 #include <string_view>
 #include <vector>
 
@@ -54,17 +50,6 @@ std::vector<ShellWord> shellWords(const std::string& line) {
   return words;
 }
 
-/// Where the shell finds a program; "" where it does not.
-fs::path onPath(const std::string& program) {
-  const char* path = std::getenv("PATH");
-  std::istringstream folders(path == nullptr ? "" : path);
-  for (std::string folder; std::getline(folders, folder, ':');) {
-    const auto file = fs::path(folder) / program;
-    if (access(file.c_str(), X_OK) == 0) return file;
-  }
-  return {};
-}
-
 }  // namespace
 
 std::map<std::string, std::string> filesOfCommand(const std::string& shell_line) {
@@ -79,7 +64,7 @@ std::map<std::string, std::string> filesOfCommand(const std::string& shell_line)
     if (path[0] == '/')
       add(path);
     else if (is_command && path.find('/') == std::string::npos)
-      add(onPath(path));
+      add(core::findProgram(path));
   }
   return files;
 }

@@ -328,7 +328,7 @@ report::Table gateTable(const std::vector<GateFinding>& findings, const std::str
                    {"before", "before", 4},
                    {"now", "now", 4},
                    {"allowed", "may be worse by", 4},
-                   {"p", "p", 3},
+                   {"p", "p", 3, true},
                    {"failed", "failed", 0},
                    {"seeds", "seeds", 0},
                    {"verdict", "verdict", 0}};

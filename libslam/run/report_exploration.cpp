@@ -40,6 +40,7 @@ std::vector<Explored> exploredIn(const std::string& folder, const CsvColumns& ru
   std::stable_sort(found.begin(), found.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Explored> explored;
+  explored.reserve(found.size());
   for (auto& [round, one] : found) explored.push_back(std::move(one));
   return explored;
 }
@@ -154,7 +155,8 @@ void addCoverage(const std::vector<std::string>& folders, const std::vector<std:
     const CsvColumns curve(folders[i] + "/exploration.csv");
     const auto time_s = curve.numbers("time_s"), path_m = curve.numbers("path_m"),
                share = curve.numbers("explored_share");
-    report::PageCurve by_path{labels[i], {}, {}, {}, {}, ""}, by_time = by_path;
+    report::PageCurve by_path, by_time;
+    by_path.label = by_time.label = labels[i];
     for (size_t k = 0; k < share.size(); ++k) {
       by_path.points.push_back({path_m[k], kPercent * share[k]});
       by_time.points.push_back({time_s[k] - time_s[0], kPercent * share[k]});

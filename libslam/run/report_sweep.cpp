@@ -212,7 +212,9 @@ void fillStress(const std::string& folder, report::ReportPage& page) {
                              1,
                              0};
   for (const auto& method : methods) {
-    report::PageCurve error{method, {}, {}, {}, {}, break_texts[method]}, failure = error;
+    report::PageCurve error, failure;
+    error.label = failure.label = method;
+    error.note = failure.note = break_texts[method];
     const auto add = [&](report::PageCurve& curve, std::size_t row, const Figure& figure) {
       curve.points.push_back({rows.number(row, "value"), figure.value});
       curve.low.push_back(figure.low);

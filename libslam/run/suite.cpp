@@ -107,7 +107,7 @@ class SuiteReader {
   }
 
   std::vector<std::string> words(const std::string& key, const std::string& list) const {
-    const auto parts = splitAt(list, ',');
+    auto parts = splitAt(list, ',');
     for (const auto& part : parts)
       if (part.empty())
         throw core::InputError(where(key) + ": found '" + list +
@@ -245,6 +245,7 @@ class SuiteReader {
       const std::map<std::string, std::string*> targets = {
           {"path", &result.path}, {"truth", &truth}, {"plan", &plan}, {"relations", &relations}};
       std::vector<std::string> known;
+      known.reserve(targets.size());
       for (const auto& [key, target] : targets) known.push_back(key);
       core::detail::rejectUnknownKeys(ini_, "log " + word, known);
       for (const auto& [key, entry] : *entries) *targets.at(key) = entry.value;

@@ -65,7 +65,7 @@ void prepare(const Sweep& sweep, const SweepRequest& request) {
 }
 
 void publishPlan(const Workplace& workplace, const Sweep& sweep, const SweepRequest& request,
-                 core::Manifest manifest) {
+                 const core::Manifest& manifest) {
   workplace.publish("suite.ini", sweep.suite.text, request.output);
   workplace.publish("plan.json", toJson(sweep.plan), request.output);
   core::writeManifest(manifest, workplace.path() + "/manifest.json");
@@ -233,7 +233,7 @@ class Runner {
   }
 
   std::string makePartial(bool is_log, std::size_t index) const {
-    const std::string folder = workplace_.path() + "/" + idOf(is_log, index);
+    std::string folder = workplace_.path() + "/" + idOf(is_log, index);
     fs::remove_all(folder);
     makeFolder(folder);
     core::writeFileAtomically(folder + "/cell.json",
@@ -454,18 +454,18 @@ std::string reproduceLine(const std::string& id) {
   return "rasterslam bench exec suite.ini --cell " + id + " -o again";
 }
 
-void prepareSweepFolder(const Sweep& sweep, const SweepRequest& request, core::Manifest manifest) {
+void prepareSweepFolder(const Sweep& sweep, const SweepRequest& request, const core::Manifest& manifest) {
   prepare(sweep, request);
   const Workplace workplace(request.output);
-  publishPlan(workplace, sweep, request, std::move(manifest));
+  publishPlan(workplace, sweep, request, manifest);
 }
 
-SweepOutcome sweep(const Sweep& sweep, const SweepRequest& request, core::Manifest manifest,
+SweepOutcome sweep(const Sweep& sweep, const SweepRequest& request, const core::Manifest& manifest,
                    core::Progress& progress) {
   prepare(sweep, request);
   const Workplace workplace(request.output);
   workplace.removeLeftovers();
-  publishPlan(workplace, sweep, request, std::move(manifest));
+  publishPlan(workplace, sweep, request, manifest);
   return Runner(sweep, request, workplace).go(progress);
 }
 

@@ -50,11 +50,11 @@ struct SweepOutcome {
 ///
 /// The cells' results do not depend on jobs, shards or the order of work. Errors: InputError (an output that is not ours, or
 /// holds another sweep), IoError (the disk is full), core::Interrupted.
-SweepOutcome sweep(const Sweep& sweep, const SweepRequest& request, core::Manifest manifest,
+SweepOutcome sweep(const Sweep& sweep, const SweepRequest& request, const core::Manifest& manifest,
                    core::Progress& progress);
 
 /// Makes the folder and its suite.ini, plan.json and manifest.json, as sweep() does first.
-void prepareSweepFolder(const Sweep& sweep, const SweepRequest& request, core::Manifest manifest);
+void prepareSweepFolder(const Sweep& sweep, const SweepRequest& request, const core::Manifest& manifest);
 
 /// How to do one cell again, as a shell line to be given in the sweep's folder.
 std::string reproduceLine(const std::string& id);

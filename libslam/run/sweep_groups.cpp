@@ -46,6 +46,7 @@ std::string settingKey(const PlannedLog& log) {
 std::vector<std::size_t> settingsOf(const SweepPlan& plan, const std::vector<std::size_t>& runs) {
   std::map<std::string, std::size_t> numbers;
   std::vector<std::size_t> settings;
+  settings.reserve(runs.size());
   for (const auto run : runs)
     settings.push_back(
         numbers.emplace(settingKey(plan.logs[plan.runs[run].log]), numbers.size()).first->second);
@@ -74,6 +75,7 @@ std::vector<SweepGroup> groupsOf(const SweepPlan& plan, const std::vector<std::s
 
 std::vector<report::CellValue> axisCells(const SweepGroup& group, const std::vector<SweepAxis>& axes) {
   std::vector<report::CellValue> cells;
+  cells.reserve(axes.size());
   for (const auto& axis : axes) cells.emplace_back(group.log ? group.log->*axis.member : "all");
   return cells;
 }

@@ -20,7 +20,7 @@ SweepPlan commonPlan(const std::vector<std::string>& folders) {
   for (const auto& folder : folders)
     if (!fs::exists(pathOf(folder)))
       throw core::InputError(folder + ": is not the folder of a sweep (no plan.json)");
-  const auto plan = readSweepPlan(pathOf(folders.front()));
+  auto plan = readSweepPlan(pathOf(folders.front()));
   const std::string text = core::readTextFile(pathOf(folders.front()));
   for (const auto& folder : folders)
     if (core::readTextFile(pathOf(folder)) != text)

@@ -309,7 +309,8 @@ report::Table shortSummary(const SweepPlan& plan, const Summary& summary,
     const auto figure = figureNamed(summary.keys()[k]);
     table.columns.push_back({figure.key, figure.title, figure.decimals});
   }
-  for (const char* key : {"group", "better", "p"}) table.columns.push_back({key, key, 3});
+  for (const char* key : {"group", "better"}) table.columns.push_back({key, key, 3});
+  table.columns.push_back({"p", "p", 3, true});
   table.columns.push_back({"more_seeds", "more seeds", 0});
   for (std::size_t g = 0; g < groups.size(); ++g)
     for (std::size_t m = 0; m < rows_of_groups[g].size(); ++m) {
@@ -366,6 +367,7 @@ SweepSummary summarize(const SweepPlan& plan, const SweepResults& results) {
   const Summary summary(plan, results);
   const auto groups = summary.groups();
   std::vector<Rows> rows;
+  rows.reserve(groups.size());
   for (const auto& group : groups) rows.push_back(summary.rows(group));
   SweepSummary tables{shortSummary(plan, summary, groups, rows), fullSummary(summary, groups, rows)};
   for (auto* table : {&tables.main, &tables.all}) {

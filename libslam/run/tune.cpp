@@ -265,7 +265,7 @@ class Tuner {
     table.caption = "Which parameters of " + request_.method + " matter, by " + metric_;
     table.columns = {{"parameter", "parameter", 0},
                      {"explained_share", "explained", 2},
-                     {"p_holm", "p", 3},
+                     {"p_holm", "p", 3, true},
                      {"best", "best", 0}};
     auto list = sensitivities(keys_, ranges_, settings, scores);
     std::stable_sort(list.begin(), list.end(),

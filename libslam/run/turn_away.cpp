@@ -162,6 +162,7 @@ std::vector<TurnAwayMoment> turnAway(const TurnAwayConfig& config) {
 void drawTurnAway(const std::vector<TurnAwayMoment>& moments, const TurnAwayConfig& config,
                   const std::string& file, const report::Paper& paper) {
   std::vector<report::ObstaclePanel> panels;
+  panels.reserve(moments.size());
   for (const auto& moment : moments)
     panels.push_back({moment.what,
                       std::to_string(moment.seen.size()) + " seen, " +

@@ -38,6 +38,7 @@ int waitFor(pid_t child) {
 int spawn(const std::vector<std::string>& command, int stdout_fd, const std::string& error_path,
           pid_t& child) {
   std::vector<char*> argv;
+  argv.reserve(command.size() + 1);
   for (const auto& word : command) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions;

@@ -44,6 +44,14 @@ TEST(PendingFile, LeavesNothingWithoutCommit) {
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
+TEST(FindProgram, FindsWhatTheShellWouldStart) {
+  const auto shell = findProgram("sh");
+  EXPECT_EQ(fs::path(shell).filename(), "sh");
+  EXPECT_TRUE(fs::is_regular_file(shell));
+  EXPECT_EQ(findProgram("no-such-program"), "");
+  EXPECT_EQ(findProgram("."), "");
+}
+
 TEST(ScratchFolder, IsItsOwnAndGoesWithAllInIt) {
   std::string path;
   {

@@ -225,6 +225,17 @@ TEST(Table, ShowsNoNegativeZeroAndNamesInfinity) {
   EXPECT_TRUE(nlohmann::json::parse(toJson(table))["rows"][2]["v"].is_null());
 }
 
+TEST(Table, ShowsThatAPValueIsNotZero) {
+  Table table;
+  table.columns = {{"p", "p", 3, true}, {"error_m", "error", 3}};
+  table.rows = {{0.0004, 0.0004}, {0.0, 0.0}, {0.0006, 1.0}, {std::nan(""), -0.0004}};
+  EXPECT_EQ(toMarkdown(table),
+            "| p | error |\n| ---: | ---: |\n| <0.001 | 0.000 |\n| 0.000 | 0.000 |\n| 0.001 | 1.000 |\n"
+            "| - | 0.000 |\n");
+  EXPECT_NE(toLatex(table).find("\\textless{}0.001"), std::string::npos);
+  EXPECT_EQ(toCsv(table).find('<'), std::string::npos);
+}
+
 TEST(Table, LeavesNoBlanksAtTheEndsOfLines) {
   EXPECT_EQ(toText({"", {{"a", "A"}, {"b", "B"}}, {{"x", "long"}, {"y", "s"}}, {}}),
             "A  B\n-  ----\nx  long\ny  s\n");
