@@ -79,7 +79,8 @@ std::shared_ptr<CTexturedPlane> sheet(const RasterImage& image, double resolutio
     auto* alpha = alphas.ptrLine<std::uint8_t>(row);
     for (unsigned column = 0; column < width; ++column) {
       const Texel& texel = image.texels[static_cast<size_t>(row) * width + column];
-      bgr[3 * column] = texel.blue, bgr[3 * column + 1] = texel.green, bgr[3 * column + 2] = texel.red;
+      std::uint8_t* pixel = bgr + 3 * static_cast<size_t>(column);
+      pixel[0] = texel.blue, pixel[1] = texel.green, pixel[2] = texel.red;
       alpha[column] = texel.alpha;
     }
   }
