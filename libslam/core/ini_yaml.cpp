@@ -1,8 +1,11 @@
 #include "libslam/core/ini_yaml.h"
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <sstream>
 #include <vector>
 
 #include "libslam/core/error.h"
@@ -10,18 +13,44 @@
 namespace slam::core {
 namespace {
 
+/// Listens to a document for its end alone.
+class Ignored : public YAML::EventHandler {
+ public:
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
+  }
+  void OnMapEnd() override {}
+};
+
+/// Whether anything follows the first document. YAML::LoadAll() would not end where that is no document either (",a").
+bool goesOn(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  Ignored ignored;
+  return parser.HandleNextDocument(ignored) && parser.HandleNextDocument(ignored);
+}
+
 class YamlReader {
  public:
   YamlReader(const std::string& text, const std::string& name) : name_(name) {
-    std::vector<YAML::Node> documents;
+    YAML::Node root;
     try {
-      documents = YAML::LoadAll(text);
+      if (goesOn(text)) throw InputError(name + ": goes on behind its first document, expected one");
+      root = YAML::Load(text);
     } catch (const YAML::Exception& error) {
-      throw InputError(where(error.mark) + ": is not YAML: " + error.msg);
+      std::string reason = error.msg;  // may quote what it found
+      std::replace_if(
+          reason.begin(), reason.end(), [](unsigned char c) { return c < ' '; }, ' ');
+      throw InputError(where(error.mark) + ": is not YAML: " + trimmed(reason));
     }
-    if (documents.empty() || documents.front().IsNull()) return;
-    if (documents.size() > 1) throw InputError(name + ": holds several documents, expected one");
-    const auto& root = documents.front();
+    if (root.IsNull()) return;
     if (!root.IsMap()) throw wrong(root, "sections: a map of maps");
     for (const auto& section : root) {
       const auto title = plain(section.first, "a section's name");

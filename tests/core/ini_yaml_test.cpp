@@ -58,7 +58,8 @@ TEST(IniYaml, SaysWhereItIsWrong) {
   const auto error = [](const std::string& text) { return errorOf([&] { parseYaml(text, "s.yaml"); }); };
   EXPECT_THAT(error("suite:\n  a: [1, 2\nb: }\n"), HasSubstr("s.yaml:3: is not YAML: "));
   EXPECT_THAT(error("suite:\n  a: *x\n"), HasSubstr("s.yaml:2: is not YAML: "));
-  EXPECT_EQ(error("a: {b: 1}\n---\na: {b: 1}\n"), "s.yaml: holds several documents, expected one");
+  EXPECT_EQ(error("a: {b: 1}\n---\na: {b: 1}\n"), "s.yaml: goes on behind its first document, expected one");
+  EXPECT_EQ(error(",a"), "s.yaml: goes on behind its first document, expected one");
   EXPECT_EQ(error("- a\n"), "s.yaml:1: found a list, expected sections: a map of maps");
   EXPECT_EQ(error("resolution: 0.05\n"),
             "s.yaml:1: found a value, expected keys and values in section 'resolution'");
