@@ -213,7 +213,7 @@ int workOnCell(const CellArguments& arguments) {
 }
 
 void addSuite(CLI::App* command, Arguments& arguments) {
-  command->add_option("suite", arguments.suite, "the sweep's .ini: see configs/suites")->required();
+  command->add_option("suite", arguments.suite, "the sweep's .ini or .yaml: see configs/suites")->required();
 }
 
 void addJobs(CLI::App* command, Arguments& arguments) {
@@ -314,7 +314,7 @@ void addBench(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand("bench", "sweep methods over worlds, lidars, faults and seeds");
   command->require_subcommand(0, 1);
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("suite", arguments->suite, "the sweep's .ini: see configs/suites");
+  command->add_option("suite", arguments->suite, "the sweep's .ini or .yaml: see configs/suites");
   addJobs(command, *arguments);
   command->add_flag("--resume", arguments->resume, "keep the cells that are complete");
   addGateFlags(command, arguments->gate);

@@ -78,7 +78,7 @@ void addStress(CLI::App& app, Context& context) {
   auto& request = arguments->request;
   command
       ->add_option("ground", request.ground,
-                   "a plan, a world by name, KIND:seed=3:width_m=40, or a suite's .ini")
+                   "a plan, a world by name, KIND:seed=3:width_m=40, or a suite's .ini or .yaml")
       ->required();
   command
       ->add_option("--vary", request.vary,
