@@ -151,6 +151,9 @@ TEST_F(Bench, ACellThatTwoPartsHaveIsFineWhenEqualAndAnErrorOtherwise) {
 }
 
 TEST_F(Bench, WhatGoesWrongWithOneCellIsARow) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "the address sanitizer does not live within a limit of memory";
+#endif
   // Particles with rasters of 1 cm take hundreds of MB; a limit that the first map already breaks stands for a filter that diverges.
   write(folder / "limits.ini",
         replaced(kTiny, "naive_wheel, naive\nseeds = 1..2", "naive_wheel, hungry, cramped\nseeds = 1") +
@@ -405,8 +408,9 @@ TEST_F(Bench, ThePlanListsTheCellsAndOtherInputsGiveOtherIds) {
     for (const auto& cell : plan[kind]) ids.insert(cell["id"].get<std::string>());
   EXPECT_EQ(ids.size(), 6U);
   write(folder / "tiny.ini", replaced(kTiny, "= 5", "= 6"));
-  for (const auto& run : nlohmann::json::parse(bench("plan tiny.ini --json").out)["runs"])
-    EXPECT_EQ(ids.count(run["id"].get<std::string>()), 0U);
+  const auto changed = nlohmann::json::parse(bench("plan tiny.ini --json").out);
+  EXPECT_EQ(changed["runs"].size(), 4U);
+  for (const auto& run : changed["runs"]) EXPECT_EQ(ids.count(run["id"].get<std::string>()), 0U);
   // The name of the file and the order of its lines are not in an id.
   write(folder / "other.ini", std::string("# the same\n") + kTiny);
   const auto other = nlohmann::json::parse(bench("plan other.ini --json").out);
