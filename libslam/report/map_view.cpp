@@ -90,8 +90,13 @@ Window commonWindow(const std::vector<Window>& maps, const Window& truth, const 
   Window window{-middle(left), -middle(bottom), middle(right), middle(top)};
   if (window.isEmpty()) return usable(withEstimates(truth, estimates));
   const Window most = window.grownBy(0.15);
-  for (const auto& map : maps)
-    if (!map.isEmpty()) window.include(map.cutTo(most));
+  for (const auto& map : maps) {
+    if (map.isEmpty()) continue;
+    if (map.x0 > most.x0) window.x0 = std::min(window.x0, map.x0);
+    if (map.y0 > most.y0) window.y0 = std::min(window.y0, map.y0);
+    if (map.x1 < most.x1) window.x1 = std::max(window.x1, map.x1);
+    if (map.y1 < most.y1) window.y1 = std::max(window.y1, map.y1);
+  }
   window.include(truth);
   return usable(window);
 }
