@@ -96,9 +96,9 @@ pid_t spawnGroup(const std::string& shell_line, const std::string& folder, const
 }
 
 /// Kills a process group when this process ends without a word, as by kill -9.
-class Heir {
+class Watchdog {
  public:
-  explicit Heir(pid_t group) {
+  explicit Watchdog(pid_t group) {
     std::array<int, 2> pipe{};
     if (pipe2(pipe.data(), O_CLOEXEC) != 0)
       throw core::IoError("a pipe cannot be made: " + std::string(std::strerror(errno)));
@@ -106,7 +106,7 @@ class Heir {
     try {
       Shell shell;
       posix_spawn_file_actions_adddup2(shell.actions(), pipe[0], STDIN_FILENO);
-      heir_ = shell.start("read word || kill -s KILL -- -" + std::to_string(group) + " 2>/dev/null");
+      watchdog_ = shell.start("read word || kill -s KILL -- -" + std::to_string(group) + " 2>/dev/null");
     } catch (...) {
       close(pipe[0]);
       close(our_end_);
@@ -114,22 +114,22 @@ class Heir {
     }
     close(pipe[0]);
   }
-  ~Heir() { dismiss(); }
-  Heir(const Heir&) = delete;
-  Heir& operator=(const Heir&) = delete;
+  ~Watchdog() { dismiss(); }
+  Watchdog(const Watchdog&) = delete;
+  Watchdog& operator=(const Watchdog&) = delete;
 
   void dismiss() {
-    if (heir_ < 0) return;
-    kill(heir_, SIGKILL);
+    if (watchdog_ < 0) return;
+    kill(watchdog_, SIGKILL);
     close(our_end_);
-    while (waitpid(heir_, nullptr, 0) < 0 && errno == EINTR) {
+    while (waitpid(watchdog_, nullptr, 0) < 0 && errno == EINTR) {
     }
-    heir_ = -1;
+    watchdog_ = -1;
   }
 
  private:
   int our_end_ = -1;
-  pid_t heir_ = -1;
+  pid_t watchdog_ = -1;
 };
 
 /// A running group; nothing of it outlives this, or this process.
@@ -137,7 +137,7 @@ class Group {
  public:
   explicit Group(pid_t leader) : leader_(leader) {
     try {
-      heir_.emplace(leader);
+      watchdog_.emplace(leader);
     } catch (...) {
       stop();
       throw;
@@ -158,7 +158,7 @@ class Group {
   /// Kills what still runs.
   void stop() {
     kill(-leader_, SIGKILL);
-    if (heir_) heir_->dismiss();  // as long as the group's number is its own
+    if (watchdog_) watchdog_->dismiss();  // as long as the group's number is its own
     while (wait4(leader_, &status_, 0, &usage_) < 0 && errno == EINTR) {
     }
     buried_ = true;
@@ -180,7 +180,7 @@ class Group {
 
  private:
   pid_t leader_;
-  std::optional<Heir> heir_;
+  std::optional<Watchdog> watchdog_;
   int status_ = 0;
   rusage usage_{};
   bool buried_ = false;

@@ -14,16 +14,8 @@
 namespace slam::run {
 namespace {
 
-struct Figure {
-  const char *key, *title;
-  int decimals;
-};
-constexpr Figure kFigures[] = {{"anees", "ANEES", 2},
-                               {"within_50_share", "in 50 %", 2},
-                               {"within_95_share", "in 95 %", 2},
-                               {"anees_final", "ANEES final", 2},
-                               {"within_50_share_final", "in 50 % final", 2},
-                               {"within_95_share_final", "in 95 % final", 2}};
+constexpr const char* kFigures[] = {"anees",       "within_50_share",       "within_95_share",
+                                    "anees_final", "within_50_share_final", "within_95_share_final"};
 constexpr std::size_t kOnline = 0, kFinal = 3;  // where ANEES stands
 
 /// The mean over the runs that have the figure, and how many they are.
@@ -45,7 +37,7 @@ std::pair<stats::Estimate, std::size_t> meanOf(const SweepResults& results,
 
 std::string verdictOn(const stats::Estimate& anees) {
   if (std::isnan(anees.value)) return "-";
-  if (!anees.interval) return "one run";
+  if (!anees.interval) return "too few runs";
   if (anees.interval->low > 1) return "too sure";
   return anees.interval->high < 1 ? "too modest" : "not refuted";
 }
@@ -60,8 +52,8 @@ SweepConsistency sweepConsistency(const SweepPlan& plan, const SweepResults& res
   for (auto* table : {&tables.main, &tables.all})
     for (const char* key : {"method", "runs"}) table->columns.push_back({key, key, 0});
   for (std::size_t f = 0; f < std::size(kFigures); ++f) {
-    const auto& figure = kFigures[f];
-    tables.main.columns.push_back({figure.key, figure.title, figure.decimals});
+    const auto figure = figureColumn(kFigures[f]);
+    tables.main.columns.push_back(figure);
     for (const std::string part : {"", "_low", "_high"})
       tables.all.columns.push_back({figure.key + part, figure.title + part, 4});
     if (f != kOnline && f != kFinal) continue;
@@ -76,9 +68,9 @@ SweepConsistency sweepConsistency(const SweepPlan& plan, const SweepResults& res
       std::vector<report::CellValue> main, all;
       std::size_t most = 0;
       for (std::size_t f = 0; f < std::size(kFigures); ++f) {
-        const auto [mean, runs] = meanOf(results, group.methods[m], group.settings, kFigures[f].key);
+        const auto [mean, runs] = meanOf(results, group.methods[m], group.settings, kFigures[f]);
         most = std::max(most, runs);
-        main.emplace_back(withInterval(mean, kFigures[f].decimals));
+        main.emplace_back(withInterval(mean, figureColumn(kFigures[f]).decimals));
         const double none = std::numeric_limits<double>::quiet_NaN();
         all.insert(all.end(), {mean.value, mean.interval ? mean.interval->low : none,
                                mean.interval ? mean.interval->high : none});

@@ -24,15 +24,11 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 /// Enough for two digits of an interval; a sweep has thousands of them.
 constexpr int kResamples = 2000;
-
-struct Figure {
-  std::string key, title;
-  int decimals;
-};
+constexpr double kLongest = 1e5;  // a figure with more digits is shown as a power of ten
 
 /// The figures of a run, in the order of the tables.
-std::vector<Figure> figures() {
-  std::vector<Figure> list;
+std::vector<report::Column> figures() {
+  std::vector<report::Column> list;
   const auto& costs = costKeys();
   for (const auto& info : metricInfos())
     if (info.key != "agreement_m" && !std::count(costs.begin(), costs.end(), info.key))
@@ -42,17 +38,14 @@ std::vector<Figure> figures() {
   return list;
 }
 
-Figure figureNamed(const std::string& key) {
-  for (const auto& figure : figures())
-    if (figure.key == key) return figure;
-  throw core::ContractError("no figure '" + key + "'");
-}
-
 std::string fixed(double value, int decimals) {
   if (std::isnan(value)) return "-";
   if (std::isinf(value)) return "failed";
   char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
+  if (std::abs(value) >= kLongest)
+    std::snprintf(text, sizeof text, "%.1e", value);
+  else
+    std::snprintf(text, sizeof text, "%.*f", decimals, value);
   return text;
 }
 
@@ -229,6 +222,12 @@ bool isFailed(const SweepPlan& plan, const CellResult& result) {
   return plan.failure_ate_m > 0 && figureOf(result, "ate_final_m") > plan.failure_ate_m;
 }
 
+report::Column figureColumn(const std::string& key) {
+  for (const auto& figure : figures())
+    if (figure.key == key) return figure;
+  throw core::ContractError("no figure '" + key + "'");
+}
+
 std::vector<std::string> figureKeys() {
   std::vector<std::string> keys;
   for (const auto& figure : figures()) keys.push_back(figure.key);
@@ -275,7 +274,7 @@ report::Table resultsTable(const SweepPlan& plan, const SweepResults& results) {
   for (const char* key : {"seed", "method", "parameters", "status", "message"})
     table.columns.push_back({key, key, 0});
   const auto list = figures();
-  for (const auto& figure : list) table.columns.push_back({figure.key, figure.title, figure.decimals});
+  table.columns.insert(table.columns.end(), list.begin(), list.end());
   for (const char* key : {"folder", "log_folder", "reproduce"}) table.columns.push_back({key, key, 0});
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     const auto& run = plan.runs[i];
@@ -306,8 +305,7 @@ report::Table shortSummary(const SweepPlan& plan, const Summary& summary,
   for (std::size_t k = 1; k < summary.keys().size(); ++k)
     if (summary.keys()[k] == "wall_f1") shown.push_back(k);
   for (const auto k : shown) {
-    const auto figure = figureNamed(summary.keys()[k]);
-    table.columns.push_back({figure.key, figure.title, figure.decimals});
+    table.columns.push_back(figureColumn(summary.keys()[k]));
   }
   for (const char* key : {"group", "better"}) table.columns.push_back({key, key, 3});
   table.columns.push_back({"p", "p", 3, true});
@@ -320,7 +318,7 @@ report::Table shortSummary(const SweepPlan& plan, const Summary& summary,
       row.emplace_back(static_cast<double>(of.runs));
       row.emplace_back(withInterval({failureRate(of), of.failure_rate}, 2));
       for (const auto k : shown)
-        row.emplace_back(withInterval(of.figures[k], figureNamed(summary.keys()[k]).decimals));
+        row.emplace_back(withInterval(of.figures[k], figureColumn(summary.keys()[k]).decimals));
       row.emplace_back(of.letters);
       row.emplace_back(withInterval(of.better, 2));
       row.emplace_back(of.adjusted_p);
@@ -339,7 +337,7 @@ report::Table fullSummary(const Summary& summary, const std::vector<SweepGroup>&
     table.columns.push_back({key, key, 3});
   for (const auto& key : summary.keys())
     for (const char* part : {"", "_low", "_high"}) {
-      const auto figure = figureNamed(key);
+      const auto figure = figureColumn(key);
       table.columns.push_back({key + part, figure.title + part, figure.decimals});
     }
   for (const char* key : {"group", "better", "better_low", "better_high", "p", "p_holm", "more_seeds"})

@@ -19,6 +19,8 @@ using SweepResults = std::vector<std::optional<CellResult>>;
 bool isFailed(const SweepPlan& plan, const CellResult& result);
 /// The figures that a run may have, in the order of the tables; none that depends on the machine.
 std::vector<std::string> figureKeys();
+/// The title of a figure and how many decimals people see. REQUIRES a key of figureKeys() (ContractError).
+report::Column figureColumn(const std::string& key);
 /// Those that the summary shows, the suite's metric first.
 std::vector<std::string> summaryKeys(const SweepPlan& plan);
 /// NaN where there is no such figure.
@@ -27,7 +29,7 @@ double figureOf(const CellResult& result, const std::string& key);
 stats::Better betterOf(const std::string& metric);
 /// The suite's metric of a run, of a failed one stats::failedValue(); NaN where it is missing or has no such figure.
 double rankedValue(const SweepPlan& plan, const std::optional<CellResult>& result);
-/// "0.012 [0.008, 0.020]"; "-" for NaN, "failed" for infinity.
+/// "0.012 [0.008, 0.020]"; from 100000 on as 1.2e+05; "-" for NaN, "failed" for infinity.
 std::string withInterval(const stats::Estimate& estimate, int decimals);
 
 /// One row per run: where it stands on the axes, how it ended, every figure, its folder and how to do it again. The same

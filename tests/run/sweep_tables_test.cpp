@@ -92,11 +92,11 @@ TEST(SweepConsistency, SaysWhoIsTooSureAndWhoSaysNothing) {
   EXPECT_DOUBLE_EQ(numberIn(tables.all, 0, "anees"), 3.75);
   EXPECT_GT(numberIn(tables.all, 0, "anees_low"), 1);
   EXPECT_EQ(textIn(tables.all, 0, "verdict"), "too sure");
-  EXPECT_EQ(textIn(tables.main, 0, "within_50_share"), "0.25 [0.25, 0.25]");
+  EXPECT_EQ(textIn(tables.main, 0, "within_50_share"), "0.250 [0.250, 0.250]");
   EXPECT_TRUE(std::isnan(numberIn(tables.all, 0, "within_95_share")));
   EXPECT_EQ(textIn(tables.all, 0, "verdict_final"), "not refuted");
   for (std::size_t i = 2; i < sweep.results.size(); ++i) sweep.results[i].reset();
-  EXPECT_EQ(textIn(sweepConsistency(sweep.plan, sweep.results).all, 0, "verdict"), "one run");
+  EXPECT_EQ(textIn(sweepConsistency(sweep.plan, sweep.results).all, 0, "verdict"), "too few runs");
   sweep.results[0]->figures.clear();
   EXPECT_TRUE(sweepConsistency(sweep.plan, sweep.results).main.rows.empty());
 }
