@@ -21,6 +21,7 @@
 #include "libslam/run/process_memory.h"
 #include "libslam/run/scene_file.h"
 #include "libslam/run/self_score.h"
+#include "libslam/run/told_commands.h"
 
 namespace slam::run {
 namespace {
@@ -194,6 +195,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   if (!continuation.folder.empty()) beginInMap(method, continuation, manifest);
   logs::LogReader log(log_path);
   MapRun run;
+  run.commands_from = tellCommands(method, log_path);
   std::vector<double> milliseconds, stamps_s;
   robot::Scan last_scan;
   progress.begin("mapping with " + method_name);
@@ -283,6 +285,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   manifest.results["log"] = log_path;
   manifest.results["scans"] = std::to_string(run.estimate.size());
   manifest.results["steps_without_odometry"] = std::to_string(run.steps_without_odometry);
+  if (!run.commands_from.empty()) manifest.results["commands_from"] = run.commands_from;
   // Of the log's order, which the files' order of stamps may lose.
   manifest.results["path_length_m"] = core::formatNumber(run.path_length_m);
   describePose("end", run.end, manifest.results);

@@ -40,10 +40,12 @@ class Localiser {
     const core::Pose2 T_previous_robot =
         is_reference_ && last_truth_ ? core::between(*last_truth_, T_world_robot) : sensed.T_previous_robot;
     last_truth_ = T_world_robot;
-    const auto T_map_robot = mapping::processScan(builder_, sensed.scan, T_previous_robot, true);
+    const auto T_map_robot = mapping::processScan(builder_, sensed.scan, T_previous_robot, true, commanded_);
     if (!core::isFinite(T_map_robot)) throw core::MethodError(name_ + " diverged: its pose is not finite");
     return T_map_robot;
   }
+  /// What the robot is told to do next.
+  void tell(const robot::Command& command) { commanded_ = commands_.next(command); }
   const mapping::MapBuilder& builder() const { return builder_; }
   gridmap::OccupancyRaster map() const { return mapping::currentMap(builder_); }
 
@@ -52,6 +54,8 @@ class Localiser {
   std::string name_;
   bool is_reference_;
   std::optional<core::Pose2> last_truth_;
+  robot::CommandSeries commands_;
+  robot::Commanded commanded_ = robot::MotionKind::kRest;
 };
 
 /// CPU time of the periods in which the robot decided, the map's reading included.
@@ -193,6 +197,7 @@ class Loop {
         driver_ = makeReturnDriver();
         referee_.watchReturn();
       }
+      localiser_.tell(command);
       sensed = simulator_.step(command);
       if (recorder_) recorder_->add(command, simulator_, sensed);
     }

@@ -1,0 +1,50 @@
+#pragma once
+#include "libslam/core/pose2.h"
+#include "libslam/robot/drive.h"
+
+namespace slam::robot {
+
+/// What the robot was told to do between two scans. A robot that commands itself knows it; only how far it went is for
+/// the scans to say.
+enum class MotionKind {
+  kUnknown,  ///< nobody said
+  kRest,     ///< no command: it stood
+  kMove,     ///< along the heading, ahead or back
+  kTurn,     ///< in place
+  kArc       ///< both at once; the founding robot has no such command
+};
+
+/// The command that a scan ended or interrupted.
+struct Commanded {
+  MotionKind kind = MotionKind::kUnknown;
+  bool continues = false;  ///< the same command as at the scan before: several scans were taken during it
+  Commanded() = default;
+  Commanded(MotionKind of_kind, bool still_the_same = false) : kind(of_kind), continues(still_the_same) {}
+};
+
+/// kRest for a command without speed or without duration.
+MotionKind kindOf(const Command& command);
+
+/// The kind that an increment of the wheels shows, for logs that do not say what was commanded. Of a differential drive
+/// with half the track L = 0.25 m the wheels go d - L phi and d + L phi (d along the heading): a turn when |L phi| is more
+/// than four times d, a move when it is less than a quarter, else an arc; rest below a millimetre of both. Half the track
+/// of robots that carry such lidars is 0.1 to 0.4 m; what a wrong L changes is how curved a path must be to be an arc.
+MotionKind kindOf(const core::Pose2& T_previous_robot);
+
+/// Puts the commands of single scan periods together to whole ones. A drive is told anew at every scan; what the founding
+/// document calls a command, move(step) or turn(angle), is a run of such periods: of one kind and one direction, an arc
+/// also of one curvature, without a rest between.
+class CommandSeries {
+ public:
+  /// The command that led to the next scan. `is_whole`: one of its own, even where the one before was alike.
+  Commanded next(const Command& command, bool is_whole = false);
+  /// The same by the wheels alone. An arc never continues: its curvature is not known well enough.
+  Commanded next(const core::Pose2& T_previous_robot);
+
+ private:
+  Commanded join(MotionKind kind, double along, double turn, bool may_continue);
+  MotionKind kind_ = MotionKind::kUnknown;
+  double along_ = 0, turn_ = 0;
+};
+
+}  // namespace slam::robot
