@@ -7,7 +7,7 @@ namespace slam::robot {
 namespace {
 
 constexpr double kHalfTrack_m = 0.25, kRest_m = 1e-3;
-constexpr double kPure = 4;  // so many times the other part makes the motion a pure one
+constexpr double kStraight_m = 1;  // radius of the sharpest curve that is still a move
 
 double sign(double value) {
   return value > 0 ? 1 : (value < 0 ? -1 : 0);
@@ -26,8 +26,8 @@ MotionKind kindOf(const core::Pose2& T_previous_robot) {
   const double along_m = std::hypot(T_previous_robot.x, T_previous_robot.y);
   const double around_m = kHalfTrack_m * std::abs(T_previous_robot.phi);
   if (std::max(along_m, around_m) < kRest_m) return MotionKind::kRest;
-  if (around_m > kPure * along_m) return MotionKind::kTurn;
-  return kPure * around_m < along_m ? MotionKind::kMove : MotionKind::kArc;
+  if (along_m < around_m) return MotionKind::kTurn;
+  return along_m > kStraight_m * std::abs(T_previous_robot.phi) ? MotionKind::kMove : MotionKind::kArc;
 }
 
 Commanded CommandSeries::join(MotionKind kind, double along, double turn, bool may_continue) {

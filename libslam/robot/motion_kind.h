@@ -25,10 +25,11 @@ struct Commanded {
 /// kRest for a command without speed or without duration.
 MotionKind kindOf(const Command& command);
 
-/// The kind that an increment of the wheels shows, for logs that do not say what was commanded. Of a differential drive
-/// with half the track L = 0.25 m the wheels go d - L phi and d + L phi (d along the heading): a turn when |L phi| is more
-/// than four times d, a move when it is less than a quarter, else an arc; rest below a millimetre of both. Half the track
-/// of robots that carry such lidars is 0.1 to 0.4 m; what a wrong L changes is how curved a path must be to be an arc.
+/// The kind that an increment of the wheels shows, for logs that do not say what was commanded: a turn when its centre of
+/// rotation lies within half the track, 0.25 m, so that the wheels went opposite ways; a move when it lies farther than 1 m away; else
+/// an arc. Rest is below a millimetre, of the robot and of its wheels by the turn. Half the track of robots that carry such lidars
+/// is 0.1 to 0.4 m. The odometry of a turn in place moves by some centimetres per radian, that of a move turns by some degrees per
+/// metre: both are a tenth of what would make them arcs.
 MotionKind kindOf(const core::Pose2& T_previous_robot);
 
 /// Puts the commands of single scan periods together to whole ones. A drive is told anew at every scan; what the founding
