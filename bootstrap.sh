@@ -28,8 +28,10 @@ packages=(
   libmrpt-dev mrpt-apps mrpt-common
   libopencv-dev libeigen3-dev libboost-dev libcli11-dev nlohmann-json3-dev libssl-dev zlib1g-dev libbz2-dev liblzma-dev
   liblz4-dev libzstd-dev libsqlite3-dev libyaml-cpp-dev libcairo2-dev fonts-liberation
-  libgtest-dev libgmock-dev clang-format-14 bzip2 xz-utils python3 xvfb xauth
+  libgtest-dev libgmock-dev bzip2 xz-utils python3 xvfb xauth
 )
+# Debian 12's; where there is another one the test of the formatting is left out.
+format_packages=(clang-format-14)
 bench_packages=(libbenchmark-dev)
 # ROS's own libraries, with which tests compare ours; those tests skip where Debian no longer has them.
 oracle_packages=(librosbag-storage-dev libroscpp-core-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev libfastcdr-dev)
@@ -68,8 +70,10 @@ install_missing() {
     as_root=(sudo)
   fi
   say "installing: ${missing[*]}"
-  "${as_root[@]}" apt-get update -qq
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2
+  # A fresh machine may be at its own updates: wait for them.
+  local wait=(-o DPkg::Lock::Timeout=900)
+  "${as_root[@]}" apt-get "${wait[@]}" update -qq
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get "${wait[@]}" install -y -qq --no-install-recommends "${missing[@]}" >&2
 }
 
 # Of the packages named, those that this release of Debian has.
@@ -111,8 +115,8 @@ case "$verb" in
     ;;
   test)
     install_missing "${packages[@]}"
-    mapfile -t oracles < <(available_packages "${oracle_packages[@]}")
-    install_missing "${oracles[@]}"
+    mapfile -t extras < <(available_packages "${format_packages[@]}" "${oracle_packages[@]}")
+    install_missing "${extras[@]}"
     build release 8
     ctest --preset release -j "$(nproc)" "${arguments[@]}"
     ;;
