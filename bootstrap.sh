@@ -14,6 +14,7 @@ usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
   schedulers   install GNU parallel and Slurm, with which `test` then tries sweeps (without: those tests skip)
   page     install Node.js and Chromium, make the HTML report's bundle; `test` then tries the report in the browser
   page test    check that the bundle that is checked in is current, build, and try the report in the browser
+  docs     make the documentation as an offline site and the reference of the headers, in build/docs
   fuzz     build every reader of files with clang's fuzzer and let each run a minute (ARGUMENTS go to tests/fuzz/run.sh)
 
   --no-install   do not install packages (for users without root); says what is missing and goes on
@@ -41,6 +42,7 @@ scheduler_packages=(parallel slurmctld slurmd slurm-client munge)
 page_packages=(chromium)
 # Node.js from elsewhere brings an npm of its own, beside which Debian's cannot be installed.
 command -v npm >/dev/null || page_packages+=(nodejs npm)
+docs_packages=(mkdocs doxygen)
 fuzz_packages=(clang-14 libclang-rt-14-dev)
 
 say() { printf 'bootstrap: %s\n' "$*" >&2; }
@@ -144,6 +146,15 @@ case "$verb" in
     install_missing "${packages[@]}" "${bench_packages[@]}"
     build bench 9
     build/release/benchmarks/rasterslam_bench "${arguments[@]}"
+    ;;
+  docs)
+    install_missing "${docs_packages[@]}"
+    tests/docs/links.py
+    mkdir -p build/docs
+    .github/docs/site.py build/docs-pages
+    mkdocs build -q -f .github/docs/mkdocs.yml
+    doxygen .github/docs/Doxyfile
+    say "open build/docs/site/README.html and build/docs/api/index.html"
     ;;
   fuzz)
     install_missing "${packages[@]}" "${fuzz_packages[@]}"
