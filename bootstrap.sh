@@ -154,7 +154,7 @@ case "$verb" in
     .github/docs/site.py build/docs-pages
     mkdocs build -q -f .github/docs/mkdocs.yml
     doxygen .github/docs/Doxyfile
-    say "open build/docs/site/README.html and build/docs/api/index.html"
+    say "open build/docs/site/index.html and build/docs/api/index.html"
     ;;
   fuzz)
     install_missing "${packages[@]}" "${fuzz_packages[@]}"
