@@ -30,7 +30,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"posegraph", {"core"}},
     {"obstacles", {"core", "robot"}},
     {"navigate", {"core", "robot", "gridmap"}},
-    {"mrptnav", {"core", "robot", "navigate"}},
+    {"mrptnav", {"core", "robot", "gridmap", "navigate"}},
     {"odometry", {"core", "robot"}},
     {"mapping", {"core", "robot", "gridmap", "odometry", "posegraph", "scanmatch"}},
     // reads logs and matches their scans; nobody's estimate
