@@ -4,7 +4,10 @@
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/poses/CPose2D.h>
 
+#include <algorithm>
+
 #include "libslam/gridmap/mrpt_grid.h"
+#include "libslam/navigate/safe_motion.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::mrptnav {
@@ -28,10 +31,11 @@ MrptExplorerOptions withName(const std::string& strategy) {
 
 struct MrptStrategy::State {
   std::unique_ptr<navigate::Strategy> strategy;
+  robot::RobotOptions robot;
 };
 
 MrptStrategy::MrptStrategy(const MrptExplorerOptions& options)
-    : state_(std::make_unique<State>(State{strategyOf(options)})) {
+    : state_(std::make_unique<State>(State{strategyOf(options), options.robot})) {
   state_->strategy->setRobot(options.robot);
 }
 MrptStrategy::~MrptStrategy() = default;
@@ -53,7 +57,10 @@ MrptStrategy::Answer MrptStrategy::decide(const mrpt::obs::CObservation2DRangeSc
   const auto seen = robot::fromMrpt(scan);
   const auto T_map_robot = toPose(pose);
   state_->strategy->seeScan(seen, T_map_robot);
-  const auto decision = state_->strategy->decide(seen, T_map_robot);
+  auto decision = state_->strategy->decide(seen, T_map_robot);
+  // Without a map a strategy says how far at most; a driver of ours stops where the way ends.
+  decision.distance_m = std::min(
+      {decision.distance_m, seen.max_range_m, navigate::discReach(seen, decision.turn_rad, state_->robot)});
   return {toMrpt(decision, T_map_robot), decision.finished, decision.reason};
 }
 

@@ -34,8 +34,10 @@ struct MrptExplorerOptions {
 class MrptStrategy {
  public:
   struct Answer {
-    std::vector<mrpt::math::TPose2D> path;  ///< see toMrpt(Decision): empty when finished
-    bool finished = false;                  ///< nothing left to explore
+    /// See toMrpt(Decision). Without a map a strategy says how far at most: the drive ends where the disc around the
+    /// footprint would come near to a return of the scan. Empty when finished, or when there is no room ahead.
+    std::vector<mrpt::math::TPose2D> path;
+    bool finished = false;  ///< nothing left to explore
     std::string reason;
   };
   /// Errors: unknown name (InputError with the nearest one).

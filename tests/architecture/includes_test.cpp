@@ -42,7 +42,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"live",
      {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "obstacles", "navigate", "mapping",
       "run", "viewer"}},
-    {"plugin", {"core", "robot", "logs", "world", "sim", "navigate", "run"}},
+    {"plugin", {"core", "robot", "logs", "world", "sim", "navigate", "mapping", "run"}},
     {"testing", {"core", "robot", "posegraph", "world"}},
 };
 

@@ -45,7 +45,7 @@ world::Plan twoRooms() {
 robot::LidarOptions lidar() {
   robot::LidarOptions options;
   options.fov_rad = core::degToRad(270);
-  options.beams = 181;
+  options.beams = 541;
   options.max_range_m = 8;
   options.rate_hz = 1 / kPeriod_s;
   return options;
