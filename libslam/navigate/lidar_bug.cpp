@@ -154,8 +154,12 @@ std::array<double, 5> strategicDirections() {
 
 LidarBug::LidarBug(const NavigateOptions& options, const GoalTask& task) : GuardedNavigator(options, task) {}
 
+double lidarBugStopRadius(const LidarBugOptions& options, double guard_radius_m) {
+  return std::max(options.stop_radius_m, guard_radius_m + kStopMargin_m);
+}
+
 double LidarBug::stopRadius() const {
-  return std::max(options_.lidar_bug.stop_radius_m, surroundings_.guardRadius() + kStopMargin_m);
+  return lidarBugStopRadius(options_.lidar_bug, surroundings_.guardRadius());
 }
 
 void LidarBug::look(const robot::Scan& scan, const core::Pose2& T_odom_robot) {

@@ -67,6 +67,8 @@ std::string lidarBugDiagram();
 /// The five strategic directions of the founding scan of 275 readings (indices 0, 28, 68, 207, 247), as
 /// angles in (-pi, pi], counter-clockwise positive: ahead, left ahead, left, right, right ahead.
 std::array<double, 5> strategicDirections();
+/// Nearer than this is a bump: the option, or the guard's radius (Surroundings::guardRadius()) and 3 cm where that is more.
+double lidarBugStopRadius(const LidarBugOptions& options, double guard_radius_m);
 enum StrategicDirection { kAhead = 0, kLeftAhead = 1, kLeft = 2, kRight = 3, kRightAhead = 4 };
 
 class LidarBug : public GuardedNavigator {

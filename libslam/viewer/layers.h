@@ -21,7 +21,8 @@ using Layer = mrpt::opengl::CRenderizable::Ptr;
 /// Names of the layers, to find and exchange them by, from the ground up.
 inline constexpr const char *kPlanLayer = "plan", *kMapLayer = "map", *kTruthLayer = "truth",
                             *kGraphLayer = "graph", *kPathLayer = "path", *kLoopsLayer = "loops",
-                            *kObstaclesLayer = "obstacles", *kScanLayer = "scan", *kPeopleLayer = "people",
+                            *kObstaclesLayer = "obstacles", *kScanLayer = "scan",
+                            *kStrategicLayer = "strategic", *kPeopleLayer = "people",
                             *kCandidatesLayer = "candidates", *kRobotLayer = "robot",
                             *kParticlesLayer = "particles";
 
@@ -69,6 +70,14 @@ struct LocalObstacles {
 };
 /// Seen obstacles as vermillion dots, remembered ones blue.
 Layer obstaclesLayer(const LocalObstacles& obstacles, double radius_m);
+
+/// What the founding goal navigation looks at.
+struct StrategicView {
+  double stop_radius_m = 0;
+  std::vector<core::Point2> projected;  ///< where the readings of the strategic directions end
+};
+/// The stop radius as a dashed circle, the strategic directions as lines with a dot at their end, robot frame.
+Layer strategicLayer(const StrategicView& view, double line_m);
 
 /// What a strategy chose from, and what.
 struct Candidates {
