@@ -11,18 +11,21 @@ DriveSeat::DriveSeat(const robot::RobotOptions& robot, double period_s,
       ends_(ends || stage == nullptr) {}
 
 std::optional<run::Order> DriveSeat::next(bool collided) {
-  if (stage_ && stage_->isClosed()) return std::nullopt;
+  const bool is_closed = stage_ && stage_->isClosed();
+  const auto T_world_carried = stage_ ? stage_->takeCarry() : std::nullopt;
   std::optional<robot::UserCommand> command;
-  if (!commands_.empty()) {
+  if (!commands_.empty() && !is_closed) {
     command = commands_.front();
     commands_.pop_front();
-  } else if (ends_) {
-    return std::nullopt;
-  } else {
+  } else if (stage_) {
     command = stage_->takeCommand();
   }
-  run::Order order = command ? robot::toCommand(*command, robot_) : hand_.next(stage_->keys(), collided);
-  if (stage_) order.T_world_carried = stage_->takeCarry();
+  const bool is_over = is_closed || (ends_ && commands_.empty());
+  if (!command && !T_world_carried && is_over) return std::nullopt;
+  HeldKeys keys;
+  if (stage_ && !is_over) keys = stage_->keys();
+  run::Order order = command ? robot::toCommand(*command, robot_) : hand_.next(keys, collided);
+  order.T_world_carried = T_world_carried;
   return order;
 }
 

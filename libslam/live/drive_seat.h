@@ -19,7 +19,7 @@ class DriveSeat {
   DriveSeat(const robot::RobotOptions& robot, double period_s,
             const std::vector<robot::UserCommand>& commands, Stage* stage, bool ends);
 
-  /// nullopt ends the drive. `collided`: the last command ended at an obstacle.
+  /// nullopt ends the drive; what was typed or dragged before the window was closed is done first. `collided`: the last command ended at an obstacle.
   std::optional<run::Order> next(bool collided);
 
  private:

@@ -99,7 +99,7 @@ class LiveWindow {
         scene_(scene),
         options_(options),
         hands_(options.hands),
-        window_(options.title, static_cast<unsigned>(scene.size().width),
+        window_("rasterslam", static_cast<unsigned>(scene.size().width),
                 static_cast<unsigned>(scene.size().height)),
         camera_(window_.camera()) {
     window_.background_scene = scene.scene();
@@ -133,7 +133,7 @@ class LiveWindow {
 
   std::optional<core::Point2> placeOf(const nanogui::Vector2i& p) const {
     return viewer::placeAt({static_cast<double>(p.x()), static_cast<double>(p.y())}, camera_.now(),
-                           scene_.size());
+                           scene_.size(), viewer::heightOf(viewer::kRobotLayer));
   }
 
   bool takeHold(const nanogui::Vector2i& p) {
@@ -275,6 +275,8 @@ class LiveWindow {
       if (drag_.held() && snapshot) snapshot->T_scene_truth = drag_.held();
       must_show_ = false;
     }
+    if (snapshot && !has_title_) window_.setWindowTitle(options_.title);
+    has_title_ = has_title_ || snapshot;
     if (snapshot)
       scene_.show(*snapshot, panel);
     else if (panel.playback != shown_.playback || panel.keys.size() != shown_.keys.size())
@@ -296,6 +298,7 @@ class LiveWindow {
   std::optional<viewer::Snapshot> last_;  ///< shown, while driving
   bool must_show_ = false;                ///< again, though there is no newer one
   bool shows_keys_ = false;
+  bool has_title_ = false;  ///< its own, once there is something to see
   viewer::PanelState shown_;
 };
 

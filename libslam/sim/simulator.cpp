@@ -105,10 +105,6 @@ void Simulator::carryNow(const core::Pose2& T_world_robot) {
                           {elapsed_ns_, T_world_robot});
 }
 
-std::string Simulator::refusalOf(const core::Pose2& T_world_robot) const {
-  return sim::refusalOf(scene_.planWithDoorsOpen(), T_world_robot, robot::circumscribedRadius(robot_));
-}
-
 void Simulator::carryIfDue() {
   const double radius_m = robot::circumscribedRadius(robot_);
   while (!pending_carries_.empty() && pending_carries_.front().time_ns <= elapsed_ns_) {

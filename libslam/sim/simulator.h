@@ -72,8 +72,6 @@ class Simulator {
   /// The same before the next command. An order that still waits for its place is dropped.
   void carryNow(const core::Pose2& T_world_robot);
 
-  /// Why the robot cannot be put down there, by the plan alone: "in a wall"; "" when it can.
-  std::string refusalOf(const core::Pose2& T_world_robot) const;
 
   double time_s() const;
   const core::Pose2& truth() const { return T_world_robot_; }  ///< for the recorder only

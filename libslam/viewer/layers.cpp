@@ -35,12 +35,6 @@ constexpr std::array<const char*, 13> kOrder = {
 /// What the depth buffer tells apart when a whole building is looked at.
 constexpr double kSheet_m = 0.02;
 
-double heightOf(const char* name) {
-  for (size_t i = 0; i < kOrder.size(); ++i)
-    if (std::strcmp(kOrder[i], name) == 0) return 2 * kSheet_m * static_cast<double>(i);
-  return 0;
-}
-
 template <class Object>
 std::shared_ptr<Object> named(std::shared_ptr<Object> object, const char* name) {
   object->setName(name);
@@ -103,6 +97,12 @@ Texel lookOf(world::Material material) {
 }
 
 }  // namespace
+
+double heightOf(const char* name) {
+  for (size_t i = 0; i < kOrder.size(); ++i)
+    if (std::strcmp(kOrder[i], name) == 0) return 2 * kSheet_m * static_cast<double>(i);
+  return 0;
+}
 
 void place(const Layer& layer, const core::Pose2& T_scene_layer) {
   layer->setPose(mrpt::poses::CPose3D(T_scene_layer.x, T_scene_layer.y, heightOf(layer->getName().c_str()),

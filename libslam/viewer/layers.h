@@ -26,6 +26,9 @@ inline constexpr const char *kPlanLayer = "plan", *kMapLayer = "map", *kTruthLay
                             *kCandidatesLayer = "candidates", *kRobotLayer = "robot",
                             *kParticlesLayer = "particles";
 
+/// How high above the floor a layer lies, metres.
+double heightOf(const char* name);
+
 /// Puts a layer from its own frame into the scene's, at its own height.
 void place(const Layer& layer, const core::Pose2& T_scene_layer);
 

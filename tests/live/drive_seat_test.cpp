@@ -45,6 +45,18 @@ TEST_F(DriveSeatTest, EndsWithItsCommandsWhereNobodyElseDrives) {
   EXPECT_FALSE(staying.next(false));
 }
 
+TEST_F(DriveSeatTest, WhatWasAskedForBeforeTheWindowWasClosedIsDone) {
+  auto driver = seat({move(1), move(1)}, &stage_);
+  stage_.carry({1, 2, 0});
+  stage_.give(move(3));
+  stage_.close();
+  const auto order = driver.next(false);
+  ASSERT_TRUE(order);
+  EXPECT_NEAR(distanceOf(order), 3, 1e-12);
+  EXPECT_TRUE(order->T_world_carried);
+  EXPECT_FALSE(driver.next(false));  // the file's commands are not
+}
+
 TEST_F(DriveSeatTest, TheRobotIsCarriedOnceBeforeTheNextCommand) {
   auto driver = seat({}, &stage_);
   stage_.carry({1, 2, 0});
