@@ -12,6 +12,7 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/report/picture.h"
 #include "libslam/run/build_map.h"
+#include "libslam/run/carry_file.h"
 #include "libslam/run/cpu_time.h"
 #include "libslam/run/map_plan.h"
 #include "libslam/run/recorder.h"
@@ -164,6 +165,7 @@ class Loop {
                                                 config.record.lidar.max_range_m)),
         referee_(config.exploration),
         near_misses_(plan, radius_m_) {
+    simulator_.carryAt(config.record.carries);
     if (!folder.empty()) recorder_.emplace(folder + "/run.rawlog", config.record);
   }
 
@@ -224,12 +226,12 @@ class Loop {
     const auto& T_world_robot = simulator_.truth();
     if (!first_scan_) first_scan_ = scan;
     last_scan_ = scan;
-    if (!truth_.empty()) path_m_ += core::distance(truth_.back().pose, T_world_robot);
+    path_.add(T_world_robot, simulator_.carries());
     truth_.push_back({simulator_.time_s(), T_world_robot});
     estimate_.push_back({scan.time_s, T_map_robot});
     coverage_.look(T_world_robot * scan.T_robot_lidar, scan.first_angle_rad, scan.step_rad,
                    static_cast<int>(scan.ranges_m.size()), scan.max_range_m);
-    curve_.push_back({elapsed_s, path_m_, truth_.size(), coverage_.area_m2()});
+    curve_.push_back({elapsed_s, path_.length_m(), truth_.size(), coverage_.area_m2()});
     near_misses_.look(T_world_robot);
     saw_something_ = saw_something_ || std::any_of(scan.ranges_m.begin(), scan.ranges_m.end(),
                                                    [](float range) { return robot::isReturn(range); });
@@ -283,7 +285,7 @@ class Loop {
   std::vector<metrics::CoveragePoint> curve_;
   std::vector<core::Point2> goals_;  ///< after every scan, map frame; none for the last when it ended there
   std::vector<DecisionEntry> decisions_;
-  double path_m_ = 0;
+  sim::DrivenPath path_;
   bool saw_something_ = false;
   bool returning_ = false;
   ExplorationEnd end_ = ExplorationEnd::kFailed;
@@ -326,6 +328,11 @@ LoopResult Loop::result() const {
 
   result.plan_is_open = opensToTheEdge(area);
   result.saw_nothing = !saw_something_;
+  for (const auto& carry : simulator_.carries())
+    result.carries.push_back(carryText(carry, sim::Simulator::kStartTime_s));
+  if (simulator_.waitingCarries() > 0)
+    result.carries.push_back(std::to_string(simulator_.waitingCarries()) +
+                             " of the carries came after the end");
   return result;
 }
 
@@ -379,7 +386,7 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
   for (const auto& entry : decisions_) marks.places.push_back(core::position(entry.T_world_robot));
   core::Trajectory believed = estimate_;
   for (auto& stamped : believed) stamped.pose = e.evaluation.trajectory.T_truth_estimate * stamped.pose;
-  report::drawPlan(plan_, {{truth_, "true path", true}, {believed, "path as " + method_.name + " has it"}},
+  report::drawPlan(plan_, {{brokenAtCarries(truth_, simulator_.carries()), "true path", true}, {believed, "path as " + method_.name + " has it"}},
                    plan_.name + ": " + e.strategy, folder_ + "/path.png", marks);
 
   manifest.seed = seed_;
