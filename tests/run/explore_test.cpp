@@ -10,6 +10,8 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/run/evaluate.h"
+#include "libslam/run/journal_file.h"
 #include "libslam/run/resources.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -268,6 +270,37 @@ TEST(Explore, AMethodThatFailsIsARowOrAnErrorAndLeavesNoFolder) {
   EXPECT_THROW(run(wanted), core::MethodError);
   EXPECT_FALSE(fs::exists(folder / "out"));
   EXPECT_FALSE(fs::exists(folder / "out.tmp"));
+}
+
+TEST(Explore, AMethodThatFailsOnTheWayKeepsWhatItHadMapped) {
+  const testing::TempFolder folder;
+  const std::string naive = core::readTextFile(configsFolder() + "/methods/naive_wheel.ini");
+  auto wanted = request(folder, twoRooms(), {quickConfig("nearest_frontier", 60, {"lidar.max_range_m=30"})},
+                        folder / "cramped.ini");
+  wanted.overwrite = true;
+  ExplorationReport result;
+  // The least room that the first map fits into is too little for what the robot sees from the next place.
+  for (int cells = 10000; result.runs.empty(); cells += cells / 50) {
+    ASSERT_LT(cells, 10000000);
+    core::writeFileAtomically(
+        folder / "cramped.ini",
+        std::string(naive).replace(naive.find("[mapping]"), 9,
+                                   "[mapping]\nmax_map_cells = " + std::to_string(cells)));
+    try {
+      result = run(wanted);
+    } catch (const core::MethodError&) {
+    }
+  }
+  EXPECT_EQ(result.failed, 1);
+  ASSERT_EQ(result.runs.size(), 1U);
+  EXPECT_THAT(result.runs[0].end_detail, HasSubstr("the map would hold"));
+  EXPECT_THAT(result.scores.notes, ::testing::Contains(HasSubstr("failed: at scan ")));
+  const auto partial = loadRun(folder / "out");
+  EXPECT_EQ(partial.manifest.results.at("status"), "incomplete");
+  EXPECT_GT(partial.estimate.size(), 1U);
+  EXPECT_EQ(readJournal(folder / "out/journal.csv").back().event, "failed");
+  EXPECT_TRUE(fs::exists(folder / "out/run.rawlog"));
+  EXPECT_TRUE(fs::exists(folder / "out/map.simplemap"));
 }
 
 TEST(Explore, RefusesWhatCannotBe) {
