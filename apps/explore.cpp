@@ -104,7 +104,8 @@ void addExplore(CLI::App& app, Context& context) {
   addJson(command, context);
   command->footer(
       "--strategy takes several names, separated by commas: one row each.\n"
-      "Exit codes: 0 ok, also when the robot got stuck; 3 bad input; 4 when the SLAM method failed.\n"
+      "Exit codes: 0 ok, also when the robot got stuck; 3 bad input; 4 when the SLAM method failed\n"
+      "(what it had mapped is kept).\n"
       "Examples:\n"
       "  rasterslam explore flat --strategy nearest_frontier --slam rbpf_exact -o out\n"
       "  rasterslam explore office_loop --strategy longest_ray,quadrant --seeds 10 --tables-only -o out\n"

@@ -10,6 +10,8 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/run/evaluate.h"
+#include "libslam/run/journal_file.h"
 #include "libslam/run/resources.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -268,6 +270,36 @@ TEST(Explore, AMethodThatFailsIsARowOrAnErrorAndLeavesNoFolder) {
   EXPECT_THROW(run(wanted), core::MethodError);
   EXPECT_FALSE(fs::exists(folder / "out"));
   EXPECT_FALSE(fs::exists(folder / "out.tmp"));
+}
+
+/// Stands for a method that fails when it has taken in so many scans.
+class FailsAfter : public StepObserver {
+ public:
+  explicit FailsAfter(int scans) : left_(scans) {}
+  void onStep(const Step&) override {
+    if (--left_ == 0) throw core::MethodError("broken on purpose");
+  }
+
+ private:
+  int left_;
+};
+
+TEST(Explore, AMethodThatFailsOnTheWayKeepsWhatItHadMapped) {
+  const testing::TempFolder folder;
+  FailsAfter observer(20);
+  auto wanted = request(folder, twoRooms(), {quickConfig("quadrant", 20)}, "icp");
+  wanted.observer = &observer;
+  const auto result = run(wanted);
+  EXPECT_EQ(result.failed, 1);
+  ASSERT_EQ(result.runs.size(), 1U);
+  EXPECT_THAT(result.runs[0].end_detail, HasSubstr("at scan 20 (3.8 s): broken on purpose"));
+  EXPECT_THAT(result.scores.notes, ::testing::Contains(HasSubstr("failed: at scan 20")));
+  const auto partial = loadRun(folder / "out");
+  EXPECT_EQ(partial.manifest.results.at("status"), "incomplete");
+  EXPECT_EQ(partial.estimate.size(), 20U);
+  EXPECT_EQ(readJournal(folder / "out/journal.csv").back().event, "failed");
+  EXPECT_TRUE(fs::exists(folder / "out/run.rawlog"));
+  EXPECT_TRUE(fs::exists(folder / "out/map.simplemap"));
 }
 
 TEST(Explore, RefusesWhatCannotBe) {
