@@ -119,12 +119,42 @@ report::Table tableOf(const ReachGoalRequest& request, const GoalComparison& com
   return table;
 }
 
+/// Every change of the step, also those that the next one of the same period undid.
+void addChanges(const navigate::GoalStep& step, double time_s, const core::Pose2& T_world_robot,
+                std::vector<StateChange>& changes) {
+  std::vector<core::Point2> p_world_projected;
+  for (const auto& p_robot : step.p_robot_projected) p_world_projected.push_back(T_world_robot * p_robot);
+  const auto add = [&](const std::string& to, const std::string& why) {
+    const std::string from = changes.empty() ? "" : changes.back().to;
+    if (to != from)
+      changes.push_back({time_s, from, to, why, core::position(T_world_robot), p_world_projected});
+  };
+  if (changes.empty() && !step.changes.empty()) add(step.changes.front().from, "start");
+  for (const auto& change : step.changes) add(change.to, change.why);
+  add(step.state, step.reason);
+}
+
 std::string statesCsv(const GoalRun& run) {
+  constexpr const char* kDirections[] = {"ahead", "left_ahead", "left", "right", "right_ahead"};
+  size_t projected = 0;
+  for (const auto& change : run.changes) projected = std::max(projected, change.p_world_projected.size());
   report::Table table;
   table.columns = {{"time_s", ""}, {"from", ""}, {"to", ""}, {"why", ""}, {"x_m", ""}, {"y_m", ""}};
-  for (const auto& change : run.changes)
+  for (size_t d = 0; d < projected; ++d) {
+    table.columns.push_back({std::string(kDirections[d]) + "_x_m", ""});
+    table.columns.push_back({std::string(kDirections[d]) + "_y_m", ""});
+  }
+  for (const auto& change : run.changes) {
     table.rows.push_back(
         {change.time_s, change.from, change.to, change.why, change.p_world.x, change.p_world.y});
+    const core::Point2 nowhere{std::numeric_limits<double>::quiet_NaN(),
+                               std::numeric_limits<double>::quiet_NaN()};
+    for (size_t d = 0; d < projected; ++d) {
+      const auto& p = d < change.p_world_projected.size() ? change.p_world_projected[d] : nowhere;
+      table.rows.back().emplace_back(p.x);
+      table.rows.back().emplace_back(p.y);
+    }
+  }
   return report::toCsv(table);
 }
 
@@ -215,7 +245,7 @@ core::Pose2 goalStart(const world::Plan& plan, const ReachGoalConfig& config, co
 
 ReachGoalConfig readReachGoalConfig(const core::IniFile& ini) {
   core::rejectUnknownSections(
-      ini, {"robot", "lidar", "odometry", "living", "navigate", "lidar_bug", "mrpt_reactive"});
+      ini, {"robot", "lidar", "odometry", "living", "navigate", "lidar_bug", "obstacles", "mrpt_reactive"});
   ReachGoalConfig config;
   auto* report = &config.parameters;
   core::readParameters(ini, robot::RobotOptions::table(), config.robot, report);
@@ -224,6 +254,7 @@ ReachGoalConfig readReachGoalConfig(const core::IniFile& ini) {
   core::readParameters(ini, sim::LivingOptions::table(), config.living, report);
   core::readParameters(ini, navigate::NavigateOptions::table(), config.navigate, report);
   core::readParameters(ini, navigate::LidarBugOptions::table(), config.navigate.lidar_bug, report);
+  core::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.navigate.obstacles, report);
   core::readParameters(ini, mrptnav::ReactiveOptions::table(), config.mrpt_reactive, report);
   return config;
 }
@@ -242,7 +273,6 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
   progress.begin(method + " in " + request.plan.name);
   const double start_s = simulator.time_s();
   sim::Sensed sensed = simulator.sense();
-  std::string state;
   while (true) {
     // Stamps count from 1970 and hold no more than a fraction of a microsecond.
     const double elapsed_s = std::round(1e3 * (simulator.time_s() - start_s)) / 1e3;
@@ -257,10 +287,7 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
       step = {{}, GoalStatus::kGaveUp, "gave up", std::string("the SLAM method failed: ") + error.what()};
       if (run.estimate.empty()) run.estimate.push_back(run.truth.front());
     }
-    if (step.state != state) {
-      run.changes.push_back({elapsed_s, state, step.state, step.reason, core::position(simulator.truth())});
-      state = step.state;
-    }
+    addChanges(step, elapsed_s, simulator.truth(), run.changes);
     run.status = step.status;
     run.reason = step.reason;
     if (request.observer)
@@ -318,7 +345,9 @@ GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifes
     manifest.config[line.section + "." + line.info.key] = line.value;
   manifest.files["METHOD/truth.tum"] = "true path, TUM form, world frame";
   manifest.files["METHOD/trajectory.tum"] = "the path by the pose that the method was given, world frame";
-  manifest.files["METHOD/states.csv"] = "every change of state: time, from, to, why, true place";
+  manifest.files["METHOD/states.csv"] =
+      "every change of state: time, from, to, why, true place; of lidar_bug the places "
+      "projected in its five directions";
   manifest.files["METHOD/path.png"] = "the true path, coloured by state";
   manifest.files["paths.png"] = "the true paths of all methods";
   manifest.files["scores.txt"] = "the table; also .md, .tex, .csv, .json";

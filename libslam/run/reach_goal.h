@@ -30,7 +30,7 @@ struct ReachGoalConfig {
   mrptnav::ReactiveOptions mrpt_reactive;
   std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
 };
-/// Reads sections [robot] [lidar] [odometry] [living] [navigate] [lidar_bug] [mrpt_reactive]; strict.
+/// Reads sections [robot] [lidar] [odometry] [living] [navigate] [lidar_bug] [obstacles] [mrpt_reactive]; strict.
 ReachGoalConfig readReachGoalConfig(const core::IniFile& config);
 
 struct ReachGoalRequest {
@@ -50,7 +50,8 @@ struct ReachGoalRequest {
 struct StateChange {
   double time_s;  ///< since the start
   std::string from, to, why;
-  core::Point2 p_world;  ///< true place
+  core::Point2 p_world;                              ///< true place
+  std::vector<core::Point2> p_world_projected = {};  ///< as GoalStep::p_robot_projected, from the true place
 };
 
 /// How one method fared.
@@ -77,6 +78,7 @@ struct GoalComparison {
 
 /// Drives to the goal once per method, the simulator in the loop, and writes into `output`:
 ///   METHOD/truth.tum trajectory.tum states.csv path.png   (the path coloured by the method's states)
+///   states.csv has every change of state; of lidar_bug also the places projected in its five directions
 ///   paths.png   scores.txt .md .tex .csv .json   manifest.json
 /// The folder appears whole or not at all. Same request: the same bytes but for the manifest's times.
 /// Errors: InputError for a start without room for the robot, a goal in a wall or outside the plan, an unknown

@@ -4,13 +4,18 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/navigate/safe_motion.h"
 #include "libslam/run/recorder.h"
 #include "libslam/world/furniture.h"
 
 namespace slam::run {
 
 core::Pose2 startPose(const world::Plan& plan, const RecordConfig& config) {
-  const double clearance_m = robot::circumscribedRadius(config.robot) + config.strategy.stop_clearance_m;
+  const double w_m =
+      config.strategy.stop_clearance_m > 0
+          ? config.strategy.stop_clearance_m
+          : navigate::stopClearance(config.robot, 1 / config.lidar.rate_hz, config.lidar.sigma_m);
+  const double clearance_m = robot::circumscribedRadius(config.robot) + w_m;
   if (config.simulation.start == "auto") {
     if (const auto pose = world::findStartPose(plan, clearance_m)) return *pose;
     if (const auto pose = world::findStartPose(plan, robot::circumscribedRadius(config.robot))) return *pose;
@@ -46,7 +51,8 @@ SimulationOptions::SimulationOptions() {
 }
 
 RecordConfig readRecordConfig(const core::IniFile& ini, const std::vector<std::string>& other_sections) {
-  std::vector<std::string> known = {"robot", "lidar", "odometry", "strategy", "living", "simulation"};
+  std::vector<std::string> known = {"robot",     "lidar",  "odometry",  "strategy",
+                                    "obstacles", "living", "simulation"};
   known.insert(known.end(), other_sections.begin(), other_sections.end());
   core::rejectUnknownSections(ini, known);
   RecordConfig config;
@@ -55,6 +61,7 @@ RecordConfig readRecordConfig(const core::IniFile& ini, const std::vector<std::s
   core::readParameters(ini, robot::LidarOptions::table(), config.lidar, report);
   core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
   core::readParameters(ini, navigate::StrategyOptions::table(), config.strategy, report);
+  core::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.strategy.obstacles, report);
   core::readParameters(ini, sim::LivingOptions::table(), config.living, report);
   core::readParameters(ini, SimulationOptions::table(), config.simulation, report);
   return config;

@@ -40,7 +40,8 @@ struct RecordConfig {
   std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
 };
 
-/// Reads sections [robot] [lidar] [odometry] [strategy] [living] [simulation]; strict but for `other_sections`, which
+/// Reads sections [robot] [lidar] [odometry] [strategy] [obstacles] [living] [simulation]; strict but for
+/// `other_sections`, which
 /// someone else reads.
 RecordConfig readRecordConfig(const core::IniFile& config,
                               const std::vector<std::string>& other_sections = {});

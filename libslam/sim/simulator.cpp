@@ -44,7 +44,7 @@ void requireValid(const robot::Command& command) {
 Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
                      const robot::LidarOptions& lidar, const robot::OdometryOptions& odometry,
                      const core::Pose2& start, std::uint64_t seed, double start_time_s,
-                     const LivingOptions& living)
+                     const LivingOptions& living, const std::optional<robot::FloorCamera>& camera)
     : scene_(plan, living, seed, {core::position(start), robot::circumscribedRadius(robot)}),
       robot_(robot),
       lidar_(lidar, seed),
@@ -52,6 +52,7 @@ Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
       path_(lidar_.memory_s()),
       T_world_robot_(start),
       start_time_s_(start_time_s) {
+  if (camera) camera_.emplace(*camera, seed);
   requireFreeStart(plan, start, robot::circumscribedRadius(robot_));
 }
 
@@ -61,7 +62,8 @@ double Simulator::time_s() const {
 
 Sensed Simulator::sense() {
   Sensed sensed;
-  sensed.scan = lidar_.sense(scene_, T_world_robot_, path_, time_s());
+  sensed.scan = camera_ ? camera_->sense(scene_, T_world_robot_, time_s())
+                        : lidar_.sense(scene_, T_world_robot_, path_, time_s());
   sensed.T_odom_robot = T_odom_robot_;
   sensed.T_previous_robot = T_previous_robot_;
   sensed.collided = collided_;

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "libslam/robot/lidar.h"
 #include "libslam/robot/odometer.h"
 #include "libslam/robot/scan.h"
+#include "libslam/sim/camera_sensor.h"
 #include "libslam/sim/lidar_sensor.h"
 #include "libslam/sim/living.h"
 #include "libslam/sim/recent_path.h"
@@ -46,14 +48,16 @@ class Simulator {
   static constexpr double kStartTime_s = 1700000000.0;
 
   /// Keeps a reference to `plan`, which must outlive it and not change. `living`: what else moves; of it the
-  /// visit is not the simulator's to know, `plan` is what this visit finds. Makes a world::SectorCaster: some
+  /// visit is not the simulator's to know, `plan` is what this visit finds. `camera`: what looks in place of the lidar; of
+  /// `lidar`, which should be robot::asLidar() then, nothing is used. Makes a world::SectorCaster: some
   /// milliseconds per million cells, and 8 bytes per cell.
   Simulator(const world::Plan& plan, const robot::RobotOptions& robot, const robot::LidarOptions& lidar,
             const robot::OdometryOptions& odometry, const core::Pose2& start, std::uint64_t seed,
-            double start_time_s = kStartTime_s, const LivingOptions& living = {});
+            double start_time_s = kStartTime_s, const LivingOptions& living = {},
+            const std::optional<robot::FloorCamera>& camera = {});
   Simulator(world::Plan&&, const robot::RobotOptions&, const robot::LidarOptions&,
             const robot::OdometryOptions&, const core::Pose2&, std::uint64_t, double = 0,
-            const LivingOptions& = {}) = delete;
+            const LivingOptions& = {}, const std::optional<robot::FloorCamera>& = {}) = delete;
 
   /// The first look, before any command. Looking again draws new noise and moves nothing else.
   Sensed sense();
@@ -75,6 +79,7 @@ class Simulator {
   Scene scene_;
   robot::RobotOptions robot_;
   LidarSensor lidar_;
+  std::optional<CameraSensor> camera_;
   robot::Odometer odometer_;
   RecentPath path_;
   core::Pose2 T_world_robot_, T_odom_robot_, T_previous_robot_;

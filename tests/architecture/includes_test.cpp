@@ -29,7 +29,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"scanmatch", {"core", "robot", "gridmap"}},
     {"posegraph", {"core"}},
     {"obstacles", {"core", "robot"}},
-    {"navigate", {"core", "robot", "gridmap"}},
+    {"navigate", {"core", "robot", "gridmap", "obstacles"}},
     {"mrptnav", {"core", "robot", "gridmap", "navigate"}},
     {"odometry", {"core", "robot"}},
     {"mapping", {"core", "robot", "gridmap", "odometry", "posegraph", "scanmatch"}},
