@@ -10,7 +10,7 @@
 set -eu
 
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/../.." && pwd)
-command_line="benchmarks/odometry/stock_programs.sh $*"
+command_line=benchmarks/odometry/stock_programs.sh
 data=$root/../shared/data
 program=$root/build/release/apps/rasterslam
 work=
