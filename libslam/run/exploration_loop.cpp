@@ -315,9 +315,11 @@ class Loop {
 };
 
 LoopResult Loop::result() const {
-  if (end_ == ExplorationEnd::kFailed)
-    return {failedExploration(config_, method_.name, seed_, end_detail_), {}};
   LoopResult result;
+  if (end_ == ExplorationEnd::kFailed) {
+    result.exploration = failedExploration(config_, method_.name, seed_, end_detail_);
+    return result;
+  }
   Exploration& e = result.exploration;
   const auto& area = coverage_.explorable();
   e.strategy = config_.record.strategy.name;
