@@ -43,10 +43,14 @@ class Localiser {
         is_reference_ && last_truth_ ? core::between(*last_truth_, T_world_robot) : sensed.T_previous_robot;
     last_truth_ = T_world_robot;
     core::Pose2 T_map_robot;
-    insideMethod([&] { T_map_robot = mapping::processScan(builder_, sensed.scan, T_previous_robot, true); });
+    insideMethod([&] {
+      T_map_robot = mapping::processScan(builder_, sensed.scan, T_previous_robot, true, commanded_);
+    });
     if (!core::isFinite(T_map_robot)) throw core::MethodError(name_ + " diverged: its pose is not finite");
     return T_map_robot;
   }
+  /// What the robot is told to do next.
+  void tell(const robot::Command& command) { commanded_ = commands_.next(command); }
   const mapping::MapBuilder& builder() const { return builder_; }
   gridmap::OccupancyRaster map() const {
     gridmap::OccupancyRaster map;
@@ -59,6 +63,8 @@ class Localiser {
   std::string name_;
   bool is_reference_;
   std::optional<core::Pose2> last_truth_;
+  robot::CommandSeries commands_;
+  robot::Commanded commanded_ = robot::MotionKind::kRest;
 };
 
 /// CPU time of the periods in which the robot decided, the map's reading included.
@@ -218,6 +224,7 @@ class Loop {
         driver_ = makeReturnDriver();
         referee_.watchReturn();
       }
+      localiser_.tell(command);
       sensed = simulator_.step(command);
       if (recorder_) recorder_->add(command, simulator_, sensed);
     }
