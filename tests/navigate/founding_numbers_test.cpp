@@ -173,9 +173,11 @@ TEST(FoundingBug, ReadsTheFiveIndicesAndProjectsThePlaceReachedThatWay) {
     const double angle_rad = 2 * core::kPi * static_cast<double>(indices[d]) / 275;
     EXPECT_NEAR(step.p_robot_projected[d].x, 1.25 * std::cos(angle_rad), 1e-6) << d;
     EXPECT_NEAR(step.p_robot_projected[d].y, 1.25 * std::sin(angle_rad), 1e-6) << d;
-    for (size_t other = 0; other < 5; ++other)
-      if (other != d)  // capped at one stride, twice clear_front_m
-        EXPECT_NEAR(std::hypot(step.p_robot_projected[other].x, step.p_robot_projected[other].y), 1.6, 1e-6);
+    for (size_t other = 0; other < 5; ++other) {
+      if (other == d) continue;
+      const auto& p = step.p_robot_projected[other];
+      EXPECT_NEAR(std::hypot(p.x, p.y), 1.6, 1e-6) << "capped at one stride, twice clear_front_m";
+    }
   }
 }
 
