@@ -17,7 +17,6 @@ import pathlib
 import resource
 import statistics
 import subprocess
-import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
@@ -141,14 +140,19 @@ def totals(found, worlds):
                       lines)
 
 
+def cpu_minutes():
+    spent = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return (spent.ru_utime + spent.ru_stime) / 60
+
+
 def write(options, rows, worlds):
     found = {(row["world"], row["strategy"], row["u"]): row for row in rows}
     commit = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True,
                             check=False).stdout.strip()
-    spent = resource.getrusage(resource.RUSAGE_CHILDREN)
     parts = [
-        f"Made by: benchmarks/exploration/divisors.py {' '.join(sys.argv[1:])}".rstrip() + f"\nCommit: {commit}\n"
-        f"CPU: {(spent.ru_utime + spent.ru_stime) / 60:.1f} minutes{' besides what SCRATCH had' if options.scratch else ''}\n\n"
+        f"Made by: benchmarks/exploration/divisors.py -n {options.seeds} -d {options.duration:g}"
+        f"{' -w ' + options.worlds if options.worlds else ''}\nCommit: {commit}\n"
+        + ("" if options.scratch else f"CPU: {cpu_minutes():.1f} minutes\n") + "\n"
         f"The drive is (longest ray / u). Medians of {options.seeds} seeds, true pose, {options.duration:g} s at most; a dash "
         "where fewer than half\nof the runs got there. Generated worlds: "
         + (", ".join(f"{kind}_{seed} ({size} m)" for kind, size, seed in GENERATED if f"{kind}_{seed}" in worlds) or "none")

@@ -145,7 +145,7 @@ def write(options, rows):
         writer.writeheader()
         writer.writerows(lines)
     parts = [
-        f"Made by: benchmarks/obstacles/memory.py {' '.join(sys.argv[1:])}".rstrip() + f"\nCommit: {commit}\n"
+        f"Made by: benchmarks/obstacles/memory.py -n {options.seeds}\nCommit: {commit}\n"
         f"CPU: {(spent.ru_utime + spent.ru_stime) / 60:.1f} minutes\n\n"
         f"Worlds {', '.join(WORLDS)} with eight people; {options.seeds} seeds each; at most {EXPLORE_S} s (explore) and "
         f"{NAVIGATE_S} s (navigate).\nMemory: none, the newest scan alone; short, within 1.5 m outside of the angle of view; "
