@@ -104,7 +104,9 @@ void addExplore(CLI::App& app, Context& context) {
       "Exit codes: 0 ok, also when the robot got stuck; 3 bad input; 4 when the SLAM method failed.\n"
       "Examples:\n"
       "  rasterslam explore flat --strategy nearest_frontier --slam rbpf_exact -o out\n"
-      "  rasterslam explore office_loop --strategy longest_ray,quadrant --seeds 10 --tables-only -o out");
+      "  rasterslam explore office_loop --strategy longest_ray,quadrant --seeds 10 --tables-only -o out\n"
+      "  rasterslam explore flat --strategy nearest_frontier --sensor camera --set camera.pitch_deg=30 -o "
+      "out");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return explorePlan(context, *arguments); };
   });

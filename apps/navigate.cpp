@@ -69,6 +69,7 @@ void addNavigate(CLI::App& app, Context& context) {
       ->capture_default_str();
   command->add_option("--lidar", arguments->flags.lidar,
                       "a lidar by name (see 'rasterslam list lidars') or an .ini file");
+  addSensorFlag(command, arguments->flags);
   addOutput(command, context, "folder to write (default navigation)");
   addSeed(command, context);
   addConfig(command, context);
@@ -78,7 +79,8 @@ void addNavigate(CLI::App& app, Context& context) {
       "there. 4: one missed it, gave up, or was wrong.\n"
       "Examples:\n"
       "  rasterslam navigate office_loop --goal \"3 2\" --method bug2,tangent -o out\n"
-      "  rasterslam navigate maze --start \"1.45 1.45 0\" --goal \"15.9 15.9\" --method tangent --slam icp");
+      "  rasterslam navigate maze --start \"1.45 1.45 0\" --goal \"15.9 15.9\" --method tangent --slam icp\n"
+      "  rasterslam navigate flat --goal \"3 2\" --method bug2 --sensor camera --set camera.pitch_deg=30");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return navigateTo(context, *arguments); };
   });

@@ -303,6 +303,7 @@ void addViewCommands(CLI::App& app, Context& context) {
   addSeed(drive, context);
   drive->add_option("--lidar", driving->simulation.lidar,
                     "a lidar by name (see 'rasterslam list lidars') or an .ini file");
+  addSensorFlag(drive, driving->simulation);
   drive->add_option("--duration", driving->simulation.duration_s, "longest recording, seconds");
   drive->add_option("--form", driving->simulation.form, "form of the rawlog: action or observation");
   addConfig(drive, context);
@@ -355,6 +356,7 @@ void addViewCommands(CLI::App& app, Context& context) {
       ->capture_default_str();
   navigate->add_option("--lidar", navigating->simulation.lidar,
                        "a lidar by name (see 'rasterslam list lidars') or an .ini file");
+  addSensorFlag(navigate, navigating->simulation);
   addOutput(navigate, context, "folder to write (default: none)");
   addSeed(navigate, context);
   addConfig(navigate, context);

@@ -157,7 +157,7 @@ class Loop {
         start_(startPose(plan, config.record)),
         radius_m_(robot::circumscribedRadius(config.record.robot)),
         simulator_(plan, config.record.robot, config.record.lidar, config.record.odometry, start_, seed,
-                   sim::Simulator::kStartTime_s, config.record.living),
+                   sim::Simulator::kStartTime_s, config.record.living, config.record.camera),
         localiser_(method, seed),
         driver_(makeDriver()),
         coverage_(plan, metrics::explorableArea(plan, core::position(start_), radius_m_,
@@ -218,6 +218,15 @@ class Loop {
                                               core::RandomStream(seed_, "return"));
   }
 
+  /// First angle and number of the beams that see as far as the scan's maximum range: all of a lidar's; not those of
+  /// a camera that the sides of its picture end.
+  std::pair<double, int> lookedOver(const robot::Scan& scan) const {
+    const auto& camera = config_.record.camera;
+    if (!camera) return {scan.first_angle_rad, static_cast<int>(scan.ranges_m.size())};
+    const double half_rad = robot::wholeHalfAngle(*camera);
+    return {-half_rad, 2 * static_cast<int>(std::lround(half_rad / scan.step_rad)) + 1};
+  }
+
   /// What the truth has to say about the new scan.
   void look(const sim::Sensed& sensed, const core::Pose2& T_map_robot, double elapsed_s) {
     const auto& scan = sensed.scan;
@@ -227,8 +236,9 @@ class Loop {
     if (!truth_.empty()) path_m_ += core::distance(truth_.back().pose, T_world_robot);
     truth_.push_back({simulator_.time_s(), T_world_robot});
     estimate_.push_back({scan.time_s, T_map_robot});
-    coverage_.look(T_world_robot * scan.T_robot_lidar, scan.first_angle_rad, scan.step_rad,
-                   static_cast<int>(scan.ranges_m.size()), scan.max_range_m);
+    const auto [first_angle_rad, beams] = lookedOver(scan);
+    coverage_.look(T_world_robot * scan.T_robot_lidar, first_angle_rad, scan.step_rad, beams,
+                   scan.max_range_m);
     curve_.push_back({elapsed_s, path_m_, truth_.size(), coverage_.area_m2()});
     near_misses_.look(T_world_robot);
     saw_something_ = saw_something_ || std::any_of(scan.ranges_m.begin(), scan.ranges_m.end(),
