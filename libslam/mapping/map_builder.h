@@ -115,6 +115,8 @@ const GraphSlam* graphSlamOf(const MapBuilder& method);
 /// Writes map.yaml + map.png (ROS map_server, trinary), map.gridmap.gz (a plain COccupancyGridMap2D) and map.simplemap
 /// (stock MRPT classes only) into an existing folder. Same input, same bytes. Errors: IoError with the path.
 void saveMaps(const MapBuilder& method, const std::string& folder);
+/// The last of these alone: of a map that is too large to be drawn.
+void saveKeyFrames(const MapBuilder& method, const std::string& folder);
 
 /// Registers our map classes with MRPT, so that an .ini can name them: mapping::registerMaps(). Also done by
 /// loading librasterslam-mrpt.so into a stock program (LD_PRELOAD).

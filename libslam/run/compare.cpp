@@ -56,6 +56,7 @@ bool isSameRun(const Method& method, const std::string& log_path, std::uint64_t 
   if (!fs::exists(method.folder + "/manifest.json")) return false;
   try {
     const auto manifest = core::readManifest(method.folder + "/manifest.json");
+    if (manifest.results.count("status") > 0) return false;  // it ended before its log did
     for (const auto& line : methodParameters(method.config, method.name, seed)) {
       const auto it = manifest.config.find(line.section + "." + line.info.key);
       if (it == manifest.config.end() || it->second != line.value) return false;
@@ -72,6 +73,12 @@ bool isSameRun(const Method& method, const std::string& log_path, std::uint64_t 
   }
 }
 
+/// The note of a method that failed on the way: what it had mapped is there to look at, and no row of figures, for they
+/// would stand beside those of the whole log.
+std::string keptText(const std::string& where_and_why) {
+  return where_and_why + "; what it had mapped is kept";
+}
+
 /// Runs one method in a process of its own. Throws MethodError for whatever goes wrong with the method alone.
 void runInProcess(const Method& method, const std::string& log_path, const CompareRequest& request,
                   core::Progress& progress) {
@@ -85,6 +92,7 @@ void runInProcess(const Method& method, const std::string& log_path, const Compa
   std::string why = result.killed ? "killed by signal " + std::to_string(result.exit_code - 128)
                                   : "exit code " + std::to_string(result.exit_code);
   const auto json = nlohmann::json::parse(result.out, nullptr, false);
+  if (json.is_object() && json.contains("failed")) throw core::MethodError(keptText(json["failed"]));
   // Lost in the end: all is written, and the row says so.
   if (json.is_object() && json.contains("lost")) return;
   if (json.is_object() && json.contains("error")) why = json["error"].get<std::string>();
@@ -102,11 +110,13 @@ void runMethods(std::vector<Method>& methods, const std::string& log_path, const
       Method& method = methods[i];
       if (method.reused) continue;
       try {
-        if (request.program.empty())
-          buildMap(log_path, method.config, method.name, request.seed, method.folder, true, manifest,
-                   progress, false);
-        else
+        if (!request.program.empty()) {
           runInProcess(method, log_path, request, progress);
+        } else {
+          const auto run = buildMap(log_path, method.config, method.name, request.seed, method.folder, true,
+                                    manifest, progress, false);
+          if (run.stopped) throw core::MethodError(keptText(stopText(*run.stopped)));
+        }
       } catch (const core::MethodError& error) {
         method.failure = error.what();
       } catch (...) {

@@ -52,7 +52,8 @@ SimulationOptions::SimulationOptions() {
 }
 
 RecordConfig readRecordConfig(const core::IniFile& given, const std::vector<std::string>& other_sections) {
-  std::vector<std::string> known = {"robot", "odometry", "strategy", "obstacles", "living", "simulation"};
+  std::vector<std::string> known = {"robot",  "odometry",   "strategy", "obstacles",
+                                    "living", "simulation", "events"};
   known.insert(known.end(), sensorSections().begin(), sensorSections().end());
   known.insert(known.end(), other_sections.begin(), other_sections.end());
   core::rejectUnknownSections(given, known);
@@ -67,6 +68,8 @@ RecordConfig readRecordConfig(const core::IniFile& given, const std::vector<std:
   core::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.strategy.obstacles, report);
   core::readParameters(ini, sim::LivingOptions::table(), config.living, report);
   core::readParameters(ini, SimulationOptions::table(), config.simulation, report);
+  config.carries = sim::readCarries(ini, report);
+  sim::requireBefore(config.carries, config.simulation.duration_s);
   return config;
 }
 
@@ -92,6 +95,7 @@ Recording recordLoop(sim::Simulator& simulator, const RecordConfig& config, std:
                      const Commander& commander, StepObserver* observer,
                      const std::function<const navigate::Decision*()>& decision) {
   const double period_s = 1 / config.lidar.rate_hz;
+  simulator.carryAt(config.carries);
   Recorder recorder(log_path, config);
   progress.begin("simulating " + simulator.scene().plan().name);
   const double start_time_s = simulator.time_s();
@@ -101,13 +105,14 @@ Recording recordLoop(sim::Simulator& simulator, const RecordConfig& config, std:
     const double elapsed_s = simulator.time_s() - start_time_s;
     progress.update(elapsed_s / config.simulation.duration_s, elapsed_s);
     const bool is_over = elapsed_s + period_s / 2 >= config.simulation.duration_s;
-    const auto command = is_over ? std::nullopt : commander(sensed);
+    const auto order = is_over ? std::nullopt : commander(sensed);
     if (observer)
       observer->onStep({elapsed_s, sensed.scan, sensed.T_previous_robot, sensed.T_odom_robot, nullptr,
                         &simulator, decision()});
-    if (!command) break;
-    sensed = simulator.step(*command);
-    recorder.add(*command, simulator, sensed);
+    if (!order) break;
+    if (order->T_world_carried) simulator.carryNow(*order->T_world_carried);
+    sensed = simulator.step(order->command);
+    recorder.add(order->command, simulator, sensed);
   }
   progress.end();
   return recorder.finish(simulator, seed, std::move(manifest));
@@ -128,7 +133,7 @@ Recording record(const world::Plan& given_plan, const RecordConfig& config, std:
     throw core::InputError("strategy '" + config.strategy.name +
                            "' needs a map, and a recording builds none: use 'rasterslam explore'");
   bool has_decided = false;
-  const auto drive = [&](const sim::Sensed& sensed) -> std::optional<robot::Command> {
+  const auto drive = [&](const sim::Sensed& sensed) -> std::optional<Order> {
     const auto command = driver.next(sensed.scan, sensed.T_odom_robot, sensed.collided);
     has_decided = true;
     if (driver.finished()) return std::nullopt;

@@ -8,6 +8,7 @@
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/odometry/scan_odometry.h"
+#include "libslam/run/carry_file.h"
 #include "libslam/run/failure.h"
 #include "libslam/run/movers_log.h"
 #include "libslam/sim/operation_log.h"
@@ -46,12 +47,12 @@ struct Recorder::State {
         mrpt_truth(path + ".GT.txt", logs::TrajectoryWriter::Format::kMrptGroundTruth),
         operations(logStem(path) + ".operations.txt") {}
 
-  void addTruth(const core::StampedPose& pose) {
+  void addTruth(const sim::Simulator& simulator) {
+    const core::StampedPose pose{simulator.time_s(), simulator.truth()};
     tum.write(pose);
     mrpt_truth.write(pose);
-    if (scans++ == 0) first_time_s = pose.time_s, last = pose.pose;
-    path_length_m += core::distance(last, pose.pose);
-    last = pose.pose;
+    if (scans++ == 0) first_time_s = pose.time_s;
+    driven.add(pose.pose, simulator.carries());
   }
 
   std::string log_path;
@@ -61,8 +62,8 @@ struct Recorder::State {
   logs::TrajectoryWriter tum, mrpt_truth;
   core::GrowingFile operations;
   size_t scans = 0;
-  double first_time_s = 0, path_length_m = 0;
-  core::Pose2 last;
+  double first_time_s = 0;
+  sim::DrivenPath driven;
   std::optional<MoversLog> movers;
   std::chrono::steady_clock::time_point wall_start = std::chrono::steady_clock::now();
 };
@@ -75,7 +76,7 @@ Recorder::~Recorder() = default;
 void Recorder::begin(const sim::Simulator& simulator, const sim::Sensed& sensed) {
   state_->scan_odometry->update(sensed.scan);
   state_->log.write(toLogEntry(sensed));
-  state_->addTruth({simulator.time_s(), simulator.truth()});
+  state_->addTruth(simulator);
   if (!simulator.scene().isAlive()) return;
   state_->movers.emplace(logStem(state_->log_path) + ".movers.csv");
   state_->movers->add(simulator);
@@ -87,7 +88,7 @@ void Recorder::add(const robot::Command& command, const sim::Simulator& simulato
   state_->operations.append(
       sim::formatOperation(toOperation(command, state_->scan_odometry->update(sensed.scan, kind))));
   state_->log.write(toLogEntry(sensed));
-  state_->addTruth({simulator.time_s(), simulator.truth()});
+  state_->addTruth(simulator);
   if (state_->movers) state_->movers->add(simulator);
 }
 
@@ -102,7 +103,7 @@ Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, 
   recording.collisions = simulator.collisions();
   recording.scans = state.scans;
   recording.duration_s = simulator.time_s() - state.first_time_s;
-  recording.path_length_m = state.path_length_m;
+  recording.path_length_m = state.driven.length_m();
   recording.files = {state.log_path, state.log_path + ".GT.txt", stem + ".gt.tum", stem + ".operations.txt",
                      stem + ".manifest.json"};
   if (state.movers) state.movers->commit(), recording.files.push_back(stem + ".movers.csv");
@@ -112,6 +113,15 @@ Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, 
     recording.files.push_back(collisions_path);
   } else {
     std::filesystem::remove(collisions_path);  // of the recording that this one replaces
+  }
+  recording.carries = simulator.carries();
+  recording.carries_left = simulator.waitingCarries();
+  const std::string carries_path = carriesPath(state.log_path);
+  if (!recording.carries.empty()) {
+    core::writeFileAtomically(carries_path, carriesCsv(recording.carries));
+    recording.files.push_back(carries_path);
+  } else {
+    std::filesystem::remove(carries_path);
   }
   const bool is_later_visit = state.config.living.visit > 1;
   if (is_later_visit) {
@@ -134,6 +144,8 @@ Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, 
         "truth: where people and doors that move were at every scan (time, kind, id, place, heading, state)";
   if (!recording.collisions.empty())
     manifest.files[name(collisions_path)] = "truth: when and where a wall or a person cut a command short";
+  if (!recording.carries.empty())
+    manifest.files[name(carries_path)] = "truth: when somebody carried the robot, from where and where to";
   if (is_later_visit)
     manifest.files[name(stem) + ".plan.yaml"] =
         "true plan of this visit, furniture moved: rasterslam eval --plan";
@@ -141,6 +153,7 @@ Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, 
   manifest.results["duration_s"] = core::formatNumber(recording.duration_s);
   manifest.results["path_length_m"] = core::formatNumber(recording.path_length_m);
   manifest.results["collisions"] = std::to_string(recording.collisions.size());
+  if (!recording.carries.empty()) manifest.results["carries"] = std::to_string(recording.carries.size());
   manifest.times_s["simulation"] =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - state.wall_start).count();
   core::writeManifest(manifest, stem + ".manifest.json");

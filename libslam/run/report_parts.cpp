@@ -10,6 +10,7 @@
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
 #include "libslam/logs/log_reader.h"
+#include "libslam/run/carry_file.h"
 #include "libslam/run/failure.h"
 #include "libslam/run/record.h"
 #include "libslam/sim/operation_log.h"
@@ -60,6 +61,9 @@ void addCollisions(const std::string& log_path, double start_s, report::ReportRe
   for (const auto& collision : readCollisions(collisionsPath(log_path)))
     replay.moments.push_back(
         {collision.time_s - start_s, "collision", "", core::position(collision.T_world_robot)});
+  for (const auto& carry : readCarryFile(carriesPath(log_path)))
+    replay.moments.push_back(
+        {carry.time_s - start_s, "carried", carryText(carry, start_s), core::position(carry.T_world_to)});
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "libslam/run/sensor.h"
 
+#include <cmath>
+
 #include "libslam/core/error.h"
 
 namespace slam::run {
@@ -59,6 +61,13 @@ core::IniFile withMemoryForCamera(const core::IniFile& config) {
   for (const char* section : {"strategy", "navigate"})
     if (!config.find(section, "memory")) filled.set(section, "memory", "local_map", "sensor.kind = camera");
   return filled;
+}
+
+std::pair<double, int> beamsOverFloor(const std::optional<robot::FloorCamera>& camera,
+                                      const robot::Scan& scan) {
+  if (!camera) return {scan.first_angle_rad, static_cast<int>(scan.ranges_m.size())};
+  const double half_rad = robot::wholeHalfAngle(*camera);
+  return {-half_rad, 2 * static_cast<int>(std::lround(half_rad / scan.step_rad)) + 1};
 }
 
 }  // namespace slam::run
