@@ -318,7 +318,7 @@ class Loop {
 
 LoopResult Loop::result() const {
   if (end_ == ExplorationEnd::kFailed)
-    return {failedExploration(config_, method_.name, seed_, end_detail_), {}};
+    return {failedExploration(config_, method_.name, seed_, end_detail_), {}, false, false, {}};
   LoopResult result;
   Exploration& e = result.exploration;
   const auto& area = coverage_.explorable();

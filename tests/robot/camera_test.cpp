@@ -45,15 +45,16 @@ bool isInPicture(const FloorCamera& camera, double x_m, double y_m) {
 TEST(FloorCameras, SeeAlongABearingWhatIsInThePictureAndWithinReach) {
   for (const auto& eye :
        {camera(), camera(1.2, 60), camera(0.3, 5, 90), camera(0.5, -10), camera(2, 90, 40, 30)}) {
+    const double most_m = asLidar(eye).max_range_m;
     for (int degree = -85; degree <= 85; degree += 5) {
       const auto span = bearingSpan(eye, degToRad(degree));
-      for (double r = 0.005; r < eye.scan.reach_m + 0.5; r += 0.01) {
+      for (double r = 0.005; r < eye.scan.reach_m + 0.5; r += 0.05) {
         const double x = r * std::cos(degToRad(degree)), y = r * std::sin(degToRad(degree));
         const bool is_near_a_border = std::abs(r - span.begin_m) < 1e-6 || std::abs(r - span.end_m) < 1e-6;
-        const bool is_within = r <= asLidar(eye).max_range_m;
-        if (!is_near_a_border)
-          ASSERT_EQ(r > span.begin_m && r < span.end_m, is_within && isInPicture(eye, x, y))
-              << degree << " deg, " << r << " m, pitch " << core::radToDeg(eye.view.pitch_rad);
+        const bool is_within = r <= most_m;
+        if (is_near_a_border) continue;
+        ASSERT_EQ(r > span.begin_m && r < span.end_m, is_within && isInPicture(eye, x, y))
+            << degree << " deg, " << r << " m, pitch " << core::radToDeg(eye.view.pitch_rad);
       }
     }
   }
