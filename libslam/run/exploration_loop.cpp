@@ -18,6 +18,7 @@
 #include "libslam/run/recorder.h"
 #include "libslam/run/return_to_start.h"
 #include "libslam/run/scene_file.h"
+#include "libslam/run/sensor.h"
 #include "libslam/run/stopped_run.h"
 
 namespace slam::run {
@@ -170,7 +171,7 @@ class Loop {
         start_(startPose(plan, config.record)),
         radius_m_(robot::circumscribedRadius(config.record.robot)),
         simulator_(plan, config.record.robot, config.record.lidar, config.record.odometry, start_, seed,
-                   sim::Simulator::kStartTime_s, config.record.living),
+                   sim::Simulator::kStartTime_s, config.record.living, config.record.camera),
         localiser_(method, seed),
         driver_(makeDriver()),
         coverage_(plan, metrics::explorableArea(plan, core::position(start_), radius_m_,
@@ -255,8 +256,9 @@ class Loop {
     path_.add(T_world_robot, simulator_.carries());
     truth_.push_back({simulator_.time_s(), T_world_robot});
     estimate_.push_back({scan.time_s, T_map_robot});
-    coverage_.look(T_world_robot * scan.T_robot_lidar, scan.first_angle_rad, scan.step_rad,
-                   static_cast<int>(scan.ranges_m.size()), scan.max_range_m);
+    const auto [first_angle_rad, beams] = beamsOverFloor(config_.record.camera, scan);
+    coverage_.look(T_world_robot * scan.T_robot_lidar, first_angle_rad, scan.step_rad, beams,
+                   scan.max_range_m);
     curve_.push_back({elapsed_s, path_.length_m(), truth_.size(), coverage_.area_m2()});
     near_misses_.look(T_world_robot);
     saw_something_ = saw_something_ || std::any_of(scan.ranges_m.begin(), scan.ranges_m.end(),
