@@ -471,8 +471,10 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
   results["coverage"] = number(e.figures.coverage);
   if (has_map) results["map_mean_entropy_bits"] = number(metrics::mapEntropy(localiser_.map().occupancy));
   results["peak_memory_mb"] = "nan";  // of a process that does more than this run
-  manifest.times_s["decision_mean"] = e.decision_mean_ms / 1000;
-  manifest.times_s["decision_max"] = e.decision_max_ms / 1000;
+  if (std::isfinite(e.decision_mean_ms)) {
+    manifest.times_s["decision_mean"] = e.decision_mean_ms / 1000;
+    manifest.times_s["decision_max"] = e.decision_max_ms / 1000;
+  }
   core::writeManifest(manifest, folder_ + "/manifest.json");
 }
 
