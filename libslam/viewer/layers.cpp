@@ -241,7 +241,7 @@ Layer obstaclesLayer(const LocalObstacles& obstacles, double radius_m) {
 }
 
 Layer strategicLayer(const StrategicView& view, double line_m) {
-  constexpr int kDashes = 20, kPieces = 4;
+  constexpr int kDashes = 12, kPieces = 4;
   auto layer = triangles(kStrategicLayer);
   for (const auto& p : view.projected) {
     addLine(*layer, {0, 0}, p, line_m, 0, report::kGreen);
@@ -250,10 +250,10 @@ Layer strategicLayer(const StrategicView& view, double line_m) {
   for (int i = 0; i < kDashes; ++i) {
     std::vector<core::Point2> dash;
     for (int j = 0; j <= kPieces; ++j) {
-      const double angle_rad = 2 * core::kPi * (i + 0.6 * j / kPieces) / kDashes;
+      const double angle_rad = 2 * core::kPi * (i + 0.5 * j / kPieces) / kDashes;
       dash.push_back({view.stop_radius_m * std::cos(angle_rad), view.stop_radius_m * std::sin(angle_rad)});
     }
-    addPolyline(*layer, dash, 1.5 * line_m, kSheet_m, kInk);
+    addPolyline(*layer, dash, line_m, kSheet_m, kInk);
   }
   return layer;
 }
