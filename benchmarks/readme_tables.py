@@ -52,6 +52,7 @@ def median(values, missing):
 
 WHAT = {
     "naive": "the founding robot: dead reckoning by scan difference, dots",
+    "naive_blind": "the same, guessing from the scans whether it moved or turned",
     "naive_wheel": "dead reckoning by the wheels",
     "naive_correlation": "dead reckoning by our scan correlation",
     "naive_flow": "dead reckoning by our range flow",

@@ -107,6 +107,10 @@ gridmap::OccupancyRaster currentMap(const MapBuilder& method) {
 void saveMaps(const MapBuilder& method, const std::string& folder) {
   writeRosMap(currentMap(method), folder);
   writeObject(plainCopy(*gridOf(method)), folder + "/map.gridmap.gz");
+  saveKeyFrames(method, folder);
+}
+
+void saveKeyFrames(const MapBuilder& method, const std::string& folder) {
   mrpt::maps::CSimpleMap key_frames;
   method.builder->getCurrentlyBuiltMap(key_frames);
   writeObject(key_frames, folder + "/map.simplemap");

@@ -63,6 +63,10 @@ bool Scene::discCollides(const core::Point2& p_world, double radius_m) const {
          });
 }
 
+void Scene::noteCarried(const Disc& robot) {
+  if (crowd_) crowd_->noteCarried(toPlanFrame(robot));
+}
+
 void Scene::tick(const Disc& robot) {
   const Disc robot_in_plan = toPlanFrame(robot);
   if (doors_) moveDoors(robot_in_plan);

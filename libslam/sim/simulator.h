@@ -10,6 +10,7 @@
 #include "libslam/robot/odometer.h"
 #include "libslam/robot/scan.h"
 #include "libslam/sim/camera_sensor.h"
+#include "libslam/sim/carry.h"
 #include "libslam/sim/lidar_sensor.h"
 #include "libslam/sim/living.h"
 #include "libslam/sim/recent_path.h"
@@ -41,6 +42,11 @@ struct Collision {
 /// into them is a collision, and they never walk or close into the robot. Between two checks of the path (at
 /// most a quarter of a cell or 1 cm apart) the disc may cut a wall's corner by less than 0.1 mm.
 ///
+/// Somebody may carry the robot (carryAt(), carryNow()): at that moment, also amid a command, the truth jumps. The wheels do
+/// not notice: dead reckoning goes by the command alone, and the rest of the command is driven from the new place, unless an obstacle
+/// has ended it. A place where a person stands or a door is shut just then is waited for: the robot is put down before the first command that
+/// finds it free.
+///
 /// Errors: lidar options that contradict each other (robot::requireSensible()); start not finite, in a wall, outside the plan or nearer to either than the disc's radius (InputError naming the pose
 /// and the radius); a command that is not finite or has a negative duration (ContractError).
 class Simulator {
@@ -64,12 +70,31 @@ class Simulator {
   /// Carries out one command and looks. A command of duration 0 only looks.
   Sensed step(const robot::Command& command);
 
+  /// Has the robot carried at the moments of `orders` (since the first scan; may be called once, before the first command).
+  /// Errors: InputError for a place without room for the robot, as for the start.
+  void carryAt(const std::vector<CarryOrder>& orders);
+  /// The same before the next command. An order that still waits for its place is dropped.
+  void carryNow(const core::Pose2& T_world_robot);
+
+
   double time_s() const;
   const core::Pose2& truth() const { return T_world_robot_; }  ///< for the recorder only
   const std::vector<Collision>& collisions() const { return collisions_; }
-  const Scene& scene() const { return scene_; }  ///< likewise
+  const Scene& scene() const { return scene_; }                   ///< likewise
+  const std::vector<Carry>& carries() const { return carries_; }  ///< that took place, in the order of time
+  /// Orders that are not carried out yet.
+  std::size_t waitingCarries() const { return pending_carries_.size(); }
 
  private:
+  struct PendingCarry {
+    std::int64_t time_ns;  ///< of the simulator's own clock
+    core::Pose2 T_world_robot;
+  };
+
+  /// Carries out the orders that are due, as far as their places are free.
+  void carryIfDue();
+  /// Moves the truth by a command, or by a part of one, and time with it. Returns the seconds of it that were driven.
+  double advance(const robot::Command& command);
   /// Seconds of the command until the disc would bump into something as it stands now, looking from from_s on,
   /// where it is free; to_s when it does not until then.
   double freeDuration(const robot::Command& command, double from_s, double to_s) const;
@@ -87,6 +112,8 @@ class Simulator {
   std::int64_t elapsed_ns_ = 0;
   bool collided_ = false;
   std::vector<Collision> collisions_;
+  std::vector<PendingCarry> pending_carries_;  ///< by time
+  std::vector<Carry> carries_;
 };
 
 }  // namespace slam::sim

@@ -9,6 +9,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/navigate/lidar_bug.h"
 #include "libslam/navigate/surroundings.h"
@@ -43,6 +44,48 @@ ReachGoalRequest roomRequest(const std::string& output, bool with_box) {
   request.methods_folder = configsFolder() + "/methods";
   request.output = output;
   return request;
+}
+
+TEST(ReachGoal, RecordsALogWithItsTruthForEveryMethod) {
+  const testing::TempFolder folder;
+  const auto request = roomRequest(folder / "out", false);
+  const auto comparison = reachGoal(request, {}, core::silentProgress());
+  for (const auto& run : comparison.runs) {
+    const std::string stem = folder / ("out/" + run.method + "/run");
+    logs::LogReader log(stem + ".rawlog");
+    size_t scans = 0;
+    while (log.next()) ++scans;
+    EXPECT_EQ(scans, run.truth.size());
+    EXPECT_EQ(core::readTextFile(stem + ".gt.tum"),
+              core::readTextFile(folder / ("out/" + run.method + "/truth.tum")));
+    for (const std::string ending : {".rawlog.GT.txt", ".operations.txt", ".manifest.json"})
+      EXPECT_TRUE(fs::exists(stem + ending)) << ending;
+    EXPECT_FALSE(fs::exists(stem + ".carries.csv"));
+  }
+}
+
+TEST(ReachGoal, ACarriedRobotDoesNotKnowAndTheTruthDoes) {
+  const testing::TempFolder folder;
+  auto request = roomRequest(folder / "out", false);
+  request.methods = {"tangent"};
+  request.config.carries = sim::parseCarries("2:1,0.6,0", "test");
+  const auto comparison = reachGoal(request, {}, core::silentProgress());
+  const auto& run = comparison.runs.at(0);
+  ASSERT_EQ(run.carries.size(), 1U);
+  EXPECT_EQ(run.status, navigate::GoalStatus::kReached);  // by its wheels
+  EXPECT_FALSE(run.right);                                // but not truly
+  EXPECT_LT(run.path_m, core::pathLength(run.truth) - 0.5);
+  EXPECT_THAT(report::toText(comparison.table), HasSubstr("tangent: carried at 2.0 s from"));
+  EXPECT_TRUE(fs::exists(folder / "out/tangent/run.carries.csv"));
+}
+
+TEST(ReachGoal, ACarryAfterTheEndIsSaid) {
+  const testing::TempFolder folder;
+  auto request = roomRequest(folder / "out", false);
+  request.methods = {"tangent"};
+  request.config.carries = sim::parseCarries("300:1,0.6,0", "test");
+  const auto comparison = reachGoal(request, {}, core::silentProgress());
+  EXPECT_THAT(report::toText(comparison.table), HasSubstr("1 of the carries came after the end"));
 }
 
 TEST(ReachGoal, WritesPathsStatesPicturesAndTheTable) {
