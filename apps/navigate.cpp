@@ -72,6 +72,7 @@ void addNavigate(CLI::App& app, Context& context) {
       ->capture_default_str();
   command->add_option("--lidar", arguments->flags.lidar,
                       "a lidar by name (see 'rasterslam list lidars') or an .ini file");
+  addSensorFlag(command, arguments->flags);
   addCarry(command, arguments->carries);
   addOutput(command, context, "folder to write (default navigation)");
   addSeed(command, context);
@@ -83,6 +84,7 @@ void addNavigate(CLI::App& app, Context& context) {
       "Examples:\n"
       "  rasterslam navigate office_loop --goal \"3 2\" --method bug2,tangent -o out\n"
       "  rasterslam navigate maze --start \"1.45 1.45 0\" --goal \"15.9 15.9\" --method tangent --slam icp\n"
+      "  rasterslam navigate flat --goal \"3 2\" --method bug2 --sensor camera --set camera.pitch_deg=30\n"
       "  rasterslam navigate flat --goal \"3 2\" --carry 10:11,2,90 -o out");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return navigateTo(context, *arguments); };

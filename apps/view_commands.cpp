@@ -340,6 +340,7 @@ void addViewCommands(CLI::App& app, Context& context) {
   addSeed(drive, context);
   drive->add_option("--lidar", driving->simulation.lidar,
                     "a lidar by name (see 'rasterslam list lidars') or an .ini file");
+  addSensorFlag(drive, driving->simulation);
   driving->slam = "naive";
   drive
       ->add_option("--slam", driving->slam,
@@ -405,6 +406,7 @@ void addViewCommands(CLI::App& app, Context& context) {
       ->capture_default_str();
   navigate->add_option("--lidar", navigating->simulation.lidar,
                        "a lidar by name (see 'rasterslam list lidars') or an .ini file");
+  addSensorFlag(navigate, navigating->simulation);
   addCarry(navigate, navigating->carries);
   addOutput(navigate, context, "folder to write (default: none)");
   addSeed(navigate, context);

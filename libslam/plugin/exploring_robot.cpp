@@ -75,7 +75,7 @@ struct ExploringRobot::State {
                               seedOf(options))),
         simulator(plan, options.record.robot, options.record.lidar, options.record.odometry,
                   run::startPose(plan, options.record), seedOf(options), sim::Simulator::kStartTime_s,
-                  options.record.living),
+                  options.record.living, options.record.camera),
         driver(navigate::makeStrategy(options.record.strategy, {seedOf(options), "strategy"}),
                options.record.strategy, options.record.robot, 1 / options.record.lidar.rate_hz,
                {seedOf(options), "driver"}),

@@ -18,6 +18,7 @@
 #include "libslam/run/recorder.h"
 #include "libslam/run/return_to_start.h"
 #include "libslam/run/scene_file.h"
+#include "libslam/run/sensor.h"
 #include "libslam/run/stopped_run.h"
 
 namespace slam::run {
@@ -170,7 +171,7 @@ class Loop {
         start_(startPose(plan, config.record)),
         radius_m_(robot::circumscribedRadius(config.record.robot)),
         simulator_(plan, config.record.robot, config.record.lidar, config.record.odometry, start_, seed,
-                   sim::Simulator::kStartTime_s, config.record.living),
+                   sim::Simulator::kStartTime_s, config.record.living, config.record.camera),
         localiser_(method, seed),
         driver_(makeDriver()),
         coverage_(plan, metrics::explorableArea(plan, core::position(start_), radius_m_,
@@ -255,8 +256,9 @@ class Loop {
     path_.add(T_world_robot, simulator_.carries());
     truth_.push_back({simulator_.time_s(), T_world_robot});
     estimate_.push_back({scan.time_s, T_map_robot});
-    coverage_.look(T_world_robot * scan.T_robot_lidar, scan.first_angle_rad, scan.step_rad,
-                   static_cast<int>(scan.ranges_m.size()), scan.max_range_m);
+    const auto [first_angle_rad, beams] = beamsOverFloor(config_.record.camera, scan);
+    coverage_.look(T_world_robot * scan.T_robot_lidar, first_angle_rad, scan.step_rad, beams,
+                   scan.max_range_m);
     curve_.push_back({elapsed_s, path_.length_m(), truth_.size(), coverage_.area_m2()});
     near_misses_.look(T_world_robot);
     saw_something_ = saw_something_ || std::any_of(scan.ranges_m.begin(), scan.ranges_m.end(),
@@ -322,9 +324,11 @@ class Loop {
 };
 
 LoopResult Loop::result() const {
-  if (end_ == ExplorationEnd::kFailed)
-    return {failedExploration(config_, method_.name, seed_, end_detail_), {}, false, false, {}};
   LoopResult result;
+  if (end_ == ExplorationEnd::kFailed) {
+    result.exploration = failedExploration(config_, method_.name, seed_, end_detail_);
+    return result;
+  }
   Exploration& e = result.exploration;
   const auto& area = coverage_.explorable();
   e.strategy = config_.record.strategy.name;
@@ -467,8 +471,10 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
   results["coverage"] = number(e.figures.coverage);
   if (has_map) results["map_mean_entropy_bits"] = number(metrics::mapEntropy(localiser_.map().occupancy));
   results["peak_memory_mb"] = "nan";  // of a process that does more than this run
-  manifest.times_s["decision_mean"] = e.decision_mean_ms / 1000;
-  manifest.times_s["decision_max"] = e.decision_max_ms / 1000;
+  if (std::isfinite(e.decision_mean_ms)) {
+    manifest.times_s["decision_mean"] = e.decision_mean_ms / 1000;
+    manifest.times_s["decision_max"] = e.decision_max_ms / 1000;
+  }
   core::writeManifest(manifest, folder_ + "/manifest.json");
 }
 

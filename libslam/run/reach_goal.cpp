@@ -17,6 +17,7 @@
 #include "libslam/run/goal_methods.h"
 #include "libslam/run/goal_picture.h"
 #include "libslam/run/recorder.h"
+#include "libslam/run/sensor.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/world/shortest_path.h"
 
@@ -78,6 +79,7 @@ RecordConfig recordConfigOf(const ReachGoalConfig& config) {
   RecordConfig record;
   record.robot = config.robot;
   record.lidar = config.lidar;
+  record.camera = config.camera;
   record.odometry = config.odometry;
   record.living = config.living;
   record.carries = config.carries;
@@ -225,13 +227,17 @@ core::Pose2 goalStart(const world::Plan& plan, const ReachGoalConfig& config, co
                          core::formatNumber(config.robot.side_m) + " m");
 }
 
-ReachGoalConfig readReachGoalConfig(const core::IniFile& ini) {
-  core::rejectUnknownSections(ini, {"robot", "lidar", "odometry", "living", "events", "navigate", "lidar_bug",
-                                    "obstacles", "mrpt_reactive"});
+ReachGoalConfig readReachGoalConfig(const core::IniFile& given) {
+  std::vector<std::string> known = {"robot",    "odometry",  "living",    "events",
+                                    "navigate", "lidar_bug", "obstacles", "mrpt_reactive"};
+  known.insert(known.end(), sensorSections().begin(), sensorSections().end());
+  core::rejectUnknownSections(given, known);
+  const auto ini = withMemoryForCamera(given);
   ReachGoalConfig config;
   auto* report = &config.parameters;
   core::readParameters(ini, robot::RobotOptions::table(), config.robot, report);
-  core::readParameters(ini, robot::LidarOptions::table(), config.lidar, report);
+  const auto sensor = readSensor(ini, report);
+  config.lidar = sensor.lidar, config.camera = sensor.camera;
   core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
   core::readParameters(ini, sim::LivingOptions::table(), config.living, report);
   config.carries = sim::readCarries(ini, report);
@@ -248,7 +254,7 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
   const auto& config = request.config;
   const double period_s = 1 / config.lidar.rate_hz;
   sim::Simulator simulator(request.plan, config.robot, config.lidar, config.odometry, request.T_world_start,
-                           request.seed, sim::Simulator::kStartTime_s, config.living);
+                           request.seed, sim::Simulator::kStartTime_s, config.living, config.camera);
   simulator.carryAt(config.carries);
   std::optional<Recorder> recorder;
   if (!folder.empty()) recorder.emplace(folder + "/run.rawlog", recordConfigOf(config));

@@ -24,7 +24,8 @@ namespace slam::run {
 /// All that decides a drive to a goal besides the plan, the places, the method and the seed.
 struct ReachGoalConfig {
   robot::RobotOptions robot;
-  robot::LidarOptions lidar;
+  robot::LidarOptions lidar;                 ///< with a camera: the one that would give its scans
+  std::optional<robot::FloorCamera> camera;  ///< looks in place of the lidar
   robot::OdometryOptions odometry;
   sim::LivingOptions living;
   navigate::NavigateOptions navigate;
@@ -32,7 +33,7 @@ struct ReachGoalConfig {
   std::vector<sim::CarryOrder> carries;           ///< when and where somebody carries the robot
   std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
 };
-/// Reads sections [robot] [lidar] [odometry] [living] [events] [navigate] [lidar_bug] [obstacles] [mrpt_reactive]; strict.
+/// Reads sections [robot], those of readSensor(), [odometry] [living] [events] [navigate] [lidar_bug] [obstacles] [mrpt_reactive]; strict.
 ReachGoalConfig readReachGoalConfig(const core::IniFile& config);
 
 struct ReachGoalRequest {

@@ -6,6 +6,7 @@
 #include "libslam/core/error.h"
 #include "libslam/navigate/safe_motion.h"
 #include "libslam/run/recorder.h"
+#include "libslam/run/sensor.h"
 #include "libslam/world/furniture.h"
 
 namespace slam::run {
@@ -50,15 +51,18 @@ SimulationOptions::SimulationOptions() {
   table().setDefaults(*this);
 }
 
-RecordConfig readRecordConfig(const core::IniFile& ini, const std::vector<std::string>& other_sections) {
-  std::vector<std::string> known = {"robot",     "lidar",  "odometry",   "strategy",
-                                    "obstacles", "living", "simulation", "events"};
+RecordConfig readRecordConfig(const core::IniFile& given, const std::vector<std::string>& other_sections) {
+  std::vector<std::string> known = {"robot",  "odometry",   "strategy", "obstacles",
+                                    "living", "simulation", "events"};
+  known.insert(known.end(), sensorSections().begin(), sensorSections().end());
   known.insert(known.end(), other_sections.begin(), other_sections.end());
-  core::rejectUnknownSections(ini, known);
+  core::rejectUnknownSections(given, known);
+  const auto ini = withMemoryForCamera(given);
   RecordConfig config;
   auto* report = &config.parameters;
   core::readParameters(ini, robot::RobotOptions::table(), config.robot, report);
-  core::readParameters(ini, robot::LidarOptions::table(), config.lidar, report);
+  const auto sensor = readSensor(ini, report);
+  config.lidar = sensor.lidar, config.camera = sensor.camera;
   core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
   core::readParameters(ini, navigate::StrategyOptions::table(), config.strategy, report);
   core::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.strategy.obstacles, report);
@@ -124,7 +128,7 @@ Recording record(const world::Plan& given_plan, const RecordConfig& config, std:
                  StepObserver* observer) {
   const world::Plan plan = planOfVisit(given_plan, config.living, seed);
   sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, startPose(plan, config), seed,
-                           sim::Simulator::kStartTime_s, config.living);
+                           sim::Simulator::kStartTime_s, config.living, config.camera);
   navigate::Driver driver(navigate::makeStrategy(config.strategy, core::RandomStream(seed, "strategy")),
                           config.strategy, config.robot, 1 / config.lidar.rate_hz,
                           core::RandomStream(seed, "driver"));
@@ -147,7 +151,7 @@ Recording recordCommands(const world::Plan& given_plan, const RecordConfig& conf
                          const Commander& commander, StepObserver* observer) {
   const world::Plan plan = planOfVisit(given_plan, config.living, seed);
   sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, startPose(plan, config), seed,
-                           sim::Simulator::kStartTime_s, config.living);
+                           sim::Simulator::kStartTime_s, config.living, config.camera);
   return recordLoop(simulator, config, seed, log_path, std::move(manifest), progress, commander, observer,
                     [] { return nullptr; });
 }

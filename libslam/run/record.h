@@ -10,6 +10,7 @@
 #include "libslam/core/parameters.h"
 #include "libslam/core/progress.h"
 #include "libslam/navigate/strategy.h"
+#include "libslam/robot/camera.h"
 #include "libslam/robot/drive.h"
 #include "libslam/robot/lidar.h"
 #include "libslam/robot/odometry_noise.h"
@@ -33,7 +34,8 @@ struct SimulationOptions {
 /// All that decides a recording besides the plan and the seed.
 struct RecordConfig {
   robot::RobotOptions robot;
-  robot::LidarOptions lidar;
+  robot::LidarOptions lidar;                 ///< with a camera: the one that would give its scans
+  std::optional<robot::FloorCamera> camera;  ///< looks in place of the lidar
   robot::OdometryOptions odometry;
   navigate::StrategyOptions strategy;
   sim::LivingOptions living;
@@ -42,7 +44,7 @@ struct RecordConfig {
   std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
 };
 
-/// Reads sections [robot] [lidar] [odometry] [strategy] [obstacles] [living] [simulation] [events]; strict but for
+/// Reads sections [robot], those of readSensor(), [odometry] [strategy] [obstacles] [living] [simulation] [events]; strict but for
 /// `other_sections`, which
 /// someone else reads.
 RecordConfig readRecordConfig(const core::IniFile& config,

@@ -13,8 +13,10 @@ namespace slam::world {
 /// change. The walk steps over the corner where two pixels touch, so it can slip through a wall that is one pixel
 /// thin and runs aslant. It measures to the middle of the pixel and not to its face: against a wall across the
 /// longer axis that is 0.5 / max(|cos|, |sin|) pixels more than exact from the pixel's centre, 0.56 pixels on average
-/// over the directions. Measured in the five committed worlds from random places in free space, 360 rays each, the
-/// range is MEASURED_MEAN pixels longer than castRay()'s on average and MEASURED_MEDIAN in the median.
+/// over the directions. Measured in the five committed worlds from 300 random places in free space each, 360 rays
+/// from a place: longer than castRay()'s by 0.54 pixels in the median, and by 0.53 on average over the 96 % of rays that
+/// differ by at most 2 pixels; the others pass an edge that the exact ray meets, or the other way round, and bring
+/// the average of all to 0.96.
 ///
 /// As the founding document has it there is no end where no obstacle is; here nothing met before the plan's
 /// edge or up to max_range_m is +infinity, max_range_m <= 0 means no limit, unknown cells are transparent, and
