@@ -87,7 +87,7 @@ TEST(Record, HasGoldenBytes) {
   EXPECT_EQ(core::fileSha256(folder / "run.gt.tum"),
             "a93638bc38535140d572f7c2786ebdc053e793376c88ce31e38614ee341ab9ae");
   for (const auto& [method, golden] : std::map<std::string, std::string>{
-           {"naive", "cc5876bb6cb6b828d9d87131ccbdc3a277967fb8edd30d9ffebab8a053a16818"},
+           {"naive", "34bd4e2b9fb593867eb7fb2d9fcbbc480bc62f313b7c6e6fa646ea772e9f85fe"},
            {"icp", "02179186ceab70fb37a3fa7e4bc49d31a4dea19c516e43aae1033d24808a0052"},
            {"rbpf_exact", "56e937022ab6afc9ce1c49c8aeb61aede6c3f0fe9a8f241309387c460cc96464"}}) {
     const auto config = mapping::loadMethodConfig(configsFolder() + "/methods", method);

@@ -109,7 +109,8 @@ TEST(OperationsOfADrive, HoldMovesTurnsAndArcsAndNoRest) {
     EXPECT_EQ(operations[i].kind, kind) << i;
     EXPECT_EQ(operations[i].scan_before, before) << i;
     EXPECT_EQ(operations[i].scan_after, after) << i;
-    if (kind == 'm') EXPECT_NEAR(operations[i].second, 0.06 * (after - before), 0.11) << "to two pixels";
+    const double step_m = kind == 'm' ? 0.06 * (after - before) : operations[i].second;
+    EXPECT_NEAR(operations[i].second, step_m, 0.11) << "to two pixels";
   }
 }
 
