@@ -19,7 +19,7 @@ namespace {
 struct Arguments {
   std::string method, log, continued, localised;
   std::vector<double> start;  ///< x_m, y_m, yaw_deg
-  bool journal = false;
+  bool journal = false, keep_partial = false;
 };
 
 run::Continuation continuationOf(const Arguments& arguments) {
@@ -49,6 +49,16 @@ nlohmann::ordered_json journalJson(const std::vector<run::JournalLine>& journal)
   return list;
 }
 
+core::ExitCode exitCodeOf(const run::MapRun& result, bool is_lost) {
+  if (!result.stopped) return is_lost ? core::ExitCode::kMethodFailed : core::ExitCode::kOk;
+  return result.stopped->reason == run::Stop::Reason::kFailed ? core::ExitCode::kMethodFailed
+                                                              : core::ExitCode::kInterrupted;
+}
+
+std::string stoppedText(const run::Stop& stop) {
+  return run::eventOf(stop) + " " + run::stopText(stop) + "; what was mapped before is kept";
+}
+
 int runMethod(const Context& context, const Arguments& arguments) {
   auto config = mapping::loadMethodConfig(run::configsFolder() + "/methods", arguments.method);
   if (!context.config.empty()) config.overrideWith(core::IniFile::load(context.config));
@@ -60,10 +70,13 @@ int runMethod(const Context& context, const Arguments& arguments) {
   }
   const std::string folder = context.output.empty() ? name : context.output;
   ConsoleProgress progress(context.quiet);
-  const auto result = run::buildMap(arguments.log, config, name, context.seed, folder, context.overwrite,
-                                    context.manifest(), progress, true, continuationOf(arguments));
+  const auto result =
+      run::buildMap(arguments.log, config, name, context.seed, folder, context.overwrite, context.manifest(),
+                    progress, true, continuationOf(arguments), nullptr, arguments.keep_partial);
   const auto lost = run::lostInTheEnd(result.journal);
-  const auto exit_code = static_cast<int>(lost ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);
+  const auto exit_code = static_cast<int>(exitCodeOf(result, lost.has_value()));
+  if (result.stopped)
+    std::fprintf(stderr, "rasterslam: %s %s\n", name.c_str(), stoppedText(*result.stopped).c_str());
   if (lost)
     std::fprintf(stderr, "rasterslam: %s: %s and not found again\n", name.c_str(),
                  run::lostText(*lost).c_str());
@@ -71,6 +84,8 @@ int runMethod(const Context& context, const Arguments& arguments) {
     std::fprintf(stderr,
                  "rasterslam: %s: %d of %zu steps come without odometry, estimated from the scans instead\n",
                  arguments.log.c_str(), result.steps_without_odometry, result.estimate.size() - 1);
+  if (const auto note = run::commandsNote(name, result.commands_from); !note.empty())
+    std::fprintf(stderr, "rasterslam: %s\n", note.c_str());
   const auto& end = result.end;
   if (context.json) {
     nlohmann::ordered_json json{{"folder", folder},
@@ -81,7 +96,9 @@ int runMethod(const Context& context, const Arguments& arguments) {
                                 {"mean_ms_per_scan", result.cost.mean_ms_per_scan},
                                 {"p99_ms_per_scan", result.cost.p99_ms_per_scan},
                                 {"peak_memory_mb", result.cost.peak_memory_mb}};
+    if (!result.commands_from.empty()) json["commands_from"] = result.commands_from;
     if (lost) json["lost"] = run::lostText(*lost);
+    if (result.stopped) json[run::eventOf(*result.stopped)] = run::stopText(*result.stopped);
     if (arguments.journal) json["journal"] = journalJson(result.journal);
     std::cout << json.dump(2) << "\n";
     return exit_code;
@@ -116,6 +133,8 @@ void addRun(CLI::App& app, Context& context) {
       ->required();
   command->add_option("log", arguments->log, "a log: MRPT rawlog, CARMEN, ...")->required();
   command->add_flag("--journal", arguments->journal, "print what the method says of its work, scan by scan");
+  command->add_flag("--keep-partial", arguments->keep_partial,
+                    "an interrupt (Ctrl-C) keeps what was mapped until then");
   auto* continued = command->add_option("--continue", arguments->continued,
                                         "folder of an earlier run: go on in its map (graph, particles, icp)");
   command
@@ -139,7 +158,8 @@ void addRun(CLI::App& app, Context& context) {
       "  rasterslam run graph monday.rawlog -o monday --journal\n"
       "  rasterslam run graph tuesday.rawlog -o both --continue monday --start 0,0,0\n"
       "  rasterslam run graph wednesday.rawlog -o path --localise both --start 2.5,-1,90\n"
-      "Exit code 4: the robot was lost and not found again; all files are written.");
+      "Exit code 4: the robot was lost and not found again, all files are written; or the method failed on\n"
+      "the way: what it mapped until then is written. 130: interrupted.");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return runMethod(context, *arguments); };
   });

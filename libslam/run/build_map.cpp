@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <sstream>
 
@@ -21,6 +23,7 @@
 #include "libslam/run/process_memory.h"
 #include "libslam/run/scene_file.h"
 #include "libslam/run/self_score.h"
+#include "libslam/run/told_commands.h"
 
 namespace slam::run {
 namespace {
@@ -149,6 +152,79 @@ void describeSelfScore(const SelfScore& score, std::map<std::string, std::string
   results["self.through_wall_share"] = core::formatNumber(score.agreement.through_wall_share);
 }
 
+/// What is kept of the scans while they come, in the order of the log.
+struct Taken {
+  std::vector<double> milliseconds, stamps_s;
+  robot::Scan last_scan;
+  double time_s = 0;  ///< of the scan at work, since the first
+};
+
+/// Does a part of the work that a method may fail in, or an interrupt end: run.stopped says so then. The first reason stays.
+/// What comes before the first scan is taken in leaves nothing to keep.
+void stoppable(MapRun& run, const Taken& taken, bool keep_partial, const std::function<void()>& work) {
+  const auto stop = [&](Stop::Reason reason, const std::string& why) {
+    if (!run.stopped) run.stopped = {reason, static_cast<int>(run.estimate.size()), taken.time_s, why};
+  };
+  try {
+    work();
+  } catch (const core::MethodError& error) {
+    if (run.estimate.empty()) throw;
+    stop(Stop::Reason::kFailed, error.what());
+  } catch (const core::Interrupted&) {
+    if (!keep_partial || run.estimate.empty()) throw;
+    stop(Stop::Reason::kInterrupted, "");
+  }
+}
+
+/// All scans of the log through the method.
+void takeIn(const std::string& log_path, mapping::MapBuilder& method,
+            const std::optional<ExternalRun>& external, MapRun& run, Taken& taken, core::Manifest& manifest,
+            core::Progress& progress, StepObserver* observer) {
+  logs::LogReader log(log_path);
+  while (const auto entry = log.next()) {
+    const double stamp_s = entry->scan.time_s;
+    const double time_s = run.estimate.empty() ? 0 : stamp_s - taken.stamps_s.front();
+    taken.time_s = time_s;
+    if (run.estimate.empty()) describeLidar(entry->scan, manifest.results);
+    core::Pose2 T_previous_robot = entry->T_previous_robot;
+    if (external) T_previous_robot = external->increment(run.estimate.size());
+    core::Pose2 T_map_robot;
+    std::optional<Eigen::Matrix3d> covariance;
+    double after_s = 0;
+    const double before_s = threadCpuSeconds();
+    insideMethod([&] {
+      T_map_robot =
+          mapping::processScan(method, entry->scan, T_previous_robot, entry->has_odometry || external);
+      after_s = threadCpuSeconds();
+      covariance = mapping::poseCovariance(method);
+    });
+    if (!core::isFinite(T_map_robot))
+      throw core::MethodError(method.name + " diverged: its pose is not finite");
+    if (!run.estimate.empty() && !entry->has_odometry) ++run.steps_without_odometry;
+    taken.milliseconds.push_back((after_s - before_s) * 1000);
+    taken.stamps_s.push_back(stamp_s);
+    taken.last_scan = entry->scan;
+    run.estimate.push_back({stamp_s, T_map_robot});
+    if (covariance) run.covariances.push_back({stamp_s, *covariance});
+    progress.update(log.fractionRead(), time_s);
+    if (observer) observer->onStep({time_s, entry->scan, T_previous_robot, T_map_robot, &method});
+  }
+}
+
+void writePaths(const MapRun& run, const std::string& folder) {
+  logs::writeTum(run.estimate, folder + "/trajectory.tum");
+  if (run.final_estimate) logs::writeTum(*run.final_estimate, folder + "/trajectory_final.tum");
+  if (!run.covariances.empty()) writeCovariances(run.covariances, folder + "/covariances.csv");
+  if (!run.final_covariances.empty())
+    writeCovariances(run.final_covariances, folder + "/covariances_final.csv");
+  if (!run.journal.empty()) core::writeFileAtomically(folder + "/journal.csv", journalCsv(run.journal));
+}
+
+void describeStop(const Stop& stop, std::map<std::string, std::string>& results) {
+  results["status"] = "incomplete";
+  results[eventOf(stop)] = stopText(stop);
+}
+
 }  // namespace
 
 void describeLidar(const robot::Scan& scan, std::map<std::string, std::string>& results) {
@@ -178,7 +254,7 @@ core::Pose2 endOfRun(const std::string& folder) {
 MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
                 core::Manifest manifest, core::Progress& progress, bool measure_memory,
-                const Continuation& continuation, StepObserver* observer) {
+                const Continuation& continuation, StepObserver* observer, bool keep_partial) {
   core::PendingFolder output(folder, overwrite);
   std::optional<ExternalRun> external;
   core::IniFile builder_config = method_config;
@@ -192,39 +268,20 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   const MemoryMeter memory;
   auto method = mapping::makeMapBuilder(builder_config, method_name, seed);
   if (!continuation.folder.empty()) beginInMap(method, continuation, manifest);
-  logs::LogReader log(log_path);
   MapRun run;
-  std::vector<double> milliseconds, stamps_s;
-  robot::Scan last_scan;
+  run.commands_from = tellCommands(method, log_path);
+  Taken taken;
   progress.begin("mapping with " + method_name);
-  while (const auto entry = log.next()) {
-    if (run.estimate.empty())
-      describeLidar(entry->scan, manifest.results);
-    else if (!entry->has_odometry)
-      ++run.steps_without_odometry;
-    core::Pose2 T_previous_robot = entry->T_previous_robot;
-    if (external) T_previous_robot = external->increment(run.estimate.size());
-    const double before_s = threadCpuSeconds();
-    const core::Pose2 T_map_robot =
-        mapping::processScan(method, entry->scan, T_previous_robot, entry->has_odometry || external);
-    milliseconds.push_back((threadCpuSeconds() - before_s) * 1000);
-    if (!core::isFinite(T_map_robot))
-      throw core::MethodError(method_name + " diverged at scan " + std::to_string(run.estimate.size() + 1) +
-                              ": its pose is not finite");
-    run.estimate.push_back({entry->scan.time_s, T_map_robot});
-    last_scan = entry->scan;
-    if (const auto covariance = mapping::poseCovariance(method))
-      run.covariances.push_back({entry->scan.time_s, *covariance});
-    stamps_s.push_back(entry->scan.time_s);
-    const double time_s = entry->scan.time_s - stamps_s.front();
-    progress.update(log.fractionRead(), time_s);
-    if (observer) observer->onStep({time_s, entry->scan, T_previous_robot, T_map_robot, &method});
-  }
+  stoppable(run, taken, keep_partial,
+            [&] { takeIn(log_path, method, external, run, taken, manifest, progress, observer); });
   progress.end();
   if (run.estimate.empty()) throw core::InputError(log_path + ": holds 0 laser scans, expected at least 1");
 
   const double finish_begin_s = threadCpuSeconds();
-  mapping::finishMap(method);
+  const auto ask = [&](const std::function<void()>& work) {
+    stoppable(run, taken, keep_partial, [&] { insideMethod(work); });
+  };
+  if (!run.stopped) ask([&] { mapping::finishMap(method); });
   const double finish_s = threadCpuSeconds() - finish_begin_s;
   run.path_length_m = core::pathLength(run.estimate);
   run.end = run.estimate.back().pose;
@@ -233,39 +290,45 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   if (observer) observer->onFinished(method);
   // Scans and poses pair up in the log's order, which is the robot's; a trajectory's order is that of the stamps, which
   // run back in some logs.
-  auto final_path = mapping::finalPath(method, run.estimate);
-  run.journal = placedJournal(mapping::journalOf(method), stamps_s, final_path ? *final_path : run.estimate);
-  const core::Pose2 end_final = final_path ? final_path->back().pose : run.end;
-  const auto map = mapping::currentMap(method);
-  const auto self = selfScore(log_path, final_path ? *final_path : run.estimate, toPlan(map), progress);
+  std::optional<core::Trajectory> final_path;
+  ask([&] { final_path = mapping::finalPath(method, run.estimate); });
   const auto in_log_order = final_path.value_or(run.estimate);
+  const core::Pose2 end_final = in_log_order.back().pose;
+  std::optional<gridmap::OccupancyRaster> map;
+  std::optional<SelfScore> self;
+  ask([&] { map = mapping::currentMap(method); });
+  if (!run.stopped)
+    stoppable(run, taken, keep_partial,
+              [&] { self = selfScore(log_path, in_log_order, toPlan(*map), progress); });
+  std::vector<Eigen::Matrix3d> final_covariances;
+  if (!run.stopped) ask([&] { final_covariances = mapping::finalCovariances(method); });
+  run.journal = placedJournal(mapping::journalOf(method), taken.stamps_s, in_log_order);
+  if (run.stopped) run.journal.push_back(stopLine(*run.stopped, end_final));
   run.estimate = inStampOrder(std::move(run.estimate));
   run.covariances =
       areGiven(run.covariances) ? inStampOrder(std::move(run.covariances)) : std::vector<StampedCovariance>();
   if (final_path) run.final_estimate = inStampOrder(std::move(*final_path));
-  run.final_covariances = inStampOrder(stamped(mapping::finalCovariances(method), stamps_s));
-  run.cost = summarize(milliseconds, finish_s, run.estimate.back().time_s - run.estimate.front().time_s);
+  run.final_covariances = inStampOrder(stamped(final_covariances, taken.stamps_s));
+  run.cost =
+      summarize(taken.milliseconds, finish_s, run.estimate.back().time_s - run.estimate.front().time_s);
   run.cost.peak_memory_mb = peak_memory_mb;
   if (external) {
     run.cost = external->cost;
     run.filled_poses = external->filled_poses;
   }
 
-  logs::writeTum(run.estimate, output.path() + "/trajectory.tum");
-  if (run.final_estimate) logs::writeTum(*run.final_estimate, output.path() + "/trajectory_final.tum");
-  if (!run.covariances.empty()) writeCovariances(run.covariances, output.path() + "/covariances.csv");
-  if (!run.final_covariances.empty())
-    writeCovariances(run.final_covariances, output.path() + "/covariances_final.csv");
-  mapping::saveMaps(method, output.path());
-  writeScene(method, in_log_order, last_scan, output.path() + "/map.3Dscene");
-  if (continuation.localise_only) keepMap(continuation.folder, output.path());
+  writePaths(run, output.path());
+  if (map) {
+    mapping::saveMaps(method, output.path());
+    writeScene(method, in_log_order, taken.last_scan, output.path() + "/map.3Dscene");
+    if (continuation.localise_only) keepMap(continuation.folder, output.path());
+  } else {
+    mapping::saveKeyFrames(method, output.path());
+  }
   if (external)
     core::writeFileAtomically(output.path() + "/printed.txt", external->printed);
   else
-    core::writeFileAtomically(output.path() + "/timing.csv", timingText(milliseconds, stamps_s));
-
-  if (!run.journal.empty())
-    core::writeFileAtomically(output.path() + "/journal.csv", journalCsv(run.journal));
+    core::writeFileAtomically(output.path() + "/timing.csv", timingText(taken.milliseconds, taken.stamps_s));
 
   manifest.seed = seed;
   if (external)
@@ -273,24 +336,23 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   manifest.inputs[log_path] = core::fileSha256(log_path);
   for (const auto& line : methodParameters(method_config, method_name, seed))
     manifest.config[line.section + "." + line.info.key] = line.value;
-  manifest.files = fileNotes();
-  if (run.journal.empty()) manifest.files.erase("journal.csv");
-  manifest.files.erase(external ? "timing.csv" : "printed.txt");
-  if (!run.final_estimate) manifest.files.erase("trajectory_final.tum");
-  if (run.covariances.empty()) manifest.files.erase("covariances.csv");
-  if (run.final_covariances.empty()) manifest.files.erase("covariances_final.csv");
+  for (const auto& [file, note] : fileNotes())
+    if (std::filesystem::exists(output.path() + "/" + file)) manifest.files[file] = note;
   manifest.results["method"] = method_name;
   manifest.results["log"] = log_path;
   manifest.results["scans"] = std::to_string(run.estimate.size());
   manifest.results["steps_without_odometry"] = std::to_string(run.steps_without_odometry);
+  if (!run.commands_from.empty()) manifest.results["commands_from"] = run.commands_from;
   // Of the log's order, which the files' order of stamps may lose.
   manifest.results["path_length_m"] = core::formatNumber(run.path_length_m);
   describePose("end", run.end, manifest.results);
   describePose("end_final", end_final, manifest.results);
+  if (run.stopped) describeStop(*run.stopped, manifest.results);
   if (const auto lost = lostInTheEnd(run.journal)) manifest.results["lost"] = lostText(*lost);
   if (external) manifest.results["filled_poses"] = std::to_string(run.filled_poses);
-  manifest.results["map_mean_entropy_bits"] = core::formatNumber(metrics::mapEntropy(map.occupancy));
-  describeSelfScore(self, manifest.results);
+  if (map)
+    manifest.results["map_mean_entropy_bits"] = core::formatNumber(metrics::mapEntropy(map->occupancy));
+  if (self) describeSelfScore(*self, manifest.results);
   manifest.times_s["finish_s"] = finish_s;
   manifest.times_s["mean_ms_per_scan"] = run.cost.mean_ms_per_scan;
   if (!external) manifest.times_s["p99_ms_per_scan"] = run.cost.p99_ms_per_scan;

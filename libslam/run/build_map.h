@@ -13,6 +13,7 @@
 #include "libslam/run/journal_file.h"
 #include "libslam/run/pose_covariances.h"
 #include "libslam/run/step_observer.h"
+#include "libslam/run/stopped_run.h"
 
 namespace slam::run {
 
@@ -36,8 +37,10 @@ struct MapRun {
   core::Pose2 end;           ///< T_map_robot at the last scan
   Cost cost;
   int steps_without_odometry = 0;    ///< scans after the first for which the log gives no increment
+  std::string commands_from;         ///< tellCommands()
   int filled_poses = 0;              ///< scans that an external program gave no pose
   std::vector<JournalLine> journal;  ///< empty for methods that keep none
+  std::optional<Stop> stopped;       ///< before the log's end; all else is of the scans before
 };
 
 /// An earlier run whose map is gone on with.
@@ -57,12 +60,18 @@ struct Continuation {
 /// what needs the scans to say it: sharpness of the points and agreement of scans and map (keys `self.*`; self_score.h),
 /// placed at the final poses where there are any. The folder appears whole or not at all. Same log, config and seed: the same bytes but for timing.csv and
 /// the manifest. `measure_memory` only makes sense while nothing else runs in this process. Errors:
-/// InputError (log, config, a method that cannot go on in a map), MethodError (diverged). A robot that is lost in the end
-/// (lostInTheEnd()) is no error: all is written, and the manifest's results say `lost`.
+/// InputError (log, config, a method that cannot go on in a map), MethodError (the method failed at the first scan, or is an
+/// external program that failed). A robot that is lost in the end (lostInTheEnd()) is no error: all is written, and the
+/// manifest's results say `lost`.
+/// A method that fails later is no error either: the folder holds what was mapped before, without what the method can no
+/// longer give (such as covariances, or a map that has come apart) and without `self.*`; the journal ends with `failed`,
+/// the manifest's results say `status` = incomplete and `failed` = where and why. keep_partial: an interrupt likewise
+/// (`interrupted`), unless no scan was taken in; without it an interrupt leaves nothing (core::Interrupted).
 MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
                 core::Manifest manifest, core::Progress& progress, bool measure_memory = true,
-                const Continuation& continuation = {}, StepObserver* observer = nullptr);
+                const Continuation& continuation = {}, StepObserver* observer = nullptr,
+                bool keep_partial = false);
 
 /// T_map_robot at the last scan of a run, as it is in the end. Errors: InputError.
 core::Pose2 endOfRun(const std::string& folder);

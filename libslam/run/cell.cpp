@@ -164,11 +164,36 @@ void addFigures(const Evaluation& evaluation, CellResult& result) {
   }
 }
 
+/// Of the run in the cell what the suite keeps, as files of the result.
+void keepRun(const std::string& folder, const CellInputs& inputs, CellResult& result) {
+  const std::string run_folder = folder + "/run";
+  if (inputs.keep == "paths") prune(run_folder);
+  for (const auto& [name, meaning] : core::readManifest(run_folder + "/manifest.json").files)
+    if (name != "timing.csv" && name != "printed.txt") addFile(result, folder, "run/" + name);
+}
+
+/// The same wherever the cell lies.
+std::string messageWithout(const std::string& folder, const CellInputs& inputs, const std::string& message) {
+  return onlyWithout(onlyWithout(message, folder, "."), inputs.log, fs::path(inputs.log).filename().string());
+}
+
+void setFailure(CellResult& result, const std::string& status, const std::string& message, double limit = 0) {
+  result.status = status;
+  result.message = message;
+  result.limit = limit;
+}
+
 void runMethod(const std::string& folder, const Json& spec, const CellInputs& inputs, CellResult& result,
                CellCost& cost, core::Progress& progress) {
   const std::string run_folder = folder + "/run";
-  buildMap(inputs.log, toIni(spec.at("config"), "cell.json"), spec.at("method"), spec.at("seed"), run_folder,
-           false, manifestOf(inputs), progress);
+  const auto built = buildMap(inputs.log, toIni(spec.at("config"), "cell.json"), spec.at("method"),
+                              spec.at("seed"), run_folder, false, manifestOf(inputs), progress);
+  if (built.stopped) {
+    // Figures of a part of the log would stand beside those of whole ones: there are none.
+    setFailure(result, "failed", messageWithout(folder, inputs, stopText(*built.stopped)));
+    keepRun(folder, inputs, result);
+    return;
+  }
   const auto run = loadRun(run_folder);
   std::optional<Truth> truth;
   if (!inputs.truth.empty()) truth = loadTruth(inputs.truth, inputs.truth_plan, run);
@@ -186,9 +211,7 @@ void runMethod(const std::string& folder, const Json& spec, const CellInputs& in
   cost.mean_ms_per_scan = run.cost.mean_ms_per_scan;
   cost.p99_ms_per_scan = run.cost.p99_ms_per_scan;
   cost.peak_memory_mb = run.cost.peak_memory_mb;
-  if (inputs.keep == "paths") prune(run_folder);
-  for (const auto& [name, meaning] : core::readManifest(run_folder + "/manifest.json").files)
-    if (name != "timing.csv" && name != "printed.txt") addFile(result, folder, "run/" + name);
+  keepRun(folder, inputs, result);
 }
 
 void clear(const std::string& folder) {
@@ -208,12 +231,6 @@ double numberOf(const Json& json) {
 
 void writeJson(const Json& json, const std::string& path) {
   core::writeFileAtomically(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-}
-
-void setFailure(CellResult& result, const std::string& status, const std::string& message, double limit = 0) {
-  result.status = status;
-  result.message = message;
-  result.limit = limit;
 }
 
 CellState damaged(const std::string& reason) {
@@ -257,8 +274,7 @@ void workOnCell(const std::string& folder, const CellInputs& inputs, core::Progr
     throw;
   } catch (const std::exception& error) {
     const bool out_of_memory = memory_ran_out || dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
-    const std::string message = onlyWithout(onlyWithout(error.what(), folder, "."), inputs.log,
-                                            fs::path(inputs.log).filename().string());
+    const std::string message = messageWithout(folder, inputs, error.what());
     result = {};
     result.id = cellId(text);
     if (out_of_memory)

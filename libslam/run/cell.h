@@ -17,7 +17,7 @@ namespace slam::run {
 ///   failure.json  of a run that left the truth (firstDivergence()): where and why, see readFailure()
 ///   stderr.txt    what a crashed one said last, if anything
 /// and of a log what record() writes (with plan.yaml where the building was generated), of a run a folder `run` of what
-/// buildMap() writes (Suite keep = paths: without the forms for MRPT's viewers).
+/// buildMap() writes (Suite keep = paths: without the forms for MRPT's viewers), of a method that failed on the way likewise.
 
 /// result.json.
 struct CellResult {

@@ -20,6 +20,7 @@
 #include "libslam/run/external_method.h"
 #include "libslam/run/relation_tables.h"
 #include "libslam/run/scene_file.h"
+#include "libslam/run/told_commands.h"
 #include "libslam/run/worker.h"
 
 namespace slam::run {
@@ -56,6 +57,7 @@ bool isSameRun(const Method& method, const std::string& log_path, std::uint64_t 
   if (!fs::exists(method.folder + "/manifest.json")) return false;
   try {
     const auto manifest = core::readManifest(method.folder + "/manifest.json");
+    if (manifest.results.count("status") > 0) return false;  // it ended before its log did
     for (const auto& line : methodParameters(method.config, method.name, seed)) {
       const auto it = manifest.config.find(line.section + "." + line.info.key);
       if (it == manifest.config.end() || it->second != line.value) return false;
@@ -72,6 +74,12 @@ bool isSameRun(const Method& method, const std::string& log_path, std::uint64_t 
   }
 }
 
+/// The note of a method that failed on the way: what it had mapped is there to look at, and no row of figures, for they
+/// would stand beside those of the whole log.
+std::string keptText(const std::string& where_and_why) {
+  return where_and_why + "; what it had mapped is kept";
+}
+
 /// Runs one method in a process of its own. Throws MethodError for whatever goes wrong with the method alone.
 void runInProcess(const Method& method, const std::string& log_path, const CompareRequest& request,
                   core::Progress& progress) {
@@ -85,6 +93,7 @@ void runInProcess(const Method& method, const std::string& log_path, const Compa
   std::string why = result.killed ? "killed by signal " + std::to_string(result.exit_code - 128)
                                   : "exit code " + std::to_string(result.exit_code);
   const auto json = nlohmann::json::parse(result.out, nullptr, false);
+  if (json.is_object() && json.contains("failed")) throw core::MethodError(keptText(json["failed"]));
   // Lost in the end: all is written, and the row says so.
   if (json.is_object() && json.contains("lost")) return;
   if (json.is_object() && json.contains("error")) why = json["error"].get<std::string>();
@@ -102,11 +111,13 @@ void runMethods(std::vector<Method>& methods, const std::string& log_path, const
       Method& method = methods[i];
       if (method.reused) continue;
       try {
-        if (request.program.empty())
-          buildMap(log_path, method.config, method.name, request.seed, method.folder, true, manifest,
-                   progress, false);
-        else
+        if (!request.program.empty()) {
           runInProcess(method, log_path, request, progress);
+        } else {
+          const auto run = buildMap(log_path, method.config, method.name, request.seed, method.folder, true,
+                                    manifest, progress, false);
+          if (run.stopped) throw core::MethodError(keptText(stopText(*run.stopped)));
+        }
       } catch (const core::MethodError& error) {
         method.failure = error.what();
       } catch (...) {
@@ -243,6 +254,20 @@ TruthFiles truthFiles(const std::string& log_path, const std::string& given_traj
   return files;
 }
 
+namespace {
+
+/// Under the tables: which methods took the kinds of the commands from the wheels.
+void noteCommands(const std::vector<RunFolder>& runs, const std::vector<report::Table*>& tables) {
+  for (const auto& run : runs) {
+    const auto from = run.manifest.results.find("commands_from");
+    const std::string note = from == run.manifest.results.end() ? "" : commandsNote(run.method, from->second);
+    if (note.empty()) continue;
+    for (auto* table : tables) table->notes.push_back(note + ".");
+  }
+}
+
+}  // namespace
+
 Comparison compare(const CompareRequest& request, core::Manifest manifest, core::Progress& progress) {
   auto methods = loadMethods(request);
   std::optional<world::Plan> plan;
@@ -307,6 +332,7 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
         table->notes.push_back(steps + " steps of the log come without odometry; methods that want the " +
                                "wheels get increments estimated from the scans there.");
   }
+  noteCommands(runs, {&comparison.accuracy, &comparison.full_accuracy});
   if (!relations.empty() && !runs.empty()) {
     manifest.inputs[request.relations_path] = core::fileSha256(request.relations_path);
     scoreByRelations(runs, relations, request.output, comparison);

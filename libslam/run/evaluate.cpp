@@ -156,8 +156,11 @@ void judgeCovariances(const RunFolder& run, const Truth& truth, Evaluation& e) {
 
 Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth) {
   Evaluation e = failedEvaluation(run.method, "");
-  const auto lost = run.manifest.results.find("lost");
-  if (lost != run.manifest.results.end()) e.failure = lost->second;
+  // The gravest last.
+  for (const char* event : {"lost", "interrupted", "failed"}) {
+    const auto found = run.manifest.results.find(event);
+    if (found != run.manifest.results.end()) e.failure = found->second;
+  }
   e.cost = run.cost;
   e.path_length_m = numberIfThere(run.manifest, "path_length_m");
   e.end_pose = {numberIfThere(run.manifest, "end.x_m"), numberIfThere(run.manifest, "end.y_m"),

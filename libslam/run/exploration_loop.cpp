@@ -12,11 +12,14 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/report/picture.h"
 #include "libslam/run/build_map.h"
+#include "libslam/run/carry_file.h"
 #include "libslam/run/cpu_time.h"
 #include "libslam/run/map_plan.h"
 #include "libslam/run/recorder.h"
 #include "libslam/run/return_to_start.h"
 #include "libslam/run/scene_file.h"
+#include "libslam/run/sensor.h"
+#include "libslam/run/stopped_run.h"
 
 namespace slam::run {
 namespace {
@@ -40,18 +43,29 @@ class Localiser {
     const core::Pose2 T_previous_robot =
         is_reference_ && last_truth_ ? core::between(*last_truth_, T_world_robot) : sensed.T_previous_robot;
     last_truth_ = T_world_robot;
-    const auto T_map_robot = mapping::processScan(builder_, sensed.scan, T_previous_robot, true);
+    core::Pose2 T_map_robot;
+    insideMethod([&] {
+      T_map_robot = mapping::processScan(builder_, sensed.scan, T_previous_robot, true, commanded_);
+    });
     if (!core::isFinite(T_map_robot)) throw core::MethodError(name_ + " diverged: its pose is not finite");
     return T_map_robot;
   }
+  /// What the robot is told to do next.
+  void tell(const robot::Command& command) { commanded_ = commands_.next(command); }
   const mapping::MapBuilder& builder() const { return builder_; }
-  gridmap::OccupancyRaster map() const { return mapping::currentMap(builder_); }
+  gridmap::OccupancyRaster map() const {
+    gridmap::OccupancyRaster map;
+    insideMethod([&] { map = mapping::currentMap(builder_); });
+    return map;
+  }
 
  private:
   mapping::MapBuilder builder_;
   std::string name_;
   bool is_reference_;
   std::optional<core::Pose2> last_truth_;
+  robot::CommandSeries commands_;
+  robot::Commanded commanded_ = robot::MotionKind::kRest;
 };
 
 /// CPU time of the periods in which the robot decided, the map's reading included.
@@ -157,24 +171,42 @@ class Loop {
         start_(startPose(plan, config.record)),
         radius_m_(robot::circumscribedRadius(config.record.robot)),
         simulator_(plan, config.record.robot, config.record.lidar, config.record.odometry, start_, seed,
-                   sim::Simulator::kStartTime_s, config.record.living),
+                   sim::Simulator::kStartTime_s, config.record.living, config.record.camera),
         localiser_(method, seed),
         driver_(makeDriver()),
         coverage_(plan, metrics::explorableArea(plan, core::position(start_), radius_m_,
                                                 config.record.lidar.max_range_m)),
         referee_(config.exploration),
         near_misses_(plan, radius_m_) {
+    simulator_.carryAt(config.record.carries);
     if (!folder.empty()) recorder_.emplace(folder + "/run.rawlog", config.record);
   }
 
+  /// A method that fails on the way ends the run; what it had mapped stays.
   void run(core::Progress& progress, StepObserver* observer) {
-    const double start_time_s = simulator_.time_s();
+    try {
+      explore(progress, observer);
+    } catch (const core::MethodError& error) {
+      if (estimate_.empty()) throw;
+      stop_ = {Stop::Reason::kFailed, static_cast<int>(estimate_.size()), simulator_.time_s() - start_time_s_,
+               error.what()};
+      end_ = ExplorationEnd::kFailed;
+      end_detail_ = stopText(*stop_);
+    }
+  }
+
+  LoopResult result() const;
+  void writeFiles(LoopResult& result, core::Manifest manifest);
+
+ private:
+  void explore(core::Progress& progress, StepObserver* observer) {
+    start_time_s_ = simulator_.time_s();
     const double duration_s = config_.record.simulation.duration_s;
     sim::Sensed sensed = simulator_.sense();
     if (recorder_) recorder_->begin(simulator_, sensed);
     while (true) {
       // The clock counts nanoseconds, but since the epoch a double is good for a quarter of a microsecond.
-      const double elapsed_s = std::round((simulator_.time_s() - start_time_s) * 1e6) / 1e6;
+      const double elapsed_s = std::round((simulator_.time_s() - start_time_s_) * 1e6) / 1e6;
       progress.update(duration_s > 0 ? elapsed_s / duration_s : 1, elapsed_s);
       const core::Pose2 T_map_robot = localiser_.update(sensed, simulator_.truth());
       look(sensed, T_map_robot, elapsed_s);
@@ -193,15 +225,12 @@ class Loop {
         driver_ = makeReturnDriver();
         referee_.watchReturn();
       }
+      localiser_.tell(command);
       sensed = simulator_.step(command);
       if (recorder_) recorder_->add(command, simulator_, sensed);
     }
   }
 
-  LoopResult result() const;
-  void writeFiles(LoopResult& result, core::Manifest manifest);
-
- private:
   double period_s() const { return 1 / config_.record.lidar.rate_hz; }
 
   std::unique_ptr<navigate::Driver> makeDriver() const {
@@ -224,12 +253,13 @@ class Loop {
     const auto& T_world_robot = simulator_.truth();
     if (!first_scan_) first_scan_ = scan;
     last_scan_ = scan;
-    if (!truth_.empty()) path_m_ += core::distance(truth_.back().pose, T_world_robot);
+    path_.add(T_world_robot, simulator_.carries());
     truth_.push_back({simulator_.time_s(), T_world_robot});
     estimate_.push_back({scan.time_s, T_map_robot});
-    coverage_.look(T_world_robot * scan.T_robot_lidar, scan.first_angle_rad, scan.step_rad,
-                   static_cast<int>(scan.ranges_m.size()), scan.max_range_m);
-    curve_.push_back({elapsed_s, path_m_, truth_.size(), coverage_.area_m2()});
+    const auto [first_angle_rad, beams] = beamsOverFloor(config_.record.camera, scan);
+    coverage_.look(T_world_robot * scan.T_robot_lidar, first_angle_rad, scan.step_rad, beams,
+                   scan.max_range_m);
+    curve_.push_back({elapsed_s, path_.length_m(), truth_.size(), coverage_.area_m2()});
     near_misses_.look(T_world_robot);
     saw_something_ = saw_something_ || std::any_of(scan.ranges_m.begin(), scan.ranges_m.end(),
                                                    [](float range) { return robot::isReturn(range); });
@@ -283,16 +313,22 @@ class Loop {
   std::vector<metrics::CoveragePoint> curve_;
   std::vector<core::Point2> goals_;  ///< after every scan, map frame; none for the last when it ended there
   std::vector<DecisionEntry> decisions_;
-  double path_m_ = 0;
+  sim::DrivenPath path_;
   bool saw_something_ = false;
   bool returning_ = false;
   ExplorationEnd end_ = ExplorationEnd::kFailed;
   std::string end_detail_;
   std::size_t explored_scans_ = 0;  ///< what follows is the way back
+  double start_time_s_ = 0;
+  std::optional<Stop> stop_;
 };
 
 LoopResult Loop::result() const {
   LoopResult result;
+  if (end_ == ExplorationEnd::kFailed) {
+    result.exploration = failedExploration(config_, method_.name, seed_, end_detail_);
+    return result;
+  }
   Exploration& e = result.exploration;
   const auto& area = coverage_.explorable();
   e.strategy = config_.record.strategy.name;
@@ -326,6 +362,11 @@ LoopResult Loop::result() const {
 
   result.plan_is_open = opensToTheEdge(area);
   result.saw_nothing = !saw_something_;
+  for (const auto& carry : simulator_.carries())
+    result.carries.push_back(carryText(carry, sim::Simulator::kStartTime_s));
+  if (simulator_.waitingCarries() > 0)
+    result.carries.push_back(std::to_string(simulator_.waitingCarries()) +
+                             " of the carries came after the end");
   return result;
 }
 
@@ -367,9 +408,20 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
   auto& e = result.exploration;
   recorder_->finish(simulator_, seed_, manifest);
   logs::writeTum(estimate_, folder_ + "/trajectory.tum");
-  mapping::saveMaps(localiser_.builder(), folder_);
-  writeScene(localiser_.builder(), estimate_, *last_scan_, folder_ + "/map.3Dscene");
-  if (core::isFinite(e.evaluation.trajectory.T_truth_estimate))
+  // A map that has come apart cannot be drawn; all else is kept.
+  bool has_map = true;
+  try {
+    localiser_.map();
+  } catch (const core::MethodError&) {
+    has_map = false;
+  }
+  if (has_map) {
+    mapping::saveMaps(localiser_.builder(), folder_);
+    writeScene(localiser_.builder(), estimate_, *last_scan_, folder_ + "/map.3Dscene");
+  } else {
+    mapping::saveKeyFrames(localiser_.builder(), folder_);
+  }
+  if (has_map && e.end != ExplorationEnd::kFailed && core::isFinite(e.evaluation.trajectory.T_truth_estimate))
     addTruthToScene(truth_, &plan_, core::inverse(e.evaluation.trajectory.T_truth_estimate),
                     folder_ + "/map.3Dscene");
   core::writeFileAtomically(folder_ + "/exploration.csv", report::toCsv(explorationTable()));
@@ -378,8 +430,14 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
   report::DrawnMarks marks{{}, "decision"};
   for (const auto& entry : decisions_) marks.places.push_back(core::position(entry.T_world_robot));
   core::Trajectory believed = estimate_;
-  for (auto& stamped : believed) stamped.pose = e.evaluation.trajectory.T_truth_estimate * stamped.pose;
-  report::drawPlan(plan_, {{truth_, "true path", true}, {believed, "path as " + method_.name + " has it"}},
+  // Of a run that failed nothing was laid on the truth: its path is shown from the true start.
+  const core::Pose2 T_truth_estimate = e.end == ExplorationEnd::kFailed
+                                           ? start_ * core::inverse(estimate_.front().pose)
+                                           : e.evaluation.trajectory.T_truth_estimate;
+  for (auto& stamped : believed) stamped.pose = T_truth_estimate * stamped.pose;
+  report::drawPlan(plan_,
+                   {{brokenAtCarries(truth_, simulator_.carries()), "true path", true},
+                    {believed, "path as " + method_.name + " has it"}},
                    plan_.name + ": " + e.strategy, folder_ + "/path.png", marks);
 
   manifest.seed = seed_;
@@ -389,7 +447,7 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
     manifest.config["slam." + line.section + "." + line.info.key] = line.value;
   manifest.files["run.rawlog"] = "what the robot sensed, with its truth beside it: rasterslam compare";
   manifest.files["trajectory.tum"] = "estimated pose of every scan, TUM form: rasterslam eval, evo";
-  manifest.files["map.yaml"] = "the map, also as .png, .gridmap.gz, .simplemap and .3Dscene";
+  if (has_map) manifest.files["map.yaml"] = "the map, also as .png, .gridmap.gz, .simplemap and .3Dscene";
   manifest.files["exploration.csv"] = "after every scan: time, path, explored area, poses, goal";
   manifest.files["decisions.csv"] = "every decision: time, pose, goal, score, reason";
   manifest.files["path.png"] = "true path and places of the decisions on the plan";
@@ -399,15 +457,24 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
   results["method"] = method_.name;
   results["strategy"] = e.strategy;
   results["end"] = endName(e.end);
+  if (e.end == ExplorationEnd::kFailed) {
+    results["status"] = "incomplete";
+    results["failed"] = e.end_detail;
+    const std::vector<JournalLine> journal = {stopLine(*stop_, estimate_.back().pose)};
+    core::writeFileAtomically(folder_ + "/journal.csv", journalCsv(journal));
+    manifest.files["journal.csv"] = "what failed, where";
+  }
   results["end_detail"] = e.end_detail;
   results["scans"] = std::to_string(estimate_.size());
   results["steps_without_odometry"] = "0";
   results["explorable_m2"] = number(e.explorable_m2);
   results["coverage"] = number(e.figures.coverage);
-  results["map_mean_entropy_bits"] = number(e.evaluation.map_mean_entropy_bits);
+  if (has_map) results["map_mean_entropy_bits"] = number(metrics::mapEntropy(localiser_.map().occupancy));
   results["peak_memory_mb"] = "nan";  // of a process that does more than this run
-  manifest.times_s["decision_mean"] = e.decision_mean_ms / 1000;
-  manifest.times_s["decision_max"] = e.decision_max_ms / 1000;
+  if (std::isfinite(e.decision_mean_ms)) {
+    manifest.times_s["decision_mean"] = e.decision_mean_ms / 1000;
+    manifest.times_s["decision_max"] = e.decision_max_ms / 1000;
+  }
   core::writeManifest(manifest, folder_ + "/manifest.json");
 }
 

@@ -14,8 +14,9 @@ namespace slam::run {
 struct LoopResult {
   Exploration exploration;
   std::vector<metrics::CoveragePoint> curve;
-  bool plan_is_open = false;  ///< explorable space reaches the picture's edge
-  bool saw_nothing = false;   ///< no scan had a single return
+  bool plan_is_open = false;         ///< explorable space reaches the picture's edge
+  bool saw_nothing = false;          ///< no scan had a single return
+  std::vector<std::string> carries;  ///< when somebody carried the robot, for people
 };
 
 /// The SLAM method of an exploration.
@@ -26,7 +27,8 @@ struct LoopMethod {
 };
 
 /// Runs the loop once. `folder` (existing) gets the run's files, see explore(); "" writes none. Errors:
-/// InputError (start, configuration), MethodError (the method failed; what was written stays).
+/// InputError (start, configuration), MethodError (the method failed at the first scan). One that fails later ends the run with
+/// ExplorationEnd::kFailed; the folder holds what it had mapped.
 LoopResult exploreOnce(const world::Plan& given_plan, const ExploreConfig& config, const LoopMethod& method,
                        std::uint64_t seed, const std::string& folder, core::Manifest manifest,
                        core::Progress& progress, StepObserver* observer = nullptr);

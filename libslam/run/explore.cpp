@@ -88,16 +88,7 @@ void runJob(Job& job, const world::Plan& plan, const LoopMethod& method, const c
   try {
     job.result = exploreOnce(plan, *job.config, method, job.seed, job.folder, manifest, progress, observer);
   } catch (const core::MethodError& error) {
-    Exploration& e = job.result.exploration;
-    e.strategy = job.config->record.strategy.name;
-    e.slam = method.name;
-    e.seed = job.seed;
-    e.end_detail = error.what();
-    e.figures = metrics::explorationFigures({}, 0);
-    e.figures.time_s = e.figures.path_m = e.explorable_m2 = e.explorable_share = kNaN;
-    e.collisions = e.near_misses = e.decisions = e.return_distance_m = kNaN;
-    e.decision_mean_ms = e.decision_max_ms = kNaN;
-    e.evaluation = failedEvaluation(method.name, error.what());
+    job.result.exploration = failedExploration(*job.config, method.name, job.seed, error.what());
   }
 }
 
@@ -316,6 +307,9 @@ void addNotes(const std::vector<Job>& jobs, const ExploreRequest& request, const
       about.push_back(e.strategy + ", seed " + std::to_string(e.seed) + ", failed: " + e.end_detail);
     if (request.seeds == 1 && e.end == ExplorationEnd::kFinished && !e.end_detail.empty())
       about.push_back(e.strategy + " finished: " + e.end_detail + ".");
+    for (const auto& carry : job.result.carries)
+      about.push_back(e.strategy + (request.seeds > 1 ? ", seed " + std::to_string(e.seed) : "") + ": " +
+                      carry + ".");
     for (const auto& note : about)
       if (said.insert(note).second) notes.push_back(note);
   }
@@ -417,6 +411,21 @@ ExploreConfig readExploreConfig(const core::IniFile& ini) {
   return config;
 }
 
+Exploration failedExploration(const ExploreConfig& config, const std::string& slam, std::uint64_t seed,
+                              const std::string& why) {
+  Exploration e;
+  e.strategy = config.record.strategy.name;
+  e.slam = slam;
+  e.seed = seed;
+  e.end_detail = why;
+  e.figures = metrics::explorationFigures({}, 0);
+  e.figures.time_s = e.figures.path_m = e.explorable_m2 = e.explorable_share = kNaN;
+  e.collisions = e.near_misses = e.decisions = e.return_distance_m = kNaN;
+  e.decision_mean_ms = e.decision_max_ms = kNaN;
+  e.evaluation = failedEvaluation(slam, why);
+  return e;
+}
+
 std::string endName(ExplorationEnd end) {
   switch (end) {
     case ExplorationEnd::kFinished:
@@ -462,13 +471,17 @@ ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest
   progress.end();
 
   ExplorationReport result;
+  int kept = 0;
   for (const auto& job : jobs) {
     result.runs.push_back(job.result.exploration);
     if (job.result.exploration.end != ExplorationEnd::kFailed) continue;
     ++result.failed;
-    if (!job.folder.empty() && job.folder != output.path()) fs::remove_all(job.folder);
+    kept += job.folder.empty() || !fs::exists(job.folder + "/manifest.json") ? 0 : 1;
+    if (!job.folder.empty() && job.folder != output.path() && fs::is_empty(job.folder))
+      fs::remove(job.folder);
   }
-  if (result.failed == static_cast<int>(jobs.size())) throw core::MethodError(result.runs.front().end_detail);
+  if (result.failed == static_cast<int>(jobs.size()) && kept == 0)
+    throw core::MethodError(result.runs.front().end_detail);
 
   const std::string caption = "Exploration of " + plan.name + " with " +
                               (method.is_reference ? "the true pose (reference)" : method.name);
@@ -496,7 +509,7 @@ ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest
   manifest.files["runs.csv"] = "every figure of every run";
   manifest.files["coverage.png"] = "explored share over time, path and scans";
   manifest.files["cost.csv"] = "CPU time of the decisions; also .json";
-  manifest.results["status"] = "complete";
+  manifest.results.emplace("status", "complete");  // a single run that failed has said so
   manifest.results["failed_runs"] = std::to_string(result.failed);
   core::writeManifest(manifest, folder + "/manifest.json");
   output.commit();

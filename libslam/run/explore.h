@@ -101,14 +101,18 @@ inline constexpr double kNearMiss_m = 0.05, kNearMissOver_m = 0.10;
 ///   path.png                    true path and places of the decisions on the plan
 ///
 /// All of it is the same for the same plan, config and seed, but for cost.* and the times in the manifests.
-/// Errors: InputError (plan, config, start, an output that exists). A method that fails gives a row that says
-/// so and no folder; the other runs go on.
+/// Errors: InputError (plan, config, start, an output that exists). A method that fails on the way gives a row
+/// that says so and where, and a folder with what it had mapped (manifest: status = incomplete; journal.csv); the other
+/// runs go on. MethodError when every run failed at its first scan.
 struct ExplorationReport {
   std::vector<Exploration> runs;  ///< strategies in their order, seeds within
   report::Table scores;           ///< for people
   report::Table cost;
   int failed = 0;
 };
+/// The row of a run whose method failed: every figure NaN.
+Exploration failedExploration(const ExploreConfig& config, const std::string& slam, std::uint64_t seed,
+                              const std::string& why);
 ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest, core::Progress& progress);
 
 }  // namespace slam::run

@@ -10,6 +10,8 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/run/evaluate.h"
+#include "libslam/run/journal_file.h"
 #include "libslam/run/resources.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -270,6 +272,36 @@ TEST(Explore, AMethodThatFailsIsARowOrAnErrorAndLeavesNoFolder) {
   EXPECT_FALSE(fs::exists(folder / "out.tmp"));
 }
 
+/// Stands for a method that fails when it has taken in so many scans.
+class FailsAfter : public StepObserver {
+ public:
+  explicit FailsAfter(int scans) : left_(scans) {}
+  void onStep(const Step&) override {
+    if (--left_ == 0) throw core::MethodError("broken on purpose");
+  }
+
+ private:
+  int left_;
+};
+
+TEST(Explore, AMethodThatFailsOnTheWayKeepsWhatItHadMapped) {
+  const testing::TempFolder folder;
+  FailsAfter observer(20);
+  auto wanted = request(folder, twoRooms(), {quickConfig("quadrant", 20)}, "icp");
+  wanted.observer = &observer;
+  const auto result = run(wanted);
+  EXPECT_EQ(result.failed, 1);
+  ASSERT_EQ(result.runs.size(), 1U);
+  EXPECT_THAT(result.runs[0].end_detail, HasSubstr("at scan 20 (3.8 s): broken on purpose"));
+  EXPECT_THAT(result.scores.notes, ::testing::Contains(HasSubstr("failed: at scan 20")));
+  const auto partial = loadRun(folder / "out");
+  EXPECT_EQ(partial.manifest.results.at("status"), "incomplete");
+  EXPECT_EQ(partial.estimate.size(), 20U);
+  EXPECT_EQ(readJournal(folder / "out/journal.csv").back().event, "failed");
+  EXPECT_TRUE(fs::exists(folder / "out/run.rawlog"));
+  EXPECT_TRUE(fs::exists(folder / "out/map.simplemap"));
+}
+
 TEST(Explore, RefusesWhatCannotBe) {
   const testing::TempFolder folder;
   const auto refusal = [&](ExploreRequest wanted) {
@@ -302,6 +334,27 @@ TEST(Record, AStrategyThatNeedsAMapIsSentToExplore) {
   EXPECT_THROW(record(twoRooms(), config, 1, folder / "run.rawlog", {}, core::silentProgress()),
                core::InputError);
   EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(Explore, ACarriedRobotIsKnownToTheTruthAlone) {
+  const testing::TempFolder folder;
+  const auto result = explore(
+      request(folder, twoRooms(),
+              {quickConfig("longest_ray", 8, {"simulation.start=1.5 2 0", "events.carry=4:4.5,2,180"})},
+              "naive_wheel"),
+      {}, core::silentProgress());
+  EXPECT_THAT(report::toText(result.scores), HasSubstr("longest_ray: carried at 4.0 s from"));
+  const auto truth = logs::readTum(folder / "out/run.gt.tum");
+  const auto estimate = logs::readTum(folder / "out/trajectory.tum");
+  double longest_true_m = 0, longest_believed_m = 0;
+  for (size_t i = 1; i < truth.size(); ++i) {
+    longest_true_m = std::max(longest_true_m, core::distance(truth[i - 1].pose, truth[i].pose));
+    longest_believed_m = std::max(longest_believed_m, core::distance(estimate[i - 1].pose, estimate[i].pose));
+  }
+  EXPECT_GT(longest_true_m, 0.5);
+  EXPECT_LT(longest_believed_m, 0.2);
+  EXPECT_LT(result.runs.at(0).figures.path_m, core::pathLength(truth) - 0.5);
+  EXPECT_TRUE(fs::exists(folder / "out/run.carries.csv"));
 }
 
 }  // namespace

@@ -1,0 +1,144 @@
+// A method that fails on the way, and an interrupt: what was mapped before is kept.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/logs/log_reader.h"
+#include "libslam/logs/log_writer.h"
+#include "libslam/logs/trajectory_io.h"
+#include "libslam/mapping/map_builder.h"
+#include "libslam/run/build_map.h"
+#include "libslam/run/compare.h"
+#include "libslam/run/evaluate.h"
+#include "libslam/run/record.h"
+#include "libslam/run/resources.h"
+#include "libslam/testing/temp_folder.h"
+
+namespace slam::run {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+constexpr int kBadScan = 60;
+
+/// A log of the flat whose odometry jumps a thousand kilometres at scan kBadScan, where no grid can follow; and its first
+/// part alone.
+class BrokenOdometry : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new testing::TempFolder;
+    core::IniFile ini;
+    ini.set("simulation", "duration_s", "20", "test");
+    ini.set("lidar", "beams", "181", "test");
+    const std::string whole = *folder_ / "whole.rawlog";
+    record(world::loadPlan(resolvePlan("flat")), readRecordConfig(ini), 1, whole, {}, core::silentProgress());
+    logs::LogReader log(whole);
+    logs::LogWriter bad(*folder_ / "bad.rawlog", logs::RawlogForm::kActionFrame);
+    logs::LogWriter first(*folder_ / "first.rawlog", logs::RawlogForm::kActionFrame);
+    for (int i = 0; auto entry = log.next(); ++i) {
+      if (i < kBadScan) first.write(*entry);
+      if (i == kBadScan) entry->T_previous_robot.x = 1e6;
+      bad.write(*entry);
+    }
+    bad.close();
+    first.close();
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+  static MapRun build(const std::string& method, const std::string& log, const std::string& output,
+                      core::Progress& progress = core::silentProgress(), bool keep_partial = false) {
+    const auto config = mapping::loadMethodConfig(configsFolder() + "/methods", method);
+    return buildMap(*folder_ / (log + ".rawlog"), config, method, 1, *folder_ / output, true, {}, progress,
+                    false, {}, nullptr, keep_partial);
+  }
+  static testing::TempFolder* folder_;
+};
+testing::TempFolder* BrokenOdometry::folder_ = nullptr;
+
+TEST_F(BrokenOdometry, WhatWasMappedBeforeIsKept) {
+  for (const std::string method : {"particles", "icp", "rbpf", "naive_wheel"}) {
+    const auto run = build(method, "bad", method);
+    ASSERT_TRUE(run.stopped.has_value()) << method;
+    EXPECT_EQ(run.stopped->reason, Stop::Reason::kFailed);
+    EXPECT_EQ(run.stopped->scan, kBadScan) << method;
+    EXPECT_THAT(run.stopped->why, HasSubstr("the map would hold")) << method;
+    const auto partial = loadRun(*folder_ / method);
+    EXPECT_EQ(partial.estimate.size(), static_cast<size_t>(kBadScan)) << method;
+    EXPECT_EQ(partial.manifest.results.at("status"), "incomplete");
+    EXPECT_THAT(partial.manifest.results.at("failed"), HasSubstr("at scan 60 (12.0 s): "));
+    const auto journal = readJournal(*folder_ / (method + "/journal.csv"));
+    EXPECT_EQ(journal.back().event, "failed") << method;
+    EXPECT_EQ(journal.back().scan, kBadScan - 1);
+    EXPECT_THAT(journal.back().detail, HasSubstr("the map would hold"));
+    for (const char* file : {"map.yaml", "map.png", "map.gridmap.gz", "map.simplemap", "map.3Dscene"})
+      EXPECT_TRUE(fs::exists(*folder_ / (method + "/" + file))) << method << " " << file;
+    // A method that gives its path as it goes has mapped what it maps of the first part alone.
+    build(method, "first", method + "_first");
+    EXPECT_EQ(core::fileSha256(*folder_ / (method + "/trajectory.tum")),
+              core::fileSha256(*folder_ / (method + "_first/trajectory.tum")))
+        << method;
+  }
+}
+
+TEST_F(BrokenOdometry, AComparisonHasARowThatSaysWhereAndKeepsTheFolder) {
+  CompareRequest request;
+  request.log_path = *folder_ / "bad.rawlog";
+  request.methods_folder = configsFolder() + "/methods";
+  request.methods = {"naive_wheel", "icp"};
+  request.output = *folder_ / "compared";
+  const auto comparison = compare(request, {}, core::silentProgress());
+  EXPECT_EQ(comparison.failed, 2);
+  EXPECT_THAT(comparison.evaluations[1].failure, HasSubstr("at scan 60 (12.0 s): "));
+  EXPECT_TRUE(std::isnan(comparison.evaluations[1].path_length_m));
+  EXPECT_TRUE(fs::exists(*folder_ / "compared/icp/map.png"));
+  EXPECT_THAT(core::readTextFile(*folder_ / "compared/scores.txt"), HasSubstr("icp failed: at scan 60"));
+}
+
+TEST_F(BrokenOdometry, AMapThatCannotBeDrawnLeavesItsPathAndKeyFrames) {
+  auto config = mapping::loadMethodConfig(configsFolder() + "/methods", "graph");
+  config.setFromArgument("mapping.max_map_cells=10000", "test");
+  const auto run = buildMap(*folder_ / "first.rawlog", config, "graph", 1, *folder_ / "undrawn", true, {},
+                            core::silentProgress(), false);
+  ASSERT_TRUE(run.stopped.has_value());
+  EXPECT_THAT(run.stopped->why, HasSubstr("max_map_cells"));
+  EXPECT_EQ(logs::readTum(*folder_ / "undrawn/trajectory_final.tum").size(), static_cast<size_t>(kBadScan));
+  EXPECT_TRUE(fs::exists(*folder_ / "undrawn/map.simplemap"));
+  const auto manifest = core::readManifest(*folder_ / "undrawn/manifest.json");
+  EXPECT_EQ(manifest.files.count("map.png"), 0U);
+  EXPECT_EQ(manifest.files.count("map.simplemap"), 1U);
+}
+
+/// Asks to stop at the n-th report and from then on.
+class StopAt : public core::Progress {
+ public:
+  explicit StopAt(int n) : left_(n) {}
+  void update(double, double) override {
+    if (--left_ <= 0) throw core::Interrupted();
+  }
+
+ private:
+  int left_;
+};
+
+TEST_F(BrokenOdometry, AnInterruptKeepsWhatIsThereWhenAskedTo) {
+  StopAt progress(20);
+  const auto run = build("icp", "first", "interrupted", progress, true);
+  ASSERT_TRUE(run.stopped.has_value());
+  EXPECT_EQ(run.stopped->reason, Stop::Reason::kInterrupted);
+  const auto partial = loadRun(*folder_ / "interrupted");
+  EXPECT_EQ(partial.estimate.size(), 20U);
+  EXPECT_EQ(partial.manifest.results.at("interrupted"), "at scan 20 (3.8 s)");
+  EXPECT_EQ(readJournal(*folder_ / "interrupted/journal.csv").back().event, "interrupted");
+  StopAt again(20);
+  EXPECT_THROW(build("icp", "first", "not kept", again), core::Interrupted);
+  EXPECT_FALSE(fs::exists(*folder_ / "not kept"));
+}
+
+}  // namespace
+}  // namespace slam::run
