@@ -78,18 +78,18 @@ TEST_F(UserDriveTest, WhatTheDurationCutsOffIsLeft) {
 }
 
 TEST_F(UserDriveTest, ACarryIsNoCommandAndNoWay) {
-  ini_.set("events", "carry", "1:9,3,90", "test");
+  ini_.set("events", "carry", "1:11,3,90", "test");
   const auto result = drive("move 1\nmove 0.5\n");
   EXPECT_EQ(operations().size(), 2U);
   EXPECT_EQ(result.recording.scans, 3U);
   EXPECT_NEAR(result.recording.path_length_m, 1.5, 1e-6);
   const auto truth = logs::readTum(folder_ / "run.gt.tum");
-  EXPECT_NEAR(truth.back().pose.x, 9, 1e-5);
+  EXPECT_NEAR(truth.back().pose.x, 11, 1e-5);
   EXPECT_GT(truth.back().pose.y, 3.4);
   const auto carries = readCarryFile(carriesPath(folder_ / "run.rawlog"));
   ASSERT_EQ(carries.size(), 1U);
   EXPECT_NEAR(carries[0].time_s - truth.front().time_s, 1, 1e-3);
-  EXPECT_EQ(carries[0].T_world_to.x, 9);
+  EXPECT_EQ(carries[0].T_world_to.x, 11);
   EXPECT_EQ(carryText(carries[0], truth.front().time_s).substr(0, 17), "carried at 1.0 s ");
   double odometry_m = 0;
   logs::LogReader log(folder_ / "run.rawlog");
