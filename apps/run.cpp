@@ -12,6 +12,7 @@
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
 #include "libslam/run/resources.h"
+#include "libslam/run/told_commands.h"
 
 namespace slam::apps {
 namespace {

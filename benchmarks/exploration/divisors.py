@@ -99,6 +99,7 @@ def pair_table(found, worlds, key):
 
 def ratio_line(pairs):
     """How often `one` is the smaller, and the geometric mean of one / other where both arrived."""
+    pairs = list(pairs)
     both = [(one, other) for one, other in pairs if one is not None and other is not None]
     only_one = sum(one is not None and other is None for one, other in pairs)
     only_other = sum(one is None and other is not None for one, other in pairs)

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Driving by the local obstacle map, by the navigators' own short memory, and by the newest scan alone.
 
-  benchmarks/obstacles/memory.py [-n SEEDS] [-j JOBS] [-p PROGRAM] [-o FOLDER]
+  benchmarks/obstacles/memory.py [-n SEEDS] [-j JOBS] [-p PROGRAM] [-o FOLDER] [-k SCRATCH]
 
 Worlds with eight people. Explorations (strategies in STRATEGIES, true pose) and drives to goals (methods in METHODS,
 pose from wheels without error), with the default lidar (270 degrees) and with one that sees as little as a camera does (60
 degrees, nothing nearer than 0.3 m). The local map with zones of several sizes: its length is its memory.
 Writes FOLDER/obstacle_memory.csv (a row per task, sensor and memory) and FOLDER/obstacle_memory.txt (for people).
+With SCRATCH the single tables stay there, and those that are there are not made again.
 """
 import argparse
 import concurrent.futures
@@ -54,7 +55,9 @@ def settings(section, memory, sensor):
     return [word for value in values for word in ("--set", value)]
 
 
-def run_command(command, codes):
+def run_command(command, codes, made):
+    if made.exists():
+        return
     done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=False)
     if done.returncode not in codes:
         sys.exit(f"{' '.join(map(str, command))}\n{done.stderr}")
@@ -62,8 +65,8 @@ def run_command(command, codes):
 
 def explore(program, world, memory, sensor, seeds, output):
     run_command([program, "explore", world, "--strategy", ",".join(STRATEGIES), "--slam", "truth", "--seeds", str(seeds),
-                 "--duration", str(EXPLORE_S), *settings("strategy", memory, sensor), "--tables-only", "-q", "-o",
-                 output], (0,))
+                 "--duration", str(EXPLORE_S), *settings("strategy", memory, sensor), "--tables-only", "-q", "--overwrite",
+                 "-o", output], (0,), output / "runs.csv")
     with open(output / "runs.csv", newline="", encoding="utf-8") as file:
         return [{"task": "explore " + row["strategy"], "world": world, "sensor": sensor, "memory": label(memory),
                  "arrived": row["t90_s"] != "", "path_m": float(row["path_m"]), "time_s": float(row["time_s"]),
@@ -81,7 +84,8 @@ def navigate(program, world, memory, sensor, seeds, output):
             folder.parent.mkdir(exist_ok=True)
             run_command([program, "navigate", world, "--start", start, "--goal", goal, "--method", ",".join(METHODS),
                          "--slam", "odometry", "--seed", str(seed), *settings("navigate", memory, sensor),
-                         "--set", f"navigate.time_limit_s={NAVIGATE_S}", "-q", "-o", folder], (0, 4))
+                         "--set", f"navigate.time_limit_s={NAVIGATE_S}", "-q", "--overwrite", "-o", folder],
+                        (0, 4), folder / "scores.csv")
             with open(folder / "scores.csv", newline="", encoding="utf-8") as file:
                 rows += [{"task": "navigate " + row["method"], "world": world, "sensor": sensor, "memory": label(memory),
                           "arrived": row["result"] == "reached", "path_m": float(row["path_m"]),
@@ -146,7 +150,7 @@ def write(options, rows):
         writer.writerows(lines)
     parts = [
         f"Made by: benchmarks/obstacles/memory.py -n {options.seeds}\nCommit: {commit}\n"
-        f"CPU: {(spent.ru_utime + spent.ru_stime) / 60:.1f} minutes\n\n"
+        + ("" if options.scratch else f"CPU: {(spent.ru_utime + spent.ru_stime) / 60:.1f} minutes\n") + "\n"
         f"Worlds {', '.join(WORLDS)} with eight people; {options.seeds} seeds each; at most {EXPLORE_S} s (explore) and "
         f"{NAVIGATE_S} s (navigate).\nMemory: none, the newest scan alone; short, within 1.5 m outside of the angle of view; "
         "map W x F+R, the local obstacle map\nwith a zone W wide, F ahead and R behind. Arrived: 90 % explored, or the goal "
@@ -164,12 +168,15 @@ def main():
     parser.add_argument("-j", dest="jobs", type=int, default=2)
     parser.add_argument("-p", dest="program", default=str(ROOT / "build/release/apps/rasterslam"))
     parser.add_argument("-o", dest="folder", type=pathlib.Path, default=ROOT / "benchmarks/results")
+    parser.add_argument("-k", dest="scratch", type=pathlib.Path)
     options = parser.parse_args()
     os.nice(10)
     options.folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as scratch, concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+    with tempfile.TemporaryDirectory() as temporary, concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        scratch = options.scratch or pathlib.Path(temporary)
+        scratch.mkdir(parents=True, exist_ok=True)
         tasks = [pool.submit(task, options.program, world, memory, sensor, options.seeds,
-                             pathlib.Path(scratch) / f"{task.__name__}_{world}_{i}_{sensor[:2]}")
+                             scratch / f"{task.__name__}_{world}_{i}_{sensor[:2]}")
                  for task in (explore, navigate) for sensor in SENSORS for i, memory in enumerate(MEMORIES)
                  for world in WORLDS]
         rows = [row for task in tasks for row in task.result()]

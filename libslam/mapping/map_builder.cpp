@@ -403,7 +403,9 @@ core::Pose2 processScan(MapBuilder& method, const robot::Scan& raw_scan, const c
   if (auto* graph = graphOf(method)) {
     // Where there is no odometry the graph knows better than two scans alone.
     core::Pose2 increment = T_previous_robot;
-    if (state.config.method.odometry != "wheel") {
+    if (state.config.method.odometry == "none") {
+      has_odometry = false;
+    } else if (state.config.method.odometry != "wheel") {
       increment = motionFromScans(state, scan).T_previous_current;
       state.scan_odometry_saw_previous = has_odometry = true;
     }

@@ -257,7 +257,11 @@ std::string rbpfSlamText(const MethodConfig& config, const std::string& name) {
 void chooseScanOdometry(const core::IniFile& ini, MethodConfig& config) {
   const std::string& odometry = config.method.odometry;
   const auto* given = ini.find("scan_odometry", "method");
-  if (odometry == "wheel") {
+  if (odometry == "none" && config.method.type != "graph")
+    throw core::InputError(ini.find("method", "odometry")->origin +
+                           ": section [method], key 'odometry': found 'none' with type " +
+                           config.method.type + ", expected it with type graph alone");
+  if (odometry == "wheel" || odometry == "none") {
     if (given == nullptr) config.scan_odometry.method = "correlation";
     return;
   }
@@ -284,8 +288,9 @@ const core::ParameterTable<MethodOptions>& MethodOptions::table() {
        {"odometry",
         &MethodOptions::odometry,
         "wheel",
-        {"wheel", "argmax", "argmax_blind", "correlation", "range_flow", "plicp"},
-        "the motion increments; wheel takes those of scans where the log has none"},
+        {"wheel", "argmax", "argmax_blind", "correlation", "range_flow", "plicp", "none"},
+        "the motion increments; wheel takes those of scans where the log has none (graph: none); none is "
+        "graph's alone: the last motion goes on"},
        {"sweep_s", &MethodOptions::sweep_s, 0.0, 0.0, 10.0,
         "time from a scan's first to its last beam, at which it is stamped; scans are set right for the "
         "motion "

@@ -13,7 +13,7 @@ namespace slam::mapping {
 /// Section [method]: what kind of builder and which motion increments it is fed.
 struct MethodOptions {
   std::string type;      ///< naive | icp | rbpf | particles | graph
-  std::string odometry;  ///< wheel | argmax | argmax_blind | correlation | range_flow | plicp
+  std::string odometry;  ///< wheel | argmax | argmax_blind | correlation | range_flow | plicp | none
   double sweep_s;        ///< robot::Sweep, 0: the scans are taken as they are
   bool sweep_clockwise;
   MethodOptions();

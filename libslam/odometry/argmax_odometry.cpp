@@ -68,10 +68,11 @@ std::optional<double> difference(float before, float after) {
 /// axis, as in the document; of its mounting pose only the heading counts.
 ///
 /// The document's robot scans before and after every command and knows which one it was. So the motion is that between
-/// the scan before the command and this one, however many scans were taken during it: a scan in between says how
-/// far the command has come, and adds neither its noise nor its rounding to whole beams. What is given is the increment
-/// since the scan before, so that the increments of a command compose to the motion of the whole. A scan in between
-/// without a reading moves nothing, and the next with one makes up for it. A robot that was told nothing stood.
+/// the scan before the command and this one, however many scans were taken during it; a scan in between says how
+/// far the command has come. Every reading is a difference of what two scans show, so those from scan to scan would add
+/// up to the same, but only where every scan in between has the readings: here one without them moves nothing, and the
+/// next with them makes up for it. What is given is the increment since the scan before: those of a command compose to the
+/// motion of the whole. A robot that was told nothing stood.
 ///
 /// argmax_blind, and argmax where the caller does not say (kUnknown), guesses from scan to scan: a longest range that moved
 /// by at least one beam means a turn, anything else a move.

@@ -3,12 +3,14 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string_view>
 
 #include "libslam/core/files.h"
+#include "libslam/core/parameters.h"
 #include "libslam/world/bmp_file.h"
 #include "libslam/world/picture_bytes.h"
 
@@ -18,9 +20,11 @@ void requireSensibleSize(const Bytes& file, std::int64_t columns, std::int64_t r
   const std::string found = std::to_string(columns) + " x " + std::to_string(rows) + " pixels";
   if (columns <= 0 || rows <= 0) throw file.error("the picture has " + found + ", expected at least one");
   if (columns > kMaxPlanSide || rows > kMaxPlanSide || columns * rows > kMaxPlanCells)
-    throw file.error("the picture has " + found + ", expected at most " + std::to_string(kMaxPlanSide) +
-                     " on a side and 2^28 in all (to simulate in takes some 13 bytes a pixel: " +
-                     std::to_string((columns * rows * 13 + 500000000) / 1000000000) + " GB)");
+    throw file.error(
+        "the picture has " + found + ", expected at most " + std::to_string(kMaxPlanSide) +
+        " on a side and 2^28 in all (to simulate in takes some 13 bytes a pixel: " +
+        core::formatNumber(std::round(static_cast<double>(columns) * static_cast<double>(rows) * 13e-9)) +
+        " GB)");
 }
 
 namespace {

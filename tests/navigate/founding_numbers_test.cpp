@@ -185,6 +185,17 @@ TEST(FoundingBug, ReadsTheFiveIndicesAndProjectsThePlaceReachedThatWay) {
   }
 }
 
+TEST(FoundingBug, DrivesAtAGoalThatIsNearWhateverStandsBesideAndStopsThere) {
+  const auto beside = foundingScan(275, 5, {{68, 0.3F}});
+  for (const double goal_m : {0.7, 0.9}) {  // near_goal_m is 0.8
+    const auto bug = makeGoalNavigator("lidar_bug", {}, {{goal_m, 0}, smallRobot(), 0.2});
+    EXPECT_EQ(bug->next(beside, {}, false).state == "DRIVE AT GOAL", goal_m < 0.8);
+    const auto there = bug->next(beside, {goal_m - 0.05, 0, 0}, false);
+    EXPECT_EQ(there.state, "REACHED");
+    EXPECT_EQ(there.command.speed_mps, 0);
+  }
+}
+
 TEST(FoundingBug, TellsEveryTransitionOfAPeriod) {
   const auto bug = makeGoalNavigator("lidar_bug", {}, {{10, 0}, smallRobot(), 0.2});
   // Faces the goal with something before it: two transitions at the first look.

@@ -160,6 +160,9 @@ TEST_F(Bmps, ThatLieInTheirHeaderAreRefusedInOneLine) {
   EXPECT_THAT(with(18, 0x7FFFFFFF), HasSubstr("expected at most 32768 on a side"));
   EXPECT_THAT(with(18, 0x80000000), HasSubstr("expected at least one"));
   EXPECT_THAT(with(22, 0x80000000), HasSubstr("expected at most 32768 on a side"));
+  EXPECT_THAT(errorOf(std::string(whole).replace(18, 8, littleEndian(0x7FFFFFFF) + littleEndian(0x7FFFFFFF))),
+              HasSubstr("at most 32768 on a side"))
+      << "and counts no pixels beyond 64 bits";
   EXPECT_THAT(with(22, 0), HasSubstr("expected at least one"));
   EXPECT_EQ(with(30, 4),
             "the picture is damaged: a BMP of 32 bits a pixel with compression 4, expected 0, 3 or 6");
