@@ -98,19 +98,28 @@ class ArgmaxOdometry : public ScanOdometry {
     }
     if (!told.continues || !before_) {
       before_ = previous;
-      T_before_previous_ = {};
+      so_far_ = {};
     }
     ScanMotion motion = sinceCommand(scan, told.kind);
-    if (!hasReading(motion)) motion.T_previous_current = T_before_previous_;
-    const core::Pose2 T_before_current = motion.T_previous_current;
-    motion.T_previous_current = core::between(T_before_previous_, T_before_current);
-    T_before_previous_ = T_before_current;
+    const core::Pose2 T_before_previous = so_far_.T_previous_current;
+    if (hasReading(motion))
+      so_far_ = motion;
+    else
+      keepReadings(so_far_, motion);
+    motion.T_previous_current = core::between(T_before_previous, so_far_.T_previous_current);
     return motion;
   }
 
  private:
   static bool hasReading(const ScanMotion& motion) {
     return motion.reliable || motion.front_reading_m != 0 || motion.rear_reading_m != 0;
+  }
+
+  /// What the command had come to when there was last a reading.
+  static void keepReadings(const ScanMotion& so_far, ScanMotion& motion) {
+    motion.turn_reading_rad = so_far.turn_reading_rad;
+    motion.rear_reading_m = so_far.rear_reading_m;
+    motion.front_reading_m = so_far.front_reading_m;
   }
 
   /// From the scan before the command to this one.
@@ -167,7 +176,7 @@ class ArgmaxOdometry : public ScanOdometry {
 
   ScanOdometryOptions options_;
   std::optional<robot::Scan> before_, previous_;  ///< before_: the command that is under way
-  core::Pose2 T_before_previous_;                 ///< what it has come to
+  ScanMotion so_far_;                             ///< from before_, as it was read last
 };
 
 }  // namespace

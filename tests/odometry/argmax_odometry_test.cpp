@@ -97,6 +97,7 @@ TEST(ArgmaxOdometry, MakesUpForAScanWithoutAReadingAtTheNextOneOfTheCommand) {
   EXPECT_DOUBLE_EQ(begun.T_previous_current.x, 1);
   const auto blind = odometry->update(drawn({inf, 1, 1, 1, inf, 1, 1, 1}), {MotionKind::kMove, true});
   EXPECT_EQ(blind.T_previous_current.x, 0) << "stays where it was, not where the command began";
+  EXPECT_EQ(blind.front_reading_m, 1) << "of the command so far: what was read last";
   EXPECT_FALSE(blind.reliable);
   const auto ended = odometry->update(drawn({2, 1, 1, 1, 5, 1, 1, 1}), {MotionKind::kMove, true});
   EXPECT_DOUBLE_EQ(ended.T_previous_current.x, 2);

@@ -58,7 +58,7 @@ TEST(ReplayOperations, GivesThePathOfTheFoundingDeadReckoningOnTheSameLog) {
     for (const auto& operation : operations) reckoned.push_back(every_scan.at(operation.scan_after));
     ASSERT_EQ(replayed.size(), reckoned.size());
     EXPECT_LT(operations.size(), scans / 2) << "an operation is a whole command, not a scan";
-    EXPECT_GT(core::pathLength(replayed), 3);
+    EXPECT_GT(core::pathLength(replayed), 1);
     for (size_t i = 0; i < replayed.size(); ++i) {
       // The log holds the scan's step as MRPT's float aperture, so turns differ in the 7th digit.
       ASSERT_NEAR(replayed[i].pose.x, reckoned[i].pose.x, 1e-4) << lidar.fov_deg << " deg, pose " << i;
