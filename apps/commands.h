@@ -36,6 +36,7 @@ void addExplore(CLI::App& app, Context& context);
 void addCompare(CLI::App& app, Context& context);
 void addConvert(CLI::App& app, Context& context);
 void addNavigate(CLI::App& app, Context& context);
+void addGraph(CLI::App& app, Context& context);
 void addInfo(CLI::App& app, Context& context);
 void addCheck(CLI::App& app, Context& context);
 void addEditing(CLI::App& app, Context& context);  ///< cut, merge, filter

@@ -245,9 +245,9 @@ void addFilter(CLI::App& app, Context& context) {
       ->add_option("--shift", arguments->shifts, "LABEL=SECONDS: added to the stamps of a sensor; repeatable")
       ->take_all()
       ->expected(1);
-  command->add_option(
-      "--odometry", arguments->odometry,
-      "argmax, correlation, range_flow or plicp: odometry from the scans in place of the log's own");
+  command->add_option("--odometry", arguments->odometry,
+                      "argmax, argmax_blind, correlation, range_flow or plicp: odometry from the scans in "
+                      "place of the log's own");
   command->add_option(
       "--form", arguments->form,
       "with --odometry: action or observation (default: as the log is); rbpf-slam needs action");

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   slam::apps::addConvert(app, context);
   slam::apps::addNavigate(app, context);
   slam::apps::addInfo(app, context);
+  slam::apps::addGraph(app, context);
   slam::apps::addCheck(app, context);
   slam::apps::addEditing(app, context);
   slam::apps::addPlot(app, context);

@@ -157,7 +157,8 @@ int viewDrive(const Context& context, const ViewArguments& arguments) {
   ConsoleProgress progress(true);
   std::string written;
   const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, live::Stage* stage) {
-    live::DriveSeat seat(config.robot, 1 / config.lidar.rate_hz, commands, stage, arguments.show.close);
+    live::DriveSeat seat(config.robot, 1 / config.lidar.rate_hz, commands, stage,
+                         arguments.show.close && !commands.empty());
     const auto commander = [&](const sim::Sensed& sensed) { return seat.next(sensed.collided); };
     std::optional<live::MappedLoop> mapped;
     if (mapper) mapped.emplace(std::move(*mapper), observer);

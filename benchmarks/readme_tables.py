@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the README's tables from the committed results.
+"""Writes the tables of README.md and of the documentation's pages from the committed results.
 
   benchmarks/readme_tables.py            rewrites what stands between the marks <!-- table: NAME --> and <!-- end -->
   benchmarks/readme_tables.py --check    changes nothing; exit code 1 and the names of the tables that are not current
@@ -52,6 +52,7 @@ def median(values, missing):
 
 WHAT = {
     "naive": "the founding robot: dead reckoning by scan difference, dots",
+    "naive_blind": "the same, guessing from the scans whether it moved or turned",
     "naive_wheel": "dead reckoning by the wheels",
     "naive_correlation": "dead reckoning by our scan correlation",
     "naive_flow": "dead reckoning by our range flow",
@@ -155,30 +156,38 @@ def exploration():
     return markdown(["world", "to:", *(f"`{strategy}`:" for strategy in STRATEGIES)], lines)
 
 
-TABLES = {"standard": standard, "relations": relations, "casting": casting, "exploration": exploration}
+TABLES = {"README.md": {"standard": standard, "relations": relations},
+          "docs/ray-casting.md": {"casting": casting},
+          "docs/exploration.md": {"exploration": exploration}}
+
+
+def stale(page, tables, check):
+    """Names of the tables of a page that are not current; writes them unless `check`."""
+    path = ROOT / page
+    text = old = path.read_text(encoding="utf-8")
+    names = []
+    for name, make in tables.items():
+        mark = re.compile(rf"(<!-- table: {name} -->\n)(.*?)(\n?<!-- end -->)", re.S)
+        if len(mark.findall(text)) != 1:
+            sys.exit(f"{page}: expected one <!-- table: {name} --> ... <!-- end -->")
+        made = make()
+        if mark.search(text).group(2) != made:
+            names.append(name)
+        text = mark.sub(lambda found: found.group(1) + made + "\n<!-- end -->", text)
+    if not check and text != old:
+        path.write_text(text, encoding="utf-8")
+    return names
 
 
 def main():
     check = sys.argv[1:] == ["--check"]
     if sys.argv[1:] and not check:
         sys.exit(__doc__)
-    path = ROOT / "README.md"
-    text = old = path.read_text(encoding="utf-8")
-    stale = []
-    for name, make in TABLES.items():
-        mark = re.compile(rf"(<!-- table: {name} -->\n)(.*?)(\n<!-- end -->)", re.S)
-        if len(mark.findall(text)) != 1:
-            sys.exit(f"README.md: expected one <!-- table: {name} --> ... <!-- end -->")
-        made = make()
-        if mark.search(text).group(2) != made:
-            stale.append(name)
-        text = mark.sub(lambda found: found.group(1) + made + found.group(3), text)
-    if check:
-        if stale:
-            sys.exit("README.md: not as benchmarks/results has it: " + ", ".join(stale))
-    elif text != old:
-        path.write_text(text, encoding="utf-8")
-        print("README.md: " + ", ".join(stale))
+    lines = [f"{page}: {', '.join(names)}" for page, tables in TABLES.items() if (names := stale(page, tables, check))]
+    if check and lines:
+        sys.exit("not as benchmarks/results has it: " + "; ".join(lines))
+    if lines:
+        print("\n".join(lines))
 
 
 if __name__ == "__main__":

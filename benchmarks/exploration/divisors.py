@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Where the divisor u of the longest ray and the quadrants pay: a study with the true pose, without SLAM.
 
-  benchmarks/exploration/divisors.py [-n SEEDS] [-d SECONDS] [-j THREADS] [-p PROGRAM] [-o FOLDER]
+  benchmarks/exploration/divisors.py [-n SEEDS] [-d SECONDS] [-j THREADS] [-w WORLDS] [-p PROGRAM] [-o FOLDER]
+                                        [-k SCRATCH]
 
 longest_ray and quadrant, the drive (longest ray / u) with u fixed and with u uniform in ranges (the founding one is
 0.1 to 2), in the committed worlds and in generated ones. Writes FOLDER/divisors.csv (a row per world, strategy and
 u: medians over the seeds) and FOLDER/divisors.txt (for people). A scan has 181 beams, a run without new area for
-ten minutes ends, as in sweep.sh.
+ten minutes ends, as in sweep.sh. With SCRATCH the single tables stay there, and those that are there are not made again.
 """
 import argparse
 import csv
@@ -16,7 +17,6 @@ import pathlib
 import resource
 import statistics
 import subprocess
-import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
@@ -44,26 +44,31 @@ def number(text):
     return float(text) if text else None
 
 
-def make_worlds(program, folder):
+def make_worlds(program, wanted, folder):
     worlds = [(name, name) for name in COMMITTED]
     for kind, size, seed in GENERATED:
         plan = folder / f"{kind}_{seed}.yaml"
-        subprocess.run([program, "world", "make", kind, "--size", size, "--seed", str(seed), "-q", "-o", plan],
-                       check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([program, "world", "make", kind, "--size", size, "--seed", str(seed), "-q", "--overwrite", "-o",
+                        plan], check=True, stdout=subprocess.DEVNULL)
         worlds.append((f"{kind}_{seed}", str(plan)))
-    return worlds
+    return [world for world in worlds if not wanted or world[0] in wanted.split(",")]
 
 
 def explore(program, plan, divisor, options, output):
     """Every run of both strategies; a method cannot fail, there is none."""
+    if not (output / "runs.csv").exists():
+        run_explore(program, plan, divisor, options, output)
+    with open(output / "runs.csv", newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def run_explore(program, plan, divisor, options, output):
     command = [program, "explore", plan, "--strategy", ",".join(STRATEGIES), "--slam", "truth",
                "--seeds", str(options.seeds), "--duration", f"{options.duration:g}", "--threads", str(options.threads),
                "--set", "lidar.beams=181", "--set", "exploration.give_up_s=600",
                "--set", f"strategy.divisor_min={divisor[0]}", "--set", f"strategy.divisor_max={divisor[1]}",
-               "--tables-only", "-q", "-o", str(output)]
+               "--tables-only", "-q", "--overwrite", "-o", str(output)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    with open(output / "runs.csv", newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
 
 
 def summary(world, strategy, divisor, runs):
@@ -135,17 +140,23 @@ def totals(found, worlds):
                       lines)
 
 
+def cpu_minutes():
+    spent = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return (spent.ru_utime + spent.ru_stime) / 60
+
+
 def write(options, rows, worlds):
     found = {(row["world"], row["strategy"], row["u"]): row for row in rows}
     commit = subprocess.run(["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True,
                             check=False).stdout.strip()
-    spent = resource.getrusage(resource.RUSAGE_CHILDREN)
     parts = [
-        f"Made by: benchmarks/exploration/divisors.py {' '.join(sys.argv[1:])}".rstrip() + f"\nCommit: {commit}\n"
-        f"CPU: {(spent.ru_utime + spent.ru_stime) / 60:.1f} minutes\n\n"
+        f"Made by: benchmarks/exploration/divisors.py -n {options.seeds} -d {options.duration:g}"
+        f"{' -w ' + options.worlds if options.worlds else ''}\nCommit: {commit}\n"
+        + ("" if options.scratch else f"CPU: {cpu_minutes():.1f} minutes\n") + "\n"
         f"The drive is (longest ray / u). Medians of {options.seeds} seeds, true pose, {options.duration:g} s at most; a dash "
         "where fewer than half\nof the runs got there. Generated worlds: "
-        + ", ".join(f"{kind}_{seed} ({size} m)" for kind, size, seed in GENERATED) + ".",
+        + (", ".join(f"{kind}_{seed} ({size} m)" for kind, size, seed in GENERATED if f"{kind}_{seed}" in worlds) or "none")
+        + ".",
         "== Path to 90 % explored (m), longest_ray / quadrant\n\n" + pair_table(found, worlds, "path90_m"),
         "== Time to 90 % explored (s), longest_ray / quadrant\n\n" + pair_table(found, worlds, "t90_s"),
         "== Path to 99 % explored (m), longest_ray / quadrant\n\n" + pair_table(found, worlds, "path99_m"),
@@ -172,16 +183,19 @@ def main():
     parser.add_argument("-j", dest="threads", type=int, default=2)
     parser.add_argument("-p", dest="program", default=str(ROOT / "build/release/apps/rasterslam"))
     parser.add_argument("-o", dest="folder", type=pathlib.Path, default=ROOT / "benchmarks/results")
+    parser.add_argument("-w", dest="worlds", default="", help="separated by commas; all")
+    parser.add_argument("-k", dest="scratch", type=pathlib.Path)
     options = parser.parse_args()
     os.nice(10)
     options.folder.mkdir(parents=True, exist_ok=True)
     rows = []
-    with tempfile.TemporaryDirectory() as scratch:
-        worlds = make_worlds(options.program, pathlib.Path(scratch))
+    with tempfile.TemporaryDirectory() as temporary:
+        scratch = options.scratch or pathlib.Path(temporary)
+        scratch.mkdir(parents=True, exist_ok=True)
+        worlds = make_worlds(options.program, options.worlds, scratch)
         for world, plan in worlds:
             for divisor in DIVISORS:
-                runs = explore(options.program, plan, divisor, options,
-                               pathlib.Path(scratch) / f"{world}_{label(divisor)}")
+                runs = explore(options.program, plan, divisor, options, scratch / f"{world}_{label(divisor)}")
                 rows += [summary(world, strategy, divisor, runs) for strategy in STRATEGIES]
     write(options, rows, [world for world, _ in worlds])
     print(options.folder / "divisors.txt")

@@ -24,7 +24,8 @@ std::optional<run::Order> DriveSeat::next(bool collided) {
   if (!command && !T_world_carried && is_over) return std::nullopt;
   HeldKeys keys;
   if (stage_ && !is_over) keys = stage_->keys();
-  run::Order order = command ? robot::toCommand(*command, robot_) : hand_.next(keys, collided);
+  run::Order order(command ? robot::toCommand(*command, robot_) : hand_.next(keys, collided),
+                   command.has_value());
   order.T_world_carried = T_world_carried;
   return order;
 }

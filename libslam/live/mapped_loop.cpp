@@ -7,7 +7,7 @@ namespace slam::live {
 void MappedLoop::onStep(const run::Step& step) {
   if (failure_.empty()) {
     try {
-      T_map_robot_ = mapping::processScan(method_, step.scan, step.T_previous_robot, true);
+      T_map_robot_ = mapping::processScan(method_, step.scan, step.T_previous_robot, true, step.commanded);
     } catch (const core::MethodError& error) {
       failure_ = method_.name + " failed: " + error.what();
     }

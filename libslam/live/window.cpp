@@ -176,7 +176,7 @@ class LiveWindow {
       default:
         break;
     }
-    return false;  // the character is still to come
+    return true;  // the characters come by themselves
   }
 
   bool onKey(int key, int scancode, int action, int modifiers) {

@@ -36,6 +36,8 @@ constexpr double kViewerDistance_m = 4;
 constexpr double kConfirmStep_m = 0.3, kConfirmTurn_rad = 0.06;
 constexpr int kConfirmEdges = 4, kMostFailures = 2;
 constexpr int kMostQueryKeyframes = 30;
+/// Travel to the next search, by the last one's window; never so far that two searches share no scan.
+constexpr double kPausePerReach = 0.1;
 constexpr double kDistinctShifts_m[] = {-1.5, -1, -0.6, -0.35, 0.35, 0.6, 1, 1.5};
 constexpr double kDistinctKernel = 3;
 
@@ -132,6 +134,7 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
   for (const auto& point : thinned(query, kQuerySpacing_m)) search_points.push_back(position(point));
   const auto match_points = thinned(query, kQueryMatchSpacing_m);
 
+  searched_reach_m_ = 0;
   std::vector<char> is_tried(keyframes_.size(), 0);
   int places = 0;
   for (const auto& [away_m, old] : candidates) {
@@ -151,6 +154,7 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
     scanmatch::SearchWindow window{
         reachOf(old), std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * way[static_cast<size_t>(old)],
                                kSearchTurnMost_rad)};
+    searched_reach_m_ = std::max(searched_reach_m_, window.half_xy_m);
     Pose2 search_from = T;
     if (anywhere) {
       window = {kPlaceHalf_m, core::kPi};
@@ -266,7 +270,10 @@ void GraphSlam::closeLoops() {
       ++i;
     }
   }
-  if (path_m_ - searched_m_ < options_.loop_every_m) return;
+  // A wide search is dear, and what it would find is still there some metres on.
+  const double pause_m =
+      std::max(options_.loop_every_m, std::min(kPausePerReach * searched_reach_m_, options_.loop_path_m / 2));
+  if (path_m_ - searched_m_ < pause_m) return;
   searched_m_ = path_m_;
   int first = k;
   while (first > 0 && k - first < kMostQueryKeyframes &&

@@ -37,9 +37,10 @@ const core::ParameterTable<GraphOptions>& GraphOptions::table() {
        {"cell_m", &O::cell_m, 0.1, 0.01, 2.0,
         "cell of the finest surfel map; two more have double and fourfold cells"},
        {"blur_m", &O::blur_m, 0.02, 0.001, 1.0, "standard deviation added to the finest surfels"},
-       {"odometry_xy_m", &O::odometry_xy_m, 0.02, 1e-4, 10.0, "standard deviation of an increment, always"},
+       {"odometry_xy_m", &O::odometry_xy_m, 0.02, 1e-4, 10.0,
+        "standard deviation of an increment over 0.2 s; it grows with the root of time"},
        {"odometry_xy_per_m", &O::odometry_xy_per_m, 0.1, 0.0, 10.0, "and per metre driven"},
-       {"odometry_turn_deg", &O::odometry_turn_rad, 0.573, 1e-3, 90.0, "of its turn, always"},
+       {"odometry_turn_deg", &O::odometry_turn_rad, 0.573, 1e-3, 90.0, "of its turn over 0.2 s"},
        {"odometry_turn_per_rad", &O::odometry_turn_per_rad, 0.2, 0.0, 10.0, "and per angle turned"},
        {"odometry_kernel", &O::odometry_kernel, 2.0, 0.0, 100.0,
         "standard deviations beyond which odometry loses its hold; 0: never"},
@@ -113,6 +114,7 @@ void GraphSlam::link(int a, int b) {
 GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previous_robot,
                                    bool has_odometry) {
   if (scan.ranges_m.size() < 2) throw core::ContractError("GraphSlam: a scan of fewer than 2 beams");
+  noteTime(scan, has_odometry);
   Step step;
   if (keyframes_.empty()) {
     addKeyframe(scan, pointsOf(scan), {}, Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero());
@@ -152,6 +154,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
     step.T_map_robot = currentPose();
   }
   records_.push_back({lastKeyframe(), T_keyframe_robot_, step.match_covariance});
+  previous_scan_ = scan;
   return step;
 }
 

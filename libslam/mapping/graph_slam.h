@@ -51,7 +51,11 @@ struct GraphOptions {
 /// carried apart; what is found is followed for some keyframes, each of which must fit the old map by itself, and
 /// accepted together, unless the graph as a whole then contradicts what was measured on the way.
 ///
-/// Without odometry the last motion stands in for it. The lidar's geometry is that of the first scan.
+/// Without odometry the last motion stands in for it, as long as the step takes. Where there is no odometry, or it is
+/// contradicted, the motion that two scans alone give (odometry::ScanOdometry, correlation) is one of the starts, too.
+/// Odometry's noise grows with the root of time, with the metres and with the angle. Steps are timed by the mean of
+/// the scans' stamps of late. The lidar's geometry is that of the first
+/// scan.
 ///
 /// A robot that was carried away (several scans in a row contradict the map): a new part of the map begins, which is
 /// searched for all over the old one, and joined to it by its first loop.
@@ -131,6 +135,11 @@ class GraphSlam {
     scanmatch::SurfelMap fine, middle, coarse;
     explicit LevelMaps(const GraphOptions& options);
   };
+  /// A step as odometry has it, or else the motion before, and standard deviations.
+  struct Prediction {
+    core::Pose2 T_previous_robot;
+    double sigma_xy_m, sigma_turn_rad;
+  };
   /// A place that may have been recognised, while it is followed.
   struct Hypothesis {
     int keyframe;             ///< that it has come to
@@ -178,6 +187,11 @@ class GraphSlam {
   const Keyframe& keyframe(int k) const { return keyframes_[static_cast<size_t>(k)]; }
   int lastKeyframe() const { return static_cast<int>(keyframes_.size()) - 1; }
 
+  // graph_motion.cpp: what is known of a step before it is matched
+  void noteTime(const robot::Scan& scan, bool has_odometry);
+  Prediction predict(const core::Pose2& T_previous_robot, bool has_odometry) const;
+  std::optional<core::Pose2> motionFromScans(const robot::Scan& scan) const;
+
   // graph_track.cpp: a scan and the map around
   static scanmatch::MatchOptions matchOptions(int max_iterations);
   Step track(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry,
@@ -207,6 +221,7 @@ class GraphSlam {
             const std::vector<scanmatch::PatchPoint>& points) const;
   double meanConflict(const std::vector<int>& viewers, const core::Pose2& T_map_points,
                       const std::vector<scanmatch::PatchPoint>& points) const;
+  double toldScore(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot) const;
   bool contradictsMap(const std::vector<scanmatch::PatchPoint>& points, const Step& step) const;
   double gain(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot,
               const core::Pose2& T_map_other) const;
@@ -246,7 +261,10 @@ class GraphSlam {
   robot::Scan geometry_;      ///< of the first scan, without its ranges
   core::Pose2 T_keyframe_robot_, T_previous_robot_, T_odometry_;  ///< the last: since the last keyframe
   bool odometry_holds_ = true;                                    ///< since the last keyframe
+  robot::Scan previous_scan_;
+  double period_s_ = 0, mean_period_s_ = 0;  ///< from the scan before to the last one
   double path_m_ = 0, searched_m_ = 0;
+  double searched_reach_m_ = 0;  ///< window of the last search for loops
   int revision_ = 0;
   int torn_scans_ = 0;    ///< in a row, that do not fit the map
   int part_begins_ = 0;   ///< keyframes from here on have no known place in the rest of the map; 0: none

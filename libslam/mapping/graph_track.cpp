@@ -179,11 +179,7 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
                                  std::vector<PatchPoint>& points, Eigen::Matrix3d& information) {
   points = pointsOf(scan);
   const Pose2 T_before = currentPose();
-  const Pose2 increment = has_odometry ? T_previous_robot : T_previous_robot_;
-  const double move_m = std::hypot(increment.x, increment.y), turn_rad = std::abs(increment.phi);
-  const double unknown = has_odometry ? 0 : 0.5;
-  const double sigma_xy = options_.odometry_xy_m + options_.odometry_xy_per_m * move_m + unknown;
-  const double sigma_turn = options_.odometry_turn_rad + options_.odometry_turn_per_rad * turn_rad + unknown;
+  const auto [increment, sigma_xy, sigma_turn] = predict(T_previous_robot, has_odometry);
   const Pose2 predicted = T_before * increment;
 
   Pose2 start = predicted;
@@ -197,6 +193,8 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   // Some robots count backwards motion forwards.
   consider(T_before * core::inverse(increment));
   for (const double turn : kStartTurns_rad) consider({predicted.x, predicted.y, predicted.phi + turn});
+  if (!has_odometry || best > own + options_.distrust_gain)
+    if (const auto motion = motionFromScans(scan)) consider(T_before * *motion);
 
   PosePrior prior;
   prior.mean = predicted;
@@ -222,7 +220,11 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
       if (distrusted) note("distrusted", best - own);
     }
   }
-  if (result.score < options_.recover_score) {
+  const auto isPoor = [&] {
+    return result.score < options_.recover_score &&
+           toldScore(points, result.T_map_robot) < options_.recover_score;
+  };
+  if (isPoor()) {
     const auto other = recover(points, predicted, result.T_map_robot);
     if (other && gain(points, other->T_map_robot, result.T_map_robot) > kRecoverGain) {
       result = *other;
@@ -230,7 +232,7 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
       note("rematched", result.score);
     }
   }
-  if (result.score < options_.recover_score) note("poor", result.score);
+  if (isPoor()) note("poor", result.score);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> movement(result.information.topLeftCorner<2, 2>(),
                                                                 Eigen::EigenvaluesOnly);
   const double share = movement.eigenvalues()(1) > 0
@@ -267,6 +269,7 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
   if (keyframes_.empty()) throw core::ContractError("GraphSlam: localise() without a map");
   std::vector<PatchPoint> points;
   Eigen::Matrix3d information;
+  noteTime(scan, has_odometry);
   const Pose2 increment = has_odometry ? T_previous_robot : T_previous_robot_;
   const Pose2 predicted = currentPose() * increment;
   Step step = track(scan, T_previous_robot, has_odometry, points, information);
@@ -292,6 +295,7 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), step.T_map_robot);
   setMapNear(core::position(step.T_map_robot));
   records_.push_back({lastKeyframe(), T_keyframe_robot_, step.match_covariance});
+  previous_scan_ = scan;
   return step;
 }
 

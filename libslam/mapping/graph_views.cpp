@@ -66,6 +66,30 @@ bool GraphSlam::contradictsMap(const std::vector<PatchPoint>& points, const Step
   return meanConflict(firstOf(map_keyframes_, kAskedViewers), step.T_map_robot, points) > kLostConflict;
 }
 
+/// The share that is explained at a pose of those points of which the map says something: that fall on a surface, or where
+/// beams of the keyframes nearest have passed. Points beyond what was seen, and between two beams far apart, are left
+/// out, as long as there are others enough.
+double GraphSlam::toldScore(const std::vector<PatchPoint>& points, const Pose2& T_map_robot) const {
+  constexpr double kLeastTold = 0.2;
+  const auto viewers = firstOf(map_keyframes_, kAskedViewers);
+  const Pose2 T_lidar_robot = core::inverse(geometry_.T_robot_lidar);
+  const Point2 origin = maps_.fine.origin();
+  std::vector<Pose2> T_viewers_map;
+  for (const int viewer : viewers)
+    T_viewers_map.push_back(T_lidar_robot * core::inverse(graph_.pose(viewer)));
+  std::vector<PatchPoint> told;
+  for (const auto& point : points) {
+    const Point2 p_map = T_map_robot * position(point);
+    bool is_told = maps_.fine.at(p_map.x - origin.x, p_map.y - origin.y) != nullptr;
+    for (size_t i = 0; !is_told && i < viewers.size(); ++i)
+      is_told = sight(viewers[i], T_viewers_map[i] * p_map) == Sight::kPassed;
+    if (is_told) told.push_back(point);
+  }
+  const double share = surfelScore(told, maps_.fine, T_map_robot, kKernel, 1);
+  const double least = kLeastTold * static_cast<double>(points.size());
+  return share * std::min(1.0, static_cast<double>(told.size()) / std::max(least, 1.0));
+}
+
 /// By how much more of the scan a pose explains than another, by the points of which both say something: those that fall
 /// on a surface, and those that beams have gone through. What falls into the unknown, or between two beams of a keyframe
 /// far along a wall, says nothing against a pose.

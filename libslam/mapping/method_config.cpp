@@ -42,7 +42,13 @@ std::vector<MappingTable::Row> naiveMappingRows() {
            &MappingOptions::draw,
            "dots",
            {"dots", "rays"},
-           "a dot for every return, or occupancy along whole rays"}};
+           "a dot for every return, or occupancy along whole rays"},
+          {"draw_after",
+           &MappingOptions::draw_after,
+           "every_scan",
+           {"every_scan", "moves"},
+           "moves: scans after a turn in place or at rest are not drawn, nor is the first, as the founding "
+           "robot has it"}};
 }
 
 std::vector<MappingTable::Row> matcherMappingRows() {
@@ -251,7 +257,11 @@ std::string rbpfSlamText(const MethodConfig& config, const std::string& name) {
 void chooseScanOdometry(const core::IniFile& ini, MethodConfig& config) {
   const std::string& odometry = config.method.odometry;
   const auto* given = ini.find("scan_odometry", "method");
-  if (odometry == "wheel") {
+  if (odometry == "none" && config.method.type != "graph")
+    throw core::InputError(ini.find("method", "odometry")->origin +
+                           ": section [method], key 'odometry': found 'none' with type " +
+                           config.method.type + ", expected it with type graph alone");
+  if (odometry == "wheel" || odometry == "none") {
     if (given == nullptr) config.scan_odometry.method = "correlation";
     return;
   }
@@ -278,8 +288,9 @@ const core::ParameterTable<MethodOptions>& MethodOptions::table() {
        {"odometry",
         &MethodOptions::odometry,
         "wheel",
-        {"wheel", "argmax", "correlation", "range_flow", "plicp"},
-        "the motion increments; wheel takes those of scans where the log has none"},
+        {"wheel", "argmax", "argmax_blind", "correlation", "range_flow", "plicp", "none"},
+        "the motion increments; wheel takes those of scans where the log has none (graph: none); none is "
+        "graph's alone: the last motion goes on"},
        {"sweep_s", &MethodOptions::sweep_s, 0.0, 0.0, 10.0,
         "time from a scan's first to its last beam, at which it is stamped; scans are set right for the "
         "motion "

@@ -215,12 +215,13 @@ void ParticleFilter::drawPose(size_t index) {
   if (drawn.allFinite()) particle.T_raster_robot = moved(particle.T_raster_robot, drawn);
 }
 
-/// The integral of likelihood times motion model over the pose: their product at the peak times the volume under it
-/// (Laplace). Constants that all particles share are left out.
+double logEvidence(const FieldMatch& match, const Eigen::Matrix3d& information) {
+  return -match.cost - match.prior_cost - 0.5 * std::log(std::max(information.determinant(), 1e-300));
+}
+
 void ParticleFilter::weigh() {
   for (Particle& particle : particles_) {
-    const double log_evidence = -particle.match.cost - particle.match.prior_cost -
-                                0.5 * std::log(std::max(particle.information.determinant(), 1e-300));
+    const double log_evidence = logEvidence(particle.match, particle.information);
     particle.log_weight += options_.evidence_scale * log_evidence;
     particle.total_log_weight += options_.evidence_scale * log_evidence;
   }

@@ -10,6 +10,7 @@
 #include "libslam/core/thread_team.h"
 #include "libslam/gridmap/grid.h"
 #include "libslam/mapping/journal.h"
+#include "libslam/mapping/motion.h"
 #include "libslam/mapping/path_tree.h"
 #include "libslam/scanmatch/field_matcher.h"
 
@@ -37,12 +38,6 @@ struct ParticleFilterOptions {
   gridmap::RayOptions rays{20, true};
 };
 
-/// The motion since the scan before, as the wheels or the scans alone tell it.
-struct Motion {
-  core::Pose2 T_previous_robot;
-  Eigen::Matrix3d covariance;  ///< over (x, y, phi) in the previous robot's frame; positive definite
-};
-
 /// What one scan did: the line of a journal.
 struct ParticleStep {
   core::Pose2 T_map_robot;
@@ -61,6 +56,11 @@ struct ParticleStep {
 /// that they fall into below `error` (Fox, "Adapting the sample size in particle filters through KLD-sampling", IJRR
 /// 22(12), 2003, equation 7). 1 for a single bin. REQUIRES error > 0 and bins >= 1 (ContractError).
 size_t kldParticles(size_t bins, double error);
+
+/// Logarithm of the evidence that a scan gives for a particle: the integral of likelihood times motion model over the pose,
+/// in Laplace's approximation, that is their product at the peak times the volume under it. `information`: of both
+/// together, there. Constants that all particles share are left out.
+double logEvidence(const scanmatch::FieldMatch& match, const Eigen::Matrix3d& information);
 
 /// A Rao-Blackwellised particle filter: every particle is a path and the map that it implies (Grisetti, Stachniss and
 /// Burgard, IEEE T-RO 23(1), 2007). What is different here:

@@ -58,17 +58,6 @@ Motion fromMrpt(const mrpt::poses::CPosePDF& change) {
   return motion;
 }
 
-/// Motions one after the other.
-Motion operator*(const Motion& first, const Motion& second) {
-  const double c = std::cos(first.T_previous_robot.phi), s = std::sin(first.T_previous_robot.phi);
-  const core::Pose2& step = second.T_previous_robot;
-  Eigen::Matrix3d by_first, by_second;
-  by_first << 1, 0, -s * step.x - c * step.y, 0, 1, c * step.x - s * step.y, 0, 0, 1;
-  by_second << c, -s, 0, s, c, 0, 0, 0, 1;
-  return {first.T_previous_robot * step, by_first * first.covariance * by_first.transpose() +
-                                             by_second * second.covariance * by_second.transpose()};
-}
-
 /// MRPT's grid with the cells of ours. Its log-odds are those of being free.
 void publish(const gridmap::OccupancyRaster& raster, COccupancyGridMap2D& grid) {
   const double resolution_m = raster.resolution_m;

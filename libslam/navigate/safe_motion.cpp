@@ -14,7 +14,8 @@ constexpr double kMargin_m = 0.02;
 double discReach(const robot::Scan& scan, double direction_rad, const robot::RobotOptions& robot,
                  const std::vector<core::Point2>& remembered) {
   // The nearest of many noisy readings already lies some standard deviations before the wall.
-  const double radius_m = robot::circumscribedRadius(robot) + kMargin_m + scan.range_sigma_m;
+  const double margin_m = kMargin_m + scan.range_sigma_m;
+  const double radius_m = robot::circumscribedRadius(robot) + margin_m;
   return std::min(freeTravel(robot::scanPoints(scan), direction_rad, radius_m),
                   freeTravel(remembered, direction_rad, radius_m));
 }

@@ -44,10 +44,14 @@ class Localiser {
         is_reference_ && last_truth_ ? core::between(*last_truth_, T_world_robot) : sensed.T_previous_robot;
     last_truth_ = T_world_robot;
     core::Pose2 T_map_robot;
-    insideMethod([&] { T_map_robot = mapping::processScan(builder_, sensed.scan, T_previous_robot, true); });
+    insideMethod([&] {
+      T_map_robot = mapping::processScan(builder_, sensed.scan, T_previous_robot, true, commanded_);
+    });
     if (!core::isFinite(T_map_robot)) throw core::MethodError(name_ + " diverged: its pose is not finite");
     return T_map_robot;
   }
+  /// What the robot is told to do next.
+  void tell(const robot::Command& command) { commanded_ = commands_.next(command); }
   const mapping::MapBuilder& builder() const { return builder_; }
   gridmap::OccupancyRaster map() const {
     gridmap::OccupancyRaster map;
@@ -60,6 +64,8 @@ class Localiser {
   std::string name_;
   bool is_reference_;
   std::optional<core::Pose2> last_truth_;
+  robot::CommandSeries commands_;
+  robot::Commanded commanded_ = robot::MotionKind::kRest;
 };
 
 /// CPU time of the periods in which the robot decided, the map's reading included.
@@ -219,6 +225,7 @@ class Loop {
         driver_ = makeReturnDriver();
         referee_.watchReturn();
       }
+      localiser_.tell(command);
       sensed = simulator_.step(command);
       if (recorder_) recorder_->add(command, simulator_, sensed);
     }
@@ -317,9 +324,11 @@ class Loop {
 };
 
 LoopResult Loop::result() const {
-  if (end_ == ExplorationEnd::kFailed)
-    return {failedExploration(config_, method_.name, seed_, end_detail_), {}, false, false, {}};
   LoopResult result;
+  if (end_ == ExplorationEnd::kFailed) {
+    result.exploration = failedExploration(config_, method_.name, seed_, end_detail_);
+    return result;
+  }
   Exploration& e = result.exploration;
   const auto& area = coverage_.explorable();
   e.strategy = config_.record.strategy.name;
@@ -462,8 +471,10 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
   results["coverage"] = number(e.figures.coverage);
   if (has_map) results["map_mean_entropy_bits"] = number(metrics::mapEntropy(localiser_.map().occupancy));
   results["peak_memory_mb"] = "nan";  // of a process that does more than this run
-  manifest.times_s["decision_mean"] = e.decision_mean_ms / 1000;
-  manifest.times_s["decision_max"] = e.decision_max_ms / 1000;
+  if (std::isfinite(e.decision_mean_ms)) {
+    manifest.times_s["decision_mean"] = e.decision_mean_ms / 1000;
+    manifest.times_s["decision_max"] = e.decision_max_ms / 1000;
+  }
   core::writeManifest(manifest, folder_ + "/manifest.json");
 }
 

@@ -62,12 +62,16 @@ class PoseSource {
   }
   core::Pose2 update(const sim::Sensed& sensed) {
     if (!builder_) return sensed.T_odom_robot;
-    return mapping::processScan(*builder_, sensed.scan, sensed.T_previous_robot, true);
+    return mapping::processScan(*builder_, sensed.scan, sensed.T_previous_robot, true, commanded_);
   }
+  /// What the robot is told to do next.
+  void tell(const robot::Command& command) { commanded_ = commands_.next(command); }
   const mapping::MapBuilder* method() const { return builder_ ? &*builder_ : nullptr; }
 
  private:
   std::optional<mapping::MapBuilder> builder_;
+  robot::CommandSeries commands_;
+  robot::Commanded commanded_ = robot::MotionKind::kRest;
 };
 
 /// What a recorder is to know of a drive.
@@ -289,6 +293,7 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
                                 pose_source.method(), &simulator, nullptr,
                                 step.state + (step.reason.empty() ? "" : ": " + step.reason)});
     if (step.status != GoalStatus::kMoving) break;
+    pose_source.tell(step.command);
     sensed = simulator.step(step.command);
     if (recorder) recorder->add(step.command, simulator, sensed);
   }

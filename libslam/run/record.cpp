@@ -97,6 +97,8 @@ Recording recordLoop(sim::Simulator& simulator, const RecordConfig& config, std:
   const double period_s = 1 / config.lidar.rate_hz;
   simulator.carryAt(config.carries);
   Recorder recorder(log_path, config);
+  robot::CommandSeries commands;
+  robot::Commanded commanded = robot::MotionKind::kRest;
   progress.begin("simulating " + simulator.scene().plan().name);
   const double start_time_s = simulator.time_s();
   sim::Sensed sensed = simulator.sense();
@@ -108,11 +110,12 @@ Recording recordLoop(sim::Simulator& simulator, const RecordConfig& config, std:
     const auto order = is_over ? std::nullopt : commander(sensed);
     if (observer)
       observer->onStep({elapsed_s, sensed.scan, sensed.T_previous_robot, sensed.T_odom_robot, nullptr,
-                        &simulator, decision()});
+                        &simulator, decision(), "", commanded});
     if (!order) break;
+    commanded = commands.next(order->command, order->is_whole);
     if (order->T_world_carried) simulator.carryNow(*order->T_world_carried);
     sensed = simulator.step(order->command);
-    recorder.add(order->command, simulator, sensed);
+    recorder.add(order->command, simulator, sensed, order->is_whole);
   }
   progress.end();
   return recorder.finish(simulator, seed, std::move(manifest));

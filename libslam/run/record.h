@@ -86,8 +86,9 @@ Recording record(const world::Plan& given_plan, const RecordConfig& config, std:
 
 /// What is done next: a command to the robot, and before it somebody may carry it away.
 struct Order {
-  Order(const robot::Command& to_robot) : command(to_robot) {}
+  Order(const robot::Command& to_robot, bool whole = false) : command(to_robot), is_whole(whole) {}
   robot::Command command;
+  bool is_whole;  ///< a command of its own in the operation log, even where the one before was alike
   std::optional<core::Pose2>
       T_world_carried;  ///< where somebody puts the robot down; a place that is free by the plan
 };

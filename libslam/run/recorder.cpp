@@ -20,13 +20,11 @@ logs::LogEntry toLogEntry(const sim::Sensed& sensed) {
   return {sensed.scan, sensed.T_odom_robot, sensed.T_previous_robot, true};
 }
 
-bool isTurn(const robot::Command& command) {
-  return command.speed_mps == 0 && command.turn_rate_radps != 0;
-}
-
-sim::Operation toOperation(const robot::Command& command, const odometry::ScanMotion& motion) {
-  if (isTurn(command)) return {'t', motion.turn_reading_rad, 0.0};
-  return {'m', motion.rear_reading_m, motion.front_reading_m};
+sim::Operation toOperation(robot::MotionKind kind, const odometry::ScanMotion& motion) {
+  if (kind == robot::MotionKind::kTurn) return {'t', motion.turn_reading_rad};
+  const bool is_arc = kind == robot::MotionKind::kArc;
+  return {is_arc ? 'a' : 'm', motion.rear_reading_m, motion.front_reading_m,
+          is_arc ? motion.turn_reading_rad : 0};
 }
 
 std::unique_ptr<odometry::ScanOdometry> foundingOdometry() {
@@ -55,12 +53,30 @@ struct Recorder::State {
     driven.add(pose.pose, simulator.carries());
   }
 
+  /// The command that led to the newest scan, which is not counted yet.
+  void addOperation(const robot::Commanded& commanded, const robot::Scan& scan) {
+    const auto motion = scan_odometry->update(scan, commanded);
+    if (!commanded.continues) endOperation();
+    if (commanded.kind == robot::MotionKind::kRest) return;
+    const auto scan_before = operation ? operation->scan_before : scans - 1;
+    operation = toOperation(commanded.kind, motion);
+    operation->scan_before = scan_before;
+    operation->scan_after = scans;
+  }
+
+  void endOperation() {
+    if (operation) operations.append(sim::formatOperation(*operation));
+    operation.reset();
+  }
+
   std::string log_path;
   RecordConfig config;
   logs::LogWriter log;
   std::unique_ptr<odometry::ScanOdometry> scan_odometry = foundingOdometry();
   logs::TrajectoryWriter tum, mrpt_truth;
   core::GrowingFile operations;
+  robot::CommandSeries commands;
+  std::optional<sim::Operation> operation;  ///< the command that is under way
   size_t scans = 0;
   double first_time_s = 0;
   sim::DrivenPath driven;
@@ -82,11 +98,9 @@ void Recorder::begin(const sim::Simulator& simulator, const sim::Sensed& sensed)
   state_->movers->add(simulator);
 }
 
-void Recorder::add(const robot::Command& command, const sim::Simulator& simulator,
-                   const sim::Sensed& sensed) {
-  const auto kind = isTurn(command) ? odometry::MotionKind::kTurn : odometry::MotionKind::kMove;
-  state_->operations.append(
-      sim::formatOperation(toOperation(command, state_->scan_odometry->update(sensed.scan, kind))));
+void Recorder::add(const robot::Command& command, const sim::Simulator& simulator, const sim::Sensed& sensed,
+                   bool is_whole) {
+  state_->addOperation(state_->commands.next(command, is_whole), sensed.scan);
   state_->log.write(toLogEntry(sensed));
   state_->addTruth(simulator);
   if (state_->movers) state_->movers->add(simulator);
@@ -99,6 +113,7 @@ Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, 
   state.log.close();
   state.tum.close();
   state.mrpt_truth.close();
+  state.endOperation();
   state.operations.commit();
   recording.collisions = simulator.collisions();
   recording.scans = state.scans;
@@ -138,7 +153,7 @@ Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, 
       "truth, MRPT's text form, relative to the start: graphslam-engine -g";
   manifest.files[name(stem) + ".gt.tum"] = "truth, TUM form, world frame: rasterslam eval --truth, evo";
   manifest.files[name(stem) + ".operations.txt"] =
-      "operation log: m rear front (metres) or t angle (radians)";
+      "operation log: m rear front (metres), t angle (radians) or a rear front angle; scans before and after";
   if (state.movers)
     manifest.files[name(stem) + ".movers.csv"] =
         "truth: where people and doors that move were at every scan (time, kind, id, place, heading, state)";

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "libslam/core/error.h"
+#include "libslam/logs/log_motion.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/mrpt_time.h"
 #include "libslam/logs/object_stream.h"
@@ -82,6 +83,7 @@ class ScanOdometryLog {
 
   void takeActions(const CActionCollection& actions) {
     has_frames_ = true;
+    if (const auto increment = logs::incrementOf(actions)) wheels_.add(*increment);
     for (const auto& action : actions) {
       noteTime(action->timestamp);
       if (isMovement(*action))
@@ -126,12 +128,14 @@ class ScanOdometryLog {
   }
 
   bool isOdometry(const CObservation& observation) {
-    const bool is_odometry = dynamic_cast<const CObservationOdometry*>(&observation) != nullptr;
-    if (is_odometry) {
-      noteTime(observation.timestamp);
-      ++report_.replaced;
-    }
-    return is_odometry;
+    const auto* reading = dynamic_cast<const CObservationOdometry*>(&observation);
+    if (!reading) return false;
+    noteTime(reading->timestamp);
+    const auto& pose = reading->odometry;
+    if (!has_frames_)
+      readings_.add(reading->timestamp.time_since_epoch().count(), {pose.x(), pose.y(), pose.phi()});
+    ++report_.replaced;
+    return true;
   }
 
   const CObservation2DRangeScan* scanOf(const CObservation& observation) const {
@@ -147,7 +151,10 @@ class ScanOdometryLog {
       throw core::InputError(path_ + ": " + source_->place() + ": " + error.what());
     }
     scan.time_s = newest_s_;
-    const auto kind = options_.kind ? options_.kind(scan) : odometry::MotionKind::kUnknown;
+    if (!has_frames_) wheels_ = readings_.takeUntil(stampOf(&observation).time_since_epoch().count());
+    const auto wheels = std::exchange(wheels_, {});
+    const auto increment = wheels.has_increment ? std::optional(wheels.T_previous_robot) : std::nullopt;
+    const auto kind = options_.kind ? options_.kind(scan, increment) : odometry::MotionKind::kUnknown;
     const auto motion = odometry_->update(scan, kind);
     ++report_.motions;
     report_.unreliable += motion.reliable ? 0 : 1;
@@ -202,6 +209,8 @@ class ScanOdometryLog {
   std::deque<Object> ready_;
   std::vector<mrpt::obs::CAction::Ptr> others_;  ///< no movements; they wait for their frame
   core::Pose2 T_odom_robot_;
+  logs::Motion wheels_;  ///< since the scan before
+  logs::BareOdometry readings_;
   mrpt::Clock::time_point newest_;
   double newest_s_ = 0;
   std::optional<double> first_s_;

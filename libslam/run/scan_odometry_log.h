@@ -10,8 +10,10 @@
 
 namespace slam::run {
 
-/// What the robot was told to do before this scan, where somebody knows it (argmax asks).
-using KindOfMotion = std::function<odometry::MotionKind(const robot::Scan& scan)>;
+/// What the robot was told to do before this scan, where somebody knows it (argmax asks). `wheels`: the increment since
+/// the scan before by the log's own odometry, where it has one.
+using KindOfMotion =
+    std::function<odometry::MotionKind(const robot::Scan& scan, const std::optional<core::Pose2>& wheels)>;
 
 struct ScanOdometryLogOptions {
   odometry::ScanOdometryOptions odometry;

@@ -53,7 +53,7 @@ UserDrive recordUserCommands(const world::Plan& given_plan, const RecordConfig& 
   const auto commander = [&](const sim::Sensed&) -> std::optional<Order> {
     if (next == commands.size()) return std::nullopt;
     notes.begin(commands[next]);
-    return robot::toCommand(commands[next++], config.robot);
+    return Order(robot::toCommand(commands[next++], config.robot), true);
   };
   UserDrive drive;
   drive.recording =

@@ -1,6 +1,7 @@
 #include "libslam/scanmatch/correlative_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace slam::scanmatch {
@@ -24,12 +25,19 @@ LikelihoodPyramid::LikelihoodPyramid(const std::vector<core::Point2>& points, do
   for (const auto& p : points) {
     const double px = (p.x - origin_.x) / cell_m, py = (p.y - origin_.y) / cell_m;
     const int column = static_cast<int>(px), row = static_cast<int>(py);
+    // The Gaussian is that of x times that of y.
+    std::array<double, 2 * kReach + 1> along_x{}, along_y{};
+    for (int k = -kReach; k <= kReach; ++k) {
+      const double dx = (column + k + 0.5 - px) * cell_m, dy = (row + k + 0.5 - py) * cell_m;
+      along_x[static_cast<size_t>(k + kReach)] = std::exp(-dx * dx / (2 * sigma_m * sigma_m));
+      along_y[static_cast<size_t>(k + kReach)] = 255 * std::exp(-dy * dy / (2 * sigma_m * sigma_m));
+    }
     for (int r = std::max(row - kReach, 0); r <= row + kReach && r + pad_ < side_y_; ++r)
       for (int c = std::max(column - kReach, 0); c <= column + kReach && c + pad_ < side_x_; ++c) {
-        const double dx = (c + 0.5 - px) * cell_m, dy = (r + 0.5 - py) * cell_m;
-        const double value = 255 * std::exp(-(dx * dx + dy * dy) / (2 * sigma_m * sigma_m));
+        const double value = along_x[static_cast<size_t>(c - column + kReach)] *
+                             along_y[static_cast<size_t>(r - row + kReach)];
         auto& cell = base[static_cast<size_t>(r + pad_) * side + static_cast<size_t>(c + pad_)];
-        cell = std::max(cell, static_cast<std::uint8_t>(std::lround(value)));
+        cell = std::max(cell, static_cast<std::uint8_t>(value + 0.5));
       }
   }
   levels_.push_back(std::move(base));
@@ -92,11 +100,22 @@ std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::
           {static_cast<int>(std::floor((centre.x + c * p.x - s * p.y - map.origin().x) / cell_m)) - reach,
            static_cast<int>(std::floor((centre.y + s * p.x + c * p.y - map.origin().y) / cell_m)) - reach});
   }
-  const auto evaluate = [&](Node& node) {
-    int sum = 0;
-    for (const auto& cell : turned[static_cast<size_t>(node.turn)])
-      sum += map.value(node.level, cell.column + node.column, cell.row + node.row);
+  const int full = static_cast<int>(255 * points.size());
+  int best_sum = static_cast<int>(std::ceil(least_score * full)) - 1;
+  // Given up as soon as the points that are left cannot make it better than the best.
+  constexpr size_t kBlock = 16;
+  const auto isWorthIt = [&](Node& node) {
+    const auto& cells = turned[static_cast<size_t>(node.turn)];
+    int sum = 0, left = full;
+    for (size_t i = 0; i < cells.size();) {
+      const size_t end = std::min(i + kBlock, cells.size());
+      left -= 255 * static_cast<int>(end - i);
+      for (; i < end; ++i)
+        sum += map.value(node.level, cells[i].column + node.column, cells[i].row + node.row);
+      if (sum + left <= best_sum) return false;
+    }
     node.sum = sum;
+    return true;
   };
 
   const int width = 2 * reach + 1;
@@ -104,14 +123,12 @@ std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::
   for (int t = 0; t <= 2 * turns; ++t)
     for (int row = 0; row < width; row += 1 << top)
       for (int column = 0; column < width; column += 1 << top) {
-        stack.push_back({top, t, column, row, 0});
-        evaluate(stack.back());
+        Node node{top, t, column, row, 0};
+        if (isWorthIt(node)) stack.push_back(node);
       }
   const auto worse = [](const Node& a, const Node& b) { return a.sum < b.sum; };
   std::stable_sort(stack.begin(), stack.end(), worse);
 
-  const int full = static_cast<int>(255 * points.size());
-  int best_sum = static_cast<int>(std::ceil(least_score * full)) - 1;
   std::optional<Node> best;
   std::vector<Node> children;
   while (!stack.empty()) {
@@ -129,8 +146,7 @@ std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::
       for (const int dc : {0, half}) {
         if (node.column + dc >= width || node.row + dr >= width) continue;
         Node child{node.level - 1, node.turn, node.column + dc, node.row + dr, 0};
-        evaluate(child);
-        if (child.sum > best_sum) children.push_back(child);
+        if (isWorthIt(child)) children.push_back(child);
       }
     std::stable_sort(children.begin(), children.end(), worse);
     stack.insert(stack.end(), children.begin(), children.end());

@@ -26,6 +26,8 @@ class SurfelMap {
   void add(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot);
 
   core::Point2 origin() const { return origin_; }
+  /// Whether the map has anything to say there: see clear(). Coordinates from origin().
+  bool covers(double x, double y) const { return x >= 0 && y >= 0 && x < extent_m_ && y < extent_m_; }
   /// nullptr where no surface is near. Coordinates from origin(). A surfel is made when it is first asked for, so that
   /// two threads must not ask the same map.
   const Surfel* at(double x, double y) const {

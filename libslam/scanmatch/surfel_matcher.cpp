@@ -1,6 +1,7 @@
 #include "libslam/scanmatch/surfel_matcher.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 namespace slam::scanmatch {
@@ -10,7 +11,15 @@ struct System {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
   Eigen::Vector3d g = Eigen::Vector3d::Zero();
   double weight_sum = 0;
+  int outside = 0;  ///< points beyond the map's window
 };
+
+/// What a sum of weights is divided by: the points within the window, and no fewer than this share of all.
+constexpr double kLeastInside = 0.25;
+double countedPoints(size_t points, int outside) {
+  const auto all = static_cast<double>(points);
+  return std::max(all - outside, kLeastInside * all);
+}
 
 System accumulate(const std::vector<PatchPoint>& points, const SurfelMap& map, const core::Pose2& T,
                   double kernel) {
@@ -18,10 +27,14 @@ System accumulate(const std::vector<PatchPoint>& points, const SurfelMap& map, c
   const double tx = T.x - map.origin().x, ty = T.y - map.origin().y;
   const double inverse_kernel2 = 1 / (kernel * kernel);
   double hxx = 0, hxy = 0, hyy = 0, hxt = 0, hyt = 0, htt = 0, gx = 0, gy = 0, gt = 0, weights = 0;
+  int outside = 0;
   for (const auto& point : points) {
     const double rx = c * point.x - s * point.y, ry = s * point.x + c * point.y;
     const Surfel* surfel = map.at(tx + rx, ty + ry);
-    if (!surfel) continue;
+    if (!surfel) {
+      outside += !map.covers(tx + rx, ty + ry);
+      continue;
+    }
     const double dx = tx + rx - surfel->x, dy = ty + ry - surfel->y;
     const double ax = surfel->xx * dx + surfel->xy * dy, ay = surfel->xy * dx + surfel->yy * dy;
     const double q = dx * ax + dy * ay;
@@ -39,7 +52,7 @@ System accumulate(const std::vector<PatchPoint>& points, const SurfelMap& map, c
   System system;
   system.H << hxx, hxy, hxt, hxy, hyy, hyt, hxt, hyt, htt;
   system.g << gx, gy, gt;
-  system.weight_sum = weights;
+  system.weight_sum = weights, system.outside = outside;
   return system;
 }
 
@@ -55,7 +68,7 @@ MatchResult alignToSurfels(const std::vector<PatchPoint>& points, const SurfelMa
     core::Pose2& T = result.T_map_robot;
     const System system = accumulate(points, map, T, options.kernel);
     result.information = options.information_scale * system.H;
-    result.score = system.weight_sum / static_cast<double>(points.size());
+    result.score = system.weight_sum / countedPoints(points.size(), system.outside);
     const Eigen::Vector3d from_prior(T.x - prior.mean.x, T.y - prior.mean.y,
                                      core::angleDifference(T.phi, prior.mean.phi));
     Eigen::Matrix3d held = prior.information;
@@ -85,19 +98,23 @@ double surfelScore(const std::vector<PatchPoint>& points, const SurfelMap& map,
   const double tx = T_map_robot.x - map.origin().x, ty = T_map_robot.y - map.origin().y;
   const double inverse_kernel2 = 1 / (kernel * kernel);
   double sum = 0;
-  int count = 0;
+  size_t count = 0;
+  int outside = 0;
   for (size_t i = 0; i < points.size(); i += static_cast<size_t>(stride)) {
     ++count;
     const auto& p = points[i];
     const double x = tx + c * p.x - s * p.y, y = ty + s * p.x + c * p.y;
     const Surfel* surfel = map.at(x, y);
-    if (!surfel) continue;
+    if (!surfel) {
+      outside += !map.covers(x, y);
+      continue;
+    }
     const double dx = x - surfel->x, dy = y - surfel->y;
     const double q = surfel->xx * dx * dx + 2 * surfel->xy * dx * dy + surfel->yy * dy * dy;
     const double root = 1 / (1 + q * inverse_kernel2);
     sum += root * root;
   }
-  return count ? sum / count : 0;
+  return count ? sum / countedPoints(count, outside) : 0;
 }
 
 }  // namespace slam::scanmatch

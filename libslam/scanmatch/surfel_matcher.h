@@ -20,7 +20,7 @@ struct MatchResult {
   /// Over x, y (m) and phi (rad) in the map frame: of the scan alone, and with what was left of the prior.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero(), posterior_information = Eigen::Matrix3d::Zero();
   double score =
-      0;  ///< mean robust weight over all points, 0..1: the share of the scan that the map explains
+      0;  ///< mean robust weight of the points within the map's window, 0..1: the share of the scan that it explains
 };
 
 /// Gauss-Newton from T_start: the points (robot frame) to the surfels of the cells that they fall into. Without points
@@ -28,7 +28,8 @@ struct MatchResult {
 MatchResult alignToSurfels(const std::vector<PatchPoint>& points, const SurfelMap& map,
                            const core::Pose2& T_start, const PosePrior& prior, const MatchOptions& options);
 
-/// The score at a pose, without any alignment; over every `stride`-th point.
+/// The score at a pose, without any alignment; over every `stride`-th point. Points outside of the map's window are not held
+/// against the pose, as long as a quarter of all lies inside.
 double surfelScore(const std::vector<PatchPoint>& points, const SurfelMap& map,
                    const core::Pose2& T_map_robot, double kernel, int stride);
 

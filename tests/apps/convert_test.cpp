@@ -135,6 +135,31 @@ TEST(Convert, AnInterruptLeavesNothing) {
   EXPECT_FALSE(fs::exists(folder / "a.rawlog.tmp"));
 }
 
+TEST(AnOperationLog, GoesToTheFoundingFormAndBack) {
+  const testing::TempFolder folder;
+  const auto in = [&](const std::string& command) { return rasterslam(command, folder.path()); };
+  core::writeFileAtomically(folder / "run.operations.txt", "m -0.5 0.52 0 6\nt 0.3490658503988659 6 7\n");
+  ASSERT_EQ(in("convert run.operations.txt old.founding.txt --pixel 0.1").exit_code, 0);
+  EXPECT_EQ(core::readTextFile(folder / "old.founding.txt"), "m\n-5\n5\nt\n20\n");
+  const auto back = in("convert old.founding.txt new.operations.txt --pixel 0.1");
+  ASSERT_EQ(back.exit_code, 0) << back.err;
+  EXPECT_EQ(core::readTextFile(folder / "new.operations.txt"), "m -0.5 0.5\nt 0.3490658503988659\n");
+  EXPECT_THAT(in("plot operations old.founding.txt --pixel 0.1 -o old.png").out,
+              HasSubstr("2 operations, path 0.50 m"));
+}
+
+TEST(AnOperationLog, BecomesNothingElse) {
+  const testing::TempFolder folder;
+  core::writeFileAtomically(folder / "old.txt", "m\n1\n");
+  const auto cut = rasterslam("convert old.txt new.operations.txt", folder.path());
+  EXPECT_EQ(cut.exit_code, 3);
+  EXPECT_THAT(cut.err, HasSubstr("old.txt:2: the log ends here"));
+  const auto log = rasterslam("convert old.txt new.rawlog", folder.path());
+  EXPECT_EQ(log.exit_code, 3);
+  EXPECT_THAT(log.err, HasSubstr("an operation log becomes another operation log"));
+  EXPECT_FALSE(fs::exists(folder / "new.operations.txt"));
+}
+
 TEST(ACarmenLog, IsMappedAndComparedDirectly) {
   const testing::TempFolder folder;
   core::writeFileAtomically(folder / "a.clf", smallLog());

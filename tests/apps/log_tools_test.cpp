@@ -144,7 +144,7 @@ TEST(EditCommands, SayWhatTheyCannotUnderstand) {
            {"filter a.rawlog --shift LASER -o b.rawlog", "--shift: found 'LASER', expected LABEL=SECONDS"},
            {"filter a.rawlog --shift FRONT=1 -o b.rawlog", "no observation with the sensor label 'FRONT'"},
            {"filter a.rawlog --odometry wheels -o b.rawlog",
-            "--odometry: found 'wheels', expected one of argmax, correlation, range_flow, plicp"},
+            "--odometry: found 'wheels', expected one of argmax, "},
            {"filter a.rawlog --odometry plicp --form frames -o b.rawlog",
             "--form: found 'frames', expected action"},
            {"filter a.rawlog --form action -o b.rawlog", "--form: goes with --odometry"},

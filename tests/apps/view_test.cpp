@@ -173,7 +173,7 @@ TEST(ViewCommand, ADriveByCommandsInAWindowWritesWhatSimulateWrites) {
     GTEST_SKIP() << "xvfb-run or xauth is missing (Debian: apt install xvfb xauth)";
   const testing::TempFolder folder;
   core::writeFileAtomically(folder / "drive.txt", "move 0.5\nturn 90\nmove 0.5\n");
-  const std::string options = " flat --commands drive.txt --carry 1.5:9,3,0 --set lidar.beams=91 --seed 4 -q";
+  const std::string options = " flat --commands drive.txt --carry 1.5:11,3,0 --set lidar.beams=91 --seed 4 -q";
   const auto shown = testing::runCommand(
       "cd '" + folder.path() +
       "' && LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s '-screen 0 1280x800x24' '" RASTERSLAM_PROGRAM
@@ -193,7 +193,7 @@ TEST(ViewCommand, ADriverTypesACommandAndCarriesTheRobotByTheMouse) {
       GTEST_SKIP() << program << " is missing (Debian: apt install xvfb xauth xdotool)";
   const testing::TempFolder folder;
   // The scene is 950 x 800 pixels and the flat 13.6 x 10.6 m: from above 63.5 pixels are a metre, its middle is in the
-  // middle. The robot starts at (4, 3) and is dragged to (9, 3) as soon as the window is there.
+  // middle. The robot starts at (4, 3) and is dragged to (11, 3) as soon as the window is there.
   core::writeFileAtomically(
       folder / "hand.sh",
       "'" RASTERSLAM_PROGRAM
@@ -201,7 +201,7 @@ TEST(ViewCommand, ADriverTypesACommandAndCarriesTheRobotByTheMouse) {
       "err.txt &\n"
       "window=$(timeout 60 xdotool search --sync --onlyvisible --name 'drive flat')\n"
       "xdotool windowmove $window 0 0 windowfocus --sync $window\n"
-      "xdotool mousemove 297 546 mousedown 1 mousemove 400 546 mousemove 615 546 mouseup 1\n"
+      "xdotool mousemove 297 546 mousedown 1 mousemove 400 546 mousemove 742 546 mouseup 1\n"
       "xdotool key Return type 'move 0.5'\n"
       "xdotool key Return q\n"
       "wait\n");
@@ -213,7 +213,7 @@ TEST(ViewCommand, ADriverTypesACommandAndCarriesTheRobotByTheMouse) {
   const auto out = core::readTextFile(folder / "out.txt");
   EXPECT_THAT(out, HasSubstr("carried at ")) << core::readTextFile(folder / "err.txt");
   EXPECT_THAT(out, HasSubstr("over 0.5 m"));
-  EXPECT_THAT(out, HasSubstr("to (9.0"));
+  EXPECT_THAT(out, HasSubstr("to (11.0"));
 }
 
 TEST(ViewCommand, TheMainProgramNeedsNoWindowLibrary) {

@@ -27,8 +27,11 @@ TEST_F(DriveSeatTest, WholeCommandsComeBeforeTheKeysInTheirOrder) {
   keys.ahead = true, keys.share = 1;
   stage_.setKeys(keys);
   auto driver = seat({move(1), move(-2)}, &stage_);
-  for (const double distance_m : {1.0, -2.0, 3.0})
-    EXPECT_NEAR(distanceOf(driver.next(false)), distance_m, 1e-12);
+  for (const double distance_m : {1.0, -2.0, 3.0}) {
+    const auto order = driver.next(false);
+    EXPECT_NEAR(distanceOf(order), distance_m, 1e-12);
+    EXPECT_TRUE(order->is_whole);
+  }
   EXPECT_NEAR(distanceOf(driver.next(false)), 0.2 * robot_.max_speed_mps, 1e-12);
 }
 

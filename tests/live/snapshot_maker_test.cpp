@@ -115,7 +115,7 @@ TEST(SnapshotMaker, ACarryBreaksTheTruePathAndIsSaid) {
   robot::LidarOptions lidar;
   lidar.beams = 21;
   sim::Simulator simulator(plan, {}, lidar, {}, {3, 3, 0}, 1);
-  simulator.carryAt(sim::parseCarries("1:9,3,90", "test"));
+  simulator.carryAt(sim::parseCarries("1:11,3,90", "test"));
   SnapshotMaker maker("", "", {});
   auto sensed = simulator.sense();
   maker.add({0, sensed.scan, {}, {}, nullptr, &simulator});
@@ -125,7 +125,7 @@ TEST(SnapshotMaker, ACarryBreaksTheTruePathAndIsSaid) {
   EXPECT_EQ(snapshot.note, "somebody has carried the robot");
   ASSERT_EQ(snapshot.truth.size(), 3U);
   EXPECT_FALSE(core::isFinite(snapshot.truth[1].pose));
-  EXPECT_EQ(snapshot.truth[2].pose.x, 9);
+  EXPECT_EQ(snapshot.truth[2].pose.x, 11);
 }
 
 TEST(SnapshotMaker, ShowsALoopOnlyOnceItWasClosed) {

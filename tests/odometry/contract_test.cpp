@@ -135,7 +135,8 @@ TEST(MakeScanOdometry, NamesTheNearestMethodForAMisspeltOne) {
     FAIL() << "no error";
   } catch (const core::InputError& error) {
     EXPECT_STREQ(error.what(),
-                 "[scan_odometry] method: found 'corelation', expected argmax, correlation, range_flow or "
+                 "[scan_odometry] method: found 'corelation', expected argmax, argmax_blind, correlation, "
+                 "range_flow or "
                  "plicp; did you mean 'correlation'?");
   }
 }

@@ -186,21 +186,29 @@ TEST(ScanOdometryLog, ObservationsWithoutOdometryBecomeFramesThatRbpfSlamReads) 
   EXPECT_LT(core::distance(endOf(folder / "out.rawlog"), driveThroughRoom().truth.back()), 0.03);
 }
 
-TEST(ScanOdometryLog, AsksForTheKindOfEachMotion) {
-  const testing::TempFolder folder;
-  const auto in = writeDrive(folder, RawlogForm::kActionFrame, true);
-  auto options = optionsOf("argmax");
-  std::vector<double> asked;
-  options.kind = [&asked](const robot::Scan& scan) {
-    asked.push_back(scan.time_s);
-    return odometry::MotionKind::kTurn;
-  };
-  write(in, folder / "out.rawlog", options);
-  ASSERT_EQ(asked.size(), 60U);
-  EXPECT_NEAR(asked[5] - asked[0], 1.0, 1e-6);
-  logs::LogReader log(folder / "out.rawlog");
-  while (const auto entry = log.next())  // told that it only turns, argmax never moves
-    EXPECT_EQ(core::distance({}, {entry->T_odom_robot.x, entry->T_odom_robot.y, 0}), 0);
+TEST(ScanOdometryLog, AsksForTheKindOfEachMotionAndTellsWhatTheWheelsSaid) {
+  const auto drive = driveThroughRoom();
+  for (const auto form : {RawlogForm::kActionFrame, RawlogForm::kObservationOnly}) {
+    const testing::TempFolder folder;
+    const auto in = writeDrive(folder, form, true);
+    auto options = optionsOf("argmax");
+    std::vector<double> asked_s;
+    options.kind = [&](const robot::Scan& scan, const std::optional<core::Pose2>& wheels) {
+      const auto& entry = drive.entries.at(asked_s.size());
+      asked_s.push_back(scan.time_s);
+      if (asked_s.size() > 1) {  // the first absolute reading says nothing of what was before
+        EXPECT_TRUE(wheels);
+        EXPECT_LT(core::distance(wheels.value_or(core::Pose2{9, 9, 9}), entry.T_previous_robot), 1e-4);
+      }
+      return odometry::MotionKind::kTurn;
+    };
+    write(in, folder / "out.rawlog", options);
+    ASSERT_EQ(asked_s.size(), 60U);
+    EXPECT_NEAR(asked_s[5] - asked_s[0], 1.0, 1e-6);
+    logs::LogReader log(folder / "out.rawlog");
+    while (const auto entry = log.next())  // told that it only turns, argmax never moves
+      EXPECT_EQ(core::distance({}, entry->T_odom_robot), 0);
+  }
 }
 
 TEST(ScanOdometryLog, TheSameLogGivesTheSameBytes) {

@@ -98,25 +98,24 @@ TEST(PlaceAt, IsTheOtherWayRoundFromAbove) {
 
 TEST(PlaceAt, FindsTheRobotWhereItIsDrawnFromAnySide) {
   const auto plan = room();
-  LiveScene scene(&plan, 0.6, {});
-  scene.show(robotAt({2, -1, 0.3}), {});
-  for (const double azimuth_deg : {-90.0, -60.0, 30.0, 150.0})
-    for (const double elevation_deg : {90.0, 60.0, 35.0}) {
-      const Camera camera{{0.5, 0}, 20, azimuth_deg, elevation_deg};
-      const auto picture = rendered(scene, camera);
-      if (!picture) GTEST_SKIP() << "EGL gives no context here";
-      double x = 0, y = 0;
-      int pixels = 0;
-      for (int row = 0; row < picture->rows; ++row)
-        for (int column = 0; column < WindowSize().sceneWidth(); ++column)
-          if (isNear(*picture, {1.0 * column, 1.0 * row}, report::kVermillion))
-            x += column, y += row, ++pixels;
-      ASSERT_GT(pixels, 100);
-      const auto place = placeAt({x / pixels, y / pixels}, camera, {}, heightOf(kRobotLayer));
-      // A pixel is 7 mm; the white arrow on the robot leans its vermillion part back.
-      EXPECT_NEAR(place->x, 2, 0.06) << azimuth_deg << " " << elevation_deg;
-      EXPECT_NEAR(place->y, -1, 0.06) << azimuth_deg << " " << elevation_deg;
-    }
+  const std::pair<double, double> cameras[] = {{-60, 60}, {30, 35}, {150, 75}};
+  for (const auto& [azimuth_deg, elevation_deg] : cameras) {
+    const Camera camera{{0.5, 0}, 20, azimuth_deg, elevation_deg};
+    LiveScene scene(&plan, 0.6, {});
+    scene.show(robotAt({2, -1, 0.3}), {});
+    const auto picture = rendered(scene, camera);
+    if (!picture) GTEST_SKIP() << "EGL gives no context here";
+    double x = 0, y = 0;
+    int pixels = 0;
+    for (int row = 0; row < picture->rows; ++row)
+      for (int column = 0; column < WindowSize().sceneWidth(); ++column)
+        if (isNear(*picture, {1.0 * column, 1.0 * row}, report::kVermillion)) x += column, y += row, ++pixels;
+    ASSERT_GT(pixels, 100);
+    const auto place = placeAt({x / pixels, y / pixels}, camera, {}, heightOf(kRobotLayer));
+    // The white arrow on the robot is ahead of its centre: what is vermillion lies a little behind.
+    EXPECT_NEAR(place->x, 2, 0.06) << azimuth_deg << " " << elevation_deg;
+    EXPECT_NEAR(place->y, -1, 0.06) << azimuth_deg << " " << elevation_deg;
+  }
 }
 
 TEST(LiveScene, HasALayerForWhatThereIsAndNoneForTheRest) {

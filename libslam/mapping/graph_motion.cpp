@@ -1,0 +1,68 @@
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/mapping/graph_slam.h"
+#include "libslam/odometry/scan_odometry.h"
+
+namespace slam::mapping {
+namespace {
+
+using core::Pose2;
+
+/// What the noise of odometry is given for.
+constexpr double kNominalPeriod_s = 0.2;
+/// A step counts as this long at least and at most: between a burst of scans and a log that was paused.
+constexpr double kLeastPeriod_s = 1e-3, kMostPeriod_s = 2;
+/// Stamps of real logs leap to and fro: the noise of a step goes by the mean of some twenty.
+constexpr double kPeriodGain = 0.05;
+/// The last motion goes on, to within what a robot may do otherwise per second, where nothing measures it.
+constexpr double kUnknown_mps = 2.5, kUnknown_radps = 2.5, kUnknownMost = 1;
+
+/// A motion at the same speed and turn rate, for `times` the time.
+Pose2 goneOn(const Pose2& T, double times) {
+  // Along an arc the chord turns by half of the turn.
+  const double half = T.phi / 2;
+  const double length = std::abs(half) > 1e-9 ? std::sin(times * half) / std::sin(half) : times;
+  const double turn = (times - 1) * half, c = std::cos(turn), s = std::sin(turn);
+  return {length * (c * T.x - s * T.y), length * (s * T.x + c * T.y), core::wrapToPi(times * T.phi)};
+}
+
+}  // namespace
+
+void GraphSlam::noteTime(const robot::Scan& scan, bool has_odometry) {
+  if (previous_scan_.ranges_m.empty()) return;
+  const bool is_first = !(period_s_ > 0);
+  const double since_s = scan.time_s - previous_scan_.time_s;
+  const double before_s = is_first ? kNominalPeriod_s : period_s_;
+  period_s_ = since_s > 0 ? std::clamp(since_s, kLeastPeriod_s, kMostPeriod_s) : before_s;
+  mean_period_s_ = is_first ? period_s_ : mean_period_s_ + kPeriodGain * (period_s_ - mean_period_s_);
+  if (!has_odometry && !is_first && period_s_ != before_s)
+    T_previous_robot_ = goneOn(T_previous_robot_, std::clamp(period_s_ / before_s, 0.2, 5.0));
+}
+
+GraphSlam::Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has_odometry) const {
+  Prediction result;
+  result.T_previous_robot = has_odometry ? T_previous_robot : T_previous_robot_;
+  const Pose2& T = result.T_previous_robot;
+  const double root = std::sqrt((mean_period_s_ > 0 ? mean_period_s_ : kNominalPeriod_s) / kNominalPeriod_s);
+  result.sigma_xy_m = root * options_.odometry_xy_m + options_.odometry_xy_per_m * std::hypot(T.x, T.y);
+  result.sigma_turn_rad =
+      root * options_.odometry_turn_rad + options_.odometry_turn_per_rad * std::abs(T.phi);
+  if (!has_odometry) {
+    result.sigma_xy_m += std::min(kUnknown_mps * period_s_, kUnknownMost);
+    result.sigma_turn_rad += std::min(kUnknown_radps * period_s_, kUnknownMost);
+  }
+  return result;
+}
+
+/// The robot's motion since the scan before, from these two scans alone; nothing where they leave it open.
+std::optional<Pose2> GraphSlam::motionFromScans(const robot::Scan& scan) const {
+  if (previous_scan_.ranges_m.size() < 2) return std::nullopt;
+  const auto odometry = odometry::makeScanOdometry(odometry::ScanOdometryOptions());
+  odometry->update(previous_scan_);
+  const auto motion = odometry->update(scan);
+  if (!motion.reliable) return std::nullopt;
+  return motion.T_previous_current;
+}
+
+}  // namespace slam::mapping

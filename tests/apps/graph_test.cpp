@@ -1,0 +1,92 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "tests/apps/program.h"
+
+namespace slam::apps {
+namespace {
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+/// Once round a square of 4 x 5 steps of a metre, with odometry that turns a degree too far at each corner, and a loop
+/// that says the truth. `wrong`: also one that does not.
+void writeSquare(const std::string& path, bool wrong) {
+  std::ostringstream text;
+  double x = 0, y = 0, phi = 0;
+  for (int i = 0; i <= 20; ++i) {
+    text << "VERTEX_SE2 " << i << " " << x << " " << y << " " << phi << "\n";
+    const double turn = i % 5 == 4 ? M_PI / 2 + M_PI / 180 : 0;
+    if (i < 20) text << "EDGE_SE2 " << i << " " << i + 1 << " 1 0 " << turn << " 100 0 0 100 0 1000\n";
+    x += std::cos(phi), y += std::sin(phi), phi += turn;
+  }
+  text << "EDGE_SE2 0 20 0 0 0 10000 0 0 10000 0 10000\n";
+  if (wrong) text << "EDGE_SE2 0 10 0 0 0 10000 0 0 10000 0 10000\nEDGE_XY 1 2\n";
+  std::ofstream(path) << text.str();
+}
+
+TEST(GraphCommand, SaysWhatAFileHolds) {
+  const testing::TempFolder folder;
+  writeSquare(folder / "a.g2o", true);
+  const auto plain = rasterslam("graph info a.g2o", folder.path());
+  EXPECT_EQ(plain.exit_code, 0) << plain.err;
+  EXPECT_THAT(plain.out,
+              HasSubstr("a.g2o: 21 nodes along 20.0 m, 1 fixed\n20 edges of odometry, 2 loops, 0 priors"));
+  EXPECT_THAT(plain.out, HasSubstr("passed over: 1 lines EDGE_XY"));
+  const auto facts = json::parse(rasterslam("graph info a.g2o --json", folder.path()).out);
+  EXPECT_EQ(facts["nodes"], 21);
+  EXPECT_EQ(facts["loop_edges"], 2);
+  EXPECT_GT(facts["chi2"], 1000);
+}
+
+TEST(GraphCommand, SolvesAndWritesAFileThatItReadsAgain) {
+  const testing::TempFolder folder;
+  writeSquare(folder / "a.g2o", false);
+  const auto solved = json::parse(rasterslam("graph optimise a.g2o -o b.g2o --json -q", folder.path()).out);
+  EXPECT_EQ(solved["converged"], true);
+  EXPECT_LT(solved["chi2"], solved["chi2_before"].get<double>() / 10);
+  const auto read = json::parse(rasterslam("graph info b.g2o --json", folder.path()).out);
+  EXPECT_DOUBLE_EQ(read["chi2"], solved["chi2"]);
+  EXPECT_EQ(rasterslam("graph optimize a.g2o -o b.g2o", folder.path()).exit_code, 3) << "it is there already";
+}
+
+TEST(GraphCommand, SwitchesAWrongLoopOffWhenAsked) {
+  const testing::TempFolder folder;
+  writeSquare(folder / "a.g2o", true);
+  const auto all =
+      json::parse(rasterslam("graph optimise a.g2o --robust none -o all.g2o --json", folder.path()).out);
+  EXPECT_EQ(all["switched_off"].size(), 0U);
+  const auto some =
+      json::parse(rasterslam("graph optimise a.g2o --robust global -o some.g2o --json", folder.path()).out);
+  EXPECT_EQ(some["switched_off"], json::parse("[[0, 10]]"));
+  EXPECT_LT(some["chi2"], all["chi2"].get<double>() / 10);
+  const auto text = rasterslam("graph optimise a.g2o --robust global -o some.g2o --overwrite", folder.path());
+  EXPECT_THAT(text.out, HasSubstr("1 loops switched off\n  off: 0 - 10\n  some.g2o\n"));
+  EXPECT_EQ(core::readTextFile(folder / "some.g2o").find("EDGE_SE2 0 10 "), std::string::npos);
+}
+
+TEST(GraphCommand, SaysWhatItCannotUnderstand) {
+  const testing::TempFolder folder;
+  writeSquare(folder / "a.g2o", false);
+  std::ofstream(folder / "bad.g2o") << "VERTEX_SE2 0 0 zero 0\n";
+  for (const auto& [arguments, words] : std::vector<std::pair<std::string, std::string>>{
+           {"graph info nothing.g2o", "nothing.g2o"},
+           {"graph info bad.g2o", "bad.g2o:1"},
+           {"graph optimise a.g2o", "found no --output"},
+           {"graph optimise a.g2o --robust often -o b.g2o", "expected one of none, local, global"},
+           {"graph optimise a.g2o --set posegraph.tolerence=1 -o b.g2o", "did you mean 'tolerance'?"}}) {
+    const auto result = rasterslam(arguments, folder.path());
+    EXPECT_EQ(result.exit_code, 3) << arguments;
+    EXPECT_THAT(result.err, HasSubstr(words)) << arguments;
+  }
+  EXPECT_THROW(core::requireReadableFile(folder / "b.g2o"), core::InputError);
+}
+
+}  // namespace
+}  // namespace slam::apps

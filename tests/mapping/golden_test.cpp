@@ -1,0 +1,81 @@
+// The bytes of all that our own methods say, on three short drives: poses given online and in the end, covariances of
+// both, journal. They may only change with a commit that says why, since every published table of an older version
+// changes with them.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <map>
+
+#include "libslam/core/files.h"
+#include "libslam/mapping/map_builder.h"
+#include "tests/mapping/drawn_drives.h"
+
+namespace slam::mapping {
+namespace {
+
+using namespace test_drives;
+
+void append(std::string& bytes, const void* data, size_t size) {
+  bytes.append(static_cast<const char*>(data), size);
+}
+
+void append(std::string& bytes, const Eigen::Matrix3d& matrix) {
+  append(bytes, matrix.data(), sizeof(double) * 9);
+}
+
+/// Of one method on one drive; every tenth step without odometry where `gaps`.
+std::string fingerprint(const std::string& name, const Drive& log, bool gaps) {
+  auto method = makeMapBuilder(
+      loadMethodConfig(std::string(RASTERSLAM_SOURCE_DIR) + "/configs/methods", name), name, 1);
+  std::string bytes;
+  core::Trajectory online;
+  for (size_t i = 0; i < log.scans.size(); ++i) {
+    const bool has_odometry = !gaps || i % 10 != 9;
+    online.push_back(
+        {log.scans[i].time_s, processScan(method, log.scans[i], log.increments[i], has_odometry)});
+    if (const auto covariance = poseCovariance(method)) append(bytes, *covariance);
+  }
+  append(bytes, online.data(), online.size() * sizeof(online[0]));
+  finishMap(method);
+  if (const auto path = finalPath(method, online))
+    append(bytes, path->data(), path->size() * sizeof((*path)[0]));
+  for (const auto& covariance : finalCovariances(method)) append(bytes, covariance);
+  for (const auto& entry : journalOf(method)) {
+    bytes += entry.event + entry.detail + std::to_string(entry.scan) + " " + std::to_string(entry.other_scan);
+    append(bytes, &entry.value, sizeof(entry.value));
+  }
+  return core::sha256(bytes).substr(0, 16);
+}
+
+std::vector<core::Pose2> everyOther(const std::vector<core::Pose2>& path, size_t most) {
+  std::vector<core::Pose2> result;
+  for (size_t i = 0; i < path.size() && result.size() < most; i += 2) result.push_back(path[i]);
+  return result;
+}
+
+std::string fingerprints(const std::string& name) {
+  // A lap and a bit, so that a loop is closed; a short way with gaps in the odometry; a clean corridor.
+  static const Drive kLoop = drive(ring(), everyOther(lapsAround(2), 420), {}, 1e-3);
+  static const Drive kGaps = drive(ring(), everyOther(lapsAround(1), 100), {}, 0, 2);
+  static const Drive kCorridor = [] {
+    std::vector<core::Pose2> path;
+    for (int i = 0; i < 60; ++i) path.push_back({0.1 * i, 0, 0});
+    return drive(rectangle(-100, -1, 100, 1), path, {}, 0, 3);
+  }();
+  return fingerprint(name, kLoop, false) + " " + fingerprint(name, kGaps, true) + " " +
+         fingerprint(name, kCorridor, false);
+}
+
+TEST(Golden, OurOwnMethodsSayTheSameAsBefore) {
+  for (const auto& [name, golden] : std::map<std::string, std::string>{
+           {"naive", "08a8acf1a246bee0 d231c34ae167ec37 a855a8fcf2b8ea62"},
+           {"naive_wheel", "d96907d02ee18f39 3e5d39014fef8588 69c38d9c18c07aa1"},
+           {"naive_correlation", "833ee4f28d37c817 575e916af2f892ff 69c38d9c18c07aa1"},
+           {"naive_flow", "6b34291c55bef29e 2f808344e8a441f0 69c38d9c18c07aa1"},
+           {"graph", "eefe124059a37a0a 67fe04c9376fe69b 63f84c2ff1673d86"},
+           {"particles", "280c8f8673bb65b4 a6a7f6cb9c960026 936247b3687095ca"}})
+    EXPECT_EQ(fingerprints(name), golden) << name;
+}
+
+}  // namespace
+}  // namespace slam::mapping
