@@ -232,12 +232,12 @@ ReachGoalConfig readReachGoalConfig(const core::IniFile& given) {
                                     "navigate", "lidar_bug", "obstacles", "mrpt_reactive"};
   known.insert(known.end(), sensorSections().begin(), sensorSections().end());
   core::rejectUnknownSections(given, known);
-  const auto ini = withMemoryForCamera(given);
   ReachGoalConfig config;
   auto* report = &config.parameters;
-  core::readParameters(ini, robot::RobotOptions::table(), config.robot, report);
-  const auto sensor = readSensor(ini, report);
+  core::readParameters(given, robot::RobotOptions::table(), config.robot, report);
+  const auto sensor = readSensor(given, report);
   config.lidar = sensor.lidar, config.camera = sensor.camera;
+  const auto ini = withCameraDefaults(given, sensor.camera, config.robot);
   core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
   core::readParameters(ini, sim::LivingOptions::table(), config.living, report);
   config.carries = sim::readCarries(ini, report);

@@ -57,12 +57,12 @@ RecordConfig readRecordConfig(const core::IniFile& given, const std::vector<std:
   known.insert(known.end(), sensorSections().begin(), sensorSections().end());
   known.insert(known.end(), other_sections.begin(), other_sections.end());
   core::rejectUnknownSections(given, known);
-  const auto ini = withMemoryForCamera(given);
   RecordConfig config;
   auto* report = &config.parameters;
-  core::readParameters(ini, robot::RobotOptions::table(), config.robot, report);
-  const auto sensor = readSensor(ini, report);
+  core::readParameters(given, robot::RobotOptions::table(), config.robot, report);
+  const auto sensor = readSensor(given, report);
   config.lidar = sensor.lidar, config.camera = sensor.camera;
+  const auto ini = withCameraDefaults(given, sensor.camera, config.robot);
   core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
   core::readParameters(ini, navigate::StrategyOptions::table(), config.strategy, report);
   core::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.strategy.obstacles, report);

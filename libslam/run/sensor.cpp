@@ -3,16 +3,12 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
+#include "libslam/navigate/strategy.h"
 
 namespace slam::run {
 namespace {
 
 constexpr const char *kSection = "sensor", *kCamera = "camera";
-
-bool isCamera(const core::IniFile& config) {
-  const auto* kind = config.find(kSection, "kind");
-  return kind && kind->value == kCamera;
-}
 
 }  // namespace
 
@@ -55,11 +51,19 @@ SensorConfig readSensor(const core::IniFile& config, std::vector<core::Parameter
   return sensor;
 }
 
-core::IniFile withMemoryForCamera(const core::IniFile& config) {
+core::IniFile withCameraDefaults(const core::IniFile& config, const std::optional<robot::FloorCamera>& camera,
+                                 const robot::RobotOptions& robot) {
   core::IniFile filled = config;
-  if (!isCamera(config)) return filled;
-  for (const char* section : {"strategy", "navigate"})
-    if (!config.find(section, "memory")) filled.set(section, "memory", "local_map", "sensor.kind = camera");
+  if (!camera) return filled;
+  const auto setDefault = [&](const char* section, const char* key, const std::string& value) {
+    if (!config.find(section, key)) filled.set(section, key, value, "sensor.kind = camera");
+  };
+  setDefault("strategy", "memory", "local_map");
+  setDefault("navigate", "memory", "local_map");
+  const double reach_m =
+      robot::visibleFloor(camera->view).nearest_m + robot.max_speed_mps / camera->scan.rate_hz;
+  if (reach_m > navigate::StrategyOptions().stop_clearance_m)
+    setDefault("strategy", "stop_clearance_m", core::formatNumber(std::ceil(reach_m * 100) / 100));
   return filled;
 }
 

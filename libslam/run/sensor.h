@@ -7,6 +7,7 @@
 #include "libslam/core/ini.h"
 #include "libslam/core/parameters.h"
 #include "libslam/robot/camera.h"
+#include "libslam/robot/drive.h"
 #include "libslam/robot/lidar.h"
 #include "libslam/robot/scan.h"
 
@@ -32,9 +33,11 @@ const std::vector<std::string>& sensorSections();
 /// (robot::requireSensible()) and for a section of the other sensor, which would have no effect.
 SensorConfig readSensor(const core::IniFile& config, std::vector<core::ParameterReport>* report);
 
-/// The configuration with what a narrow view needs where `config` says nothing: with a camera, [strategy] and
-/// [navigate] memory = local_map.
-core::IniFile withMemoryForCamera(const core::IniFile& config);
+/// The configuration with what a narrow view needs where `config` says nothing. With a camera: [strategy] and
+/// [navigate] memory = local_map, and a [strategy] stop_clearance_m that reaches a step beyond the dead zone, or CanMove
+/// would never see what it asks for.
+core::IniFile withCameraDefaults(const core::IniFile& config, const std::optional<robot::FloorCamera>& camera,
+                                 const robot::RobotOptions& robot);
 
 /// First angle and number of the beams of a scan that see as far as its maximum range, which is what a referee may
 /// count as looked over: all of a lidar's; not those of a camera that the sides of its picture end.
