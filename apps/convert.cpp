@@ -44,7 +44,7 @@ const std::vector<Target>& targets() {
                                           {"csv", ".csv", {}, Format::kCsv},
                                           {"gt", ".GT.txt", {}, Format::kMrptGroundTruth},
                                           {"operations", ".operations.txt", {}, {}, true},
-                                          {"founding", ".founding.txt", {}, {}, true}};
+                                          {"original", ".original.txt", {}, {}, true}};
   return all;
 }
 
@@ -134,18 +134,18 @@ bool isTrajectory(const std::string& path) {
 }
 
 int convertOperations(const Context& context, const Arguments& arguments, const std::string& to,
-                      const sim::FoundingUnits& units) {
+                      const sim::OriginalUnits& units) {
   core::refuseToOverwrite(arguments.out, context.overwrite);
-  const auto [operations, is_founding] = readOperationFile(arguments.in, units);
-  core::writeFileAtomically(arguments.out, to == "founding" ? sim::formatFoundingLog(operations, units)
+  const auto [operations, is_original] = readOperationFile(arguments.in, units);
+  core::writeFileAtomically(arguments.out, to == "original" ? sim::formatOriginalLog(operations, units)
                                                             : sim::formatOperations(operations));
   const auto arcs = std::count_if(operations.begin(), operations.end(),
                                   [](const sim::Operation& operation) { return operation.kind == 'a'; });
-  if (arcs > 0 && to == "founding")
-    std::fprintf(stderr, "rasterslam: %s: %ld arcs written as turns and moves, the founding robot has none\n",
+  if (arcs > 0 && to == "original")
+    std::fprintf(stderr, "rasterslam: %s: %ld arcs written as turns and moves, the original robot has none\n",
                  arguments.in.c_str(), static_cast<long>(arcs));
   if (context.json)
-    print({{"from", is_founding ? "founding" : "operations"},
+    print({{"from", is_original ? "original" : "operations"},
            {"files", {arguments.out}},
            {"operations", operations.size()}});
   else
@@ -153,7 +153,7 @@ int convertOperations(const Context& context, const Arguments& arguments, const 
   return 0;
 }
 
-int convert(const Context& context, const Arguments& arguments, const sim::FoundingUnits& units) {
+int convert(const Context& context, const Arguments& arguments, const sim::OriginalUnits& units) {
   const Target& target = targetOf(arguments);
   const auto form = formOf(arguments, target);
   if (arguments.path != "odometry" && arguments.path != "truth")
@@ -163,7 +163,7 @@ int convert(const Context& context, const Arguments& arguments, const sim::Found
     return convertOperations(context, arguments, target.name, units);
   if (from_operations || target.is_operations)
     throw core::InputError(arguments.in +
-                           ": an operation log becomes another operation log (operations, founding) "
+                           ": an operation log becomes another operation log (operations, original) "
                            "and nothing else does: found " +
                            (from_operations ? "one" : "none") + ", to become " + target.name);
   ConsoleProgress progress(context.quiet);
@@ -200,7 +200,7 @@ void addConvert(CLI::App& app, Context& context) {
   command->add_option(
       "--to", arguments->to,
       "the format, whatever the suffix: rawlog, carmen, bag, db3, mcap; a trajectory: tum, csv, "
-      "gt (MRPT's .GT.txt, from the first pose); an operation log: operations (ours), founding (m or t, then "
+      "gt (MRPT's .GT.txt, from the first pose); an operation log: operations (ours), original (m or t, then "
       "whole pixels or degrees, each on a line)");
   command->add_option(
       "--form", arguments->form,
@@ -209,7 +209,7 @@ void addConvert(CLI::App& app, Context& context) {
   command->add_option("--label", arguments->label, "only the scans of this lidar (see 'rasterslam info')");
   command->add_option("--path", arguments->path, "of a log to a trajectory: its odometry or its truth")
       ->capture_default_str();
-  const auto units = addFoundingUnits(command);
+  const auto units = addOriginalUnits(command);
   command->add_flag("--overwrite", context.overwrite, "replace what is there");
   command->add_flag("-q,--quiet", context.quiet, "no progress on standard error");
   addJson(command, context);
@@ -221,7 +221,7 @@ void addConvert(CLI::App& app, Context& context) {
       "  rasterslam convert intel.rawlog intel.clf\n"
       "  rasterslam convert intel.clf.bz2 odometry.tum\n"
       "  rasterslam convert path.tum path.csv\n"
-      "  rasterslam convert run.operations.txt run.founding.txt --pixel 0.05");
+      "  rasterslam convert run.operations.txt run.original.txt --pixel 0.05");
   command->callback([&context, arguments, units] {
     context.action = [&context, arguments, units] { return convert(context, *arguments, *units); };
   });

@@ -15,7 +15,7 @@ namespace slam::apps {
 namespace {
 
 constexpr const char* kWorld = "office_loop";
-constexpr double kFounding_s = 300;
+constexpr double kOriginal_s = 300;
 constexpr const char* kRealLog = "2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog";
 
 run::CompareRequest commonRequest(const Context& context, const std::string& output) {
@@ -53,15 +53,15 @@ int demo(const Context& context) {
   int failed = show(run::compare(simulated, context.manifest(), progress),
                     std::string("A robot explores the plan '") + kWorld + "'", simulated.output, progress);
 
-  // The founding robot with its own lidar, and what it loses where it has to guess what it was told to do.
-  auto founding = commonRequest(context, output + "/founding");
-  founding.methods = {"naive", "naive_blind", "naive_wheel", "icp", "graph"};
-  founding.plan_path = simulated.plan_path;
-  founding.record =
+  // The original robot with its own lidar, and what it loses where it has to guess what it was told to do.
+  auto original = commonRequest(context, output + "/original");
+  original.methods = {"naive", "naive_blind", "naive_wheel", "icp", "graph"};
+  original.plan_path = simulated.plan_path;
+  original.record =
       run::readRecordConfig(core::IniFile::load(run::configsFolder() + "/lidars/thesis_360.ini"));
-  founding.record.simulation.duration_s = kFounding_s;
-  failed += show(run::compare(founding, context.manifest(), progress),
-                 "The founding robot with the founding lidar, thesis_360", founding.output, progress);
+  original.record.simulation.duration_s = kOriginal_s;
+  failed += show(run::compare(original, context.manifest(), progress),
+                 "The original robot with the original lidar, thesis_360", original.output, progress);
 
   const std::string datasets = run::mrptDatasetsFolder();
   const std::string real_log = datasets.empty() ? "" : datasets + "/" + kRealLog;

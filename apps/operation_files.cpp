@@ -6,9 +6,9 @@
 
 namespace slam::apps {
 
-OperationFile readOperationFile(const std::string& path, const sim::FoundingUnits& units) {
+OperationFile readOperationFile(const std::string& path, const sim::OriginalUnits& units) {
   const std::string text = core::readTextFile(path);
-  if (sim::isFoundingLog(text)) return {sim::parseFoundingLog(text, units, path), true};
+  if (sim::isOriginalLog(text)) return {sim::parseOriginalLog(text, units, path), true};
   return {sim::parseOperations(text, path), false};
 }
 
@@ -20,10 +20,10 @@ bool isOperationFile(const std::string& path) {
   return in && is_operation && (next == ' ' || next == '\n' || next == '\r');
 }
 
-std::shared_ptr<sim::FoundingUnits> addFoundingUnits(CLI::App* command) {
-  auto units = std::make_shared<sim::FoundingUnits>();
+std::shared_ptr<sim::OriginalUnits> addOriginalUnits(CLI::App* command) {
+  auto units = std::make_shared<sim::OriginalUnits>();
   command
-      ->add_option("--pixel", units->pixel_m, "of an operation log in the founding form: metres of one pixel")
+      ->add_option("--pixel", units->pixel_m, "of an operation log in the original form: metres of one pixel")
       ->check(CLI::Range(1e-6, 1e3))
       ->capture_default_str();
   command->add_flag("--clockwise", units->clockwise,

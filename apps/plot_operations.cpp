@@ -78,7 +78,7 @@ OperationsArguments completed(OperationsArguments arguments) {
   return arguments;
 }
 
-int plotOperations(const Context& context, const OperationsArguments& given, const sim::FoundingUnits& units,
+int plotOperations(const Context& context, const OperationsArguments& given, const sim::OriginalUnits& units,
                    const PaperArguments& how) {
   const auto [path, paper] = picturePlace(context, how, "operations.png");
   const auto operations = readOperationFile(given.file, units).operations;
@@ -118,18 +118,18 @@ int plotOperations(const Context& context, const OperationsArguments& given, con
 
 void addPlotOperations(CLI::App& plot, Context& context) {
   auto* command =
-      plot.add_subcommand("operations", "replay an operation log: the founding dead reckoning, and its map");
+      plot.add_subcommand("operations", "replay an operation log: the original dead reckoning, and its map");
   auto arguments = std::make_shared<OperationsArguments>();
   command
       ->add_option("file", arguments->file,
-                   "what 'rasterslam simulate' wrote, run.operations.txt, or one in the founding form")
+                   "what 'rasterslam simulate' wrote, run.operations.txt, or one in the original form")
       ->required();
   command->add_option("--log", arguments->log,
                       "the scans, drawn as dots after every move (default: the log beside the file)");
   command->add_option("--truth", arguments->truth, "true path, TUM (default: the one beside the file)");
   command->add_option("--plan", arguments->plan,
                       "true plan (default: the one that the log was simulated in)");
-  const auto units = addFoundingUnits(command);
+  const auto units = addOriginalUnits(command);
   const auto how = addPicture(command, context, "operations.png");
   command->footer("Example:\n  rasterslam plot operations run.operations.txt -o operations.png");
   command->callback([&context, arguments, units, how] {

@@ -34,7 +34,7 @@ struct Show {
   std::vector<std::pair<int, viewer::Connection>> loops;
   std::optional<core::Point2> goal;  ///< of a drive to a goal, map frame
   live::Hands hands = live::Hands::kWatch;
-  std::optional<run::StrategicOverlay> strategic;  ///< of the founding goal navigation
+  std::optional<run::StrategicOverlay> strategic;  ///< of the original goal navigation
   /// With Hands::kDrive: why the robot cannot stand there; "" when it can.
   std::function<std::string(const core::Pose2&)> refusal;
 };

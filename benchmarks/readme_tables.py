@@ -51,7 +51,7 @@ def median(values, missing):
 
 
 WHAT = {
-    "naive": "the founding robot: dead reckoning by scan difference, dots",
+    "naive": "the original robot: dead reckoning by scan difference, dots",
     "naive_blind": "the same, guessing from the scans whether it moved or turned",
     "naive_wheel": "dead reckoning by the wheels",
     "naive_correlation": "dead reckoning by our scan correlation",

@@ -23,7 +23,7 @@ if [ -f "$killian" ]; then
   build/release/apps/rasterslam compare "$killian" --methods graph,particles -o "$out/killian" -q >"$out/killian.txt"
   cp "$out/killian/maps.png" .github/pictures/killian.png
 fi
-for part in simulated founding real; do
+for part in simulated original real; do
   mkdir -p "benchmarks/results/demo/$part"
   cp "$out/demo/$part"/{scores.csv,scores.txt,cost.csv} "benchmarks/results/demo/$part/"
 done

@@ -4,7 +4,7 @@
   benchmarks/exploration/divisors.py [-n SEEDS] [-d SECONDS] [-j THREADS] [-w WORLDS] [-p PROGRAM] [-o FOLDER]
                                         [-k SCRATCH]
 
-longest_ray and quadrant, the drive (longest ray / u) with u fixed and with u uniform in ranges (the founding one is
+longest_ray and quadrant, the drive (longest ray / u) with u fixed and with u uniform in ranges (the original one is
 0.1 to 2), in the committed worlds and in generated ones. Writes FOLDER/divisors.csv (a row per world, strategy and
 u: medians over the seeds) and FOLDER/divisors.txt (for people). A scan has 181 beams, a run without new area for
 ten minutes ends, as in sweep.sh. With SCRATCH the single tables stay there, and those that are there are not made again.
@@ -25,7 +25,7 @@ COMMITTED = ["corridor", "flat", "maze", "office_loop", "pillar_hall"]
 GENERATED = [("flat", "14x10", 3), ("office", "18x12", 4), ("hospital", "24x16", 5), ("cave", "16x12", 6)]
 STRATEGIES = ["longest_ray", "quadrant"]
 DIVISORS = [(0.1, 2), (0.5, 2), (1, 4), (0.5, 0.5), (1, 1), (2, 2), (4, 4)]
-FOUNDING = DIVISORS[0]
+ORIGINAL = DIVISORS[0]
 FIGURES = ["t90_s", "path90_m", "t99_s", "path99_m", "coverage_percent", "redundant_percent", "path_m", "near_misses"]
 
 
@@ -118,7 +118,7 @@ def verdicts(found, worlds):
         for key in ("path90_m", "t90_s"):
             line += ratio_line(zip(values("quadrant", divisor, key), values("longest_ray", divisor, key)))
         for strategy in STRATEGIES:
-            line += ratio_line(zip(values(strategy, divisor, "path90_m"), values(strategy, FOUNDING, "path90_m")))
+            line += ratio_line(zip(values(strategy, divisor, "path90_m"), values(strategy, ORIGINAL, "path90_m")))
         lines.append(line)
     return text_table(["u", "quadrant shorter", "path ratio", "quadrant sooner", "time ratio",
                        "longest_ray: better", "ratio", "quadrant: better", "ratio"], lines)
@@ -167,8 +167,8 @@ def write(options, rows, worlds):
         "== All worlds\n\n" + totals(found, worlds),
         "== What pays, by the medians to 90 %\n\nquadrant against longest_ray at the same u (worlds in which its path is "
         "shorter, geometric mean of the ratio of the\npaths where both arrive; the same for the time), then each strategy "
-        "against itself at the founding u of "
-        f"{label(FOUNDING)}:\nworlds in which its path is shorter, and the ratio.\n\n" + verdicts(found, worlds)]
+        "against itself at the original u of "
+        f"{label(ORIGINAL)}:\nworlds in which its path is shorter, and the ratio.\n\n" + verdicts(found, worlds)]
     with open(options.folder / "divisors.csv", "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
         writer.writeheader()

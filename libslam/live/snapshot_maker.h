@@ -27,7 +27,7 @@ class SnapshotMaker {
   /// Where someone else than a strategy sends the robot, map frame.
   void setGoal(const core::Point2& goal) { now_.candidates = viewer::Candidates{{}, goal, {}}; }
 
-  /// What the founding goal navigation looks at: shown with every scan's readings, robot frame.
+  /// What the original goal navigation looks at: shown with every scan's readings, robot frame.
   void setStrategicView(double stop_radius_m, std::vector<double> directions_rad);
 
   void add(const run::Step& step);

@@ -158,7 +158,7 @@ std::shared_ptr<CActionRobotMovement2D> makeAction(MapBuilder& method, const rob
     const odometry::ScanMotion motion = motionFromScans(state, scan);
     state.scan_odometry_saw_previous = true;
     requireFinite(method, motion.T_previous_current, "the motion estimated from the scans");
-    // The founding method stays what it was: how far, it never asks the wheels.
+    // The original method stays what it was: how far, it never asks the wheels.
     const std::string& odometry = state.config.method.odometry;
     const bool ask_wheels =
         !motion.reliable && has_odometry && odometry != "argmax" && odometry != "argmax_blind";

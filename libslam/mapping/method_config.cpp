@@ -47,7 +47,7 @@ std::vector<MappingTable::Row> naiveMappingRows() {
            &MappingOptions::draw_after,
            "every_scan",
            {"every_scan", "moves"},
-           "moves: scans after a turn in place or at rest are not drawn, nor is the first, as the founding "
+           "moves: scans after a turn in place or at rest are not drawn, nor is the first, as the original "
            "robot has it"}};
 }
 

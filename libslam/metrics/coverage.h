@@ -74,7 +74,7 @@ struct ExplorationFigures {
   std::size_t scans;
   double t90_s, t99_s;  ///< first time at which 90 % and 99 % of the explorable area were explored
   double path90_m, path99_m, scans90, scans99;
-  /// Share of the path that adds no new area (the founding document asks to come back as little as possible):
+  /// Share of the path that adds no new area (the original document asks to come back as little as possible):
   /// the path is cut after every scan that completes kRedundancyPiece_m, and a piece counts as redundant when
   /// the scans along it add less than kNewArea_m2pm times its length. The last piece may be shorter. NaN for
   /// a robot that never moved.

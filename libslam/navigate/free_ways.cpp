@@ -5,7 +5,7 @@
 namespace slam::navigate {
 namespace {
 
-// The founding sectors are the first and last eighth of the circle: an eighth on either side of the middle.
+// The original sectors are the first and last eighth of the circle: an eighth on either side of the middle.
 constexpr double kHalfSector_rad = core::kPi / 4;
 // A beam meant for the sector's edge belongs to it, however its angle was rounded.
 constexpr double kRounding_rad = 1e-9;

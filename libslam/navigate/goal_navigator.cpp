@@ -29,7 +29,7 @@ constexpr Entry kNavigators[] = {
     {"bug2", "along an obstacle until the line from start to goal is met again", make<Bug2>},
     {"tangent", "TangentBug: towards what the lidar sees free; along a boundary only out of a local minimum",
      make<TangentBug>},
-    {"lidar_bug", "the founding state machine on five directions of the lidar; no guarantee",
+    {"lidar_bug", "the original state machine on five directions of the lidar; no guarantee",
      make<LidarBug>}};
 
 }  // namespace

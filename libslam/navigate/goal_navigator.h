@@ -51,7 +51,7 @@ class GoalNavigator {
   virtual GoalStep next(const robot::Scan& scan, const core::Pose2& T_odom_robot, bool collided) = 0;
 };
 
-/// Section [lidar_bug]: the figures of the founding state machine that its description gives, and those
+/// Section [lidar_bug]: the figures of the original state machine that its description gives, and those
 /// that it leaves open. Distances are from the robot's centre.
 struct LidarBugOptions {
   double stop_radius_m, invalid_below_m;

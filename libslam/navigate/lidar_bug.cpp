@@ -12,8 +12,8 @@ namespace {
 using State = LidarBugState;
 using Event = LidarBugEvent;
 
-constexpr int kFoundingReadings = 275;
-constexpr std::array<int, 5> kFoundingIndices = {0, 28, 68, 207, 247};
+constexpr int kOriginalReadings = 275;
+constexpr std::array<int, 5> kOriginalIndices = {0, 28, 68, 207, 247};
 constexpr double kInFront_rad = core::degToRad(92);
 // A strategic direction is one reading; where it is lost, the nearest one within this.
 constexpr double kNeighbour_rad = core::degToRad(3);
@@ -27,7 +27,7 @@ constexpr int kDecisionsPerPeriod = 4;
 std::array<double, 5> strategicDirections() {
   std::array<double, 5> directions{};
   for (size_t i = 0; i < directions.size(); ++i)
-    directions[i] = core::wrapToPi(2 * core::kPi * kFoundingIndices[i] / kFoundingReadings);
+    directions[i] = core::wrapToPi(2 * core::kPi * kOriginalIndices[i] / kOriginalReadings);
   return directions;
 }
 

@@ -7,7 +7,7 @@
 
 namespace slam::navigate {
 
-/// The founding goal navigation: a state machine on five strategic directions of the lidar. Its diagram, made
+/// The original goal navigation: a state machine on five strategic directions of the lidar. Its diagram, made
 /// from the table of transitions, is in lidar_bug.md. It has no guarantee: it can circle in a trap until the
 /// time limit.
 ///
@@ -77,7 +77,7 @@ const std::vector<LidarBugTransition>& lidarBugTransitions();
 /// The same as a document with a Mermaid diagram and the list of differences: the content of lidar_bug.md.
 std::string lidarBugDiagram();
 
-/// The five strategic directions of the founding scan of 275 readings (indices 0, 28, 68, 207, 247), as
+/// The five strategic directions of the original scan of 275 readings (indices 0, 28, 68, 207, 247), as
 /// angles in (-pi, pi], counter-clockwise positive: ahead, left ahead, left, right, right ahead.
 std::array<double, 5> strategicDirections();
 enum StrategicDirection { kAhead = 0, kLeftAhead = 1, kLeft = 2, kRight = 3, kRightAhead = 4 };

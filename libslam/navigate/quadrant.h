@@ -5,7 +5,7 @@
 
 namespace slam::navigate {
 
-/// The founding improvement: the view is split into four quadrants around the heading (front-left, rear-left,
+/// The original improvement: the view is split into four quadrants around the heading (front-left, rear-left,
 /// rear-right, front-right), the longest ray of each is a candidate, and a candidate that leads back the way
 /// the robot came (within 45 degrees of the direction to where the last drive began, by odometry) is not
 /// chosen. Of the others the longest wins; the drive is as LongestRay's. Where no other candidate is longer

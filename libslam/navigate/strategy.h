@@ -14,7 +14,7 @@
 
 namespace slam::navigate {
 
-/// Which ways are free, after the founding document's CanMove: 0 both, 1 only front, 2 only rear, 3 neither.
+/// Which ways are free, after the original document's CanMove: 0 both, 1 only front, 2 only rear, 3 neither.
 enum class FreeWays { kBoth = 0, kFrontOnly = 1, kRearOnly = 2, kNone = 3 };
 
 /// Front sector: beams within +-45 degrees of the heading; rear: within +-45 degrees of straight back. A way
@@ -77,7 +77,7 @@ class Strategy {
 struct StrategyOptions {
   std::string name;  ///< see strategyNames()
   double divisor_min,
-      divisor_max;  ///< drive (longest ray / u), u uniform in between; the founding document: 0.1 .. 2.0
+      divisor_max;  ///< drive (longest ray / u), u uniform in between; the original document: 0.1 .. 2.0
   double stop_clearance_m;  ///< w of CanMove; 0: stopClearance() of the robot, the period and the noise
   double back_off_m;        ///< how far to go back when the way ahead is blocked at once
   int patience;             ///< decisions in a row without progress before a random free direction

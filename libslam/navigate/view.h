@@ -12,7 +12,7 @@ struct SeenBeam {
   double range_m;    ///< from the lidar; the maximum range where nothing returned
 };
 
-/// The beams in the order of the founding documents: from straight ahead once round in one turning direction.
+/// The beams in the order of the original documents: from straight ahead once round in one turning direction.
 /// Lost readings are left out; directions outside the field of view are simply not there.
 std::vector<SeenBeam> seenBeams(const robot::Scan& scan);
 

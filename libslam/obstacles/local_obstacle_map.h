@@ -22,7 +22,7 @@ struct LocalObstacleOptions {
 /// The obstacles around the robot: those that its camera (or a sector of its lidar) sees now, and those that
 /// it saw a moment ago and has turned away from. Points in the robot frame, without any map or truth.
 ///
-/// Each tick, as the founding document has it:
+/// Each tick, as the original document has it:
 ///   1. every point is turned by the robot's turn in the opposite sense, then shifted back by the travel
 ///      (sine and cosine once per tick);
 ///   2. points that left the local zone are dropped (its border belongs to it);

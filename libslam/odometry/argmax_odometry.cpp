@@ -8,11 +8,11 @@
 namespace slam::odometry {
 namespace {
 
-/// The scan as the founding document sees it: index 0 straight ahead of the robot, indices growing
+/// The scan as the original document sees it: index 0 straight ahead of the robot, indices growing
 /// counter-clockwise, N of them to the full circle. Beams outside a partial field of view do not exist.
-class FoundingScan {
+class OriginalScan {
  public:
-  explicit FoundingScan(const robot::Scan& scan)
+  explicit OriginalScan(const robot::Scan& scan)
       : scan_(scan),
         circle_(std::lround(2 * core::kPi / scan.step_rad)),
         ahead_(std::lround((-scan.T_robot_lidar.phi - scan.first_angle_rad) / scan.step_rad)) {}
@@ -63,7 +63,7 @@ std::optional<double> difference(float before, float after) {
   return static_cast<double>(before) - static_cast<double>(after);
 }
 
-/// The founding method: a turn is the shift of the longest range, a move the change of the readings straight
+/// The original method: a turn is the shift of the longest range, a move the change of the readings straight
 /// ahead and straight behind. Nothing else of the scan is used. The lidar is taken to sit on the robot's
 /// axis, as in the document; of its mounting pose only the heading counts.
 ///
@@ -125,7 +125,7 @@ class ArgmaxOdometry : public ScanOdometry {
   /// From the scan before the command to this one.
   ScanMotion sinceCommand(const robot::Scan& scan, MotionKind kind) const {
     if (!sameBeams(*before_, scan)) return unknownMotion(options_);
-    const FoundingScan before(*before_), after(scan);
+    const OriginalScan before(*before_), after(scan);
     const std::optional<long> longest_before = before.longest(), longest_after = after.longest();
     const bool comparable = longest_before && longest_after;
     const long shift = comparable ? wrapIndex(*longest_before - *longest_after, before.circle()) : 0;
@@ -145,7 +145,7 @@ class ArgmaxOdometry : public ScanOdometry {
   }
 
   /// A move while the robot turned by `shift` beams, 0 for a pure one.
-  ScanMotion move(const FoundingScan& before, const FoundingScan& after, long shift,
+  ScanMotion move(const OriginalScan& before, const OriginalScan& after, long shift,
                   const robot::Scan& scan) const {
     const long behind = before.circle() / 2, chord = shift / 2;
     const auto front = difference(before.at(chord), after.at(chord - shift));

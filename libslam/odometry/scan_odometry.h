@@ -20,7 +20,7 @@ struct ScanMotion {
   core::Pose2 T_previous_current;      ///< of the robot
   std::array<double, 9> covariance{};  ///< row-major over (x, y, phi): m^2, m rad, rad^2; positive definite
   bool reliable = true;                ///< false: too few returns or an ambiguous fit; the motion is a guess
-  /// What the founding document logs: `t` with the turn, or `m` with the two move readings. Each is a reading
+  /// What the original document logs: `t` with the turn, or `m` with the two move readings. Each is a reading
   /// of the scan before minus one of the scan after: the turn is positive counter-clockwise; on a move ahead
   /// the front reading is positive (the wall ahead came nearer) and the rear one negative. 0 where there is
   /// no reading. A method that estimates the whole motion fills in what ideal readings would have been. Of a command

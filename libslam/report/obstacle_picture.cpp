@@ -13,7 +13,7 @@ constexpr double kMargin = 20;
 constexpr double kPanelTitleSize = 20, kSubtitleSize = 17, kHeadHeight = 54;
 constexpr Colour kSeen = kVermillion, kRemembered = kBlue, kVisible{255, 255, 255}, kBody{205, 205, 205};
 
-/// Ahead up the page: the picture's axes are the founding document's, x to the right and y ahead.
+/// Ahead up the page: the picture's axes are the original document's, x to the right and y ahead.
 core::Point2 onPage(const core::Point2& p_robot) {
   return {-p_robot.y, p_robot.x};
 }

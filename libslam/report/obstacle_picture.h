@@ -23,7 +23,7 @@ struct ObstacleZone {
   double obstacle_radius_m = 0.05;              ///< of the rings round true places
 };
 
-/// The founding picture of the local obstacle map, moment by moment: the local zone from above with ahead up,
+/// The original picture of the local obstacle map, moment by moment: the local zone from above with ahead up,
 /// grey where only memory knows, white where the sensor looks; obstacles seen now, obstacles remembered, and
 /// rings where they really are. Under the rules of the pictures in picture.h. REQUIRES 1 to 12 panels and a zone
 /// with an area (ContractError).

@@ -61,7 +61,7 @@ struct Panel {
 };
 void drawPanels(const std::vector<Panel>& panels, const std::string& file, const Paper& paper = {});
 
-/// A scan: range over angle (the founding chart; beams without a return leave gaps) beside the polar plot,
+/// A scan: range over angle (the original chart; beams without a return leave gaps) beside the polar plot,
 /// lidar frame, ahead up.
 void drawScan(const robot::Scan& scan, const std::string& file, const Paper& paper = {});
 

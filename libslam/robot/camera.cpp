@@ -62,7 +62,7 @@ const core::ParameterTable<CameraOptions>& CameraOptions::table() {
                   &O::area,
                   "exact",
                   {"exact", "original"},
-                  "visible floor: the pinhole's trapezoid, or the founding document's wedge"}});
+                  "visible floor: the pinhole's trapezoid, or the original document's wedge"}});
   return rows;
 }
 

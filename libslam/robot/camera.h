@@ -8,7 +8,7 @@
 
 namespace slam::robot {
 
-/// Where the camera sits and how wide it sees; section [camera]. In the founding document's letters: x_m is
+/// Where the camera sits and how wide it sees; section [camera]. In the original document's letters: x_m is
 /// YC, -y_m is XC, height_m is ZC. It looks along the robot's heading.
 struct CameraOptions {
   double x_m, y_m;              ///< of the optical centre, in the robot frame
@@ -30,7 +30,7 @@ struct CameraOptions {
 ///   farthest  Ymax = H / tan(p - b)      infinite when p <= b: the horizon is in the picture
 ///   half width at X:  Xm = (X cos p + H sin p) tan a
 ///
-/// The founding document has the same Ymin, no Ymax, and Xm = X tan a ("original"). The two widths are equal
+/// The original document has the same Ymin, no Ymax, and Xm = X tan a ("original"). The two widths are equal
 /// for a level camera; otherwise the exact one is wider nearer than H / tan(p / 2), where they cross, and
 /// narrower beyond, by cos p far away. So the original remembers ghosts near the camera that are gone, and
 /// forgets obstacles far ahead at the sides that the camera cannot see.
@@ -43,7 +43,7 @@ struct VisibleFloor {
 };
 VisibleFloor visibleFloor(const CameraOptions& options);
 
-/// How the floor that the camera sees becomes a scan; section [camera_scan]. The founding document has nothing of
+/// How the floor that the camera sees becomes a scan; section [camera_scan]. The original document has nothing of
 /// it: all of this is ours.
 struct CameraScanOptions {
   int beams_per_circle;   ///< bearings are multiples of a circle by this

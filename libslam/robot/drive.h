@@ -4,7 +4,7 @@
 
 namespace slam::robot {
 
-/// One command to a differential drive: constant speeds for a while. The founding commands move(step) and
+/// One command to a differential drive: constant speeds for a while. The original commands move(step) and
 /// turn(angle) are the two special cases; moveCommand and turnCommand make them.
 struct Command {
   double speed_mps = 0;        ///< along the heading; negative backs off

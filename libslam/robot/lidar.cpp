@@ -60,7 +60,7 @@ const core::ParameterTable<LidarOptions>& LidarOptions::table() {
         &O::ray,
         "exact",
         {"exact", "original"},
-        "range to the wall's face, or the founding walk from pixel to pixel; that knows plain walls only"}});
+        "range to the wall's face, or the original walk from pixel to pixel; that knows plain walls only"}});
   return rows;
 }
 

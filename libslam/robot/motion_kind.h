@@ -11,7 +11,7 @@ enum class MotionKind {
   kRest,     ///< no command: it stood
   kMove,     ///< along the heading, ahead or back
   kTurn,     ///< in place
-  kArc       ///< both at once; the founding robot has no such command
+  kArc       ///< both at once; the original robot has no such command
 };
 
 /// The command that a scan ended or interrupted.
@@ -32,7 +32,7 @@ MotionKind kindOf(const Command& command);
 /// metre: both are a tenth of what would make them arcs.
 MotionKind kindOf(const core::Pose2& T_previous_robot);
 
-/// Puts the commands of single scan periods together to whole ones. A drive is told anew at every scan; what the founding
+/// Puts the commands of single scan periods together to whole ones. A drive is told anew at every scan; what the original
 /// document calls a command, move(step) or turn(angle), is a run of such periods: of one kind and one direction, an arc
 /// also of one curvature, without a rest between.
 class CommandSeries {

@@ -7,7 +7,7 @@
 
 namespace slam::robot {
 
-/// A command as a person gives it: the founding robot's move(step) or turn(angle).
+/// A command as a person gives it: the original robot's move(step) or turn(angle).
 struct UserCommand {
   enum Kind { kMove, kTurn } kind = kMove;
   double amount = 0;  ///< move: metres, negative backwards; turn: radians, counter-clockwise positive

@@ -24,7 +24,7 @@ std::unique_ptr<navigate::GoalNavigator> makeGoalMethod(const std::string& name,
                                                         const mrptnav::ReactiveOptions& mrpt_reactive,
                                                         const navigate::GoalTask& task);
 
-/// What the founding `lidar_bug` looks at, for pictures, robot frame.
+/// What the original `lidar_bug` looks at, for pictures, robot frame.
 struct StrategicOverlay {
   double stop_radius_m;
   std::vector<double> directions_rad;

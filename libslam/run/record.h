@@ -71,7 +71,7 @@ struct Recording {
 ///   run.rawlog            what the robot sensed, for MRPT's programs and ours
 ///   run.rawlog.GT.txt     the truth as MRPT's simulator writes it (relative to the start)
 ///   run.gt.tum            the truth as TUM (world frame)
-///   run.operations.txt    the founding document's operation log
+///   run.operations.txt    the original document's operation log
 ///   run.movers.csv        where people and doors were, when there are any that move: see MoversLog
 ///   run.collisions.csv    when and where a command was cut short, when any was: see readCollisions()
 ///   run.carries.csv       when the robot was carried, from where and where to, when it was: see readCarryFile()

@@ -27,10 +27,10 @@ sim::Operation toOperation(robot::MotionKind kind, const odometry::ScanMotion& m
           is_arc ? motion.turn_reading_rad : 0};
 }
 
-std::unique_ptr<odometry::ScanOdometry> foundingOdometry() {
-  odometry::ScanOdometryOptions founding;
-  founding.method = "argmax";
-  return odometry::makeScanOdometry(founding);
+std::unique_ptr<odometry::ScanOdometry> originalOdometry() {
+  odometry::ScanOdometryOptions original;
+  original.method = "argmax";
+  return odometry::makeScanOdometry(original);
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ struct Recorder::State {
   std::string log_path;
   RecordConfig config;
   logs::LogWriter log;
-  std::unique_ptr<odometry::ScanOdometry> scan_odometry = foundingOdometry();
+  std::unique_ptr<odometry::ScanOdometry> scan_odometry = originalOdometry();
   logs::TrajectoryWriter tum, mrpt_truth;
   core::GrowingFile operations;
   robot::CommandSeries commands;

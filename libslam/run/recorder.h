@@ -15,7 +15,7 @@ class Recorder {
   ~Recorder();
   /// The first look.
   void begin(const sim::Simulator& simulator, const sim::Sensed& sensed);
-  /// What `command` led to. Commands that are one in the founding document's sense (robot::CommandSeries) become one
+  /// What `command` led to. Commands that are one in the original document's sense (robot::CommandSeries) become one
   /// operation; `is_whole`: one of its own in any case.
   void add(const robot::Command& command, const sim::Simulator& simulator, const sim::Sensed& sensed,
            bool is_whole = false);

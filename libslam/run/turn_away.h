@@ -42,7 +42,7 @@ struct TurnAwayMoment {
   std::vector<core::Point2> posts;             ///< where the obstacles really are, all of them
 };
 
-/// The founding experiment of the local obstacle map: posts of kPostRadius_m stand in front of the robot, it
+/// The original experiment of the local obstacle map: posts of kPostRadius_m stand in front of the robot, it
 /// turns away from them, drives on and turns back; they leave the visible area and stay in memory where they
 /// are, until they leave the local zone. The robot knows its motion exactly. The camera sees a post as a point;
 /// the lidar (720 beams all round, 8 m) its face. Six moments: the start, a quarter,

@@ -13,7 +13,7 @@ namespace slam::sim {
 /// A camera on the robot that looks at the floor and tells free floor from the feet of obstacles; what it finds is given
 /// as a narrow scan from the camera's foot, so that whatever takes a lidar's scans takes the camera's.
 ///
-/// What the founding document gives: where the camera stands (XC, YC, ZC), that it looks down by a pitch, the
+/// What the original document gives: where the camera stands (XC, YC, ZC), that it looks down by a pitch, the
 /// view angles FOVx and FOVy, the dead zone Ymin before it and the half width Xm(y) of the floor that it sees; obstacles
 /// are points in the robot frame. What is ours, because the document does not have it: how obstacles are found in
 /// the picture (here they are known, with an error of the angle under which their foot is seen), the scan's

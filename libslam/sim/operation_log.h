@@ -8,7 +8,7 @@
 
 namespace slam::sim {
 
-/// The founding document's operation log: `m` with the two move readings (rear, front), or `t` with the turn
+/// The original document's operation log: `m` with the two move readings (rear, front), or `t` with the turn
 /// reading, as the scan-difference odometry estimated them, one line per command, and after the readings the numbers of
 /// the scans before and after it in the log (the first is 0):
 ///
@@ -17,10 +17,10 @@ namespace slam::sim {
 ///     a -0.5 0.5 0.25 9 10
 ///
 /// Metres and radians, written so that they read back as the same numbers. Where it differs from the original
-/// (founding_log.h): one line instead of two or three, metres and radians instead of whole pixels and degrees, and
+/// (original_log.h): one line instead of two or three, metres and radians instead of whole pixels and degrees, and
 ///   - the numbers of the scans, because our logs hold scans taken during a command, and at rest, which is no command.
 ///     They may be left out of a whole log: then every operation leads from one scan to the next;
-///   - `a` rear, front, turn: an arc, for which the founding robot has no command. The readings are along its chord.
+///   - `a` rear, front, turn: an arc, for which the original robot has no command. The readings are along its chord.
 struct Operation {
   char kind;                                      ///< 'm', 't' or 'a'
   double first;                                   ///< m, a: rear reading in metres; t: angle in radians
@@ -40,7 +40,7 @@ std::string formatOperations(const std::vector<Operation>& operations);
 /// empty line, a last line without its end (the log was cut short).
 std::vector<Operation> parseOperations(const std::string& text, const std::string& name);
 
-/// The founding system's dead reckoning, replayed: from the identity, `t` turns in place by the angle, `m` goes
+/// The original system's dead reckoning, replayed: from the identity, `t` turns in place by the angle, `m` goes
 /// along the heading by the mean of front and minus rear reading, or by the one that is not 0: the log writes 0
 /// for a reading that there was none of (a beam without a return, a lidar that does not look back); `a` turns by half,
 /// goes, and turns by the other half. A reading

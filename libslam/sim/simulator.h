@@ -76,7 +76,6 @@ class Simulator {
   /// The same before the next command. An order that still waits for its place is dropped.
   void carryNow(const core::Pose2& T_world_robot);
 
-
   double time_s() const;
   const core::Pose2& truth() const { return T_world_robot_; }  ///< for the recorder only
   const std::vector<Collision>& collisions() const { return collisions_; }

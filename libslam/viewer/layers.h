@@ -38,7 +38,7 @@ Layer planLayer(const world::Plan& plan);
 /// An estimated map, map frame: occupied dark, free white, the unknown not there at all.
 Layer mapLayer(const gridmap::OccupancyRaster& map);
 
-/// The founding drawing, robot frame: a square, the circle around it that must stay free, and which way is ahead.
+/// The original drawing, robot frame: a square, the circle around it that must stay free, and which way is ahead.
 Layer robotLayer(double side_m, double line_m);
 /// A dot at each return and some rays to them, robot frame.
 Layer scanLayer(const robot::Scan& scan);
@@ -74,7 +74,7 @@ struct LocalObstacles {
 /// Seen obstacles as vermillion dots, remembered ones blue.
 Layer obstaclesLayer(const LocalObstacles& obstacles, double radius_m);
 
-/// What the founding goal navigation looks at.
+/// What the original goal navigation looks at.
 struct StrategicView {
   double stop_radius_m = 0;
   std::vector<core::Point2> projected;  ///< where the readings of the strategic directions end

@@ -57,7 +57,7 @@ double heading(Canvas& canvas, double top, const std::string& text) {
   return top + kTextSize + 9;
 }
 
-/// Range over angle: the founding chart. Returns where it ends.
+/// Range over angle: the original chart. Returns where it ends.
 double drawChart(Canvas& canvas, double top, const robot::Scan& scan) {
   top = heading(canvas, top, "Scan: range (m), angle (deg)");
   const PixelBox box{kMargin + 26, top, kInner - 30, kChartHeight};
@@ -100,7 +100,7 @@ double drawChart(Canvas& canvas, double top, const robot::Scan& scan) {
   return box.top + box.height + 20 + kGap;
 }
 
-/// The founding picture of the local obstacle map: ahead is up. Returns where it ends.
+/// The original picture of the local obstacle map: ahead is up. Returns where it ends.
 double drawZone(Canvas& canvas, double top, const LocalObstacles& obstacles, double robot_side_m) {
   top = heading(canvas, top, "Obstacles around the robot");
   const double depth_m = obstacles.front_m + obstacles.rear_m;

@@ -4,7 +4,7 @@
 
 namespace slam::world {
 
-/// The ray of the founding raster lidar, where castRay() is exact. From the pixel that holds the origin the ray is
+/// The ray of the original raster lidar, where castRay() is exact. From the pixel that holds the origin the ray is
 /// walked one pixel at a time along its longer axis; the other coordinate is rounded to the nearest pixel (a half
 /// away from the origin). The range is the Euclidean distance from that pixel's centre to the centre of the first
 /// obstacle pixel, rounded to whole pixels; here in metres.
@@ -18,7 +18,7 @@ namespace slam::world {
 /// differ by at most 2 pixels; the others pass an edge that the exact ray meets, or the other way round, and bring
 /// the average of all to 0.96.
 ///
-/// As the founding document has it there is no end where no obstacle is; here nothing met before the plan's
+/// As the original document has it there is no end where no obstacle is; here nothing met before the plan's
 /// edge or up to max_range_m is +infinity, max_range_m <= 0 means no limit, unknown cells are transparent, and
 /// the answer is 0 in an occupied cell and +infinity for a pose outside the plan or not finite, as for castRay(). How
 /// the document makes a whole number of the distance it does not say; we round.

@@ -135,16 +135,16 @@ TEST(Convert, AnInterruptLeavesNothing) {
   EXPECT_FALSE(fs::exists(folder / "a.rawlog.tmp"));
 }
 
-TEST(AnOperationLog, GoesToTheFoundingFormAndBack) {
+TEST(AnOperationLog, GoesToTheOriginalFormAndBack) {
   const testing::TempFolder folder;
   const auto in = [&](const std::string& command) { return rasterslam(command, folder.path()); };
   core::writeFileAtomically(folder / "run.operations.txt", "m -0.5 0.52 0 6\nt 0.3490658503988659 6 7\n");
-  ASSERT_EQ(in("convert run.operations.txt old.founding.txt --pixel 0.1").exit_code, 0);
-  EXPECT_EQ(core::readTextFile(folder / "old.founding.txt"), "m\n-5\n5\nt\n20\n");
-  const auto back = in("convert old.founding.txt new.operations.txt --pixel 0.1");
+  ASSERT_EQ(in("convert run.operations.txt old.original.txt --pixel 0.1").exit_code, 0);
+  EXPECT_EQ(core::readTextFile(folder / "old.original.txt"), "m\n-5\n5\nt\n20\n");
+  const auto back = in("convert old.original.txt new.operations.txt --pixel 0.1");
   ASSERT_EQ(back.exit_code, 0) << back.err;
   EXPECT_EQ(core::readTextFile(folder / "new.operations.txt"), "m -0.5 0.5\nt 0.3490658503988659\n");
-  EXPECT_THAT(in("plot operations old.founding.txt --pixel 0.1 -o old.png").out,
+  EXPECT_THAT(in("plot operations old.original.txt --pixel 0.1 -o old.png").out,
               HasSubstr("2 operations, path 0.50 m"));
 }
 

@@ -138,8 +138,8 @@ TEST(MapBuilder, WheelsFillInWhereTheScansLeaveTheMotionOpenButNotForArgmax) {
     // The first increment is taken as null.
     EXPECT_NEAR(runDrive(method, drive).back().pose.x, 0.1 * double(drive.entries.size() - 1), 1e-6) << name;
   }
-  auto founding = makeMethod("naive");
-  EXPECT_NEAR(runDrive(founding, drive).back().pose.x, 0, 1e-6);
+  auto original = makeMethod("naive");
+  EXPECT_NEAR(runDrive(original, drive).back().pose.x, 0, 1e-6);
 }
 
 TEST(MapBuilder, WheelOdometryIsUsedFromTheFirstStepOfAnOldLog) {

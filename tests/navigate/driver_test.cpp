@@ -169,7 +169,7 @@ TEST(Exploration, TheSameSeedTakesTheSameWay) {
   EXPECT_GT(core::distance(once.back(), other.back()), 0.01);
 }
 
-/// The founding document's diagonal problem, in a hall with a bend: legs of 12 m and 6 m, 2 m wide. Wherever
+/// The original document's diagonal problem, in a hall with a bend: legs of 12 m and 6 m, 2 m wide. Wherever
 /// the robot stops in the long leg, the longest ray is that leg's own diagonal.
 TEST(Exploration, TheLongestRayShuttlesAlongTheDiagonalWhereQuadrantsGoRoundTheBend) {
   auto plan = scenes::room(12, 6);
@@ -270,8 +270,8 @@ class MapScript : public Strategy {
 };
 
 TEST(Driver, AsksForAMapOnlyWhereTheStrategyNeedsOne) {
-  const Driver founding(makeStrategy({}, {1, "s"}), {}, {}, 0.2, {1, "driver"});
-  EXPECT_FALSE(founding.wantsMap());
+  const Driver original(makeStrategy({}, {1, "s"}), {}, {}, 0.2, {1, "driver"});
+  EXPECT_FALSE(original.wantsMap());
   for (const auto& name : strategyNames())
     if (strategyNeedsMap(name)) {
       Driver driver(makeStrategy(named(name), {1, "s"}), {}, {}, 0.2, {1, "driver"});

@@ -26,7 +26,7 @@ TEST(CanMove, TellsTheFourCasesApart) {
   EXPECT_EQ(canMove(star({0.9F, 5, 5, 5, 5, 5, 5, 5}), 1), FreeWays::kFrontOnly);
   EXPECT_EQ(canMove(star({5, 5, 5, 5, 0.9F, 5, 5, 5}), 1), FreeWays::kRearOnly);
   EXPECT_EQ(canMove(star({0.9F, 5, 5, 5, 0.9F, 5, 5, 5}), 1), FreeWays::kNone);
-  EXPECT_EQ(static_cast<int>(FreeWays::kNone), 3);  // the founding document's numbers
+  EXPECT_EQ(static_cast<int>(FreeWays::kNone), 3);  // the original document's numbers
 }
 
 TEST(CanMove, CountsTheEdgesOfTheSectorsAndNotTheSides) {
@@ -64,7 +64,7 @@ TEST(CanMove, MeasuresFromTheRobotsCentreForALidarMountedAhead) {
   EXPECT_EQ(canMove(scan, 1), FreeWays::kFrontOnly);  // 1.1 m ahead, 0.5 m behind
 }
 
-/// The founding document's own indices: 0 straight ahead, growing to the left; first and last eighth, 3/8 to
+/// The original document's own indices: 0 straight ahead, growing to the left; first and last eighth, 3/8 to
 /// 5/8.
 FreeWays canMoveByIndices(const std::vector<float>& ranges, double w) {
   const size_t n = ranges.size();
@@ -78,22 +78,22 @@ FreeWays canMoveByIndices(const std::vector<float>& ranges, double w) {
                : (rear ? FreeWays::kRearOnly : FreeWays::kNone);
 }
 
-TEST(CanMove, AgreesWithTheFoundingIndicesOnRandomScans) {
+TEST(CanMove, AgreesWithTheOriginalIndicesOnRandomScans) {
   core::RandomStream random(3, "test scans");
   std::vector<int> seen(4, 0);
   for (int trial = 0; trial < 500; ++trial) {
     // Beams between the degrees, so that none lies on the edge of a sector, which ours includes on both
     // sides.
-    std::vector<float> founding(360, 5);
-    for (int k = 0; k < 2; ++k) founding[random.below(360)] = 0.5F;
+    std::vector<float> original(360, 5);
+    for (int k = 0; k < 2; ++k) original[random.below(360)] = 0.5F;
     robot::Scan scan;
     scan.first_angle_rad = degToRad(-179.5);
     scan.step_rad = degToRad(1);
     scan.max_range_m = 10;
-    for (size_t i = 0; i < 360; ++i) scan.ranges_m.push_back(founding[(i + 180) % 360]);
+    for (size_t i = 0; i < 360; ++i) scan.ranges_m.push_back(original[(i + 180) % 360]);
     const FreeWays ways = canMove(scan, 1);
     ++seen[static_cast<size_t>(ways)];
-    ASSERT_EQ(ways, canMoveByIndices(founding, 1));
+    ASSERT_EQ(ways, canMoveByIndices(original, 1));
   }
   for (const int count : seen) EXPECT_GT(count, 10);
 }

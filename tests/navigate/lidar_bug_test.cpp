@@ -67,7 +67,7 @@ TEST(LidarBugTable, IsTheDiagramInTheDocumentation) {
 }
 
 // Indices 0, 28, 68, 207, 247 of 275 readings over 360 degrees; those above the half turn lie on the right.
-TEST(StrategicDirections, AreTheFoundingOnes) {
+TEST(StrategicDirections, AreTheOriginalOnes) {
   const auto directions = strategicDirections();
   EXPECT_EQ(directions[kAhead], 0);
   EXPECT_NEAR(core::radToDeg(directions[kLeftAhead]), 37, 0.5);  // 36.65: the document rounds

@@ -177,7 +177,7 @@ TEST(RayNavigator, DrivesRoundWhatStandsInTheWayOfTheRay) {
   for (const std::string name : {"tangent", "bug2"}) EXPECT_GT(farthest(name), 6) << name;
 }
 
-TEST(RayNavigator, LetsTheFoundingStrategiesSeeTheFlatWithoutACollision) {
+TEST(RayNavigator, LetsTheOriginalStrategiesSeeTheFlatWithoutACollision) {
   for (const std::string name : {"longest_ray", "quadrant"}) {
     StrategyOptions options;
     options.name = name;

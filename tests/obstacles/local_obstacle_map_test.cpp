@@ -83,7 +83,7 @@ TEST(LocalObstacleMap, FollowsAnyPlanarMotion) {
     map.update(0, 0, kBlind, {p});
     map.update(T_previous_robot, kBlind, {});
     expectPoints(map, {core::inverse(T_previous_robot) * p});
-    // A turn and then a travel along the new heading is the founding tick.
+    // A turn and then a travel along the new heading is the original tick.
     LocalObstacleMap by_pose(zone(100, 100, 100)), by_tick(zone(100, 100, 100));
     by_pose.update(core::Pose2{}, kBlind, {p});
     by_tick.update(0, 0, kBlind, {p});
@@ -175,7 +175,7 @@ TEST(LocalObstacleMap, PassesOverPointsThatAreNotFiniteAndRefusesSuchMotions) {
   expectPoints(map, {{1, 0}});
 }
 
-/// The founding experiment: obstacles in front, the robot turns away and sees them leave its view; it drives
+/// The original experiment: obstacles in front, the robot turns away and sees them leave its view; it drives
 /// on, and turns back. After every tick the map is compared with what is known of the scene: an obstacle that
 /// was ever seen and has since stayed in the zone stands exactly where it is, whether seen or remembered.
 TEST(LocalObstacleMap, RemembersAtTheRightPlacesWhatTheRobotTurnsAwayFrom) {

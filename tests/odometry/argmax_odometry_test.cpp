@@ -19,16 +19,16 @@ using scenes::Scene;
 
 constexpr float kLost = robot::kLostReading;
 
-/// Eight beams, 45 degrees apart, given in the founding document's order: straight ahead first, then
+/// Eight beams, 45 degrees apart, given in the original document's order: straight ahead first, then
 /// counter-clockwise.
-robot::Scan drawn(const std::vector<float>& founding) {
+robot::Scan drawn(const std::vector<float>& original) {
   robot::Scan scan;
-  const size_t n = founding.size();
+  const size_t n = original.size();
   scan.step_rad = 2 * kPi / static_cast<double>(n);
   scan.first_angle_rad = -kPi;
   scan.max_range_m = 20;
   scan.range_sigma_m = 0.01;
-  for (size_t i = 0; i < n; ++i) scan.ranges_m.push_back(founding[(i + n / 2) % n]);
+  for (size_t i = 0; i < n; ++i) scan.ranges_m.push_back(original[(i + n / 2) % n]);
   return scan;
 }
 
@@ -227,7 +227,7 @@ TEST(ArgmaxOdometry, LooksAheadOfTheRobotNotOfATurnedLidar) {
   EXPECT_NEAR(move.T_previous_current.x, 0.3, 1e-6);
 }
 
-// How the founding method breaks, one scene each, and that the improved method copes where the scans allow
+// How the original method breaks, one scene each, and that the improved method copes where the scans allow
 // it.
 
 constexpr double kGoodTurn = 0.002;  // 0.1 degree: a tenth of a beam

@@ -12,10 +12,10 @@
 namespace slam::run {
 namespace {
 
-TEST(StrategicOverlay, HasTheFoundingFiguresAndOnlyForItsMethod) {
+TEST(StrategicOverlay, HasTheOriginalFiguresAndOnlyForItsMethod) {
   const navigate::NavigateOptions options;
   robot::RobotOptions robot;
-  robot.side_m = 0.1;  // fits into the founding stop radius
+  robot.side_m = 0.1;  // fits into the original stop radius
   const auto overlay = strategicOverlay("lidar_bug", options, robot, {});
   ASSERT_TRUE(overlay);
   EXPECT_EQ(overlay->stop_radius_m, options.lidar_bug.stop_radius_m);

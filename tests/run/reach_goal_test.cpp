@@ -109,7 +109,7 @@ TEST(ReachGoal, WritesPathsStatesPicturesAndTheTable) {
     EXPECT_TRUE(fs::exists(folder / ("out/" + name))) << name;
 }
 
-TEST(ReachGoal, WritesEveryTransitionOfTheFoundingBugAndWhereItsFiveDirectionsLead) {
+TEST(ReachGoal, WritesEveryTransitionOfTheOriginalBugAndWhereItsFiveDirectionsLead) {
   const testing::TempFolder folder;
   auto request = roomRequest(folder / "out", true);
   request.p_world_goal = {4.6, 1.5};  // behind the box
@@ -141,7 +141,7 @@ TEST(ReachGoal, WritesEveryTransitionOfTheFoundingBugAndWhereItsFiveDirectionsLe
                             "left_x_m,left_y_m,right_x_m,right_y_m,right_ahead_x_m,right_ahead_y_m\r\n"));
 }
 
-TEST(ReachGoal, HasTheFoundingNavigationToTheLetterAmongTheConfigurations) {
+TEST(ReachGoal, HasTheOriginalNavigationToTheLetterAmongTheConfigurations) {
   const auto config = readReachGoalConfig(core::IniFile::load(configsFolder() + "/navigate/thesis.ini"));
   EXPECT_EQ(config.navigate.lidar_bug.wall_end, "front");
   EXPECT_EQ(config.lidar.beams, 275);

@@ -11,8 +11,8 @@
 namespace slam::run {
 namespace {
 
-/// The founding odometry over the scans of a log, told of every command what it was, from where to where.
-core::Trajectory foundingDeadReckoning(const std::string& log_path,
+/// The original odometry over the scans of a log, told of every command what it was, from where to where.
+core::Trajectory originalDeadReckoning(const std::string& log_path,
                                        const std::vector<robot::Commanded>& commands) {
   odometry::ScanOdometryOptions options;
   options.method = "argmax";
@@ -31,9 +31,9 @@ core::Trajectory foundingDeadReckoning(const std::string& log_path,
   return path;
 }
 
-/// The operation log says all that the founding dead reckoning does, for a lidar that looks back (two readings
+/// The operation log says all that the original dead reckoning does, for a lidar that looks back (two readings
 /// of every move) and one that does not, and one whose beams end without a return.
-TEST(ReplayOperations, GivesThePathOfTheFoundingDeadReckoningOnTheSameLog) {
+TEST(ReplayOperations, GivesThePathOfTheOriginalDeadReckoningOnTheSameLog) {
   const auto plan = world::loadPlan(resolvePlan("flat"));
   struct Lidar {
     const char *fov_deg, *max_range_m, *drop_out;
@@ -52,7 +52,7 @@ TEST(ReplayOperations, GivesThePathOfTheFoundingDeadReckoningOnTheSameLog) {
     const auto replayed = sim::replayOperations(operations);
     const auto scans = logs::inspectLog(log_path).scans;
     const auto every_scan =
-        foundingDeadReckoning(log_path, sim::commandsOfScans(operations, scans, operations_path));
+        originalDeadReckoning(log_path, sim::commandsOfScans(operations, scans, operations_path));
     ASSERT_EQ(every_scan.size(), scans);
     core::Trajectory reckoned = {every_scan.front()};
     for (const auto& operation : operations) reckoned.push_back(every_scan.at(operation.scan_after));

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-RecordConfig foundingRobot(double duration_s) {
+RecordConfig originalRobot(double duration_s) {
   auto config = readRecordConfig(core::IniFile::load(configsFolder() + "/lidars/thesis_360.ini"));
   config.simulation.duration_s = duration_s;
   return config;
@@ -28,7 +28,7 @@ RecordConfig foundingRobot(double duration_s) {
 class ToldCommands : public ::testing::Test {
  protected:
   void SetUp() override {
-    record(world::loadPlan(resolvePlan("flat")), foundingRobot(60), 7, log_, {}, core::silentProgress());
+    record(world::loadPlan(resolvePlan("flat")), originalRobot(60), 7, log_, {}, core::silentProgress());
   }
   MapRun run(const std::string& method, const std::string& name) {
     return buildMap(log_, mapping::loadMethodConfig(configsFolder() + "/methods", method), method, 7,
@@ -97,7 +97,7 @@ TEST(OperationsOfADrive, HoldMovesTurnsAndArcsAndNoRest) {
   const auto commander = [&](const sim::Sensed&) {
     return next < orders.size() ? std::optional<Order>(orders[next++]) : std::nullopt;
   };
-  recordCommands(world::loadPlan(resolvePlan("flat")), foundingRobot(60), 1, folder / "run.rawlog", {},
+  recordCommands(world::loadPlan(resolvePlan("flat")), originalRobot(60), 1, folder / "run.rawlog", {},
                  core::silentProgress(), commander);
   const auto operations =
       sim::parseOperations(core::readTextFile(folder / "run.operations.txt"), "run.operations.txt");

@@ -21,7 +21,7 @@ double castDegrees(const Plan& plan, const core::Point2& origin, double angle_de
   return castOriginalRay(plan, origin, degToRad(angle_deg), max_range_m);
 }
 
-/// As the founding document tells it and in whole pixels only: all pixels of the line to a very far point.
+/// As the original document tells it and in whole pixels only: all pixels of the line to a very far point.
 double castByTheDocument(const Plan& plan, const core::Point2& origin, double angle_rad) {
   const int x0 = static_cast<int>(std::floor(origin.x / plan.resolution_m));
   const int y0 = static_cast<int>(std::floor(origin.y / plan.resolution_m));

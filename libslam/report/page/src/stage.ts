@@ -146,7 +146,7 @@ export class Stage {
     };
     const robot = (pose: Pose | null, colour: string): void => {
       if (!pose) return;
-      // The founding sign: a square within its circle, with its heading.
+      // The original sign: a square within its circle, with its heading.
       context.save();
       context.translate(px(pose.x), py(pose.y));
       context.rotate(-pose.yaw);

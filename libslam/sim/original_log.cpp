@@ -1,4 +1,4 @@
-#include "libslam/sim/founding_log.h"
+#include "libslam/sim/original_log.h"
 
 #include <cmath>
 #include <sstream>
@@ -9,9 +9,9 @@
 namespace slam::sim {
 namespace {
 
-void requirePixel(const FoundingUnits& units) {
+void requirePixel(const OriginalUnits& units) {
   if (!(units.pixel_m > 0) || !std::isfinite(units.pixel_m))
-    throw core::ContractError("founding log: expected a positive size of a pixel");
+    throw core::ContractError("original log: expected a positive size of a pixel");
 }
 
 /// A line without the carriage return that some systems end lines with.
@@ -58,7 +58,7 @@ std::string turnLines(long degrees) {
 
 }  // namespace
 
-std::string formatFoundingLog(const std::vector<Operation>& operations, const FoundingUnits& units) {
+std::string formatOriginalLog(const std::vector<Operation>& operations, const OriginalUnits& units) {
   requirePixel(units);
   const auto pixels = [&](double metres) { return std::to_string(std::lround(metres / units.pixel_m)); };
   const auto degrees = [&](double angle_rad) {
@@ -78,7 +78,7 @@ std::string formatFoundingLog(const std::vector<Operation>& operations, const Fo
   return text;
 }
 
-std::vector<Operation> parseFoundingLog(const std::string& text, const FoundingUnits& units,
+std::vector<Operation> parseOriginalLog(const std::string& text, const OriginalUnits& units,
                                         const std::string& name) {
   requirePixel(units);
   std::vector<Operation> operations;
@@ -98,7 +98,7 @@ std::vector<Operation> parseFoundingLog(const std::string& text, const FoundingU
   return operations;
 }
 
-bool isFoundingLog(const std::string& text) {
+bool isOriginalLog(const std::string& text) {
   const std::string line = trimmed(text.substr(0, text.find('\n')));
   return line == "m" || line == "t";
 }
