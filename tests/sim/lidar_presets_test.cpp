@@ -29,8 +29,8 @@ TEST(LidarPresets, AllLoadStrictlyAndGiveEveryParameter) {
     for (const auto& row : LidarOptions::table().rows())
       EXPECT_TRUE(ini.find("lidar", row.info.key)) << entry.path() << " lacks " << row.info.key;
   }
-  EXPECT_THAT(names, testing::UnorderedElementsAre("thesis_360", "lms291", "tim571", "utm30lx", "urg04lx",
-                                                   "rplidar_a1", "rplidar_a2"));
+  EXPECT_THAT(names, testing::UnorderedElementsAre("thesis_360", "thesis_360_pixels", "lms291", "tim571",
+                                                   "utm30lx", "urg04lx", "rplidar_a1", "rplidar_a2"));
 }
 
 TEST(LidarPresets, HaveTheBeamStepOfTheDataSheet) {
