@@ -11,6 +11,7 @@
 #include "libslam/core/files.h"
 #include "libslam/logs/log_edit.h"
 #include "libslam/run/scan_odometry_log.h"
+#include "libslam/run/told_commands.h"
 
 namespace slam::apps {
 namespace {
@@ -146,6 +147,20 @@ run::ScanOdometryLogOptions odometryOptions(const FilterArguments& arguments) {
   return options;
 }
 
+/// What the robot was commanded to do before each scan in turn: by the operation log beside the log, as long as all scans are
+/// those of the log; else by its wheels.
+run::CommandBefore commandsBefore(const std::string& log_path, bool all_scans) {
+  const auto told = all_scans ? run::commandsOfLog(log_path) : std::nullopt;
+  if (!told)
+    return [series = robot::CommandSeries()](const robot::Scan&,
+                                             const std::optional<core::Pose2>& wheels) mutable {
+      return wheels ? series.next(*wheels) : odometry::Commanded();
+    };
+  return [told, scan = std::size_t{0}](const robot::Scan&, const std::optional<core::Pose2>&) mutable {
+    return scan < told->size() ? (*told)[scan++] : odometry::Commanded();
+  };
+}
+
 int reportOdometry(const Context& context, const std::string& method,
                    const run::ScanOdometryLogReport& report) {
   if (context.json) {
@@ -176,7 +191,9 @@ int filter(const Context& context, const FilterArguments& arguments) {
       throw core::InputError("--form: goes with --odometry; 'rasterslam convert' changes the form alone");
     return report(context, logs::filterLog(arguments.log, context.output, options, progress));
   }
-  const auto odometry = odometryOptions(arguments);
+  auto odometry = odometryOptions(arguments);
+  if (arguments.odometry == "argmax")
+    odometry.commanded = commandsBefore(arguments.log, !editsObservations(options));
   std::string log = arguments.log;
   const core::PendingFile filtered(context.output + ".filtered");  // never committed
   if (editsObservations(options)) {

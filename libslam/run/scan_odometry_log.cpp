@@ -154,8 +154,8 @@ class ScanOdometryLog {
     if (!has_frames_) wheels_ = readings_.takeUntil(stampOf(&observation).time_since_epoch().count());
     const auto wheels = std::exchange(wheels_, {});
     const auto increment = wheels.has_increment ? std::optional(wheels.T_previous_robot) : std::nullopt;
-    const auto kind = options_.kind ? options_.kind(scan, increment) : odometry::MotionKind::kUnknown;
-    const auto motion = odometry_->update(scan, kind);
+    const auto motion = odometry_->update(
+        scan, options_.commanded ? options_.commanded(scan, increment) : odometry::Commanded());
     ++report_.motions;
     report_.unreliable += motion.reliable ? 0 : 1;
     return motion;

@@ -10,16 +10,16 @@
 
 namespace slam::run {
 
-/// What the robot was told to do before this scan, where somebody knows it (argmax asks). `wheels`: the increment since
+/// What the robot was commanded to do before this scan, where somebody knows it (argmax asks). `wheels`: the increment since
 /// the scan before by the log's own odometry, where it has one.
-using KindOfMotion =
-    std::function<odometry::MotionKind(const robot::Scan& scan, const std::optional<core::Pose2>& wheels)>;
+using CommandBefore =
+    std::function<odometry::Commanded(const robot::Scan& scan, const std::optional<core::Pose2>& wheels)>;
 
 struct ScanOdometryLogOptions {
   odometry::ScanOdometryOptions odometry;
   std::string label;  ///< the lidar; "": the one with the most scans among the first 100 (LogReader's rule)
   std::optional<logs::RawlogForm> form;  ///< turned into it first; none: as the log is
-  KindOfMotion kind;                     ///< none: MotionKind::kUnknown
+  CommandBefore commanded;               ///< none: MotionKind::kUnknown
 };
 
 struct ScanOdometryLogReport {

@@ -1,6 +1,7 @@
 #include "libslam/run/told_commands.h"
 
 #include <filesystem>
+#include <utility>
 
 #include "libslam/core/files.h"
 #include "libslam/logs/log_reader.h"
@@ -9,12 +10,18 @@
 
 namespace slam::run {
 
+std::optional<std::vector<robot::Commanded>> commandsOfLog(const std::string& log_path) {
+  const std::string path = logStem(log_path) + ".operations.txt";
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  const auto operations = sim::parseOperations(core::readTextFile(path), path);
+  return sim::commandsOfScans(operations, logs::inspectLog(log_path).scans, path);
+}
+
 std::string tellCommands(mapping::MapBuilder& method, const std::string& log_path) {
   if (method.odometry != "argmax") return "";
-  const std::string path = logStem(log_path) + ".operations.txt";
-  if (!std::filesystem::exists(path)) return "wheels";
-  const auto operations = sim::parseOperations(core::readTextFile(path), path);
-  mapping::setCommands(method, sim::commandsOfScans(operations, logs::inspectLog(log_path).scans, path));
+  auto commands = commandsOfLog(log_path);
+  if (!commands) return "wheels";
+  mapping::setCommands(method, std::move(*commands));
   return "operation log";
 }
 

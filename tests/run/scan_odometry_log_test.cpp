@@ -193,14 +193,14 @@ TEST(ScanOdometryLog, AsksForTheKindOfEachMotionAndTellsWhatTheWheelsSaid) {
     const auto in = writeDrive(folder, form, true);
     auto options = optionsOf("argmax");
     std::vector<double> asked_s;
-    options.kind = [&](const robot::Scan& scan, const std::optional<core::Pose2>& wheels) {
+    options.commanded = [&](const robot::Scan& scan, const std::optional<core::Pose2>& wheels) {
       const auto& entry = drive.entries.at(asked_s.size());
       asked_s.push_back(scan.time_s);
       if (asked_s.size() > 1) {  // the first absolute reading says nothing of what was before
         EXPECT_TRUE(wheels);
         EXPECT_LT(core::distance(wheels.value_or(core::Pose2{9, 9, 9}), entry.T_previous_robot), 1e-4);
       }
-      return odometry::MotionKind::kTurn;
+      return odometry::Commanded(odometry::MotionKind::kTurn);
     };
     write(in, folder / "out.rawlog", options);
     ASSERT_EQ(asked_s.size(), 60U);
