@@ -105,8 +105,9 @@ int runMethod(const Context& context, const Arguments& arguments) {
     return exit_code;
   }
   if (arguments.journal)
-    std::cout << (result.journal.empty() ? "method " + name + " wrote no journal\n"
-                                         : run::journalText(result.journal))
+    std::cout << (!result.journal.empty() ? run::journalText(result.journal)
+                  : result.final_estimate ? "method " + name + " has nothing to tell\n"
+                                          : "method " + name + " wrote no journal\n")
               << "\n"
               << std::flush;
   std::printf("%s: %zu scans, path %.2f m, end at x %.2f m, y %.2f m, yaw %.1f deg\n", name.c_str(),

@@ -217,7 +217,9 @@ void writePaths(const MapRun& run, const std::string& folder) {
   if (!run.covariances.empty()) writeCovariances(run.covariances, folder + "/covariances.csv");
   if (!run.final_covariances.empty())
     writeCovariances(run.final_covariances, folder + "/covariances_final.csv");
-  if (!run.journal.empty()) core::writeFileAtomically(folder + "/journal.csv", journalCsv(run.journal));
+  // Methods that correct their path keep a journal, be there nothing to tell.
+  if (run.final_estimate || !run.journal.empty())
+    core::writeFileAtomically(folder + "/journal.csv", journalCsv(run.journal));
 }
 
 void describeStop(const Stop& stop, std::map<std::string, std::string>& results) {

@@ -52,6 +52,16 @@ TEST_F(AroundMethods, TheJournalIsPrintedAndDrawn) {
   EXPECT_EQ(json["journal"][0]["place_m"].size(), 2U);
 }
 
+TEST_F(AroundMethods, AJournalWithNothingToTellIsOneToo) {
+  ASSERT_EQ(run("simulate flat -o still.rawlog --duration 1 -q").exit_code, 0);
+  const auto printed = run("run graph still.rawlog -o still --journal -q");
+  EXPECT_EQ(printed.exit_code, 0) << printed.err;
+  EXPECT_THAT(printed.out, StartsWith("method graph has nothing to tell\n"));
+  const auto drawn = run("plot journal still -o still.png");
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_TRUE(fs::exists(*folder_ / "still.png"));
+}
+
 TEST_F(AroundMethods, AMethodWithoutAJournalSaysSo) {
   const auto printed = run("run naive_wheel run.rawlog -o naive --journal -q");
   EXPECT_EQ(printed.exit_code, 0);
