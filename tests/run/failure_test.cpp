@@ -117,22 +117,22 @@ TEST(Failure, TheGravestEventAroundIsTheSuspect) {
   truth.trajectory = straightTruth();
   std::vector<JournalLine> journal = {line(3, "lost"), line(18, "degenerate"), line(19, "degenerate"),
                                       line(20, "distrusted"), line(20, "searched")};
-  auto report = explainFailure(run, truth, {journal, {}, {}});
+  auto report = explainFailure(run, truth, {journal, {}, {}, {}});
   EXPECT_EQ(report.suspect, "slip");
   EXPECT_THAT(report.around, ElementsAre("degenerate 2 times, 18.0 to 19.0 s", "distrusted, 20.0 s"));
-  report = explainFailure(run, truth, {journal, {{kStart_s + 21, {}}}, {}});
+  report = explainFailure(run, truth, {journal, {{kStart_s + 21, {}}}, {}, {}});
   EXPECT_EQ(report.suspect, "collision");
   auto loop = line(20.5, "accepted");
   loop.other_scan = 0;
   journal.push_back(loop);
-  report = explainFailure(run, truth, {journal, {{kStart_s + 21, {}}}, {}});
+  report = explainFailure(run, truth, {journal, {{kStart_s + 21, {}}}, {}, {}});
   EXPECT_EQ(report.suspect, "wrong loop");
   report = explainFailure(run, truth, {});
   EXPECT_EQ(report.suspect, "unknown");
   EXPECT_TRUE(report.around.empty());
   // Odometry that jumped 0.2 m at 19 s.
   const auto odometry = estimateWith([](double t) { return core::Pose2{t >= 19 ? 0.2 : 0, 0, 0}; });
-  report = explainFailure(run, truth, {{}, {}, odometry});
+  report = explainFailure(run, truth, {{}, {}, {}, odometry});
   EXPECT_EQ(report.suspect, "slip");
   EXPECT_THAT(report.around, ElementsAre("odometry wrong 2 times, 19.0 to 19.5 s"));
 }
