@@ -45,7 +45,7 @@ TEST(UserCommands, AreRefusedInOneLineBeforeAnythingIsWritten) {
       {"--commands empty.txt", "empty.txt: holds no command"},
       {"--commands none.txt", "none.txt: no such file"},
       {"--carry 60", "--carry: found '60', expected TIME_S:X_M,Y_M,HEADING_DEG"},
-      {"--carry 60:0,0,0", "--carry: the place at 60 s (0.000 m, 0.000 m, 0.0 deg) is in a wall"},
+      {"--carry 60:0,0,0", "--carry: the place at 60 s (0.000 m, 0.000 m, 0.0 deg) is too near to a wall"},
       {"--carry 60:99,0,0", "is outside the plan"},
       {"--carry -3:3,3,0", "expected a time above 0"},
       {"--carry 700:3,3,0", "expected one before the end at 600 s"},
@@ -72,7 +72,7 @@ TEST(Carry, HappensInSimulateExploreAndNavigate) {
   ASSERT_EQ(explored.exit_code, 0) << explored.err;
   EXPECT_THAT(explored.out, HasSubstr("carried at 5.0 s"));
   EXPECT_TRUE(fs::exists(folder / "e/run.carries.csv"));
-  const auto navigated = rasterslam("navigate flat --goal '3 3' --method bug2 --slam odometry -o n" +
+  const auto navigated = rasterslam("navigate flat --goal '11 7' --method bug2 --slam odometry -o n" +
                                         options + " --set navigate.time_limit_s=20",
                                     folder.path());
   EXPECT_NE(navigated.exit_code, 3) << navigated.err;

@@ -233,7 +233,7 @@ TEST(MapBuilder, TheParticlesShareTheLimitOfTheMap) {
 }
 
 TEST(MapBuilder, DotsAreCertainAndEverythingElseIsUnknown) {
-  auto method = makeMethod("naive");
+  auto method = makeMethod("naive", 1, {"mapping.draw_after=every_scan"});  // the first scan, too
   const auto drive = test::driveThroughRoom(1);
   runDrive(method, drive);
   const auto map = currentMap(method);
