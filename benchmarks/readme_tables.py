@@ -51,8 +51,8 @@ def median(values, missing):
 
 
 WHAT = {
-    "naive": "the original robot: dead reckoning by scan difference, dots",
-    "naive_blind": "the same, guessing from the scans whether it moved or turned",
+    "naive": "the same with the other lidars: dead reckoning by scan difference, dots",
+    "naive_blind": "the same, guessing whether it moved or turned",
     "naive_wheel": "dead reckoning by the wheels",
     "naive_correlation": "dead reckoning by our scan correlation",
     "naive_flow": "dead reckoning by our range flow",
@@ -66,25 +66,34 @@ WHAT = {
 FAILED_M = 1
 
 
+ORIGINAL_LIDAR = "thesis_360"
+NEWER = ("naive", "naive_blind", "graph")  # run anew by the suite `original`, on the same logs and on those of its own lidar
+
+
+def standard_line(name, what, mine, costs):
+    errors = [number(run["ate_final_m"]) for run in mine]
+    good = [run for run, error in zip(mine, errors) if run["status"] == "ok" and error is not None and error <= FAILED_M]
+    middle = median([error if error is not None and error <= FAILED_M else None for error in errors], float("inf"))
+    score = {key: median([number(run[key]) for run in good], float("-inf")) if good else None
+             for key in ("wall_f1", "free_iou")}
+    cost = {key: statistics.median(float(costs[run["run"]][key]) for run in mine if run["run"] in costs)
+            for key in ("ms_per_scan", "peak_memory_mb")}
+    return [name, what, f"{100 * (len(mine) - len(good)) / len(mine):.1f}",
+            f"{middle:.3f}" if middle < float("inf") else "failed",
+            *(f"{value:.3f}" if value is not None else "-" for value in score.values()),
+            f"{cost['ms_per_scan']:.2f}", f"{cost['peak_memory_mb']:.0f}"]
+
+
 def standard():
-    runs, costs = rows("standard.csv.xz"), {row["run"]: row for row in rows("standard_cost.csv.xz")}
-    lines = []
-    for method, what in WHAT.items():
-        mine = [run for run in runs if run["method"] == method]
-        if not mine:
-            continue
-        errors = [number(run["ate_final_m"]) for run in mine]
-        good = [run for run, error in zip(mine, errors)
-                if run["status"] == "ok" and error is not None and error <= FAILED_M]
-        middle = median([error if error is not None and error <= FAILED_M else None for error in errors], float("inf"))
-        score = {key: median([number(run[key]) for run in good], float("-inf")) if good else None
-                 for key in ("wall_f1", "free_iou")}
-        cost = {key: statistics.median(float(costs[run["run"]][key]) for run in mine if run["run"] in costs)
-                for key in ("ms_per_scan", "peak_memory_mb")}
-        lines.append([f"`{method}`", what, f"{100 * (len(mine) - len(good)) / len(mine):.1f}",
-                      f"{middle:.3f}" if middle < float("inf") else "failed",
-                      *(f"{value:.3f}" if value is not None else "-" for value in score.values()),
-                      f"{cost['ms_per_scan']:.2f}", f"{cost['peak_memory_mb']:.0f}"])
+    older, newer = rows("standard.csv.xz"), rows("original.csv.xz")
+    costs = {row["run"]: row for row in rows("standard_cost.csv.xz") + rows("original_cost.csv.xz")}
+
+    def runs(method, with_original_lidar):
+        return [run for run in (newer if method in NEWER else older)
+                if run["method"] == method and (run["lidar"] == ORIGINAL_LIDAR) == with_original_lidar]
+
+    lines = [standard_line(f"`naive`, `{ORIGINAL_LIDAR}`", "the original robot with its own lidar", runs("naive", True), costs)]
+    lines += [standard_line(f"`{method}`", what, runs(method, False), costs) for method, what in WHAT.items()]
     for column, best in ((2, min), (3, min), (4, max), (5, max)):
         figures = {line[column] for line in lines if number(line[column].replace("failed", "")) is not None}
         for line in lines:
