@@ -82,6 +82,8 @@ def main():
             missing = [name for name in outputs(commands) if not (pathlib.Path(scratch) / name).exists()]
             if missing and expected == 0:
                 problems.append(f"{place}: did not write {', '.join(missing)}")
+    if run == 0:
+        problems.append(f"{page.name}: has no block that is run")
     print(f"{page.name}: {run} blocks run")
     sys.exit("\n".join(problems) if problems else 0)
 
