@@ -28,10 +28,14 @@ function(slam_add_room)
   target_link_libraries(${target} PUBLIC ${R_ROOMS} ${R_LIBRARIES} PRIVATE slam_build_flags)
 endfunction()
 
-# One test program per room: tests/<name>/*.cpp, linked with slam::<name> and slam::testing.
-#   slam_add_tests(world [LIBRARIES ...] [LABELS ...])
+# One test program per room: tests/<name>/*.cpp, linked with slam::<name> and slam::testing. ctest runs it suite by suite,
+# longer suites by parts of CASES tests (12). One case: build/release/tests/test_<name> --gtest_filter=Suite.Case
+#   slam_add_tests(world [LIBRARIES ...] [LABELS ...] [CASES n])
 function(slam_add_tests name)
-  cmake_parse_arguments(T "" "" "LIBRARIES;LABELS" ${ARGN})
+  cmake_parse_arguments(T "" "CASES" "LIBRARIES;LABELS" ${ARGN})
+  if(NOT T_CASES)
+    set(T_CASES 12)
+  endif()
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
   if(NOT sources)
     return()
@@ -43,6 +47,14 @@ function(slam_add_tests name)
                                                   RASTERSLAM_BINARY_DIR="${PROJECT_BINARY_DIR}")
   # The tests' own code: what they call is built as ever, and a quarter of the whole build's time is saved.
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
-  gtest_discover_tests(test_${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
-                       PROPERTIES TIMEOUT 240 LABELS "${T_LABELS}")
+  set(listed ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_suites.cmake)
+  set(script ${PROJECT_SOURCE_DIR}/cmake/list_suites.cmake)
+  set_property(TARGET test_${name} APPEND PROPERTY LINK_DEPENDS ${script})
+  add_custom_command(TARGET test_${name} POST_BUILD BYPRODUCTS ${listed}
+    COMMAND ${CMAKE_COMMAND} -D PROGRAM=$<TARGET_FILE:test_${name}> -D NAME=${name} -D MOST=${T_CASES}
+            -D "LABELS=${T_LABELS}" -D OUTPUT=${listed} -P ${script} VERBATIM)
+  set(included ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_include.cmake)
+  file(WRITE ${included} "if(EXISTS \"${listed}\")\n  include(\"${listed}\")\nelse()\n"
+                         "  add_test(${name}.NOT_BUILT test_${name}_is_not_built)\nendif()\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${included})
 endfunction()
