@@ -139,34 +139,29 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
     const Pose2 increment = has_odometry ? T_previous_robot : T_previous_robot_;
     const Pose2 predicted = currentPose() * increment;
     step = track(scan, T_previous_robot, has_odometry, points, information);
-    if (contradictsMap(points, step)) {
-      // A glitch passes, or somebody who stands before the lidar; a robot that was carried away does not come back.
-      ++torn_scans_;
+    lookWhetherLost(points, step, scan.time_s, increment);
+    // A glitch passes, or somebody who stands before the lidar; a robot that was carried away does not come back.
+    const bool begins_part = lost_.isLost(), is_held_back = !begins_part && lost_.isInDoubt();
+    if (begins_part || is_held_back) {
+      ++held_back_;
       keepTo(predicted, increment, step);
-      if (torn_scans_ == kLostScans) startElsewhere(step.score);
-    } else {
-      torn_scans_ = 0;
     }
-    const bool is_held_back = torn_scans_ > 0 && torn_scans_ < kLostScans;
-    step.is_keyframe = !is_held_back &&
-                       (torn_scans_ == kLostScans ||
-                        std::hypot(T_keyframe_robot_.x, T_keyframe_robot_.y) > options_.keyframe_distance_m ||
-                        std::abs(T_keyframe_robot_.phi) > options_.keyframe_angle_rad ||
-                        step.score < options_.keyframe_score);
-    if (step.is_keyframe && part_begins_ == graph_.nodeCount()) {
-      // What was held back belongs to the new part, too.
-      for (int i = kLostScans - 1; i >= 1; --i) {
-        auto& record = records_[records_.size() - static_cast<size_t>(i)];
-        const Pose2 T_map_robot = graph_.pose(record.keyframe) * record.T_keyframe_robot;
-        record = {graph_.nodeCount(), core::between(step.T_map_robot, T_map_robot), record.match_covariance};
-      }
-    }
+    if (begins_part) startElsewhere(step.score);
+    step.is_keyframe =
+        !is_held_back &&
+        (begins_part || std::hypot(T_keyframe_robot_.x, T_keyframe_robot_.y) > options_.keyframe_distance_m ||
+         std::abs(T_keyframe_robot_.phi) > options_.keyframe_angle_rad ||
+         step.score < options_.keyframe_score);
+    if (begins_part) moveHeldBackTo(graph_.nodeCount(), step.T_map_robot);
+    if (!is_held_back) held_back_ = 0;
+    if (step.is_keyframe && !begins_part) learnWrongPlace(points, step.T_map_robot);
     if (step.is_keyframe) {
       addKeyframe(scan, std::move(points), step.T_map_robot, information, step.pose_covariance);
       step.pose_covariance = keyframe(lastKeyframe()).covariance;
     }
     step.T_map_robot = currentPose();
   }
+  if (!step.is_keyframe && held_back_ == 0 && options_.loops && isCutOff(lastKeyframe())) lookForPart();
   records_.push_back({lastKeyframe(), T_keyframe_robot_, step.match_covariance});
   return step;
 }
@@ -174,11 +169,22 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
 /// The next keyframe begins a part of the map whose place in the rest is not known.
 void GraphSlam::startElsewhere(double score) {
   note("lost", score);
-  part_begins_ = graph_.nodeCount();
+  beginPart(graph_.nodeCount());
+  lost_.restart();
   hypotheses_.clear();
   map_keyframes_.clear(), anchors_.clear();
   path_m_ += kGapPath_m;
   searched_m_ = path_m_;
+}
+
+/// What was not believed since the robot was carried away belongs to the new part.
+void GraphSlam::moveHeldBackTo(int k, const Pose2& T_map_keyframe) {
+  const size_t before = std::min(static_cast<size_t>(held_back_ - 1), records_.size());
+  for (size_t i = records_.size() - before; i < records_.size(); ++i) {
+    auto& record = records_[i];
+    const Pose2 T_map_robot = graph_.pose(record.keyframe) * record.T_keyframe_robot;
+    record = {k, core::between(T_map_keyframe, T_map_robot), record.match_covariance};
+  }
 }
 
 void GraphSlam::addKnownKeyframe(const robot::Scan& scan, const Pose2& T_map_robot) {
@@ -197,7 +203,9 @@ void GraphSlam::startAt(const Pose2& T_map_robot) {
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T_map_robot);
   T_previous_robot_ = {};
   odometry_holds_ = false;
-  torn_scans_ = 0;
+  lost_.restart();
+  is_lost_ = false;
+  refound_.clear();
   setMapNear(core::position(T_map_robot));
 }
 
@@ -235,11 +243,10 @@ int GraphSlam::addOdometryEdge(int k) {
   const double move_m = std::hypot(edge.T_from_to.x, edge.T_from_to.y),
                turn_rad = std::abs(edge.T_from_to.phi);
   edge.information =
-      k == part_begins_
-          ? poseInformation(kGap_m, kGap_rad)
-          : poseInformation(
-                factor * (options_.odometry_xy_m + options_.odometry_xy_per_m * move_m),
-                factor * (options_.odometry_turn_rad + options_.odometry_turn_per_rad * turn_rad));
+      beginsPart(k) ? poseInformation(kGap_m, kGap_rad)
+                    : poseInformation(
+                          factor * (options_.odometry_xy_m + options_.odometry_xy_per_m * move_m),
+                          factor * (options_.odometry_turn_rad + options_.odometry_turn_per_rad * turn_rad));
   return graph_.addEdge(edge);
 }
 
@@ -254,7 +261,7 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> poi
     graph_.setFixed(0);
   } else {
     keyframes_.back().odometry_edge = addOdometryEdge(k);
-    if (k == part_begins_)
+    if (beginsPart(k))
       keyframes_.back().covariance = poseInformation(kGap_m, kGap_rad).inverse();
     else
       link(k - 1, k);
@@ -296,6 +303,7 @@ std::vector<Pose2> GraphSlam::poses() const {
 void GraphSlam::finish() {
   if (keyframes_.empty()) return;
   if (options_.loops) searchRemainingLoops();
+  noteWhatStaysApart();
   if (options_.refine_rounds > 0) refine();
 }
 

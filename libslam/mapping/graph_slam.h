@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,8 +10,10 @@
 #include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/mapping/journal.h"
+#include "libslam/mapping/lost_detector.h"
 #include "libslam/posegraph/pose_graph.h"
 #include "libslam/robot/scan.h"
+#include "libslam/scanmatch/correlative_search.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 
 namespace slam::mapping {
@@ -52,12 +55,15 @@ struct GraphOptions {
 ///
 /// Without odometry the last motion stands in for it. The lidar's geometry is that of the first scan.
 ///
-/// A robot that was carried away (several scans in a row contradict the map): a new part of the map begins, which is
-/// searched for all over the old one, and joined to it by its first loop.
+/// A robot that was carried away (the scans contradict the map, see LostDetector): a new part of the map begins. It is
+/// searched for all over the rest, one place at a time, and joined to it by a loop that was followed over an extent of
+/// kJoinExtent_m, once every other place of the map was looked at and none of them can be followed as well. Any number of
+/// parts may be open; each is joined when it is found. In a finished map the robot is found the same way.
 ///
 /// Journal: `distrusted` (odometry; value = gain in score), `rematched` (found on the lattice; value = score), `poor`
 /// (value = score), `lost` (value = score), `recovered` (the new part has been joined, or the robot is found again in a
-/// finished map; value = score), `degenerate` (value = share of information
+/// finished map; value = score), `joined` (two other parts; value = metres of way), `apart` (in the end, a part that was
+/// joined to nothing; value = its first keyframe), `degenerate` (value = share of information
 /// along the open direction), `searched` (value = best score), `found` (value = score), `confirmed`, `dropped`,
 /// `accepted` (value = metres of path that the loop closes), `rejected` (value = the chi2 it would cost), `optimised`
 /// (value = chi2).
@@ -105,6 +111,8 @@ class GraphSlam {
   /// Where the robot is now in what is known: after known keyframes, or wherever it was put. Nothing is taken as measured
   /// between there and where it was before. REQUIRES a keyframe.
   void startAt(const core::Pose2& T_map_robot);
+  /// The same where nobody knows: it is lost until it is found. For localise().
+  void startAnywhere();
 
  private:
   struct Keyframe {
@@ -139,6 +147,20 @@ class GraphSlam {
     int confirmations = 0, failures = 0;
     double evidence = 0;  ///< sum of distinctness()
     std::vector<posegraph::Edge> edges;
+    core::Point2 begun_at;  ///< map frame of the part that is followed
+    double extent_m = 0;    ///< the farthest from there that confirmed it
+    int places_left = 0;    ///< of the whole map, not looked at yet since it was found; joins only
+  };
+  /// Keyframes from `begin` to the next part's; parts of one component have known places in one another.
+  struct Part {
+    int begin, component;
+  };
+  /// Where a robot that is lost in a finished map may be, while it is followed.
+  struct Refound {
+    core::Pose2 T_map_robot, T_map_looked;  ///< now, and when it was looked at last
+    core::Point2 begun_at;
+    double score = 0, extent_m = 0;
+    int failures = 0, places_left = 0;
   };
   /// What a keyframe's beams say of a point: one ended there; they went on behind it; or neither.
   enum class Sight { kAgreed, kPassed, kUnseen };
@@ -154,10 +176,12 @@ class GraphSlam {
   static constexpr int kStride = 3;
   /// Keyframes that are asked what of a scan they should have seen.
   static constexpr int kAskedViewers = 4;
-  /// A robot was carried away when so many scans in a row contradict the map and are explained by less than lost_score.
-  /// On the annotated logs (36 thousand scans) five in a row are the most; with a lost_score of 0.75 Intel and Killian
-  /// Court would be torn apart.
-  static constexpr int kLostScans = 8;
+  /// A joined part was followed over this extent at least: rooms that look alike are smaller.
+  static constexpr double kJoinExtent_m = 4;
+  /// Places that are looked at one by one: how far apart, half the window of positions, and which points are asked.
+  static constexpr int kHeadings = 6;  ///< one after the other, so that no scan waits long
+  static constexpr double kHeadingStep_rad = 2 * core::kPi / kHeadings;
+  static constexpr double kPlaceStep_m = 4, kPlaceHalf_m = 5, kPlaceReach_m = 12;
   static constexpr double kMatchCovarianceScale = 0.8;  ///< see graph_covariance.cpp
   /// The local map reaches this far from the robot.
   static constexpr double kMapReach_m = 30;
@@ -168,6 +192,7 @@ class GraphSlam {
                    const Eigen::Matrix3d& covariance);
   int addOdometryEdge(int keyframe);
   void startElsewhere(double score);
+  void moveHeldBackTo(int keyframe, const core::Pose2& T_map_keyframe);
   std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
                               const core::Pose2& T_map_robot) const;
   static bool isApart(int keyframe, const std::vector<int>& others);
@@ -206,7 +231,9 @@ class GraphSlam {
             const std::vector<scanmatch::PatchPoint>& points) const;
   double meanConflict(const std::vector<int>& viewers, const core::Pose2& T_map_points,
                       const std::vector<scanmatch::PatchPoint>& points) const;
-  bool contradictsMap(const std::vector<scanmatch::PatchPoint>& points, const Step& step) const;
+  void lookWhetherLost(const std::vector<scanmatch::PatchPoint>& points, const Step& step, double time_s,
+                       const core::Pose2& increment);
+  void learnWrongPlace(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot);
   double gain(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot,
               const core::Pose2& T_map_other) const;
 
@@ -219,12 +246,34 @@ class GraphSlam {
   void searchRemainingLoops();
   std::optional<Hypothesis> findLoop(int keyframe, int query_first, int query_last);
   bool confirm(Hypothesis& hypothesis, int keyframe) const;
+  void follow(Hypothesis& found);
   static double distinctness(const std::vector<scanmatch::PatchPoint>& points, const LevelMaps& maps,
                              const scanmatch::MatchResult& matched);
   bool accept(const Hypothesis& hypothesis);
-  bool isCutOff(int keyframe) const { return part_begins_ > 0 && keyframe >= part_begins_; }
   std::vector<core::Point2> placeAround(const std::vector<int>& keyframes) const;
-  std::optional<scanmatch::MatchResult> relocate(const std::vector<scanmatch::PatchPoint>& points) const;
+
+  // graph_parts.cpp: parts of the map that have no known place in one another
+  int componentOf(int keyframe) const;
+  bool isCutOff(int keyframe) const { return componentOf(keyframe) != 0; }
+  bool beginsPart(int keyframe) const;
+  void beginPart(int keyframe);
+  void joinComponents(int from, int to);
+  const std::vector<int>& placesBeyond(int component);
+  std::optional<Hypothesis> findPlace(int keyframe, int query_first, int query_last);
+  void lookForPart();
+  std::vector<int> keyframesAtPlace(int place) const;
+  const scanmatch::LikelihoodPyramid& pyramidOf(int place);
+  std::optional<scanmatch::MatchResult> matchAtPlace(const std::vector<scanmatch::PatchPoint>& query,
+                                                     int place, double heading_rad);
+  bool mayJoin(const Hypothesis& hypothesis) const;
+  void noteWhatStaysApart();
+
+  // graph_localise.cpp: in a finished map
+  void searchOnePlace(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot);
+  bool followRefound(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& increment,
+                     Step& step);
+  bool fitsMap(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot,
+               scanmatch::MatchResult& matched) const;
   std::vector<double> pathTo(int keyframe) const;
   double optimiseGraph();
 
@@ -247,9 +296,16 @@ class GraphSlam {
   bool odometry_holds_ = true;                                    ///< since the last keyframe
   double path_m_ = 0, searched_m_ = 0;
   int revision_ = 0;
-  int torn_scans_ = 0;    ///< in a row, that do not fit the map
-  int part_begins_ = 0;   ///< keyframes from here on have no known place in the rest of the map; 0: none
-  int places_tried_ = 0;  ///< for them
+  LostDetector lost_;
+  int held_back_ = 0;  ///< scans in a row that were not believed
+  std::vector<Part> parts_{{0, 0}};
+  std::vector<int> places_;  ///< of placesBeyond()
+  int places_known_ = 0, places_component_ = -1;
+  size_t places_tried_ = 0;                               ///< times kHeadings
+  std::map<int, scanmatch::LikelihoodPyramid> pyramids_;  ///< of places_
+  int wrong_places_ = 0;                                  ///< that were learnt from
+  bool is_lost_ = false, is_outside_ = false;             ///< in a finished map
+  std::vector<Refound> refound_;
   // Scratch of keyframesAround().
   mutable std::vector<double> reached_;
   mutable std::vector<int> touched_;

@@ -28,10 +28,6 @@ constexpr int kLatticeTurns = 10, kLatticeSteps = 4;
 constexpr double kLatticeTurn_rad = 0.03, kLatticeStep_m = 0.1, kRecoverGain = 0.05;
 /// Least share of the information along the worst direction of movement; below, a corridor or an open field.
 constexpr double kDegenerate = 0.02;
-/// In a finished map: where less of a scan than this falls on what is mapped, the robot has left it.
-constexpr double kLeastKnown = 0.5;
-/// While lost in a finished map, it is searched for at every so many scans.
-constexpr int kRelocateEvery = 5;
 
 }  // namespace
 
@@ -256,43 +252,10 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
 void GraphSlam::keepTo(const Pose2& predicted, const Pose2& increment, Step& step) {
   step.T_map_robot = predicted;
   step.match_covariance +=
-      torn_scans_ * poseInformation(options_.odometry_xy_m, options_.odometry_turn_rad).inverse();
+      held_back_ * poseInformation(options_.odometry_xy_m, options_.odometry_turn_rad).inverse();
   step.pose_covariance += step.match_covariance;
   T_previous_robot_ = increment;
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), predicted);
-}
-
-GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_previous_robot,
-                                    bool has_odometry) {
-  if (keyframes_.empty()) throw core::ContractError("GraphSlam: localise() without a map");
-  std::vector<PatchPoint> points;
-  Eigen::Matrix3d information;
-  const Pose2 increment = has_odometry ? T_previous_robot : T_previous_robot_;
-  const Pose2 predicted = currentPose() * increment;
-  Step step = track(scan, T_previous_robot, has_odometry, points, information);
-  odometry_holds_ = false;
-  // Outside of the map, or carried away: what little fits would lead astray. Who has walked out is not looked for; his
-  // wheels will bring him back.
-  const bool was_carried = contradictsMap(points, step);
-  const bool is_torn = was_carried || knownShare(points, predicted) < kLeastKnown;
-  if (is_torn) {
-    if (++torn_scans_ == kLostScans) note("lost", step.score);
-    keepTo(predicted, increment, step);
-  }
-  if (was_carried && torn_scans_ >= kLostScans && torn_scans_ % kRelocateEvery == 0)
-    if (const auto found = relocate(points)) {
-      step.T_map_robot = found->T_map_robot;
-      note("recovered", found->score);
-      torn_scans_ = 0;
-    }
-  if (!is_torn) {
-    if (torn_scans_ >= kLostScans) note("recovered", step.score);
-    torn_scans_ = 0;
-  }
-  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), step.T_map_robot);
-  setMapNear(core::position(step.T_map_robot));
-  records_.push_back({lastKeyframe(), T_keyframe_robot_, step.match_covariance});
-  return step;
 }
 
 /// Share of a scan's points that fall on a mapped surface, or near one.

@@ -10,8 +10,11 @@ using core::Point2;
 using core::Pose2;
 using scanmatch::PatchPoint;
 
-/// How much of a scan must contradict the keyframes nearest.
-constexpr double kLostConflict = 0.15;
+/// Keyframes that are all learnt from; then one in so many.
+constexpr int kLearntSoon = 20;
+constexpr double kGoldenAngle_rad = 2.399963;
+/// A wrong place that is matched nearer to the right heading is none.
+constexpr double kFoundBack_rad = 0.3;
 
 }  // namespace
 
@@ -60,10 +63,41 @@ double GraphSlam::meanConflict(const std::vector<int>& viewers, const Pose2& T_m
   return viewers.empty() ? 0 : sum / static_cast<double>(viewers.size());
 }
 
-/// Whether a scan that the map explains badly lies where the keyframes nearest have seen that there is nothing.
-bool GraphSlam::contradictsMap(const std::vector<PatchPoint>& points, const Step& step) const {
-  if (!(step.score < options_.lost_score)) return false;
-  return meanConflict(firstOf(map_keyframes_, kAskedViewers), step.T_map_robot, points) > kLostConflict;
+/// What a scan says of whether the robot was carried away. A scan that the map explains does not contradict it, whatever
+/// beams went through where somebody stands now.
+void GraphSlam::lookWhetherLost(const std::vector<PatchPoint>& points, const Step& step, double time_s,
+                                const Pose2& increment) {
+  const auto viewers = firstOf(map_keyframes_, kAskedViewers);
+  double conflict = 0, telling = 0;
+  for (const int viewer : viewers) {
+    const View seen = view(viewer, core::between(graph_.pose(viewer), step.T_map_robot), points);
+    conflict += seen.conflict();
+    telling += seen.agreed + seen.passed;
+  }
+  const double all = static_cast<double>(viewers.size() * points.size());
+  if (all == 0) return;
+  const double share = std::min(conflict / static_cast<double>(viewers.size()), 1 - step.score);
+  lost_.look(time_s, std::hypot(increment.x, increment.y), share, telling / all,
+             step.score < options_.lost_score);
+}
+
+/// What a scan contradicts where the robot is not: turned on the spot, and matched again as a robot that was carried would
+/// be.
+void GraphSlam::learnWrongPlace(const std::vector<PatchPoint>& points, const Pose2& T_map_robot) {
+  // Often in the beginning, seldom when much is known.
+  ++wrong_places_;
+  if (wrong_places_ > kLearntSoon && wrong_places_ % kLearntSoon != 0) return;
+  const auto viewers = firstOf(map_keyframes_, kAskedViewers);
+  if (viewers.empty() || points.empty()) return;
+  const double turn = 0.5 + std::fmod(wrong_places_ * kGoldenAngle_rad, 2 * core::kPi - 1);
+  const Pose2 wrong{T_map_robot.x, T_map_robot.y, T_map_robot.phi + turn};
+  scanmatch::PosePrior flat;
+  flat.mean = wrong;
+  flat.information.setIdentity();
+  const auto matched = match(points, maps_, wrong, flat, 0, true);
+  if (std::abs(core::angleDifference(matched.T_map_robot.phi, T_map_robot.phi)) < kFoundBack_rad) return;
+  lost_.learnWrong(
+      std::min(meanConflict(viewers, matched.T_map_robot, points), std::max(1 - matched.score, 0.0)));
 }
 
 /// By how much more of the scan a pose explains than another, by the points of which both say something: those that fall

@@ -28,7 +28,8 @@ void LostDetector::learnWrong(double contradicted) {
   if (std::isfinite(contradicted)) wrong_.add(std::clamp(contradicted, 0.0, 1.0), 1, kMostWrong);
 }
 
-void LostDetector::look(double time_s, double moved_m, double contradicted, double telling) {
+void LostDetector::look(double time_s, double moved_m, double contradicted, double telling,
+                        bool may_be_lost) {
   const double passed_s = has_time_ ? std::max(time_s - last_time_s_, 0.0) : kLook_s;
   last_time_s_ = time_s;
   has_time_ = true;
@@ -42,6 +43,7 @@ void LostDetector::look(double time_s, double moved_m, double contradicted, doub
     const double trials = std::min(p0 * (1 - p0) / std::max(well_.variance, 1e-6), kMostTrials);
     ratio = trials * (share * std::log(p1 / p0) + (1 - share) * std::log((1 - p1) / (1 - p0)));
   }
+  if (!may_be_lost) ratio = std::min(ratio, 0.0);
   last_ = news * std::min(telling / kTelling, 1.0) * std::clamp(ratio, -kMostPerLook, kMostPerLook);
   evidence_ = std::max(evidence_ + last_, 0.0);
   // What speaks for another place is not learnt as what is well.

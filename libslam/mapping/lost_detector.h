@@ -19,8 +19,9 @@ namespace slam::mapping {
 class LostDetector {
  public:
   /// A new look. contradicted: 0..1; telling: the share, 0..1, of the scan's points about which the map says anything. Times
-  /// that run back count as none.
-  void look(double time_s, double moved_m, double contradicted, double telling);
+  /// that run back count as none. may_be_lost: false where the map explains so much of the scan that it speaks against
+  /// "carried elsewhere", or for nothing.
+  void look(double time_s, double moved_m, double contradicted, double telling, bool may_be_lost = true);
   /// What a scan that was put into a wrong place on purpose says. Anything not finite counts as nothing.
   void learnWrong(double contradicted);
 
@@ -32,12 +33,12 @@ class LostDetector {
   /// All is well again, or a new part begins: the evidence starts anew; what was learnt stays.
   void restart() { evidence_ = last_ = 0; }
 
-  static constexpr double kLook_s = 0.4, kLook_m = 0.3;
+  static constexpr double kLook_s = 0.4, kLook_m = 0.5;
   /// One false alarm in exp(kLost) looks (1.2 million) at most, as far as the model holds.
   static constexpr double kLost = 14;
   static constexpr double kDoubt = 1;
   /// One look says at most so much, however large the likelihood ratio is: the model's tails are not known.
-  static constexpr double kMostPerLook = 3;
+  static constexpr double kMostPerLook = 2.5;
 
  private:
   struct Learnt {
