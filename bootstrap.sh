@@ -14,6 +14,7 @@ usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
   schedulers   install GNU parallel and Slurm, with which `test` then tries sweeps (without: those tests skip)
   page     install Node.js and Chromium, make the HTML report's bundle; `test` then tries the report in the browser
   page test    check that the bundle that is checked in is current, build, and try the report in the browser
+  docs     make the documentation as an offline site and the reference of the headers, in build/docs
   fuzz     build every reader of files with clang's fuzzer and let each run a minute (ARGUMENTS go to tests/fuzz/run.sh)
 
   --no-install   do not install packages (for users without root); says what is missing and goes on
@@ -28,8 +29,10 @@ packages=(
   libmrpt-dev mrpt-apps mrpt-common
   libopencv-dev libeigen3-dev libboost-dev libcli11-dev nlohmann-json3-dev libssl-dev zlib1g-dev libbz2-dev liblzma-dev
   liblz4-dev libzstd-dev libsqlite3-dev libyaml-cpp-dev libcairo2-dev fonts-liberation
-  libgtest-dev libgmock-dev clang-format-14 bzip2 xz-utils python3 xvfb xauth
+  libgtest-dev libgmock-dev bzip2 xz-utils python3 xvfb xauth
 )
+# Debian 12's; where there is another one the test of the formatting is left out.
+format_packages=(clang-format-14)
 bench_packages=(libbenchmark-dev)
 # ROS's own libraries, with which tests compare ours; those tests skip where Debian no longer has them.
 oracle_packages=(librosbag-storage-dev libroscpp-core-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev libfastcdr-dev)
@@ -39,6 +42,7 @@ scheduler_packages=(parallel slurmctld slurmd slurm-client munge)
 page_packages=(chromium)
 # Node.js from elsewhere brings an npm of its own, beside which Debian's cannot be installed.
 command -v npm >/dev/null || page_packages+=(nodejs npm)
+docs_packages=(mkdocs doxygen)
 fuzz_packages=(clang-14 libclang-rt-14-dev)
 
 say() { printf 'bootstrap: %s\n' "$*" >&2; }
@@ -68,8 +72,10 @@ install_missing() {
     as_root=(sudo)
   fi
   say "installing: ${missing[*]}"
-  "${as_root[@]}" apt-get update -qq
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2
+  # A fresh machine may be at its own updates: wait for them.
+  local wait=(-o DPkg::Lock::Timeout=900)
+  "${as_root[@]}" apt-get "${wait[@]}" update -qq
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get "${wait[@]}" install -y -qq --no-install-recommends "${missing[@]}" >&2
 }
 
 # Of the packages named, those that this release of Debian has.
@@ -111,8 +117,8 @@ case "$verb" in
     ;;
   test)
     install_missing "${packages[@]}"
-    mapfile -t oracles < <(available_packages "${oracle_packages[@]}")
-    install_missing "${oracles[@]}"
+    mapfile -t extras < <(available_packages "${format_packages[@]}" "${oracle_packages[@]}")
+    install_missing "${extras[@]}"
     build release 8
     ctest --preset release -j "$(nproc)" "${arguments[@]}"
     ;;
@@ -140,6 +146,15 @@ case "$verb" in
     install_missing "${packages[@]}" "${bench_packages[@]}"
     build bench 9
     build/release/benchmarks/rasterslam_bench "${arguments[@]}"
+    ;;
+  docs)
+    install_missing "${docs_packages[@]}"
+    tests/docs/links.py
+    mkdir -p build/docs
+    .github/docs/site.py build/docs-pages
+    mkdocs build -q -f .github/docs/mkdocs.yml
+    doxygen .github/docs/Doxyfile
+    say "open build/docs/site/index.html and build/docs/api/index.html"
     ;;
   fuzz)
     install_missing "${packages[@]}" "${fuzz_packages[@]}"

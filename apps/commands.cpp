@@ -52,10 +52,17 @@ void addJson(CLI::App* command, Context& context) {
   command->add_flag("--json", context.json, "print JSON instead of text");
 }
 
+void addSensorFlag(CLI::App* command, SimulationFlags& flags) {
+  command->add_option(
+      "--sensor", flags.sensor,
+      "what the robot looks with: lidar, or a camera that sees the floor (--set camera.KEY=...)");
+}
+
 void addSimulationFlags(CLI::App* command, SimulationFlags& flags) {
   command->add_option("--strategy", flags.strategy, "where to go: see 'rasterslam list strategies'");
   command->add_option("--lidar", flags.lidar,
                       "a lidar by name (see 'rasterslam list lidars') or an .ini file");
+  addSensorFlag(command, flags);
   command->add_option("--duration", flags.duration_s, "longest recording, seconds of the robot's time");
   command->add_option("--form", flags.form, "form of the rawlog: action or observation");
 }
@@ -76,6 +83,7 @@ core::IniFile simulationConfig(const Context& context, const SimulationFlags& fl
   }
   if (!context.config.empty()) config.overrideWith(core::IniFile::load(context.config));
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
+  if (!flags.sensor.empty()) config.set("sensor", "kind", flags.sensor, "--sensor");
   if (!flags.strategy.empty()) config.set("strategy", "name", flags.strategy, "--strategy");
   if (!flags.form.empty()) config.set("simulation", "log_form", flags.form, "--form");
   if (flags.duration_s >= 0)

@@ -68,9 +68,11 @@ inline constexpr const char* kNavigatorsSlam = "naive_flow";
 
 /// Flags of a simulation, shared by simulate and compare.
 struct SimulationFlags {
-  std::string lidar, strategy, form;
+  std::string lidar, sensor, strategy, form;
   double duration_s = -1;
 };
+/// --sensor, of them.
+void addSensorFlag(CLI::App* command, SimulationFlags& flags);
 void addSimulationFlags(CLI::App* command, SimulationFlags& flags);
 
 /// The layers of a simulation's configuration, weakest first: built-in, the lidar's file, --config, --set,

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +9,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/operation_files.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/logs/convert.h"
@@ -19,23 +21,30 @@ struct Arguments {
   std::string in, out, to, form, label, path = "odometry";
 };
 
-/// What a file is to become: a log or a trajectory.
+/// What a file is to become: a log, a trajectory or an operation log.
 struct Target {
   std::string name;    ///< of --to
   std::string suffix;  ///< that means it
   std::optional<logs::LogFormat> log;
   logs::TrajectoryWriter::Format trajectory{};
+  bool is_operations = false;
 };
 
 const std::vector<Target>& targets() {
   using logs::LogFormat;
   using Format = logs::TrajectoryWriter::Format;
-  static const std::vector<Target> all = {
-      {"rawlog", ".rawlog", LogFormat::kRawlog}, {"carmen", ".clf", LogFormat::kCarmen},
-      {"carmen", ".carmen", LogFormat::kCarmen}, {"carmen", ".log", LogFormat::kCarmen},
-      {"bag", ".bag", LogFormat::kRos1Bag},      {"db3", ".db3", LogFormat::kRos2Db3},
-      {"mcap", ".mcap", LogFormat::kMcap},       {"tum", ".tum", {}, Format::kTum},
-      {"csv", ".csv", {}, Format::kCsv},         {"gt", ".GT.txt", {}, Format::kMrptGroundTruth}};
+  static const std::vector<Target> all = {{"rawlog", ".rawlog", LogFormat::kRawlog},
+                                          {"carmen", ".clf", LogFormat::kCarmen},
+                                          {"carmen", ".carmen", LogFormat::kCarmen},
+                                          {"carmen", ".log", LogFormat::kCarmen},
+                                          {"bag", ".bag", LogFormat::kRos1Bag},
+                                          {"db3", ".db3", LogFormat::kRos2Db3},
+                                          {"mcap", ".mcap", LogFormat::kMcap},
+                                          {"tum", ".tum", {}, Format::kTum},
+                                          {"csv", ".csv", {}, Format::kCsv},
+                                          {"gt", ".GT.txt", {}, Format::kMrptGroundTruth},
+                                          {"operations", ".operations.txt", {}, {}, true},
+                                          {"founding", ".founding.txt", {}, {}, true}};
   return all;
 }
 
@@ -124,11 +133,39 @@ bool isTrajectory(const std::string& path) {
   return false;
 }
 
-int convert(const Context& context, const Arguments& arguments) {
+int convertOperations(const Context& context, const Arguments& arguments, const std::string& to,
+                      const sim::FoundingUnits& units) {
+  core::refuseToOverwrite(arguments.out, context.overwrite);
+  const auto [operations, is_founding] = readOperationFile(arguments.in, units);
+  core::writeFileAtomically(arguments.out, to == "founding" ? sim::formatFoundingLog(operations, units)
+                                                            : sim::formatOperations(operations));
+  const auto arcs = std::count_if(operations.begin(), operations.end(),
+                                  [](const sim::Operation& operation) { return operation.kind == 'a'; });
+  if (arcs > 0 && to == "founding")
+    std::fprintf(stderr, "rasterslam: %s: %ld arcs written as turns and moves, the founding robot has none\n",
+                 arguments.in.c_str(), static_cast<long>(arcs));
+  if (context.json)
+    print({{"from", is_founding ? "founding" : "operations"},
+           {"files", {arguments.out}},
+           {"operations", operations.size()}});
+  else
+    std::printf("wrote     %s, %zu operations\n", arguments.out.c_str(), operations.size());
+  return 0;
+}
+
+int convert(const Context& context, const Arguments& arguments, const sim::FoundingUnits& units) {
   const Target& target = targetOf(arguments);
   const auto form = formOf(arguments, target);
   if (arguments.path != "odometry" && arguments.path != "truth")
     throw core::InputError("--path: found '" + arguments.path + "', expected odometry or truth");
+  const bool from_operations = isOperationFile(arguments.in);
+  if (from_operations && target.is_operations)
+    return convertOperations(context, arguments, target.name, units);
+  if (from_operations || target.is_operations)
+    throw core::InputError(arguments.in +
+                           ": an operation log becomes another operation log (operations, founding) "
+                           "and nothing else does: found " +
+                           (from_operations ? "one" : "none") + ", to become " + target.name);
   ConsoleProgress progress(context.quiet);
   if (target.log) {
     const auto report = logs::convertLog(arguments.in, arguments.out,
@@ -150,18 +187,21 @@ int convert(const Context& context, const Arguments& arguments) {
 }  // namespace
 
 void addConvert(CLI::App& app, Context& context) {
-  auto* command = app.add_subcommand("convert", "write a log or a trajectory again in another format");
+  auto* command =
+      app.add_subcommand("convert", "write a log, a trajectory or an operation log again in another format");
   auto arguments = std::make_shared<Arguments>();
   command
-      ->add_option(
-          "in", arguments->in,
-          "a log (told by its content, also within .gz .bz2 .xz), or a trajectory: TUM, CSV, MRPT's .GT.txt")
+      ->add_option("in", arguments->in,
+                   "a log (told by its content, also within .gz .bz2 .xz), a trajectory (TUM, CSV, MRPT's "
+                   ".GT.txt), or "
+                   "an operation log of either form")
       ->required();
   command->add_option("out", arguments->out, "the file to write; its suffix says the format")->required();
   command->add_option(
       "--to", arguments->to,
       "the format, whatever the suffix: rawlog, carmen, bag, db3, mcap; a trajectory: tum, csv, "
-      "gt (MRPT's .GT.txt, from the first pose)");
+      "gt (MRPT's .GT.txt, from the first pose); an operation log: operations (ours), founding (m or t, then "
+      "whole pixels or degrees, each on a line)");
   command->add_option(
       "--form", arguments->form,
       "of a rawlog: action (actions and frames, for rbpf-slam too) or observation (default: as the "
@@ -169,6 +209,7 @@ void addConvert(CLI::App& app, Context& context) {
   command->add_option("--label", arguments->label, "only the scans of this lidar (see 'rasterslam info')");
   command->add_option("--path", arguments->path, "of a log to a trajectory: its odometry or its truth")
       ->capture_default_str();
+  const auto units = addFoundingUnits(command);
   command->add_flag("--overwrite", context.overwrite, "replace what is there");
   command->add_flag("-q,--quiet", context.quiet, "no progress on standard error");
   addJson(command, context);
@@ -179,9 +220,10 @@ void addConvert(CLI::App& app, Context& context) {
       "  rasterslam convert intel.clf.bz2 intel.rawlog --form action\n"
       "  rasterslam convert intel.rawlog intel.clf\n"
       "  rasterslam convert intel.clf.bz2 odometry.tum\n"
-      "  rasterslam convert path.tum path.csv");
-  command->callback([&context, arguments] {
-    context.action = [&context, arguments] { return convert(context, *arguments); };
+      "  rasterslam convert path.tum path.csv\n"
+      "  rasterslam convert run.operations.txt run.founding.txt --pixel 0.05");
+  command->callback([&context, arguments, units] {
+    context.action = [&context, arguments, units] { return convert(context, *arguments, *units); };
   });
 }
 

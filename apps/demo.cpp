@@ -15,6 +15,7 @@ namespace slam::apps {
 namespace {
 
 constexpr const char* kWorld = "office_loop";
+constexpr double kFounding_s = 300;
 constexpr const char* kRealLog = "2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog";
 
 run::CompareRequest commonRequest(const Context& context, const std::string& output) {
@@ -51,6 +52,16 @@ int demo(const Context& context) {
   simulated.record = run::readRecordConfig(core::IniFile());
   int failed = show(run::compare(simulated, context.manifest(), progress),
                     std::string("A robot explores the plan '") + kWorld + "'", simulated.output, progress);
+
+  // The founding robot with its own lidar, and what it loses where it has to guess what it was told to do.
+  auto founding = commonRequest(context, output + "/founding");
+  founding.methods = {"naive", "naive_blind", "naive_wheel", "icp", "graph"};
+  founding.plan_path = simulated.plan_path;
+  founding.record =
+      run::readRecordConfig(core::IniFile::load(run::configsFolder() + "/lidars/thesis_360.ini"));
+  founding.record.simulation.duration_s = kFounding_s;
+  failed += show(run::compare(founding, context.manifest(), progress),
+                 "The founding robot with the founding lidar, thesis_360", founding.output, progress);
 
   const std::string datasets = run::mrptDatasetsFolder();
   const std::string real_log = datasets.empty() ? "" : datasets + "/" + kRealLog;

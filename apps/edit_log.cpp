@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -9,6 +10,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/logs/log_edit.h"
+#include "libslam/run/scan_odometry_log.h"
 
 namespace slam::apps {
 namespace {
@@ -82,7 +84,7 @@ int merge(const Context& context, const MergeArguments& arguments) {
 }
 
 struct FilterArguments {
-  std::string log, mount;
+  std::string log, mount, odometry, form;
   std::vector<std::string> keep_labels, drop_labels, shifts;
   bool drop_truth = false;
   int every = 1;
@@ -100,8 +102,7 @@ core::Pose2 mountOf(const std::string& text) {
           core::degToRad(number(text.substr(second + 1), "--mount", expected))};
 }
 
-int filter(const Context& context, const FilterArguments& arguments) {
-  core::refuseToOverwrite(context.output, context.overwrite);
+logs::FilterOptions filterOptions(const FilterArguments& arguments) {
   logs::FilterOptions options;
   options.keep_labels = arguments.keep_labels;
   options.drop_labels = arguments.drop_labels;
@@ -116,8 +117,74 @@ int filter(const Context& context, const FilterArguments& arguments) {
       throw core::InputError("--shift: found '" + shift + "', expected LABEL=SECONDS");
     options.shift_s[shift.substr(0, at)] = number(shift.substr(at + 1), "--shift", "LABEL=SECONDS");
   }
+  return options;
+}
+
+/// Whether anything but the odometry is to be done.
+bool editsObservations(const logs::FilterOptions& options) {
+  return !options.keep_labels.empty() || !options.drop_labels.empty() || options.drop_truth ||
+         options.every > 1 || options.no_return_m || options.step_rad || options.mount ||
+         !options.shift_s.empty();
+}
+
+run::ScanOdometryLogOptions odometryOptions(const FilterArguments& arguments) {
+  run::ScanOdometryLogOptions options;
+  const auto names = odometry::scanOdometryNames();
+  if (std::find(names.begin(), names.end(), arguments.odometry) == names.end()) {
+    std::string known;
+    for (const auto& name : names) known += (known.empty() ? "" : ", ") + name;
+    throw core::InputError("--odometry: found '" + arguments.odometry + "', expected one of " + known +
+                           core::didYouMean(arguments.odometry, names));
+  }
+  options.odometry.method = arguments.odometry;
+  if (arguments.form == "action")
+    options.form = logs::RawlogForm::kActionFrame;
+  else if (arguments.form == "observation")
+    options.form = logs::RawlogForm::kObservationOnly;
+  else if (!arguments.form.empty())
+    throw core::InputError("--form: found '" + arguments.form + "', expected action or observation");
+  return options;
+}
+
+int reportOdometry(const Context& context, const std::string& method,
+                   const run::ScanOdometryLogReport& report) {
+  if (context.json) {
+    std::cout << nlohmann::ordered_json{{"output", context.output},        {"odometry", method},
+                                        {"label", report.label},           {"motions", report.motions},
+                                        {"unreliable", report.unreliable}, {"replaced", report.replaced},
+                                        {"written", report.written},       {"skipped", report.skipped}}
+                     .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+              << "\n";
+    return 0;
+  }
+  const auto n = [](std::uint64_t count) { return static_cast<unsigned long>(count); };
+  std::printf("%s odometry of %lu scans of '%s', %lu of them unreliable\n", method.c_str(), n(report.motions),
+              report.label.c_str(), n(report.unreliable));
+  std::printf("%lu movements of the log's own odometry left out, %lu objects written\n", n(report.replaced),
+              n(report.written));
+  if (!report.skipped.empty()) printWrapped("not read: ", report.skipped);
+  std::printf("  %s\n", context.output.c_str());
+  return 0;
+}
+
+int filter(const Context& context, const FilterArguments& arguments) {
+  core::refuseToOverwrite(context.output, context.overwrite);
+  const auto options = filterOptions(arguments);
   ConsoleProgress progress(context.quiet);
-  return report(context, logs::filterLog(arguments.log, context.output, options, progress));
+  if (arguments.odometry.empty()) {
+    if (!arguments.form.empty())
+      throw core::InputError("--form: goes with --odometry; 'rasterslam convert' changes the form alone");
+    return report(context, logs::filterLog(arguments.log, context.output, options, progress));
+  }
+  const auto odometry = odometryOptions(arguments);
+  std::string log = arguments.log;
+  const core::PendingFile filtered(context.output + ".filtered");  // never committed
+  if (editsObservations(options)) {
+    logs::filterLog(log, filtered.path(), options, progress);
+    log = filtered.path();
+  }
+  return reportOdometry(context, arguments.odometry,
+                        run::writeScanOdometry(log, context.output, odometry, progress));
 }
 
 void addCut(CLI::App& app, Context& context) {
@@ -155,8 +222,9 @@ void addMerge(CLI::App& app, Context& context) {
 }
 
 void addFilter(CLI::App& app, Context& context) {
-  auto* command =
-      app.add_subcommand("filter", "a log without some of its observations, or with wrong statements mended");
+  auto* command = app.add_subcommand("filter",
+                                     "a log without some of its observations, with wrong statements mended, "
+                                     "or with odometry from its scans");
   auto arguments = std::make_shared<FilterArguments>();
   command->add_option("log", arguments->log, "a log of any format that is read here")->required();
   command->add_option("--keep-label", arguments->keep_labels, "keep these sensors alone")->delimiter(',');
@@ -177,14 +245,26 @@ void addFilter(CLI::App& app, Context& context) {
       ->add_option("--shift", arguments->shifts, "LABEL=SECONDS: added to the stamps of a sensor; repeatable")
       ->take_all()
       ->expected(1);
+  command->add_option(
+      "--odometry", arguments->odometry,
+      "argmax, correlation, range_flow or plicp: odometry from the scans in place of the log's own");
+  command->add_option(
+      "--form", arguments->form,
+      "with --odometry: action or observation (default: as the log is); rbpf-slam needs action");
   addOut(command, context);
   command->footer(
       "--no-return, --step and --mount are about all 2D scans of the log. The motion of dropped steps of\n"
       "an action / sensory frame log goes to the next step kept. What is not touched stays byte for byte.\n"
+      "--odometry comes last, of the lidar with the most scans, and leaves out all movements of the log. "
+      "Actions carry mean,\n"
+      "covariance and a motion model of that spread; observations the mean. argmax guesses whether the robot "
+      "moved or turned.\n"
       "Examples:\n"
       "  rasterslam filter run.rawlog --every 5 -o thin.rawlog\n"
       "  rasterslam filter mit.clf.xz --shift FLASER_ODOMETRY=0.629 -o mit.rawlog\n"
-      "  rasterslam filter run.rawlog --no-return 81.83 --mount 0.1,0,0 -o mended.rawlog");
+      "  rasterslam filter run.rawlog --no-return 81.83 --mount 0.1,0,0 -o mended.rawlog\n"
+      "  rasterslam filter scans.rawlog --odometry plicp --form action -o run.rawlog && rbpf-slam my.ini "
+      "run.rawlog");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return filter(context, *arguments); };
   });

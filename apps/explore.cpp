@@ -6,6 +6,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/user_input.h"
 #include "libslam/core/error.h"
 #include "libslam/run/explore.h"
 #include "libslam/run/resources.h"
@@ -16,6 +17,7 @@ namespace {
 struct Arguments {
   std::string plan, slam = kExplorersSlam;
   SimulationFlags flags;
+  std::vector<std::string> carries;
   int seeds = 1, threads = 1;
   bool return_to_start = false, tables_only = false;
 };
@@ -36,7 +38,7 @@ std::vector<run::ExploreConfig> configsOf(const Context& context, const Argument
   std::vector<run::ExploreConfig> configs;
   for (const auto& name : names) {
     flags.strategy = name;
-    auto ini = simulationConfig(context, flags);
+    auto ini = withCarries(simulationConfig(context, flags), arguments.carries);
     if (arguments.return_to_start) ini.set("exploration", "return_to_start", "true", "--return");
     configs.push_back(run::readExploreConfig(ini));
   }
@@ -97,6 +99,7 @@ void addExplore(CLI::App& app, Context& context) {
   command->add_flag("--return", arguments->return_to_start, "after finishing drive back to the start");
   command->add_flag("--tables-only", arguments->tables_only, "no log, map and pictures for every run");
   addSimulationFlags(command, arguments->flags);
+  addCarry(command, arguments->carries);
   addConfig(command, context);
   addJson(command, context);
   command->footer(
@@ -105,7 +108,11 @@ void addExplore(CLI::App& app, Context& context) {
       "(what it had mapped is kept).\n"
       "Examples:\n"
       "  rasterslam explore flat --strategy nearest_frontier --slam rbpf_exact -o out\n"
-      "  rasterslam explore office_loop --strategy longest_ray,quadrant --seeds 10 --tables-only -o out");
+      "  rasterslam explore office_loop --strategy longest_ray,quadrant --seeds 10 --tables-only -o out\n"
+      "  rasterslam explore flat --strategy nearest_frontier --sensor camera --set camera.pitch_deg=30 -o "
+      "out\n"
+      "  rasterslam explore flat --carry 60:11,2,90 -o out   # after a minute somebody carries the robot "
+      "away");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return explorePlan(context, *arguments); };
   });

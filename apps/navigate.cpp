@@ -3,6 +3,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/user_input.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/run/reach_goal.h"
@@ -17,11 +18,13 @@ struct Arguments {
   std::string slam = kNavigatorsSlam;
   std::vector<std::string> methods = {"bug1", "bug2", "tangent", "lidar_bug"};
   SimulationFlags flags;
+  std::vector<std::string> carries;
 };
 
 int navigateTo(const Context& context, const Arguments& arguments) {
   run::ReachGoalRequest request;
-  request.config = run::readReachGoalConfig(simulationConfig(context, arguments.flags));
+  request.config =
+      run::readReachGoalConfig(withCarries(simulationConfig(context, arguments.flags), arguments.carries));
   if (context.print_config) {
     printParameters(request.config.parameters, context.json);
     return 0;
@@ -43,7 +46,7 @@ int navigateTo(const Context& context, const Arguments& arguments) {
   if (context.json)
     std::cout << report::toJson(comparison.table) << "\n";
   else
-    std::cout << tableText(comparison.table) << "\npaths, states, pictures: " << request.output << "\n";
+    std::cout << tableText(comparison.table) << "\npaths, states, logs, pictures: " << request.output << "\n";
   return static_cast<int>(comparison.wrong ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);
 }
 
@@ -69,6 +72,8 @@ void addNavigate(CLI::App& app, Context& context) {
       ->capture_default_str();
   command->add_option("--lidar", arguments->flags.lidar,
                       "a lidar by name (see 'rasterslam list lidars') or an .ini file");
+  addSensorFlag(command, arguments->flags);
+  addCarry(command, arguments->carries);
   addOutput(command, context, "folder to write (default navigation)");
   addSeed(command, context);
   addConfig(command, context);
@@ -78,7 +83,9 @@ void addNavigate(CLI::App& app, Context& context) {
       "there. 4: one missed it, gave up, or was wrong.\n"
       "Examples:\n"
       "  rasterslam navigate office_loop --goal \"3 2\" --method bug2,tangent -o out\n"
-      "  rasterslam navigate maze --start \"1.45 1.45 0\" --goal \"15.9 15.9\" --method tangent --slam icp");
+      "  rasterslam navigate maze --start \"1.45 1.45 0\" --goal \"15.9 15.9\" --method tangent --slam icp\n"
+      "  rasterslam navigate flat --goal \"3 2\" --method bug2 --sensor camera --set camera.pitch_deg=30\n"
+      "  rasterslam navigate flat --goal \"3 2\" --carry 10:11,2,90 -o out");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return navigateTo(context, *arguments); };
   });

@@ -10,14 +10,12 @@
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/logs/trajectory_io.h"
 #include "libslam/report/journal_picture.h"
 #include "libslam/report/picture.h"
 #include "libslam/run/compare.h"
 #include "libslam/run/journal_file.h"
 #include "libslam/run/resources.h"
 #include "libslam/run/turn_away.h"
-#include "libslam/sim/operation_log.h"
 #include "libslam/world/plan.h"
 
 namespace slam::apps {
@@ -132,76 +130,6 @@ void addPlotScan(CLI::App& plot, Context& context) {
   command->footer("Example:\n  rasterslam plot scan run.rawlog --index 20 -o scan.png");
   command->callback([&context, arguments, how] {
     context.action = [&context, arguments, how] { return plotScan(context, *arguments, *how); };
-  });
-}
-
-// --- plot operations
-
-struct OperationsArguments {
-  std::string file, truth, plan;
-};
-
-/// "a/run.operations.txt" -> "a/run.rawlog": the log that it was written beside; "" for another name.
-std::string logBeside(const std::string& operations_path) {
-  const std::string suffix = ".operations.txt";
-  const bool ends_so =
-      operations_path.size() > suffix.size() &&
-      operations_path.compare(operations_path.size() - suffix.size(), suffix.size(), suffix) == 0;
-  return ends_so ? operations_path.substr(0, operations_path.size() - suffix.size()) + ".rawlog" : "";
-}
-
-int plotOperations(const Context& context, const OperationsArguments& arguments, const PaperArguments& how) {
-  const auto [path, paper] = picturePlace(context, how, "operations.png");
-  const auto operations = sim::parseOperations(core::readTextFile(arguments.file), arguments.file);
-  auto replayed = sim::replayOperations(operations);
-  const double length_m = core::pathLength(replayed);
-  const core::Pose2 end = replayed.back().pose;
-
-  const std::string log = logBeside(arguments.file);
-  std::string truth_path = arguments.truth, plan_path = arguments.plan;
-  if (truth_path.empty() && !log.empty()) truth_path = run::findTruth(log);
-  // MRPT's own form of the truth begins at the origin, as the replay does: nothing to lay it on.
-  if (arguments.truth.empty() && std::filesystem::path(truth_path).extension() != ".tum") truth_path.clear();
-  if (plan_path.empty() && !log.empty() && !truth_path.empty()) plan_path = run::findPlan(log);
-  if (!plan_path.empty() && truth_path.empty())
-    throw core::InputError("--plan needs --truth: the operation log does not say where the robot began");
-
-  world::Plan plan;
-  std::vector<report::DrawnPath> paths;
-  if (!truth_path.empty()) {
-    const auto truth = logs::readTum(truth_path);
-    for (auto& stamped : replayed) stamped.pose = truth.front().pose * stamped.pose;
-    paths.push_back({truth, "truth", true});
-  }
-  if (!plan_path.empty()) plan = world::loadPlan(run::resolvePlan(plan_path));
-  paths.push_back({replayed, "operations replayed", false});
-  report::drawPlan(plan, paths, "Dead reckoning of " + arguments.file, path, {}, paper);
-  char line[160];
-  std::snprintf(line, sizeof line, "%zu operations, path %.2f m, end at x %.2f m, y %.2f m, yaw %.1f deg\n  ",
-                operations.size(), length_m, end.x, end.y, core::radToDeg(end.phi));
-  sayPicture(context,
-             {{"file", path},
-              {"operations", operations.size()},
-              {"path_length_m", length_m},
-              {"end_pose", {end.x, end.y, end.phi}},
-              {"truth", truth_path},
-              {"plan", plan_path}},
-             line + path);
-  return 0;
-}
-
-void addPlotOperations(CLI::App& plot, Context& context) {
-  auto* command = plot.add_subcommand("operations", "replay an operation log: the founding dead reckoning");
-  auto arguments = std::make_shared<OperationsArguments>();
-  command->add_option("file", arguments->file, "what 'rasterslam simulate' wrote: run.operations.txt")
-      ->required();
-  command->add_option("--truth", arguments->truth, "true path, TUM (default: the one beside the file)");
-  command->add_option("--plan", arguments->plan,
-                      "true plan (default: the one that the log was simulated in)");
-  const auto how = addPicture(command, context, "operations.png");
-  command->footer("Example:\n  rasterslam plot operations run.operations.txt -o operations.png");
-  command->callback([&context, arguments, how] {
-    context.action = [&context, arguments, how] { return plotOperations(context, *arguments, *how); };
   });
 }
 

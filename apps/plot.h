@@ -30,6 +30,8 @@ PicturePlace picturePlace(const Context& context, const PaperArguments& argument
 /// The facts as JSON, or the line.
 void sayPicture(const Context& context, const nlohmann::ordered_json& facts, const std::string& line);
 
+// An operation log replayed: path, and the naive map's dots where the scans are at hand.
+void addPlotOperations(CLI::App& plot, Context& context);
 // Figures of what other commands wrote: map, paths, errors, seeds, stress, exploration.
 void addPlotResults(CLI::App& plot, Context& context);
 

@@ -1,12 +1,17 @@
 #include "apps/program.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "apps/console.h"
+#include "libslam/core/error.h"
 #include "libslam/core/exit_code.h"
 
 namespace slam::apps {
@@ -28,15 +33,71 @@ int report(const Context& context, const char* message, ExitCode exit_code) {
   return code(exit_code);
 }
 
+/// The names of a command's own subcommands.
+std::vector<std::string> subcommandNames(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const auto* subcommand : command.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(subcommand->get_name());
+  return names;
+}
+
+/// The flags that a command takes, as they are typed.
+std::vector<std::string> flagNames(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const auto* option : command.get_options()) {
+    for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+    for (const auto& name : option->get_snames()) names.push_back("-" + name);
+  }
+  return names;
+}
+
+/// What is wrong with a command line that CLI11 refused, in one line: a word that is none of ours with the nearest that
+/// is, or what CLI11 says.
+std::string usageError(const CLI::App& app, const std::vector<std::string>& command_line,
+                       const char* otherwise) {
+  const CLI::App* command = &app;
+  std::string said = std::filesystem::path(command_line.front()).filename().string();
+  const auto line = [&](const std::string& what) { return what + " (see '" + said + " --help')"; };
+  for (std::size_t i = 1; i < command_line.size() && command_line[i] != "--"; ++i) {
+    const std::string& word = command_line[i];
+    if (word.size() > 2 && word.compare(0, 2, "--") == 0) {
+      const std::string flag = word.substr(0, word.find('='));
+      const auto known = flagNames(*command);
+      if (std::find(known.begin(), known.end(), flag) == known.end())
+        return line("unknown option '" + flag + "'" + core::didYouMean(flag, known));
+      continue;
+    }
+    const auto known = subcommandNames(*command);
+    if (known.empty() || word.empty() || word[0] == '-') continue;
+    if (std::find(known.begin(), known.end(), word) != known.end()) {
+      command = command->get_subcommand(word);
+      said += " " + word;
+    } else if (command->get_require_subcommand_min() > 0) {
+      return line("unknown command '" + word + "'" + core::didYouMean(word, known));
+    }
+  }
+  return line(otherwise);
+}
+
+/// `help COMMAND` is `COMMAND --help`.
+std::vector<std::string> withoutHelpWord(std::vector<std::string> command_line) {
+  if (command_line.size() < 2 || command_line[1] != "help") return command_line;
+  command_line.erase(command_line.begin() + 1);
+  command_line.emplace_back("--help");
+  return command_line;
+}
+
 }  // namespace
 
 int runProgram(CLI::App& app, Context& context) {
+  const auto command_line = withoutHelpWord(context.command_line);
   std::vector<const char*> argv;
-  for (const auto& word : context.command_line) argv.push_back(word.c_str());
+  for (const auto& word : command_line) argv.push_back(word.c_str());
   try {
     app.parse(static_cast<int>(argv.size()), argv.data());
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? code(ExitCode::kOk) : code(ExitCode::kUsage);
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    return report(context, usageError(app, command_line, error.what()).c_str(), ExitCode::kUsage);
   }
   catchInterrupts();
   try {

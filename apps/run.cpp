@@ -84,6 +84,8 @@ int runMethod(const Context& context, const Arguments& arguments) {
     std::fprintf(stderr,
                  "rasterslam: %s: %d of %zu steps come without odometry, estimated from the scans instead\n",
                  arguments.log.c_str(), result.steps_without_odometry, result.estimate.size() - 1);
+  if (const auto note = run::commandsNote(name, result.commands_from); !note.empty())
+    std::fprintf(stderr, "rasterslam: %s\n", note.c_str());
   const auto& end = result.end;
   if (context.json) {
     nlohmann::ordered_json json{{"folder", folder},
@@ -94,6 +96,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
                                 {"mean_ms_per_scan", result.cost.mean_ms_per_scan},
                                 {"p99_ms_per_scan", result.cost.p99_ms_per_scan},
                                 {"peak_memory_mb", result.cost.peak_memory_mb}};
+    if (!result.commands_from.empty()) json["commands_from"] = result.commands_from;
     if (lost) json["lost"] = run::lostText(*lost);
     if (result.stopped) json[run::eventOf(*result.stopped)] = run::stopText(*result.stopped);
     if (arguments.journal) json["journal"] = journalJson(result.journal);

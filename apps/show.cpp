@@ -1,5 +1,6 @@
 #include "apps/show.h"
 
+#include <cmath>
 #include <exception>
 #include <thread>
 
@@ -16,6 +17,7 @@ live::SnapshotMaker makerOf(const Show& what) {
   maker.setTruth(what.truth);
   maker.setLoops(what.loops);
   if (what.goal) maker.setGoal(*what.goal);
+  if (what.strategic) maker.setStrategicView(what.strategic->stop_radius_m, what.strategic->directions_rad);
   return maker;
 }
 
@@ -62,7 +64,14 @@ Shown show(const Show& what, const ShowFlags& flags, const Loop& loop) {
     }
   });
   try {
-    live::showWindow(stage, scene, {what.title + " - rasterslam", what.hands, flags.close, interruptAsked});
+    live::WindowOptions window;
+    window.title = what.title + " - rasterslam";
+    window.hands = what.hands;
+    window.close_at_end = flags.close;
+    window.interrupted = interruptAsked;
+    window.robot_radius_m = what.robot_side_m * std::sqrt(0.5);
+    window.refusal = what.refusal;
+    live::showWindow(stage, scene, window);
   } catch (...) {
     stage.close();
     worker.join();

@@ -6,47 +6,82 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/user_input.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/run/record.h"
 #include "libslam/run/resources.h"
+#include "libslam/run/user_drive.h"
 
 namespace slam::apps {
 namespace {
 
 struct Arguments {
-  std::string plan;
+  std::string plan, commands;
   SimulationFlags flags;
+  std::vector<std::string> carries;
 };
 
+nlohmann::ordered_json toJson(const run::UserDrive& drive, std::size_t commands) {
+  const auto& recording = drive.recording;
+  nlohmann::ordered_json json = {{"files", recording.files},
+                                 {"scans", recording.scans},
+                                 {"duration_s", recording.duration_s},
+                                 {"path_length_m", recording.path_length_m},
+                                 {"collisions", recording.collisions.size()},
+                                 {"carries", recording.carries.size()},
+                                 {"carries_left", recording.carries_left}};
+  if (commands == 0) return json;
+  json["commands_left"] = commands - drive.outcomes.size();
+  for (const auto& outcome : drive.outcomes)
+    if (outcome.collided)
+      json["stopped"].push_back({{"line", outcome.command.line},
+                                 {"command", robot::formatUserCommand(outcome.command)},
+                                 {"done_m", outcome.done}});
+  return json;
+}
+
+void printResult(const run::UserDrive& drive, const std::vector<robot::UserCommand>& commands) {
+  const auto& recording = drive.recording;
+  std::printf("%zu scans in %.1f s over %.1f m, %zu collisions\n", recording.scans, recording.duration_s,
+              recording.path_length_m, recording.collisions.size());
+  std::fputs(eventLines(recording).c_str(), stdout);
+  for (const auto& outcome : drive.outcomes)
+    if (const auto text = run::outcomeText(outcome); !text.empty()) std::printf("  %s\n", text.c_str());
+  if (drive.outcomes.size() < commands.size())
+    std::printf("  line %d: the time was over, %zu commands are left: see --duration\n",
+                commands[drive.outcomes.size()].line, commands.size() - drive.outcomes.size());
+  for (const auto& file : recording.files) std::printf("  %s\n", file.c_str());
+}
+
 int simulate(const Context& context, const Arguments& arguments) {
-  const auto config = run::readRecordConfig(simulationConfig(context, arguments.flags));
+  const auto config =
+      run::readRecordConfig(withCarries(simulationConfig(context, arguments.flags), arguments.carries));
   if (context.print_config) {
     printParameters(config.parameters, context.json);
     return 0;
   }
   const std::string plan_path = run::resolvePlan(arguments.plan);
+  const auto commands = readUserCommands(arguments.commands);
   const std::string log_path = context.output.empty() ? "run.rawlog" : context.output;
   for (const auto& path : {log_path, run::logStem(log_path) + ".gt.tum"})
     core::refuseToOverwrite(path, context.overwrite);
   const auto plan = world::loadPlan(plan_path);
   auto manifest = context.manifest();
   manifest.inputs[plan_path] = core::fileSha256(plan_path);
+  noteCommands(arguments.commands, manifest);
   ConsoleProgress progress(context.quiet);
-  const auto recording = run::record(plan, config, context.seed, log_path, manifest, progress);
+  run::UserDrive drive;
+  if (commands.empty())
+    drive.recording = run::record(plan, config, context.seed, log_path, manifest, progress);
+  else
+    drive = run::recordUserCommands(plan, config, context.seed, log_path, commands, std::move(manifest),
+                                    progress);
   if (context.json) {
-    std::cout << nlohmann::ordered_json{{"files", recording.files},
-                                        {"scans", recording.scans},
-                                        {"duration_s", recording.duration_s},
-                                        {"path_length_m", recording.path_length_m},
-                                        {"collisions", recording.collisions.size()}}
-                     .dump(2)
-              << "\n";
+    std::cout << toJson(drive, commands.size()).dump(2) << "\n";
     return 0;
   }
-  std::printf("%zu scans in %.1f s over %.1f m, %zu collisions\n", recording.scans, recording.duration_s,
-              recording.path_length_m, recording.collisions.size());
-  for (const auto& file : recording.files) std::printf("  %s\n", file.c_str());
+  printResult(drive, commands);
   std::printf("next: rasterslam compare %s\n", log_path.c_str());
   return 0;
 }
@@ -61,6 +96,8 @@ void addSimulate(CLI::App& app, Context& context) {
   addOutput(command, context, "the rawlog to write (default run.rawlog)");
   addSeed(command, context);
   addSimulationFlags(command, arguments->flags);
+  addCarry(command, arguments->carries);
+  addCommands(command, arguments->commands)->excludes("--strategy");
   addConfig(command, context);
   addJson(command, context);
   command->footer(
@@ -68,7 +105,9 @@ void addSimulate(CLI::App& app, Context& context) {
       "  rasterslam simulate flat -o run.rawlog --seed 7\n"
       "  rasterslam simulate office_loop --set living.people=8   # people walk about: run.movers.csv says "
       "where\n"
-      "  rasterslam simulate plan.png --lidar utm30lx --strategy longest_ray --set robot.side_m=0.3");
+      "  rasterslam simulate plan.png --lidar utm30lx --strategy longest_ray --set robot.side_m=0.3\n"
+      "  rasterslam simulate flat --commands drive.txt   # its lines: move 1.5 (metres), turn 25 (degrees)\n"
+      "  rasterslam simulate flat --carry 60:11,2,90     # after a minute somebody carries the robot away");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return simulate(context, *arguments); };
   });

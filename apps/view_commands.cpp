@@ -9,29 +9,43 @@
 
 #include "apps/console.h"
 #include "apps/show.h"
+#include "apps/user_input.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/live/drive_seat.h"
+#include "libslam/live/mapped_loop.h"
 #include "libslam/live/replay.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/compare.h"
 #include "libslam/run/explore.h"
 #include "libslam/run/external_method.h"
+#include "libslam/run/goal_methods.h"
 #include "libslam/run/reach_goal.h"
 #include "libslam/run/resources.h"
+#include "libslam/sim/standing_room.h"
 
 namespace slam::apps {
 namespace fs = std::filesystem;
 namespace {
 
+/// Instead of a method: no map, the pose by the wheels.
+constexpr const char* kWheelsOnly = "odometry";
+
 struct ViewArguments {
   std::string input;  ///< plan, log or folder
-  std::string method, slam = kExplorersSlam, log, plan, start = "auto", goal;
+  std::string method, slam = kExplorersSlam, log, plan, start = "auto", goal, commands;
   SimulationFlags simulation;
+  std::vector<std::string> carries;
   ShowFlags show;
 };
+
+core::IniFile configOf(const Context& context, const ViewArguments& arguments) {
+  return withCarries(simulationConfig(context, arguments.simulation), arguments.carries);
+}
 
 void requireSensible(const ShowFlags& flags) {
   if (flags.screenshot.empty() != (flags.at_s < 0))
@@ -82,14 +96,15 @@ std::string writtenText(const run::Recording& recording) {
   char text[200];
   std::snprintf(text, sizeof text, "%zu scans in %.1f s over %.1f m, %zu collisions", recording.scans,
                 recording.duration_s, recording.path_length_m, recording.collisions.size());
-  std::string lines = text;
-  for (const auto& file : recording.files) lines += "\n  " + file;
+  std::string lines = std::string(text) + "\n" + eventLines(recording);
+  for (const auto& file : recording.files) lines += "  " + file + "\n";
+  lines.pop_back();
   return lines;
 }
 
 int viewSimulate(const Context& context, const ViewArguments& arguments) {
   requireSensible(arguments.show);
-  const auto config = run::readRecordConfig(simulationConfig(context, arguments.simulation));
+  const auto config = run::readRecordConfig(configOf(context, arguments));
   if (context.print_config) return printParameters(config.parameters, context.json), 0;
   const auto start = startIn(context, arguments.input);
   if (!context.output.empty()) refuseToOverwriteLog(context, context.output);
@@ -100,7 +115,7 @@ int viewSimulate(const Context& context, const ViewArguments& arguments) {
   what.method = config.strategy.name + ", wheel odometry";
   ConsoleProgress progress(context.quiet);
   std::string written;
-  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, const live::Stage*) {
+  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, live::Stage*) {
     const auto recording =
         run::record(start.plan, config, context.seed, log_path, start.manifest, progress, &observer);
     if (!context.output.empty()) written = writtenText(recording);
@@ -108,29 +123,50 @@ int viewSimulate(const Context& context, const ViewArguments& arguments) {
   return report(shown, arguments.show, written);
 }
 
+/// The method that maps along while somebody drives; nothing for "odometry".
+std::optional<mapping::MapBuilder> mapperOf(const std::string& slam, std::uint64_t seed) {
+  if (slam == kWheelsOnly) return std::nullopt;
+  return mapping::makeMapBuilder(mapping::loadMethodConfig(run::configsFolder() + "/methods", slam),
+                                 nameOf(slam), seed);
+}
+
 int viewDrive(const Context& context, const ViewArguments& arguments) {
-  const auto config = run::readRecordConfig(simulationConfig(context, arguments.simulation));
+  requireSensible(arguments.show);
+  const bool is_picture = !arguments.show.screenshot.empty();
+  const auto config = run::readRecordConfig(configOf(context, arguments));
   if (context.print_config) return printParameters(config.parameters, context.json), 0;
+  if (is_picture && arguments.commands.empty())
+    throw core::InputError("--screenshot: nobody drives without a window, expected --commands");
   const auto start = startIn(context, arguments.input);
-  const std::string log_path = context.output.empty() ? "run.rawlog" : context.output;
+  const auto commands = readUserCommands(arguments.commands);
+  auto mapper = mapperOf(arguments.slam, context.seed);
+  const core::ScratchFolder scratch;
+  const std::string log_path =
+      is_picture ? scratch / "run.rawlog" : (context.output.empty() ? "run.rawlog" : context.output);
   refuseToOverwriteLog(context, log_path);
   Show what = showOf(start, config, context.seed);
   what.title = "drive " + start.plan.name;
-  what.method = "by hand; wheel odometry";
+  what.method = mapper ? "by hand; " + mapper->name : "by hand; wheel odometry";
   what.hands = live::Hands::kDrive;
+  what.refusal = [&what, &config](const core::Pose2& T_world_robot) {
+    return sim::refusalOf(*what.plan, T_world_robot, robot::circumscribedRadius(config.robot));
+  };
   auto manifest = start.manifest;
   manifest.results["driven"] = "by hand";
+  noteCommands(arguments.commands, manifest);
   ConsoleProgress progress(true);
   std::string written;
-  show(what, arguments.show, [&](run::StepObserver& observer, const live::Stage* stage) {
-    live::HandDrive hand(config.robot, 1 / config.lidar.rate_hz);
-    const auto commander = [&](const sim::Sensed& sensed) -> std::optional<robot::Command> {
-      if (stage->isClosed()) return std::nullopt;
-      return hand.next(stage->keys(), sensed.collided);
-    };
-    written = writtenText(run::recordCommands(start.plan, config, context.seed, log_path, manifest, progress,
-                                              commander, &observer));
+  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, live::Stage* stage) {
+    live::DriveSeat seat(config.robot, 1 / config.lidar.rate_hz, commands, stage, arguments.show.close);
+    const auto commander = [&](const sim::Sensed& sensed) { return seat.next(sensed.collided); };
+    std::optional<live::MappedLoop> mapped;
+    if (mapper) mapped.emplace(std::move(*mapper), observer);
+    const auto recording =
+        run::recordCommands(start.plan, config, context.seed, log_path, manifest, progress, commander,
+                            mapped ? static_cast<run::StepObserver*>(&*mapped) : &observer);
+    written = writtenText(recording);
   });
+  if (shown == Shown::kPicture) return report(shown, arguments.show, "");
   std::printf("%s\nnext: rasterslam compare %s\n", written.c_str(), log_path.c_str());
   return 0;
 }
@@ -138,7 +174,7 @@ int viewDrive(const Context& context, const ViewArguments& arguments) {
 int viewExplore(const Context& context, const ViewArguments& arguments) {
   requireSensible(arguments.show);
   run::ExploreRequest request;
-  request.strategies = {run::readExploreConfig(simulationConfig(context, arguments.simulation))};
+  request.strategies = {run::readExploreConfig(configOf(context, arguments))};
   const auto& config = request.strategies.front().record;
   if (context.print_config) return printParameters(config.parameters, context.json), 0;
   const auto start = startIn(context, arguments.input);
@@ -155,7 +191,7 @@ int viewExplore(const Context& context, const ViewArguments& arguments) {
   what.method = config.strategy.name + " on " + nameOf(arguments.slam);
   ConsoleProgress progress(context.quiet);
   std::string written;
-  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, const live::Stage*) {
+  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, live::Stage*) {
     request.observer = &observer;
     const auto result = run::explore(request, context.manifest(), progress);
     written = report::toText(result.scores);
@@ -167,7 +203,7 @@ int viewExplore(const Context& context, const ViewArguments& arguments) {
 int viewNavigate(const Context& context, const ViewArguments& arguments) {
   requireSensible(arguments.show);
   run::ReachGoalRequest request;
-  request.config = run::readReachGoalConfig(simulationConfig(context, arguments.simulation));
+  request.config = run::readReachGoalConfig(configOf(context, arguments));
   if (context.print_config) return printParameters(request.config.parameters, context.json), 0;
   request.p_world_goal = run::parsePlace(arguments.goal, "--goal");
   const auto start = startIn(context, arguments.input);
@@ -187,9 +223,11 @@ int viewNavigate(const Context& context, const ViewArguments& arguments) {
   what.goal = core::inverse(what.T_scene_map) * request.p_world_goal;
   what.title = "navigate " + start.plan.name;
   what.method = arguments.method + " on " + nameOf(arguments.slam);
+  what.strategic = run::strategicOverlay(arguments.method, request.config.navigate, request.config.robot,
+                                         request.config.lidar);
   ConsoleProgress progress(context.quiet);
   std::string written;
-  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, const live::Stage*) {
+  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, live::Stage*) {
     request.observer = &observer;
     const auto comparison = run::reachGoal(request, start.manifest, progress);
     written = report::toText(comparison.table);
@@ -224,7 +262,7 @@ int viewRun(const Context& context, const ViewArguments& arguments) {
   addTruth(arguments.input, arguments.plan, what);
   ConsoleProgress progress(context.quiet);
   std::string written;
-  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, const live::Stage*) {
+  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, live::Stage*) {
     run::buildMap(arguments.input, config, name, context.seed, folder, context.overwrite, context.manifest(),
                   progress, true, {}, &observer);
     if (!context.output.empty()) written = "map, path, journal: " + folder;
@@ -240,9 +278,8 @@ int viewReplay(const Context&, const ViewArguments& arguments) {
   what.method = replay.method;
   addTruth(replay.log_path, arguments.plan, what);
   what.loops = replay.loops;
-  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, const live::Stage*) {
-    live::play(replay, observer);
-  });
+  const auto shown = show(what, arguments.show,
+                          [&](run::StepObserver& observer, live::Stage*) { live::play(replay, observer); });
   return report(shown, arguments.show, "");
 }
 
@@ -303,15 +340,27 @@ void addViewCommands(CLI::App& app, Context& context) {
   addSeed(drive, context);
   drive->add_option("--lidar", driving->simulation.lidar,
                     "a lidar by name (see 'rasterslam list lidars') or an .ini file");
+  addSensorFlag(drive, driving->simulation);
+  driving->slam = "naive";
+  drive
+      ->add_option("--slam", driving->slam,
+                   "the method whose map grows and whose pose is shown, or odometry for none")
+      ->capture_default_str();
+  addCommands(drive, driving->commands);
+  addCarry(drive, driving->carries);
   drive->add_option("--duration", driving->simulation.duration_s, "longest recording, seconds");
   drive->add_option("--form", driving->simulation.form, "form of the rawlog: action or observation");
   addConfig(drive, context);
-  addWindowSize(drive, driving->show);
   driving->show.speed = 1;
+  addShowFlags(drive, driving->show);
   drive->footer(
       "Keys:" + keysText(live::Hands::kDrive) +
       "\nThe files are those of 'rasterslam simulate'; closing the window saves them, Ctrl-C does not.\n"
-      "Example:\n  rasterslam view drive flat -o run.rawlog --set living.people=3");
+      "--commands come first; --close ends the drive after them.\n"
+      "Examples:\n"
+      "  rasterslam view drive flat -o run.rawlog --set living.people=3\n"
+      "  rasterslam view drive flat --slam graph --commands drive.txt\n"
+      "  rasterslam view drive flat --commands drive.txt --screenshot map.png --at 20");
 
   auto* simulate = view->add_subcommand("simulate", "watch 'rasterslam simulate'");
   auto simulating = onCall(simulate, context, viewSimulate);
@@ -319,6 +368,7 @@ void addViewCommands(CLI::App& app, Context& context) {
   addOutput(simulate, context, "the rawlog to write (default: none)");
   addSeed(simulate, context);
   addSimulationFlags(simulate, simulating->simulation);
+  addCarry(simulate, simulating->carries);
   addConfig(simulate, context);
   addShowFlags(simulate, simulating->show);
   simulate->footer("Example:\n  rasterslam view simulate office_loop --set living.people=8 --speed 8");
@@ -332,6 +382,7 @@ void addViewCommands(CLI::App& app, Context& context) {
   addOutput(explore, context, "folder to write (default: none)");
   addSeed(explore, context);
   addSimulationFlags(explore, exploring->simulation);
+  addCarry(explore, exploring->carries);
   addConfig(explore, context);
   addShowFlags(explore, exploring->show);
   explore->footer(
@@ -355,6 +406,8 @@ void addViewCommands(CLI::App& app, Context& context) {
       ->capture_default_str();
   navigate->add_option("--lidar", navigating->simulation.lidar,
                        "a lidar by name (see 'rasterslam list lidars') or an .ini file");
+  addSensorFlag(navigate, navigating->simulation);
+  addCarry(navigate, navigating->carries);
   addOutput(navigate, context, "folder to write (default: none)");
   addSeed(navigate, context);
   addConfig(navigate, context);

@@ -52,6 +52,7 @@ def median(values, missing):
 
 WHAT = {
     "naive": "the founding robot: dead reckoning by scan difference, dots",
+    "naive_blind": "the same, guessing from the scans whether it moved or turned",
     "naive_wheel": "dead reckoning by the wheels",
     "naive_correlation": "dead reckoning by our scan correlation",
     "naive_flow": "dead reckoning by our range flow",
@@ -142,15 +143,17 @@ def exploration():
     found = {(row["plan"], row["strategy"]): row
              for name in ("exploration_truth_medians.csv", "office_loop/exploration_truth_medians.csv")
              for row in rows(name)}
+
+    def cell(row, share):
+        path = row[f"path{share}_m"]
+        return f"{float(path):.0f} m" if path else f"({float(row['coverage_percent']):.1f} %)"
+
     lines = []
     for plan in sorted({plan for plan, _ in found}):
-        line = [plan]
-        for strategy in STRATEGIES:
-            row = found[plan, strategy]
-            line.append(f"{float(row['path99_m']):.0f} m" if row["path99_m"] else
-                        f"{float(row['coverage_percent']):.1f} %")
-        lines.append(line)
-    return markdown(["world", *(f"`{strategy}`:" for strategy in STRATEGIES)], lines)
+        for share in ("90", "99"):
+            lines.append([plan if share == "90" else "", f"{share} %",
+                          *(cell(found[plan, strategy], share) for strategy in STRATEGIES)])
+    return markdown(["world", "to:", *(f"`{strategy}`:" for strategy in STRATEGIES)], lines)
 
 
 TABLES = {"standard": standard, "relations": relations, "casting": casting, "exploration": exploration}

@@ -23,6 +23,7 @@ rasterslam_find_mrpt(obs)
 rasterslam_find_mrpt(maps)
 rasterslam_find_mrpt(slam)
 rasterslam_find_mrpt(opengl)
+rasterslam_find_mrpt(kinematics)
 rasterslam_find_mrpt(hwdrivers OPTIONAL)  # the sensor plugin
 rasterslam_find_mrpt(gui OPTIONAL)        # the live window
 rasterslam_find_mrpt(nav OPTIONAL)        # MRPT's reactive navigation as a motion method

@@ -4,6 +4,7 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/core/relation.h"
+#include "libslam/robot/motion_kind.h"
 #include "libslam/robot/scan.h"
 
 namespace odometry_bench {
@@ -12,8 +13,9 @@ namespace odometry_bench {
 struct BenchLog {
   std::string name;
   std::vector<slam::robot::Scan> scans;
-  slam::core::Trajectory truth;           ///< of the robot, one pose per scan, or empty
-  slam::core::Relations relations;        ///< annotated by hand
+  std::vector<slam::robot::Commanded> commands;  ///< before each scan: as given, else by the wheels
+  slam::core::Trajectory truth;                  ///< of the robot, one pose per scan, or empty
+  slam::core::Relations relations;               ///< annotated by hand
   std::vector<slam::core::Pose2> wheels;  ///< wheel odometry, one pose per scan: only to say how far it drove
 };
 

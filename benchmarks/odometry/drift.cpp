@@ -120,9 +120,9 @@ Drift measureDrift(const BenchLog& log, slam::odometry::ScanOdometry& odometry) 
   std::vector<Pose2> estimate;
   std::vector<double> times_us;
   Pose2 pose;
-  for (const auto& scan : log.scans) {
+  for (size_t i = 0; i < log.scans.size(); ++i) {
     const double start_s = threadSeconds();
-    const auto motion = odometry.update(scan);
+    const auto motion = odometry.update(log.scans[i], log.commands[i]);
     times_us.push_back(1e6 * (threadSeconds() - start_s));
     pose = pose * motion.T_previous_current;
     estimate.push_back(pose);

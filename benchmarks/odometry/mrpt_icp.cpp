@@ -29,7 +29,7 @@ class MrptIcp : public slam::odometry::ScanOdometry {
 
   void reset() override { reference_.reset(), guess_ = {}; }
 
-  ScanMotion update(const slam::robot::Scan& scan, slam::odometry::MotionKind) override {
+  ScanMotion update(const slam::robot::Scan& scan, const slam::odometry::Commanded&) override {
     auto points = std::make_unique<mrpt::maps::CSimplePointsMap>();
     points->insertionOptions.minDistBetweenLaserPoints = static_cast<float>(settings_.point_distance_m);
     points->insertionOptions.also_interpolate = false;

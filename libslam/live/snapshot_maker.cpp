@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "libslam/mapping/graph_slam.h"
 #include "libslam/metrics/trajectory_error.h"
@@ -9,7 +10,9 @@
 namespace slam::live {
 namespace {
 
-constexpr double kCollisionShown_s = 2;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kEventShown_s = 2;
+constexpr double kStrategicShown_m = 2;  // of a direction: what is farther away decides nothing
 
 bool isSame(const navigate::Decision& a, const navigate::Decision& b) {
   return a.turn_rad == b.turn_rad && a.distance_m == b.distance_m && a.reason == b.reason &&
@@ -31,7 +34,7 @@ void addGraph(const mapping::GraphSlam& graph, viewer::Snapshot& snapshot) {
 }  // namespace
 
 SnapshotMaker::SnapshotMaker(std::string title, std::string method, const core::Pose2& T_scene_map)
-    : around_(zone_), collided_at_s_(-kCollisionShown_s) {
+    : around_(zone_), collided_at_s_(-kEventShown_s), carried_at_s_(-kEventShown_s) {
   now_.title = std::move(title);
   now_.method = std::move(method);
   now_.T_scene_map = T_scene_map;
@@ -49,8 +52,10 @@ void SnapshotMaker::add(const run::Step& step) {
     now_.loops.push_back(known_loops_[now_.loops.size()].second);
   takeTruth(step);
   lookAround(step);
+  lookStrategically(step.scan);
   followDecision(step);
-  if (step.time_s - collided_at_s_ < kCollisionShown_s) now_.note = "bumped into something";
+  if (step.time_s - collided_at_s_ < kEventShown_s) now_.note = "bumped into something";
+  if (step.time_s - carried_at_s_ < kEventShown_s) now_.note = "somebody has carried the robot";
 }
 
 void SnapshotMaker::takeTruth(const run::Step& step) {
@@ -59,6 +64,11 @@ void SnapshotMaker::takeTruth(const run::Step& step) {
     now_.T_scene_truth = simulator.truth();
     if (simulator.collisions().size() > now_.collisions) collided_at_s_ = step.time_s;
     now_.collisions = simulator.collisions().size();
+    if (simulator.carries().size() > carries_) {
+      carries_ = simulator.carries().size();
+      carried_at_s_ = step.time_s;
+      now_.truth.push_back({step.scan.time_s, {kNaN, kNaN, 0}});  // breaks the line
+    }
     now_.people.clear();
     for (const auto& body : simulator.scene().bodies()) now_.people.push_back({body.p, body.radius_m});
   } else {
@@ -80,6 +90,31 @@ void SnapshotMaker::lookAround(const run::Step& step) {
                                           zone_.front_m,
                                           zone_.rear_m,
                                           zone_.width_m};
+}
+
+void SnapshotMaker::setStrategicView(double stop_radius_m, std::vector<double> directions_rad) {
+  now_.strategic = viewer::StrategicView{stop_radius_m, {}};
+  strategic_rad_ = std::move(directions_rad);
+}
+
+void SnapshotMaker::lookStrategically(const robot::Scan& scan) {
+  if (!now_.strategic) return;
+  now_.strategic->projected.clear();
+  for (const double direction_rad : strategic_rad_) {
+    const auto aside = [&](size_t i) {
+      return std::abs(core::wrapToPi(scan.angle(i) + scan.T_robot_lidar.phi - direction_rad));
+    };
+    size_t nearest = 0;
+    for (size_t i = 1; i < scan.ranges_m.size(); ++i)
+      if (aside(i) < aside(nearest)) nearest = i;
+    if (scan.ranges_m.empty() || aside(nearest) > scan.step_rad) continue;  // out of the field of view
+    const double range_m = scan.ranges_m[nearest];
+    const double shown_m =
+        robot::isReturn(scan.ranges_m[nearest]) ? std::min(range_m, kStrategicShown_m) : kStrategicShown_m;
+    const double angle_rad = scan.angle(nearest);
+    now_.strategic->projected.push_back(
+        scan.T_robot_lidar * core::Point2{shown_m * std::cos(angle_rad), shown_m * std::sin(angle_rad)});
+  }
 }
 
 void SnapshotMaker::followDecision(const run::Step& step) {

@@ -27,6 +27,9 @@ class SnapshotMaker {
   /// Where someone else than a strategy sends the robot, map frame.
   void setGoal(const core::Point2& goal) { now_.candidates = viewer::Candidates{{}, goal, {}}; }
 
+  /// What the founding goal navigation looks at: shown with every scan's readings, robot frame.
+  void setStrategicView(double stop_radius_m, std::vector<double> directions_rad);
+
   void add(const run::Step& step);
   /// Of the step that was added last. `method`: the step's. with_map: its map, path and graph as they are now, else as
   /// they were when they were last asked for.
@@ -39,6 +42,7 @@ class SnapshotMaker {
   void lookAround(const run::Step& step);
   void followDecision(const run::Step& step);
   void takeTruth(const run::Step& step);
+  void lookStrategically(const robot::Scan& scan);
 
   viewer::Snapshot now_;  ///< all but what snapshot() asks the method for
   core::Trajectory online_, known_truth_;
@@ -49,7 +53,9 @@ class SnapshotMaker {
   std::optional<navigate::Decision> decision_;
   core::Pose2 T_map_decided_;  ///< where the robot took it
   std::string note_;
-  double collided_at_s_;  ///< the last time
+  std::vector<double> strategic_rad_;
+  double collided_at_s_, carried_at_s_;  ///< the last time
+  std::size_t carries_ = 0;
 };
 
 }  // namespace slam::live

@@ -44,6 +44,16 @@ void Stage::setKeys(const HeldKeys& keys) {
   keys_ = keys;
 }
 
+void Stage::give(const robot::UserCommand& command) {
+  const std::lock_guard lock(mutex_);
+  commands_.push_back(command);
+}
+
+void Stage::carry(const core::Pose2& T_world_robot) {
+  const std::lock_guard lock(mutex_);
+  T_world_carried_ = T_world_robot;
+}
+
 void Stage::close() {
   {
     const std::lock_guard lock(mutex_);
@@ -91,6 +101,21 @@ bool Stage::waitForStep(double robot_s, const std::function<void()>& while_pause
 HeldKeys Stage::keys() const {
   const std::lock_guard lock(mutex_);
   return keys_;
+}
+
+std::optional<robot::UserCommand> Stage::takeCommand() {
+  const std::lock_guard lock(mutex_);
+  if (commands_.empty()) return std::nullopt;
+  const auto command = commands_.front();
+  commands_.pop_front();
+  return command;
+}
+
+std::optional<core::Pose2> Stage::takeCarry() {
+  const std::lock_guard lock(mutex_);
+  const auto carried = T_world_carried_;
+  T_world_carried_.reset();
+  return carried;
 }
 
 bool Stage::isClosed() const {

@@ -1,5 +1,6 @@
 #pragma once
 #include <condition_variable>
+#include <deque>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -7,6 +8,7 @@
 #include "libslam/live/hand_drive.h"
 #include "libslam/live/playback.h"
 #include "libslam/live/snapshot_maker.h"
+#include "libslam/robot/user_command.h"
 #include "libslam/run/step_observer.h"
 #include "libslam/viewer/snapshot.h"
 
@@ -24,6 +26,10 @@ class Stage {
   void change(const std::function<void(Playback&)>& change);
   std::string playbackText() const;
   void setKeys(const HeldKeys& keys);
+  /// A whole command that was typed; they are carried out one after the other.
+  void give(const robot::UserCommand& command);
+  /// The robot is put down there, world frame, before the next command; a place that is free by the plan.
+  void carry(const core::Pose2& T_world_robot);
   /// The window is closed: the loop is to end.
   void close();
   bool isFinished() const;  ///< the loop has ended
@@ -35,6 +41,10 @@ class Stage {
   /// Returns false when the window was closed.
   bool waitForStep(double robot_s, const std::function<void()>& while_paused);
   HeldKeys keys() const;
+  /// The next command that was typed, once.
+  std::optional<robot::UserCommand> takeCommand();
+  /// Where the robot was last put down, once.
+  std::optional<core::Pose2> takeCarry();
   bool isClosed() const;
   void finish();
 
@@ -44,6 +54,8 @@ class Stage {
   std::optional<viewer::Snapshot> next_;
   Playback playback_;
   HeldKeys keys_;
+  std::deque<robot::UserCommand> commands_;
+  std::optional<core::Pose2> T_world_carried_;
   bool closed_ = false, finished_ = false;
 };
 

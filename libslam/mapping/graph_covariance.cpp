@@ -11,6 +11,8 @@ using core::Pose2;
 /// make the poses' mean normalised squared error about 1 over 56 simulated runs in rooms and corridors;
 /// benchmarks/results/consistency.csv.xz has other runs than those.
 constexpr double kGraphCovarianceScale = 3;
+/// Of a covariance's eigenvalues, against the largest: below, they are rounding.
+constexpr double kLeastShare = 1e-15;
 
 /// Of a pose at `from`, as one that is firmly joined to it and lies at `to` has it; map frame.
 Eigen::Matrix3d movedCovariance(const Eigen::Matrix3d& covariance, const Point2& from, const Point2& to) {
@@ -31,8 +33,10 @@ Eigen::Matrix3d GraphSlam::mapCovariance(const Point2& at) const {
 }
 
 std::vector<Eigen::Matrix3d> GraphSlam::keyframeCovariances() const {
-  auto covariances = posegraph::Marginals(graph_).all();
-  for (auto& covariance : covariances) covariance *= kGraphCovarianceScale;
+  // Leaps of odometry may leave a pose held by no more than rounding.
+  auto covariances = posegraph::Marginals(graph_, posegraph::Marginals::Open::kBounded).all();
+  for (auto& covariance : covariances)
+    covariance = withoutNegatives(kGraphCovarianceScale * covariance, kLeastShare, 0);
   return covariances;
 }
 

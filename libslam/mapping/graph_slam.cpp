@@ -1,6 +1,5 @@
 #include "libslam/mapping/graph_slam.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -23,21 +22,6 @@ constexpr double kGap_m = 30, kGap_rad = 3, kGapPath_m = 1000;
 constexpr int kOfEarlierRun = -1;
 
 }  // namespace
-
-Eigen::Matrix3d poseInformation(double sigma_xy_m, double sigma_turn_rad) {
-  const double xy = 1 / (sigma_xy_m * sigma_xy_m);
-  return Eigen::Vector3d(xy, xy, 1 / (sigma_turn_rad * sigma_turn_rad)).asDiagonal();
-}
-
-Eigen::Matrix3d edgeInformation(const Eigen::Matrix3d& information, double phi_rad) {
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn(0, 0) = turn(1, 1) = std::cos(phi_rad);
-  turn(1, 0) = std::sin(phi_rad), turn(0, 1) = -turn(1, 0);
-  const Eigen::Matrix3d body = turn.transpose() * information * turn;
-  // Rounding leaves a direction that is open a little below zero.
-  const double floor = 1e-6 + 1e-9 * body.trace();
-  return 0.5 * (body + body.transpose()) + floor * Eigen::Matrix3d::Identity();
-}
 
 GraphOptions::GraphOptions() {
   table().setDefaults(*this);
@@ -262,7 +246,7 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> poi
   } else {
     keyframes_.back().odometry_edge = addOdometryEdge(k);
     if (beginsPart(k))
-      keyframes_.back().covariance = poseInformation(kGap_m, kGap_rad).inverse();
+      keyframes_.back().covariance = covarianceOf(poseInformation(kGap_m, kGap_rad));
     else
       link(k - 1, k);
     const auto partners = partnersOf(k, map_keyframes_, T_map_robot);

@@ -9,6 +9,7 @@
 
 #include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/mapping/information.h"
 #include "libslam/mapping/journal.h"
 #include "libslam/mapping/lost_detector.h"
 #include "libslam/posegraph/pose_graph.h"
@@ -311,12 +312,5 @@ class GraphSlam {
   mutable std::vector<int> touched_;
   mutable std::vector<std::pair<double, int>> queue_;
 };
-
-/// Over (x, y, phi), without correlation.
-Eigen::Matrix3d poseInformation(double sigma_xy_m, double sigma_turn_rad);
-
-/// What an edge carries of a match: its information over (x, y, phi), position in the map's axes, turned into the body's
-/// own; symmetric and positive definite, also where the match left a direction open.
-Eigen::Matrix3d edgeInformation(const Eigen::Matrix3d& information, double phi_rad);
 
 }  // namespace slam::mapping

@@ -1,5 +1,4 @@
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -230,8 +229,9 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   if (result.score < options_.recover_score) note("poor", result.score);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> movement(result.information.topLeftCorner<2, 2>(),
                                                                 Eigen::EigenvaluesOnly);
-  const double share =
-      movement.eigenvalues()(1) > 0 ? movement.eigenvalues()(0) / movement.eigenvalues()(1) : 0;
+  const double share = movement.eigenvalues()(1) > 0
+                           ? std::max(movement.eigenvalues()(0), 0.0) / movement.eigenvalues()(1)
+                           : 0;
   if (share < kDegenerate) note("degenerate", share);
 
   odometry_holds_ = odometry_holds_ && has_odometry && !distrusted;
@@ -243,7 +243,7 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   Step step;
   step.T_map_robot = result.T_map_robot;
   step.score = result.score;
-  step.match_covariance = kMatchCovarianceScale * result.posterior_information.inverse();
+  step.match_covariance = kMatchCovarianceScale * covarianceOf(result.posterior_information);
   step.pose_covariance = mapCovariance(core::position(step.T_map_robot)) + step.match_covariance;
   return step;
 }
@@ -252,7 +252,7 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
 void GraphSlam::keepTo(const Pose2& predicted, const Pose2& increment, Step& step) {
   step.T_map_robot = predicted;
   step.match_covariance +=
-      held_back_ * poseInformation(options_.odometry_xy_m, options_.odometry_turn_rad).inverse();
+      held_back_ * covarianceOf(poseInformation(options_.odometry_xy_m, options_.odometry_turn_rad));
   step.pose_covariance += step.match_covariance;
   T_previous_robot_ = increment;
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), predicted);

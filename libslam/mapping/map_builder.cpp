@@ -53,6 +53,9 @@ struct MapBuilder::State {
   std::unique_ptr<odometry::ScanOdometry> scan_odometry;
   std::optional<robot::Scan> previous_scan;
   bool scan_odometry_saw_previous = false;
+  robot::Commanded commanded;              ///< at this step
+  std::vector<robot::Commanded> commands;  ///< of all steps, where they are known; may be empty
+  robot::CommandSeries wheels_commands;    ///< what the wheels' increments say of it where nobody else does
   std::vector<size_t> updates;  ///< of the particles' paths: the scan at which each of their poses stood
 };
 
@@ -134,7 +137,7 @@ odometry::ScanMotion motionFromScans(MapBuilder::State& state, const robot::Scan
     state.scan_odometry->reset();
     state.scan_odometry->update(*state.previous_scan);
   }
-  return state.scan_odometry->update(scan);
+  return state.scan_odometry->update(scan, state.commanded);
 }
 
 std::string stepText(const MapBuilder& method) {
@@ -155,8 +158,10 @@ std::shared_ptr<CActionRobotMovement2D> makeAction(MapBuilder& method, const rob
     const odometry::ScanMotion motion = motionFromScans(state, scan);
     state.scan_odometry_saw_previous = true;
     requireFinite(method, motion.T_previous_current, "the motion estimated from the scans");
-    // argmax stays what it was: it never asks the wheels.
-    const bool ask_wheels = !motion.reliable && has_odometry && state.config.method.odometry != "argmax";
+    // The founding method stays what it was: how far, it never asks the wheels.
+    const std::string& odometry = state.config.method.odometry;
+    const bool ask_wheels =
+        !motion.reliable && has_odometry && odometry != "argmax" && odometry != "argmax_blind";
     if (!ask_wheels || is_first) return odometry::toMrptAction(motion, state.builder_time_s);
   } else {
     state.scan_odometry_saw_previous = false;
@@ -376,9 +381,20 @@ std::string toMrptConfig(const core::IniFile& config, const std::string& name) {
   return mrptConfigText(read, name);
 }
 
+void setCommands(MapBuilder& method, std::vector<robot::Commanded> commands) {
+  method.state->commands = std::move(commands);
+}
+
 core::Pose2 processScan(MapBuilder& method, const robot::Scan& raw_scan, const core::Pose2& T_previous_robot,
-                        bool has_odometry) {
+                        bool has_odometry, const robot::Commanded& commanded) {
   MapBuilder::State& state = *method.state;
+  state.commanded = commanded;
+  if (commanded.kind == robot::MotionKind::kUnknown) {
+    if (state.steps < state.commands.size())
+      state.commanded = state.commands[state.steps];
+    else if (has_odometry)
+      state.commanded = state.wheels_commands.next(T_previous_robot);
+  }
   std::optional<robot::Scan> corrected;
   if (has_odometry) corrected = setRight(state, raw_scan, T_previous_robot);
   const robot::Scan& scan = corrected ? *corrected : raw_scan;

@@ -11,6 +11,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/gridmap/occupancy_raster.h"
 #include "libslam/mapping/journal.h"
+#include "libslam/robot/motion_kind.h"
 #include "libslam/robot/scan.h"
 
 namespace mrpt::slam {
@@ -35,7 +36,7 @@ struct MapBuilder {
   std::unique_ptr<mrpt::slam::CMetricMapBuilder> builder;
   std::string name;      ///< of the configuration: "icp", "rbpf_exact"
   std::string type;      ///< naive | icp | rbpf | particles | graph
-  std::string odometry;  ///< which increments it is fed: wheel | argmax | correlation | range_flow | plicp
+  std::string odometry;  ///< which increments it is fed: [method] odometry
   std::vector<core::ParameterReport> parameters;
 
   struct State;
@@ -65,6 +66,9 @@ core::IniFile loadMethodConfig(const std::string& methods_folder, const std::str
 void continueMap(MapBuilder& method, const std::string& simplemap_path, const core::Pose2& T_map_robot,
                  bool keep_map);
 
+/// What the robot was told to do before each scan to come, the first included: for processScan() where it is not told itself.
+void setCommands(MapBuilder& method, std::vector<robot::Commanded> commands);
+
 /// Feeds one scan. T_previous_robot is the wheels' increment since the scan before, the first scan's is taken
 /// as null. Which increment the builder gets is for [method] odometry to say; `wheel` takes the one estimated
 /// from the two scans (method correlation unless [scan_odometry] says otherwise) at every step for which
@@ -73,13 +77,15 @@ void continueMap(MapBuilder& method, const std::string& simplemap_path, const co
 /// else sees it, at every step that has odometry and a stamp after the one before.
 /// The other way round, correlation, range_flow and plicp take the wheels' increment, where there is one, at a step that
 /// the scans leave open (a corridor, an open field); argmax, the founding method, never does.
+/// `commanded` tells argmax what the robot was told to do since the scan before. Where nobody says (kUnknown, and no setCommands()) the wheels'
+/// increment does, and without wheels argmax guesses, as argmax_blind always does.
 /// Returns the pose T_map_robot after it; the map frame is the robot's pose at the first scan
 /// (which the particle filter already spreads by some millimetres).
 /// The random numbers of step k come from (seed, k) alone: neither the thread nor other methods run in
 /// between matter. Errors: MethodError when the motion or the pose is not finite, the grids would grow beyond
 /// [mapping] max_map_cells (checked before the scan is inserted), or MRPT throws. REQUIRES at least 2 beams.
 core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core::Pose2& T_previous_robot,
-                        bool has_odometry);
+                        bool has_odometry, const robot::Commanded& commanded = {});
 
 /// How sure the method says that it is of the pose that processScan() gave last: covariance of x (m), y (m), phi (rad) in
 /// the map frame, as getCurrentPoseEstimation() has it; what it leaves out stands with each method. nullopt for naive,

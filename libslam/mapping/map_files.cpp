@@ -5,12 +5,12 @@
 #include <mrpt/slam/CMetricMapBuilder.h>
 #include <zlib.h>
 
-#include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/gridmap/mrpt_grid.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/mapping/mrpt_compat.h"
 #include "libslam/mapping/naive_map_builder.h"
@@ -96,22 +96,11 @@ void writeRosMap(const gridmap::OccupancyRaster& map, const std::string& folder)
 }  // namespace
 
 gridmap::OccupancyRaster currentMap(const MapBuilder& method) {
-  const auto grid = gridOf(method);
-  gridmap::OccupancyRaster map;
-  map.columns = static_cast<int>(grid->getSizeX());
-  map.rows = static_cast<int>(grid->getSizeY());
-  // The grid has it as a float; 0.05 is meant, not 0.05000000074505806.
-  map.resolution_m = std::round(static_cast<double>(grid->getResolution()) * 1e6) / 1e6;
-  map.x_min_m = static_cast<double>(grid->getXMin());
-  map.y_min_m = static_cast<double>(grid->getYMin());
-  map.occupancy.reserve(grid->getRawMap().size());
-  const bool dots = drawsDots(method);
-  // MRPT keeps the log-odds of being free; 0 there is a cell that nothing ever changed, or evenly. A dot is
-  // certain, which log-odds cannot say.
-  for (const auto log_odds : grid->getRawMap()) {
-    const float occupied = dots ? 1.0F : 1.0F - COccupancyGridMap2D::l2p(log_odds);
-    map.occupancy.push_back(log_odds == 0 ? 0.5F : occupied);
-  }
+  auto map = gridmap::fromMrpt(*gridOf(method));
+  // A dot is certain, which log-odds cannot say.
+  if (drawsDots(method))
+    for (float& cell : map.occupancy)
+      if (cell != 0.5F) cell = 1.0F;
   return map;
 }
 

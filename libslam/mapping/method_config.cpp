@@ -42,7 +42,13 @@ std::vector<MappingTable::Row> naiveMappingRows() {
            &MappingOptions::draw,
            "dots",
            {"dots", "rays"},
-           "a dot for every return, or occupancy along whole rays"}};
+           "a dot for every return, or occupancy along whole rays"},
+          {"draw_after",
+           &MappingOptions::draw_after,
+           "every_scan",
+           {"every_scan", "moves"},
+           "moves: scans after a turn in place or at rest are not drawn, nor is the first, as the founding "
+           "robot has it"}};
 }
 
 std::vector<MappingTable::Row> matcherMappingRows() {
@@ -278,7 +284,7 @@ const core::ParameterTable<MethodOptions>& MethodOptions::table() {
        {"odometry",
         &MethodOptions::odometry,
         "wheel",
-        {"wheel", "argmax", "correlation", "range_flow", "plicp"},
+        {"wheel", "argmax", "argmax_blind", "correlation", "range_flow", "plicp"},
         "the motion increments; wheel takes those of scans where the log has none"},
        {"sweep_s", &MethodOptions::sweep_s, 0.0, 0.0, 10.0,
         "time from a scan's first to its last beam, at which it is stamped; scans are set right for the "

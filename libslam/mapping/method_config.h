@@ -13,7 +13,7 @@ namespace slam::mapping {
 /// Section [method]: what kind of builder and which motion increments it is fed.
 struct MethodOptions {
   std::string type;      ///< naive | icp | rbpf | particles | graph
-  std::string odometry;  ///< wheel | argmax | correlation | range_flow | plicp
+  std::string odometry;  ///< wheel | argmax | argmax_blind | correlation | range_flow | plicp
   double sweep_s;        ///< robot::Sweep, 0: the scans are taken as they are
   bool sweep_clockwise;
   MethodOptions();
@@ -25,6 +25,7 @@ struct MappingOptions {
   double resolution_m;
   std::string grid;                                ///< stock | exact
   std::string draw;                                ///< dots | rays; naive only
+  std::string draw_after;                          ///< every_scan | moves; naive only
   double insert_distance_m, insert_angle_rad;      ///< not graph
   double localize_distance_m, localize_angle_rad;  ///< icp and rbpf
   double max_insert_range_m;

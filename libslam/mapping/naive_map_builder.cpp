@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "libslam/mapping/map_grid.h"
+#include "libslam/robot/motion_kind.h"
 #include "libslam/robot/mrpt_types.h"
 #include "libslam/robot/scan.h"
 
@@ -60,15 +61,24 @@ mrpt::poses::CPose3DPDF::Ptr NaiveMapBuilder::getCurrentPoseEstimation() const {
 
 void NaiveMapBuilder::processActionObservation(mrpt::obs::CActionCollection& action,
                                                mrpt::obs::CSensoryFrame& observations) {
+  mrpt::poses::CPose2D increment;
   if (const auto movement = action.getBestMovementEstimation())
-    T_map_robot_ = T_map_robot_ + movement->poseChange->getMeanVal();
+    increment = movement->poseChange->getMeanVal();
+  T_map_robot_ = T_map_robot_ + increment;
   if (!options.enableMapUpdating) return;
-  draw(observations);
-  if (!isKeyFrame()) return;
+  const bool is_drawn = isDrawnAfter(robot::fromMrpt(increment.asTPose()));
+  if (is_drawn) draw(observations);
+  if ((!is_drawn && !key_frames_.empty()) || !isKeyFrame()) return;
   mrpt::poses::CPose3DPDFGaussian pose;
   pose.mean = mrpt::poses::CPose3D(T_map_robot_);
   key_frames_.insert(pose, observations);
   T_map_key_frame_ = T_map_robot_;
+}
+
+bool NaiveMapBuilder::isDrawnAfter(const core::Pose2& increment) const {
+  if (options_.draw_after == "every_scan") return true;
+  const auto kind = robot::kindOf(increment);
+  return kind == robot::MotionKind::kMove || kind == robot::MotionKind::kArc;
 }
 
 void NaiveMapBuilder::draw(const mrpt::obs::CSensoryFrame& observations) {

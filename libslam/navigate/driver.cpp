@@ -4,6 +4,8 @@
 #include <optional>
 
 #include "libslam/core/error.h"
+#include "libslam/navigate/goal_navigator.h"
+#include "libslam/navigate/obstacle_memory.h"
 #include "libslam/navigate/path_follower.h"
 #include "libslam/navigate/safe_motion.h"
 #include "libslam/navigate/strategy.h"
@@ -19,9 +21,12 @@ constexpr double kSmallestTurn_rad = 1e-3;  // below what any odometry notices
 constexpr double kEscapeStep_rad = core::kPi / 36;
 constexpr int kTransitionsPerPeriod = 8;
 
+constexpr double kRayPatience = 4;  // times the straight drive, for the ways round what is in the way
+constexpr double kRayTolerance_m = 0.1;
+
 constexpr double kNews_m2 = 0.25;  // less new area than this may be the map's noise
 
-enum class Phase { kDeciding, kTurning, kDriving, kBacking, kFollowing };
+enum class Phase { kDeciding, kTurning, kDriving, kBacking, kFollowing, kNavigating };
 
 }  // namespace
 
@@ -48,6 +53,12 @@ struct Driver::State {
   double most_known_m2 = 0;   ///< when there was last any news
   int barren = 0;             ///< decisions in a row without news
 
+  std::unique_ptr<ObstacleMemory> memory = nullptr;
+  std::vector<core::Point2> remembered = {};  ///< robot frame
+  std::unique_ptr<GoalNavigator> navigator = nullptr;
+  bool collided = false;   ///< by the last command
+  bool w_follows = false;  ///< stop_clearance_m is that of stopClearance()
+
   std::optional<robot::Command> advance(const robot::Scan& scan, const core::Pose2& T_map_robot);
   void decide(const robot::Scan& scan, const core::Pose2& T_map_robot);
   Decision escape(const robot::Scan& scan);
@@ -55,25 +66,28 @@ struct Driver::State {
   std::optional<robot::Command> drive(const robot::Scan& scan, const core::Pose2& T_map_robot);
   std::optional<robot::Command> back(const robot::Scan& scan, const core::Pose2& T_map_robot);
   std::optional<robot::Command> follow(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  std::optional<robot::Command> navigate(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  void sense(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  void startNavigator(const core::Pose2& T_map_robot);
   void endDrive(const core::Pose2& T_map_robot);
   bool isBarren();
   bool checkIsDue() const { return periods_unchecked * period_s >= options.recheck_s; }
 
   double reach(const robot::Scan& scan, double direction_rad) const {
-    return discReach(scan, direction_rad, robot);
+    return discReach(scan, direction_rad, robot, remembered);
   }
   /// By the rule that the strategy drives by.
   bool frontIsFree(const robot::Scan& scan) const {
     if (escaping) return true;
     if (strategy->drivesByDisc()) return seesAhead(scan);
-    const FreeWays ways = canMove(scan, options.stop_clearance_m);
+    const FreeWays ways = canMove(scan, options.stop_clearance_m, remembered);
     return ways == FreeWays::kBoth || ways == FreeWays::kFrontOnly;
   }
   bool rearIsFree(const robot::Scan& scan) const {
     const double body_m = robot::circumscribedRadius(robot);
     const double clearance_m =
         strategy->drivesByDisc() ? std::min(body_m, options.stop_clearance_m) : options.stop_clearance_m;
-    const FreeWays ways = canMove(scan, clearance_m);
+    const FreeWays ways = canMove(scan, clearance_m, remembered);
     return ways == FreeWays::kBoth || ways == FreeWays::kRearOnly;
   }
   robot::Command straight(double distance_m) const { return {distance_m / period_s, 0, period_s}; }
@@ -96,6 +110,8 @@ std::optional<robot::Command> Driver::State::advance(const robot::Scan& scan,
       return back(scan, T_map_robot);
     case Phase::kFollowing:
       return follow(scan, T_map_robot);
+    case Phase::kNavigating:
+      return navigate(scan, T_map_robot);
   }
   return std::nullopt;
 }
@@ -130,6 +146,42 @@ void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_map_rob
   target_heading_rad = core::wrapToPi(T_map_robot.phi + decision.turn_rad);
   T_map_begin = T_map_robot;
   phase = Phase::kTurning;
+  if (!escaping && decision.ray_m > 0 && options.ray_navigator != "none") startNavigator(T_map_robot);
+}
+
+/// What the newest scan shows besides itself: the obstacles that are remembered, and the w that follows from it.
+void Driver::State::sense(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+  memory->update(scan, T_map_robot);
+  remembered = memory->points();
+  if (!w_follows) return;
+  options.stop_clearance_m = stopClearance(robot, period_s, scan.range_sigma_m);
+  strategy->setStopClearance(options.stop_clearance_m);
+}
+
+void Driver::State::startNavigator(const core::Pose2& T_map_robot) {
+  const double distance_m = std::min(decision.distance_m, decision.ray_m - options.stop_clearance_m);
+  if (distance_m <= kRayTolerance_m) return;
+  NavigateOptions ways;
+  ways.goal_tolerance_m = kRayTolerance_m;
+  ways.memory = options.memory == "none" ? ways.memory : options.memory;
+  ways.obstacles = options.obstacles;
+  ways.time_limit_s =
+      kRayPatience * (core::kPi / robot.max_turn_rate_radps + distance_m / robot.max_speed_mps);
+  const core::Point2 p_robot_end{distance_m * std::cos(decision.turn_rad),
+                                 distance_m * std::sin(decision.turn_rad)};
+  navigator = makeGoalNavigator(options.ray_navigator, ways, {T_map_robot * p_robot_end, robot, period_s});
+  phase = Phase::kNavigating;
+}
+
+std::optional<robot::Command> Driver::State::navigate(const robot::Scan& scan,
+                                                      const core::Pose2& T_map_robot) {
+  const GoalStep step = navigator->next(scan, T_map_robot, collided);
+  if (step.status == GoalStatus::kMoving) return step.command;
+  navigator.reset();
+  const bool moved = core::distance(T_map_begin, T_map_robot) >= kShortestDrive_m;
+  endDrive(T_map_robot);
+  if (!moved) phase = Phase::kBacking;
+  return std::nullopt;
 }
 
 Decision Driver::State::escape(const robot::Scan& scan) {
@@ -207,7 +259,7 @@ std::optional<robot::Command> Driver::State::follow(const robot::Scan& scan, con
     }
   }
   ++periods_unchecked;
-  const auto step = follower.next(scan, T_map_robot, robot, options.slow_clearance_m, period_s);
+  const auto step = follower.next(scan, T_map_robot, robot, options.slow_clearance_m, period_s, remembered);
   if (step.status == PathFollower::Status::kFollowing) return step.command;
   const bool arrived = step.status == PathFollower::Status::kArrived;
   strategy->tellOutcome(decision, arrived);
@@ -237,14 +289,19 @@ Driver::Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& option
     throw core::ContractError("Driver: expected a positive period");
   strategy->setRobot(robot);
   state_ = std::make_unique<State>(State{std::move(strategy), options, robot, period_s, random});
+  state_->memory = makeObstacleMemory(options.memory, options.obstacles);
+  state_->w_follows = options.stop_clearance_m == 0;
 }
 
 Driver::~Driver() = default;
 
 robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_map_robot, bool collided) {
   State& state = *state_;
+  state.sense(scan, T_map_robot);
   state.strategy->seeScan(scan, T_map_robot);
-  if (collided) {
+  state.collided = collided;
+  // A navigator feels for itself what was hit.
+  if (collided && state.phase != Phase::kNavigating) {
     // What was hit is not in the scans: leave on the side that was just driven.
     ++state.failures;
     state.T_map_begin = T_map_robot;

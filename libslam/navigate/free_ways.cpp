@@ -17,7 +17,12 @@ double returnDistance(const robot::Scan& scan, size_t beam) {
   return std::hypot(p_robot.x, p_robot.y);
 }
 
-bool sectorIsFree(const robot::Scan& scan, double middle_rad, double clearance_m) {
+bool sectorIsFree(const robot::Scan& scan, double middle_rad, double clearance_m,
+                  const std::vector<core::Point2>& remembered) {
+  for (const auto& p : remembered) {
+    const double aside_rad = std::abs(core::angleDifference(std::atan2(p.y, p.x), middle_rad));
+    if (aside_rad <= kHalfSector_rad + kRounding_rad && std::hypot(p.x, p.y) < clearance_m) return false;
+  }
   size_t seen = 0;
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const double beam_rad = scan.angle(i) + scan.T_robot_lidar.phi;
@@ -32,9 +37,9 @@ bool sectorIsFree(const robot::Scan& scan, double middle_rad, double clearance_m
 
 }  // namespace
 
-FreeWays canMove(const robot::Scan& scan, double clearance_m) {
-  const bool front = sectorIsFree(scan, 0, clearance_m);
-  const bool rear = sectorIsFree(scan, core::kPi, clearance_m);
+FreeWays canMove(const robot::Scan& scan, double clearance_m, const std::vector<core::Point2>& remembered) {
+  const bool front = sectorIsFree(scan, 0, clearance_m, remembered);
+  const bool rear = sectorIsFree(scan, core::kPi, clearance_m, remembered);
   if (front) return rear ? FreeWays::kBoth : FreeWays::kFrontOnly;
   return rear ? FreeWays::kRearOnly : FreeWays::kNone;
 }

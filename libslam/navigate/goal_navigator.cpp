@@ -6,6 +6,7 @@
 #include "libslam/navigate/bug1.h"
 #include "libslam/navigate/bug2.h"
 #include "libslam/navigate/lidar_bug.h"
+#include "libslam/navigate/obstacle_memory.h"
 #include "libslam/navigate/tangent_bug.h"
 
 namespace slam::navigate {
@@ -50,7 +51,10 @@ const core::ParameterTable<NavigateOptions>& NavigateOptions::table() {
        {"time_limit_s", &O::time_limit_s, 1800.0, 1.0, 1e6, "then it gives up; of the robot's time"},
        {"turn", &O::turn, "left", {"left", "right"}, "at an obstacle; bug1 and bug2"},
        {"sensor_range_m", &O::sensor_range_m, 0.0, 0.0, 1e4,
-        "how far tangent believes the lidar; 0 is the lidar's own range"}});
+        "how far tangent believes the lidar; 0 is the lidar's own range"},
+       {"memory", &O::memory, "short", obstacleMemoryNames(),
+        "of obstacles that the newest scan does not show: none, within 1.5 m, or the local map of "
+        "[obstacles]"}});
   return rows;
 }
 
@@ -76,7 +80,12 @@ const core::ParameterTable<LidarBugOptions>& LidarBugOptions::table() {
        {"stuck_turn_deg", &O::stuck_turn_rad, 45.0, 1.0, 180.0, "turned away from a bump"},
        {"near_goal_m", &O::near_goal_m, 0.8, 0.01, 10.0, "nearer it drives at the goal"},
        {"off_course_deg", &O::off_course_rad, 15.0, 1.0, 180.0, "beyond it turns to the goal again"},
-       {"bumps_in_a_row", &O::bumps_in_a_row, 3, 1, 1000, "then it turns until the front is clear"}});
+       {"bumps_in_a_row", &O::bumps_in_a_row, 3, 1, 1000, "then it turns until the front is clear"},
+       {"wall_end",
+        &O::wall_end,
+        "goal",
+        {"goal", "front"},
+        "where the wall ends it turns until: the goal's side is clear, or, as the original, the front is"}});
   return rows;
 }
 

@@ -5,6 +5,7 @@
 
 #include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/obstacles/local_obstacle_map.h"
 #include "libslam/robot/drive.h"
 #include "libslam/robot/scan.h"
 
@@ -14,12 +15,23 @@ enum class GoalStatus { kMoving, kReached, kUnreachable, kGaveUp };
 /// "moving", "reached", "unreachable", "gave up".
 const char* statusName(GoalStatus status);
 
+/// A change of a method's own state.
+struct StateChangeWithin {
+  std::string from, to, why;
+};
+
 /// What a goal navigator does in the next period, and why.
 struct GoalStep {
   robot::Command command;  ///< for one period; stands still once the status is final
   GoalStatus status = GoalStatus::kMoving;
   std::string state;   ///< of the method's own state machine: "to goal", "WALL FOLLOW"
   std::string reason;  ///< of the last change of state, or of the end
+  /// Every change of state that led to `state` since the step before, for methods that make several at once;
+  /// empty for those that make one at most: it shows in `state`.
+  std::vector<StateChangeWithin> changes = {};
+  /// Where the method looked, robot frame: lidar_bug's places projected in its five strategic directions, in
+  /// their order. Empty for the others, and when it ended before it looked.
+  std::vector<core::Point2> p_robot_projected = {};
 };
 
 /// Drives to a goal in an unknown place, with the lidar and a pose, without a map.
@@ -46,6 +58,7 @@ struct LidarBugOptions {
   double obstacle_range_m, side_range_m, wall_distance_m, wall_lost_m, clear_front_m;
   double back_off_m, stuck_turn_rad, drive_on_m, near_goal_m, off_course_rad;
   int bumps_in_a_row;
+  std::string wall_end;
   LidarBugOptions();
   static const core::ParameterTable<LidarBugOptions>& table();
 };
@@ -55,7 +68,9 @@ struct NavigateOptions {
   double goal_tolerance_m, clearance_m, boundary_tolerance_m, time_limit_s;
   std::string turn;
   double sensor_range_m;
+  std::string memory;  ///< a name of obstacleMemoryNames()
   LidarBugOptions lidar_bug;
+  obstacles::LocalObstacleOptions obstacles;  ///< the zone of memory = local_map
   NavigateOptions();
   static const core::ParameterTable<NavigateOptions>& table();
 };

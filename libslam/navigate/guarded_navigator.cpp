@@ -25,7 +25,9 @@ std::string describe(const core::Point2& p) {
 }
 
 GuardedNavigator::GuardedNavigator(const NavigateOptions& options, const GoalTask& task)
-    : options_(options), task_(task), surroundings_(task.robot, options.clearance_m, task.period_s) {}
+    : options_(options),
+      task_(task),
+      surroundings_(task.robot, options.clearance_m, task.period_s, options.memory, options.obstacles) {}
 
 double GuardedNavigator::goalDistance(const core::Pose2& T_odom_robot) const {
   return core::distance(core::position(T_odom_robot), task_.p_odom_goal);
@@ -61,7 +63,10 @@ bool GuardedNavigator::standsStill(const core::Pose2& T_odom_robot) {
 }
 
 GoalStep GuardedNavigator::next(const robot::Scan& scan, const core::Pose2& T_odom_robot, bool collided) {
-  if (last_.status != GoalStatus::kMoving) return last_;
+  if (last_.status != GoalStatus::kMoving) {
+    last_.changes.clear();
+    return last_;
+  }
   if (!core::isFinite(T_odom_robot)) return end(GoalStatus::kGaveUp, "the pose is not finite");
   elapsed_s_ += task_.period_s;
   surroundings_.update(scan, T_odom_robot);
@@ -77,6 +82,7 @@ GoalStep GuardedNavigator::next(const robot::Scan& scan, const core::Pose2& T_od
   if (standsStill(T_odom_robot)) return end(GoalStatus::kGaveUp, "no way from this spot for a minute");
   if (blind_s_ > 0) {
     last_.command = surroundings_.stand();
+    last_.changes.clear();
     last_speed_mps_ = 0;
     return last_;
   }

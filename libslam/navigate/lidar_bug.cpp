@@ -22,128 +22,7 @@ constexpr double kStopMargin_m = 0.03;
 constexpr double kBumpsForgotten_m = 0.5;
 constexpr int kDecisionsPerPeriod = 4;
 
-struct StateRow {
-  const char *name, *meaning;
-};
-// In the order of LidarBugState.
-constexpr std::array<StateRow, kLidarBugStates> kStates = {{
-    {"TURN TO GOAL", "turns in place until it faces the goal"},
-    {"DRIVE FORWARD", "drives towards the goal"},
-    {"DRIVE AT GOAL", "the goal is near: drives at it whatever stands beside"},
-    {"AVOID TURN", "stopped before an obstacle: turns until the front is clear"},
-    {"AVOID DRIVE", "drives on along the obstacle for a set distance"},
-    {"WALL FOLLOW", "keeps the wall's distance by turning towards it or away"},
-    {"OPEN TURN", "the wall has ended: turns to the goal's side until the front is clear"},
-    {"OPEN DRIVE", "drives on past the wall's end for a set distance"},
-    {"STUCK LEAVE", "bumped: backs off from what is in front, advances from what is behind"},
-    {"STUCK TURN", "turns in place, away from the bump"},
-    {"STUCK RETURN", "tries to return to normal: drives on for a set distance"},
-    {"STUCK CLEAR", "several bumps in a row: turns until the front is clear beyond a limit"},
-    {"REACHED", "stands at the goal"},
-    {"GAVE UP", "stands: the time is up, or there is no way"},
-}};
-
-// In the order of LidarBugEvent.
-constexpr std::array<const char*, 16> kEvents = {"faces the goal",
-                                                 "off course",
-                                                 "goal near",
-                                                 "goal no longer near",
-                                                 "obstacle in range",
-                                                 "front clear",
-                                                 "driven on",
-                                                 "sides open",
-                                                 "bump",
-                                                 "several bumps",
-                                                 "moved away",
-                                                 "turned away",
-                                                 "returned",
-                                                 "no clear front",
-                                                 "goal reached",
-                                                 "gave up"};
-
-std::vector<LidarBugTransition> allTransitions() {
-  std::vector<LidarBugTransition> rows = {
-      {State::kTurnToGoal, Event::kFacingGoal, State::kDriveForward},
-      {State::kTurnToGoal, Event::kGoalNear, State::kDriveAtGoal},
-      {State::kDriveForward, Event::kGoalNear, State::kDriveAtGoal},
-      {State::kDriveForward, Event::kObstacleInRange, State::kAvoidTurn},
-      {State::kDriveForward, Event::kOffCourse, State::kTurnToGoal},
-      {State::kDriveAtGoal, Event::kGoalFar, State::kTurnToGoal},
-      {State::kAvoidTurn, Event::kFrontClear, State::kAvoidDrive},
-      {State::kAvoidTurn, Event::kNoClearFront, State::kGaveUp},
-      {State::kAvoidDrive, Event::kDrivenOn, State::kWallFollow},
-      {State::kAvoidDrive, Event::kObstacleInRange, State::kAvoidTurn},
-      {State::kWallFollow, Event::kGoalNear, State::kDriveAtGoal},
-      {State::kWallFollow, Event::kObstacleInRange, State::kAvoidTurn},
-      {State::kWallFollow, Event::kSidesOpen, State::kOpenTurn},
-      {State::kOpenTurn, Event::kFrontClear, State::kOpenDrive},
-      {State::kOpenTurn, Event::kNoClearFront, State::kGaveUp},
-      {State::kOpenDrive, Event::kDrivenOn, State::kTurnToGoal},
-      {State::kOpenDrive, Event::kObstacleInRange, State::kAvoidTurn},
-      {State::kStuckLeave, Event::kMovedAway, State::kStuckTurn},
-      {State::kStuckTurn, Event::kTurnedAway, State::kStuckReturn},
-      {State::kStuckReturn, Event::kReturned, State::kTurnToGoal},
-      {State::kStuckClear, Event::kFrontClear, State::kAvoidDrive},
-      {State::kStuckClear, Event::kNoClearFront, State::kGaveUp},
-  };
-  for (const State driving : {State::kDriveForward, State::kDriveAtGoal, State::kAvoidDrive,
-                              State::kWallFollow, State::kOpenDrive, State::kStuckReturn}) {
-    rows.push_back({driving, Event::kBump, State::kStuckLeave});
-    rows.push_back({driving, Event::kManyBumps, State::kStuckClear});
-  }
-  for (int i = 0; i < static_cast<int>(State::kReached); ++i) {
-    rows.push_back({static_cast<State>(i), Event::kGoalReached, State::kReached});
-    if (!std::any_of(rows.begin(), rows.end(), [i](const LidarBugTransition& row) {
-          return row.from == static_cast<State>(i) && row.event == Event::kEnded;
-        }))
-      rows.push_back({static_cast<State>(i), Event::kEnded, State::kGaveUp});
-  }
-  return rows;
-}
-
-std::string identifier(State state) {
-  std::string name = lidarBugStateName(state);
-  std::replace(name.begin(), name.end(), ' ', '_');
-  return name;
-}
-
 }  // namespace
-
-const char* lidarBugStateName(State state) {
-  return kStates[static_cast<size_t>(state)].name;
-}
-
-const char* lidarBugStateMeaning(State state) {
-  return kStates[static_cast<size_t>(state)].meaning;
-}
-
-const char* lidarBugEventName(Event event) {
-  return kEvents[static_cast<size_t>(event)];
-}
-
-const std::vector<LidarBugTransition>& lidarBugTransitions() {
-  static const std::vector<LidarBugTransition> rows = allTransitions();
-  return rows;
-}
-
-std::string lidarBugDiagram() {
-  std::string text =
-      "# The state machine of `lidar_bug`\n\n"
-      "Made from the table of transitions in `lidar_bug.cpp`; a test keeps the two alike. From every state\n"
-      "*goal reached* also leads to REACHED, and *gave up* (time limit, no valid reading, no way) to GAVE "
-      "UP.\n"
-      "\n"
-      "```mermaid\nstateDiagram-v2\n    [*] --> " +
-      identifier(State::kTurnToGoal) + "\n";
-  for (const auto& row : lidarBugTransitions()) {
-    if (row.event == Event::kGoalReached || row.event == Event::kEnded) continue;
-    text += "    " + identifier(row.from) + " --> " + identifier(row.to) + ": " +
-            lidarBugEventName(row.event) + "\n";
-  }
-  text += "    REACHED --> [*]\n    GAVE_UP --> [*]\n```\n\n| state | what it does |\n|---|---|\n";
-  for (const auto& row : kStates) text += std::string("| ") + row.name + " | " + row.meaning + " |\n";
-  return text;
-}
 
 std::array<double, 5> strategicDirections() {
   std::array<double, 5> directions{};
@@ -154,8 +33,8 @@ std::array<double, 5> strategicDirections() {
 
 LidarBug::LidarBug(const NavigateOptions& options, const GoalTask& task) : GuardedNavigator(options, task) {}
 
-double LidarBug::stopRadius() const {
-  return std::max(options_.lidar_bug.stop_radius_m, surroundings_.guardRadius() + kStopMargin_m);
+double lidarBugStopRadius(const LidarBugOptions& options, double guard_m) {
+  return std::max(options.stop_radius_m, guard_m + kStopMargin_m);
 }
 
 void LidarBug::look(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
@@ -185,8 +64,8 @@ void LidarBug::look(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
   const double stride_m = 2 * options_.lidar_bug.clear_front_m;
   for (size_t d = 0; d < directions.size(); ++d) {
     const double r = std::min(readings_m_[d], stride_m);
-    p_odom_projected_[d] =
-        T_odom_robot * core::Point2{r * std::cos(directions[d]), r * std::sin(directions[d])};
+    p_robot_projected_[d] = {r * std::cos(directions[d]), r * std::sin(directions[d])};
+    p_odom_projected_[d] = T_odom_robot * p_robot_projected_[d];
   }
 }
 
@@ -246,8 +125,10 @@ void LidarBug::fire(Event event, const core::Pose2& T_odom_robot, const std::str
   if (row == rows.end())
     throw core::ContractError(std::string("LidarBug: no transition from ") + lidarBugStateName(state_) +
                               " on " + lidarBugEventName(event));
+  const State from = state_;
   state_ = row->to;
   reason_ = lidarBugEventName(event) + (detail.empty() ? "" : ": " + detail);
+  changes_.push_back({lidarBugStateName(from), lidarBugStateName(state_), reason_});
   T_odom_remembered_ = T_odom_robot;
   last_heading_rad_ = T_odom_robot.phi;
   turned_rad_ = 0;
@@ -312,8 +193,9 @@ bool LidarBug::decideTurning(const core::Pose2& T_odom_robot) {
     return fire(Event::kFacingGoal, T_odom_robot, ""), true;
   }
   const double limit_m = options_.lidar_bug.clear_front_m * (state_ == State::kStuckClear ? 1.5 : 1.0);
-  // At a wall's end the front is clear at once: it is the goal's side that has to be.
-  const bool to_goal = state_ != State::kOpenTurn || goalDirection(T_odom_robot) * turn_sign_ < kFacing_rad;
+  // At a wall's end the front is mostly clear at once: ours asks for the goal's side.
+  const bool asks_goal_side = state_ == State::kOpenTurn && options_.lidar_bug.wall_end == "goal";
+  const bool to_goal = !asks_goal_side || goalDirection(T_odom_robot) * turn_sign_ < kFacing_rad;
   if (to_goal && frontClear(limit_m)) return fire(Event::kFrontClear, T_odom_robot, ""), true;
   if (std::abs(turned_rad_) < 2 * core::kPi + 0.2) return false;
   fire(Event::kNoClearFront, T_odom_robot, "in a full turn");
@@ -350,12 +232,14 @@ bool LidarBug::decide(const core::Pose2& T_odom_robot) {
 
 GoalStep LidarBug::plan(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
   look(scan, T_odom_robot);
+  changes_.clear();
   turned_rad_ += core::angleDifference(T_odom_robot.phi, last_heading_rad_);
   last_heading_rad_ = T_odom_robot.phi;
   for (int i = 0; i < kDecisionsPerPeriod && decide(T_odom_robot); ++i) {
   }
   const GoalStatus status = state_ == State::kGaveUp ? GoalStatus::kGaveUp : GoalStatus::kMoving;
-  return {act(T_odom_robot), status, lidarBugStateName(state_), reason_};
+  return {act(T_odom_robot), status,   lidarBugStateName(state_),
+          reason_,           changes_, {p_robot_projected_.begin(), p_robot_projected_.end()}};
 }
 
 std::string LidarBug::endState(GoalStatus status) const {

@@ -21,6 +21,7 @@ Decision LongestRay::decide(const robot::Scan& scan, const core::Pose2& /*T_odom
   decision.turn_rad = core::wrapToPi(longest.angle_rad);
   decision.distance_m = longest.range_m / divisor;
   decision.score = longest.range_m;
+  decision.ray_m = longest.range_m;
   char reason[80];
   std::snprintf(reason, sizeof reason, "longest ray %.2f m at %.0f deg", longest.range_m,
                 core::radToDeg(decision.turn_rad));

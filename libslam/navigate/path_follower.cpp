@@ -42,7 +42,8 @@ bool PathFollower::advanceWaypoint(const core::Pose2& T_map_robot) {
 }
 
 std::optional<core::Point2> PathFollower::sidestep(const robot::Scan& scan, const core::Pose2& T_map_robot,
-                                                   const robot::RobotOptions& robot, double towards_rad) {
+                                                   const robot::RobotOptions& robot, double towards_rad,
+                                                   const std::vector<core::Point2>& remembered) {
   const double rest_m = core::distance(path_[waypoint_], core::position(T_map_robot));
   if (sidesteps_ > 0 && rest_m < nearest_m_ - kProgress_m) sidesteps_ = 0;
   if (sidesteps_ == 0) nearest_m_ = rest_m;
@@ -50,7 +51,7 @@ std::optional<core::Point2> PathFollower::sidestep(const robot::Scan& scan, cons
   for (int i = 1; i <= kSidestepTurns; ++i)
     for (const int side : {1, -1}) {
       const double direction_rad = towards_rad + side * i * kSidestepTurn_rad;
-      if (discReach(scan, direction_rad, robot) < kSidestep_m) continue;
+      if (discReach(scan, direction_rad, robot, remembered) < kSidestep_m) continue;
       return T_map_robot *
              core::Point2{kSidestep_m * std::cos(direction_rad), kSidestep_m * std::sin(direction_rad)};
     }
@@ -71,7 +72,7 @@ bool PathFollower::mustTurn(double error_rad, double rest_m, double most_rad) {
 
 PathFollower::Step PathFollower::next(const robot::Scan& scan, const core::Pose2& T_map_robot,
                                       const robot::RobotOptions& robot, double slow_clearance_m,
-                                      double period_s) {
+                                      double period_s, const std::vector<core::Point2>& remembered) {
   const robot::Command stand{0, 0, period_s};
   const double most_rad = robot.max_turn_rate_radps * period_s;
   const auto bearing = [&](const core::Point2& p_map) {
@@ -98,10 +99,10 @@ PathFollower::Step PathFollower::next(const robot::Scan& scan, const core::Pose2
   if (mustTurn(error_rad, rest_m, most_rad))
     return {Status::kFollowing, turnBy(error_rad, most_rad, period_s)};
   if (!seesAhead(scan)) return {Status::kBlocked, stand};
-  const double speed_mps = safeSpeed(scan, robot, slow_clearance_m);
-  const double step_m = std::min({rest_m, speed_mps * period_s, discReach(scan, 0, robot)});
+  const double speed_mps = safeSpeed(scan, robot, slow_clearance_m, remembered);
+  const double step_m = std::min({rest_m, speed_mps * period_s, discReach(scan, 0, robot, remembered)});
   if (step_m >= kShortestDrive_m) return {Status::kFollowing, {step_m / period_s, 0, period_s}};
-  detour_ = sidestep(scan, T_map_robot, robot, bearing(path_[waypoint_]));
+  detour_ = sidestep(scan, T_map_robot, robot, bearing(path_[waypoint_]), remembered);
   if (!detour_) return {Status::kBlocked, stand};
   turning_ = true;
   return {Status::kFollowing, turnBy(bearing(*detour_), most_rad, period_s)};

@@ -64,6 +64,7 @@ Decision Quadrant::decide(const robot::Scan& scan, const core::Pose2& T_odom_rob
   decision.turn_rad = core::wrapToPi(chosen.angle_rad);
   decision.distance_m = chosen.range_m / divisor;
   decision.score = chosen.range_m;
+  decision.ray_m = chosen.range_m;
   char reason[100];
   std::snprintf(reason, sizeof reason, "%s: longest ray %.2f m at %.0f deg%s", kNames[*choice],
                 chosen.range_m, core::radToDeg(decision.turn_rad), choice == back ? ", the way back" : "");

@@ -29,6 +29,7 @@ Decision RandomHeading::decide(const robot::Scan& scan, const core::Pose2& /*T_m
     decision.turn_rad = core::wrapToPi(beam.angle_rad);
     decision.distance_m = beam.range_m / divisor;
     decision.score = beam.range_m;
+    decision.ray_m = beam.range_m;
     std::snprintf(reason, sizeof reason, "random direction %.0f deg, free for %.2f m",
                   core::radToDeg(decision.turn_rad), beam.range_m);
   }

@@ -3,10 +3,12 @@
 #include <type_traits>
 
 #include "libslam/core/error.h"
+#include "libslam/navigate/goal_navigator.h"
 #include "libslam/navigate/information_gain.h"
 #include "libslam/navigate/longest_ray.h"
 #include "libslam/navigate/nearest_frontier.h"
 #include "libslam/navigate/next_best_view.h"
+#include "libslam/navigate/obstacle_memory.h"
 #include "libslam/navigate/quadrant.h"
 #include "libslam/navigate/random_heading.h"
 #include "libslam/navigate/wall_follow.h"
@@ -42,6 +44,12 @@ constexpr Entry kStrategies[] = {
                            "on the map: the view that is expected to show most per metre of way"),
     entry<NextBestView>("next_best_view", "on the map: gain against travel, with the view after it in mind")};
 
+std::vector<std::string> rayNavigators() {
+  auto names = goalNavigatorNames();
+  names.insert(names.begin(), "none");
+  return names;
+}
+
 const Entry& entryOf(const std::string& name, const char* who) {
   for (const auto& known : kStrategies)
     if (name == known.name) return known;
@@ -57,8 +65,9 @@ const core::ParameterTable<StrategyOptions>& StrategyOptions::table() {
       {{"name", &O::name, "quadrant", strategyNames(), "how the robot decides where to go next"},
        {"divisor_min", &O::divisor_min, 0.1, 0.01, 100.0, "drive (longest ray / u), u at least this"},
        {"divisor_max", &O::divisor_max, 2.0, 0.01, 100.0, "drive (longest ray / u), u below this"},
-       {"stop_clearance_m", &O::stop_clearance_m, 0.45, 0.01, 10.0,
-        "the way is blocked when a range within 45 degrees of it is below this"},
+       {"stop_clearance_m", &O::stop_clearance_m, 0.45, 0.0, 10.0,
+        "the way is blocked when a range within 45 degrees of it is below this; 0: the robot's circle, one "
+        "step, 2 cm and sigma"},
        {"back_off_m", &O::back_off_m, 0.3, 0.01, 10.0, "how far to go back when blocked at once"},
        {"patience", &O::patience, 3, 1, 1000,
         "decisions in a row without progress before a random free direction"},
@@ -84,6 +93,11 @@ const core::ParameterTable<StrategyOptions>& StrategyOptions::table() {
        {"horizon", &O::horizon, 2, 1, 10, "next_best_view: views ahead"},
        {"slow_clearance_m", &O::slow_clearance_m, 0.15, 0.0, 10.0,
         "with less than this between the disc and an obstacle a path is driven more slowly"},
+       {"ray_navigator", &O::ray_navigator, "none", rayNavigators(),
+        "who drives along a ray, round what is in the way; none: straight ahead"},
+       {"memory", &O::memory, "none", obstacleMemoryNames(),
+        "of obstacles that the newest scan does not show: none, within 1.5 m, or the local map of "
+        "[obstacles]"},
        {"give_up_after", &O::give_up_after, 20, 1, 100000,
         "decisions in a row that show nothing new before the exploration counts as stuck"}});
   return rows;

@@ -8,6 +8,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/core/random.h"
 #include "libslam/gridmap/occupancy_raster.h"
+#include "libslam/obstacles/local_obstacle_map.h"
 #include "libslam/robot/drive.h"
 #include "libslam/robot/scan.h"
 
@@ -18,14 +19,17 @@ enum class FreeWays { kBoth = 0, kFrontOnly = 1, kRearOnly = 2, kNone = 3 };
 
 /// Front sector: beams within +-45 degrees of the heading; rear: within +-45 degrees of straight back. A way
 /// is blocked when any return in its sector lies nearer than clearance_m to the robot's centre, and when the
-/// lidar does not see that sector: when its readings (lost ones do not count) cover less than half of it.
-FreeWays canMove(const robot::Scan& scan, double clearance_m);
+/// lidar does not see that sector: when its readings (lost ones do not count) cover less than half of it. A
+/// remembered obstacle (robot frame, see ObstacleMemory) blocks like a return.
+FreeWays canMove(const robot::Scan& scan, double clearance_m,
+                 const std::vector<core::Point2>& remembered = {});
 
 /// What a strategy decides and why. Without a path: turn by turn_rad, then drive distance_m. With a path: drive
 /// along its waypoints; turn and distance are then not used.
 struct Decision {
   double turn_rad = 0;
   double distance_m = 0;  ///< 0: only turn
+  double ray_m = 0;       ///< length of the ray that it drives along; 0: along none
   bool finished = false;  ///< nothing left to explore; `reason` says what remains out of reach
   double score = 0;       ///< of the choice, in the strategy's own measure
   std::string reason;     ///< "longest ray 7.31 m at 42 deg"
@@ -54,6 +58,8 @@ class Strategy {
   virtual void seeScan(const robot::Scan& /*scan*/, const core::Pose2& /*T_map_robot*/) {}
   /// Whose ways are to be planned. A strategy that is not told assumes the default robot.
   virtual void setRobot(const robot::RobotOptions& /*robot*/) {}
+  /// The w in force, when it follows from the robot. A strategy that is not told has that of its options.
+  virtual void setStopClearance(double /*clearance_m*/) {}
   /// True when the way is safe where the disc around the footprint fits, instead of by canMove(): its sectors
   /// of 90 degrees let nobody through a door who does not stand right before it.
   virtual bool drivesByDisc() const { return false; }
@@ -72,7 +78,7 @@ struct StrategyOptions {
   std::string name;  ///< see strategyNames()
   double divisor_min,
       divisor_max;  ///< drive (longest ray / u), u uniform in between; the founding document: 0.1 .. 2.0
-  double stop_clearance_m;  ///< w of CanMove
+  double stop_clearance_m;  ///< w of CanMove; 0: stopClearance() of the robot, the period and the noise
   double back_off_m;        ///< how far to go back when the way ahead is blocked at once
   int patience;             ///< decisions in a row without progress before a random free direction
   double wall_distance_m;   ///< of wall_follow
@@ -91,7 +97,12 @@ struct StrategyOptions {
   double lambda_per_m;      ///< next_best_view: how fast a gain loses worth with the way
   int horizon;              ///< next_best_view: views ahead, 1 = only the next one
   double slow_clearance_m;  ///< nearer to obstacles than this a path is driven more slowly
-  int give_up_after;        ///< decisions in a row that show nothing new before the strategy is stuck
+  /// "none": a drive along a ray ends before what is in its way. Else a name of goalNavigatorNames(): that
+  /// navigator drives to the ray's end, at most w short of what the ray hit, and round what is in the way.
+  std::string ray_navigator;
+  std::string memory;                         ///< of obstacles: a name of obstacleMemoryNames()
+  obstacles::LocalObstacleOptions obstacles;  ///< the zone of memory = local_map
+  int give_up_after;  ///< decisions in a row that show nothing new before the strategy is stuck
   StrategyOptions();
   static const core::ParameterTable<StrategyOptions>& table();
 };
@@ -113,6 +124,9 @@ bool strategyNeedsMap(const std::string& name);
 /// of 2 cm and one standard deviation of the range). When nothing was driven before the stop, it goes back by
 /// back_off_m where the rear is free. After `patience` decisions without progress it turns to a random direction
 /// in which the disc can leave, where only the disc has to fit.
+///
+/// A drive along a ray is left to a goal navigator where `ray_navigator` names one; it has four times the time
+/// of the straight drive. All of it goes by the newest scan and by what `memory` keeps.
 ///
 /// A decision with a path is followed (see PathFollower) and checked by the newest map every recheck_s. The
 /// exploration ends when the strategy says so, and as "stuck" after give_up_after decisions in a row between

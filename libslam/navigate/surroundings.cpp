@@ -8,63 +8,28 @@
 namespace slam::navigate {
 namespace {
 
-constexpr double kMemoryReach_m = 1.5;
-constexpr double kMemoryGrid_m = 0.03;
 constexpr double kGuardMargin_m = 0.02;
 constexpr double kTurnInPlace_rad = core::degToRad(25);
 constexpr double kArcStep_m = 0.02;
 constexpr size_t kMostFelt = 2000;
 
-/// True where the scan would show a thing if it were there (and in no dead zone).
-bool isInView(const robot::Scan& scan, const core::Point2& p_robot) {
-  if (scan.isFullCircle()) return true;
-  const core::Point2 p_lidar = core::inverse(scan.T_robot_lidar) * p_robot;
-  const double first = scan.first_angle_rad, last = scan.angle(scan.ranges_m.size() - 1);
-  const double from_middle = core::angleDifference(std::atan2(p_lidar.y, p_lidar.x), 0.5 * (first + last));
-  return std::abs(from_middle) <= 0.5 * (last - first) + 0.5 * scan.step_rad;
-}
-
-/// One point per cell of a small grid, in a fixed order.
-void thin(std::vector<core::Point2>& points) {
-  const auto key = [](const core::Point2& p) {
-    return std::pair(std::floor(p.x / kMemoryGrid_m), std::floor(p.y / kMemoryGrid_m));
-  };
-  std::stable_sort(points.begin(), points.end(),
-                   [&](const core::Point2& a, const core::Point2& b) { return key(a) < key(b); });
-  points.erase(std::unique(points.begin(), points.end(),
-                           [&](const core::Point2& a, const core::Point2& b) { return key(a) == key(b); }),
-               points.end());
-}
-
 }  // namespace
 
-Surroundings::Surroundings(const robot::RobotOptions& robot, double clearance_m, double period_s)
+Surroundings::Surroundings(const robot::RobotOptions& robot, double clearance_m, double period_s,
+                           const std::string& memory, const obstacles::LocalObstacleOptions& zone)
     : robot_(robot),
       clearance_m_(clearance_m),
       period_s_(period_s),
-      guard_m_(robot::circumscribedRadius(robot) + kGuardMargin_m) {}
-
-void Surroundings::remember(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
-  memory_odom_.insert(memory_odom_.end(), seen_odom_.begin(), seen_odom_.end());
-  const core::Pose2 T_robot_odom = core::inverse(T_odom_robot);
-  const auto forget = [&](const core::Point2& p_odom) {
-    const core::Point2 p_robot = T_robot_odom * p_odom;
-    return std::hypot(p_robot.x, p_robot.y) > kMemoryReach_m || isInView(scan, p_robot);
-  };
-  memory_odom_.erase(std::remove_if(memory_odom_.begin(), memory_odom_.end(), forget), memory_odom_.end());
-  thin(memory_odom_);
-}
+      guard_m_(robot::circumscribedRadius(robot) + kGuardMargin_m),
+      memory_(makeObstacleMemory(memory, zone)) {}
 
 void Surroundings::update(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
   guard_m_ = robot::circumscribedRadius(robot_) + kGuardMargin_m + scan.range_sigma_m;
+  memory_->update(scan, T_odom_robot);
   points_ = robot::scanPoints(scan);
-  remember(scan, T_odom_robot);
-  seen_odom_.clear();
-  for (const auto& p_robot : points_)
-    if (std::hypot(p_robot.x, p_robot.y) <= kMemoryReach_m) seen_odom_.push_back(T_odom_robot * p_robot);
+  for (const auto& p_robot : memory_->points()) points_.push_back(p_robot);
   const core::Pose2 T_robot_odom = core::inverse(T_odom_robot);
-  for (const auto* known : {&memory_odom_, &felt_odom_})
-    for (const auto& p_odom : *known) points_.push_back(T_robot_odom * p_odom);
+  for (const auto& p_odom : felt_odom_) points_.push_back(T_robot_odom * p_odom);
 }
 
 void Surroundings::feel(const core::Pose2& T_odom_robot, bool ahead) {

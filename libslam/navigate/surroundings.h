@@ -1,16 +1,19 @@
 #pragma once
+#include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/navigate/obstacle_memory.h"
 #include "libslam/robot/drive.h"
 #include "libslam/robot/scan.h"
 
 namespace slam::navigate {
 
 /// What is known of the obstacles near the robot: the newest scan, what earlier scans showed where the newest
-/// one does not look (the blind sector of a lidar with less than a full circle), and what the bumper felt.
-/// Only what lies within 1.5 m is remembered, so drift of the pose does little harm.
+/// one does not look (see ObstacleMemory), and what the bumper felt. Only what lies near is remembered, so drift
+/// of the pose does little harm.
 ///
 /// Three radii of the disc that has to fit, all around the robot's centre: no command may bring anything
 /// nearer than guardRadius() (the footprint's circle, 2 cm and one standard deviation of the range); straight
@@ -19,7 +22,9 @@ namespace slam::navigate {
 /// other.
 class Surroundings {
  public:
-  Surroundings(const robot::RobotOptions& robot, double clearance_m, double period_s);
+  /// `memory`: a name of obstacleMemoryNames(); `zone` is that of local_map.
+  Surroundings(const robot::RobotOptions& robot, double clearance_m, double period_s,
+               const std::string& memory = "short", const obstacles::LocalObstacleOptions& zone = {});
 
   void update(const robot::Scan& scan, const core::Pose2& T_odom_robot);
   /// The bumper met something on the side to which the last command drove.
@@ -52,14 +57,12 @@ class Surroundings {
   double step_m() const;
 
  private:
-  void remember(const robot::Scan& scan, const core::Pose2& T_odom_robot);
   bool staysClear(const robot::Command& command) const;
 
   robot::RobotOptions robot_;
   double clearance_m_, period_s_, guard_m_;
-  std::vector<core::Point2> points_;       ///< robot frame
-  std::vector<core::Point2> seen_odom_;    ///< of the newest scan, within the memory's reach
-  std::vector<core::Point2> memory_odom_;  ///< outside of the newest scan's view
+  std::unique_ptr<ObstacleMemory> memory_;
+  std::vector<core::Point2> points_;  ///< robot frame
   std::vector<core::Point2> felt_odom_;
 };
 

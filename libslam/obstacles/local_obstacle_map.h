@@ -50,11 +50,12 @@ class LocalObstacleMap {
   const std::vector<core::Point2>& points() const { return points_; }
   size_t rememberedCount() const { return remembered_; }
   void clear();
+  /// Whether the local zone, whose border belongs to it, has room for it.
+  bool isInZone(const core::Point2& p_robot) const;
 
  private:
   void tick(double cosine, double sine, const core::Point2& shift_back, const VisibleArea& visible,
             const std::vector<core::Point2>& seen);
-  bool isInZone(const core::Point2& p_robot) const;
 
   LocalObstacleOptions options_;
   std::vector<core::Point2> points_;

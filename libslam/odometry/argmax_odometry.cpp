@@ -51,12 +51,11 @@ bool sameBeams(const robot::Scan& a, const robot::Scan& b) {
          std::abs(a.first_angle_rad - b.first_angle_rad) < 1e-3 * a.step_rad;
 }
 
-/// Into (-N/2, N/2], as the document has it.
+/// As the document has it: an index that went on by half the circle or more came the other way round, so exactly half a
+/// turn changes its sign.
 long wrapIndex(long shift, long circle) {
-  shift %= circle;
-  if (2 * shift > circle) shift -= circle;
-  if (2 * shift <= -circle) shift += circle;
-  return shift;
+  if (2 * shift >= circle) return shift - circle;
+  return 2 * shift <= -circle ? shift + circle : shift;
 }
 
 std::optional<double> difference(float before, float after) {
@@ -68,32 +67,65 @@ std::optional<double> difference(float before, float after) {
 /// ahead and straight behind. Nothing else of the scan is used. The lidar is taken to sit on the robot's
 /// axis, as in the document; of its mounting pose only the heading counts.
 ///
-/// The document knows which command ran. Where our caller does not say (kUnknown), a longest range that moved
+/// The document's robot scans before and after every command and knows which one it was. So the motion is that between
+/// the scan before the command and this one, however many scans were taken during it: a scan in between says how
+/// far the command has come, and adds neither its noise nor its rounding to whole beams. What is given is the increment
+/// since the scan before, so that the increments of a command compose to the motion of the whole. A scan in between
+/// without a reading moves nothing, and the next with one makes up for it. A robot that was told nothing stood.
+///
+/// argmax_blind, and argmax where the caller does not say (kUnknown), guesses from scan to scan: a longest range that moved
 /// by at least one beam means a turn, anything else a move.
 ///
 /// The document takes two move readings and leaves open how they become one step; here the step is the mean
 /// of front and minus rear, or the one that exists (front only for lidars that do not look back).
+///
+/// The document has no arcs. Here the turn of one is read as any turn, and front and rear along its chord, which lies
+/// half the turn beside the heading before it and as much on the other side of the heading after it.
 class ArgmaxOdometry : public ScanOdometry {
  public:
   explicit ArgmaxOdometry(const ScanOdometryOptions& options) : options_(options) {}
 
-  void reset() override { previous_.reset(); }
+  void reset() override { before_.reset(), previous_.reset(); }
 
-  ScanMotion update(const robot::Scan& scan, MotionKind kind) override {
+  ScanMotion update(const robot::Scan& scan, const Commanded& commanded) override {
     requireUsable(scan);
+    const Commanded told = options_.method == "argmax_blind" ? Commanded() : commanded;
     const std::optional<robot::Scan> previous = std::exchange(previous_, scan);
-    if (!previous) return noMotionYet();
-    if (!sameBeams(*previous, scan)) return unknownMotion(options_);
-    const FoundingScan before(*previous), after(scan);
-    const std::optional<long> longest_before = before.longest(), longest_after = after.longest();
-    const bool comparable = longest_before && longest_after;
-    const long shift = comparable ? wrapIndex(*longest_before - *longest_after, before.circle()) : 0;
-    const bool turned = kind == MotionKind::kTurn || (kind == MotionKind::kUnknown && shift != 0);
-    if (!turned) return move(before, after, scan);
-    return comparable ? turn(static_cast<double>(shift) * scan.step_rad, scan) : unknownMotion(options_);
+    if (!previous || told.kind == MotionKind::kRest) {
+      before_.reset();
+      return noMotionYet();
+    }
+    if (!told.continues || !before_) {
+      before_ = previous;
+      T_before_previous_ = {};
+    }
+    ScanMotion motion = sinceCommand(scan, told.kind);
+    if (!hasReading(motion)) motion.T_previous_current = T_before_previous_;
+    const core::Pose2 T_before_current = motion.T_previous_current;
+    motion.T_previous_current = core::between(T_before_previous_, T_before_current);
+    T_before_previous_ = T_before_current;
+    return motion;
   }
 
  private:
+  static bool hasReading(const ScanMotion& motion) {
+    return motion.reliable || motion.front_reading_m != 0 || motion.rear_reading_m != 0;
+  }
+
+  /// From the scan before the command to this one.
+  ScanMotion sinceCommand(const robot::Scan& scan, MotionKind kind) const {
+    if (!sameBeams(*before_, scan)) return unknownMotion(options_);
+    const FoundingScan before(*before_), after(scan);
+    const std::optional<long> longest_before = before.longest(), longest_after = after.longest();
+    const bool comparable = longest_before && longest_after;
+    const long shift = comparable ? wrapIndex(*longest_before - *longest_after, before.circle()) : 0;
+    if (kind == MotionKind::kMove || (kind == MotionKind::kUnknown && shift == 0))
+      return move(before, after, 0, scan);
+    if (!comparable) return unknownMotion(options_);
+    return kind == MotionKind::kArc ? move(before, after, shift, scan)
+                                    : turn(static_cast<double>(shift) * scan.step_rad, scan);
+  }
+
   ScanMotion turn(double angle_rad, const robot::Scan& scan) const {
     ScanMotion motion;
     motion.turn_reading_rad = angle_rad;
@@ -102,18 +134,21 @@ class ArgmaxOdometry : public ScanOdometry {
     return motion;
   }
 
-  ScanMotion move(const FoundingScan& before, const FoundingScan& after, const robot::Scan& scan) const {
-    const long behind = before.circle() / 2;
-    const auto front = difference(before.at(0), after.at(0));
-    const auto rear = difference(before.at(behind), after.at(behind));
+  /// A move while the robot turned by `shift` beams, 0 for a pure one.
+  ScanMotion move(const FoundingScan& before, const FoundingScan& after, long shift,
+                  const robot::Scan& scan) const {
+    const long behind = before.circle() / 2, chord = shift / 2;
+    const auto front = difference(before.at(chord), after.at(chord - shift));
+    const auto rear = difference(before.at(chord + behind), after.at(chord - shift + behind));
     if (!front && !rear) return unknownMotion(options_);
     ScanMotion motion;
+    motion.turn_reading_rad = static_cast<double>(shift) * scan.step_rad;
     motion.front_reading_m = front.value_or(0);
     motion.rear_reading_m = rear.value_or(0);
-    if (front && rear)
-      motion.T_previous_current.x = (*front - *rear) / 2;
-    else
-      motion.T_previous_current.x = front ? *front : -*rear;
+    const double step_m = front && rear ? (*front - *rear) / 2 : (front ? *front : -*rear);
+    const core::Pose2 half_turn{0, 0, motion.turn_reading_rad / 2};
+    motion.T_previous_current =
+        shift == 0 ? core::Pose2{step_m, 0, 0} : half_turn * core::Pose2{step_m, 0, 0} * half_turn;
     motion.reliable = front && (rear || !after.hasBeam(behind));
     setCovariance(motion, scan, front && rear ? 2 : 1);
     return motion;
@@ -130,7 +165,8 @@ class ArgmaxOdometry : public ScanOdometry {
   }
 
   ScanOdometryOptions options_;
-  std::optional<robot::Scan> previous_;
+  std::optional<robot::Scan> before_, previous_;  ///< before_: the command that is under way
+  core::Pose2 T_before_previous_;                 ///< what it has come to
 };
 
 }  // namespace

@@ -28,7 +28,7 @@ class CorrelationOdometry : public ScanOdometry {
 
   void reset() override { previous_.reset(); }
 
-  ScanMotion update(const robot::Scan& scan, MotionKind) override {
+  ScanMotion update(const robot::Scan& scan, const Commanded&) override {
     requireUsable(scan);
     Frame current{scan, findLocalLines(scan)};
     const ScanMotion motion = previous_ ? estimate(*previous_, current) : noMotionYet();

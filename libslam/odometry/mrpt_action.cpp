@@ -1,4 +1,7 @@
+#include "libslam/odometry/mrpt_action.h"
+
 #include <mrpt/core/Clock.h>
+#include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/poses/CPosePDFGaussian.h>
 
@@ -6,7 +9,6 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/odometry/scan_odometry.h"
 
 namespace slam::odometry {
 namespace {
@@ -59,6 +61,18 @@ std::shared_ptr<mrpt::obs::CActionRobotMovement2D> toMrptAction(const ScanMotion
       mrpt::poses::CPosePDFGaussian::Create(mrpt::poses::CPose2D(T.x, T.y, T.phi), covariance);
   action->motionModelConfiguration = motionModel(motion);
   return action;
+}
+
+std::shared_ptr<mrpt::obs::CActionCollection> toMrptActions(const ScanMotion& motion, double time_s) {
+  const auto matched = toMrptAction(motion, time_s);
+  const auto& T = motion.T_previous_current;
+  mrpt::obs::CActionRobotMovement2D spread;
+  spread.timestamp = matched->timestamp;
+  spread.computeFromOdometry(mrpt::poses::CPose2D(T.x, T.y, T.phi), matched->motionModelConfiguration);
+  auto actions = std::make_shared<mrpt::obs::CActionCollection>();
+  actions->insert(spread);
+  actions->insert(*matched);
+  return actions;
 }
 
 }  // namespace slam::odometry

@@ -11,6 +11,15 @@ constexpr double kSmallestScale_m = 1e-3;
 /// A direction counts as determined when at least this share of its information is not feigned.
 constexpr double kGenuineShare = 0.3;
 constexpr double kLargestStd = 0.05;  // metres (or radians): worse than this is no measurement
+/// Against that of the search range: beyond, rounding would outweigh it.
+constexpr double kMostInformation = 1e12;
+
+bool isPositiveDefinite(const Eigen::Matrix3d& matrix) {
+  if (!matrix.allFinite()) return false;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts((matrix + matrix.transpose()) / 2,
+                                                             Eigen::EigenvaluesOnly);
+  return parts.eigenvalues()[0] > 0;
+}
 
 }  // namespace
 
@@ -53,7 +62,17 @@ std::array<double, 9> motionCovariance(const Directions& directions, double nois
       directions.axes * (directions.genuine / (noise_m * noise_m)).asDiagonal() * directions.axes.transpose();
   const double per_move = 1 / (max_move_m * max_move_m);
   information.diagonal() += Eigen::Vector3d(per_move, per_move, 1 / (max_turn_rad * max_turn_rad));
-  const Eigen::Matrix3d covariance = information.inverse();
+  Eigen::Matrix3d covariance = information.inverse();
+  if (!isPositiveDefinite(covariance)) {
+    // In units of the search range: then every eigenvalue is 1 at least.
+    const Eigen::Vector3d range(max_move_m, max_move_m, max_turn_rad);
+    const Eigen::Matrix3d scaled = range.asDiagonal() * information * range.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(scaled);
+    covariance = parts.eigenvectors() *
+                 parts.eigenvalues().cwiseMax(1).cwiseMin(kMostInformation).cwiseInverse().asDiagonal() *
+                 parts.eigenvectors().transpose();
+    covariance = (range.asDiagonal() * covariance * range.asDiagonal()).eval();
+  }
   std::array<double, 9> out{};
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column)

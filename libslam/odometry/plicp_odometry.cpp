@@ -32,7 +32,7 @@ class PlicpOdometry : public ScanOdometry {
 
   void reset() override { previous_.reset(), T_step_ = {}; }
 
-  ScanMotion update(const robot::Scan& scan, MotionKind) override {
+  ScanMotion update(const robot::Scan& scan, const Commanded&) override {
     requireUsable(scan);
     Frame current{scan, findLocalLines(scan)};
     const ScanMotion motion = previous_ ? estimate(*previous_, current) : noMotionYet();

@@ -333,7 +333,7 @@ class RangeFlowOdometry : public ScanOdometry {
 
   void reset() override { reference_.reset(), previous_.reset(), T_step_ = {}; }
 
-  ScanMotion update(const robot::Scan& scan, MotionKind) override {
+  ScanMotion update(const robot::Scan& scan, const Commanded&) override {
     requireUsable(scan);
     auto current = std::make_shared<Frame>(Frame{scan, makePyramid(scan), {}, {}});
     const ScanMotion motion = previous_ || reference_ ? estimate(*current) : noMotionYet();

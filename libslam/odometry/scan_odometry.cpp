@@ -13,29 +13,29 @@ ScanOdometryOptions::ScanOdometryOptions() {
 
 const core::ParameterTable<ScanOdometryOptions>& ScanOdometryOptions::table() {
   static const core::ParameterTable<ScanOdometryOptions> rows(
-      "scan_odometry",
-      {{"method", &ScanOdometryOptions::method, "correlation", scanOdometryNames(),
-        "argmax: the longest range and two readings; the others all beams, with covariance: correlation "
-        "searches "
-        "every turn, range_flow follows the gradients of the ranges, plicp goes on from the step before"},
-       {"max_turn_deg", &ScanOdometryOptions::max_turn_rad, 60.0, 1.0, 180.0,
-        "largest turn between two scans that is searched for"},
-       {"max_move_m", &ScanOdometryOptions::max_move_m, 2.0, 0.01, 100.0,
-        "largest move between two scans that is believed"}});
+      "scan_odometry", {{"method", &ScanOdometryOptions::method, "correlation", scanOdometryNames(),
+                         "argmax: the longest range and two readings, told what was commanded; argmax_blind "
+                         "guesses that; the others "
+                         "all beams, with covariance: correlation searches every turn, range_flow follows "
+                         "the gradients of the ranges, plicp goes on from the step before"},
+                        {"max_turn_deg", &ScanOdometryOptions::max_turn_rad, 60.0, 1.0, 180.0,
+                         "largest turn between two scans that is searched for"},
+                        {"max_move_m", &ScanOdometryOptions::max_move_m, 2.0, 0.01, 100.0,
+                         "largest move between two scans that is believed"}});
   return rows;
 }
 
 std::vector<std::string> scanOdometryNames() {
-  return {"argmax", "correlation", "range_flow", "plicp"};
+  return {"argmax", "argmax_blind", "correlation", "range_flow", "plicp"};
 }
 
 std::unique_ptr<ScanOdometry> makeScanOdometry(const ScanOdometryOptions& options) {
-  if (options.method == "argmax") return makeArgmaxOdometry(options);
+  if (options.method == "argmax" || options.method == "argmax_blind") return makeArgmaxOdometry(options);
   if (options.method == "correlation") return makeCorrelationOdometry(options);
   if (options.method == "range_flow") return makeRangeFlowOdometry(options);
   if (options.method == "plicp") return makePlicpOdometry(options);
   throw core::InputError("[scan_odometry] method: found '" + options.method +
-                         "', expected argmax, correlation, range_flow or plicp" +
+                         "', expected argmax, argmax_blind, correlation, range_flow or plicp" +
                          core::didYouMean(options.method, scanOdometryNames()));
 }
 

@@ -6,6 +6,7 @@
 
 #include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/robot/motion_kind.h"
 #include "libslam/robot/scan.h"
 
 namespace mrpt::obs {
@@ -22,16 +23,17 @@ struct ScanMotion {
   /// What the founding document logs: `t` with the turn, or `m` with the two move readings. Each is a reading
   /// of the scan before minus one of the scan after: the turn is positive counter-clockwise; on a move ahead
   /// the front reading is positive (the wall ahead came nearer) and the rear one negative. 0 where there is
-  /// no reading. A method that estimates the whole motion fills in what ideal readings would have been.
+  /// no reading. A method that estimates the whole motion fills in what ideal readings would have been. Of a command
+  /// with scans in between (argmax): the readings of all of it so far. An arc has all three.
   double turn_reading_rad = 0, rear_reading_m = 0, front_reading_m = 0;
 };
 
-/// What the robot was told to do between two scans, where the caller knows it.
-enum class MotionKind { kUnknown, kMove, kTurn };
+using robot::Commanded;
+using robot::MotionKind;
 
 /// Section [scan_odometry].
 struct ScanOdometryOptions {
-  std::string method;   ///< argmax | correlation | range_flow | plicp
+  std::string method;   ///< argmax | argmax_blind | correlation | range_flow | plicp
   double max_turn_rad;  ///< search range between two scans (correlation); what a guess may be wrong by (both)
   double max_move_m;    ///< the same for the translation
   ScanOdometryOptions();
@@ -42,10 +44,10 @@ struct ScanOdometryOptions {
 class ScanOdometry {
  public:
   virtual ~ScanOdometry() = default;
-  /// Motion since the scan before; the first scan gives the identity with tiny covariance. `kind` is for
-  /// methods that read a turn and a move differently (argmax); the others ignore it. REQUIRES at least 2
-  /// beams and a finite, positive step (ContractError).
-  virtual ScanMotion update(const robot::Scan& scan, MotionKind kind) = 0;
+  /// Motion since the scan before; the first scan gives the identity with tiny covariance. `commanded` is for
+  /// argmax, which reads a turn and a move differently; the others ignore it. REQUIRES at least 2 beams and a
+  /// finite, positive step (ContractError).
+  virtual ScanMotion update(const robot::Scan& scan, const Commanded& commanded) = 0;
   ScanMotion update(const robot::Scan& scan) { return update(scan, MotionKind::kUnknown); }
   /// Forgets the scan before.
   virtual void reset() = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "libslam/core/error.h"
+#include "libslam/mapping/map_builder.h"
 #include "libslam/run/resources.h"
 #include "libslam/sim/simulator.h"
 
@@ -16,6 +17,7 @@ core::ParameterTable<Options> tableFor(const std::string& section) {
           {{"plan", &Options::plan, "flat", {}, "path, or the name of a world"},
            {"lidar", &Options::lidar, "", {}, "name of a preset, or an .ini file; empty: built-in values"},
            {"strategy", &Options::strategy, "", {}, "where to go; empty: the built-in one"},
+           {"slam", &Options::slam, "graph", {}, "method that makes the map, for strategies that need one"},
            {"start", &Options::start, "auto", {}, "auto, or x_m y_m yaw_deg in the world frame"},
            {"seed", &Options::seed, 1, 0, 2147483647, "of every random stream"},
            {"scans", &Options::scans, 0, 0, 1000000000, "then silence; 0 = no end"},
@@ -62,6 +64,8 @@ Options readExploringRobotOptions(const core::IniFile& ini, const std::string& s
   if (!options.strategy.empty()) record.set("strategy", "name", options.strategy, origin);
   record.overrideWith(dotted);
   options.record = run::readRecordConfig(record);
+  if (navigate::strategyNeedsMap(options.record.strategy.name))
+    mapping::loadMethodConfig(run::configsFolder() + "/methods", options.slam);  // an unknown one is told now
   return options;
 }
 
@@ -71,16 +75,30 @@ struct ExploringRobot::State {
                               seedOf(options))),
         simulator(plan, options.record.robot, options.record.lidar, options.record.odometry,
                   run::startPose(plan, options.record), seedOf(options), sim::Simulator::kStartTime_s,
-                  options.record.living),
+                  options.record.living, options.record.camera),
         driver(navigate::makeStrategy(options.record.strategy, {seedOf(options), "strategy"}),
                options.record.strategy, options.record.robot, 1 / options.record.lidar.rate_hz,
                {seedOf(options), "driver"}),
-        scans_left(options.scans > 0 ? options.scans : -1) {}
+        scans_left(options.scans > 0 ? options.scans : -1) {
+    if (!navigate::strategyNeedsMap(options.record.strategy.name)) return;
+    const auto config = mapping::loadMethodConfig(run::configsFolder() + "/methods", options.slam);
+    slam = mapping::makeMapBuilder(config, options.slam, seedOf(options));
+  }
+
+  robot::Command decide() {
+    core::Pose2 T_map_robot = sensed->T_odom_robot;
+    if (slam) {
+      T_map_robot = mapping::processScan(*slam, sensed->scan, sensed->T_previous_robot, true);
+      if (driver.wantsMap()) driver.setMap(mapping::currentMap(*slam));
+    }
+    return driver.next(sensed->scan, T_map_robot, sensed->collided);
+  }
 
   world::Plan plan;
   sim::Simulator simulator;
   navigate::Driver driver;
-  int scans_left;  ///< negative: no end
+  std::optional<mapping::MapBuilder> slam;  ///< none: the strategy needs no map, and odometry is its frame
+  int scans_left;                           ///< negative: no end
   std::optional<sim::Sensed> sensed;
   bool finished = false;
 };
@@ -94,7 +112,7 @@ std::optional<sim::Sensed> ExploringRobot::next() {
   if (!s.sensed) {
     s.sensed = s.simulator.sense();
   } else {
-    const auto command = s.driver.next(s.sensed->scan, s.sensed->T_odom_robot, s.sensed->collided);
+    const auto command = s.decide();
     s.finished = s.driver.finished();
     if (s.finished) return std::nullopt;
     s.sensed = s.simulator.step(command);

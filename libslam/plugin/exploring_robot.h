@@ -11,12 +11,13 @@ namespace slam::plugin {
 
 /// What MRPT's .ini says of a simulated robot besides MRPT's own keys.
 struct ExploringRobotOptions {
-  std::string plan;         ///< path, or the name of a committed world
-  std::string lidar;        ///< name of a preset in configs/lidars, or an .ini file; empty: built-in values
-  std::string strategy;     ///< empty: the built-in one
-  std::string start;        ///< "auto", or "x_m y_m yaw_deg"
-  int seed;                 ///< of every random stream
-  int scans;                ///< after so many it is silent; 0 = no end
+  std::string plan;      ///< path, or the name of a committed world
+  std::string lidar;     ///< name of a preset in configs/lidars, or an .ini file; empty: built-in values
+  std::string strategy;  ///< empty: the built-in one
+  std::string slam;      ///< method of configs/methods, or an .ini file; used where the strategy needs a map
+  std::string start;     ///< "auto", or "x_m y_m yaw_deg"
+  int seed;              ///< of every random stream
+  int scans;             ///< after so many it is silent; 0 = no end
   double real_time_factor;  ///< simulated seconds per second; 0 = one scan per call at MRPT's process_rate
   std::string done_file;    ///< gets one line (a named pipe too) when the last scan was taken; empty: none
 
@@ -30,13 +31,15 @@ ExploringRobotOptions readExploringRobotOptions(const core::IniFile& ini, const 
 
 /// A robot that explores a plan on its own in simulated time: what run::record() does, one scan at a time, so
 /// that the same plan, options and seed give the same scans and odometry as a rawlog of `rasterslam simulate`.
+/// A strategy that needs a map gets that of `slam`, made of the robot's own scans and odometry as in run::explore(), with
+/// the pose in it; the truth only moves the robot and draws its scans.
 class ExploringRobot {
  public:
-  /// Errors: no such plan, no free start (InputError).
+  /// Errors: no such plan, no free start, no such method (InputError).
   explicit ExploringRobot(const ExploringRobotOptions& options);
   ~ExploringRobot();
   /// Drives on for one scan period and looks (the first call only looks). nullopt after `scans` scans, and when
-  /// the strategy has nothing left to explore.
+  /// the strategy has nothing left to explore. Errors: the method diverged (MethodError).
   std::optional<sim::Sensed> next();
 
  private:

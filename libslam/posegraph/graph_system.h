@@ -31,7 +31,7 @@ class GraphSystem {
   int variableOf(int node) const { return variable_[static_cast<size_t>(node)]; }
   const BlockCholesky& factor() const { return cholesky_; }
   /// As step() without the step. REQUIRES linearise() before.
-  bool factorize() { return cholesky_.factorize(); }
+  bool factorize(double damping = 0) { return cholesky_.factorize(damping); }
 
  private:
   struct Term {

@@ -8,6 +8,8 @@
 namespace slam::posegraph {
 namespace {
 
+constexpr double kFirstDamping = 1e-14;
+
 std::vector<char> edgesOn(const PoseGraph& graph) {
   std::vector<char> on;
   for (const Edge& edge : graph.edges()) on.push_back(edge.on);
@@ -16,9 +18,13 @@ std::vector<char> edgesOn(const PoseGraph& graph) {
 
 }  // namespace
 
-Marginals::Marginals(const PoseGraph& graph) : poses_(graph.poses()), system_(graph, edgesOn(graph)) {
+Marginals::Marginals(const PoseGraph& graph, Open open)
+    : poses_(graph.poses()), system_(graph, edgesOn(graph)) {
   system_.linearise(graph, poses_, std::vector<double>(graph.edges().size(), 1.0));
-  if (!system_.factorize())
+  bool is_done = system_.factorize();
+  for (double damping = kFirstDamping; !is_done && open == Open::kBounded && damping < 1; damping *= 10)
+    is_done = system_.factorize(damping);
+  if (!is_done)
     throw core::MethodError("pose graph: the edges do not determine every pose; there is no covariance");
 }
 

@@ -14,8 +14,10 @@ namespace slam::posegraph {
 class Marginals {
  public:
   /// Cost: that of one step of optimize(). Errors: InputError as optimize(); MethodError when the edges leave some
-  /// direction of some pose open, or hold it by no more than rounding.
-  explicit Marginals(const PoseGraph& graph);
+  /// direction of some pose open, or hold it by no more than rounding. kBounded: then the information is raised by the
+  /// least share of its diagonal that gives an answer, so that what is open has a large variance.
+  enum class Open { kRefused, kBounded };
+  explicit Marginals(const PoseGraph& graph, Open open = Open::kRefused);
 
   /// Of the pose in the map's frame; zero for a fixed node. Here and below: REQUIRES nodes of the graph (ContractError).
   /// Cost: one chain of the elimination tree; all() is cheaper for many.

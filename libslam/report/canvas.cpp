@@ -49,8 +49,9 @@ const std::vector<Colour>& lineColours() {
 
 std::vector<Colour> labelColours(const std::vector<std::string>& labels) {
   static const std::map<std::string, size_t> kOwn = {
-      {"graph", 0}, {"particles", 1},  {"rbpf_exact", 2},        {"icp", 3},   {"icp_exact", 3},
-      {"rbpf", 4},  {"naive_flow", 5}, {"naive_correlation", 6}, {"naive", 7}, {"naive_wheel", 7}};
+      {"graph", 0},     {"particles", 1},   {"rbpf_exact", 2}, {"icp", 3},
+      {"icp_exact", 3}, {"rbpf", 4},        {"naive_flow", 5}, {"naive_correlation", 6},
+      {"naive", 7},     {"naive_wheel", 7}, {"naive_blind", 7}};
   const auto& palette = lineColours();
   std::vector<std::optional<size_t>> chosen(labels.size());
   std::vector<bool> taken(palette.size());

@@ -81,9 +81,18 @@ void drawCurve(Canvas& canvas, const AxesView& view, const Curve& curve, Colour 
   }
   if (curve.style == Curve::Style::kWhisker) {
     if (points.size() != 2) throw core::ContractError("drawCharts: a whisker needs two points");
+    const bool is_open = std::isinf(curve.points[1].y);
+    if (is_open) points[1].y = view.box.top;
     canvas.polyline(points, colour, 0.6 * kLineWidth);
-    for (const auto& end : points)
-      canvas.line({end.x - kWhiskerEnd, end.y}, {end.x + kWhiskerEnd, end.y}, colour, 0.6 * kLineWidth);
+    const auto cross = [&](const Pixel& p) {
+      canvas.line({p.x - kWhiskerEnd, p.y}, {p.x + kWhiskerEnd, p.y}, colour, 0.6 * kLineWidth);
+    };
+    cross(points[0]);
+    if (!is_open) cross(points[1]);
+    for (const double side : {-kWhiskerEnd, kWhiskerEnd})  // an arrow's head
+      if (is_open)
+        canvas.line(points[1], {points[1].x + side, points[1].y + 1.5 * kWhiskerEnd}, colour,
+                    0.6 * kLineWidth);
     return;
   }
   canvas.polyline(thinned(points), colour, kLineWidth);

@@ -12,7 +12,9 @@ struct Curve {
   enum class Style {
     kLine,
     kMarked,  ///< with a dot at each point
-    kWhisker  ///< from the first point to the second, with an end at either: an interval
+    /// From the first point to the second, with an end at either: an interval. A second one at y = +infinity: an arrow that
+    /// leaves the chart at its top.
+    kWhisker
   };
   std::string label;
   std::vector<core::Point2> points;  ///< in the axes' units; a point that is not finite breaks the line

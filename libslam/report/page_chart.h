@@ -23,7 +23,7 @@ struct PageChart {
   double duration_s = 0;  ///< above 0: x is the time of the replay in seconds, and the axis ends here
 };
 
-/// The chart as <figure>: SVG with its legend. Both axes from 0, or the lower logarithmic where all x are above 0 and
+/// The chart as `figure`: SVG with its legend. Both axes from 0, or the lower logarithmic where all x are above 0 and
 /// spread over more than a factor of 50. Long lines are thinned to what differs by less than half a unit of the drawing.
 /// "" where no point is finite. The same chart gives the same bytes.
 std::string chartElement(const PageChart& chart);

@@ -43,7 +43,7 @@ double scaleBar(const Window& window);
 /// A map for the page. `body`: SVG in metres, y down, over the window. Maps of one `group` zoom together.
 std::string mapSvg(const Window& window, const std::string& description, const std::string& body,
                    const std::string& group = "0");
-/// <path> elements for mapSvg().
+/// `path` elements for mapSvg().
 std::string pathElement(const std::vector<core::Point2>& points, const Window& window, Colour colour,
                         double line_width);
 /// The path in the colours of errorClasses(); error_m as long as path.

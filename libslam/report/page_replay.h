@@ -41,7 +41,7 @@ Listed<PlacedEvent> listed(const std::vector<PlacedEvent>& events);
 Listed<ReportMoment> listed(const std::vector<ReportMoment>& moments);
 
 /// The whole section, and the data for the script; both "" where there is nothing to replay. The data is JSON that may stand
-/// in a <script>: nothing in it can end the element.
+/// in a `script`: nothing in it can end the element.
 struct ReplayParts {
   std::string section, data;
 };

@@ -188,6 +188,8 @@ void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, cons
               const std::string& file, const DrawnMarks& marks, const Paper& paper) {
   Window truth = windowOf(plan, plan.T_world_plan), estimates;
   for (const auto& path : paths) (path.is_truth ? truth : estimates).include(windowOf(path.path));
+  if (marks.are_points)
+    for (const auto& place : marks.places) estimates.include(place);
   const PathColours colours(paths);
   auto legend = legendOf(paths, colours);
   if (!marks.places.empty()) legend.push_back({LegendEntry::Kind::kDot, kOrange, marks.label});
@@ -195,8 +197,12 @@ void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, cons
   auto& canvas = sheet.canvas();
   canvas.clipTo(sheet.view().box);
   drawRaster(canvas, sheet.view(), plan, plan.T_world_plan);
+  const auto drawMarks = [&](double radius) {
+    for (const auto& place : marks.places) canvas.disc(sheet.view().toPixel(place), radius, kOrange);
+  };
+  if (marks.are_points) drawMarks(1.2);
   drawPaths(canvas, sheet.view(), paths, colours, kPlanLines);
-  for (const auto& place : marks.places) canvas.disc(sheet.view().toPixel(place), 5, kOrange);
+  if (!marks.are_points) drawMarks(5);
   canvas.liftClip();
   canvas.frame(sheet.view().box, kFrame, 1);
   canvas.save(file);

@@ -30,9 +30,11 @@ struct DrawnPath {
 struct DrawnMarks {
   std::vector<core::Point2> places;
   std::string label;
+  bool are_points =
+      false;  ///< many and small, such as returns of scans: under the paths, and the picture shows them all
 };
 
-/// A plan with paths, and marks over them.
+/// A plan with paths, and marks over them (points: under them).
 void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, const std::string& title,
               const std::string& file, const DrawnMarks& marks = {}, const Paper& paper = {});
 

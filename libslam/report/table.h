@@ -39,7 +39,7 @@ std::string toMarkdown(const Table& table);
 /// What toMarkdown() wrote, read back as people saw it: columns whose key is their title, cells that are text, with "-" and
 /// the digits shown. No rows where there is no table.
 Table fromMarkdown(const std::string& markdown);
-/// A table float with booktabs' rules (needs \usepackage{booktabs}; UTF-8): caption, tabular, notes in small print below.
+/// A table float with booktabs' rules (needs the package booktabs; UTF-8): caption, tabular, notes in small print below.
 /// What LaTeX would read as a command is escaped; "--" is NaN, a minus sign and infinity are set as mathematics.
 std::string toLatex(const Table& table);
 /// RFC 4180: header of keys, lines end with CR LF; numbers with the digits that read back the same. No

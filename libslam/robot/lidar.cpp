@@ -55,7 +55,12 @@ const core::ParameterTable<LidarOptions>& LidarOptions::table() {
         "probability that glass of the plan's materials answers a beam head on"},
        {"glass_echo_deg", &O::glass_echo_rad, 5.0, 0.01, 90.0, "incidence that halves glass_echo"},
        {"glass_reflectance", &O::glass_reflectance, 0.08, 0.0, 1.0,
-        "share of unanswered beams that glass mirrors head on; it grows to 1 at grazing incidence"}});
+        "share of unanswered beams that glass mirrors head on; it grows to 1 at grazing incidence"},
+       {"ray",
+        &O::ray,
+        "exact",
+        {"exact", "original"},
+        "range to the wall's face, or the founding walk from pixel to pixel; that knows plain walls only"}});
   return rows;
 }
 

@@ -23,6 +23,7 @@
 #include "libslam/run/process_memory.h"
 #include "libslam/run/scene_file.h"
 #include "libslam/run/self_score.h"
+#include "libslam/run/told_commands.h"
 
 namespace slam::run {
 namespace {
@@ -268,6 +269,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   auto method = mapping::makeMapBuilder(builder_config, method_name, seed);
   if (!continuation.folder.empty()) beginInMap(method, continuation, manifest);
   MapRun run;
+  run.commands_from = tellCommands(method, log_path);
   Taken taken;
   progress.begin("mapping with " + method_name);
   stoppable(run, taken, keep_partial,
@@ -340,6 +342,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   manifest.results["log"] = log_path;
   manifest.results["scans"] = std::to_string(run.estimate.size());
   manifest.results["steps_without_odometry"] = std::to_string(run.steps_without_odometry);
+  if (!run.commands_from.empty()) manifest.results["commands_from"] = run.commands_from;
   // Of the log's order, which the files' order of stamps may lose.
   manifest.results["path_length_m"] = core::formatNumber(run.path_length_m);
   describePose("end", run.end, manifest.results);

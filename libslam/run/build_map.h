@@ -37,6 +37,7 @@ struct MapRun {
   core::Pose2 end;           ///< T_map_robot at the last scan
   Cost cost;
   int steps_without_odometry = 0;    ///< scans after the first for which the log gives no increment
+  std::string commands_from;         ///< tellCommands()
   int filled_poses = 0;              ///< scans that an external program gave no pose
   std::vector<JournalLine> journal;  ///< empty for methods that keep none
   std::optional<Stop> stopped;       ///< before the log's end; all else is of the scans before

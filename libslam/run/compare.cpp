@@ -20,6 +20,7 @@
 #include "libslam/run/external_method.h"
 #include "libslam/run/relation_tables.h"
 #include "libslam/run/scene_file.h"
+#include "libslam/run/told_commands.h"
 #include "libslam/run/worker.h"
 
 namespace slam::run {
@@ -253,6 +254,20 @@ TruthFiles truthFiles(const std::string& log_path, const std::string& given_traj
   return files;
 }
 
+namespace {
+
+/// Under the tables: which methods took the kinds of the commands from the wheels.
+void noteCommands(const std::vector<RunFolder>& runs, const std::vector<report::Table*>& tables) {
+  for (const auto& run : runs) {
+    const auto from = run.manifest.results.find("commands_from");
+    const std::string note = from == run.manifest.results.end() ? "" : commandsNote(run.method, from->second);
+    if (note.empty()) continue;
+    for (auto* table : tables) table->notes.push_back(note + ".");
+  }
+}
+
+}  // namespace
+
 Comparison compare(const CompareRequest& request, core::Manifest manifest, core::Progress& progress) {
   auto methods = loadMethods(request);
   std::optional<world::Plan> plan;
@@ -317,6 +332,7 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
         table->notes.push_back(steps + " steps of the log come without odometry; methods that want the " +
                                "wheels get increments estimated from the scans there.");
   }
+  noteCommands(runs, {&comparison.accuracy, &comparison.full_accuracy});
   if (!relations.empty() && !runs.empty()) {
     manifest.inputs[request.relations_path] = core::fileSha256(request.relations_path);
     scoreByRelations(runs, relations, request.output, comparison);

@@ -12,11 +12,13 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/report/picture.h"
 #include "libslam/run/build_map.h"
+#include "libslam/run/carry_file.h"
 #include "libslam/run/cpu_time.h"
 #include "libslam/run/map_plan.h"
 #include "libslam/run/recorder.h"
 #include "libslam/run/return_to_start.h"
 #include "libslam/run/scene_file.h"
+#include "libslam/run/sensor.h"
 #include "libslam/run/stopped_run.h"
 
 namespace slam::run {
@@ -42,10 +44,14 @@ class Localiser {
         is_reference_ && last_truth_ ? core::between(*last_truth_, T_world_robot) : sensed.T_previous_robot;
     last_truth_ = T_world_robot;
     core::Pose2 T_map_robot;
-    insideMethod([&] { T_map_robot = mapping::processScan(builder_, sensed.scan, T_previous_robot, true); });
+    insideMethod([&] {
+      T_map_robot = mapping::processScan(builder_, sensed.scan, T_previous_robot, true, commanded_);
+    });
     if (!core::isFinite(T_map_robot)) throw core::MethodError(name_ + " diverged: its pose is not finite");
     return T_map_robot;
   }
+  /// What the robot is told to do next.
+  void tell(const robot::Command& command) { commanded_ = commands_.next(command); }
   const mapping::MapBuilder& builder() const { return builder_; }
   gridmap::OccupancyRaster map() const {
     gridmap::OccupancyRaster map;
@@ -58,6 +64,8 @@ class Localiser {
   std::string name_;
   bool is_reference_;
   std::optional<core::Pose2> last_truth_;
+  robot::CommandSeries commands_;
+  robot::Commanded commanded_ = robot::MotionKind::kRest;
 };
 
 /// CPU time of the periods in which the robot decided, the map's reading included.
@@ -163,13 +171,14 @@ class Loop {
         start_(startPose(plan, config.record)),
         radius_m_(robot::circumscribedRadius(config.record.robot)),
         simulator_(plan, config.record.robot, config.record.lidar, config.record.odometry, start_, seed,
-                   sim::Simulator::kStartTime_s, config.record.living),
+                   sim::Simulator::kStartTime_s, config.record.living, config.record.camera),
         localiser_(method, seed),
         driver_(makeDriver()),
         coverage_(plan, metrics::explorableArea(plan, core::position(start_), radius_m_,
                                                 config.record.lidar.max_range_m)),
         referee_(config.exploration),
         near_misses_(plan, radius_m_) {
+    simulator_.carryAt(config.record.carries);
     if (!folder.empty()) recorder_.emplace(folder + "/run.rawlog", config.record);
   }
 
@@ -216,6 +225,7 @@ class Loop {
         driver_ = makeReturnDriver();
         referee_.watchReturn();
       }
+      localiser_.tell(command);
       sensed = simulator_.step(command);
       if (recorder_) recorder_->add(command, simulator_, sensed);
     }
@@ -243,12 +253,13 @@ class Loop {
     const auto& T_world_robot = simulator_.truth();
     if (!first_scan_) first_scan_ = scan;
     last_scan_ = scan;
-    if (!truth_.empty()) path_m_ += core::distance(truth_.back().pose, T_world_robot);
+    path_.add(T_world_robot, simulator_.carries());
     truth_.push_back({simulator_.time_s(), T_world_robot});
     estimate_.push_back({scan.time_s, T_map_robot});
-    coverage_.look(T_world_robot * scan.T_robot_lidar, scan.first_angle_rad, scan.step_rad,
-                   static_cast<int>(scan.ranges_m.size()), scan.max_range_m);
-    curve_.push_back({elapsed_s, path_m_, truth_.size(), coverage_.area_m2()});
+    const auto [first_angle_rad, beams] = beamsOverFloor(config_.record.camera, scan);
+    coverage_.look(T_world_robot * scan.T_robot_lidar, first_angle_rad, scan.step_rad, beams,
+                   scan.max_range_m);
+    curve_.push_back({elapsed_s, path_.length_m(), truth_.size(), coverage_.area_m2()});
     near_misses_.look(T_world_robot);
     saw_something_ = saw_something_ || std::any_of(scan.ranges_m.begin(), scan.ranges_m.end(),
                                                    [](float range) { return robot::isReturn(range); });
@@ -302,7 +313,7 @@ class Loop {
   std::vector<metrics::CoveragePoint> curve_;
   std::vector<core::Point2> goals_;  ///< after every scan, map frame; none for the last when it ended there
   std::vector<DecisionEntry> decisions_;
-  double path_m_ = 0;
+  sim::DrivenPath path_;
   bool saw_something_ = false;
   bool returning_ = false;
   ExplorationEnd end_ = ExplorationEnd::kFailed;
@@ -313,9 +324,11 @@ class Loop {
 };
 
 LoopResult Loop::result() const {
-  if (end_ == ExplorationEnd::kFailed)
-    return {failedExploration(config_, method_.name, seed_, end_detail_), {}};
   LoopResult result;
+  if (end_ == ExplorationEnd::kFailed) {
+    result.exploration = failedExploration(config_, method_.name, seed_, end_detail_);
+    return result;
+  }
   Exploration& e = result.exploration;
   const auto& area = coverage_.explorable();
   e.strategy = config_.record.strategy.name;
@@ -349,6 +362,11 @@ LoopResult Loop::result() const {
 
   result.plan_is_open = opensToTheEdge(area);
   result.saw_nothing = !saw_something_;
+  for (const auto& carry : simulator_.carries())
+    result.carries.push_back(carryText(carry, sim::Simulator::kStartTime_s));
+  if (simulator_.waitingCarries() > 0)
+    result.carries.push_back(std::to_string(simulator_.waitingCarries()) +
+                             " of the carries came after the end");
   return result;
 }
 
@@ -417,7 +435,9 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
                                            ? start_ * core::inverse(estimate_.front().pose)
                                            : e.evaluation.trajectory.T_truth_estimate;
   for (auto& stamped : believed) stamped.pose = T_truth_estimate * stamped.pose;
-  report::drawPlan(plan_, {{truth_, "true path", true}, {believed, "path as " + method_.name + " has it"}},
+  report::drawPlan(plan_,
+                   {{brokenAtCarries(truth_, simulator_.carries()), "true path", true},
+                    {believed, "path as " + method_.name + " has it"}},
                    plan_.name + ": " + e.strategy, folder_ + "/path.png", marks);
 
   manifest.seed = seed_;

@@ -14,8 +14,9 @@ namespace slam::run {
 struct LoopResult {
   Exploration exploration;
   std::vector<metrics::CoveragePoint> curve;
-  bool plan_is_open = false;  ///< explorable space reaches the picture's edge
-  bool saw_nothing = false;   ///< no scan had a single return
+  bool plan_is_open = false;         ///< explorable space reaches the picture's edge
+  bool saw_nothing = false;          ///< no scan had a single return
+  std::vector<std::string> carries;  ///< when somebody carried the robot, for people
 };
 
 /// The SLAM method of an exploration.

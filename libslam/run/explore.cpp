@@ -307,6 +307,9 @@ void addNotes(const std::vector<Job>& jobs, const ExploreRequest& request, const
       about.push_back(e.strategy + ", seed " + std::to_string(e.seed) + ", failed: " + e.end_detail);
     if (request.seeds == 1 && e.end == ExplorationEnd::kFinished && !e.end_detail.empty())
       about.push_back(e.strategy + " finished: " + e.end_detail + ".");
+    for (const auto& carry : job.result.carries)
+      about.push_back(e.strategy + (request.seeds > 1 ? ", seed " + std::to_string(e.seed) : "") + ": " +
+                      carry + ".");
     for (const auto& note : about)
       if (said.insert(note).second) notes.push_back(note);
   }

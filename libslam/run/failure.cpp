@@ -14,7 +14,8 @@
 #include "libslam/core/parameters.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/metrics/nearest_points.h"
-#include "libslam/run/record.h"
+#include "libslam/run/carry_file.h"
+#include "libslam/run/number_rows.h"
 
 namespace slam::run {
 namespace fs = std::filesystem;
@@ -91,6 +92,7 @@ std::string textOf(const std::string& name, const Events& events) {
 const char* const kWrongLoopEvent = "wrong loop";
 const char* const kSlipEvent = "odometry wrong";
 const char* const kCollisionEvent = "collision";
+const char* const kCarriedEvent = "carried away";
 
 /// Scans at which the odometry's motion over the last slip_s is wrong.
 std::vector<double> slipTimes(const core::Trajectory& truth, const core::Trajectory& odometry,
@@ -109,14 +111,12 @@ std::vector<double> slipTimes(const core::Trajectory& truth, const core::Traject
 
 /// The gravest first; what each event of a journal or the recording stands for.
 const std::vector<std::pair<std::string, std::string>>& suspects() {
-  static const std::vector<std::pair<std::string, std::string>> list = {{kWrongLoopEvent, "wrong loop"},
-                                                                        {kCollisionEvent, "collision"},
-                                                                        {kSlipEvent, "slip"},
-                                                                        {"distrusted", "slip"},
-                                                                        {"lost", "lost"},
-                                                                        {"restarted", "lost"},
-                                                                        {"poor", "lost"},
-                                                                        {"degenerate", "degenerate"}};
+  static const std::vector<std::pair<std::string, std::string>> list = {
+      {kCarriedEvent, "carried"},     {kWrongLoopEvent, "wrong loop"},
+      {kCollisionEvent, "collision"}, {kSlipEvent, "slip"},
+      {"distrusted", "slip"},         {"lost", "lost"},
+      {"restarted", "lost"},          {"poor", "lost"},
+      {"degenerate", "degenerate"}};
   return list;
 }
 
@@ -228,6 +228,7 @@ FailureReport explainFailure(const RunFolder& run, const Truth& truth, const Fai
   for (const auto& loop : report.wrong_loops) note(kWrongLoopEvent, loop.time_s);
   for (const auto& collision : evidence.collisions)
     note(kCollisionEvent, collision.time_s - run.estimate.front().time_s);
+  for (const auto& carry : evidence.carries) note(kCarriedEvent, carry.time_s - run.estimate.front().time_s);
   for (const double time_s : slipTimes(truth.trajectory, evidence.odometry, limits))
     note(kSlipEvent, time_s - run.estimate.front().time_s);
   for (const auto& line : journal)
@@ -258,6 +259,7 @@ FailureEvidence readEvidence(const RunFolder& run, const std::string& truth_path
   const std::string journal_path = run.path + "/journal.csv";
   if (fs::exists(journal_path)) evidence.journal = readJournal(journal_path);
   evidence.collisions = readCollisions(collisionsPath(truth_path));
+  evidence.carries = readCarryFile(carriesPath(truth_path));
   if (log_path.empty() || !fs::exists(log_path)) return evidence;
   logs::LogReader log(log_path);
   while (const auto entry = log.next())
@@ -359,36 +361,13 @@ std::string collisionsCsv(const std::vector<sim::Collision>& collisions) {
 }
 
 std::string collisionsPath(const std::string& log_or_truth_path) {
-  std::string stem = log_or_truth_path;
-  for (const std::string suffix : {".gt.tum", ".GT.txt"})
-    if (stem.size() > suffix.size() && stem.compare(stem.size() - suffix.size(), suffix.size(), suffix) == 0)
-      stem.resize(stem.size() - suffix.size());
-  return (fs::path(stem).extension() == ".rawlog" ? logStem(stem) : stem) + ".collisions.csv";
+  return besideLog(log_or_truth_path, ".collisions.csv");
 }
 
 std::vector<sim::Collision> readCollisions(const std::string& path) {
   std::vector<sim::Collision> collisions;
-  if (!fs::exists(path)) return collisions;
-  std::istringstream lines(core::readTextFile(path));
-  std::string line;
-  for (int number = 1; std::getline(lines, line); ++number) {
-    const std::string place = path + ":" + std::to_string(number);
-    if (number == 1) {
-      if (line != kCollisionsHeader)
-        throw core::InputError(place + ": found '" + line + "', expected " + kCollisionsHeader);
-      continue;
-    }
-    std::istringstream fields(line);
-    std::vector<double> numbers;
-    for (std::string field; std::getline(fields, field, ',');) {
-      numbers.emplace_back();
-      if (!core::parseNumber(field, numbers.back()))
-        throw core::InputError(place + ": found '" + field + "', expected a number");
-    }
-    if (numbers.size() != 4)
-      throw core::InputError(place + ": found " + std::to_string(numbers.size()) + " fields, expected 4");
-    collisions.push_back({numbers[0], {numbers[1], numbers[2], numbers[3]}});
-  }
+  for (const auto& row : readNumberRows(path, kCollisionsHeader))
+    collisions.push_back({row[0], {row[1], row[2], row[3]}});
   return collisions;
 }
 

@@ -72,7 +72,7 @@ struct FailureReport {
   /// What journal, collisions and odometry say around the divergence, one entry per kind of event in the order of time:
   /// "degenerate 12 times, 83.1 to 85.0 s".
   std::vector<std::string> around;
-  /// The gravest of these: wrong loop | collision | slip (the odometry was wrong, or distrusted) | lost | degenerate | unknown; "" where
+  /// The gravest of these: carried (by somebody, to another place) | wrong loop | collision | slip (the odometry was wrong, or distrusted) | lost | degenerate | unknown; "" where
   /// nothing diverged.
   std::string suspect;
   std::optional<WorstRegion> region;  ///< where a plan is known and something diverged
@@ -81,11 +81,12 @@ struct FailureReport {
 struct FailureEvidence {
   std::vector<JournalLine> journal;
   std::vector<sim::Collision> collisions;  ///< of the recording
+  std::vector<sim::Carry> carries;         ///< likewise
   core::Trajectory odometry;               ///< dead reckoning from the first scan on
 };
 FailureReport explainFailure(const RunFolder& run, const Truth& truth, const FailureEvidence& evidence,
                              const FailureLimits& limits = {});
-/// The run's journal.csv, the collisions beside the truth, and the odometry of the log ("" for none), where they are. Errors:
+/// The run's journal.csv, the collisions and carries beside the truth, and the odometry of the log ("" for none), where they are. Errors:
 /// InputError.
 FailureEvidence readEvidence(const RunFolder& run, const std::string& truth_path,
                              const std::string& log_path);

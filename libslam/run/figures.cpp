@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -16,6 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMostPanels = 8, kMostCharts = 24;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::size_t columnOf(const report::Table& table, const std::string& key, const std::string& path) {
   std::vector<std::string> keys;
@@ -244,8 +246,10 @@ std::vector<report::Chart> stressCharts(const report::Table& stress, const std::
     const double y = numberOf(row[error]), low = numberOf(row[error + 1]), high = numberOf(row[error + 2]);
     add(errors.curves, label, {x, std::isfinite(y) ? y : std::nan("")});
     add(failures.curves, label, {x, numberOf(row[rate])});
-    if (std::isfinite(low) && std::isfinite(high))
-      error_whiskers.push_back({label, {{x, low}, {x, high}}, report::Curve::Style::kWhisker});
+    // An interval that ends among the failed runs has no end on the axis.
+    if (std::isfinite(low))
+      error_whiskers.push_back(
+          {label, {{x, low}, {x, std::isfinite(high) ? high : kInfinity}}, report::Curve::Style::kWhisker});
     if (std::isfinite(numberOf(row[rate])))
       failure_whiskers.push_back({label,
                                   {{x, numberOf(row[rate_low])}, {x, numberOf(row[rate_high])}},

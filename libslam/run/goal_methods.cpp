@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "libslam/core/error.h"
+#include "libslam/navigate/lidar_bug.h"
+#include "libslam/navigate/surroundings.h"
 
 namespace slam::run {
 namespace {
@@ -36,6 +38,18 @@ std::unique_ptr<navigate::GoalNavigator> makeGoalMethod(const std::string& name,
   requireGoalMethod(name);
   if (name == kMrptReactive) return mrptnav::makeReactiveNavigator(mrpt_reactive, options, task);
   return navigate::makeGoalNavigator(name, options, task);
+}
+
+std::optional<StrategicOverlay> strategicOverlay(const std::string& method,
+                                                 const navigate::NavigateOptions& options,
+                                                 const robot::RobotOptions& robot,
+                                                 const robot::LidarOptions& lidar) {
+  if (method != "lidar_bug") return std::nullopt;
+  const navigate::Surroundings surroundings(robot, options.clearance_m, 1 / lidar.rate_hz);
+  const double guard_m = surroundings.guardRadius() + lidar.sigma_m;
+  const auto directions = navigate::strategicDirections();
+  return StrategicOverlay{navigate::lidarBugStopRadius(options.lidar_bug, guard_m),
+                          {directions.begin(), directions.end()}};
 }
 
 }  // namespace slam::run

@@ -1,10 +1,13 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "libslam/mrptnav/reactive_navigator.h"
 #include "libslam/navigate/goal_navigator.h"
+#include "libslam/robot/drive.h"
+#include "libslam/robot/lidar.h"
 
 namespace slam::run {
 
@@ -20,5 +23,16 @@ std::unique_ptr<navigate::GoalNavigator> makeGoalMethod(const std::string& name,
                                                         const navigate::NavigateOptions& options,
                                                         const mrptnav::ReactiveOptions& mrpt_reactive,
                                                         const navigate::GoalTask& task);
+
+/// What the founding `lidar_bug` looks at, for pictures, robot frame.
+struct StrategicOverlay {
+  double stop_radius_m;
+  std::vector<double> directions_rad;
+};
+/// nullopt for the other methods.
+std::optional<StrategicOverlay> strategicOverlay(const std::string& method,
+                                                 const navigate::NavigateOptions& options,
+                                                 const robot::RobotOptions& robot,
+                                                 const robot::LidarOptions& lidar);
 
 }  // namespace slam::run

@@ -13,8 +13,11 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/navigate/surroundings.h"
-#include "libslam/report/picture.h"
+#include "libslam/run/carry_file.h"
 #include "libslam/run/goal_methods.h"
+#include "libslam/run/goal_picture.h"
+#include "libslam/run/recorder.h"
+#include "libslam/run/sensor.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/world/shortest_path.h"
 
@@ -59,13 +62,30 @@ class PoseSource {
   }
   core::Pose2 update(const sim::Sensed& sensed) {
     if (!builder_) return sensed.T_odom_robot;
-    return mapping::processScan(*builder_, sensed.scan, sensed.T_previous_robot, true);
+    return mapping::processScan(*builder_, sensed.scan, sensed.T_previous_robot, true, commanded_);
   }
+  /// What the robot is told to do next.
+  void tell(const robot::Command& command) { commanded_ = commands_.next(command); }
   const mapping::MapBuilder* method() const { return builder_ ? &*builder_ : nullptr; }
 
  private:
   std::optional<mapping::MapBuilder> builder_;
+  robot::CommandSeries commands_;
+  robot::Commanded commanded_ = robot::MotionKind::kRest;
 };
+
+/// What a recorder is to know of a drive.
+RecordConfig recordConfigOf(const ReachGoalConfig& config) {
+  RecordConfig record;
+  record.robot = config.robot;
+  record.lidar = config.lidar;
+  record.camera = config.camera;
+  record.odometry = config.odometry;
+  record.living = config.living;
+  record.carries = config.carries;
+  record.parameters = config.parameters;
+  return record;
+}
 
 /// True when no way leads to the goal for the disc with the clearance that the methods keep.
 bool isOutOfReach(const ReachGoalRequest& request) {
@@ -110,6 +130,11 @@ report::Table tableOf(const ReachGoalRequest& request, const GoalComparison& com
                           run.goal_distance_m, static_cast<double>(run.changes.size()),
                           static_cast<double>(run.collisions)});
     table.notes.push_back(run.method + ": " + run.reason + ".");
+    for (const auto& carry : run.carries)
+      table.notes.push_back(run.method + ": " + carryText(carry, sim::Simulator::kStartTime_s) + ".");
+    if (run.carries_left > 0)
+      table.notes.push_back(run.method + ": " + std::to_string(run.carries_left) +
+                            " of the carries came after the end.");
   }
   table.notes.push_back(comparison.shortest_m
                             ? "Shortest: of the disc around the footprint, in the true plan."
@@ -119,54 +144,43 @@ report::Table tableOf(const ReachGoalRequest& request, const GoalComparison& com
   return table;
 }
 
+/// Every change of the step, also those that the next one of the same period undid.
+void addChanges(const navigate::GoalStep& step, double time_s, const core::Pose2& T_world_robot,
+                std::vector<StateChange>& changes) {
+  std::vector<core::Point2> p_world_projected;
+  for (const auto& p_robot : step.p_robot_projected) p_world_projected.push_back(T_world_robot * p_robot);
+  const auto add = [&](const std::string& to, const std::string& why) {
+    const std::string from = changes.empty() ? "" : changes.back().to;
+    if (to != from)
+      changes.push_back({time_s, from, to, why, core::position(T_world_robot), p_world_projected});
+  };
+  if (changes.empty() && !step.changes.empty()) add(step.changes.front().from, "start");
+  for (const auto& change : step.changes) add(change.to, change.why);
+  add(step.state, step.reason);
+}
+
 std::string statesCsv(const GoalRun& run) {
+  constexpr const char* kDirections[] = {"ahead", "left_ahead", "left", "right", "right_ahead"};
+  size_t projected = 0;
+  for (const auto& change : run.changes) projected = std::max(projected, change.p_world_projected.size());
   report::Table table;
   table.columns = {{"time_s", ""}, {"from", ""}, {"to", ""}, {"why", ""}, {"x_m", ""}, {"y_m", ""}};
-  for (const auto& change : run.changes)
+  for (size_t d = 0; d < projected; ++d) {
+    table.columns.push_back({std::string(kDirections[d]) + "_x_m", ""});
+    table.columns.push_back({std::string(kDirections[d]) + "_y_m", ""});
+  }
+  for (const auto& change : run.changes) {
     table.rows.push_back(
         {change.time_s, change.from, change.to, change.why, change.p_world.x, change.p_world.y});
-  return report::toCsv(table);
-}
-
-/// A cross, as a path of two strokes.
-report::DrawnPath goalMark(const core::Point2& p, double size_m) {
-  const auto at = [&](double dx, double dy) {
-    return core::StampedPose{0, {p.x + dx * size_m, p.y + dy * size_m, 0}};
-  };
-  return {{at(-1, -1), at(1, 1), at(0, 0), at(-1, 1), at(1, -1)}, "goal"};
-}
-
-double markSize(const world::Plan& plan) {
-  return 0.012 * plan.resolution_m * std::max(plan.columns, plan.rows);
-}
-
-/// The steps of one manoeuvre share a colour: the palette has eight.
-std::string manoeuvreOf(const std::string& state) {
-  for (std::string manoeuvre : {"AVOID", "OPEN", "STUCK"})
-    if (state.compare(0, manoeuvre.size(), manoeuvre) == 0) return manoeuvre;
-  return state;
-}
-
-/// The true path cut where the state changes, each piece under its state's name.
-std::vector<report::DrawnPath> piecesByState(const GoalRun& run) {
-  std::vector<report::DrawnPath> pieces;
-  size_t next = 0;
-  for (size_t i = 0; i < run.truth.size(); ++i) {
-    const double time_s = run.truth[i].time_s - run.truth.front().time_s;
-    while (next < run.changes.size() && run.changes[next].time_s <= time_s + 1e-9) {
-      if (!pieces.empty()) pieces.back().path.push_back(run.truth[i]);
-      pieces.push_back({{}, manoeuvreOf(run.changes[next++].to)});
+    const core::Point2 nowhere{std::numeric_limits<double>::quiet_NaN(),
+                               std::numeric_limits<double>::quiet_NaN()};
+    for (size_t d = 0; d < projected; ++d) {
+      const auto& p = d < change.p_world_projected.size() ? change.p_world_projected[d] : nowhere;
+      table.rows.back().emplace_back(p.x);
+      table.rows.back().emplace_back(p.y);
     }
-    if (!pieces.empty()) pieces.back().path.push_back(run.truth[i]);
   }
-  return pieces;
-}
-
-void drawRun(const ReachGoalRequest& request, const GoalRun& run, const std::string& png_path) {
-  auto paths = piecesByState(run);
-  const auto mark = goalMark(request.p_world_goal, markSize(request.plan));
-  paths.insert(paths.begin() + (paths.empty() ? 0 : 1), mark);
-  report::drawPlan(request.plan, paths, run.method + ": " + resultOf(run), png_path);
+  return report::toCsv(table);
 }
 
 void writeRun(const ReachGoalRequest& request, const GoalRun& run, const std::string& folder) {
@@ -174,7 +188,7 @@ void writeRun(const ReachGoalRequest& request, const GoalRun& run, const std::st
   logs::writeTum(run.truth, folder + "/truth.tum");
   logs::writeTum(run.estimate, folder + "/trajectory.tum");
   core::writeFileAtomically(folder + "/states.csv", statesCsv(run));
-  drawRun(request, run, folder + "/path.png");
+  drawGoalRun(request, run, run.method + ": " + resultOf(run), folder + "/path.png");
 }
 
 std::vector<double> numbersOf(const std::string& text) {
@@ -213,26 +227,37 @@ core::Pose2 goalStart(const world::Plan& plan, const ReachGoalConfig& config, co
                          core::formatNumber(config.robot.side_m) + " m");
 }
 
-ReachGoalConfig readReachGoalConfig(const core::IniFile& ini) {
-  core::rejectUnknownSections(
-      ini, {"robot", "lidar", "odometry", "living", "navigate", "lidar_bug", "mrpt_reactive"});
+ReachGoalConfig readReachGoalConfig(const core::IniFile& given) {
+  std::vector<std::string> known = {"robot",    "odometry",  "living",    "events",
+                                    "navigate", "lidar_bug", "obstacles", "mrpt_reactive"};
+  known.insert(known.end(), sensorSections().begin(), sensorSections().end());
+  core::rejectUnknownSections(given, known);
+  const auto ini = withMemoryForCamera(given);
   ReachGoalConfig config;
   auto* report = &config.parameters;
   core::readParameters(ini, robot::RobotOptions::table(), config.robot, report);
-  core::readParameters(ini, robot::LidarOptions::table(), config.lidar, report);
+  const auto sensor = readSensor(ini, report);
+  config.lidar = sensor.lidar, config.camera = sensor.camera;
   core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
   core::readParameters(ini, sim::LivingOptions::table(), config.living, report);
+  config.carries = sim::readCarries(ini, report);
   core::readParameters(ini, navigate::NavigateOptions::table(), config.navigate, report);
   core::readParameters(ini, navigate::LidarBugOptions::table(), config.navigate.lidar_bug, report);
+  core::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.navigate.obstacles, report);
   core::readParameters(ini, mrptnav::ReactiveOptions::table(), config.mrpt_reactive, report);
+  sim::requireBefore(config.carries, config.navigate.time_limit_s);
   return config;
 }
 
-GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, core::Progress& progress) {
+GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, core::Progress& progress,
+                    const std::string& folder, const core::Manifest& manifest) {
   const auto& config = request.config;
   const double period_s = 1 / config.lidar.rate_hz;
   sim::Simulator simulator(request.plan, config.robot, config.lidar, config.odometry, request.T_world_start,
-                           request.seed, sim::Simulator::kStartTime_s, config.living);
+                           request.seed, sim::Simulator::kStartTime_s, config.living, config.camera);
+  simulator.carryAt(config.carries);
+  std::optional<Recorder> recorder;
+  if (!folder.empty()) recorder.emplace(folder + "/run.rawlog", recordConfigOf(config));
   const core::Point2 p_start_goal = core::inverse(request.T_world_start) * request.p_world_goal;
   const auto navigator =
       makeGoalMethod(method, config.navigate, config.mrpt_reactive, {p_start_goal, config.robot, period_s});
@@ -242,11 +267,13 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
   progress.begin(method + " in " + request.plan.name);
   const double start_s = simulator.time_s();
   sim::Sensed sensed = simulator.sense();
-  std::string state;
+  if (recorder) recorder->begin(simulator, sensed);
+  sim::DrivenPath path;
   while (true) {
     // Stamps count from 1970 and hold no more than a fraction of a microsecond.
     const double elapsed_s = std::round(1e3 * (simulator.time_s() - start_s)) / 1e3;
     run.truth.push_back({simulator.time_s(), simulator.truth()});
+    path.add(simulator.truth(), simulator.carries());
     progress.update(elapsed_s / config.navigate.time_limit_s, elapsed_s);
     navigate::GoalStep step;
     try {
@@ -257,10 +284,7 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
       step = {{}, GoalStatus::kGaveUp, "gave up", std::string("the SLAM method failed: ") + error.what()};
       if (run.estimate.empty()) run.estimate.push_back(run.truth.front());
     }
-    if (step.state != state) {
-      run.changes.push_back({elapsed_s, state, step.state, step.reason, core::position(simulator.truth())});
-      state = step.state;
-    }
+    addChanges(step, elapsed_s, simulator.truth(), run.changes);
     run.status = step.status;
     run.reason = step.reason;
     if (request.observer)
@@ -269,13 +293,18 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
                                 pose_source.method(), &simulator, nullptr,
                                 step.state + (step.reason.empty() ? "" : ": " + step.reason)});
     if (step.status != GoalStatus::kMoving) break;
+    pose_source.tell(step.command);
     sensed = simulator.step(step.command);
+    if (recorder) recorder->add(step.command, simulator, sensed);
   }
   progress.end();
   run.time_s = std::round(1e3 * (simulator.time_s() - start_s)) / 1e3;
-  run.path_m = core::pathLength(run.truth);
+  run.path_m = path.length_m();
   run.goal_distance_m = core::distance(core::position(simulator.truth()), request.p_world_goal);
   run.collisions = simulator.collisions().size();
+  run.carries = simulator.carries();
+  run.carries_left = simulator.waitingCarries();
+  if (recorder) recorder->finish(simulator, request.seed, manifest);
   return run;
 }
 
@@ -290,21 +319,20 @@ GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifes
     comparison.shortest_m = path->length_m;
   const bool out_of_reach = isOutOfReach(request);
 
-  std::vector<report::DrawnPath> paths;
   for (const auto& method : request.methods) {
     const auto wall_start = std::chrono::steady_clock::now();
-    GoalRun run = driveToGoal(request, method, progress);
+    const std::string folder = output.path() + "/" + method;
+    std::filesystem::create_directory(folder);
+    GoalRun run = driveToGoal(request, method, progress, folder, manifest);
     manifest.times_s[method] =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
     run.right = (run.status == GoalStatus::kReached && run.goal_distance_m <= kArrived_m) ||
                 (run.status == GoalStatus::kUnreachable && (!comparison.shortest_m || out_of_reach));
     comparison.wrong += !run.right;
-    writeRun(request, run, output.path() + "/" + method);
-    paths.push_back({run.truth, method});
+    writeRun(request, run, folder);
     comparison.runs.push_back(std::move(run));
   }
-  paths.push_back(goalMark(request.p_world_goal, markSize(request.plan)));
-  report::drawPlan(request.plan, paths, request.plan.name, output.path() + "/paths.png");
+  drawGoalRuns(request, comparison.runs, output.path() + "/paths.png");
   comparison.table = tableOf(request, comparison, out_of_reach);
   const std::string scores = output.path() + "/scores";
   core::writeFileAtomically(scores + ".txt", report::toText(comparison.table));
@@ -316,9 +344,12 @@ GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifes
   manifest.seed = request.seed;
   for (const auto& line : request.config.parameters)
     manifest.config[line.section + "." + line.info.key] = line.value;
+  manifest.files["METHOD/run.rawlog"] = "what the robot sensed, with its truth beside it: rasterslam compare";
   manifest.files["METHOD/truth.tum"] = "true path, TUM form, world frame";
   manifest.files["METHOD/trajectory.tum"] = "the path by the pose that the method was given, world frame";
-  manifest.files["METHOD/states.csv"] = "every change of state: time, from, to, why, true place";
+  manifest.files["METHOD/states.csv"] =
+      "every change of state: time, from, to, why, true place; of lidar_bug the places "
+      "projected in its five directions";
   manifest.files["METHOD/path.png"] = "the true path, coloured by state";
   manifest.files["paths.png"] = "the true paths of all methods";
   manifest.files["scores.txt"] = "the table; also .md, .tex, .csv, .json";

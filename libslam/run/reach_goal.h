@@ -15,6 +15,7 @@
 #include "libslam/robot/lidar.h"
 #include "libslam/robot/odometry_noise.h"
 #include "libslam/run/step_observer.h"
+#include "libslam/sim/carry.h"
 #include "libslam/sim/living.h"
 #include "libslam/world/plan.h"
 
@@ -23,14 +24,16 @@ namespace slam::run {
 /// All that decides a drive to a goal besides the plan, the places, the method and the seed.
 struct ReachGoalConfig {
   robot::RobotOptions robot;
-  robot::LidarOptions lidar;
+  robot::LidarOptions lidar;                 ///< with a camera: the one that would give its scans
+  std::optional<robot::FloorCamera> camera;  ///< looks in place of the lidar
   robot::OdometryOptions odometry;
   sim::LivingOptions living;
   navigate::NavigateOptions navigate;
   mrptnav::ReactiveOptions mrpt_reactive;
+  std::vector<sim::CarryOrder> carries;           ///< when and where somebody carries the robot
   std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
 };
-/// Reads sections [robot] [lidar] [odometry] [living] [navigate] [lidar_bug] [mrpt_reactive]; strict.
+/// Reads sections [robot], those of readSensor(), [odometry] [living] [events] [navigate] [lidar_bug] [obstacles] [mrpt_reactive]; strict.
 ReachGoalConfig readReachGoalConfig(const core::IniFile& config);
 
 struct ReachGoalRequest {
@@ -50,7 +53,8 @@ struct ReachGoalRequest {
 struct StateChange {
   double time_s;  ///< since the start
   std::string from, to, why;
-  core::Point2 p_world;  ///< true place
+  core::Point2 p_world;                              ///< true place
+  std::vector<core::Point2> p_world_projected = {};  ///< as GoalStep::p_robot_projected, from the true place
 };
 
 /// How one method fared.
@@ -60,6 +64,8 @@ struct GoalRun {
   std::string reason;
   double time_s = 0, path_m = 0, goal_distance_m = 0;  ///< the true ones
   size_t collisions = 0;
+  std::vector<sim::Carry> carries;
+  size_t carries_left = 0;           ///< orders that the end came before
   core::Trajectory truth, estimate;  ///< both in the world frame, the estimate from the true start
   std::vector<StateChange> changes;
   /// Said to be reached and truly within kArrived_m of the goal; or said to be unreachable, and no way of the
@@ -77,14 +83,17 @@ struct GoalComparison {
 
 /// Drives to the goal once per method, the simulator in the loop, and writes into `output`:
 ///   METHOD/truth.tum trajectory.tum states.csv path.png   (the path coloured by the method's states)
+///   METHOD/run.rawlog and the files beside it, as record() writes them
+///   states.csv has every change of state; of lidar_bug also the places projected in its five directions
 ///   paths.png   scores.txt .md .tex .csv .json   manifest.json
 /// The folder appears whole or not at all. Same request: the same bytes but for the manifest's times.
 /// Errors: InputError for a start without room for the robot, a goal in a wall or outside the plan, an unknown
 /// or doubled method, an existing folder without `overwrite`.
 GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifest, core::Progress& progress);
 
-/// One drive, nothing written.
-GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, core::Progress& progress);
+/// One drive. `folder` (existing) gets what is recorded, see record(), with `manifest`; "" writes nothing.
+GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, core::Progress& progress,
+                    const std::string& folder = "", const core::Manifest& manifest = {});
 
 /// "x y" or "x y yaw_deg" in metres and degrees. `flag` stands before errors (InputError).
 core::Point2 parsePlace(const std::string& text, const std::string& flag);

@@ -4,13 +4,19 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/navigate/safe_motion.h"
 #include "libslam/run/recorder.h"
+#include "libslam/run/sensor.h"
 #include "libslam/world/furniture.h"
 
 namespace slam::run {
 
 core::Pose2 startPose(const world::Plan& plan, const RecordConfig& config) {
-  const double clearance_m = robot::circumscribedRadius(config.robot) + config.strategy.stop_clearance_m;
+  const double w_m =
+      config.strategy.stop_clearance_m > 0
+          ? config.strategy.stop_clearance_m
+          : navigate::stopClearance(config.robot, 1 / config.lidar.rate_hz, config.lidar.sigma_m);
+  const double clearance_m = robot::circumscribedRadius(config.robot) + w_m;
   if (config.simulation.start == "auto") {
     if (const auto pose = world::findStartPose(plan, clearance_m)) return *pose;
     if (const auto pose = world::findStartPose(plan, robot::circumscribedRadius(config.robot))) return *pose;
@@ -45,18 +51,25 @@ SimulationOptions::SimulationOptions() {
   table().setDefaults(*this);
 }
 
-RecordConfig readRecordConfig(const core::IniFile& ini, const std::vector<std::string>& other_sections) {
-  std::vector<std::string> known = {"robot", "lidar", "odometry", "strategy", "living", "simulation"};
+RecordConfig readRecordConfig(const core::IniFile& given, const std::vector<std::string>& other_sections) {
+  std::vector<std::string> known = {"robot",  "odometry",   "strategy", "obstacles",
+                                    "living", "simulation", "events"};
+  known.insert(known.end(), sensorSections().begin(), sensorSections().end());
   known.insert(known.end(), other_sections.begin(), other_sections.end());
-  core::rejectUnknownSections(ini, known);
+  core::rejectUnknownSections(given, known);
+  const auto ini = withMemoryForCamera(given);
   RecordConfig config;
   auto* report = &config.parameters;
   core::readParameters(ini, robot::RobotOptions::table(), config.robot, report);
-  core::readParameters(ini, robot::LidarOptions::table(), config.lidar, report);
+  const auto sensor = readSensor(ini, report);
+  config.lidar = sensor.lidar, config.camera = sensor.camera;
   core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
   core::readParameters(ini, navigate::StrategyOptions::table(), config.strategy, report);
+  core::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.strategy.obstacles, report);
   core::readParameters(ini, sim::LivingOptions::table(), config.living, report);
   core::readParameters(ini, SimulationOptions::table(), config.simulation, report);
+  config.carries = sim::readCarries(ini, report);
+  sim::requireBefore(config.carries, config.simulation.duration_s);
   return config;
 }
 
@@ -82,7 +95,10 @@ Recording recordLoop(sim::Simulator& simulator, const RecordConfig& config, std:
                      const Commander& commander, StepObserver* observer,
                      const std::function<const navigate::Decision*()>& decision) {
   const double period_s = 1 / config.lidar.rate_hz;
+  simulator.carryAt(config.carries);
   Recorder recorder(log_path, config);
+  robot::CommandSeries commands;
+  robot::Commanded commanded = robot::MotionKind::kRest;
   progress.begin("simulating " + simulator.scene().plan().name);
   const double start_time_s = simulator.time_s();
   sim::Sensed sensed = simulator.sense();
@@ -91,13 +107,15 @@ Recording recordLoop(sim::Simulator& simulator, const RecordConfig& config, std:
     const double elapsed_s = simulator.time_s() - start_time_s;
     progress.update(elapsed_s / config.simulation.duration_s, elapsed_s);
     const bool is_over = elapsed_s + period_s / 2 >= config.simulation.duration_s;
-    const auto command = is_over ? std::nullopt : commander(sensed);
+    const auto order = is_over ? std::nullopt : commander(sensed);
     if (observer)
       observer->onStep({elapsed_s, sensed.scan, sensed.T_previous_robot, sensed.T_odom_robot, nullptr,
-                        &simulator, decision()});
-    if (!command) break;
-    sensed = simulator.step(*command);
-    recorder.add(*command, simulator, sensed);
+                        &simulator, decision(), "", commanded});
+    if (!order) break;
+    commanded = commands.next(order->command, order->is_whole);
+    if (order->T_world_carried) simulator.carryNow(*order->T_world_carried);
+    sensed = simulator.step(order->command);
+    recorder.add(order->command, simulator, sensed, order->is_whole);
   }
   progress.end();
   return recorder.finish(simulator, seed, std::move(manifest));
@@ -110,7 +128,7 @@ Recording record(const world::Plan& given_plan, const RecordConfig& config, std:
                  StepObserver* observer) {
   const world::Plan plan = planOfVisit(given_plan, config.living, seed);
   sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, startPose(plan, config), seed,
-                           sim::Simulator::kStartTime_s, config.living);
+                           sim::Simulator::kStartTime_s, config.living, config.camera);
   navigate::Driver driver(navigate::makeStrategy(config.strategy, core::RandomStream(seed, "strategy")),
                           config.strategy, config.robot, 1 / config.lidar.rate_hz,
                           core::RandomStream(seed, "driver"));
@@ -118,7 +136,7 @@ Recording record(const world::Plan& given_plan, const RecordConfig& config, std:
     throw core::InputError("strategy '" + config.strategy.name +
                            "' needs a map, and a recording builds none: use 'rasterslam explore'");
   bool has_decided = false;
-  const auto drive = [&](const sim::Sensed& sensed) -> std::optional<robot::Command> {
+  const auto drive = [&](const sim::Sensed& sensed) -> std::optional<Order> {
     const auto command = driver.next(sensed.scan, sensed.T_odom_robot, sensed.collided);
     has_decided = true;
     if (driver.finished()) return std::nullopt;
@@ -133,7 +151,7 @@ Recording recordCommands(const world::Plan& given_plan, const RecordConfig& conf
                          const Commander& commander, StepObserver* observer) {
   const world::Plan plan = planOfVisit(given_plan, config.living, seed);
   sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, startPose(plan, config), seed,
-                           sim::Simulator::kStartTime_s, config.living);
+                           sim::Simulator::kStartTime_s, config.living, config.camera);
   return recordLoop(simulator, config, seed, log_path, std::move(manifest), progress, commander, observer,
                     [] { return nullptr; });
 }

@@ -10,10 +10,12 @@
 #include "libslam/core/parameters.h"
 #include "libslam/core/progress.h"
 #include "libslam/navigate/strategy.h"
+#include "libslam/robot/camera.h"
 #include "libslam/robot/drive.h"
 #include "libslam/robot/lidar.h"
 #include "libslam/robot/odometry_noise.h"
 #include "libslam/run/step_observer.h"
+#include "libslam/sim/carry.h"
 #include "libslam/sim/living.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/world/plan.h"
@@ -32,15 +34,18 @@ struct SimulationOptions {
 /// All that decides a recording besides the plan and the seed.
 struct RecordConfig {
   robot::RobotOptions robot;
-  robot::LidarOptions lidar;
+  robot::LidarOptions lidar;                 ///< with a camera: the one that would give its scans
+  std::optional<robot::FloorCamera> camera;  ///< looks in place of the lidar
   robot::OdometryOptions odometry;
   navigate::StrategyOptions strategy;
   sim::LivingOptions living;
   SimulationOptions simulation;
+  std::vector<sim::CarryOrder> carries;           ///< when and where somebody carries the robot
   std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
 };
 
-/// Reads sections [robot] [lidar] [odometry] [strategy] [living] [simulation]; strict but for `other_sections`, which
+/// Reads sections [robot], those of readSensor(), [odometry] [strategy] [obstacles] [living] [simulation] [events]; strict but for
+/// `other_sections`, which
 /// someone else reads.
 RecordConfig readRecordConfig(const core::IniFile& config,
                               const std::vector<std::string>& other_sections = {});
@@ -56,6 +61,8 @@ world::Plan planOfVisit(const world::Plan& plan, const sim::LivingOptions& livin
 struct Recording {
   std::size_t scans = 0;
   std::vector<sim::Collision> collisions;
+  std::vector<sim::Carry> carries;
+  std::size_t carries_left = 0;  ///< orders that the end came before
   double duration_s = 0, path_length_m = 0;
   std::vector<std::string> files;
 };
@@ -67,6 +74,7 @@ struct Recording {
 ///   run.operations.txt    the founding document's operation log
 ///   run.movers.csv        where people and doors were, when there are any that move: see MoversLog
 ///   run.collisions.csv    when and where a command was cut short, when any was: see readCollisions()
+///   run.carries.csv       when the robot was carried, from where and where to, when it was: see readCarryFile()
 ///   run.plan.yaml, .png   the true plan, when it is not the given one: a [living] visit after the first
 ///   run.manifest.json     how to make it again
 /// Each file is written beside and renamed; an error or an interrupt leaves none of them.
@@ -76,8 +84,16 @@ Recording record(const world::Plan& given_plan, const RecordConfig& config, std:
                  const std::string& log_path, core::Manifest manifest, core::Progress& progress,
                  StepObserver* observer = nullptr);
 
-/// The next command to the robot by what it senses; nullopt ends the recording.
-using Commander = std::function<std::optional<robot::Command>(const sim::Sensed& sensed)>;
+/// What is done next: a command to the robot, and before it somebody may carry it away.
+struct Order {
+  Order(const robot::Command& to_robot, bool whole = false) : command(to_robot), is_whole(whole) {}
+  robot::Command command;
+  bool is_whole;  ///< a command of its own in the operation log, even where the one before was alike
+  std::optional<core::Pose2>
+      T_world_carried;  ///< where somebody puts the robot down; a place that is free by the plan
+};
+/// The next order by what the robot senses; nullopt ends the recording.
+using Commander = std::function<std::optional<Order>(const sim::Sensed& sensed)>;
 /// The same with commands from elsewhere, such as from someone at the keys, instead of a strategy.
 Recording recordCommands(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
                          const std::string& log_path, core::Manifest manifest, core::Progress& progress,

@@ -15,8 +15,10 @@ class Recorder {
   ~Recorder();
   /// The first look.
   void begin(const sim::Simulator& simulator, const sim::Sensed& sensed);
-  /// What `command` led to.
-  void add(const robot::Command& command, const sim::Simulator& simulator, const sim::Sensed& sensed);
+  /// What `command` led to. Commands that are one in the founding document's sense (robot::CommandSeries) become one
+  /// operation; `is_whole`: one of its own in any case.
+  void add(const robot::Command& command, const sim::Simulator& simulator, const sim::Sensed& sensed,
+           bool is_whole = false);
   /// Closes the log, writes the files beside it, and tells what came out.
   Recording finish(const sim::Simulator& simulator, std::uint64_t seed, core::Manifest manifest);
 

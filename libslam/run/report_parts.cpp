@@ -10,6 +10,7 @@
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
 #include "libslam/logs/log_reader.h"
+#include "libslam/run/carry_file.h"
 #include "libslam/run/failure.h"
 #include "libslam/run/record.h"
 #include "libslam/sim/operation_log.h"
@@ -42,17 +43,29 @@ std::vector<std::vector<std::string>> csvRows(const std::string& text) {
   return rows;
 }
 
-/// What the robot did before each of the log's scans; none where the two do not belong together.
+std::string operationText(const sim::Operation& operation) {
+  const auto number = [](double value) { return ' ' + report::shownText(value, {"", "", 4}); };
+  std::string text = operation.kind + number(operation.first);
+  if (operation.kind != 't') text += number(operation.second);
+  if (operation.kind == 'a') text += number(operation.third);
+  return text;
+}
+
+/// The whole command that each of the log's scans was taken after or during; none where the two do not belong together.
 std::vector<std::string> readOperations(const std::string& log_path, std::uint64_t scans) {
   const std::string path = logStem(log_path) + ".operations.txt";
   if (!fs::exists(path)) return {};
   const auto operations = sim::parseOperations(core::readTextFile(path), path);
-  if (operations.size() + 1 != scans) return {};
-  std::vector<std::string> texts = {""};
-  const auto number = [](double value) { return report::shownText(value, {"", "", 4}); };
-  for (const auto& operation : operations)
-    texts.push_back(operation.kind + (" " + number(operation.first)) +
-                    (operation.kind == 'm' ? " " + number(operation.second) : ""));
+  const bool numbered = !operations.empty() && operations.front().scan_after > 0;
+  if (!numbered && operations.size() + 1 != scans) return {};
+  std::vector<std::string> texts(scans);
+  for (size_t i = 0; i < operations.size(); ++i) {
+    const auto before = numbered ? operations[i].scan_before : i;
+    const auto after = numbered ? operations[i].scan_after : i + 1;
+    if (after >= scans) return {};
+    std::fill(texts.begin() + static_cast<std::ptrdiff_t>(before) + 1,
+              texts.begin() + static_cast<std::ptrdiff_t>(after) + 1, operationText(operations[i]));
+  }
   return texts;
 }
 
@@ -60,6 +73,9 @@ void addCollisions(const std::string& log_path, double start_s, report::ReportRe
   for (const auto& collision : readCollisions(collisionsPath(log_path)))
     replay.moments.push_back(
         {collision.time_s - start_s, "collision", "", core::position(collision.T_world_robot)});
+  for (const auto& carry : readCarryFile(carriesPath(log_path)))
+    replay.moments.push_back(
+        {carry.time_s - start_s, "carried", carryText(carry, start_s), core::position(carry.T_world_to)});
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ struct Step {
   const sim::Simulator* simulator = nullptr;    ///< nullptr: the scans come from a log
   const navigate::Decision* decision = nullptr;  ///< nullptr: none, or of a navigator that has no such
   std::string note = {};                         ///< what a navigator says of its state
+  robot::Commanded commanded = {};  ///< what led to the scan, where the loop builds no map itself
 };
 
 /// Looks on while a loop of this room works: record(), buildMap(), exploreOnce(), driveToGoal(). It changes nothing: same

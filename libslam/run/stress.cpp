@@ -178,8 +178,22 @@ std::string listOf(const std::vector<double>& values) {
   return text;
 }
 
-/// REQUIRES values[i] ascending, is_broken of the same length.
-std::string textOf(const std::vector<double>& values, const std::vector<bool>& is_broken) {
+/// At which values runs failed, too few to prove that the method is broken there; "" where none did.
+std::string unprovenText(const std::vector<double>& values, const std::vector<Point>& points,
+                         const StressLimits& limits) {
+  std::string text;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (points[i].failed > 0 && !points[i].isBroken(limits))
+      text += (text.empty() ? "" : ", ") + std::to_string(points[i].failed) + " of " +
+              std::to_string(points[i].runs) + " at " + core::formatNumber(values[i]);
+  return text;
+}
+
+/// Of one method. REQUIRES values ascending, points of the same length.
+std::string textOf(const std::vector<double>& values, const std::vector<Point>& points,
+                   const StressLimits& limits) {
+  std::vector<bool> is_broken;
+  for (const auto& point : points) is_broken.push_back(point.isBroken(limits));
   const std::size_t count = values.size();
   std::size_t below = 0, above = 0;  // values broken without a gap from either end
   while (below < count && is_broken[below]) ++below;
@@ -195,7 +209,9 @@ std::string textOf(const std::vector<double>& values, const std::vector<bool>& i
   for (std::size_t i = below; i + above < count; ++i)
     if (is_broken[i]) between.push_back(values[i]);
   if (!between.empty()) text += (text.empty() ? "" : "; ") + std::string("broken at ") + listOf(between);
-  return text.empty() ? "holds everywhere" : text;
+  const std::string unproven = unprovenText(values, points, limits);
+  if (text.empty()) text = unproven.empty() ? "holds everywhere" : "not proven to break";
+  return unproven.empty() ? text : text + "; failed, too few to prove it: " + unproven;
 }
 
 }  // namespace
@@ -266,15 +282,16 @@ StressResult stress(const StressSuite& suite, const SweepPlan& plan, const Sweep
   for (const char* part : {"", "_low", "_high"})
     result.all.columns.push_back({plan.metric + part, plan.metric + part, 4});
   result.all.columns.push_back({"broken", "broken", 0});
-  std::vector<std::vector<bool>> is_broken(methods.size(), std::vector<bool>(suite.values.size()));
+  std::vector<std::vector<Point>> points(methods.size());
   for (const auto& method : methods) result.breaks.push_back({method, {}, {}, ""});
   for (std::size_t v = 0; v < suite.values.size(); ++v)
     for (std::size_t m = 0; m < methods.size(); ++m) {
       const Point point = pointOf(plan, results, runs[v][m]);
       const double value = suite.values[v];
-      is_broken[m][v] = point.isBroken(limits);
-      const std::string word = point.runs == 0 ? "-" : (is_broken[m][v] ? "yes" : "no");
-      if (is_broken[m][v]) result.breaks[m].broken.push_back(value);
+      points[m].push_back(point);
+      const bool is_broken = point.isBroken(limits);
+      const std::string word = point.runs == 0 ? "-" : (is_broken ? "yes" : "no");
+      if (is_broken) result.breaks[m].broken.push_back(value);
       if (point.runs == 0) result.breaks[m].unknown.push_back(value);
       result.main.rows.push_back({core::formatNumber(value), methods[m], static_cast<double>(point.runs),
                                   withInterval({point.failure_rate, point.failure_interval}, 2),
@@ -291,7 +308,7 @@ StressResult stress(const StressSuite& suite, const SweepPlan& plan, const Sweep
   std::vector<std::string> notes;
   for (std::size_t m = 0; m < methods.size(); ++m) {
     auto& breaks = result.breaks[m];
-    breaks.text = textOf(suite.values, is_broken[m]);
+    breaks.text = textOf(suite.values, points[m], limits);
     if (!breaks.unknown.empty()) breaks.text += "; nothing known at " + listOf(breaks.unknown);
     notes.push_back(breaks.method + ": " + breaks.text + ".");
   }

@@ -52,7 +52,9 @@ struct BreakingPoint {
   std::vector<double> broken;   ///< values, ascending
   std::vector<double> unknown;  ///< values without any run
   /// For people: "holds everywhere", "breaks at 90 and below (holds at 156)", "broken everywhere", and what lies between.
-  /// "At v and below" says that it is broken at v and at every smaller value that was tried.
+  /// "At v and below" says that it is broken at v and at every smaller value that was tried. "Holds everywhere" is said only
+  /// where no run failed; failures that prove nothing are told: "not proven to break; failed, too few to prove it: 1 of 3 at
+  /// 90".
   std::string text;
 };
 

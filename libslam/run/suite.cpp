@@ -25,8 +25,9 @@ namespace {
 
 constexpr const char* kBuiltIn = "built-in";
 constexpr std::size_t kMostSeeds = 100000;
-const std::vector<std::string> kRecordSections = {"robot",    "lidar",  "odometry",
-                                                  "strategy", "living", "simulation"};
+const std::vector<std::string> kRecordSections = {"robot",       "sensor",     "lidar",    "camera",
+                                                  "camera_scan", "odometry",   "strategy", "obstacles",
+                                                  "living",      "simulation", "events"};
 
 std::vector<std::string> splitAt(const std::string& text, char separator) {
   std::vector<std::string> parts;

@@ -153,6 +153,8 @@ class Tuner {
       if (kind == "tune" || kind == kParameters || kind == "log" || kind == "method" || kind == "parameters")
         continue;
       if (kind == "world" && !std::count(worlds.begin(), worlds.end(), section.substr(blank + 1))) continue;
+      // A section without keys is a setting, too: wheels as they are built in.
+      if (entries.empty()) ini.overrideWith(core::IniFile::parse("[" + section + "]\n", request_.suite_path));
       for (const auto& [key, entry] : entries) ini.set(section, key, entry.value, entry.origin);
     }
     const auto set = [&](const char* key, const std::string& value) {

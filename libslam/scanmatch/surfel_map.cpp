@@ -8,6 +8,9 @@ namespace {
 
 /// A neighbourhood this flat (variance across to along) is a wall.
 constexpr double kFlat = 0.15;
+/// On the mixed term: more than what rounding to float may take off the determinant, so that a surfel's information is
+/// positive semidefinite as it is stored.
+constexpr double kHeldBack = 1 - 2.5e-7;
 
 }  // namespace
 
@@ -97,7 +100,7 @@ std::int32_t SurfelMap::makeSurfel(std::int64_t cell) const {
   index = static_cast<std::int32_t>(surfels_.size());
   surfels_.push_back({static_cast<float>(cx + mx), static_cast<float>(cy + my),
                       static_cast<float>(information_across + gain * ux * ux),
-                      static_cast<float>(gain * ux * uy),
+                      static_cast<float>(kHeldBack * gain * ux * uy),
                       static_cast<float>(information_across + gain * uy * uy)});
   return index;
 }

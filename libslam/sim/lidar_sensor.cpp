@@ -122,6 +122,7 @@ void LidarSensor::castWideBeams(const Scene& scene, std::vector<float>& out_rang
 void LidarSensor::castBeams(const Scene& scene, const world::BeamTable& beams,
                             std::vector<float>& out_ranges_m) {
   const bool stood_still = T_world_lidar_.size() == 1;
+  if (options_.ray == "original") return castOriginalBeams(scene, beams, out_ranges_m);
   if (stood_still) scene.castScan(T_world_lidar_[0], beams, options_.max_range_m, out_ranges_m);
   out_ranges_m.resize(static_cast<size_t>(options_.beams));
   const bool has_materials = !scene.plan().materials.empty();
@@ -135,6 +136,18 @@ void LidarSensor::castBeams(const Scene& scene, const world::BeamTable& beams,
         stood_still ? out_ranges_m[beam] : scene.castRay(p_world, angle_rad, options_.max_range_m);
     if (has_materials) range_m = followRay(scene, {p_world, angle_rad, 0}, range_m);
     out_ranges_m[beam] = static_cast<float>(range_m);
+  }
+}
+
+void LidarSensor::castOriginalBeams(const Scene& scene, const world::BeamTable& beams,
+                                    std::vector<float>& out_ranges_m) const {
+  out_ranges_m.resize(static_cast<size_t>(options_.beams));
+  for (size_t beam = 0; beam < out_ranges_m.size(); ++beam) {
+    const core::Pose2& T_world_lidar = T_world_lidar_[T_world_lidar_.size() == 1 ? 0 : beam];
+    const double angle_rad =
+        T_world_lidar.phi + beams.firstAngle() + static_cast<double>(beam) * beams.step();
+    out_ranges_m[beam] = static_cast<float>(
+        scene.castOriginalRay(core::position(T_world_lidar), angle_rad, options_.max_range_m));
   }
 }
 

@@ -32,6 +32,8 @@ namespace slam::sim {
 /// surfaces beyond dark_range_m give none. A mirror that a pane touches from behind is a wall to rays through the
 /// pane. What is in the scene and not in its plan is plain.
 ///
+/// Rays: exact, or with ray = original as world::castOriginalRay(); to that one all materials are plain.
+///
 /// Streams: "lidar" (as robot::applyLidarErrors()), "lidar mixed", "lidar glass". Effects that are off neither
 /// draw nor cost.
 class LidarSensor {
@@ -57,6 +59,8 @@ class LidarSensor {
 
  private:
   void castBeams(const Scene& scene, const world::BeamTable& beams, std::vector<float>& out_ranges_m);
+  void castOriginalBeams(const Scene& scene, const world::BeamTable& beams,
+                         std::vector<float>& out_ranges_m) const;
   void castWideBeams(const Scene& scene, std::vector<float>& out_ranges_m);
   /// The length of the whole way of a ray that meets something after range_m.
   double followRay(const Scene& scene, Ray ray, double range_m);

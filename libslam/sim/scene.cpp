@@ -5,6 +5,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
+#include "libslam/world/original_ray.h"
 
 namespace slam::sim {
 
@@ -34,7 +35,17 @@ void Scene::castScan(const core::Pose2& T_world_lidar, const world::BeamTable& b
 }
 
 double Scene::castRay(const core::Point2& p_world, double angle_rad, double max_range_m) const {
-  double range_m = caster_.castRay(p_world, angle_rad, max_range_m);
+  return castBodies(p_world, angle_rad, caster_.castRay(p_world, angle_rad, max_range_m), max_range_m);
+}
+
+double Scene::castOriginalRay(const core::Point2& p_world, double angle_rad, double max_range_m) const {
+  const double wall_m = world::castOriginalRay(plan(), p_world, angle_rad, max_range_m);
+  const double range_m = castBodies(p_world, angle_rad, wall_m, max_range_m);
+  return range_m < wall_m ? std::round(range_m / plan().resolution_m) * plan().resolution_m : wall_m;
+}
+
+double Scene::castBodies(const core::Point2& p_world, double angle_rad, double range_m,
+                         double max_range_m) const {
   const core::Point2 direction{std::cos(angle_rad), std::sin(angle_rad)};
   for (const Disc& body : bodies_) {
     const double body_m = sim::castRay(body, p_world, direction);
@@ -50,6 +61,10 @@ bool Scene::discCollides(const core::Point2& p_world, double radius_m) const {
            const double reach_m = person.radius_m + radius_m;
            return dx * dx + dy * dy <= reach_m * reach_m;
          });
+}
+
+void Scene::noteCarried(const Disc& robot) {
+  if (crowd_) crowd_->noteCarried(toPlanFrame(robot));
 }
 
 void Scene::tick(const Disc& robot) {

@@ -32,6 +32,8 @@ class Scene {
                 std::vector<float>& out_ranges_m) const;
   /// As world::castRay(), and people are met like walls.
   double castRay(const core::Point2& p_world, double angle_rad, double max_range_m) const;
+  /// As world::castOriginalRay(), and people are met as by castRay(), in whole cells too.
+  double castOriginalRay(const core::Point2& p_world, double angle_rad, double max_range_m) const;
   /// As world::discCollides(); and people count.
   bool discCollides(const core::Point2& p_world, double radius_m) const;
   /// What the lidar meets besides the plan, world frame.
@@ -41,11 +43,15 @@ class Scene {
   bool isAlive() const { return crowd_ || doors_; }
   /// Moves people and doors, given where the robot is now. Between two ticks they stand still.
   void tick(const Disc& robot);
+  /// The robot was carried to where it is now.
+  void noteCarried(const Disc& robot);
   /// nullptr when there is none.
   const Crowd* crowd() const { return crowd_.get(); }
   const Doors* doors() const { return doors_.get(); }
 
  private:
+  /// Of the nearest body met before range_m; range_m when there is none.
+  double castBodies(const core::Point2& p_world, double angle_rad, double range_m, double max_range_m) const;
   Disc toPlanFrame(const Disc& robot) const;
   void moveDoors(const Disc& robot_in_plan);
   void setDoor(const world::Door& door, world::Cell cell);

@@ -2,35 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "libslam/core/error.h"
+#include "libslam/core/parameters.h"
+#include "libslam/sim/standing_room.h"
 
 namespace slam::sim {
 namespace {
 
 constexpr double kContactTolerance_m = 0.001;
-
-std::string describe(const core::Pose2& pose) {
-  char text[100];
-  std::snprintf(text, sizeof text, "(%.3f m, %.3f m, %.1f deg)", pose.x, pose.y, core::radToDeg(pose.phi));
-  return text;
-}
-
-void requireFreeStart(const world::Plan& plan, const core::Pose2& start, double radius_m) {
-  const auto fail = [&](const std::string& found) {
-    char needed[100];
-    std::snprintf(needed, sizeof needed, ", expected a clearance of %.3f m all round", radius_m);
-    throw core::InputError("plan '" + plan.name + "': start pose " + describe(start) + " is " + found +
-                           needed);
-  };
-  if (!core::isFinite(start)) fail("not finite");
-  const core::Point2 cell = world::worldToCells(plan, core::position(start));
-  const double column = std::floor(cell.x), row = std::floor(cell.y);
-  if (!(column >= 0 && row >= 0 && column < plan.columns && row < plan.rows)) fail("outside the plan");
-  if (plan.at(static_cast<int>(column), static_cast<int>(row)) == world::Cell::kOccupied) fail("in a wall");
-  if (world::discCollides(plan, core::position(start), radius_m)) fail("too near to a wall");
-}
 
 void requireValid(const robot::Command& command) {
   const bool finite = std::isfinite(command.speed_mps) && std::isfinite(command.turn_rate_radps) &&
@@ -44,7 +24,7 @@ void requireValid(const robot::Command& command) {
 Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
                      const robot::LidarOptions& lidar, const robot::OdometryOptions& odometry,
                      const core::Pose2& start, std::uint64_t seed, double start_time_s,
-                     const LivingOptions& living)
+                     const LivingOptions& living, const std::optional<robot::FloorCamera>& camera)
     : scene_(plan, living, seed, {core::position(start), robot::circumscribedRadius(robot)}),
       robot_(robot),
       lidar_(lidar, seed),
@@ -52,7 +32,8 @@ Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
       path_(lidar_.memory_s()),
       T_world_robot_(start),
       start_time_s_(start_time_s) {
-  requireFreeStart(plan, start, robot::circumscribedRadius(robot_));
+  if (camera) camera_.emplace(*camera, seed);
+  requireStandingRoom(plan, "start pose", start, robot::circumscribedRadius(robot_));
 }
 
 double Simulator::time_s() const {
@@ -61,7 +42,8 @@ double Simulator::time_s() const {
 
 Sensed Simulator::sense() {
   Sensed sensed;
-  sensed.scan = lidar_.sense(scene_, T_world_robot_, path_, time_s());
+  sensed.scan = camera_ ? camera_->sense(scene_, T_world_robot_, time_s())
+                        : lidar_.sense(scene_, T_world_robot_, path_, time_s());
   sensed.T_odom_robot = T_odom_robot_;
   sensed.T_previous_robot = T_previous_robot_;
   sensed.collided = collided_;
@@ -70,17 +52,71 @@ Sensed Simulator::sense() {
 
 Sensed Simulator::step(const robot::Command& command) {
   requireValid(command);
+  const std::int64_t end_ns = elapsed_ns_ + std::llround(command.duration_s * 1e9);
+  collided_ = false;
+  carryIfDue();
+  robot::Command rest = command;
+  double driven_s = 0;
+  const auto driveOn = [&](const robot::Command& part) {
+    const bool is_over = collided_;
+    const double part_s = advance(is_over ? robot::Command{0, 0, part.duration_s} : part);
+    if (!is_over) driven_s += part_s;
+  };
+  while (!pending_carries_.empty() && pending_carries_.front().time_ns > elapsed_ns_ &&
+         pending_carries_.front().time_ns <= end_ns) {
+    rest.duration_s = static_cast<double>(pending_carries_.front().time_ns - elapsed_ns_) * 1e-9;
+    driveOn(rest);
+    carryIfDue();
+    rest.duration_s = static_cast<double>(end_ns - elapsed_ns_) * 1e-9;
+  }
+  driveOn(rest);
+  T_previous_robot_ =
+      odometer_.update({command.speed_mps, command.turn_rate_radps, driven_s}, command.duration_s);
+  T_odom_robot_ = T_odom_robot_ * T_previous_robot_;
+  return sense();
+}
+
+double Simulator::advance(const robot::Command& command) {
   const double driven_s =
       scene_.isAlive() ? driveInLivingWorld(command) : freeDuration(command, 0, command.duration_s);
   const robot::Command driven{command.speed_mps, command.turn_rate_radps, driven_s};
   path_.add(T_world_robot_, driven, command.duration_s);
   T_world_robot_ = T_world_robot_ * robot::driveMotion(driven);
-  collided_ = driven_s < command.duration_s;
-  if (collided_) collisions_.push_back({time_s() + driven_s, T_world_robot_});
+  if (driven_s < command.duration_s) {
+    collided_ = true;
+    collisions_.push_back({time_s() + driven_s, T_world_robot_});
+  }
   elapsed_ns_ += std::llround(command.duration_s * 1e9);
-  T_previous_robot_ = odometer_.update(driven, command.duration_s);
-  T_odom_robot_ = T_odom_robot_ * T_previous_robot_;
-  return sense();
+  return driven_s;
+}
+
+void Simulator::carryAt(const std::vector<CarryOrder>& orders) {
+  const double radius_m = robot::circumscribedRadius(robot_);
+  for (const auto& order : orders) {
+    requireStandingRoom(scene_.planWithDoorsOpen(),
+                        order.origin + ": the place at " + core::formatNumber(order.time_s) + " s",
+                        order.T_world_robot, radius_m);
+    pending_carries_.push_back({std::llround(order.time_s * 1e9), order.T_world_robot});
+  }
+}
+
+void Simulator::carryNow(const core::Pose2& T_world_robot) {
+  const auto later = std::find_if(pending_carries_.begin(), pending_carries_.end(),
+                                  [this](const PendingCarry& carry) { return carry.time_ns > elapsed_ns_; });
+  pending_carries_.insert(pending_carries_.erase(pending_carries_.begin(), later),
+                          {elapsed_ns_, T_world_robot});
+}
+
+void Simulator::carryIfDue() {
+  const double radius_m = robot::circumscribedRadius(robot_);
+  while (!pending_carries_.empty() && pending_carries_.front().time_ns <= elapsed_ns_) {
+    const core::Pose2 T_world_to = pending_carries_.front().T_world_robot;
+    if (scene_.discCollides(core::position(T_world_to), radius_m)) return;
+    pending_carries_.erase(pending_carries_.begin());
+    carries_.push_back({time_s(), T_world_robot_, T_world_to});
+    T_world_robot_ = T_world_to;
+    scene_.noteCarried({core::position(T_world_to), radius_m});
+  }
 }
 
 double Simulator::driveInLivingWorld(const robot::Command& command) {

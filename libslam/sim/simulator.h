@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,8 @@
 #include "libslam/robot/lidar.h"
 #include "libslam/robot/odometer.h"
 #include "libslam/robot/scan.h"
+#include "libslam/sim/camera_sensor.h"
+#include "libslam/sim/carry.h"
 #include "libslam/sim/lidar_sensor.h"
 #include "libslam/sim/living.h"
 #include "libslam/sim/recent_path.h"
@@ -39,6 +42,11 @@ struct Collision {
 /// into them is a collision, and they never walk or close into the robot. Between two checks of the path (at
 /// most a quarter of a cell or 1 cm apart) the disc may cut a wall's corner by less than 0.1 mm.
 ///
+/// Somebody may carry the robot (carryAt(), carryNow()): at that moment, also amid a command, the truth jumps. The wheels do
+/// not notice: dead reckoning goes by the command alone, and the rest of the command is driven from the new place, unless an obstacle
+/// has ended it. A place where a person stands or a door is shut just then is waited for: the robot is put down before the first command that
+/// finds it free.
+///
 /// Errors: lidar options that contradict each other (robot::requireSensible()); start not finite, in a wall, outside the plan or nearer to either than the disc's radius (InputError naming the pose
 /// and the radius); a command that is not finite or has a negative duration (ContractError).
 class Simulator {
@@ -46,26 +54,47 @@ class Simulator {
   static constexpr double kStartTime_s = 1700000000.0;
 
   /// Keeps a reference to `plan`, which must outlive it and not change. `living`: what else moves; of it the
-  /// visit is not the simulator's to know, `plan` is what this visit finds. Makes a world::SectorCaster: some
+  /// visit is not the simulator's to know, `plan` is what this visit finds. `camera`: what looks in place of the lidar; of
+  /// `lidar`, which should be robot::asLidar() then, nothing is used. Makes a world::SectorCaster: some
   /// milliseconds per million cells, and 8 bytes per cell.
   Simulator(const world::Plan& plan, const robot::RobotOptions& robot, const robot::LidarOptions& lidar,
             const robot::OdometryOptions& odometry, const core::Pose2& start, std::uint64_t seed,
-            double start_time_s = kStartTime_s, const LivingOptions& living = {});
+            double start_time_s = kStartTime_s, const LivingOptions& living = {},
+            const std::optional<robot::FloorCamera>& camera = {});
   Simulator(world::Plan&&, const robot::RobotOptions&, const robot::LidarOptions&,
             const robot::OdometryOptions&, const core::Pose2&, std::uint64_t, double = 0,
-            const LivingOptions& = {}) = delete;
+            const LivingOptions& = {}, const std::optional<robot::FloorCamera>& = {}) = delete;
 
   /// The first look, before any command. Looking again draws new noise and moves nothing else.
   Sensed sense();
   /// Carries out one command and looks. A command of duration 0 only looks.
   Sensed step(const robot::Command& command);
 
+  /// Has the robot carried at the moments of `orders` (since the first scan; may be called once, before the first command).
+  /// Errors: InputError for a place without room for the robot, as for the start.
+  void carryAt(const std::vector<CarryOrder>& orders);
+  /// The same before the next command. An order that still waits for its place is dropped.
+  void carryNow(const core::Pose2& T_world_robot);
+
+
   double time_s() const;
   const core::Pose2& truth() const { return T_world_robot_; }  ///< for the recorder only
   const std::vector<Collision>& collisions() const { return collisions_; }
-  const Scene& scene() const { return scene_; }  ///< likewise
+  const Scene& scene() const { return scene_; }                   ///< likewise
+  const std::vector<Carry>& carries() const { return carries_; }  ///< that took place, in the order of time
+  /// Orders that are not carried out yet.
+  std::size_t waitingCarries() const { return pending_carries_.size(); }
 
  private:
+  struct PendingCarry {
+    std::int64_t time_ns;  ///< of the simulator's own clock
+    core::Pose2 T_world_robot;
+  };
+
+  /// Carries out the orders that are due, as far as their places are free.
+  void carryIfDue();
+  /// Moves the truth by a command, or by a part of one, and time with it. Returns the seconds of it that were driven.
+  double advance(const robot::Command& command);
   /// Seconds of the command until the disc would bump into something as it stands now, looking from from_s on,
   /// where it is free; to_s when it does not until then.
   double freeDuration(const robot::Command& command, double from_s, double to_s) const;
@@ -75,6 +104,7 @@ class Simulator {
   Scene scene_;
   robot::RobotOptions robot_;
   LidarSensor lidar_;
+  std::optional<CameraSensor> camera_;
   robot::Odometer odometer_;
   RecentPath path_;
   core::Pose2 T_world_robot_, T_odom_robot_, T_previous_robot_;
@@ -82,6 +112,8 @@ class Simulator {
   std::int64_t elapsed_ns_ = 0;
   bool collided_ = false;
   std::vector<Collision> collisions_;
+  std::vector<PendingCarry> pending_carries_;  ///< by time
+  std::vector<Carry> carries_;
 };
 
 }  // namespace slam::sim

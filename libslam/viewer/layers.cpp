@@ -29,17 +29,11 @@ constexpr std::uint8_t kEdgeAlpha = 60;
 constexpr size_t kMostRays = 90;  // more would only be a blue area
 
 /// The layers from the ground up; two heights each, the second for what lies on the first.
-constexpr std::array<const char*, 12> kOrder = {
-    kPlanLayer,      kMapLayer,  kTruthLayer,  kGraphLayer,      kPathLayer,  kLoopsLayer,
-    kObstaclesLayer, kScanLayer, kPeopleLayer, kCandidatesLayer, kRobotLayer, kParticlesLayer};
+constexpr std::array<const char*, 13> kOrder = {
+    kPlanLayer, kMapLayer,       kTruthLayer,  kGraphLayer,      kPathLayer,  kLoopsLayer,    kObstaclesLayer,
+    kScanLayer, kStrategicLayer, kPeopleLayer, kCandidatesLayer, kRobotLayer, kParticlesLayer};
 /// What the depth buffer tells apart when a whole building is looked at.
 constexpr double kSheet_m = 0.02;
-
-double heightOf(const char* name) {
-  for (size_t i = 0; i < kOrder.size(); ++i)
-    if (std::strcmp(kOrder[i], name) == 0) return 2 * kSheet_m * static_cast<double>(i);
-  return 0;
-}
 
 template <class Object>
 std::shared_ptr<Object> named(std::shared_ptr<Object> object, const char* name) {
@@ -103,6 +97,12 @@ Texel lookOf(world::Material material) {
 }
 
 }  // namespace
+
+double heightOf(const char* name) {
+  for (size_t i = 0; i < kOrder.size(); ++i)
+    if (std::strcmp(kOrder[i], name) == 0) return 2 * kSheet_m * static_cast<double>(i);
+  return 0;
+}
 
 void place(const Layer& layer, const core::Pose2& T_scene_layer) {
   layer->setPose(mrpt::poses::CPose3D(T_scene_layer.x, T_scene_layer.y, heightOf(layer->getName().c_str()),
@@ -237,6 +237,24 @@ Layer obstaclesLayer(const LocalObstacles& obstacles, double radius_m) {
   auto layer = triangles(kObstaclesLayer);
   for (const auto& p : obstacles.remembered) addDisc(*layer, p, radius_m, 0, report::kBlue);
   for (const auto& p : obstacles.seen) addDisc(*layer, p, radius_m, 0, report::kVermillion);
+  return layer;
+}
+
+Layer strategicLayer(const StrategicView& view, double line_m) {
+  constexpr int kDashes = 20, kPieces = 4;
+  auto layer = triangles(kStrategicLayer);
+  for (const auto& p : view.projected) {
+    addLine(*layer, {0, 0}, p, line_m, 0, report::kGreen);
+    addDisc(*layer, p, 2 * line_m, kSheet_m / 2, report::kGreen);
+  }
+  for (int i = 0; i < kDashes; ++i) {
+    std::vector<core::Point2> dash;
+    for (int j = 0; j <= kPieces; ++j) {
+      const double angle_rad = 2 * core::kPi * (i + 0.6 * j / kPieces) / kDashes;
+      dash.push_back({view.stop_radius_m * std::cos(angle_rad), view.stop_radius_m * std::sin(angle_rad)});
+    }
+    addPolyline(*layer, dash, 1.5 * line_m, kSheet_m, kInk);
+  }
   return layer;
 }
 

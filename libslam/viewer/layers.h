@@ -21,9 +21,13 @@ using Layer = mrpt::opengl::CRenderizable::Ptr;
 /// Names of the layers, to find and exchange them by, from the ground up.
 inline constexpr const char *kPlanLayer = "plan", *kMapLayer = "map", *kTruthLayer = "truth",
                             *kGraphLayer = "graph", *kPathLayer = "path", *kLoopsLayer = "loops",
-                            *kObstaclesLayer = "obstacles", *kScanLayer = "scan", *kPeopleLayer = "people",
+                            *kObstaclesLayer = "obstacles", *kScanLayer = "scan",
+                            *kStrategicLayer = "strategic", *kPeopleLayer = "people",
                             *kCandidatesLayer = "candidates", *kRobotLayer = "robot",
                             *kParticlesLayer = "particles";
+
+/// How high above the floor a layer lies, metres.
+double heightOf(const char* name);
 
 /// Puts a layer from its own frame into the scene's, at its own height.
 void place(const Layer& layer, const core::Pose2& T_scene_layer);
@@ -69,6 +73,14 @@ struct LocalObstacles {
 };
 /// Seen obstacles as vermillion dots, remembered ones blue.
 Layer obstaclesLayer(const LocalObstacles& obstacles, double radius_m);
+
+/// What the founding goal navigation looks at.
+struct StrategicView {
+  double stop_radius_m = 0;
+  std::vector<core::Point2> projected;  ///< where the readings of the strategic directions end
+};
+/// The stop radius as a dashed circle, the strategic directions as lines with a dot at their end, robot frame.
+Layer strategicLayer(const StrategicView& view, double line_m);
 
 /// What a strategy chose from, and what.
 struct Candidates {

@@ -60,6 +60,23 @@ report::Pixel pixelOf(const core::Point2& p_scene, const Camera& camera, const W
           height / 2 - pixels_per_m * (p_scene.y - camera.centre.y)};
 }
 
+std::optional<core::Point2> placeAt(const report::Pixel& pixel, const Camera& camera, const WindowSize& size,
+                                    double height_m) {
+  constexpr double kFlattest = 0.05;
+  const double width = size.sceneWidth(), height = size.height;
+  const double azimuth_rad = core::degToRad(camera.azimuth_deg);
+  const double elevation_rad = core::degToRad(camera.elevation_deg);
+  const double steepness = std::sin(elevation_rad);
+  if (steepness < kFlattest) return std::nullopt;
+  const double m_per_pixel = camera.zoom_m / (2 * std::min(width, height));
+  const double right_m = (pixel.x - width / 2) * m_per_pixel;
+  // What lies farther away on the floor is higher up in the picture, the less so the flatter the camera looks.
+  const double up_m = (height / 2 - pixel.y) * m_per_pixel;
+  const double away_m = (up_m - height_m * std::cos(elevation_rad)) / steepness;
+  const double c = std::cos(azimuth_rad), s = std::sin(azimuth_rad);
+  return core::Point2{camera.centre.x - s * right_m - c * away_m, camera.centre.y + c * right_m - s * away_m};
+}
+
 LiveScene::LiveScene(const world::Plan* plan, double robot_side_m, const WindowSize& size)
     : scene_(mrpt::opengl::COpenGLScene::Create()), size_(size), robot_side_m_(robot_side_m) {
   scene_->createViewport(kPanelViewport)->setCustomBackgroundColor({0.97F, 0.97F, 0.97F});
@@ -127,6 +144,8 @@ void LiveScene::show(const Snapshot& snapshot, const PanelState& panel) {
   set(kObstaclesLayer, snapshot.obstacles.has_value(), T_scene_robot,
       [&] { return obstaclesLayer(*snapshot.obstacles, 0.8 * line_m_); });
   set(kScanLayer, true, T_scene_robot, [&] { return scanLayer(snapshot.scan); });
+  set(kStrategicLayer, snapshot.strategic.has_value(), T_scene_robot,
+      [&] { return strategicLayer(*snapshot.strategic, line_m_); });
   set(kPeopleLayer, !snapshot.people.empty(), {}, [&] { return peopleLayer(snapshot.people); });
   set(kCandidatesLayer, snapshot.candidates.has_value(), T_scene_map,
       [&] { return candidatesLayer(*snapshot.candidates, 3 * line_m_, line_m_); });

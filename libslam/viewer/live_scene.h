@@ -31,6 +31,11 @@ Camera cameraOver(const report::Window& area, const WindowSize& size);
 /// Where that camera shows a point, without perspective and from above: pixels from the window's upper left corner.
 report::Pixel pixelOf(const core::Point2& p_scene, const Camera& camera, const WindowSize& size);
 
+/// The other way round, from whichever side the camera looks: the place of what stands at a pixel, height_m above the floor (a
+/// layer's: heightOf()). nullopt where the camera looks along the floor.
+std::optional<core::Point2> placeAt(const report::Pixel& pixel, const Camera& camera, const WindowSize& size,
+                                    double height_m = 0);
+
 /// The scene of a live window: the layers in the viewport "main", the side panel in "panel". Nothing here needs a display.
 /// Not to be changed while another thread renders it.
 class LiveScene {

@@ -157,6 +157,7 @@ std::vector<LegendRow> legendRows(const Snapshot& snapshot) {
   if (snapshot.candidates) {
     rows.push_back({report::kYellow, "goal, way to it, candidates"});
   }
+  if (snapshot.strategic) rows.push_back({report::kGreen, "strategic directions, stop radius"});
   if (!snapshot.people.empty()) rows.push_back({kInk, "people"});
   return rows;
 }

@@ -34,6 +34,7 @@ struct Snapshot {
   std::vector<Connection> edges, loops;
   std::optional<LocalObstacles> obstacles;  ///< robot frame
   std::optional<Candidates> candidates;     ///< map frame
+  std::optional<StrategicView> strategic;   ///< robot frame
   std::vector<Body> people;                 ///< scene frame
 };
 

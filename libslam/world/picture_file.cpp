@@ -3,65 +3,31 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <optional>
 #include <string_view>
 
-#include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/parameters.h"
+#include "libslam/world/bmp_file.h"
+#include "libslam/world/picture_bytes.h"
 
 namespace slam::world {
-namespace {
-
-/// A file's bytes with its path for messages. Reads past the end are the "truncated" error.
-class Bytes {
- public:
-  Bytes(const std::string& path, std::string_view data) : path_(path), data_(data) {}
-
-  size_t size() const { return data_.size(); }
-  const char* data() const { return data_.data(); }
-  bool startsWith(std::string_view magic) const { return data_.substr(0, magic.size()) == magic; }
-
-  std::uint32_t byte(size_t at) const {
-    if (at >= data_.size()) throw truncated("its bytes end after " + std::to_string(data_.size()));
-    return static_cast<unsigned char>(data_[at]);
-  }
-  std::uint32_t bigEndian(size_t at, int bytes) const {
-    std::uint32_t value = 0;
-    for (int i = 0; i < bytes; ++i) value = value << 8 | byte(at + i);
-    return value;
-  }
-  std::uint32_t littleEndian(size_t at, int bytes) const {
-    std::uint32_t value = 0;
-    for (int i = bytes; i-- > 0;) value = value << 8 | byte(at + i);
-    return value;
-  }
-  std::string_view text(size_t at, size_t count) const {
-    if (count > 0) byte(at + count - 1);
-    return data_.substr(at, count);
-  }
-
-  core::InputError truncated(const std::string& why) const {
-    return error("the picture is truncated: " + why);
-  }
-  core::InputError damaged(const std::string& why) const { return error("the picture is damaged: " + why); }
-  core::InputError error(const std::string& what) const { return core::InputError(path_ + ": " + what); }
-
- private:
-  const std::string& path_;
-  std::string_view data_;
-};
 
 void requireSensibleSize(const Bytes& file, std::int64_t columns, std::int64_t rows) {
   const std::string found = std::to_string(columns) + " x " + std::to_string(rows) + " pixels";
   if (columns <= 0 || rows <= 0) throw file.error("the picture has " + found + ", expected at least one");
   if (columns > kMaxPlanSide || rows > kMaxPlanSide || columns * rows > kMaxPlanCells)
-    throw file.error("the picture has " + found + ", expected at most " + std::to_string(kMaxPlanSide) +
-                     " on a side and 2^28 in all (to simulate in takes some 13 bytes a pixel: " +
-                     std::to_string((columns * rows * 13 + 500000000) / 1000000000) + " GB)");
+    throw file.error(
+        "the picture has " + found + ", expected at most " + std::to_string(kMaxPlanSide) +
+        " on a side and 2^28 in all (to simulate in takes some 13 bytes a pixel: " +
+        core::formatNumber(std::round(static_cast<double>(columns) * static_cast<double>(rows) * 13e-9)) +
+        " GB)");
 }
+
+namespace {
 
 /// PNG (ISO/IEC 15948, section 5): signature, then chunks of length, type, data, CRC; IHDR first, IEND last.
 void requireWholePng(const Bytes& file) {
@@ -112,25 +78,6 @@ void requireWholeJpeg(const Bytes& file) {
     while (file.byte(at) != 0xFF || isData(file.byte(at + 1))) ++at;
   }
   if (!has_size) throw file.damaged("a JPEG without a frame header");
-}
-
-/// BMP: the 14-byte file header, then a DIB header whose first field is its own size.
-void requireWholeBmp(const Bytes& file) {
-  const std::uint32_t pixels_at = file.littleEndian(10, 4);
-  const bool is_os2 = file.littleEndian(14, 4) == 12;
-  const auto columns =
-      static_cast<std::int32_t>(is_os2 ? file.littleEndian(18, 2) : file.littleEndian(18, 4));
-  const auto rows = static_cast<std::int32_t>(is_os2 ? file.littleEndian(20, 2) : file.littleEndian(22, 4));
-  const std::uint32_t bits = is_os2 ? file.littleEndian(24, 2) : file.littleEndian(28, 2);
-  const std::uint32_t compression = is_os2 ? 0 : file.littleEndian(30, 4);
-  const std::int64_t height = std::abs(static_cast<std::int64_t>(rows));  // negative: stored top down
-  requireSensibleSize(file, columns, height);
-  const bool is_run_length_coded = compression == 1 || compression == 2;
-  const std::int64_t row_bytes = (static_cast<std::int64_t>(columns) * bits + 31) / 32 * 4;
-  const std::int64_t needed = is_run_length_coded ? file.littleEndian(2, 4) : pixels_at + row_bytes * height;
-  if (needed > static_cast<std::int64_t>(file.size()))
-    throw file.truncated("needs " + std::to_string(needed) + " bytes, the file has " +
-                         std::to_string(file.size()));
 }
 
 /// The fields of a PGM header: numbers between white space and comments.
@@ -228,13 +175,6 @@ Picture fromDecoded(const cv::Mat& image) {
   return picture;
 }
 
-bool allZero(const cv::Mat& image, int channel) {
-  for (int row = 0; row < image.rows; ++row)
-    for (int column = 0; column < image.cols; ++column)
-      if (image.ptr<std::uint8_t>(row)[column * image.channels() + channel] != 0) return false;
-  return true;
-}
-
 /// T: the channel type. OpenCV's channels are blue, green, red.
 template <class T>
 ColourPicture coloursFromDecoded(const cv::Mat& image) {
@@ -255,6 +195,7 @@ ColourPicture coloursFromDecoded(const cv::Mat& image) {
 }
 
 cv::Mat decode(const Bytes& file) {
+  if (auto pixels = decodeBmp32(file)) return *pixels;
   cv::Mat image;
   try {
     const cv::Mat encoded(1, static_cast<int>(file.size()), CV_8U, const_cast<char*>(file.data()));
@@ -268,12 +209,9 @@ cv::Mat decode(const Bytes& file) {
   return image;
 }
 
-Picture fromDecoded(const Bytes& file, const cv::Mat& image) {
+Picture fromDecodedOfAnyDepth(const cv::Mat& image) {
   if (image.depth() == CV_16U) return fromDecoded<std::uint16_t>(image);
-  Picture picture = fromDecoded<std::uint8_t>(image);
-  // The fourth byte of most 32-bit BMPs is no alpha but reserved, and then 0 everywhere.
-  if (file.startsWith("BM") && image.channels() == 4 && allZero(image, 3)) picture.opaque.clear();
-  return picture;
+  return fromDecoded<std::uint8_t>(image);
 }
 
 bool isPgm(const Bytes& file) {
@@ -308,7 +246,7 @@ Picture readPicture(const std::string& path) {
   const std::string content = core::readTextFile(path);
   const Bytes file(path, content);
   requireWhole(file);
-  return isPgm(file) ? readPgm(file) : fromDecoded(file, decode(file));
+  return isPgm(file) ? readPgm(file) : fromDecodedOfAnyDepth(decode(file));
 }
 
 ColourPicture readColourPicture(const std::string& path) {
@@ -327,7 +265,7 @@ ColourPicture readColourPicture(const std::string& path) {
   const cv::Mat image = decode(file);
   ColourPicture picture = image.depth() == CV_16U ? coloursFromDecoded<std::uint16_t>(image)
                                                   : coloursFromDecoded<std::uint8_t>(image);
-  picture.opaque = fromDecoded(file, image).opaque;
+  picture.opaque = fromDecodedOfAnyDepth(image).opaque;
   return picture;
 }
 

@@ -51,8 +51,8 @@ struct PlanOptions {
 /// trinary/scale/raw, and ours: materials, see materials_file.h; of `options` only allow_empty counts), or a picture bmp, png, pgm, jpg with `options`.
 ///
 /// Gray is the mean of the colours, 8 or 16 bits. A bare picture with an alpha channel that is not opaque
-/// everywhere follows the founding raster lidar: alpha at its maximum is an obstacle, anything less is free;
-/// an opaque picture goes by gray level. In a ROS map pixels that are not opaque are unknown. mode scale is
+/// everywhere follows the founding raster lidar: alpha at its maximum is an obstacle, anything less is free,
+/// whatever the colour; an opaque picture goes by gray level. The alpha of 32-bit BMPs counts unless it is 0 everywhere. In a ROS map pixels that are not opaque are unknown. mode scale is
 /// read as trinary (what lies between the thresholds is unknown either way); mode raw takes the 8-bit pixel
 /// as the occupancy in percent, above 100 unknown, and ignores negate.
 ///

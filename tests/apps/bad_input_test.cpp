@@ -216,13 +216,24 @@ TEST(BadInput, MethodsAndResultsThatAreNone) {
 
 TEST(BadInput, CommandLinesThatAreNone) {
   const testing::TempFolder folder;
-  for (const std::string arguments : {"", "simulat flat", "run icp", "list colours",
-                                      "simulate flat --seed minus", "compare flat --threads 0"}) {
-    const auto result = rasterslam(arguments, folder.path());
-    EXPECT_EQ(result.exit_code, 2) << arguments;
-    EXPECT_NE(result.err, "") << arguments;
-  }
-  EXPECT_TRUE(fs::is_empty(folder.path()));
+  expectRefusal(folder, "", 2, "'rasterslam --help'");
+  expectRefusal(folder, "simulat flat", 2,
+                "unknown command 'simulat'; did you mean 'simulate'? (see 'rasterslam --help')");
+  expectRefusal(folder, "plot mapp out", 2,
+                "unknown command 'mapp'; did you mean 'map'? (see 'rasterslam plot --help')");
+  expectRefusal(folder, "simulate flat --sed=3", 2,
+                "unknown option '--sed'; did you mean '--seed'? (see 'rasterslam simulate --help')");
+  expectRefusal(folder, "run icp", 2, "log");
+  expectRefusal(folder, "list colours", 2, "colours");
+  expectRefusal(folder, "simulate flat --seed minus", 2, "minus");
+  expectRefusal(folder, "compare flat --threads 0", 2, "--threads");
+}
+
+TEST(Help, StandsBeforeACommandToo) {
+  const auto before = rasterslam("help plot map"), after = rasterslam("plot map --help");
+  EXPECT_EQ(before.exit_code, 0) << before.err;
+  EXPECT_EQ(before.out, after.out);
+  EXPECT_THAT(before.out, HasSubstr("Usage:"));
 }
 
 TEST(BadInput, ALogWithoutOdometryIsMappedFromScansAndSaysSo) {

@@ -101,6 +101,28 @@ TEST(EditCommands, CutSalvageMergeAndFilterWorkTogether) {
   EXPECT_EQ(info["mount"][0], 0.1);
 }
 
+TEST(EditCommands, FilterPutsOdometryFromTheScansInPlaceOfTheLogs) {
+  const testing::TempFolder folder;
+  writeLog(folder, "a.rawlog", 30);
+  const auto plain = rasterslam("filter a.rawlog --odometry correlation -o b.rawlog -q", folder.path());
+  EXPECT_EQ(plain.exit_code, 0) << plain.err;
+  EXPECT_THAT(plain.out, HasSubstr("correlation odometry of 30 scans of 'LASER', "));
+  EXPECT_THAT(plain.out, HasSubstr("30 movements of the log's own odometry left out, 60 objects written"));
+  // After the other edits: of every third scan.
+  const auto thin = rasterslam(
+      "filter a.rawlog --every 3 --odometry plicp --form observation --json -o c.rawlog -q", folder.path());
+  EXPECT_EQ(thin.exit_code, 0) << thin.err;
+  const auto object = json::parse(thin.out);
+  EXPECT_EQ(object["odometry"], "plicp");
+  EXPECT_EQ(object["motions"], 10);
+  EXPECT_THAT(rasterslam("info c.rawlog", folder.path()).out,
+              HasSubstr("CObservationOdometry 'ODOMETRY': 10"));
+  size_t files = 0;
+  for (const auto& entry : fs::directory_iterator(folder.path())) files += entry.is_regular_file();
+  EXPECT_EQ(files, 3U) << "nothing half-written is left";
+  EXPECT_EQ(rasterslam("filter a.rawlog --odometry plicp -o b.rawlog", folder.path()).exit_code, 3);
+}
+
 TEST(EditCommands, ReplaceNothingUnasked) {
   const testing::TempFolder folder;
   writeLog(folder, "a.rawlog", 5);
@@ -121,6 +143,11 @@ TEST(EditCommands, SayWhatTheyCannotUnderstand) {
            {"filter a.rawlog --mount 1,2,x -o b.rawlog", "--mount: found 'x', expected X,Y,DEG"},
            {"filter a.rawlog --shift LASER -o b.rawlog", "--shift: found 'LASER', expected LABEL=SECONDS"},
            {"filter a.rawlog --shift FRONT=1 -o b.rawlog", "no observation with the sensor label 'FRONT'"},
+           {"filter a.rawlog --odometry wheels -o b.rawlog",
+            "--odometry: found 'wheels', expected one of argmax, correlation, range_flow, plicp"},
+           {"filter a.rawlog --odometry plicp --form frames -o b.rawlog",
+            "--form: found 'frames', expected action"},
+           {"filter a.rawlog --form action -o b.rawlog", "--form: goes with --odometry"},
            {"merge a.rawlog nothing.rawlog -o b.rawlog", "nothing.rawlog"}}) {
     const auto result = rasterslam(arguments, folder.path());
     EXPECT_EQ(result.exit_code, 3) << arguments;

@@ -69,7 +69,8 @@ TEST(Stress, FindsWhereWheelsThatSlipBreakAMethodAndSaysWhy) {
 TEST(Tune, JudgesOnHeldOutWorldsAndGoesOnWhereItWas) {
   const testing::TempFolder folder;
   write(folder / "tiny.ini",
-        "[suite]\nworlds = flat, office\nmethods = icp\n"
+        "[suite]\nworlds = flat, office\nmethods = icp\nodometry = good\n"
+        "[odometry good]\n"  // without keys: the wheels as they are built in
         "[tune]\ntrain = flat\nhold_out = office\nhold_out_seeds = 2\n"
         "[world office]\nkind = office\nseed = 3\nwidth_m = 20\nheight_m = 15\n"
         "[tune.parameters]\nicp.decimation = 1..4\nicp.min_goodness = 0.2..0.6\n"

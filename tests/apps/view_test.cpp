@@ -140,6 +140,82 @@ TEST(ViewCommand, AWindowShowsARunToItsEndAndKeepsItsFiles) {
     EXPECT_EQ(core::fileSha256(folder / ("a" + suffix)), core::fileSha256(folder / ("b" + suffix))) << suffix;
 }
 
+TEST(ViewCommand, ADriveByCommandsShowsTheMapThatGrows) {
+  SKIP_WITHOUT_VIEWER();
+  const testing::TempFolder folder;
+  core::writeFileAtomically(folder / "drive.txt", "move 1\nturn 90\nmove 1\nturn 90\nmove 1\n");
+  const std::string command =
+      "view drive flat --set 'simulation.start=4 3 0' --commands drive.txt -q --screenshot ";
+  int walls = 0;
+  for (const std::string slam : {"naive_wheel", "odometry"}) {
+    const auto result = withoutDisplay(command + slam + ".png --at 6 --slam " + slam, folder.path());
+    if (result.exit_code == 1 && result.err.find("EGL") != std::string::npos) GTEST_SKIP() << result.err;
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out, slam + ".png\n");
+    const int black = spotOf(cv::imread(folder / (slam + ".png")), {30, 30, 30}).pixels;
+    if (slam == "odometry")
+      EXPECT_LT(black, walls / 2);
+    else
+      walls = black;
+  }
+  EXPECT_GT(walls, 200);
+  EXPECT_FALSE(fs::exists(folder / "run.rawlog"));
+  const auto late = withoutDisplay(command + "c.png --at 99", folder.path());
+  EXPECT_EQ(late.exit_code, 3);
+  EXPECT_THAT(late.err, HasSubstr("--at: found 99"));
+  EXPECT_THAT(withoutDisplay("view drive flat --screenshot a.png --at 1", folder.path()).err,
+              HasSubstr("expected --commands"));
+}
+
+TEST(ViewCommand, ADriveByCommandsInAWindowWritesWhatSimulateWrites) {
+  SKIP_WITHOUT_VIEWER();
+  if (!testing::programExists("xvfb-run") || !testing::programExists("xauth"))
+    GTEST_SKIP() << "xvfb-run or xauth is missing (Debian: apt install xvfb xauth)";
+  const testing::TempFolder folder;
+  core::writeFileAtomically(folder / "drive.txt", "move 0.5\nturn 90\nmove 0.5\n");
+  const std::string options = " flat --commands drive.txt --carry 1.5:11,3,0 --set lidar.beams=91 --seed 4 -q";
+  const auto shown = testing::runCommand(
+      "cd '" + folder.path() +
+      "' && LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s '-screen 0 1280x800x24' '" RASTERSLAM_PROGRAM
+      "' view drive --speed 0 --close -o a.rawlog" +
+      options);
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_THAT(shown.out, HasSubstr("carried at 1.5 s"));
+  ASSERT_EQ(rasterslam("simulate -o b.rawlog" + options, folder.path()).exit_code, 0);
+  for (const std::string suffix : {".rawlog", ".gt.tum", ".operations.txt", ".rawlog.GT.txt", ".carries.csv"})
+    EXPECT_EQ(core::fileSha256(folder / ("a" + suffix)), core::fileSha256(folder / ("b" + suffix))) << suffix;
+}
+
+TEST(ViewCommand, ADriverTypesACommandAndCarriesTheRobotByTheMouse) {
+  SKIP_WITHOUT_VIEWER();
+  for (const char* program : {"xvfb-run", "xauth", "xdotool"})
+    if (!testing::programExists(program))
+      GTEST_SKIP() << program << " is missing (Debian: apt install xvfb xauth xdotool)";
+  const testing::TempFolder folder;
+  // The scene is 950 x 800 pixels and the flat 13.6 x 10.6 m: from above 63.5 pixels are a metre, its middle is in the
+  // middle. The robot starts at (4, 3) and is dragged to (11, 3) as soon as the window is there.
+  core::writeFileAtomically(
+      folder / "hand.sh",
+      "'" RASTERSLAM_PROGRAM
+      "' view drive flat --set 'simulation.start=4 3 0' --set lidar.beams=91 -o a.rawlog > out.txt 2> "
+      "err.txt &\n"
+      "window=$(timeout 60 xdotool search --sync --onlyvisible --name 'drive flat')\n"
+      "xdotool windowmove $window 0 0 windowfocus --sync $window\n"
+      "xdotool mousemove 297 546 mousedown 1 mousemove 400 546 mousemove 742 546 mouseup 1\n"
+      "xdotool key Return type 'move 0.5'\n"
+      "xdotool key Return q\n"
+      "wait\n");
+  const auto result =
+      testing::runCommand("cd '" + folder.path() +
+                          "' && LIBGL_ALWAYS_SOFTWARE=1 timeout 120 xvfb-run -a -s '-screen 0 "
+                          "1280x800x24' sh hand.sh");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto out = core::readTextFile(folder / "out.txt");
+  EXPECT_THAT(out, HasSubstr("carried at ")) << core::readTextFile(folder / "err.txt");
+  EXPECT_THAT(out, HasSubstr("over 0.5 m"));
+  EXPECT_THAT(out, HasSubstr("to (11.0"));
+}
+
 TEST(ViewCommand, TheMainProgramNeedsNoWindowLibrary) {
   const auto result =
       testing::runCommand("ldd '" RASTERSLAM_PROGRAM "' | grep -c -E 'mrpt-gui|nanogui|libglfw|libwx'");

@@ -29,8 +29,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"scanmatch", {"core", "robot", "gridmap"}},
     {"posegraph", {"core"}},
     {"obstacles", {"core", "robot"}},
-    {"navigate", {"core", "robot", "gridmap"}},
-    {"mrptnav", {"core", "robot", "navigate"}},
+    {"navigate", {"core", "robot", "gridmap", "obstacles"}},
+    {"mrptnav", {"core", "robot", "gridmap", "navigate"}},
     {"odometry", {"core", "robot"}},
     {"mapping", {"core", "robot", "gridmap", "odometry", "posegraph", "scanmatch"}},
     // reads logs and matches their scans; nobody's estimate
@@ -42,7 +42,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"live",
      {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "obstacles", "navigate", "mapping",
       "run", "viewer"}},
-    {"plugin", {"core", "robot", "logs", "world", "sim", "navigate", "run"}},
+    {"plugin", {"core", "robot", "logs", "world", "sim", "navigate", "mapping", "run"}},
     {"testing", {"core", "robot", "posegraph", "world"}},
 };
 

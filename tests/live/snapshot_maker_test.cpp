@@ -95,6 +95,39 @@ TEST(SnapshotMaker, KeepsAGoalThatNoStrategyChose) {
   EXPECT_EQ(snapshot.note, "to the goal");
 }
 
+TEST(SnapshotMaker, ShowsTheStrategicDirectionsUpToTheirReadings) {
+  SnapshotMaker maker("", "", {});
+  maker.setStrategicView(0.4, {0, 0.5, core::kPi});
+  auto scan = scanAt(100, 1.5);
+  scan.ranges_m[15] = robot::kNoReturn;  // at 0.5
+  maker.add({0, scan, {}, {}});
+  const auto strategic = maker.snapshot(nullptr, false).strategic;
+  ASSERT_TRUE(strategic);
+  EXPECT_EQ(strategic->stop_radius_m, 0.4);
+  ASSERT_EQ(strategic->projected.size(), 2U);  // nothing is known of what is behind
+  EXPECT_NEAR(strategic->projected[0].x, 1.5, 1e-6);
+  EXPECT_NEAR(strategic->projected[0].y, 0, 1e-6);
+  EXPECT_GT(strategic->projected[1].x, 1.5);  // free as far as it is drawn
+}
+
+TEST(SnapshotMaker, ACarryBreaksTheTruePathAndIsSaid) {
+  const auto plan = world::loadPlan(run::resolvePlan("flat"));
+  robot::LidarOptions lidar;
+  lidar.beams = 21;
+  sim::Simulator simulator(plan, {}, lidar, {}, {3, 3, 0}, 1);
+  simulator.carryAt(sim::parseCarries("1:11,3,90", "test"));
+  SnapshotMaker maker("", "", {});
+  auto sensed = simulator.sense();
+  maker.add({0, sensed.scan, {}, {}, nullptr, &simulator});
+  sensed = simulator.step({0.1, 0, 1});
+  maker.add({1, sensed.scan, {}, {}, nullptr, &simulator});
+  const auto snapshot = maker.snapshot(nullptr, false);
+  EXPECT_EQ(snapshot.note, "somebody has carried the robot");
+  ASSERT_EQ(snapshot.truth.size(), 3U);
+  EXPECT_FALSE(core::isFinite(snapshot.truth[1].pose));
+  EXPECT_EQ(snapshot.truth[2].pose.x, 11);
+}
+
 TEST(SnapshotMaker, ShowsALoopOnlyOnceItWasClosed) {
   SnapshotMaker maker("", "", {});
   maker.setLoops({{1, {{0, 0}, {1, 1}}}, {1, {{0, 0}, {2, 2}}}, {3, {{0, 0}, {3, 3}}}});

@@ -104,8 +104,9 @@ TEST_P(EveryMethod, PrintsNothing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod,
-                         ::testing::Values("naive", "naive_correlation", "naive_flow", "naive_wheel", "icp",
-                                           "icp_exact", "rbpf", "rbpf_exact", "particles"),
+                         ::testing::Values("naive", "naive_blind", "naive_correlation", "naive_flow",
+                                           "naive_wheel", "icp", "icp_exact", "rbpf", "rbpf_exact",
+                                           "particles"),
                          [](const auto& method) { return std::string(method.param); });
 
 TEST(MapBuilder, MatchersBeatTheirOdometryInTheSmallRoom) {

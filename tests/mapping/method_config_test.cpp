@@ -25,8 +25,9 @@ std::string inputError(const std::string& text) {
 
 TEST(MethodConfig, EveryShippedMethodIsMade) {
   const auto names = methodNames(kMethods);
-  EXPECT_THAT(names, ::testing::ElementsAre("graph", "icp", "icp_exact", "naive", "naive_correlation",
-                                            "naive_flow", "naive_wheel", "particles", "rbpf", "rbpf_exact"));
+  EXPECT_THAT(names,
+              ::testing::ElementsAre("graph", "icp", "icp_exact", "naive", "naive_blind", "naive_correlation",
+                                     "naive_flow", "naive_wheel", "particles", "rbpf", "rbpf_exact"));
   for (const auto& name : names) {
     const auto method = makeMapBuilder(loadMethodConfig(kMethods, name), name, 1);
     EXPECT_TRUE(method.builder) << name;

@@ -105,6 +105,22 @@ TEST(NaiveMapBuilder, WithRaysFreesWhatTheRaysCross) {
   EXPECT_EQ(grid->getPos(3.0F, 0.0F), 0.5F);
 }
 
+TEST(NaiveMapBuilder, DrawsAfterMovesOnlyWhereAskedTo) {
+  auto options = tenthOfAMetre();
+  options.draw_after = "moves";
+  NaiveMapBuilder builder(options);
+  process(builder, {});
+  EXPECT_TRUE(dotsInTenths(builder).empty()) << "the first look comes before any command";
+  EXPECT_EQ(builder.getCurrentlyBuiltMapSize(), 1U);
+  mrpt::obs::CActionCollection turn, move;
+  turn.insert(wheelAction({0.001, 0, 0.4}));
+  move.insert(wheelAction({0.31, 0.03, 0}));
+  process(builder, turn);
+  EXPECT_TRUE(dotsInTenths(builder).empty());
+  process(builder, move);
+  EXPECT_EQ(dotsInTenths(builder).size(), 2U);
+}
+
 TEST(NaiveMapBuilder, KeepsKeyFramesOnlyAfterTheInsertDistance) {
   auto options = tenthOfAMetre();
   options.insert_distance_m = 0.5;

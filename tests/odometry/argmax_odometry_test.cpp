@@ -13,6 +13,7 @@ using core::Pose2;
 using scenes::between;
 using scenes::Lidar;
 using scenes::look;
+using scenes::make;
 using scenes::oddRoom;
 using scenes::Scene;
 
@@ -45,9 +46,93 @@ TEST(ArgmaxOdometry, ReadsATurnAsTheShiftOfTheLongestRange) {
 TEST(ArgmaxOdometry, WrapsTheShiftIntoHalfACircleEitherWay) {
   EXPECT_DOUBLE_EQ(turnSteps({1, 9, 1, 1, 1, 1, 1, 1}, {1, 1, 1, 1, 1, 1, 1, 9}), 2);   // 1 - 7 = -6
   EXPECT_DOUBLE_EQ(turnSteps({1, 1, 1, 1, 1, 1, 1, 9}, {1, 9, 1, 1, 1, 1, 1, 1}), -2);  // 7 - 1 = 6
-  // The interval is (-N/2, N/2]: half a circle is positive from either side.
-  EXPECT_DOUBLE_EQ(turnSteps({9, 1, 1, 1, 1, 1, 1, 1}, {1, 1, 1, 1, 9, 1, 1, 1}), 4);
-  EXPECT_DOUBLE_EQ(turnSteps({1, 1, 1, 1, 9, 1, 1, 1}, {9, 1, 1, 1, 1, 1, 1, 1}), 4);
+  EXPECT_DOUBLE_EQ(turnSteps({1, 1, 1, 1, 1, 9, 1, 1}, {1, 1, 9, 1, 1, 1, 1, 1}), 3);   // just below half
+}
+
+TEST(ArgmaxOdometry, ChangesTheSignOfExactlyHalfATurnAsTheOriginalDoes) {
+  EXPECT_DOUBLE_EQ(turnSteps({9, 1, 1, 1, 1, 1, 1, 1}, {1, 1, 1, 1, 9, 1, 1, 1}), 4);   // 0 - 4 <= -N/2
+  EXPECT_DOUBLE_EQ(turnSteps({1, 1, 1, 1, 9, 1, 1, 1}, {9, 1, 1, 1, 1, 1, 1, 1}), -4);  // 4 - 0 >= N/2
+  // Of an odd number no shift is half of it: 4 of 9 stay as they are, 5 come the other way round.
+  const auto steps = [](size_t before, size_t after) {
+    std::vector<float> first(9, 1), second(9, 1);
+    first[before] = second[after] = 9;
+    return between("argmax", drawn(first), drawn(second), MotionKind::kTurn).turn_reading_rad / (2 * kPi / 9);
+  };
+  EXPECT_NEAR(steps(4, 0), 4, 1e-12);
+  EXPECT_NEAR(steps(0, 4), -4, 1e-12);
+  EXPECT_NEAR(steps(5, 0), -4, 1e-12);
+}
+
+TEST(ArgmaxOdometry, ReadsWholeDegreesOfAOneDegreeLidar) {
+  const auto before = look(oddRoom(), {0, 0, 0}, {});
+  for (const double degrees : {10.3, 10.7, -44.6, 120.4}) {
+    const auto motion =
+        between("argmax", before, look(oddRoom(), {0, 0, degToRad(degrees)}, {}), MotionKind::kTurn);
+    const double read_deg = core::radToDeg(motion.turn_reading_rad);
+    EXPECT_NEAR(read_deg, std::round(read_deg), 1e-9);
+    EXPECT_NEAR(read_deg, degrees, 1.0) << "to a beam";
+  }
+}
+
+TEST(ArgmaxOdometry, MeasuresAWholeCommandFromTheScanBeforeItHoweverManyWereTakenDuringIt) {
+  const auto odometry = make("argmax");
+  odometry->update(look(oddRoom(), {0, 0, 0}, {}));
+  // Five parts of 0.6 degrees: each alone is less than what a beam can tell.
+  double sum_rad = 0;
+  ScanMotion motion;
+  for (int part = 1; part <= 5; ++part) {
+    motion = odometry->update(look(oddRoom(), {0, 0, degToRad(0.6 * part)}, {}),
+                              Commanded(MotionKind::kTurn, part > 1));
+    sum_rad += motion.T_previous_current.phi;
+  }
+  EXPECT_NEAR(core::radToDeg(sum_rad), 3, 1e-9) << "the increments make up the whole";
+  EXPECT_NEAR(core::radToDeg(motion.turn_reading_rad), 3, 1e-9) << "the reading is that of the whole";
+}
+
+TEST(ArgmaxOdometry, MakesUpForAScanWithoutAReadingAtTheNextOneOfTheCommand) {
+  const auto odometry = make("argmax");
+  const float inf = robot::kNoReturn;
+  odometry->update(drawn({5, 1, 1, 1, 2, 1, 1, 1}));
+  const auto begun = odometry->update(drawn({4, 1, 1, 1, 3, 1, 1, 1}), MotionKind::kMove);
+  EXPECT_DOUBLE_EQ(begun.T_previous_current.x, 1);
+  const auto blind = odometry->update(drawn({inf, 1, 1, 1, inf, 1, 1, 1}), {MotionKind::kMove, true});
+  EXPECT_EQ(blind.T_previous_current.x, 0) << "stays where it was, not where the command began";
+  EXPECT_FALSE(blind.reliable);
+  const auto ended = odometry->update(drawn({2, 1, 1, 1, 5, 1, 1, 1}), {MotionKind::kMove, true});
+  EXPECT_DOUBLE_EQ(ended.T_previous_current.x, 2);
+  // The next command begins at the scan before it.
+  const auto next = odometry->update(drawn({1.5, 1, 1, 1, 5.5, 1, 1, 1}), MotionKind::kMove);
+  EXPECT_DOUBLE_EQ(next.front_reading_m, 0.5);
+}
+
+TEST(ArgmaxOdometry, StandsWhereItWasToldNothing) {
+  const auto odometry = make("argmax");
+  odometry->update(drawn({5, 1, 1, 9, 2, 1, 1, 1}));
+  const auto rest = odometry->update(drawn({4, 1, 9, 1, 2, 1, 1, 1}), MotionKind::kRest);
+  EXPECT_TRUE(rest.reliable);
+  EXPECT_EQ(rest.T_previous_current.x, 0);
+  EXPECT_EQ(rest.T_previous_current.phi, 0);
+}
+
+TEST(ArgmaxOdometry, ReadsAnArcAlongItsChord) {
+  // Half a metre of arc through 20 degrees: the chord lies 10 degrees to the left of the heading.
+  const double turn = degToRad(20), radius = 0.5 / turn;
+  const Pose2 T{radius * std::sin(turn), radius * (1 - std::cos(turn)), turn};
+  const auto before = look(oddRoom(), {0, 0, 0}, {}), after = look(oddRoom(), T, {});
+  const auto arc = between("argmax", before, after, MotionKind::kArc);
+  // The longest ray is another corner's by some beams after half a metre: the turn is as good as that.
+  EXPECT_NEAR(arc.turn_reading_rad, turn, degToRad(6));
+  EXPECT_NEAR(std::hypot(arc.T_previous_current.x, arc.T_previous_current.y), 0.5, 0.1);
+  EXPECT_NEAR(std::atan2(arc.T_previous_current.y, arc.T_previous_current.x), arc.turn_reading_rad / 2, 1e-9);
+}
+
+TEST(ArgmaxBlind, GuessesWhateverItIsTold) {
+  const auto before = drawn({5, 1, 1, 9, 2, 1, 1, 1}), after = drawn({4, 1, 9, 1, 3, 1, 1, 1});
+  for (const auto kind : {MotionKind::kMove, MotionKind::kTurn, MotionKind::kRest, MotionKind::kArc}) {
+    const auto motion = between("argmax_blind", before, after, kind);
+    EXPECT_DOUBLE_EQ(motion.turn_reading_rad, kPi / 4);
+    EXPECT_EQ(motion.T_previous_current.x, 0);
+  }
 }
 
 TEST(ArgmaxOdometry, TakesTheFirstOfEqualRangesCountedFromStraightAhead) {

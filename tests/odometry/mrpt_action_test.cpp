@@ -16,6 +16,7 @@
 #include <tuple>
 
 #include "libslam/core/error.h"
+#include "libslam/odometry/mrpt_action.h"
 #include "libslam/robot/mrpt_types.h"
 #include "tests/odometry/scene.h"
 
@@ -132,6 +133,27 @@ TEST(ToMrptAction, DrivesMrptsIcpBuilder) {
   EXPECT_NEAR(pose.x(), expected.x, 0.05);
   EXPECT_NEAR(pose.y(), expected.y, 0.05);
   EXPECT_NEAR(pose.yaw(), expected.phi, 0.03);
+}
+
+TEST(ToMrptActions, AreTwoOfWhichTheFirstBringsItsMotionModelThroughAFile) {
+  const auto motion = someMotion();
+  mrpt::io::CMemoryStream stream;
+  auto archive = mrpt::serialization::archiveFrom(stream);
+  archive << *toMrptActions(motion, 1700000000.25);
+  stream.Seek(0);
+  mrpt::obs::CActionCollection read;
+  archive >> read;
+  ASSERT_EQ(read.size(), 2U);
+  // rbpf-slam takes the first, adds up means and spreads the sum by its model.
+  const auto first = read.getActionByClass<CActionRobotMovement2D>();
+  EXPECT_EQ(first->estimationMethod, CActionRobotMovement2D::emOdometry);
+  EXPECT_NEAR(first->poseChange->getMeanVal().x(), 0.12, 1e-6);  // single precision in the file
+  EXPECT_NEAR(first->motionModelConfiguration.gaussianModel.minStdXY, std::sqrt(9.2e-6), 2e-5);
+  EXPECT_NEAR(first->motionModelConfiguration.gaussianModel.minStdPHI, 1e-3, 1e-8);
+  // icp-slam and graphslam-engine take this one.
+  const auto best = read.getBestMovementEstimation();
+  EXPECT_EQ(best->estimationMethod, CActionRobotMovement2D::emScan2DMatching);
+  EXPECT_NEAR(std::get<0>(best->poseChange->getCovarianceAndMean())(1, 1), 9e-6, 1e-15);
 }
 
 TEST(CorrelationOdometry, FollowsTheRealMalagaLogFromScansAlone) {

@@ -56,6 +56,26 @@ TEST(ExploringRobot, PassesDottedKeysOnToTheSimulation) {
   EXPECT_EQ(ExploringRobot(options).next()->scan.ranges_m.size(), 91U);
 }
 
+TEST(ExploringRobot, MapsItsOwnScansForAStrategyThatNeedsAMapAndExploresToTheEnd) {
+  const std::string lines =
+      "plan = flat\nlidar = utm30lx\nlidar.beams = 181\nstrategy = nearest_frontier\nseed = 3\n";
+  ExploringRobot robot(read(lines)), twin(read(lines + "slam = graph\n"));
+  int scans = 0;
+  core::Pose2 last;
+  double driven_m = 0;
+  constexpr int kFarTooMany = 20000;
+  for (; scans < kFarTooMany; ++scans) {
+    const auto sensed = robot.next();
+    if (!sensed) break;
+    driven_m += scans > 0 ? core::distance(last, sensed->T_odom_robot) : 0;
+    last = sensed->T_odom_robot;
+    if (scans >= 100) continue;
+    EXPECT_EQ(test::differingReadings(sensed->scan, twin.next()->scan), 0) << scans;
+  }
+  EXPECT_LT(scans, kFarTooMany) << "nothing was left to explore";
+  EXPECT_GT(driven_m, 20) << "the flat has more than one room";
+}
+
 TEST(ExploringRobot, SaysWhatIsWrongWithItsConfiguration) {
   EXPECT_EQ(errorOf("plann = flat\n"),
             "grab.ini:2: section [LIDAR], unknown key 'plann'; did you mean 'plan'?");
@@ -64,6 +84,9 @@ TEST(ExploringRobot, SaysWhatIsWrongWithItsConfiguration) {
       errorOf("scans = -1\n"),
       "grab.ini:2: section [LIDAR], key 'scans': found '-1', expected a whole number from 0 to 1000000000");
   EXPECT_NE(errorOf("lidar = utm30l\n").find("did you mean 'utm30lx'?"), std::string::npos);
+  EXPECT_NE(errorOf("strategy = nearest_frontier\nslam = grap\n").find("did you mean 'graph'?"),
+            std::string::npos)
+      << errorOf("strategy = nearest_frontier\nslam = grap\n");
   EXPECT_NE(errorOf("lidar.beam = 5\n").find("did you mean 'beams'?"), std::string::npos);
   EXPECT_NE(errorOf("lidr.beams = 5\n").find("did you mean 'lidar'?"), std::string::npos);
   EXPECT_NE(errorOf("start = 0 0 0\n").find("start pose (0.000 m, 0.000 m, 0.0 deg) is"), std::string::npos);

@@ -129,6 +129,23 @@ TEST_F(RawlogGrabber, RecordsTheSimulatedLidar) {
   EXPECT_LE(log.counts().odometry_readings, static_cast<std::uint64_t>(scans) + 1);
 }
 
+TEST_F(RawlogGrabber, RecordsAStrategyThatNeedsAMap) {
+  const testing::TempFolder folder;
+  std::string config = core::readTextFile(kConfig);
+  config = withKey(config, "strategy", "nearest_frontier");
+  config = withKey(config, "scans", "60\ndone_file = done");
+  config = withKey(config, "real_time_factor", "40");
+  config = withKey(config, "GRABBER_PERIOD_MS", "20");
+  const auto run = grab(folder, config);
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  EXPECT_EQ((run.out + run.err).find("Exception"), std::string::npos) << run.out << run.err;
+  EXPECT_EQ((run.out + run.err).find("seeMap"), std::string::npos) << run.out << run.err;
+  logs::LogReader log(recordedLog(folder));
+  int scans = 0;
+  while (log.next()) ++scans;
+  EXPECT_GE(scans, 30);  // of 60; see above
+}
+
 TEST_F(RawlogGrabber, ShowsOurErrorForAMisspeltKey) {
   const testing::TempFolder folder;
   const auto run = testing::runCommand("cd '" + folder.path() + "' && sed 's/^plan = /plann = /' '" +

@@ -138,6 +138,23 @@ TEST(Marginals, AreASnapshot) {
   EXPECT_EQ(marginals.covariance(59), before);
 }
 
+TEST(Marginals, GiveALargeVarianceWhereRankIsLostAndThatIsAllowed) {
+  PoseGraph graph;
+  graph.addNode({});
+  graph.addNode({});
+  graph.setFixed(0);
+  Edge edge;
+  edge.from = 0, edge.to = 1;
+  // y and heading against each other stay open.
+  edge.information << 1, 0, 0, 0, 1, 1, 0, 1, 1;
+  graph.addEdge(edge);
+  EXPECT_THROW(Marginals{graph}, core::MethodError);
+  const Eigen::Matrix3d covariance = Marginals(graph, Marginals::Open::kBounded).covariance(1);
+  EXPECT_NEAR(covariance(0, 0), 1, 1e-9);
+  EXPECT_GT(covariance(2, 2), 1e6);
+  EXPECT_LT(covariance(2, 2), 1e15);
+}
+
 TEST(Marginals, RefuseWhatIsNotDetermined) {
   PoseGraph graph;
   graph.addNode({});

@@ -82,6 +82,25 @@ TEST(Charts, BreakLinesDrawWhiskersAndNameEveryLabelOnce) {
   EXPECT_THAT(svg, HasSubstr(">error (m)</text>"));
 }
 
+// The widest interval of all is the one that must not be left out.
+TEST(Charts, AWhiskerWithoutAnUpperEndLeavesTheChartAsAnArrow) {
+  const TempFolder folder;
+  const Chart chart{
+      "x",
+      "y",
+      {{"icp", {{0, 0.2}, {0, std::numeric_limits<double>::infinity()}}, Curve::Style::kWhisker},
+       {"graph", {{0, 1}, {1, 1}}}}};
+  drawCharts({chart}, "", folder / "open.svg");
+  const auto svg = core::readTextFile(folder / "open.svg");
+  EXPECT_EQ(svg.find("inf"), std::string::npos);
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+  size_t strokes = 0;
+  for (auto at = svg.find("stroke=\"#cc79a7\""); at != std::string::npos;
+       at = svg.find("stroke=\"#cc79a7\"", at + 1))
+    ++strokes;
+  EXPECT_EQ(strokes, 5U);  // the whisker, its foot, a head of two strokes, the legend's sample
+}
+
 TEST(Charts, LongLinesKeepTheirHighestAndLowest) {
   const TempFolder folder;
   Chart chart{"x", "y", {{"a", {}}}};

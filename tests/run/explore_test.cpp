@@ -336,5 +336,26 @@ TEST(Record, AStrategyThatNeedsAMapIsSentToExplore) {
   EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
+TEST(Explore, ACarriedRobotIsKnownToTheTruthAlone) {
+  const testing::TempFolder folder;
+  const auto result = explore(
+      request(folder, twoRooms(),
+              {quickConfig("longest_ray", 8, {"simulation.start=1.5 2 0", "events.carry=4:4.5,2,180"})},
+              "naive_wheel"),
+      {}, core::silentProgress());
+  EXPECT_THAT(report::toText(result.scores), HasSubstr("longest_ray: carried at 4.0 s from"));
+  const auto truth = logs::readTum(folder / "out/run.gt.tum");
+  const auto estimate = logs::readTum(folder / "out/trajectory.tum");
+  double longest_true_m = 0, longest_believed_m = 0;
+  for (size_t i = 1; i < truth.size(); ++i) {
+    longest_true_m = std::max(longest_true_m, core::distance(truth[i - 1].pose, truth[i].pose));
+    longest_believed_m = std::max(longest_believed_m, core::distance(estimate[i - 1].pose, estimate[i].pose));
+  }
+  EXPECT_GT(longest_true_m, 0.5);
+  EXPECT_LT(longest_believed_m, 0.2);
+  EXPECT_LT(result.runs.at(0).figures.path_m, core::pathLength(truth) - 0.5);
+  EXPECT_TRUE(fs::exists(folder / "out/run.carries.csv"));
+}
+
 }  // namespace
 }  // namespace slam::run

@@ -180,5 +180,22 @@ TEST(Failure, CollisionsComeBackFromTheirFile) {
   }
 }
 
+TEST(Failure, ACarryIsTheGravestSuspect) {
+  RunFolder run;
+  Truth truth;
+  for (int i = 0; i <= 200; ++i) {
+    const double time_s = 0.1 * i, x_m = 0.05 * i;
+    run.estimate.push_back({time_s, {x_m, 0, 0}});
+    truth.trajectory.push_back({time_s, {x_m + (i > 100 ? 6.0 : 0.0), 0, 0}});
+  }
+  FailureEvidence evidence;
+  evidence.collisions = {{9.5, {}}};
+  evidence.carries = {{10.05, {5, 0, 0}, {11, 0, 0}}};
+  const auto report = explainFailure(run, truth, evidence);
+  ASSERT_TRUE(report.divergence);
+  EXPECT_EQ(report.suspect, "carried");
+  EXPECT_THAT(report.around, ::testing::Contains(HasSubstr("carried away, 10.1 s")));
+}
+
 }  // namespace
 }  // namespace slam::run

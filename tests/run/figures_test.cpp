@@ -96,11 +96,13 @@ TEST(StressCharts, HaveALinePerMethodAndWhiskersWhereIntervalsEnd) {
   EXPECT_EQ(charts[0].x_title, "lidar.fov (deg)");
   EXPECT_EQ(charts[0].y_title, "median ATE final (m)");
   EXPECT_FALSE(charts[0].x_log);
-  // Lines of graph and icp, and the only whisker that has two ends.
-  ASSERT_EQ(charts[0].curves.size(), 3U);
+  // Lines of graph and icp, and graph's whiskers: one among the failed runs, one that has two ends.
+  ASSERT_EQ(charts[0].curves.size(), 4U);
   EXPECT_EQ(charts[0].curves[0].points.size(), 2U);
   EXPECT_TRUE(std::isnan(charts[0].curves[1].points[0].y));
-  EXPECT_EQ(charts[0].curves[2].points[0].y, 0.05);
+  EXPECT_EQ(charts[0].curves[2].points[0].y, 0.4);
+  EXPECT_TRUE(std::isinf(charts[0].curves[2].points[1].y));
+  EXPECT_EQ(charts[0].curves[3].points[0].y, 0.05);
   EXPECT_EQ(charts[1].curves.size(), 5U);
   EXPECT_THAT(inputErrorOf([&] { stressCharts(results(), "r.csv"); }),
               HasSubstr("r.csv:1: names no column 'value'"));

@@ -3,11 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/navigate/lidar_bug.h"
+#include "libslam/navigate/surroundings.h"
 #include "libslam/run/resources.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -41,6 +46,48 @@ ReachGoalRequest roomRequest(const std::string& output, bool with_box) {
   return request;
 }
 
+TEST(ReachGoal, RecordsALogWithItsTruthForEveryMethod) {
+  const testing::TempFolder folder;
+  const auto request = roomRequest(folder / "out", false);
+  const auto comparison = reachGoal(request, {}, core::silentProgress());
+  for (const auto& run : comparison.runs) {
+    const std::string stem = folder / ("out/" + run.method + "/run");
+    logs::LogReader log(stem + ".rawlog");
+    size_t scans = 0;
+    while (log.next()) ++scans;
+    EXPECT_EQ(scans, run.truth.size());
+    EXPECT_EQ(core::readTextFile(stem + ".gt.tum"),
+              core::readTextFile(folder / ("out/" + run.method + "/truth.tum")));
+    for (const std::string ending : {".rawlog.GT.txt", ".operations.txt", ".manifest.json"})
+      EXPECT_TRUE(fs::exists(stem + ending)) << ending;
+    EXPECT_FALSE(fs::exists(stem + ".carries.csv"));
+  }
+}
+
+TEST(ReachGoal, ACarriedRobotDoesNotKnowAndTheTruthDoes) {
+  const testing::TempFolder folder;
+  auto request = roomRequest(folder / "out", false);
+  request.methods = {"tangent"};
+  request.config.carries = sim::parseCarries("2:1,0.6,0", "test");
+  const auto comparison = reachGoal(request, {}, core::silentProgress());
+  const auto& run = comparison.runs.at(0);
+  ASSERT_EQ(run.carries.size(), 1U);
+  EXPECT_EQ(run.status, navigate::GoalStatus::kReached);  // by its wheels
+  EXPECT_FALSE(run.right);                                // but not truly
+  EXPECT_LT(run.path_m, core::pathLength(run.truth) - 0.5);
+  EXPECT_THAT(report::toText(comparison.table), HasSubstr("tangent: carried at 2.0 s from"));
+  EXPECT_TRUE(fs::exists(folder / "out/tangent/run.carries.csv"));
+}
+
+TEST(ReachGoal, ACarryAfterTheEndIsSaid) {
+  const testing::TempFolder folder;
+  auto request = roomRequest(folder / "out", false);
+  request.methods = {"tangent"};
+  request.config.carries = sim::parseCarries("300:1,0.6,0", "test");
+  const auto comparison = reachGoal(request, {}, core::silentProgress());
+  EXPECT_THAT(report::toText(comparison.table), HasSubstr("1 of the carries came after the end"));
+}
+
 TEST(ReachGoal, WritesPathsStatesPicturesAndTheTable) {
   const testing::TempFolder folder;
   const auto request = roomRequest(folder / "out", false);
@@ -60,6 +107,67 @@ TEST(ReachGoal, WritesPathsStatesPicturesAndTheTable) {
   for (const std::string name :
        {"paths.png", "scores.txt", "scores.md", "scores.tex", "scores.csv", "scores.json", "manifest.json"})
     EXPECT_TRUE(fs::exists(folder / ("out/" + name))) << name;
+}
+
+TEST(ReachGoal, WritesEveryTransitionOfTheFoundingBugAndWhereItsFiveDirectionsLead) {
+  const testing::TempFolder folder;
+  auto request = roomRequest(folder / "out", true);
+  request.p_world_goal = {4.6, 1.5};  // behind the box
+  request.methods = {"lidar_bug"};
+  request.config.navigate.time_limit_s = 60;
+  const auto comparison = reachGoal(request, {}, core::silentProgress());
+  const auto& changes = comparison.runs[0].changes;
+  ASSERT_GT(changes.size(), 5U);
+  EXPECT_EQ(changes.front().from, "");
+  EXPECT_EQ(changes.front().to, "TURN TO GOAL");
+  size_t within_a_period = 0;
+  for (size_t i = 1; i < changes.size(); ++i) {
+    EXPECT_EQ(changes[i].from, changes[i - 1].to);
+    const auto& rows = navigate::lidarBugTransitions();
+    EXPECT_TRUE(std::any_of(rows.begin(), rows.end(),
+                            [&](const auto& row) {
+                              return navigate::lidarBugStateName(row.from) == changes[i].from &&
+                                     navigate::lidarBugStateName(row.to) == changes[i].to;
+                            }))
+        << changes[i].from << " to " << changes[i].to << ": a transition is missing between them";
+    within_a_period += changes[i].time_s == changes[i - 1].time_s;
+    for (const auto& p : changes[i].p_world_projected)
+      EXPECT_LE(core::distance(p, changes[i].p_world), 1.6 + 1e-9) << "one stride";
+  }
+  EXPECT_GT(within_a_period, 0U);
+  EXPECT_THAT(
+      core::readTextFile(folder / "out/lidar_bug/states.csv"),
+      ::testing::StartsWith("time_s,from,to,why,x_m,y_m,ahead_x_m,ahead_y_m,left_ahead_x_m,left_ahead_y_m,"
+                            "left_x_m,left_y_m,right_x_m,right_y_m,right_ahead_x_m,right_ahead_y_m\r\n"));
+}
+
+TEST(ReachGoal, HasTheFoundingNavigationToTheLetterAmongTheConfigurations) {
+  const auto config = readReachGoalConfig(core::IniFile::load(configsFolder() + "/navigate/thesis.ini"));
+  EXPECT_EQ(config.navigate.lidar_bug.wall_end, "front");
+  EXPECT_EQ(config.lidar.beams, 275);
+  const navigate::Surroundings keeps(config.robot, config.navigate.clearance_m, 0.2);
+  EXPECT_EQ(
+      navigate::lidarBugStopRadius(config.navigate.lidar_bug, keeps.guardRadius() + config.lidar.sigma_m),
+      0.22);
+}
+
+TEST(ReachGoal, DrivesByTheLocalObstacleMapWhenAsked) {
+  const testing::TempFolder folder;
+  core::IniFile ini;
+  for (const auto& [section, key, value] :
+       std::vector<std::array<std::string, 3>>{{"navigate", "memory", "local_map"},
+                                               {"obstacles", "width_m", "3"},
+                                               {"lidar", "fov_deg", "120"},
+                                               {"lidar", "beams", "121"}})
+    ini.set(section, key, value, "test");
+  auto request = roomRequest(folder / "out", true);
+  request.config = readReachGoalConfig(ini);
+  EXPECT_EQ(request.config.navigate.obstacles.width_m, 3);
+  request.p_world_goal = {4.6, 0.5};
+  request.methods = {"tangent"};
+  const auto comparison = reachGoal(request, {}, core::silentProgress());
+  EXPECT_EQ(comparison.wrong, 0) << comparison.runs[0].reason;
+  EXPECT_EQ(comparison.runs[0].collisions, 0U);
 }
 
 TEST(ReachGoal, IsRightWhenItSaysThatNoWayLeadsThere) {

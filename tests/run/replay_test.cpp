@@ -11,9 +11,9 @@
 namespace slam::run {
 namespace {
 
-/// The founding odometry over the scans of a log, told of every command whether it was a turn or a move.
+/// The founding odometry over the scans of a log, told of every command what it was, from where to where.
 core::Trajectory foundingDeadReckoning(const std::string& log_path,
-                                       const std::vector<sim::Operation>& commands) {
+                                       const std::vector<robot::Commanded>& commands) {
   odometry::ScanOdometryOptions options;
   options.method = "argmax";
   const auto odometry = odometry::makeScanOdometry(options);
@@ -25,9 +25,7 @@ core::Trajectory foundingDeadReckoning(const std::string& log_path,
       path.push_back({0, {}});
       continue;
     }
-    const auto kind =
-        commands.at(path.size() - 1).kind == 't' ? odometry::MotionKind::kTurn : odometry::MotionKind::kMove;
-    const auto motion = odometry->update(entry->scan, kind);
+    const auto motion = odometry->update(entry->scan, commands.at(path.size()));
     path.push_back({static_cast<double>(path.size()), path.back().pose * motion.T_previous_current});
   }
   return path;
@@ -52,8 +50,14 @@ TEST(ReplayOperations, GivesThePathOfTheFoundingDeadReckoningOnTheSameLog) {
     record(plan, readRecordConfig(ini), 5, log_path, {}, core::silentProgress());
     const auto operations = sim::parseOperations(core::readTextFile(operations_path), operations_path);
     const auto replayed = sim::replayOperations(operations);
-    const auto reckoned = foundingDeadReckoning(log_path, operations);
+    const auto scans = logs::inspectLog(log_path).scans;
+    const auto every_scan =
+        foundingDeadReckoning(log_path, sim::commandsOfScans(operations, scans, operations_path));
+    ASSERT_EQ(every_scan.size(), scans);
+    core::Trajectory reckoned = {every_scan.front()};
+    for (const auto& operation : operations) reckoned.push_back(every_scan.at(operation.scan_after));
     ASSERT_EQ(replayed.size(), reckoned.size());
+    EXPECT_LT(operations.size(), scans / 2) << "an operation is a whole command, not a scan";
     EXPECT_GT(core::pathLength(replayed), 3);
     for (size_t i = 0; i < replayed.size(); ++i) {
       // The log holds the scan's step as MRPT's float aperture, so turns differ in the 7th digit.

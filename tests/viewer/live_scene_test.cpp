@@ -84,15 +84,49 @@ TEST(CameraOver, ShowsTheWholeAreaWhateverTheShapes) {
     }
 }
 
+TEST(PlaceAt, IsTheOtherWayRoundFromAbove) {
+  const WindowSize size;
+  const Camera camera{{3, -2}, 17};
+  for (const core::Point2 place : {core::Point2{0, 0}, core::Point2{5, -7}, core::Point2{-3, 4.5}}) {
+    const auto found = placeAt(pixelOf(place, camera, size), camera, size);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->x, place.x, 1e-9);
+    EXPECT_NEAR(found->y, place.y, 1e-9);
+  }
+  EXPECT_FALSE(placeAt({100, 100}, {{0, 0}, 10, -90, 0}, size));
+}
+
+TEST(PlaceAt, FindsTheRobotWhereItIsDrawnFromAnySide) {
+  const auto plan = room();
+  const std::pair<double, double> cameras[] = {{-60, 60}, {30, 35}, {150, 75}};
+  for (const auto& [azimuth_deg, elevation_deg] : cameras) {
+    const Camera camera{{0.5, 0}, 20, azimuth_deg, elevation_deg};
+    LiveScene scene(&plan, 0.6, {});
+    scene.show(robotAt({2, -1, 0.3}), {});
+    const auto picture = rendered(scene, camera);
+    if (!picture) GTEST_SKIP() << "EGL gives no context here";
+    double x = 0, y = 0;
+    int pixels = 0;
+    for (int row = 0; row < picture->rows; ++row)
+      for (int column = 0; column < WindowSize().sceneWidth(); ++column)
+        if (isNear(*picture, {1.0 * column, 1.0 * row}, report::kVermillion)) x += column, y += row, ++pixels;
+    ASSERT_GT(pixels, 100);
+    const auto place = placeAt({x / pixels, y / pixels}, camera, {}, heightOf(kRobotLayer));
+    // The white arrow on the robot is ahead of its centre: what is vermillion lies a little behind.
+    EXPECT_NEAR(place->x, 2, 0.06) << azimuth_deg << " " << elevation_deg;
+    EXPECT_NEAR(place->y, -1, 0.06) << azimuth_deg << " " << elevation_deg;
+  }
+}
+
 TEST(LiveScene, HasALayerForWhatThereIsAndNoneForTheRest) {
   const auto plan = room();
   LiveScene scene(&plan, 0.4, {});
   auto snapshot = robotAt({});
   scene.show(snapshot, {});
   for (const char* name : {kPlanLayer, kScanLayer, kRobotLayer}) EXPECT_TRUE(isLayer(scene, name)) << name;
-  const std::array<const char*, 9> others = {kMapLayer,        kTruthLayer,     kGraphLayer,
-                                             kPathLayer,       kLoopsLayer,     kPeopleLayer,
-                                             kCandidatesLayer, kObstaclesLayer, kParticlesLayer};
+  const std::array<const char*, 10> others = {kStrategicLayer, kMapLayer,      kTruthLayer,  kGraphLayer,
+                                              kPathLayer,      kLoopsLayer,    kPeopleLayer, kCandidatesLayer,
+                                              kObstaclesLayer, kParticlesLayer};
   for (const char* name : others) EXPECT_FALSE(isLayer(scene, name)) << name;
 
   snapshot.map = mapWithAWall();
@@ -103,6 +137,7 @@ TEST(LiveScene, HasALayerForWhatThereIsAndNoneForTheRest) {
   snapshot.candidates = Candidates{{{1, 1}}, {2, 2}, {{0, 0}, {2, 2}}};
   snapshot.obstacles = LocalObstacles{{}, {{1, 0}}, {}, 4, 2, 5};
   snapshot.particles = {{0, 0, 0}, {0.1, 0, 0}};
+  snapshot.strategic = StrategicView{0.3, {{1, 0}}};
   scene.show(snapshot, {});
   for (const char* name : others) EXPECT_TRUE(isLayer(scene, name)) << name;
 

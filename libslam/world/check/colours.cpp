@@ -28,7 +28,9 @@ void checkColours(Sheet& sheet) {
   const auto& pixels = sheet.pixels;
   std::map<std::string, Hue> hues;
   int coloured = 0;
+  const auto& opaque = sheet.picture.opaque;
   for (size_t i = 0; i < pixels.size(); ++i) {
+    if (!opaque.empty() && !opaque[i]) continue;  // nobody sees what colour lies there
     const char* name = nameOf(pixels[i].red, pixels[i].green, pixels[i].blue);
     if (!name) continue;
     ++coloured;
@@ -56,9 +58,11 @@ void checkColours(Sheet& sheet) {
     return a.first != b.first ? a.first > b.first : a.second < b.second;
   });
   finding.text = percent(static_cast<double>(coloured) / static_cast<double>(pixels.size())) +
-                 " of the pixels are coloured; only brightness is read: ";
+                 " of the pixels are coloured; " +
+                 (sheet.goes_by_alpha ? "only transparency is read: " : "only brightness is read: ");
   for (size_t i = 0; i < rows.size(); ++i) finding.text.append(i ? ", " : "").append(rows[i].second);
-  finding.remedy = "leaves it so; redraw in black what should be a wall";
+  finding.remedy = sheet.goes_by_alpha ? "leaves it so; make transparent what should be free"
+                                       : "leaves it so; redraw in black what should be a wall";
   sheet.findings.push_back(finding);
 }
 

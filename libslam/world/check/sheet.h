@@ -19,6 +19,7 @@ struct Sheet {
   PlanOptions reading;                ///< thresholds and placement with which `cells` was read
   bool has_scale = false;             ///< the resolution is given, by a yaml or by the caller
   bool goes_by_gray = true;           ///< false: by transparency, or raw percents
+  bool goes_by_alpha = false;         ///< a bare picture with transparency: opaque is wall, whatever its colour
   bool is_map = false;                ///< else a drawing
   double resolution_m = 0.05;         ///< the best known so far
   cv::Mat cells;                      ///< CV_8U, values of Cell

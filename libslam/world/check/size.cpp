@@ -32,9 +32,11 @@ void checkSize(Sheet& sheet) {
   if (sheet.cells.total() == 1)
     sheet.findings.push_back(unusable("a single pixel"));
   else if (walls == 0)
-    sheet.findings.push_back(unusable("no wall at all in " + size + ": nothing is dark enough"));
+    sheet.findings.push_back(unusable("no wall at all in " + size + ": nothing is " +
+                                      (sheet.goes_by_alpha ? "opaque" : "dark enough")));
   else if (free == 0)
-    sheet.findings.push_back(unusable("no free space at all in " + size + ": nothing is bright enough"));
+    sheet.findings.push_back(unusable("no free space at all in " + size + ": nothing is " +
+                                      (sheet.goes_by_alpha ? "transparent" : "bright enough")));
   else if (const double megabytes = megabytesToSimulate(sheet.cells.total()); megabytes > kMuchMemory_MB) {
     Finding finding;
     finding.key = "size";

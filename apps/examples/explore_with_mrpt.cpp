@@ -1,0 +1,40 @@
+// MRPT's own RBPF SLAM maps a simulated world while our strategy tells the robot where to go.
+#include <mrpt/config/CConfigFile.h>
+#include <mrpt/kinematics/CVehicleVelCmd_DiffDriven.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/obs/CActionRobotMovement2D.h>
+#include <mrpt/random/RandomGenerators.h>
+#include <mrpt/slam/CMetricMapBuilderRBPF.h>
+#include "libslam/mrptnav/mrpt_explorer.h"
+#include "libslam/robot/mrpt_types.h"
+#include "libslam/run/record.h"
+#include "libslam/run/resources.h"
+
+int main() {
+  const auto plan = slam::world::loadPlan(slam::run::resolvePlan("flat"));
+  const auto start = slam::run::startPose(plan, slam::run::readRecordConfig({}));
+  slam::sim::Simulator robot(plan, {}, {}, {}, start, /*seed=*/1);
+  mrpt::random::getRandomGenerator().randomize(1);
+  mrpt::slam::CMetricMapBuilderRBPF::TConstructionOptions options;
+  const mrpt::config::CConfigFile config(slam::run::configsFolder() + "/mrpt/rbpf-slam.ini");
+  options.loadFromConfigFile(config, "MappingApplication");
+  mrpt::slam::CMetricMapBuilderRBPF slam(options);
+  slam::mrptnav::MrptExplorer explorer("nearest_frontier");
+  slam::mrptnav::MrptMotion motion;
+  for (auto sensed = robot.sense(); !motion.finished;) {
+    mrpt::obs::CActionRobotMovement2D wheels;
+    wheels.computeFromOdometry(mrpt::poses::CPose2D(slam::robot::toMrpt(sensed.T_previous_robot)), {});
+    const auto scan = slam::robot::toMrpt(sensed.scan);
+    mrpt::obs::CActionCollection actions(wheels);
+    mrpt::obs::CSensoryFrame frame;
+    frame.insert(scan);
+    slam.processActionObservation(actions, frame);
+    const auto map = slam.getCurrentlyBuiltMetricMap()->mapByClass<mrpt::maps::COccupancyGridMap2D>();
+    const mrpt::poses::CPose2D pose(slam.getCurrentPoseEstimation()->getMeanVal());
+    if (explorer.wantsMap()) explorer.setMap(*map);
+    motion = explorer.next(*scan, pose, sensed.collided);
+    sensed = robot.step({motion.command->lin_vel, motion.command->ang_vel, motion.duration_s});
+    if (motion.finished) map->saveAsBitmapFile("map.png");
+  }
+  std::puts(motion.reason.c_str());
+}

@@ -1,0 +1,22 @@
+#pragma once
+#include <Eigen/Core>
+
+namespace slam::mapping {
+
+/// Over (x, y, phi), m and rad, without correlation. REQUIRES positive standard deviations.
+Eigen::Matrix3d poseInformation(double sigma_xy_m, double sigma_turn_rad);
+
+/// What an edge carries of a match: its information over (x, y, phi), position in the map's axes, turned into the body's
+/// own. Symmetric and positive definite by construction, also where the match left directions open, or rounding has put
+/// an eigenvalue below zero: see withoutNegatives().
+Eigen::Matrix3d edgeInformation(const Eigen::Matrix3d& information, double phi_rad);
+
+/// The symmetric part of a matrix, with eigenvalues raised to `least_share` of the largest, and to `least`. Zero gives
+/// least times the identity. REQUIRES finite entries, least_share in [0, 1] and least >= 0.
+Eigen::Matrix3d withoutNegatives(const Eigen::Matrix3d& matrix, double least_share, double least);
+
+/// The covariance of an information matrix, which may have lost rank: eigenvalues count as at least 1e-12 of the largest, so
+/// that the result is finite, symmetric and positive definite. Zero gives the identity times 1e12.
+Eigen::Matrix3d covarianceOf(const Eigen::Matrix3d& information);
+
+}  // namespace slam::mapping

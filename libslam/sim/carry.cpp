@@ -1,0 +1,97 @@
+#include "libslam/sim/carry.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "libslam/core/error.h"
+
+namespace slam::sim {
+namespace {
+
+constexpr const char* kNone = "none";
+
+/// "60:12.5,3,90" as its four numbers; none for another form.
+std::vector<double> numbersOf(const std::string& word) {
+  const auto colon = word.find(':');
+  if (colon == std::string::npos) return {};
+  std::vector<std::string> parts = {word.substr(0, colon)};
+  std::istringstream place(word.substr(colon + 1));
+  for (std::string part; std::getline(place, part, ',');) parts.push_back(part);
+  if (parts.size() != 4 || word.back() == ',') return {};
+  std::vector<double> numbers;
+  for (const auto& part : parts) {
+    double number = 0;
+    if (!core::parseNumber(part, number)) return {};
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+}  // namespace
+
+const core::ParameterTable<EventOptions>& EventOptions::table() {
+  using O = EventOptions;
+  static const core::ParameterTable<O> rows(
+      "events",
+      {{"carry",
+        &O::carry,
+        kNone,
+        {},
+        "kidnapped robot: TIME_S:X_M,Y_M,HEADING_DEG in the world frame, several by blanks; none"}});
+  return rows;
+}
+
+EventOptions::EventOptions() {
+  table().setDefaults(*this);
+}
+
+std::vector<CarryOrder> parseCarries(const std::string& text, const std::string& origin) {
+  std::vector<CarryOrder> carries;
+  if (core::trimmed(text) == kNone) return carries;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const auto fail = [&](const std::string& expected) {
+      throw core::InputError(origin + ": found '" + word + "', expected " + expected);
+    };
+    const auto numbers = numbersOf(word);
+    if (numbers.empty()) fail("TIME_S:X_M,Y_M,HEADING_DEG, such as 60:12.5,3,90");
+    if (!(numbers[0] > 0)) fail("a time above 0: where the robot starts is for 'start' to say");
+    carries.push_back(
+        {numbers[0], {numbers[1], numbers[2], core::wrapToPi(core::degToRad(numbers[3]))}, origin});
+  }
+  if (carries.empty()) throw core::InputError(origin + ": found nothing, expected events or none");
+  std::stable_sort(carries.begin(), carries.end(),
+                   [](const CarryOrder& a, const CarryOrder& b) { return a.time_s < b.time_s; });
+  for (size_t i = 1; i < carries.size(); ++i)
+    if (carries[i].time_s == carries[i - 1].time_s)
+      throw core::InputError(origin + ": found two events at " + core::formatNumber(carries[i].time_s) +
+                             " s, expected one place for one time");
+  return carries;
+}
+
+std::vector<CarryOrder> readCarries(const core::IniFile& config, std::vector<core::ParameterReport>* report) {
+  EventOptions options;
+  core::readParameters(config, EventOptions::table(), options, report);
+  const auto* entry = config.find("events", "carry");
+  return parseCarries(options.carry, entry ? entry->origin : "events.carry");
+}
+
+void requireBefore(const std::vector<CarryOrder>& carries, double end_s) {
+  for (const auto& carry : carries)
+    if (carry.time_s >= end_s)
+      throw core::InputError(carry.origin + ": found an event at " + core::formatNumber(carry.time_s) +
+                             " s, expected one before the end at " + core::formatNumber(end_s) + " s");
+}
+
+void DrivenPath::add(const core::Pose2& T_world_robot, const std::vector<Carry>& carries) {
+  if (!has_begun_) T_world_last_ = T_world_robot, carries_ = carries.size();
+  has_begun_ = true;
+  for (; carries_ < carries.size(); ++carries_) {
+    length_m_ += core::distance(T_world_last_, carries[carries_].T_world_from);
+    T_world_last_ = carries[carries_].T_world_to;
+  }
+  length_m_ += core::distance(T_world_last_, T_world_robot);
+  T_world_last_ = T_world_robot;
+}
+
+}  // namespace slam::sim

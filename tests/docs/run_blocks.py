@@ -1,0 +1,90 @@
+#!/usr/bin/env python3
+"""Runs the commands that a page of the documentation prints.
+
+  tests/docs/run_blocks.py PROGRAM PAGE.md
+
+Every block marked ```sh is run by bash in the order of the page, all in one scratch folder, with the folder of PROGRAM
+first on the PATH and the folders that commands name (configs, .github) at hand. Each block must end with exit code 0, and
+each file that it names after -o must be there then. A block that cannot be run says why in the line above it:
+
+  <!-- not run: opens a window -->
+
+and one that is meant to fail says how:
+
+  <!-- exit code: 3 -->
+
+Exit code 1 and one line per failure otherwise.
+"""
+import os
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+LIMIT_S = 200
+
+
+def blocks(text):
+    """(line, mark above it or "", commands) of each block of commands."""
+    lines = text.split("\n")
+    inside, start, taken = None, 0, []
+    for number, line in enumerate(lines, 1):
+        if inside is None and line.startswith("```"):
+            inside, start, taken = line[3:].strip(), number, []
+        elif inside is not None and line.startswith("```"):
+            if inside == "sh":
+                above = next((l for l in reversed(lines[: start - 1]) if l.strip()), "")
+                mark = re.fullmatch(r"<!-- (not run: .+|exit code: \d+) -->", above.strip())
+                yield start, mark.group(1) if mark else "", "\n".join(taken)
+            inside = None
+        elif inside is not None:
+            taken.append(line)
+
+
+def outputs(commands):
+    """What the commands were told to write with -o."""
+    for line in commands.split("\n"):
+        words = shlex.split(line, comments=True)
+        for flag, name in zip(words, words[1:]):
+            if flag in ("-o", "--output"):
+                yield name
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    program, page = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+    problems, run = [], 0
+    with tempfile.TemporaryDirectory() as scratch:
+        for name in ("configs", ".github", "benchmarks", "docs"):
+            os.symlink(ROOT / name, pathlib.Path(scratch) / name)
+        env = dict(os.environ, PATH=f"{program.parent}:{os.environ['PATH']}", LC_ALL="C.UTF-8")
+        for line, mark, commands in blocks(page.read_text(encoding="utf-8")):
+            if mark.startswith("not run"):
+                continue
+            expected = int(mark.split(":")[1]) if mark else 0
+            run += 1
+            place = f"{page.name}:{line}"
+            try:
+                done = subprocess.run(["bash", "-euo", "pipefail", "-c", commands], cwd=scratch, env=env,
+                                      stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                      timeout=LIMIT_S)
+            except subprocess.TimeoutExpired:
+                problems.append(f"{place}: not done after {LIMIT_S} s")
+                break
+            if done.returncode != expected:
+                tail = done.stdout.decode(errors="replace").strip().split("\n")[-3:]
+                problems.append(f"{place}: exit code {done.returncode}, expected {expected}: " + " | ".join(tail))
+                break
+            missing = [name for name in outputs(commands) if not (pathlib.Path(scratch) / name).exists()]
+            if missing and expected == 0:
+                problems.append(f"{place}: did not write {', '.join(missing)}")
+    print(f"{page.name}: {run} blocks run")
+    sys.exit("\n".join(problems) if problems else 0)
+
+
+if __name__ == "__main__":
+    main()
