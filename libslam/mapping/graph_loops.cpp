@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <unordered_set>
 
+#include "libslam/mapping/graph_search.h"
 #include "libslam/mapping/graph_slam.h"
 #include "libslam/posegraph/optimize.h"
 #include "libslam/scanmatch/correlative_search.h"
@@ -16,32 +17,21 @@ using core::Pose2;
 using scanmatch::PatchPoint;
 using scanmatch::PosePrior;
 
-/// The search's raster, and its surfaces' width.
-constexpr double kSearchCell_m = 0.1, kSearchSigma_m = 0.12;
-constexpr int kSearchLevels = 6;
 /// The search turns by this much at least, and more per metre of path.
 constexpr double kSearchTurn_rad = 0.1, kSearchTurnPerMetre_rad = 0.002, kSearchTurnMost_rad = 0.6;
-constexpr double kQuerySpacing_m = 0.4, kQueryMatchSpacing_m = 0.1;
 /// Places tried in one search.
 constexpr int kMostPlaces = 2;
-/// The old map around a place: within this path and radius of a keyframe.
-constexpr double kPlacePath_m = 15, kPlaceRadius_m = 10;
-/// Old keyframes whose view of the new points is asked.
-constexpr int kViewers = 6;
-/// A search that knows of no place: places at once, their half width, and keyframes from one to the next.
-constexpr int kMostPlacesAnywhere = 4, kPlaceStride = 10;
-constexpr double kPlaceHalf_m = 6;
-constexpr double kViewerDistance_m = 4;
 /// A confirmation may correct the hypothesis by this much.
 constexpr double kConfirmStep_m = 0.3, kConfirmTurn_rad = 0.06;
-constexpr int kConfirmEdges = 4, kMostFailures = 2;
-constexpr int kMostQueryKeyframes = 30;
+/// A hypothesis may fail so often, and once more for every so many confirmations.
+constexpr int kConfirmEdges = 4, kMostFailures = 2, kConfirmedPerFailure = 5;
 /// Travel to the next search, by the last one's window; never so far that two searches share no scan.
 constexpr double kPausePerReach = 0.1;
 constexpr double kDistinctShifts_m[] = {-1.5, -1, -0.6, -0.35, 0.35, 0.6, 1, 1.5};
 constexpr double kDistinctKernel = 3;
 
-/// One point per square of this side, in the order they come.
+}  // namespace
+
 std::vector<PatchPoint> thinned(const std::vector<PatchPoint>& points, double side_m) {
   std::unordered_set<std::int64_t> taken;
   std::vector<PatchPoint> kept;
@@ -52,8 +42,6 @@ std::vector<PatchPoint> thinned(const std::vector<PatchPoint>& points, double si
   }
   return kept;
 }
-
-}  // namespace
 
 /// Length of the shortest way from a keyframe to every earlier one, along the path driven and through closed loops:
 /// what the drift between them grows with.
@@ -110,20 +98,14 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
   std::vector<char> is_local(keyframes_.size(), 0);
   for (const int local : keyframesAround(k, core::position(T), options_.map_path_m, 1e9))
     is_local[static_cast<size_t>(local)] = 1;
-  // What is cut off may lie anywhere: all places in turn.
-  const bool anywhere = isCutOff(k);
   std::vector<std::pair<double, int>> candidates;
-  for (int old = 0; old < (anywhere ? part_begins_ : k); ++old) {
-    if (is_local[static_cast<size_t>(old)]) continue;
+  for (int old = 0; old < k; ++old) {
+    if (is_local[static_cast<size_t>(old)] || componentOf(old) != componentOf(k)) continue;
     const double away_m = core::distance(graph_.pose(old), T);
-    if (anywhere || away_m < reachOf(old) + 1) candidates.push_back({away_m, old});
+    if (away_m < reachOf(old) + 1) candidates.push_back({away_m, old});
   }
   if (candidates.empty()) return std::nullopt;
   std::sort(candidates.begin(), candidates.end());
-  if (anywhere)
-    std::rotate(candidates.begin(),
-                candidates.begin() + places_tried_ * kPlaceStride % static_cast<int>(candidates.size()),
-                candidates.end());
 
   std::vector<PatchPoint> query;
   for (int i = query_last; i >= query_first; --i) {
@@ -139,10 +121,9 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
   int places = 0;
   for (const auto& [away_m, old] : candidates) {
     if (is_tried[static_cast<size_t>(old)]) continue;
-    if (++places > (anywhere ? kMostPlacesAnywhere : kMostPlaces)) break;
-    if (anywhere) ++places_tried_;
+    if (++places > kMostPlaces) break;
     const Point2 centre = core::position(graph_.pose(old));
-    for (const int tried : keyframesAround(old, centre, anywhere ? kPlaceHalf_m : options_.map_path_m, 1e9))
+    for (const int tried : keyframesAround(old, centre, options_.map_path_m, 1e9))
       is_tried[static_cast<size_t>(tried)] = 1;
     auto around = keyframesAround(old, centre, kPlacePath_m, kPlaceRadius_m);
     around.erase(std::remove_if(around.begin(), around.end(),
@@ -151,16 +132,11 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
     around = firstOf(std::move(around), options_.map_keyframes);
     const scanmatch::LikelihoodPyramid pyramid(placeAround(around), kSearchCell_m, kSearchSigma_m,
                                                kSearchLevels);
-    scanmatch::SearchWindow window{
+    const scanmatch::SearchWindow window{
         reachOf(old), std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * way[static_cast<size_t>(old)],
                                kSearchTurnMost_rad)};
     searched_reach_m_ = std::max(searched_reach_m_, window.half_xy_m);
-    Pose2 search_from = T;
-    if (anywhere) {
-      window = {kPlaceHalf_m, core::kPi};
-      search_from = {centre.x, centre.y, T.phi};
-    }
-    const auto found = searchBest(pyramid, search_points, search_from, window, options_.loop_search_score);
+    const auto found = searchBest(pyramid, search_points, T, window, options_.loop_search_score);
     if (!found) continue;
     note("searched", found->score, old);
     const auto matched = matchFreely(match_points, around, found->T_map_robot);
@@ -186,29 +162,6 @@ std::vector<Point2> GraphSlam::placeAround(const std::vector<int>& keyframes) co
   for (const int k : keyframes)
     for (const auto& point : keyframe(k).points) place.push_back(graph_.pose(k) * position(point));
   return place;
-}
-
-/// Where in the whole map a scan fits best, if it fits anywhere.
-std::optional<scanmatch::MatchResult> GraphSlam::relocate(const std::vector<PatchPoint>& points) const {
-  std::vector<Point2> search_points;
-  for (const auto& point : thinned(points, kQuerySpacing_m / 2)) search_points.push_back(position(point));
-  std::optional<scanmatch::MatchResult> best;
-  std::vector<char> is_tried(keyframes_.size(), 0);
-  for (int k = 0; k < graph_.nodeCount(); ++k) {
-    if (is_tried[static_cast<size_t>(k)]) continue;
-    const Point2 centre = core::position(graph_.pose(k));
-    for (const int tried : keyframesWithin(centre, kPlaceHalf_m / 2))
-      is_tried[static_cast<size_t>(tried)] = 1;
-    const auto around = firstOf(keyframesWithin(centre, kPlaceRadius_m), options_.map_keyframes);
-    const scanmatch::LikelihoodPyramid pyramid(placeAround(around), kSearchCell_m, kSearchSigma_m,
-                                               kSearchLevels);
-    const auto found = searchBest(pyramid, search_points, {centre.x, centre.y, 0}, {kPlaceHalf_m, core::kPi},
-                                  options_.loop_search_score);
-    if (!found) continue;
-    const auto matched = matchFreely(points, around, found->T_map_robot);
-    if (matched.score >= options_.recover_score && (!best || matched.score > best->score)) best = matched;
-  }
-  return best;
 }
 
 /// Whether keyframe k by itself fits the old map where the hypothesis puts it; the hypothesis moves on to k then.
@@ -245,6 +198,8 @@ bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
     edge.kind = posegraph::EdgeKind::kLoop;
     hypothesis.edges.push_back(edge);
   }
+  hypothesis.extent_m =
+      std::max(hypothesis.extent_m, core::distance(hypothesis.begun_at, core::position(matched.T_map_robot)));
   hypothesis.keyframe = k, hypothesis.old_keyframe = around.front();
   hypothesis.T_map_robot = matched.T_map_robot;
   ++hypothesis.confirmations;
@@ -257,12 +212,12 @@ void GraphSlam::closeLoops() {
   for (size_t i = 0; i < hypotheses_.size();) {
     Hypothesis& hypothesis = hypotheses_[i];
     if (!confirm(hypothesis, k)) ++hypothesis.failures;
-    if (hypothesis.failures > kMostFailures) {
+    if (hypothesis.failures > kMostFailures + hypothesis.confirmations / kConfirmedPerFailure) {
       note("dropped", hypothesis.confirmations, hypothesis.old_keyframe);
       hypotheses_.erase(hypotheses_.begin() + static_cast<long>(i));
     } else if (hypothesis.confirmations >= options_.loop_confirmations &&
                hypothesis.evidence >= options_.loop_distinctness &&
-               path_m_ - hypothesis.begun_m >= options_.loop_confirm_m) {
+               path_m_ - hypothesis.begun_m >= options_.loop_confirm_m && mayJoin(hypothesis)) {
       const Hypothesis confirmed = hypothesis;
       hypotheses_.clear();
       accept(confirmed);
@@ -270,6 +225,8 @@ void GraphSlam::closeLoops() {
       ++i;
     }
   }
+  // What is cut off may lie anywhere.
+  if (isCutOff(k)) lookForPart();
   // A wide search is dear, and what it would find is still there some metres on.
   const double pause_m =
       std::max(options_.loop_every_m, std::min(kPausePerReach * searched_reach_m_, options_.loop_path_m / 2));
@@ -279,15 +236,19 @@ void GraphSlam::closeLoops() {
   while (first > 0 && k - first < kMostQueryKeyframes &&
          path_m_ - keyframe(first - 1).path_m < options_.loop_path_m)
     --first;
-  auto found = findLoop(k, first, k);
-  if (!found) return;
+  if (auto found = findLoop(k, first, k)) follow(*found);
+}
+
+/// A hypothesis about the newest keyframe joins those that are followed, unless one of them says the same.
+void GraphSlam::follow(Hypothesis& found) {
+  const int k = found.keyframe;
   for (const auto& known : hypotheses_) {
     const Pose2 expected = known.T_map_robot * core::between(graph_.pose(known.keyframe), graph_.pose(k));
-    if (core::distance(expected, found->T_map_robot) < 0.5 &&
-        std::abs(core::angleDifference(expected.phi, found->T_map_robot.phi)) < 0.1)
+    if (core::distance(expected, found.T_map_robot) < 0.5 &&
+        std::abs(core::angleDifference(expected.phi, found.T_map_robot.phi)) < 0.1)
       return;
   }
-  if (confirm(*found, k)) hypotheses_.push_back(*found);
+  if (confirm(found, k)) hypotheses_.push_back(found);
 }
 
 /// With the whole path known a place can be looked at from both sides, and what drift had carried out of reach may have
@@ -323,10 +284,15 @@ bool GraphSlam::accept(const Hypothesis& hypothesis) {
   const auto poses_before = graph_.poses();
   const double chi2_before = graph_.chi2();
   const double way_m = k > old ? pathTo(k)[static_cast<size_t>(old)] : pathTo(old)[static_cast<size_t>(k)];
-  const bool joins = isCutOff(k) && !isCutOff(old);
+  const int component = componentOf(k), old_component = componentOf(old);
+  const bool joins = component != old_component;
+  // The one that holds the map's origin stays.
+  const bool old_moves = joins && component == 0;
   if (joins) {
     const Pose2 T_map_part = hypothesis.T_map_robot * core::inverse(graph_.pose(k));
-    for (int i = part_begins_; i < graph_.nodeCount(); ++i) graph_.setPose(i, T_map_part * graph_.pose(i));
+    const Pose2 T = old_moves ? core::inverse(T_map_part) : T_map_part;
+    for (int i = 0; i < graph_.nodeCount(); ++i)
+      if (componentOf(i) == (old_moves ? old_component : component)) graph_.setPose(i, T * graph_.pose(i));
   }
   std::vector<int> edges;
   for (const auto& edge : hypothesis.edges) edges.push_back(graph_.addEdge(edge));
@@ -339,21 +305,30 @@ bool GraphSlam::accept(const Hypothesis& hypothesis) {
     return false;
   }
   for (const auto& edge : hypothesis.edges) link(edge.from, edge.to);
-  for (size_t i = 0; i < links_.size(); ++i)
-    for (Link& link : links_[i])
-      link.length_m = core::distance(graph_.pose(static_cast<int>(i)), graph_.pose(link.to));
   closures_.push_back({old, k});
-  const auto covariances = keyframeCovariances();
-  for (size_t i = 0; i < covariances.size(); ++i) keyframes_[i].covariance = covariances[i];
-  ++revision_;
+  settle();
   searched_m_ = path_m_;
   note("accepted", way_m, old);
+  // What a loop ties to the rest needs no doubt.
+  if (doubt_.begins > old && doubt_.begins <= k) endDoubt();
   if (joins) {
-    part_begins_ = 0;
-    note("recovered", hypothesis.evidence, old);
+    const bool was_cut_off = isCutOff(lastKeyframe());
+    joinComponents(component, old_component);
+    const bool is_back = was_cut_off && !isCutOff(lastKeyframe());
+    note(is_back ? "recovered" : "joined", is_back ? hypothesis.evidence : way_m, old);
   }
   note("optimised", chi2);
   return true;
+}
+
+/// After the keyframes have moved.
+void GraphSlam::settle() {
+  for (size_t i = 0; i < links_.size(); ++i)
+    for (Link& link : links_[i])
+      link.length_m = core::distance(graph_.pose(static_cast<int>(i)), graph_.pose(link.to));
+  const auto covariances = keyframeCovariances();
+  for (size_t i = 0; i < covariances.size(); ++i) keyframes_[i].covariance = covariances[i];
+  ++revision_;
 }
 
 double GraphSlam::optimiseGraph() {

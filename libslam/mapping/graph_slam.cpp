@@ -16,8 +16,6 @@ using scanmatch::PatchPoint;
 /// An edge of odometry that was not to be trusted.
 constexpr double kDistrustedFactor = 5;
 constexpr int kPartnerStep = 3;
-/// How far a robot may have been carried, and what that counts as driven.
-constexpr double kGap_m = 30, kGap_rad = 3, kGapPath_m = 1000;
 /// Of a keyframe that was known before: journal entries refer to no scan then.
 constexpr int kOfEarlierRun = -1;
 
@@ -123,49 +121,34 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
     std::vector<PatchPoint> points;
     Eigen::Matrix3d information;
     const Pose2 increment = has_odometry ? T_previous_robot : T_previous_robot_;
-    const Pose2 predicted = currentPose() * increment;
+    const Pose2 T_before = currentPose();
     step = track(scan, T_previous_robot, has_odometry, points, information);
-    if (contradictsMap(points, step)) {
-      // A glitch passes, or somebody who stands before the lidar; a robot that was carried away does not come back.
-      ++torn_scans_;
-      keepTo(predicted, increment, step);
-      if (torn_scans_ == kLostScans) startElsewhere(step.score);
-    } else {
-      torn_scans_ = 0;
-    }
-    const bool is_held_back = torn_scans_ > 0 && torn_scans_ < kLostScans;
-    step.is_keyframe = !is_held_back &&
-                       (torn_scans_ == kLostScans ||
-                        std::hypot(T_keyframe_robot_.x, T_keyframe_robot_.y) > options_.keyframe_distance_m ||
-                        std::abs(T_keyframe_robot_.phi) > options_.keyframe_angle_rad ||
-                        step.score < options_.keyframe_score);
-    if (step.is_keyframe && part_begins_ == graph_.nodeCount()) {
-      // What was held back belongs to the new part, too.
-      for (int i = kLostScans - 1; i >= 1; --i) {
-        auto& record = records_[records_.size() - static_cast<size_t>(i)];
-        const Pose2 T_map_robot = graph_.pose(record.keyframe) * record.T_keyframe_robot;
-        record = {graph_.nodeCount(), core::between(step.T_map_robot, T_map_robot), record.match_covariance};
-      }
-    }
-    if (step.is_keyframe) {
+    const Pose2 matched = core::between(T_before, step.T_map_robot);
+    const Break seam = breakBefore(scan, points, increment, matched);
+    lookWhetherLost(points, step, scan.time_s, has_odometry ? increment : matched, seam.contradicted);
+    const Trust trust = weighDoubt(T_before, seam, step);
+    step.is_keyframe =
+        trust == Trust::kOwnMap ||
+        (trust == Trust::kWell &&
+         (std::hypot(T_keyframe_robot_.x, T_keyframe_robot_.y) > options_.keyframe_distance_m ||
+          std::abs(T_keyframe_robot_.phi) > options_.keyframe_angle_rad ||
+          step.score < options_.keyframe_score));
+    if (trust == Trust::kBack) {
+      comeBack(scan, points, step);
+      step.is_keyframe = true;
+    } else if (step.is_keyframe) {
+      if (doubt_.begins < 0) learnWrongPlace(points, step.T_map_robot);
+      if (trust == Trust::kOwnMap) beginOwnMap();
       addKeyframe(scan, std::move(points), step.T_map_robot, information, step.pose_covariance);
       step.pose_covariance = keyframe(lastKeyframe()).covariance;
     }
+    if (lost_.isLost() && doubt_.begins >= 0) startElsewhere(step.score);
     step.T_map_robot = currentPose();
   }
+  if (!step.is_keyframe && held_back_ == 0 && options_.loops && isCutOff(lastKeyframe())) lookForPart();
   records_.push_back({lastKeyframe(), T_keyframe_robot_, step.match_covariance});
   previous_scan_ = scan;
   return step;
-}
-
-/// The next keyframe begins a part of the map whose place in the rest is not known.
-void GraphSlam::startElsewhere(double score) {
-  note("lost", score);
-  part_begins_ = graph_.nodeCount();
-  hypotheses_.clear();
-  map_keyframes_.clear(), anchors_.clear();
-  path_m_ += kGapPath_m;
-  searched_m_ = path_m_;
 }
 
 void GraphSlam::addKnownKeyframe(const robot::Scan& scan, const Pose2& T_map_robot) {
@@ -184,7 +167,10 @@ void GraphSlam::startAt(const Pose2& T_map_robot) {
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T_map_robot);
   T_previous_robot_ = {};
   odometry_holds_ = false;
-  torn_scans_ = 0;
+  lost_.restart();
+  doubt_ = {};
+  is_lost_ = false;
+  refound_.clear();
   setMapNear(core::position(T_map_robot));
 }
 
@@ -222,29 +208,22 @@ int GraphSlam::addOdometryEdge(int k) {
   const double move_m = std::hypot(edge.T_from_to.x, edge.T_from_to.y),
                turn_rad = std::abs(edge.T_from_to.phi);
   edge.information =
-      k == part_begins_
-          ? poseInformation(kGap_m, kGap_rad)
-          : poseInformation(
-                factor * (options_.odometry_xy_m + options_.odometry_xy_per_m * move_m),
-                factor * (options_.odometry_turn_rad + options_.odometry_turn_per_rad * turn_rad));
+      poseInformation(factor * (options_.odometry_xy_m + options_.odometry_xy_per_m * move_m),
+                      factor * (options_.odometry_turn_rad + options_.odometry_turn_per_rad * turn_rad));
   return graph_.addEdge(edge);
 }
 
 void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
                             const Eigen::Matrix3d& information, const Eigen::Matrix3d& covariance) {
-  if (keyframes_.empty()) geometry_ = scan, geometry_.ranges_m.clear();
   const int k = graph_.addNode(T_map_robot);
   keyframes_.push_back({static_cast<int>(records_.size()), scan.time_s, std::move(points), scan.ranges_m,
-                        path_m_, -1, covariance});
+                        lidarLike(scan), path_m_, -1, covariance});
   links_.emplace_back();
   if (k == 0) {
     graph_.setFixed(0);
   } else {
     keyframes_.back().odometry_edge = addOdometryEdge(k);
-    if (k == part_begins_)
-      keyframes_.back().covariance = covarianceOf(poseInformation(kGap_m, kGap_rad));
-    else
-      link(k - 1, k);
+    if (doubt_.begins != k) link(k - 1, k);
     const auto partners = partnersOf(k, map_keyframes_, T_map_robot);
     const Eigen::Matrix3d share = edgeInformation(information, T_map_robot.phi) /
                                   static_cast<double>(std::max<size_t>(partners.size(), 1));
@@ -265,8 +244,22 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> poi
   setMap(keyframesAround(k, centre, options_.map_path_m, options_.map_radius_m), centre);
 }
 
+/// The number of the lidar that made a scan: the same beams at the same place of the robot.
+int GraphSlam::lidarLike(const robot::Scan& scan) {
+  const auto isSame = [&](const robot::Scan& lidar) {
+    const Pose2 &a = lidar.T_robot_lidar, &b = scan.T_robot_lidar;
+    return lidar.first_angle_rad == scan.first_angle_rad && lidar.step_rad == scan.step_rad && a.x == b.x &&
+           a.y == b.y && a.phi == b.phi && lidar.max_range_m == scan.max_range_m;
+  };
+  const auto known = std::find_if(lidars_.begin(), lidars_.end(), isSame);
+  if (known != lidars_.end()) return static_cast<int>(known - lidars_.begin());
+  lidars_.push_back(scan);
+  lidars_.back().ranges_m.clear();
+  return static_cast<int>(lidars_.size()) - 1;
+}
+
 robot::Scan GraphSlam::keyframeScan(int k) const {
-  robot::Scan scan = geometry_;
+  robot::Scan scan = lidarOf(k);
   scan.time_s = keyframe(k).time_s;
   scan.ranges_m = keyframe(k).ranges_m;
   return scan;
@@ -283,6 +276,7 @@ std::vector<Pose2> GraphSlam::poses() const {
 void GraphSlam::finish() {
   if (keyframes_.empty()) return;
   if (options_.loops) searchRemainingLoops();
+  noteWhatStaysApart();
   if (options_.refine_rounds > 0) refine();
 }
 

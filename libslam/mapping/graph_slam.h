@@ -1,6 +1,8 @@
 #pragma once
 #include <Eigen/Core>
 #include <functional>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,8 +12,10 @@
 #include "libslam/core/pose2.h"
 #include "libslam/mapping/information.h"
 #include "libslam/mapping/journal.h"
+#include "libslam/mapping/lost_detector.h"
 #include "libslam/posegraph/pose_graph.h"
 #include "libslam/robot/scan.h"
+#include "libslam/scanmatch/correlative_search.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 
 namespace slam::mapping {
@@ -54,15 +58,18 @@ struct GraphOptions {
 /// Without odometry the last motion stands in for it, as long as the step takes. Where there is no odometry, or it is
 /// contradicted, the motion that two scans alone give (odometry::ScanOdometry, correlation) is one of the starts, too.
 /// Odometry's noise grows with the root of time, with the metres and with the angle. Steps are timed by the mean of
-/// the scans' stamps of late. The lidar's geometry is that of the first
-/// scan.
+/// the scans' stamps of late. Scans may come from several
+/// lidars; each is known by its beams and its mounting.
 ///
-/// A robot that was carried away (several scans in a row contradict the map): a new part of the map begins, which is
-/// searched for all over the old one, and joined to it by its first loop.
+/// A robot that was carried away (the scans contradict the map, see LostDetector): a new part of the map begins. It is
+/// searched for all over the rest, one place at a time, and joined to it by a loop that was followed over an extent of
+/// kJoinExtent_m, once every other place of the map was looked at and none of them can be followed as well. Any number of
+/// parts may be open; each is joined when it is found. In a finished map the robot is found the same way.
 ///
 /// Journal: `distrusted` (odometry; value = gain in score), `rematched` (found on the lattice; value = score), `poor`
 /// (value = score), `lost` (value = score), `recovered` (the new part has been joined, or the robot is found again in a
-/// finished map; value = score), `degenerate` (value = share of information
+/// finished map; value = score), `joined` (two other parts; value = metres of way), `apart` (in the end, a part that was
+/// joined to nothing; value = its first keyframe), `degenerate` (value = share of information
 /// along the open direction), `searched` (value = best score), `found` (value = score), `confirmed`, `dropped`,
 /// `accepted` (value = metres of path that the loop closes), `rejected` (value = the chi2 it would cost), `optimised`
 /// (value = chi2).
@@ -96,7 +103,7 @@ class GraphSlam {
   /// How sure poses() are: one each, map frame.
   std::vector<Eigen::Matrix3d> covariances() const;
 
-  /// The scan of a keyframe: the first scan's geometry with this one's readings and stamp.
+  /// The scan of a keyframe: its own readings and stamp, its lidar as that was first seen.
   robot::Scan keyframeScan(int keyframe) const;
   int keyframeCount() const { return graph_.nodeCount(); }
   const core::Pose2& keyframePose(int keyframe) const { return graph_.pose(keyframe); }
@@ -110,6 +117,8 @@ class GraphSlam {
   /// Where the robot is now in what is known: after known keyframes, or wherever it was put. Nothing is taken as measured
   /// between there and where it was before. REQUIRES a keyframe.
   void startAt(const core::Pose2& T_map_robot);
+  /// The same where nobody knows: it is lost until it is found. For localise().
+  void startAnywhere();
 
  private:
   struct Keyframe {
@@ -117,6 +126,7 @@ class GraphSlam {
     double time_s;
     std::vector<scanmatch::PatchPoint> points;  ///< robot frame
     std::vector<float> ranges_m;
+    int lidar;                   ///< in lidars_
     double path_m;               ///< driven since the start
     int odometry_edge;           ///< to the keyframe before
     Eigen::Matrix3d covariance;  ///< of its pose in the map
@@ -149,6 +159,20 @@ class GraphSlam {
     int confirmations = 0, failures = 0;
     double evidence = 0;  ///< sum of distinctness()
     std::vector<posegraph::Edge> edges;
+    core::Point2 begun_at;  ///< map frame of the part that is followed
+    double extent_m = 0;    ///< the farthest from there that confirmed it
+    int places_left = 0;    ///< of the whole map, not looked at yet since it was found; joins only
+  };
+  /// Keyframes from `begin` to the next part's; parts of one component have known places in one another.
+  struct Part {
+    int begin, component;
+  };
+  /// Where a robot that is lost in a finished map may be, while it is followed.
+  struct Refound {
+    core::Pose2 T_map_robot, T_map_looked;  ///< now, and when it was looked at last
+    core::Point2 begun_at;
+    double score = 0, extent_m = 0;
+    int failures = 0, places_left = 0;
   };
   /// What a keyframe's beams say of a point: one ended there; they went on behind it; or neither.
   enum class Sight { kAgreed, kPassed, kUnseen };
@@ -158,16 +182,40 @@ class GraphSlam {
     double conflict() const;
   };
 
+  /// How a scan joins the one before.
+  struct Break {
+    core::Pose2 T_previous_robot;
+    double contradicted;  ///< share of its points where the scan before saw that there is nothing
+  };
+  /// Since scans speak for kidnapping.
+  struct Doubt {
+    int begins = -1;  ///< first keyframe of the map that is made meanwhile; before there is one: -1
+    double held_s = 0, held_m = 0, untold_m = 0;
+    /// Where the robot is if all is well, and the map from before.
+    core::Pose2 T_map_robot;
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    std::shared_ptr<const LevelMaps> maps;
+  };
+  /// kOwnMap: a map of its own begins; kBack: it ends well.
+  enum class Trust { kWell, kHeldBack, kOwnMap, kBack };
+  /// What keyframes say of a scan: the share of its points about which they say anything, and of these, those in whose place
+  /// there was nothing.
+  struct Told {
+    double contradicted = 0, telling = 0;
+  };
+
   /// In standard deviations of a surfel: farther points hardly count.
   static constexpr double kKernel = 3;
   /// Poses are compared on every third point.
   static constexpr int kStride = 3;
   /// Keyframes that are asked what of a scan they should have seen.
   static constexpr int kAskedViewers = 4;
-  /// A robot was carried away when so many scans in a row contradict the map and are explained by less than lost_score.
-  /// On the annotated logs (36 thousand scans) five in a row are the most; with a lost_score of 0.75 Intel and Killian
-  /// Court would be torn apart.
-  static constexpr int kLostScans = 8;
+  /// A joined part was followed over this extent at least: rooms that look alike are smaller.
+  static constexpr double kJoinExtent_m = 4;
+  /// Places that are looked at one by one: how far apart, half the window of positions, and which points are asked.
+  static constexpr int kHeadings = 6;  ///< one after the other, so that no scan waits long
+  static constexpr double kHeadingStep_rad = 2 * core::kPi / kHeadings;
+  static constexpr double kPlaceStep_m = 4, kPlaceHalf_m = 5, kPlaceReach_m = 12;
   static constexpr double kMatchCovarianceScale = 0.8;  ///< see graph_covariance.cpp
   /// The local map reaches this far from the robot.
   static constexpr double kMapReach_m = 30;
@@ -177,13 +225,14 @@ class GraphSlam {
                    const core::Pose2& T_map_robot, const Eigen::Matrix3d& information,
                    const Eigen::Matrix3d& covariance);
   int addOdometryEdge(int keyframe);
-  void startElsewhere(double score);
   std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
                               const core::Pose2& T_map_robot) const;
   static bool isApart(int keyframe, const std::vector<int>& others);
   void link(int a, int b);
   void note(const char* event, double value, int other_keyframe = -1, const std::string& detail = "");
   core::Pose2 currentPose() const;
+  int lidarLike(const robot::Scan& scan);
+  const robot::Scan& lidarOf(int k) const { return lidars_[static_cast<size_t>(keyframe(k).lidar)]; }
   const Keyframe& keyframe(int k) const { return keyframes_[static_cast<size_t>(k)]; }
   int lastKeyframe() const { return static_cast<int>(keyframes_.size()) - 1; }
 
@@ -216,15 +265,38 @@ class GraphSlam {
   void keepTo(const core::Pose2& predicted, const core::Pose2& increment, Step& step);
 
   // graph_views.cpp: what keyframes' beams say of other scans
+  static Sight sight(const robot::Scan& lidar, const std::vector<float>& ranges, const core::Point2& p_lidar);
   Sight sight(int viewer, const core::Point2& p_lidar) const;
+  std::vector<core::Pose2> lidarsOf(const std::vector<int>& viewers) const;
+  static View view(const robot::Scan& lidar, const std::vector<float>& ranges,
+                   const core::Pose2& T_viewer_points, const std::vector<scanmatch::PatchPoint>& points);
   View view(int viewer, const core::Pose2& T_viewer_points,
             const std::vector<scanmatch::PatchPoint>& points) const;
   double meanConflict(const std::vector<int>& viewers, const core::Pose2& T_map_points,
                       const std::vector<scanmatch::PatchPoint>& points) const;
   double toldScore(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot) const;
-  bool contradictsMap(const std::vector<scanmatch::PatchPoint>& points, const Step& step) const;
   double gain(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot,
               const core::Pose2& T_map_other) const;
+
+  // graph_doubt.cpp: whether the robot was kidnapped
+  double brokenBy(const std::vector<scanmatch::PatchPoint>& points,
+                  const core::Pose2& T_previous_robot) const;
+  Break breakBefore(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
+                    const core::Pose2& T_previous_robot, const core::Pose2& T_previous_matched) const;
+  Told toldBy(const std::vector<int>& viewers, const std::vector<scanmatch::PatchPoint>& points,
+              const core::Pose2& T_map_robot) const;
+  Told trackBefore(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& increment,
+                   double& explained);
+  void comeBack(const robot::Scan& scan, std::vector<scanmatch::PatchPoint> points, Step& step);
+  void lookWhetherLost(const std::vector<scanmatch::PatchPoint>& points, const Step& step, double time_s,
+                       const core::Pose2& increment, double broken);
+  void learnWrongPlace(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot);
+  std::vector<int> keyframesBeforeDoubt(const core::Pose2& T_map_robot) const;
+  Trust weighDoubt(const core::Pose2& T_before, const Break& seam, Step& step);
+  void beginOwnMap();
+  void endDoubt();
+  void startElsewhere(double score);
+  void moveHeldBackTo(int keyframe);
 
   // graph_covariance.cpp
   std::vector<Eigen::Matrix3d> keyframeCovariances() const;
@@ -235,12 +307,35 @@ class GraphSlam {
   void searchRemainingLoops();
   std::optional<Hypothesis> findLoop(int keyframe, int query_first, int query_last);
   bool confirm(Hypothesis& hypothesis, int keyframe) const;
+  void follow(Hypothesis& found);
   static double distinctness(const std::vector<scanmatch::PatchPoint>& points, const LevelMaps& maps,
                              const scanmatch::MatchResult& matched);
   bool accept(const Hypothesis& hypothesis);
-  bool isCutOff(int keyframe) const { return part_begins_ > 0 && keyframe >= part_begins_; }
+  void settle();
   std::vector<core::Point2> placeAround(const std::vector<int>& keyframes) const;
-  std::optional<scanmatch::MatchResult> relocate(const std::vector<scanmatch::PatchPoint>& points) const;
+
+  // graph_parts.cpp: parts of the map that have no known place in one another
+  int componentOf(int keyframe) const;
+  bool isCutOff(int keyframe) const { return componentOf(keyframe) != 0; }
+  bool beginsPart(int keyframe) const;
+  void beginPart(int keyframe);
+  void joinComponents(int from, int to);
+  const std::vector<int>& placesBeyond(int component);
+  std::optional<Hypothesis> findPlace(int keyframe, int query_first, int query_last);
+  void lookForPart();
+  std::vector<int> keyframesAtPlace(int place) const;
+  const scanmatch::LikelihoodPyramid& pyramidOf(int place);
+  std::optional<scanmatch::MatchResult> matchAtPlace(const std::vector<scanmatch::PatchPoint>& query,
+                                                     int place, double heading_rad);
+  bool mayJoin(const Hypothesis& hypothesis) const;
+  void noteWhatStaysApart();
+
+  // graph_localise.cpp: in a finished map
+  void searchOnePlace(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot);
+  bool followRefound(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& increment,
+                     Step& step);
+  bool fitsMap(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot,
+               scanmatch::MatchResult& matched) const;
   std::vector<double> pathTo(int keyframe) const;
   double optimiseGraph();
 
@@ -257,8 +352,8 @@ class GraphSlam {
   std::vector<JournalEntry> journal_;
   LevelMaps maps_;
   std::vector<int> map_keyframes_;
-  std::vector<int> anchors_;  ///< of these, those that stand for the local map's uncertainty
-  robot::Scan geometry_;      ///< of the first scan, without its ranges
+  std::vector<int> anchors_;         ///< of these, those that stand for the local map's uncertainty
+  std::vector<robot::Scan> lidars_;  ///< that scans have come from, without ranges
   core::Pose2 T_keyframe_robot_, T_previous_robot_, T_odometry_;  ///< the last: since the last keyframe
   bool odometry_holds_ = true;                                    ///< since the last keyframe
   robot::Scan previous_scan_;
@@ -266,9 +361,17 @@ class GraphSlam {
   double path_m_ = 0, searched_m_ = 0;
   double searched_reach_m_ = 0;  ///< window of the last search for loops
   int revision_ = 0;
-  int torn_scans_ = 0;    ///< in a row, that do not fit the map
-  int part_begins_ = 0;   ///< keyframes from here on have no known place in the rest of the map; 0: none
-  int places_tried_ = 0;  ///< for them
+  LostDetector lost_;
+  Doubt doubt_;
+  int held_back_ = 0;  ///< scans in a row that were not believed
+  std::vector<Part> parts_{{0, 0}};
+  std::vector<int> places_;  ///< of placesBeyond()
+  int places_known_ = 0, places_component_ = -1;
+  size_t places_tried_ = 0;                               ///< times kHeadings
+  std::map<int, scanmatch::LikelihoodPyramid> pyramids_;  ///< of places_
+  int wrong_places_ = 0;                                  ///< that were learnt from
+  bool is_lost_ = false, is_outside_ = false;             ///< in a finished map
+  std::vector<Refound> refound_;
   // Scratch of keyframesAround().
   mutable std::vector<double> reached_;
   mutable std::vector<int> touched_;

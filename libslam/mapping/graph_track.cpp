@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "libslam/core/error.h"
 #include "libslam/mapping/graph_slam.h"
@@ -27,10 +28,6 @@ constexpr int kLatticeTurns = 10, kLatticeSteps = 4;
 constexpr double kLatticeTurn_rad = 0.03, kLatticeStep_m = 0.1, kRecoverGain = 0.05;
 /// Least share of the information along the worst direction of movement; below, a corridor or an open field.
 constexpr double kDegenerate = 0.02;
-/// In a finished map: where less of a scan than this falls on what is mapped, the robot has left it.
-constexpr double kLeastKnown = 0.5;
-/// While lost in a finished map, it is searched for at every so many scans.
-constexpr int kRelocateEvery = 5;
 
 }  // namespace
 
@@ -201,10 +198,19 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   prior.information = poseInformation(sigma_xy, sigma_turn);
   MatchResult result = match(points, maps_, predicted, prior, options_.odometry_kernel, true);
   bool distrusted = false;
+  // A pose that explains little, if more than another, is no better where the scan before contradicts it the more.
+  const auto isBetter = [&](const MatchResult& other, double least_gain) {
+    const double gained = gain(points, other.T_map_robot, result.T_map_robot);
+    if (!(gained > least_gain) || other.score >= options_.recover_score) return gained > least_gain;
+    const double more_broken = brokenBy(points, core::between(T_before, other.T_map_robot)) -
+                               brokenBy(points, core::between(T_before, result.T_map_robot));
+    return gained - std::max(more_broken, 0.0) > least_gain;
+  };
   if (core::distance(result.T_map_robot, predicted) > kLetGo * sigma_xy) {
     // Odometry is let go for a better match only, not along a corridor that holds nothing.
     const auto held = match(points, maps_, predicted, prior, 0, true);
-    if (!(gain(points, result.T_map_robot, held.T_map_robot) > kStartGain)) result = held;
+    const MatchResult free = std::exchange(result, held);
+    if (isBetter(free, kStartGain)) result = free;
   }
   if (best > own + kStartGain) {
     const bool contradicted = best > own + options_.distrust_gain;
@@ -214,7 +220,7 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
       elsewhere.information = poseInformation(3 * sigma_xy + 0.1, 3 * sigma_turn + 0.05);
     }
     const auto other = match(points, maps_, start, elsewhere, options_.odometry_kernel, true);
-    if (gain(points, other.T_map_robot, result.T_map_robot) > kStartGain) {
+    if (isBetter(other, kStartGain)) {
       result = other;
       distrusted = contradicted;
       if (distrusted) note("distrusted", best - own);
@@ -226,7 +232,7 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   };
   if (isPoor()) {
     const auto other = recover(points, predicted, result.T_map_robot);
-    if (other && gain(points, other->T_map_robot, result.T_map_robot) > kRecoverGain) {
+    if (other && isBetter(*other, kRecoverGain)) {
       result = *other;
       distrusted = true;
       note("rematched", result.score);
@@ -258,45 +264,10 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
 void GraphSlam::keepTo(const Pose2& predicted, const Pose2& increment, Step& step) {
   step.T_map_robot = predicted;
   step.match_covariance +=
-      torn_scans_ * covarianceOf(poseInformation(options_.odometry_xy_m, options_.odometry_turn_rad));
+      held_back_ * covarianceOf(poseInformation(options_.odometry_xy_m, options_.odometry_turn_rad));
   step.pose_covariance += step.match_covariance;
   T_previous_robot_ = increment;
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), predicted);
-}
-
-GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_previous_robot,
-                                    bool has_odometry) {
-  if (keyframes_.empty()) throw core::ContractError("GraphSlam: localise() without a map");
-  std::vector<PatchPoint> points;
-  Eigen::Matrix3d information;
-  noteTime(scan, has_odometry);
-  const Pose2 increment = has_odometry ? T_previous_robot : T_previous_robot_;
-  const Pose2 predicted = currentPose() * increment;
-  Step step = track(scan, T_previous_robot, has_odometry, points, information);
-  odometry_holds_ = false;
-  // Outside of the map, or carried away: what little fits would lead astray. Who has walked out is not looked for; his
-  // wheels will bring him back.
-  const bool was_carried = contradictsMap(points, step);
-  const bool is_torn = was_carried || knownShare(points, predicted) < kLeastKnown;
-  if (is_torn) {
-    if (++torn_scans_ == kLostScans) note("lost", step.score);
-    keepTo(predicted, increment, step);
-  }
-  if (was_carried && torn_scans_ >= kLostScans && torn_scans_ % kRelocateEvery == 0)
-    if (const auto found = relocate(points)) {
-      step.T_map_robot = found->T_map_robot;
-      note("recovered", found->score);
-      torn_scans_ = 0;
-    }
-  if (!is_torn) {
-    if (torn_scans_ >= kLostScans) note("recovered", step.score);
-    torn_scans_ = 0;
-  }
-  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), step.T_map_robot);
-  setMapNear(core::position(step.T_map_robot));
-  records_.push_back({lastKeyframe(), T_keyframe_robot_, step.match_covariance});
-  previous_scan_ = scan;
-  return step;
 }
 
 /// Share of a scan's points that fall on a mapped surface, or near one.

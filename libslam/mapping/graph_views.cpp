@@ -10,22 +10,20 @@ using core::Point2;
 using core::Pose2;
 using scanmatch::PatchPoint;
 
-/// How much of a scan must contradict the keyframes nearest.
-constexpr double kLostConflict = 0.15;
-
 }  // namespace
 
 double GraphSlam::View::conflict() const {
   return agreed + passed == 0 ? 0 : static_cast<double>(passed) / (agreed + passed);
 }
 
-GraphSlam::Sight GraphSlam::sight(int viewer, const Point2& p_lidar) const {
+/// What a lidar's readings say of a point in its frame.
+GraphSlam::Sight GraphSlam::sight(const robot::Scan& lidar, const std::vector<float>& ranges,
+                                  const Point2& p_lidar) {
   // Half of what two walls are apart at least; and beams are compared with their neighbours.
   constexpr double kSame_m = 0.3;
-  const auto& ranges = keyframe(viewer).ranges_m;
-  double angle = std::atan2(p_lidar.y, p_lidar.x) - geometry_.first_angle_rad;
+  double angle = std::atan2(p_lidar.y, p_lidar.x) - lidar.first_angle_rad;
   if (angle < 0) angle += 2 * core::kPi;
-  const auto beam = std::lround(angle / geometry_.step_rad);
+  const auto beam = std::lround(angle / lidar.step_rad);
   if (beam < 1 || beam + 1 >= static_cast<long>(ranges.size())) return Sight::kUnseen;
   const double distance_m = std::hypot(p_lidar.x, p_lidar.y);
   double off_m = 1e9, nearest_m = 1e9;
@@ -39,12 +37,30 @@ GraphSlam::Sight GraphSlam::sight(int viewer, const Point2& p_lidar) const {
   return nearest_m < 1e9 && nearest_m > distance_m + kSame_m ? Sight::kPassed : Sight::kUnseen;
 }
 
+GraphSlam::Sight GraphSlam::sight(int viewer, const Point2& p_lidar) const {
+  return sight(lidarOf(viewer), keyframe(viewer).ranges_m, p_lidar);
+}
+
+/// From map to lidar, of each of these keyframes.
+std::vector<Pose2> GraphSlam::lidarsOf(const std::vector<int>& viewers) const {
+  std::vector<Pose2> T_lidars_map;
+  T_lidars_map.reserve(viewers.size());
+  for (const int viewer : viewers)
+    T_lidars_map.push_back(core::inverse(graph_.pose(viewer) * lidarOf(viewer).T_robot_lidar));
+  return T_lidars_map;
+}
+
 GraphSlam::View GraphSlam::view(int viewer, const Pose2& T_viewer_points,
                                 const std::vector<PatchPoint>& points) const {
-  const Pose2 T_lidar_points = core::inverse(geometry_.T_robot_lidar) * T_viewer_points;
+  return view(lidarOf(viewer), keyframe(viewer).ranges_m, T_viewer_points, points);
+}
+
+GraphSlam::View GraphSlam::view(const robot::Scan& lidar, const std::vector<float>& ranges,
+                                const Pose2& T_viewer_points, const std::vector<PatchPoint>& points) {
+  const Pose2 T_lidar_points = core::inverse(lidar.T_robot_lidar) * T_viewer_points;
   View result;
   for (const auto& point : points) {
-    const Sight seen = sight(viewer, T_lidar_points * position(point));
+    const Sight seen = sight(lidar, ranges, T_lidar_points * position(point));
     if (seen == Sight::kAgreed) ++result.agreed;
     if (seen == Sight::kPassed) ++result.passed;
   }
@@ -60,29 +76,20 @@ double GraphSlam::meanConflict(const std::vector<int>& viewers, const Pose2& T_m
   return viewers.empty() ? 0 : sum / static_cast<double>(viewers.size());
 }
 
-/// Whether a scan that the map explains badly lies where the keyframes nearest have seen that there is nothing.
-bool GraphSlam::contradictsMap(const std::vector<PatchPoint>& points, const Step& step) const {
-  if (!(step.score < options_.lost_score)) return false;
-  return meanConflict(firstOf(map_keyframes_, kAskedViewers), step.T_map_robot, points) > kLostConflict;
-}
-
 /// The share that is explained at a pose of those points of which the map says something: that fall on a surface, or where
 /// beams of the keyframes nearest have passed. Points beyond what was seen, and between two beams far apart, are left
 /// out, as long as there are others enough.
 double GraphSlam::toldScore(const std::vector<PatchPoint>& points, const Pose2& T_map_robot) const {
   constexpr double kLeastTold = 0.2;
   const auto viewers = firstOf(map_keyframes_, kAskedViewers);
-  const Pose2 T_lidar_robot = core::inverse(geometry_.T_robot_lidar);
   const Point2 origin = maps_.fine.origin();
-  std::vector<Pose2> T_viewers_map;
-  for (const int viewer : viewers)
-    T_viewers_map.push_back(T_lidar_robot * core::inverse(graph_.pose(viewer)));
+  const auto T_lidars_map = lidarsOf(viewers);
   std::vector<PatchPoint> told;
   for (const auto& point : points) {
     const Point2 p_map = T_map_robot * position(point);
     bool is_told = maps_.fine.at(p_map.x - origin.x, p_map.y - origin.y) != nullptr;
     for (size_t i = 0; !is_told && i < viewers.size(); ++i)
-      is_told = sight(viewers[i], T_viewers_map[i] * p_map) == Sight::kPassed;
+      is_told = sight(viewers[i], T_lidars_map[i] * p_map) == Sight::kPassed;
     if (is_told) told.push_back(point);
   }
   const double share = surfelScore(told, maps_.fine, T_map_robot, kKernel, 1);
@@ -96,13 +103,13 @@ double GraphSlam::toldScore(const std::vector<PatchPoint>& points, const Pose2& 
 double GraphSlam::gain(const std::vector<PatchPoint>& points, const Pose2& T_map_robot,
                        const Pose2& T_map_other) const {
   const auto viewers = firstOf(map_keyframes_, kAskedViewers);
-  const Pose2 T_lidar_robot = core::inverse(geometry_.T_robot_lidar);
   const Point2 origin = maps_.fine.origin();
+  const auto T_lidars_map = lidarsOf(viewers);
   const auto says = [&](const Pose2& T, const PatchPoint& point) {
     const Point2 p_map = T * position(point);
     bool agreed = false;
-    for (const int viewer : viewers) {
-      const Sight seen = sight(viewer, T_lidar_robot * (core::inverse(graph_.pose(viewer)) * p_map));
+    for (size_t i = 0; i < viewers.size(); ++i) {
+      const Sight seen = sight(viewers[i], T_lidars_map[i] * p_map);
       if (seen == Sight::kPassed) return true;
       agreed = agreed || seen == Sight::kAgreed;
     }

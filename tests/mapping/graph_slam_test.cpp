@@ -211,6 +211,41 @@ TEST(GraphSlam, SaysThatItIsLostWhenItIsCarriedAwayAndJoinsWhatItMapsThenToTheRe
   EXPECT_LT(worstError(graph.poses(), log.truth), 0.15);
 }
 
+TEST(GraphSlam, IsCarriedAwayTwiceAndJoinsBothParts) {
+  auto log = drive(ring(), lapsAround(4), {}, 0);
+  // Both times by a third of a lap, the second time before the first part can be joined.
+  const size_t lap = log.scans.size() / 4;
+  for (const size_t lifted : {lap + 140, lap + 90})
+    for (auto* list : {&log.truth, &log.increments})
+      list->erase(list->begin() + static_cast<long>(lifted), list->begin() + static_cast<long>(lifted + 190));
+  for (const size_t lifted : {lap + 140, lap + 90})
+    log.scans.erase(log.scans.begin() + static_cast<long>(lifted),
+                    log.scans.begin() + static_cast<long>(lifted + 190));
+  const auto graph = run(log);
+  int lost = 0;
+  for (const auto& entry : graph.journal()) lost += entry.event == "lost";
+  EXPECT_EQ(lost, 2);
+  EXPECT_EQ(eventsOf(graph).count("recovered"), 1U);
+  const auto poses = graph.poses();
+  EXPECT_LT(core::distance(poses.back(), log.truth.back()), 0.15);
+}
+
+TEST(GraphSlam, FindsItselfInAFinishedMapFromNowhere) {
+  const auto log = drive(ring(), lapsAround(1), {}, 0);
+  auto graph = run(log);
+  graph.startAnywhere();
+  GraphSlam::Step step;
+  size_t found_at = 0;
+  for (size_t i = 150; i < 400; ++i) {
+    step = graph.localise(log.scans[i], log.increments[i], true);
+    if (found_at == 0 && eventsOf(graph).count("recovered") > 0) found_at = i;
+    if (found_at > 0) {
+      ASSERT_LT(core::distance(step.T_map_robot, log.truth[i]), 0.1) << i;
+    }
+  }
+  EXPECT_GT(found_at, 150U);
+}
+
 TEST(GraphSlam, TakesAScanOrTwoOfNonsenseForNoLoss) {
   auto log = drive(ring(), lapsAround(1), {}, 0);
   const size_t middle = log.scans.size() / 2;
@@ -230,8 +265,9 @@ TEST(GraphSlam, FindsItselfAgainInAFinishedMap) {
   for (size_t i = before; i < before + 10; ++i) graph.localise(log.scans[i], log.increments[i], true);
   // Carried to a third of the lap.
   GraphSlam::Step step;
-  for (size_t i = far; i < far + 20; ++i) step = graph.localise(log.scans[i], log.increments[i], true);
-  EXPECT_LT(core::distance(step.T_map_robot, log.truth[far + 19]), 0.1);
+  // It has to be followed through more than a room, and the whole map to be looked at.
+  for (size_t i = far; i < far + 200; ++i) step = graph.localise(log.scans[i], log.increments[i], true);
+  EXPECT_LT(core::distance(step.T_map_robot, log.truth[far + 199]), 0.1);
   EXPECT_TRUE(eventsOf(graph).count("lost"));
   EXPECT_TRUE(eventsOf(graph).count("recovered"));
   EXPECT_EQ(graph.keyframeCount(), keyframes);

@@ -1,0 +1,23 @@
+#pragma once
+#include <vector>
+
+#include "libslam/scanmatch/scan_points.h"
+
+namespace slam::mapping {
+
+/// The raster of searches by branch and bound, and its surfaces' width.
+inline constexpr double kSearchCell_m = 0.1, kSearchSigma_m = 0.12;
+inline constexpr int kSearchLevels = 6;
+inline constexpr double kQuerySpacing_m = 0.4, kQueryMatchSpacing_m = 0.1;
+/// The old map around a place: within this path and radius of a keyframe.
+inline constexpr double kPlacePath_m = 15, kPlaceRadius_m = 10;
+/// Of the newest path, at most so many are searched for together.
+inline constexpr int kMostQueryKeyframes = 30;
+/// Old keyframes whose view of the new points is asked, and how near they are.
+inline constexpr int kViewers = 6;
+inline constexpr double kViewerDistance_m = 4;
+
+/// One point per square of this side, in the order they come.
+std::vector<scanmatch::PatchPoint> thinned(const std::vector<scanmatch::PatchPoint>& points, double side_m);
+
+}  // namespace slam::mapping
