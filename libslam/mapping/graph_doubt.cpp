@@ -19,6 +19,10 @@ constexpr double kTold = 0.1;
 constexpr double kGap_m = 30, kGap_rad = 3, kGapPath_m = 1000;
 /// Keyframes that are all learnt from; then one in so many.
 constexpr int kLearntSoon = 20;
+/// Of what a scan sees the next one sees this share at least, as a rule.
+constexpr double kShared = 0.6;
+/// In standard deviations of odometry.
+constexpr double kMissed = 4;
 /// Two scans that contradict each other more than this are matched to each other.
 constexpr double kAskScans = 0.1;
 constexpr double kGoldenAngle_rad = 2.399963;
@@ -27,27 +31,38 @@ constexpr double kFoundBack_rad = 0.3;
 
 }  // namespace
 
-/// The share of a scan's points where the scan before saw that there is nothing, after a motion; 0 without one.
+/// How far two scans in a row contradict each other after a motion, 0..1: of the points that the scan before speaks of, those
+/// in whose place it saw that there is nothing. It has to speak of kShared of them; what is missing there counts, too.
+/// 0 without a scan before.
 double GraphSlam::brokenBy(const std::vector<PatchPoint>& points, const Pose2& T_previous_robot) const {
   if (previous_scan_.ranges_m.size() < 2) return 0;
-  return view(previous_scan_, previous_scan_.ranges_m, T_previous_robot, points).conflict();
+  const View seen = view(previous_scan_, previous_scan_.ranges_m, T_previous_robot, points);
+  const double shared =
+      std::max<double>(seen.agreed + seen.passed, kShared * static_cast<double>(points.size()));
+  return shared > 0 ? 1 - seen.agreed / shared : 0;
 }
 
 /// The motion since the scan before by which the two scans contradict each other least, and by how much: as odometry has
 /// it, as matched, or, where these do not fit, as the two scans alone have it.
 GraphSlam::Break GraphSlam::breakBefore(const robot::Scan& scan, const std::vector<PatchPoint>& points,
-                                        const Pose2& T_previous_robot,
-                                        const Pose2& T_previous_matched) const {
+                                        const Pose2& T_previous_robot, const Pose2& T_previous_matched,
+                                        bool has_odometry) const {
   Break best{T_previous_robot, 1};
   if (previous_scan_.ranges_m.size() < 2 || points.empty()) return best;
   const auto consider = [&](const Pose2& T) {
     const double conflict = brokenBy(points, T);
     if (conflict < best.contradicted) best = {T, conflict};
   };
+  // What wheels cannot have missed is a break, however well the scans fit.
+  const Prediction odometry = predict(T_previous_robot, has_odometry);
+  const auto isPossible = [&](const Pose2& T) {
+    return core::distance(T, T_previous_robot) < kMissed * odometry.sigma_xy_m &&
+           std::abs(core::angleDifference(T.phi, T_previous_robot.phi)) < kMissed * odometry.sigma_turn_rad;
+  };
   consider(T_previous_robot);
-  consider(T_previous_matched);
+  if (isPossible(T_previous_matched)) consider(T_previous_matched);
   if (best.contradicted > kAskScans)
-    if (const auto motion = motionFromScans(scan)) consider(*motion);
+    if (const auto motion = motionFromScans(scan); motion && isPossible(*motion)) consider(*motion);
   return best;
 }
 
@@ -209,7 +224,7 @@ void GraphSlam::startElsewhere(double score) {
   posegraph::Edge gap = graph_.edges()[static_cast<size_t>(keyframe(k).odometry_edge)];
   graph_.setOn(keyframe(k).odometry_edge, false);
   gap.information = poseInformation(kGap_m, kGap_rad);
-  graph_.addEdge(gap);
+  keyframes_[static_cast<size_t>(k)].odometry_edge = graph_.addEdge(gap);
   for (int i = k; i < graph_.nodeCount(); ++i) {
     keyframes_[static_cast<size_t>(i)].path_m += kGapPath_m;
     keyframes_[static_cast<size_t>(i)].covariance = covarianceOf(gap.information);

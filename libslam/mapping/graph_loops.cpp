@@ -23,8 +23,7 @@ constexpr double kSearchTurn_rad = 0.1, kSearchTurnPerMetre_rad = 0.002, kSearch
 constexpr int kMostPlaces = 2;
 /// A confirmation may correct the hypothesis by this much.
 constexpr double kConfirmStep_m = 0.3, kConfirmTurn_rad = 0.06;
-/// A hypothesis may fail so often, and once more for every so many confirmations.
-constexpr int kConfirmEdges = 4, kMostFailures = 2, kConfirmedPerFailure = 5;
+constexpr int kMostFailures = 2;
 /// Travel to the next search, by the last one's window; never so far that two searches share no scan.
 constexpr double kPausePerReach = 0.1;
 constexpr double kDistinctShifts_m[] = {-1.5, -1, -0.6, -0.35, 0.35, 0.6, 1, 1.5};
@@ -198,8 +197,6 @@ bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
     edge.kind = posegraph::EdgeKind::kLoop;
     hypothesis.edges.push_back(edge);
   }
-  hypothesis.extent_m =
-      std::max(hypothesis.extent_m, core::distance(hypothesis.begun_at, core::position(matched.T_map_robot)));
   hypothesis.keyframe = k, hypothesis.old_keyframe = around.front();
   hypothesis.T_map_robot = matched.T_map_robot;
   ++hypothesis.confirmations;
@@ -212,12 +209,12 @@ void GraphSlam::closeLoops() {
   for (size_t i = 0; i < hypotheses_.size();) {
     Hypothesis& hypothesis = hypotheses_[i];
     if (!confirm(hypothesis, k)) ++hypothesis.failures;
-    if (hypothesis.failures > kMostFailures + hypothesis.confirmations / kConfirmedPerFailure) {
+    if (hypothesis.failures > kMostFailures) {
       note("dropped", hypothesis.confirmations, hypothesis.old_keyframe);
       hypotheses_.erase(hypotheses_.begin() + static_cast<long>(i));
     } else if (hypothesis.confirmations >= options_.loop_confirmations &&
                hypothesis.evidence >= options_.loop_distinctness &&
-               path_m_ - hypothesis.begun_m >= options_.loop_confirm_m && mayJoin(hypothesis)) {
+               path_m_ - hypothesis.begun_m >= options_.loop_confirm_m) {
       const Hypothesis confirmed = hypothesis;
       hypotheses_.clear();
       accept(confirmed);
@@ -225,8 +222,6 @@ void GraphSlam::closeLoops() {
       ++i;
     }
   }
-  // What is cut off may lie anywhere.
-  if (isCutOff(k)) lookForPart();
   // A wide search is dear, and what it would find is still there some metres on.
   const double pause_m =
       std::max(options_.loop_every_m, std::min(kPausePerReach * searched_reach_m_, options_.loop_path_m / 2));

@@ -31,6 +31,7 @@ bool GraphSlam::beginsPart(int k) const {
 
 void GraphSlam::beginPart(int k) {
   parts_.push_back({k, k});
+  joins_.clear();
   places_tried_ = 0;
 }
 
@@ -38,7 +39,8 @@ void GraphSlam::beginPart(int k) {
 void GraphSlam::joinComponents(int a, int b) {
   for (auto& part : parts_)
     if (part.component == a || part.component == b) part.component = std::min(a, b);
-  places_component_ = -1;
+  places_component_ = kNoComponent;
+  joins_.clear();
 }
 
 /// Keyframes, kPlaceStep_m apart at least, from which all of the map that is not of this component can be looked at.
@@ -59,40 +61,22 @@ const std::vector<int>& GraphSlam::placesBeyond(int component) {
   return places_;
 }
 
-/// Looks whether the keyframes [query_first, query_last] around k lie at the next place of the map beyond their part.
-std::optional<GraphSlam::Hypothesis> GraphSlam::findPlace(int k, int query_first, int query_last) {
-  const auto& places = placesBeyond(componentOf(k));
-  if (places.empty()) return std::nullopt;
-  const size_t turn = places_tried_++;
-  const int old = places[turn / kHeadings % places.size()];
-  if (turn % kHeadings == 0)
-    for (auto& hypothesis : hypotheses_) --hypothesis.places_left;
-  std::vector<PatchPoint> query;
-  for (int i = query_last; i >= query_first; --i) {
-    if (componentOf(i) != componentOf(k)) continue;
-    const Pose2 T_k_i = core::between(graph_.pose(k), graph_.pose(i));
-    for (const auto& point : keyframe(i).points) query.push_back(T_k_i * point);
-  }
-  // Headings of the part, so that it does not matter how the robot turns meanwhile.
-  const double heading = graph_.pose(k).phi + static_cast<double>(turn % kHeadings) * kHeadingStep_rad;
-  const auto matched = matchAtPlace(query, old, heading);
-  if (!matched) return std::nullopt;
-  note("found", matched->score, old);
-  Hypothesis hypothesis;
-  hypothesis.keyframe = k, hypothesis.old_keyframe = old;
-  hypothesis.T_map_robot = matched->T_map_robot;
-  hypothesis.begun_m = path_m_;
-  hypothesis.begun_at = core::position(matched->T_map_robot);
-  hypothesis.places_left = static_cast<int>(places.size()) - 1;
-  return hypothesis;
-}
-
 /// Keyframes of the same component around a place, the nearest first.
 std::vector<int> GraphSlam::keyframesAtPlace(int place) const {
   std::vector<int> around;
   for (const int a : keyframesWithin(core::position(graph_.pose(place)), kPlaceRadius_m))
     if (componentOf(a) == componentOf(place)) around.push_back(a);
   return firstOf(std::move(around), options_.map_keyframes);
+}
+
+/// The nearest keyframes of a component.
+std::vector<int> GraphSlam::keyframesNear(const Point2& centre, int component, int most) const {
+  std::vector<int> near;
+  for (const int k : keyframesWithin(centre, options_.map_radius_m)) {
+    if (componentOf(k) == component) near.push_back(k);
+    if (static_cast<int>(near.size()) == most) break;
+  }
+  return near;
 }
 
 const scanmatch::LikelihoodPyramid& GraphSlam::pyramidOf(int place) {
@@ -135,27 +119,6 @@ std::optional<scanmatch::MatchResult> GraphSlam::matchAtPlace(const std::vector<
   const double conflict = meanConflict(firstOf(std::move(viewers), kViewers), matched.T_map_robot, points);
   if (matched.score < options_.loop_score || conflict > 2 * options_.loop_conflict) return std::nullopt;
   return matched;
-}
-
-/// A loop within a part may be closed when it is confirmed. Parts are joined where the whole map has been looked at since,
-/// no other place can be followed as well, and more than a room was followed.
-bool GraphSlam::mayJoin(const Hypothesis& hypothesis) const {
-  const auto joins = [&](const Hypothesis& h) {
-    return componentOf(h.keyframe) != componentOf(h.old_keyframe);
-  };
-  if (!joins(hypothesis)) return true;
-  return hypothesis.places_left <= 0 && hypothesis.extent_m >= kJoinExtent_m &&
-         std::count_if(hypotheses_.begin(), hypotheses_.end(), joins) == 1;
-}
-
-/// Looks for a place of the newest keyframe beyond its part; what is found is followed from then on.
-void GraphSlam::lookForPart() {
-  const int k = lastKeyframe();
-  int first = k;
-  while (first > 0 && k - first < kMostQueryKeyframes && !beginsPart(first) &&
-         path_m_ - keyframe(first - 1).path_m < options_.loop_path_m)
-    --first;
-  if (auto found = findPlace(k, first, k)) follow(*found);
 }
 
 void GraphSlam::noteWhatStaysApart() {

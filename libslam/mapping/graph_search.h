@@ -17,6 +17,9 @@ inline constexpr int kMostQueryKeyframes = 30;
 inline constexpr int kViewers = 6;
 inline constexpr double kViewerDistance_m = 4;
 
+/// Edges that one match makes.
+inline constexpr int kConfirmEdges = 4;
+
 /// One point per square of this side, in the order they come.
 std::vector<scanmatch::PatchPoint> thinned(const std::vector<scanmatch::PatchPoint>& points, double side_m);
 

@@ -124,7 +124,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
     const Pose2 T_before = currentPose();
     step = track(scan, T_previous_robot, has_odometry, points, information);
     const Pose2 matched = core::between(T_before, step.T_map_robot);
-    const Break seam = breakBefore(scan, points, increment, matched);
+    const Break seam = breakBefore(scan, points, increment, matched, has_odometry);
     lookWhetherLost(points, step, scan.time_s, has_odometry ? increment : matched, seam.contradicted);
     const Trust trust = weighDoubt(T_before, seam, step);
     step.is_keyframe =
@@ -145,7 +145,8 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
     if (lost_.isLost() && doubt_.begins >= 0) startElsewhere(step.score);
     step.T_map_robot = currentPose();
   }
-  if (!step.is_keyframe && held_back_ == 0 && options_.loops && isCutOff(lastKeyframe())) lookForPart();
+  if (options_.loops && isCutOff(lastKeyframe()) && doubt_.begins < 0)
+    lookForPart(parts_.back().begin, lastKeyframe());
   records_.push_back({lastKeyframe(), T_keyframe_robot_, step.match_covariance});
   previous_scan_ = scan;
   return step;
@@ -170,7 +171,7 @@ void GraphSlam::startAt(const Pose2& T_map_robot) {
   lost_.restart();
   doubt_ = {};
   is_lost_ = false;
-  refound_.clear();
+  joins_.clear(), trail_.clear();
   setMapNear(core::position(T_map_robot));
 }
 
@@ -275,6 +276,7 @@ std::vector<Pose2> GraphSlam::poses() const {
 
 void GraphSlam::finish() {
   if (keyframes_.empty()) return;
+  if (options_.loops) joinRemainingParts();
   if (options_.loops) searchRemainingLoops();
   noteWhatStaysApart();
   if (options_.refine_rounds > 0) refine();

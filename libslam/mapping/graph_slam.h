@@ -159,20 +159,33 @@ class GraphSlam {
     int confirmations = 0, failures = 0;
     double evidence = 0;  ///< sum of distinctness()
     std::vector<posegraph::Edge> edges;
-    core::Point2 begun_at;  ///< map frame of the part that is followed
-    double extent_m = 0;    ///< the farthest from there that confirmed it
-    int places_left = 0;    ///< of the whole map, not looked at yet since it was found; joins only
   };
   /// Keyframes from `begin` to the next part's; parts of one component have known places in one another.
   struct Part {
     int begin, component;
   };
-  /// Where a robot that is lost in a finished map may be, while it is followed.
-  struct Refound {
-    core::Pose2 T_map_robot, T_map_looked;  ///< now, and when it was looked at last
-    core::Point2 begun_at;
-    double score = 0, extent_m = 0;
-    int failures = 0, places_left = 0;
+  /// What a part of the map, or a robot that is lost in a finished map, has seen in a row: poses among themselves.
+  struct TrailPoint {
+    core::Pose2 T_trail_robot;
+    std::vector<scanmatch::PatchPoint> points;
+  };
+  /// Where a trail is on its way through another map.
+  struct Cursor {
+    int at;  ///< in the trail
+    core::Pose2 T_map_robot;
+  };
+  /// A place of a trail in another part of the map, while the rest of the trail is held against it, to both sides.
+  struct Join {
+    int place;  ///< keyframe where it was found
+    Cursor forth, back;
+    int back_to;  ///< the trail is not asked farther back
+    int asked = 0, fitting = 0, failures = 0;
+    double evidence = 0, distinct = 0;  ///< nats; sum of distinctness()
+    core::Point2 least, most;           ///< corners of what fits, map frame
+    int old_keyframe = 0;               ///< nearest at `forth`
+    int places_left = 0;                ///< of the whole map, not looked at yet since it was found
+    double score = 0;
+    std::vector<posegraph::Edge> edges;
   };
   /// What a keyframe's beams say of a point: one ended there; they went on behind it; or neither.
   enum class Sight { kAgreed, kPassed, kUnseen };
@@ -210,8 +223,7 @@ class GraphSlam {
   static constexpr int kStride = 3;
   /// Keyframes that are asked what of a scan they should have seen.
   static constexpr int kAskedViewers = 4;
-  /// A joined part was followed over this extent at least: rooms that look alike are smaller.
-  static constexpr double kJoinExtent_m = 4;
+  static constexpr int kNoComponent = -1, kAnyComponent = -2;
   /// Places that are looked at one by one: how far apart, half the window of positions, and which points are asked.
   static constexpr int kHeadings = 6;  ///< one after the other, so that no scan waits long
   static constexpr double kHeadingStep_rad = 2 * core::kPi / kHeadings;
@@ -282,7 +294,8 @@ class GraphSlam {
   double brokenBy(const std::vector<scanmatch::PatchPoint>& points,
                   const core::Pose2& T_previous_robot) const;
   Break breakBefore(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
-                    const core::Pose2& T_previous_robot, const core::Pose2& T_previous_matched) const;
+                    const core::Pose2& T_previous_robot, const core::Pose2& T_previous_matched,
+                    bool has_odometry) const;
   Told toldBy(const std::vector<int>& viewers, const std::vector<scanmatch::PatchPoint>& points,
               const core::Pose2& T_map_robot) const;
   Told trackBefore(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& increment,
@@ -321,21 +334,38 @@ class GraphSlam {
   void beginPart(int keyframe);
   void joinComponents(int from, int to);
   const std::vector<int>& placesBeyond(int component);
-  std::optional<Hypothesis> findPlace(int keyframe, int query_first, int query_last);
-  void lookForPart();
   std::vector<int> keyframesAtPlace(int place) const;
+  std::vector<int> keyframesNear(const core::Point2& centre, int component, int most) const;
   const scanmatch::LikelihoodPyramid& pyramidOf(int place);
   std::optional<scanmatch::MatchResult> matchAtPlace(const std::vector<scanmatch::PatchPoint>& query,
                                                      int place, double heading_rad);
-  bool mayJoin(const Hypothesis& hypothesis) const;
   void noteWhatStaysApart();
 
+  // graph_join.cpp: a trail and the rest of the map
+  int trailSize() const { return is_lost_ ? static_cast<int>(trail_.size()) : join_last_ - join_first_ + 1; }
+  const core::Pose2& trailPose(int i) const {
+    return is_lost_ ? trail_[static_cast<size_t>(i)].T_trail_robot : graph_.pose(join_first_ + i);
+  }
+  const std::vector<scanmatch::PatchPoint>& trailPoints(int i) const {
+    return is_lost_ ? trail_[static_cast<size_t>(i)].points : keyframe(join_first_ + i).points;
+  }
+  void lookForPart(int first, int last);
+  void joinRemainingParts();
+  const Join* workOnJoins(int component);
+  void lookAtNextPlace(int component);
+  void addJoin(int place, const core::Pose2& T_map_robot, int places);
+  bool isKnown(const Join& join) const;
+  bool isPlausible(const Join& join) const;
+  void holdAgainst(Join& join, Cursor& cursor, int next);
+  bool isCurrent(const Join& join) const;
+  const Join* decided() const;
+  void joinPart(const Join& join);
+
   // graph_localise.cpp: in a finished map
-  void searchOnePlace(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot);
-  bool followRefound(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& increment,
-                     Step& step);
-  bool fitsMap(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot,
-               scanmatch::MatchResult& matched) const;
+  bool searchWhileLost(const std::vector<scanmatch::PatchPoint>& points, Step& step);
+  void beLost(double score);
+  bool fitsMap(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot) const;
+
   std::vector<double> pathTo(int keyframe) const;
   double optimiseGraph();
 
@@ -366,12 +396,14 @@ class GraphSlam {
   int held_back_ = 0;  ///< scans in a row that were not believed
   std::vector<Part> parts_{{0, 0}};
   std::vector<int> places_;  ///< of placesBeyond()
-  int places_known_ = 0, places_component_ = -1;
+  int places_known_ = 0, places_component_ = kNoComponent;
   size_t places_tried_ = 0;                               ///< times kHeadings
   std::map<int, scanmatch::LikelihoodPyramid> pyramids_;  ///< of places_
   int wrong_places_ = 0;                                  ///< that were learnt from
   bool is_lost_ = false, is_outside_ = false;             ///< in a finished map
-  std::vector<Refound> refound_;
+  std::vector<Join> joins_;
+  std::vector<TrailPoint> trail_;        ///< of a robot that is lost in a finished map
+  int join_first_ = 0, join_last_ = -1;  ///< keyframes that are the trail else
   // Scratch of keyframesAround().
   mutable std::vector<double> reached_;
   mutable std::vector<int> touched_;

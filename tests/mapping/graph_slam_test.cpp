@@ -213,14 +213,14 @@ TEST(GraphSlam, SaysThatItIsLostWhenItIsCarriedAwayAndJoinsWhatItMapsThenToTheRe
 
 TEST(GraphSlam, IsCarriedAwayTwiceAndJoinsBothParts) {
   auto log = drive(ring(), lapsAround(4), {}, 0);
-  // Both times by a third of a lap, the second time before the first part can be joined.
+  // Both times from the middle of a corridor to its end, turned; the second time before the first part can be joined.
   const size_t lap = log.scans.size() / 4;
-  for (const size_t lifted : {lap + 140, lap + 90})
-    for (auto* list : {&log.truth, &log.increments})
-      list->erase(list->begin() + static_cast<long>(lifted), list->begin() + static_cast<long>(lifted + 190));
-  for (const size_t lifted : {lap + 140, lap + 90})
-    log.scans.erase(log.scans.begin() + static_cast<long>(lifted),
-                    log.scans.begin() + static_cast<long>(lifted + 190));
+  const std::pair<size_t, size_t> carried[] = {{lap + 230, lap + 320}, {lap + 90, lap + 188}};
+  for (const auto& [lifted, put_down] : carried) {
+    const auto from = static_cast<long>(lifted), to = static_cast<long>(put_down);
+    for (auto* list : {&log.truth, &log.increments}) list->erase(list->begin() + from, list->begin() + to);
+    log.scans.erase(log.scans.begin() + from, log.scans.begin() + to);
+  }
   const auto graph = run(log);
   int lost = 0;
   for (const auto& entry : graph.journal()) lost += entry.event == "lost";

@@ -1,0 +1,231 @@
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/mapping/graph_search.h"
+#include "libslam/mapping/graph_slam.h"
+
+namespace slam::mapping {
+namespace {
+
+using core::Point2;
+using core::Pose2;
+using scanmatch::PatchPoint;
+
+/// Points of a trail that are held against the map at each scan: what a search may cost is spread.
+constexpr int kChecksPerScan = 3;
+/// How far back a trail is asked, in points of it, and places that are followed at once.
+constexpr int kLongestTrail = 40, kMostJoins = 12;
+/// A place may fail so often, and once more for every so many points that fit.
+constexpr int kMostFailures = 2, kFittingPerFailure = 5;
+/// What a point of a trail says, in nats, when all of its scan is explained and nothing contradicted; neighbouring beams
+/// err together, so that a scan stands for some ten independent points.
+constexpr double kNatsPerScan = 10;
+/// The best place must be ahead of every other by so much: one wrong join in a million.
+constexpr double kAhead = 14;
+/// And it was followed over this extent: rooms that look alike are smaller.
+constexpr double kExtent_m = 4;
+/// A scan of which the map says less than this share says nothing.
+constexpr double kTold = 0.3;
+/// Before a place is followed some points of the trail are asked whether the map contradicts it there.
+constexpr int kFirstAsked = 6;
+constexpr double kFirstConflict = 0.25;
+/// Two places are the same.
+constexpr double kSame_m = 0.5, kSame_rad = 0.1;
+/// A point of the trail may correct the place by this much.
+constexpr double kStep_m = 0.3, kStep_rad = 0.06;
+/// Keyframes that make the map that a point of the trail is matched to.
+constexpr int kMapKeyframes = 16;
+
+}  // namespace
+
+bool GraphSlam::isCurrent(const Join& join) const {
+  return join.back.at <= join.back_to && join.forth.at == trailSize() - 1;
+}
+
+/// Looks whether the newest of the trail lies at the next place of the map beyond its part, in one of the headings.
+void GraphSlam::lookAtNextPlace(int component) {
+  const auto& places = placesBeyond(component);
+  if (places.empty()) return;
+  const size_t turn = places_tried_++;
+  const int place = places[turn / kHeadings % places.size()];
+  if (turn % kHeadings == 0)
+    for (auto& join : joins_) --join.places_left;
+  const int last = trailSize() - 1;
+  std::vector<PatchPoint> query;
+  double way_m = 0;
+  for (int i = last; i >= 0 && last - i < kMostQueryKeyframes && way_m < options_.loop_path_m; --i) {
+    const Pose2 T_last_i = core::between(trailPose(last), trailPose(i));
+    for (const auto& point : trailPoints(i)) query.push_back(T_last_i * point);
+    if (i > 0) way_m += core::distance(trailPose(i), trailPose(i - 1));
+  }
+  // Headings of the trail, so that it does not matter how the robot turns meanwhile.
+  const double heading = trailPose(last).phi + static_cast<double>(turn % kHeadings) * kHeadingStep_rad;
+  const auto matched = matchAtPlace(query, place, heading);
+  if (!matched) return;
+  note("found", matched->score, place);
+  addJoin(place, matched->T_map_robot, static_cast<int>(places.size()));
+}
+
+/// The place is followed from now on, unless it is already, or the trail contradicts it at once.
+void GraphSlam::addJoin(int place, const Pose2& T_map_robot, int places) {
+  const int last = trailSize() - 1;
+  Join join;
+  join.place = join.old_keyframe = place;
+  join.forth = join.back = {last, T_map_robot};
+  join.back_to = std::max(0, last - kLongestTrail);
+  join.places_left = places - 1;
+  join.least = join.most = core::position(T_map_robot);
+  if (isKnown(join) || !isPlausible(join)) return;
+  holdAgainst(join, join.forth, last);
+  if (join.fitting == 0) return;
+  join.back.T_map_robot = join.forth.T_map_robot;
+  if (static_cast<int>(joins_.size()) == kMostJoins) {
+    const auto worst = std::min_element(joins_.begin(), joins_.end(), [](const Join& a, const Join& b) {
+      return a.evidence * b.asked < b.evidence * a.asked;
+    });
+    joins_.erase(worst);
+  }
+  joins_.push_back(std::move(join));
+}
+
+bool GraphSlam::isKnown(const Join& join) const {
+  return std::any_of(joins_.begin(), joins_.end(), [&](const Join& known) {
+    const Pose2 expected =
+        known.forth.T_map_robot * core::between(trailPose(known.forth.at), trailPose(join.forth.at));
+    return core::distance(expected, join.forth.T_map_robot) < kSame_m &&
+           std::abs(core::angleDifference(expected.phi, join.forth.T_map_robot.phi)) < kSame_rad;
+  });
+}
+
+/// Whether the map does not contradict the trail on the whole.
+bool GraphSlam::isPlausible(const Join& join) const {
+  const int last = join.forth.at;
+  double against = 0, telling = 0;
+  for (int n = 0; n < kFirstAsked; ++n) {
+    const int i = last - (last - join.back_to) * n / (kFirstAsked - 1);
+    const Pose2 T = join.forth.T_map_robot * core::between(trailPose(last), trailPose(i));
+    const Told told =
+        toldBy(keyframesNear(core::position(T), componentOf(join.place), kAskedViewers), trailPoints(i), T);
+    against += told.contradicted * told.telling;
+    telling += told.telling;
+    if (i == join.back_to) break;
+  }
+  return telling > 0 && against < kFirstConflict * telling;
+}
+
+/// Moves a place on to the next point of its trail.
+void GraphSlam::holdAgainst(Join& join, Cursor& cursor, int next) {
+  const Pose2 expected = cursor.T_map_robot * core::between(trailPose(cursor.at), trailPose(next));
+  const auto& points = trailPoints(next);
+  cursor = {next, expected};
+  ++join.asked;
+  const auto around = keyframesNear(core::position(expected), componentOf(join.place), kMapKeyframes);
+  if (toldBy(firstOf(around, kViewers), points, expected).telling < kTold) return;
+  LevelMaps maps(options_);
+  fill(maps, around, core::position(expected));
+  scanmatch::PosePrior prior;
+  prior.mean = expected;
+  prior.information.diagonal() << 100, 100, 1000;
+  const auto matched = match(points, maps, expected, prior, 0, false);
+  const Pose2& T = matched.T_map_robot;
+  const double conflict = meanConflict(firstOf(around, kViewers), T, points);
+  join.evidence += kNatsPerScan * (matched.score - conflict);
+  if (matched.score < options_.loop_confirm_score || conflict >= options_.loop_conflict ||
+      core::distance(T, expected) > kStep_m ||
+      std::abs(core::angleDifference(T.phi, expected.phi)) > kStep_rad) {
+    ++join.failures;
+    return;
+  }
+  ++join.fitting;
+  cursor.T_map_robot = T;
+  join.score = matched.score;
+  join.distinct += distinctness(points, maps, matched);
+  join.least = {std::min(join.least.x, T.x), std::min(join.least.y, T.y)};
+  join.most = {std::max(join.most.x, T.x), std::max(join.most.y, T.y)};
+  if (&cursor == &join.forth) join.old_keyframe = around.front();
+  if (is_lost_) return;
+  const size_t partners = std::min<size_t>(around.size(), kConfirmEdges);
+  for (size_t i = 0; i < partners; ++i) {
+    posegraph::Edge edge;
+    edge.from = around[i], edge.to = join_first_ + next;
+    edge.T_from_to = core::between(graph_.pose(around[i]), T);
+    edge.information = edgeInformation(matched.information, T.phi) / static_cast<double>(kConfirmEdges);
+    edge.kind = posegraph::EdgeKind::kLoop;
+    join.edges.push_back(edge);
+  }
+}
+
+/// One scan's share of the search. The place that the trail belongs to, when that is decided.
+const GraphSlam::Join* GraphSlam::workOnJoins(int component) {
+  lookAtNextPlace(component);
+  for (int n = 0; n < kChecksPerScan; ++n) {
+    // The best that there is first; then those that are known least.
+    auto next = joins_.end();
+    for (auto join = joins_.begin(); join != joins_.end(); ++join) {
+      if (isCurrent(*join)) continue;
+      if (next == joins_.end() || (n == 0 ? join->evidence > next->evidence : join->asked < next->asked))
+        next = join;
+    }
+    if (next == joins_.end()) break;
+    if (next->back.at > next->back_to)
+      holdAgainst(*next, next->back, next->back.at - 1);
+    else
+      holdAgainst(*next, next->forth, next->forth.at + 1);
+    if (next->failures > kMostFailures + next->fitting / kFittingPerFailure ||
+        (next->asked >= kFirstAsked && 4 * next->fitting < next->asked)) {
+      note("dropped", next->fitting, next->old_keyframe);
+      joins_.erase(next);
+    }
+  }
+  return decided();
+}
+
+/// The best place, once the whole map was looked at since it was found, and no other can be as good.
+const GraphSlam::Join* GraphSlam::decided() const {
+  const auto best = std::max_element(joins_.begin(), joins_.end(),
+                                     [](const Join& a, const Join& b) { return a.evidence < b.evidence; });
+  if (best == joins_.end() || !isCurrent(*best) || best->places_left > 0 ||
+      best->fitting < options_.loop_confirmations || best->distinct < options_.loop_distinctness ||
+      core::distance(best->least, best->most) < kExtent_m)
+    return nullptr;
+  for (const auto& other : joins_) {
+    const int unasked = other.back.at - other.back_to + trailSize() - 1 - other.forth.at;
+    if (&other != &*best && other.evidence + kNatsPerScan * unasked > best->evidence - kAhead) return nullptr;
+  }
+  return &*best;
+}
+
+void GraphSlam::joinPart(const Join& join) {
+  Hypothesis hypothesis;
+  hypothesis.keyframe = join_first_ + join.forth.at;
+  hypothesis.old_keyframe = join.old_keyframe;
+  hypothesis.T_map_robot = join.forth.T_map_robot;
+  hypothesis.begun_m = path_m_;
+  hypothesis.confirmations = join.fitting;
+  hypothesis.evidence = join.distinct;
+  hypothesis.edges = join.edges;
+  accept(hypothesis);
+  joins_.clear();
+}
+
+/// Looks for the place of the keyframes [first, last] in the rest of the map, for as long as one scan may take.
+void GraphSlam::lookForPart(int first, int last) {
+  join_first_ = first, join_last_ = last;
+  if (const Join* join = workOnJoins(componentOf(first))) joinPart(*join);
+}
+
+/// In the end there is time to look for every part everywhere.
+void GraphSlam::joinRemainingParts() {
+  for (size_t p = 0; p < parts_.size(); ++p) {
+    const int first = parts_[p].begin;
+    const int last = (p + 1 < parts_.size() ? parts_[p + 1].begin : graph_.nodeCount()) - 1;
+    joins_.clear();
+    places_tried_ = 0;
+    const int component = componentOf(first);
+    if (component == 0) continue;
+    const size_t turns = 2 * kHeadings * placesBeyond(component).size() + kLongestTrail;
+    for (size_t n = 0; n < turns && componentOf(first) == component; ++n) lookForPart(first, last);
+  }
+}
+
+}  // namespace slam::mapping
