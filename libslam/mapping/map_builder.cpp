@@ -33,8 +33,8 @@
 #include "libslam/mapping/mrpt_compat.h"
 #include "libslam/mapping/naive_map_builder.h"
 #include "libslam/mapping/particle_map_builder.h"
+#include "libslam/robot/deskew.h"
 #include "libslam/robot/mrpt_types.h"
-#include "libslam/robot/undistort.h"
 
 namespace slam::mapping {
 
@@ -311,7 +311,7 @@ std::optional<robot::Scan> setRight(const MapBuilder::State& state, const robot:
     return std::nullopt;
   const double period_s = scan.time_s - state.previous_scan->time_s;
   if (!(period_s > 0)) return std::nullopt;
-  return robot::undistorted(scan, T_previous_robot, period_s, {options.sweep_s, options.sweep_clockwise});
+  return robot::deskewed(scan, T_previous_robot, period_s, {options.sweep_s, options.sweep_clockwise});
 }
 
 GraphMapBuilder* graphOf(const MapBuilder& method) {

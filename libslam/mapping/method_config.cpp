@@ -292,8 +292,7 @@ const core::ParameterTable<MethodOptions>& MethodOptions::table() {
         "the motion increments; wheel takes those of scans where the log has none (graph: none); none is "
         "graph's alone: the last motion goes on"},
        {"sweep_s", &MethodOptions::sweep_s, 0.0, 0.0, 10.0,
-        "time from a scan's first to its last beam, at which it is stamped; scans are set right for the "
-        "motion "
+        "time from a scan's first to its last beam, at which it is stamped; scans are deskewed by the motion "
         "that the log's odometry gives; 0 leaves them"},
        {"sweep_clockwise", &MethodOptions::sweep_clockwise, false, "the last beam is measured first"}});
   return kTable;

@@ -63,7 +63,7 @@ Cost summarize(std::vector<double> milliseconds, double finish_s, double log_sec
 const std::map<std::string, std::string>& fileNotes() {
   static const std::map<std::string, std::string> notes = {
       {"trajectory.tum", "estimated pose of every scan, TUM form: rasterslam eval, evo"},
-      {"trajectory_final.tum", "the same as the method has it in the end: rasterslam eval --relations, evo"},
+      {"trajectory_final.tum", "the final path, after all corrections: rasterslam eval --relations, evo"},
       {"covariances_final.csv", "the same of the poses of trajectory_final.tum"},
       {"covariances.csv",
        "how sure the method says that it is of each of these poses: x, y (m), phi (rad), map frame"},

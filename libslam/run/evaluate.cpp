@@ -205,8 +205,7 @@ const std::vector<MetricInfo>& metricInfos() {
        "absolute trajectory error of the path given online: position after SE(2) least-squares alignment, no "
        "scale",
        3, [](const E& e) { return e.trajectory.position_m.rmse; }},
-      {"ate_final_m", "final m",
-       "the same for the path as the method has it in the end; equal where it corrects nothing", 3,
+      {"ate_final_m", "final m", "the same for the final path; equal where the method corrects nothing", 3,
        [](const E& e) { return e.final_trajectory.position_m.rmse; }},
       {"ate_max_m", "max m", "largest such error", 3, [](const E& e) { return e.trajectory.position_m.max; }},
       {"heading_rmse_deg", "head. deg", "root mean square heading error after the same alignment", 2,
@@ -243,15 +242,15 @@ const std::vector<MetricInfo>& metricInfos() {
        [](const E& e) { return e.map.known_share; }, kLarger},
       {"anees", "ANEES",
        "error of the pose given online (no alignment: the start is known) against the method's own "
-       "covariance, squared, over 3 and averaged: 1 is true, above 1 too sure, below 1 too modest",
+       "covariance, squared, over 3 and averaged: 1 is consistent, above 1 overconfident, below 1 "
+       "conservative",
        2, [](const E& e) { return e.anees; }, kNeither},
       {"within_50_share", "in 50 %", "share of the poses within the ellipsoid that should hold half of them",
        3, [](const E& e) { return e.within_50_share; }, kNeither},
       {"within_95_share", "in 95 %", "the same for 95 %", 3, [](const E& e) { return e.within_95_share; },
        kNeither},
-      {"anees_final", "ANEES final",
-       "the same of the poses in the end, where the method states how sure it is of them", 2,
-       [](const E& e) { return e.anees_final; }, kNeither},
+      {"anees_final", "ANEES final", "the same of the final poses, where the method states their covariances",
+       2, [](const E& e) { return e.anees_final; }, kNeither},
       {"within_50_share_final", "in 50 % final", "share of those within their ellipsoid of 50 %", 3,
        [](const E& e) { return e.within_50_share_final; }, kNeither},
       {"within_95_share_final", "in 95 % final", "share of those within their ellipsoid of 95 %", 3,
@@ -268,11 +267,11 @@ const std::vector<MetricInfo>& metricInfos() {
        3, [](const E& e) { return e.agreement_m; }},
       {"wall_thickness_m", "walls m",
        "without truth: how far the scans' points lie from the line through those around them, median: "
-       "double walls raise it, blind to a bent map",
+       "double walls raise it, a global distortion does not",
        4, [](const E& e) { return e.wall_thickness_m; }},
       {"mean_map_entropy", "point entropy",
        "without truth: mean map entropy of the placed points, nats (Droeschel and Behnke 2018): small is "
-       "sharp, blind to a bent map",
+       "sharp; a global distortion does not lower it",
        3, [](const E& e) { return e.mean_map_entropy; }},
       {"on_wall_share", "on wall",
        "without truth: share of the scans' returns that end within 0.10 m of a wall of the map", 3,
@@ -368,7 +367,7 @@ report::Table agreementTable(const std::vector<Evaluation>& evaluations, Detail 
   table.notes.emplace_back(
       "Drawing walls twice makes walls thicker and puts fewer returns on them, more beams through them, and "
       "more "
-      "occupied cells, corners and areas into the map. A map that is bent as a whole shows in none of these; "
+      "occupied cells, corners and areas into the map. None of these shows a global distortion of the map; "
       "the "
       "last three compare maps of one rasteriser only. 'rasterslam list metrics' defines them.");
   return table;

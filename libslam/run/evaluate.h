@@ -46,10 +46,10 @@ struct Evaluation {
   std::string method,
       failure;  ///< failure: why there are no figures, where the robot was lost for good, or ""
   metrics::TrajectoryError trajectory;        ///< of the path given online
-  metrics::TrajectoryError final_trajectory;  ///< of the path in the end: the same where nothing is corrected
+  metrics::TrajectoryError final_trajectory;  ///< of the final path: the same where nothing is corrected
   metrics::RelativeError per_metre, per_second;
   metrics::MapScore map;
-  /// Whether the covariances of the online poses tell the truth (poseNees(), stats::consistency()), and those of the final
+  /// Whether the covariances of the online poses are consistent (poseNees(), stats::consistency()), and those of the final
   /// poses; NaN where there are none.
   double anees, within_50_share, within_95_share;
   double anees_final, within_50_share_final, within_95_share_final;

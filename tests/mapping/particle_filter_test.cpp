@@ -197,7 +197,7 @@ TEST(ParticleFilter, BlindItFollowsTheOdometryAndLeavesItsMapAlone) {
   EXPECT_EQ(count(filter, "restarted"), 0);
 }
 
-TEST(ParticleFilter, CarriedAwayItSaysSoAndDrawsOnFromWhereItIs) {
+TEST(ParticleFilter, KidnappedItSaysSoAndMapsOnFromWhereItIs) {
   auto some = options();
   some.lost_scans = 5;
   ParticleFilter filter(some, 1);
