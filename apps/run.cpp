@@ -11,6 +11,7 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
+#include "libslam/run/reach_goal.h"
 #include "libslam/run/resources.h"
 #include "libslam/run/told_commands.h"
 
@@ -19,7 +20,7 @@ namespace {
 
 struct Arguments {
   std::string method, log, continued, localised;
-  std::vector<double> start;  ///< x_m, y_m, yaw_deg
+  std::string start;  ///< x_m,y_m,yaw_deg
   bool journal = false, keep_partial = false;
 };
 
@@ -31,7 +32,7 @@ run::Continuation continuationOf(const Arguments& arguments) {
   if (continuation.folder.empty())
     throw core::InputError(
         "--start belongs to --continue or --localise: a map of its own begins at the robot");
-  continuation.T_map_robot = {arguments.start[0], arguments.start[1], core::degToRad(arguments.start[2])};
+  continuation.T_map_robot = run::parsePose(arguments.start, "--start");
   return continuation;
 }
 
@@ -148,11 +149,8 @@ void addRun(CLI::App& app, Context& context) {
                    "ROS map yaml or "
                    ".gridmap.gz")
       ->excludes(continued);
-  command
-      ->add_option("--start", arguments->start,
-                   "where the log begins in that map: x,y,yaw in m and deg (default: where that run ended)")
-      ->delimiter(',')
-      ->expected(3);
+  command->add_option("--start", arguments->start,
+                      "where the log begins in that map: x_m,y_m,yaw_deg (default: where that run ended)");
   addOutput(command, context, "folder to write (default: the method's name)");
   addSeed(command, context);
   addConfig(command, context);

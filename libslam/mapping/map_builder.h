@@ -56,8 +56,8 @@ std::string toMrptConfig(const core::IniFile& config, const std::string& name);
 
 /// All methods in a folder of configurations, sorted; "naive" and so on. InputError when it is no folder.
 std::vector<std::string> methodNames(const std::string& methods_folder);
-/// By name in the folder, or from a path (a text with '/' or ending in .ini). InputError for an unknown name,
-/// with the nearest known one.
+/// By name in the folder, or from a path (a text with '/' or ending in .ini). A file whose [method] says `base = NAME` (or
+/// a path) is laid over that method. InputError for an unknown name, with the nearest known one.
 core::IniFile loadMethodConfig(const std::string& methods_folder, const std::string& name_or_path);
 
 /// Goes on in a map of before (a map.simplemap) instead of an empty one, in its frame: the robot is at T_map_robot at the

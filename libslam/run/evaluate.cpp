@@ -241,12 +241,12 @@ const std::vector<MetricInfo>& metricInfos() {
   constexpr auto kSmaller = stats::Better::kSmaller, kLarger = stats::Better::kLarger;
   constexpr auto kNeither = std::nullopt;
   static const std::vector<MetricInfo> infos = {
-      {"ate_rmse_m", "ATE rmse m",
+      {"ate_rmse_m", "ATE online m",
        "absolute trajectory error of the path given online: position after SE(2) least-squares alignment, no "
        "scale; a run localised in a known map is not aligned",
        3, [](const E& e) { return e.trajectory.position_m.rmse; }},
-      {"ate_final_m", "final m", "the same for the final path; equal where the method corrects nothing", 3,
-       [](const E& e) { return e.final_trajectory.position_m.rmse; }},
+      {"ate_final_m", "ATE final m", "the same for the final path; equal where the method corrects nothing",
+       3, [](const E& e) { return e.final_trajectory.position_m.rmse; }},
       {"ate_max_m", "max m", "largest such error", 3, [](const E& e) { return e.trajectory.position_m.max; }},
       {"heading_rmse_deg", "head. deg", "root mean square heading error after the same alignment", 2,
        [](const E& e) { return core::radToDeg(e.trajectory.heading_rad.rmse); }},

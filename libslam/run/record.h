@@ -25,7 +25,7 @@ namespace slam::run {
 /// Section [simulation].
 struct SimulationOptions {
   double duration_s;     ///< of the robot's time, at most
-  std::string start;     ///< "auto", or "x_m y_m yaw_deg" in the world frame
+  std::string start;     ///< "auto", or "x_m,y_m,yaw_deg" in the world frame; blanks do as commas
   std::string log_form;  ///< action | observation
   SimulationOptions();
   static const core::ParameterTable<SimulationOptions>& table();
