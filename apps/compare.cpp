@@ -6,6 +6,7 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "libslam/core/error.h"
+#include "libslam/mapping/method_config.h"
 #include "libslam/run/compare.h"
 #include "libslam/run/resources.h"
 
@@ -20,18 +21,34 @@ struct Arguments {
   bool resume = false;
 };
 
+/// Whether "section.key=value" is for methods, not for the simulation: their sections differ.
+bool isOfMethods(const std::string& setting) {
+  const auto section = setting.substr(0, setting.find('.'));
+  for (const char* type : {"naive", "icp", "rbpf", "particles", "graph"})
+    for (const auto& known : mapping::methodSections(type))
+      if (known == section) return true;
+  return false;
+}
+
 int compareMethods(const Context& context, const Arguments& arguments) {
   run::CompareRequest request;
   const bool is_plan = run::looksLikePlan(arguments.input);
+  Context simulation = context;
+  simulation.settings.clear();
+  for (const auto& setting : context.settings)
+    (isOfMethods(setting) ? request.method_settings : simulation.settings).push_back(setting);
   if (is_plan || context.print_config)
-    request.record = run::readRecordConfig(simulationConfig(context, arguments.flags));
+    request.record = run::readRecordConfig(simulationConfig(simulation, arguments.flags));
   if (context.print_config) {
     printParameters(request.record.parameters, context.json);
     return 0;
   }
-  if (!is_plan && !(context.config.empty() && context.settings.empty()))
-    throw core::InputError("--config and --set belong to the simulation of a plan; " + arguments.input +
+  if (!is_plan && !context.config.empty())
+    throw core::InputError("--config belongs to the simulation of a plan; " + arguments.input +
                            " is a log. Give methods their own .ini in --methods");
+  if (!is_plan && !simulation.settings.empty())
+    throw core::InputError("--set: found '" + simulation.settings.front() +
+                           "', expected a section of a method, as " + arguments.input + " is a log");
   (is_plan ? request.plan_path : request.log_path) =
       is_plan ? run::resolvePlan(arguments.input) : arguments.input;
   if (is_plan && !arguments.relations.empty())
@@ -105,6 +122,8 @@ void addCompare(CLI::App& app, Context& context) {
       "Examples:\n"
       "  rasterslam compare run.rawlog -o out\n"
       "  rasterslam compare office_loop -o out --methods icp,rbpf_exact,my_icp.ini --seed 5\n"
+      "  rasterslam compare run.rawlog --methods graph,icp --set graph.keyframe_m=0.5     # of those that "
+      "have it\n"
       "  rasterslam compare intel.clf --relations intel.relations --methods naive_wheel,icp,rbpf_exact\n"
       "  rasterslam compare \"/usr/share/mrpt/datasets/2006-01ENE-21-SENA_Telecom "
       "Faculty_one_loop_only.rawlog\"");

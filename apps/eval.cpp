@@ -20,7 +20,7 @@ namespace slam::apps {
 namespace {
 
 struct Arguments {
-  std::string folder, truth, plan, relations;
+  std::string folder, truth, plan, relations, align, map_truth;
   GateFlags gate;
 };
 
@@ -67,6 +67,23 @@ int evaluateByRelations(const Context& context, const Arguments& arguments) {
   return gate.exit_code;
 }
 
+const std::vector<std::pair<std::string, metrics::Align>>& alignments() {
+  static const std::vector<std::pair<std::string, metrics::Align>> all = {
+      {"none", metrics::Align::kNone}, {"first", metrics::Align::kFirst}, {"se2", metrics::Align::kSe2}};
+  return all;
+}
+
+run::Alignment alignmentOf(const Arguments& arguments, const core::Manifest& manifest) {
+  run::Alignment alignment = run::alignmentOf(manifest);
+  for (const auto& [name, how] : alignments())
+    if (arguments.align == name) alignment.how = how;
+  if (arguments.map_truth.empty()) return alignment;
+  if (alignment.how != metrics::Align::kNone)
+    throw core::InputError("--map-truth: places a known map, expected --align none beside it");
+  alignment.T_truth_map = run::mapFrame(manifest, arguments.map_truth);
+  return alignment;
+}
+
 int evaluateRun(const Context& context, const Arguments& arguments) {
   if (!arguments.relations.empty()) return evaluateByRelations(context, arguments);
   const auto run_folder = run::loadRun(arguments.folder);
@@ -75,8 +92,10 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
     throw core::InputError("--plan needs --truth: without the true path the map cannot be laid on the plan");
   std::optional<run::Truth> truth;
   if (!arguments.truth.empty()) truth = run::loadTruth(arguments.truth, plan_path, run_folder);
-  const auto evaluation = run::evaluate(run_folder, truth);
-  if (truth && evaluation.trajectory.position_m.count == 0)
+  if (!truth && !(arguments.align.empty() && arguments.map_truth.empty()))
+    throw core::InputError("--align and --map-truth need --truth");
+  const auto evaluation = run::evaluate(run_folder, truth, alignmentOf(arguments, run_folder.manifest));
+  if (truth && evaluation.trajectory.position_m.count == 0 && evaluation.trajectory.unmatched > 0)
     throw core::InputError(arguments.truth + ": no stamp in common with " + arguments.folder +
                            "/trajectory.tum, expected the truth of the same log");
   const auto gate = checkGate(context, arguments.gate, run::scoresOf(evaluation));
@@ -116,6 +135,17 @@ void addEval(CLI::App& app, Context& context) {
       "logs; FOLDER may then be a trajectory too. Poses at their stamps: the same stamp to 1 us, else "
       "interpolated "
       "between the neighbours; outside the path's time not scored");
+  std::vector<std::string> names;
+  for (const auto& [name, how] : alignments()) names.push_back(name);
+  command
+      ->add_option("--align", arguments->align,
+                   "how the path is laid onto the truth: none (a map's own frame), first (at the first pose) "
+                   "or se2 (least "
+                   "squares); default: none for a run of 'run --localise', else se2")
+      ->check(CLI::IsMember(names));
+  command->add_option(
+      "--map-truth", arguments->map_truth,
+      "align none: true path of the run that made the map, if the map's frame is not the truth's");
   addGateFlags(command, arguments->gate);
   command->add_flag("--overwrite", context.overwrite,
                     "with --write-gate: replace this method's values; its tolerances stay");
@@ -126,6 +156,7 @@ void addEval(CLI::App& app, Context& context) {
       "  rasterslam eval out --truth run.gt.tum --plan flat --json\n"
       "  rasterslam eval out --truth run.gt.tum --plan flat --write-gate baseline.json\n"
       "  rasterslam eval out --truth run.gt.tum --plan flat --gate baseline.json\n"
+      "  rasterslam eval found --truth tuesday.gt.tum --map-truth monday.gt.tum\n"
       "  rasterslam eval path.tum --relations intel.relations");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return evaluateRun(context, *arguments); };

@@ -111,8 +111,7 @@ void addExplore(CLI::App& app, Context& context) {
       "  rasterslam explore office_loop --strategy longest_ray,quadrant --seeds 10 --tables-only -o out\n"
       "  rasterslam explore flat --strategy nearest_frontier --sensor camera --set camera.pitch_deg=30 -o "
       "out\n"
-      "  rasterslam explore flat --carry 60:11,2,90 -o out   # after a minute somebody carries the robot "
-      "away");
+      "  rasterslam explore flat --carry 60:11,2,90 -o out   # kidnapped after a minute");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return explorePlan(context, *arguments); };
   });

@@ -57,9 +57,9 @@ void addNavigate(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("plan", arguments->plan, "bmp, png, pgm, jpg, a ROS map yaml, or a world by name")
       ->required();
-  command->add_option("--start", arguments->start, "\"x_m y_m yaw_deg\" in the world frame, or auto")
+  command->add_option("--start", arguments->start, "x_m,y_m,yaw_deg in the world frame, or auto")
       ->capture_default_str();
-  command->add_option("--goal", arguments->goal, "\"x_m y_m\" in the world frame")->required();
+  command->add_option("--goal", arguments->goal, "x_m,y_m in the world frame")->required();
   command
       ->add_option("--method", arguments->methods,
                    "bug1, bug2, tangent, lidar_bug, mrpt_reactive; separated by commas")
@@ -82,10 +82,10 @@ void addNavigate(CLI::App& app, Context& context) {
       "Exit code 0: every method reached the goal (truly, within 0.5 m), or said rightly that no way leads\n"
       "there. 4: one missed it, gave up, or was wrong.\n"
       "Examples:\n"
-      "  rasterslam navigate office_loop --goal \"3 2\" --method bug2,tangent -o out\n"
-      "  rasterslam navigate maze --start \"1.45 1.45 0\" --goal \"15.9 15.9\" --method tangent --slam icp\n"
-      "  rasterslam navigate flat --goal \"3 2\" --method bug2 --sensor camera --set camera.pitch_deg=30\n"
-      "  rasterslam navigate flat --goal \"3 2\" --carry 10:11,2,90 -o out");
+      "  rasterslam navigate office_loop --goal 3,2 --method bug2,tangent -o out\n"
+      "  rasterslam navigate maze --start 1.45,1.45,0 --goal 15.9,15.9 --method tangent --slam icp\n"
+      "  rasterslam navigate flat --goal 3,2 --method bug2 --sensor camera --set camera.pitch_deg=30\n"
+      "  rasterslam navigate flat --goal 3,2 --carry 10:11,2,90 -o out");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return navigateTo(context, *arguments); };
   });

@@ -16,7 +16,7 @@ namespace {
 struct Arguments {
   std::vector<std::string> inputs;
   std::string methods, title;
-  bool is_linear = false;
+  bool is_linear = false, is_overlaid = false;
   run::SeedSelection seeds;
   std::shared_ptr<PaperArguments> how;
 };
@@ -73,8 +73,13 @@ int plotPaths(const Context& context, const Arguments& arguments) {
   const auto paths = run::allPaths(page);
   if (paths.empty())
     throw core::InputError(arguments.inputs.front() + ": holds no path, expected a run that has one");
-  report::drawPlan(page.replays.empty() ? world::Plan{} : page.replays.front().plan.value_or(world::Plan{}),
-                   paths, arguments.title, file, {}, paper);
+  const auto plan = page.replays.empty() ? world::Plan{} : page.replays.front().plan.value_or(world::Plan{});
+  const auto panels = report::pathPanels(plan, paths);
+  constexpr std::size_t kMostPanels = 8;
+  if (arguments.is_overlaid || panels.size() < 2 || panels.size() > kMostPanels)
+    report::drawPlan(plan, paths, arguments.title, file, {}, paper);
+  else
+    report::drawPanels(panels, file, paper);
   auto list = nlohmann::ordered_json::array();
   for (const auto& path : paths) list.push_back(path.label);
   sayPicture(context, {{"file", file}, {"paths", list}}, file);
@@ -177,6 +182,7 @@ void addPlotResults(CLI::App& plot, Context& context) {
   command = addKind(plot, context, arguments, "paths", "the paths of all methods over the true plan", of_runs,
                     asMutable<plotPaths>);
   addMethods(command, arguments);
+  command->add_flag("--overlay", arguments->is_overlaid, "all on one plan (default: a plan for each method)");
   command->footer("Example:\n  rasterslam plot paths out -o paths.pdf --width 85mm");
 
   arguments = made();

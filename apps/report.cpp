@@ -5,6 +5,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/report/html_report.h"
 #include "libslam/run/report_data.h"
@@ -14,6 +15,11 @@ namespace {
 
 int writeReport(const Context& context, const std::string& folder) {
   const std::string path = context.output.empty() ? "report.html" : context.output;
+  const auto extension = std::filesystem::path(path).extension();
+  if (extension != ".html" && extension != ".htm")
+    throw core::InputError("--output: found '" + path +
+                           "', expected a name that ends with .html: a report is one " +
+                           "HTML page; 'rasterslam plot' writes figures as PDF");
   core::refuseToOverwrite(path, context.overwrite);
   ConsoleProgress progress(context.quiet);
   const auto page = run::gatherReport(folder, progress);

@@ -11,6 +11,7 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
+#include "libslam/run/reach_goal.h"
 #include "libslam/run/resources.h"
 #include "libslam/run/told_commands.h"
 
@@ -19,7 +20,7 @@ namespace {
 
 struct Arguments {
   std::string method, log, continued, localised;
-  std::vector<double> start;  ///< x_m, y_m, yaw_deg
+  std::string start;  ///< x_m,y_m,yaw_deg
   bool journal = false, keep_partial = false;
 };
 
@@ -31,7 +32,7 @@ run::Continuation continuationOf(const Arguments& arguments) {
   if (continuation.folder.empty())
     throw core::InputError(
         "--start belongs to --continue or --localise: a map of its own begins at the robot");
-  continuation.T_map_robot = {arguments.start[0], arguments.start[1], core::degToRad(arguments.start[2])};
+  continuation.T_map_robot = run::parsePose(arguments.start, "--start");
   return continuation;
 }
 
@@ -98,6 +99,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
                                 {"p99_ms_per_scan", result.cost.p99_ms_per_scan},
                                 {"peak_memory_mb", result.cost.peak_memory_mb}};
     if (!result.commands_from.empty()) json["commands_from"] = result.commands_from;
+    if (result.lost_share) json["lost_share"] = *result.lost_share;
     if (lost) json["lost"] = run::lostText(*lost);
     if (result.stopped) json[run::eventOf(*result.stopped)] = run::stopText(*result.stopped);
     if (arguments.journal) json["journal"] = journalJson(result.journal);
@@ -117,6 +119,8 @@ int runMethod(const Context& context, const Arguments& arguments) {
     p99 = " (p99 " + core::formatNumber(std::round(1000 * result.cost.p99_ms_per_scan) / 1000) + ")";
   std::printf("%.3f ms per scan%s, %.0f x real time, %.1f MB\n", result.cost.mean_ms_per_scan, p99.c_str(),
               result.cost.real_time_factor, result.cost.peak_memory_mb);
+  if (result.lost_share && (*result.lost_share > 0 || !arguments.localised.empty()))
+    std::printf("lost %.1f %% of the time\n", 100 * *result.lost_share);
   if (result.filled_poses > 0)
     std::printf("%d scans have no pose of its own, but one from the odometry between their neighbours'\n",
                 result.filled_poses);
@@ -141,13 +145,12 @@ void addRun(CLI::App& app, Context& context) {
                                         "folder of an earlier run: go on in its map (graph, particles, icp)");
   command
       ->add_option("--localise", arguments->localised,
-                   "folder of an earlier run: find the way in its map, which stays as it is")
+                   "find the way in a map, which stays as it is: folder of an earlier run, map.simplemap, "
+                   "ROS map yaml or "
+                   ".gridmap.gz")
       ->excludes(continued);
-  command
-      ->add_option("--start", arguments->start,
-                   "where the log begins in that map: x,y,yaw in m and deg (default: where that run ended)")
-      ->delimiter(',')
-      ->expected(3);
+  command->add_option("--start", arguments->start,
+                      "where the log begins in that map: x_m,y_m,yaw_deg (default: where that run ended)");
   addOutput(command, context, "folder to write (default: the method's name)");
   addSeed(command, context);
   addConfig(command, context);
@@ -160,6 +163,7 @@ void addRun(CLI::App& app, Context& context) {
       "  rasterslam run graph monday.rawlog -o monday --journal\n"
       "  rasterslam run graph tuesday.rawlog -o both --continue monday --start 0,0,0\n"
       "  rasterslam run graph wednesday.rawlog -o path --localise both --start 2.5,-1,90\n"
+      "  rasterslam run graph thursday.rawlog -o path --localise plan.yaml --start 2.5,-1,90\n"
       "Exit code 4: the robot was lost and not found again, all files are written; or the method failed on\n"
       "the way: what it mapped until then is written. 130: interrupted.");
   command->callback([&context, arguments] {

@@ -107,7 +107,7 @@ void addSimulate(CLI::App& app, Context& context) {
       "where\n"
       "  rasterslam simulate plan.png --lidar utm30lx --strategy longest_ray --set robot.side_m=0.3\n"
       "  rasterslam simulate flat --commands drive.txt   # its lines: move 1.5 (metres), turn 25 (degrees)\n"
-      "  rasterslam simulate flat --carry 60:11,2,90     # after a minute somebody carries the robot away");
+      "  rasterslam simulate flat --carry 60:11,2,90     # kidnapped after a minute");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return simulate(context, *arguments); };
   });

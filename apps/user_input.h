@@ -10,7 +10,7 @@
 
 namespace slam::apps {
 
-/// --carry, of what has a robot that can be carried away.
+/// --carry, of what has a robot that can be kidnapped.
 void addCarry(CLI::App* command, std::vector<std::string>& carries);
 
 /// The configuration with them on top.
@@ -25,7 +25,7 @@ std::vector<robot::UserCommand> readUserCommands(const std::string& path);
 /// Notes in a manifest which file they are from.
 void noteCommands(const std::string& path, core::Manifest& manifest);
 
-/// A line for every time that the robot was carried, and one for the orders that the end came before.
+/// A line for every time that the robot was kidnapped, and one for the orders that the end came before.
 std::string eventLines(const run::Recording& recording);
 
 }  // namespace slam::apps

@@ -396,9 +396,9 @@ void addViewCommands(CLI::App& app, Context& context) {
   navigating->slam = kNavigatorsSlam;
   navigating->method = "tangent";
   navigate->add_option("plan", navigating->input, kPlanMeaning)->required();
-  navigate->add_option("--start", navigating->start, "\"x_m y_m yaw_deg\" in the world frame, or auto")
+  navigate->add_option("--start", navigating->start, "x_m,y_m,yaw_deg in the world frame, or auto")
       ->capture_default_str();
-  navigate->add_option("--goal", navigating->goal, "\"x_m y_m\" in the world frame")->required();
+  navigate->add_option("--goal", navigating->goal, "x_m,y_m in the world frame")->required();
   navigate->add_option("--method", navigating->method, "bug1, bug2, tangent, lidar_bug or mrpt_reactive")
       ->capture_default_str();
   navigate
@@ -413,7 +413,7 @@ void addViewCommands(CLI::App& app, Context& context) {
   addSeed(navigate, context);
   addConfig(navigate, context);
   addShowFlags(navigate, navigating->show);
-  navigate->footer("Example:\n  rasterslam view navigate office_loop --goal \"3 2\" --method bug2 --speed 8");
+  navigate->footer("Example:\n  rasterslam view navigate office_loop --goal 3,2 --method bug2 --speed 8");
 
   auto* run_method = view->add_subcommand("run", "watch 'rasterslam run': a method at work on a log");
   auto running = onCall(run_method, context, viewRun);

@@ -104,9 +104,9 @@ void addWorldMake(CLI::App& world, Context& context) {
   auto* command = world.add_subcommand("make", "draw a building of any size; writes a plan");
   auto arguments = std::make_shared<Arguments>();
   command
-      ->add_option(
-          "kind", arguments->kind,
-          "flat | office | hall | hospital | cave; office_loop, pillar_hall, corridor or maze of fixed size")
+      ->add_option("kind", arguments->kind,
+                   "flat | office | hall | hospital | cave | campus; office_loop, pillar_hall, corridor or "
+                   "maze of fixed size")
       ->required();
   addOutput(command, context, "the yaml to write, its picture beside it (default KIND.yaml)");
   command->add_option("--size", arguments->size, "width x height in metres, each 5 to 200, such as 80x50");
@@ -122,6 +122,8 @@ void addWorldMake(CLI::App& world, Context& context) {
       "  rasterslam world make office -o office.yaml --seed 7\n"
       "  rasterslam world make hospital -o wing.yaml --size 120x60 --preview wing_preview.png\n"
       "  rasterslam world make flat -o flats.yaml --size 40x24 --set building.clutter=0.3\n"
+      "  rasterslam world make campus -o yard.yaml --size 200x200 --set building.room_m=200\n"
+      "  rasterslam world make hall -o open.yaml --size 200x150 --set building.pillars_m=25\n"
       "  rasterslam list buildings");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return makeWorld(context, *arguments); };

@@ -99,7 +99,7 @@ def standard():
         for line in lines:
             if line[column] == best(figures, key=float):
                 line[column] = f"**{line[column]}**"
-    return markdown(["method", "what it is", "failed %:", "ATE in the end (m):", "wall F1:", "free IoU:", "ms/scan:", "MB:"],
+    return markdown(["method", "what it is", "failed %:", "final ATE (m):", "wall F1:", "free IoU:", "ms/scan:", "MB:"],
                     lines)
 
 

@@ -11,7 +11,7 @@
 namespace slam::live {
 
 /// What `view drive` does next: the commands of a file, then whole commands that are typed, else what the held keys say for a
-/// period. Whoever drags the robot has it carried before that.
+/// period. A robot that is dragged is kidnapped before that.
 class DriveSeat {
  public:
   /// stage: of the window; nullptr without one, then the drive ends after `commands`. REQUIRES that it outlives this. ends: after

@@ -55,7 +55,7 @@ void SnapshotMaker::add(const run::Step& step) {
   lookStrategically(step.scan);
   followDecision(step);
   if (step.time_s - collided_at_s_ < kEventShown_s) now_.note = "bumped into something";
-  if (step.time_s - carried_at_s_ < kEventShown_s) now_.note = "somebody has carried the robot";
+  if (step.time_s - carried_at_s_ < kEventShown_s) now_.note = "the robot was kidnapped";
 }
 
 void SnapshotMaker::takeTruth(const run::Step& step) {

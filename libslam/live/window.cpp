@@ -310,7 +310,7 @@ std::vector<viewer::KeyHelp> keysOf(Hands hands) {
     keys = {{"arrows", "drive and turn"},
             {"+  -", "drive faster, slower"},
             {"Enter", "type move METRES or turn DEGREES"},
-            {"drag robot", "carry it; Shift turns it"}};
+            {"drag robot", "kidnap it; Shift turns it"}};
   else
     keys = {{"n  right", "one step"}, {"+  -", "faster, slower"}};
   keys.insert(keys.begin(), {"space", "pause, go on"});

@@ -33,8 +33,8 @@
 #include "libslam/mapping/mrpt_compat.h"
 #include "libslam/mapping/naive_map_builder.h"
 #include "libslam/mapping/particle_map_builder.h"
+#include "libslam/robot/deskew.h"
 #include "libslam/robot/mrpt_types.h"
-#include "libslam/robot/undistort.h"
 
 namespace slam::mapping {
 
@@ -311,7 +311,7 @@ std::optional<robot::Scan> setRight(const MapBuilder::State& state, const robot:
     return std::nullopt;
   const double period_s = scan.time_s - state.previous_scan->time_s;
   if (!(period_s > 0)) return std::nullopt;
-  return robot::undistorted(scan, T_previous_robot, period_s, {options.sweep_s, options.sweep_clockwise});
+  return robot::deskewed(scan, T_previous_robot, period_s, {options.sweep_s, options.sweep_clockwise});
 }
 
 GraphMapBuilder* graphOf(const MapBuilder& method) {
@@ -529,13 +529,42 @@ std::vector<std::string> methodNames(const std::string& methods_folder) {
   return names;
 }
 
-core::IniFile loadMethodConfig(const std::string& methods_folder, const std::string& name_or_path) {
+namespace {
+
+core::IniFile loadOwnConfig(const std::string& methods_folder, const std::string& name_or_path) {
   const bool is_path = name_or_path.find('/') != std::string::npos || core::isConfigFile(name_or_path);
   if (is_path) return core::IniFile::load(name_or_path);
   const auto names = methodNames(methods_folder);
   if (std::find(names.begin(), names.end(), name_or_path) == names.end())
     throw core::InputError("unknown method '" + name_or_path + "'" + core::didYouMean(name_or_path, names));
   return core::IniFile::load((std::filesystem::path(methods_folder) / (name_or_path + ".ini")).string());
+}
+
+/// The file, laid over the method that its [method] base names. `depth`: how many files led here.
+core::IniFile withBase(const std::string& methods_folder, core::IniFile own, int depth) {
+  const auto* base = own.find("method", "base");
+  if (base == nullptr) return own;
+  constexpr int kDeepest = 8;
+  if (depth >= kDeepest)
+    throw core::InputError(base->origin + ": key 'base': more than " + std::to_string(kDeepest) +
+                           " methods on top of one another, expected an end");
+  core::IniFile config;
+  try {
+    config = withBase(methods_folder, loadOwnConfig(methods_folder, base->value), depth + 1);
+  } catch (const core::InputError& error) {
+    if (depth > 0) throw;
+    throw core::InputError(base->origin + ": key 'base': " + error.what());
+  }
+  for (const auto& [section, entries] : own.sections())
+    for (const auto& [key, entry] : entries)
+      if (section != "method" || key != "base") config.set(section, key, entry.value, entry.origin);
+  return config;
+}
+
+}  // namespace
+
+core::IniFile loadMethodConfig(const std::string& methods_folder, const std::string& name_or_path) {
+  return withBase(methods_folder, loadOwnConfig(methods_folder, name_or_path), 0);
 }
 
 }  // namespace slam::mapping

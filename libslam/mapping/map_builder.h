@@ -56,8 +56,8 @@ std::string toMrptConfig(const core::IniFile& config, const std::string& name);
 
 /// All methods in a folder of configurations, sorted; "naive" and so on. InputError when it is no folder.
 std::vector<std::string> methodNames(const std::string& methods_folder);
-/// By name in the folder, or from a path (a text with '/' or ending in .ini). InputError for an unknown name,
-/// with the nearest known one.
+/// By name in the folder, or from a path (a text with '/' or ending in .ini). A file whose [method] says `base = NAME` (or
+/// a path) is laid over that method. InputError for an unknown name, with the nearest known one.
 core::IniFile loadMethodConfig(const std::string& methods_folder, const std::string& name_or_path);
 
 /// Goes on in a map of before (a map.simplemap) instead of an empty one, in its frame: the robot is at T_map_robot at the
@@ -73,12 +73,12 @@ void setCommands(MapBuilder& method, std::vector<robot::Commanded> commands);
 /// as null. Which increment the builder gets is for [method] odometry to say; `wheel` takes the one estimated
 /// from the two scans (method correlation unless [scan_odometry] says otherwise) at every step for which
 /// has_odometry is false. Stamps that do not grow are moved on by a millisecond, for the builder only.
-/// With [method] sweep_s the scan is set right for the robot's motion while it was taken (robot::undistorted) before anything
-/// else sees it, at every step that has odometry and a stamp after the one before.
+/// With [method] sweep_s the scan is deskewed (robot::deskewed()) before anything else sees it, at every step that has
+/// odometry and a stamp after the one before.
 /// The other way round, correlation, range_flow and plicp take the wheels' increment, where there is one, at a step that
 /// the scans leave open (a corridor, an open field); argmax, the original method, never does.
-/// `commanded` tells argmax what the robot was told to do since the scan before. Where nobody says (kUnknown, and no setCommands()) the wheels'
-/// increment does, and without wheels argmax guesses, as argmax_blind always does.
+/// `commanded` tells argmax what the robot was told to do since the scan before. Where nobody says (kUnknown, and no
+/// setCommands()) the wheels' increment does, and without wheels argmax guesses, as argmax_blind always does.
 /// Returns the pose T_map_robot after it; the map frame is the robot's pose at the first scan
 /// (which the particle filter already spreads by some millimetres).
 /// The random numbers of step k come from (seed, k) alone: neither the thread nor other methods run in

@@ -1,6 +1,12 @@
+#include <mrpt/core/Clock.h>
+#include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/io/CMemoryStream.h>
 #include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/math/TPose2D.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/poses/CPose3DPDFGaussian.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/slam/CMetricMapBuilder.h>
 #include <zlib.h>
@@ -11,9 +17,11 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/gridmap/mrpt_grid.h"
+#include "libslam/mapping/key_frames.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/mapping/mrpt_compat.h"
 #include "libslam/mapping/naive_map_builder.h"
+#include "libslam/robot/mrpt_types.h"
 
 namespace slam::mapping {
 namespace {
@@ -108,6 +116,32 @@ void saveMaps(const MapBuilder& method, const std::string& folder) {
   writeRosMap(currentMap(method), folder);
   writeObject(plainCopy(*gridOf(method)), folder + "/map.gridmap.gz");
   saveKeyFrames(method, folder);
+}
+
+void writeKeyFrames(const std::vector<KeyFrame>& key_frames, const std::string& path) {
+  mrpt::maps::CSimpleMap map;
+  for (const KeyFrame& key_frame : key_frames) {
+    const auto observation = robot::toMrpt(key_frame.scan);
+    observation->timestamp = mrpt::Clock::fromDouble(key_frame.scan.time_s);
+    mrpt::obs::CSensoryFrame frame;
+    frame.insert(observation);
+    mrpt::poses::CPose3DPDFGaussian pose;
+    pose.mean = mrpt::poses::CPose3D(mrpt::poses::CPose2D(robot::toMrpt(key_frame.T_map_robot)));
+    map.insert(pose, frame);
+  }
+  writeObject(map, path);
+}
+
+gridmap::OccupancyRaster readGridMap(const std::string& path) {
+  core::requireReadableFile(path);
+  COccupancyGridMap2D grid;
+  try {
+    mrpt::io::CFileGZInputStream file(path);
+    mrpt::serialization::archiveFrom(file) >> grid;
+  } catch (const std::exception&) {
+    throw core::InputError(path + ": is no MRPT occupancy grid");
+  }
+  return gridmap::fromMrpt(grid);
 }
 
 void saveKeyFrames(const MapBuilder& method, const std::string& folder) {

@@ -292,8 +292,7 @@ const core::ParameterTable<MethodOptions>& MethodOptions::table() {
         "the motion increments; wheel takes those of scans where the log has none (graph: none); none is "
         "graph's alone: the last motion goes on"},
        {"sweep_s", &MethodOptions::sweep_s, 0.0, 0.0, 10.0,
-        "time from a scan's first to its last beam, at which it is stamped; scans are set right for the "
-        "motion "
+        "time from a scan's first to its last beam, at which it is stamped; scans are deskewed by the motion "
         "that the log's odometry gives; 0 leaves them"},
        {"sweep_clockwise", &MethodOptions::sweep_clockwise, false, "the last beam is measured first"}});
   return kTable;
@@ -385,16 +384,22 @@ void requireOrderedCounts(const core::IniFile& ini, const ParticleFilterOptions&
 
 }  // namespace
 
+std::vector<std::string> methodSections(const std::string& type) {
+  std::vector<std::string> sections = {"method", "mapping"};
+  if (type == "external") return sections;
+  sections.emplace_back("scan_odometry");
+  if (type == "icp" || type == "rbpf") sections.emplace_back("icp");
+  if (type == "graph") sections.emplace_back("graph");
+  if (type == "rbpf" || type == "particles") sections.insert(sections.end(), {"particles", "motion"});
+  return sections;
+}
+
 MethodConfig readMethodConfig(const core::IniFile& ini) {
   MethodConfig config;
   core::readParameters(ini, MethodOptions::table(), config.method, &config.report);
   const std::string& type = config.method.type;
-  std::vector<std::string> sections = {"method", "mapping", "scan_odometry"};
   const bool is_mrpt = type == "icp" || type == "rbpf";
-  if (is_mrpt) sections.push_back("icp");
-  if (type == "graph") sections.push_back("graph");
-  if (type == "rbpf" || type == "particles") sections.insert(sections.end(), {"particles", "motion"});
-  core::rejectUnknownSections(ini, sections);
+  core::rejectUnknownSections(ini, methodSections(type));
 
   core::readParameters(ini, mappingTable(type), config.mapping, &config.report);
   if (is_mrpt) core::readParameters(ini, icpTable(type), config.icp, &config.report);

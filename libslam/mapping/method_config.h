@@ -90,6 +90,9 @@ struct MethodConfig {
   std::vector<core::ParameterReport> report;
 };
 
+/// The sections that a method of this type reads; of an external program too.
+std::vector<std::string> methodSections(const std::string& type);
+
 /// Errors (InputError): every misspelt, impossible or contradictory key; a section that the type does not
 /// use.
 MethodConfig readMethodConfig(const core::IniFile& ini);

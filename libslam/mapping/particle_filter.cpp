@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -30,6 +31,8 @@ constexpr std::uint64_t kCountEvery = 32;
 constexpr int kWideIterations = 4, kGuideIterations = 8;
 /// Spread of a motion that nobody measured (0.5 m, 0.5 rad), or that is distrusted.
 constexpr double kUnknownSigma = 0.5;
+/// No lidar of a robot sees farther, and a reading in error must not fill the memory.
+constexpr double kFarthest_m = 100;
 constexpr double kDistrustFactor = 3, kDistrustSigma_m = 0.1, kDistrustSigma_rad = 0.05;
 
 /// Of an increment's covariance, in the frame that its mean lives in.
@@ -372,6 +375,17 @@ void ParticleFilter::estimateCovariance() {
   step_.covariance = rotated(own + spread / sum - mean * mean.transpose(), mapFromRaster().phi);
 }
 
+void ParticleFilter::reachFarther(const robot::Scan& scan) {
+  std::vector<float> returns_m;
+  std::copy_if(scan.ranges_m.begin(), scan.ranges_m.end(), std::back_inserter(returns_m), robot::isReturn);
+  if (returns_m.empty()) return;
+  const auto quartile = returns_m.begin() + static_cast<std::ptrdiff_t>(returns_m.size() * 3 / 4);
+  std::nth_element(returns_m.begin(), quartile, returns_m.end());
+  options_.rays.max_range_m =
+      std::max(options_.rays.max_range_m, std::min(kFarthest_m, std::ceil(static_cast<double>(*quartile))));
+  point_options_.max_range_m = std::max(point_options_.max_range_m, options_.rays.max_range_m);
+}
+
 void ParticleFilter::findPlace(const robot::Scan& scan, const std::optional<Motion>& motion) {
   const auto points = scanmatch::surfacePoints(scan, point_options_);
   const core::Pose2 T_before = particles_[best_].T_raster_robot;
@@ -405,6 +419,7 @@ const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::o
     throw core::ContractError("ParticleFilter::update: the motion is not finite");
   const bool is_first = scans_ == 0 && !map_is_known_;
   step_ = {};
+  reachFarther(scan);
   if (!is_first) findPlace(scan, scans_ == 0 ? std::nullopt : motion);
   const bool restarted = mapping_ && lost_ && lost_scans_ >= options_.lost_scans;
   if (restarted) {

@@ -80,6 +80,9 @@ double logEvidence(const scanmatch::FieldMatch& match, const Eigen::Matrix3d& in
 /// so do those after it, until the map explains insert_score of one. After lost_scans of them with returns the filter
 /// gives the old map up for the place where it is: it draws the scan at the odometry's pose and goes on from there.
 ///
+/// Reach: scans enter the maps up to rays.max_range_m. A scan of which more than a quarter of the returns lie beyond, as
+/// outdoors, lets it grow for good to where three quarters lie within, so that the maps hold what a scan is matched by.
+///
 /// Covariance: resampling makes the particles alike, so that their spread alone tells little of how far the map has drifted.
 /// Every inserted scan keeps the covariance that its pose had. A later one nearby (2 m, 90 degrees) hangs on the surest
 /// of them, and adds its own error against the map: that of the matched points, times drift_scale, and of the
@@ -117,6 +120,8 @@ class ParticleFilter {
   /// Whether scans change the map; without, the filter only finds its place in it.
   void setMapping(bool mapping) { mapping_ = mapping; }
   std::uint64_t scans() const { return scans_; }
+  /// How scans are drawn into the maps now.
+  const gridmap::RayOptions& rays() const { return options_.rays; }
   int particles() const { return static_cast<int>(particles_.size()); }
   /// Where the particles are at the last scan, map frame.
   std::vector<core::Pose2> poses() const;
@@ -145,6 +150,7 @@ class ParticleFilter {
     scanmatch::FieldMatch match;
   };
   static core::Pose2 mapFromRaster() { return {0, 0, -kRasterTurn_rad}; }
+  void reachFarther(const robot::Scan& scan);
   void findPlace(const robot::Scan& scan, const std::optional<Motion>& motion);
   Guidance guide(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
   void matchAll(const std::vector<scanmatch::SurfacePoint>& points, const Guidance& guidance);

@@ -144,7 +144,7 @@ void ParticleMapBuilder::processActionObservation(mrpt::obs::CActionCollection& 
   up_to_date_ = false;
   auto frame = mrpt::obs::CSensoryFrame::Create();
   frame->insert(observation);
-  key_frames_.push_back({filter_->scans() - 1, frame, gridmap::scanRays(scan, filter_options_.rays)});
+  key_frames_.push_back({filter_->scans() - 1, frame, gridmap::scanRays(scan, filter_->rays())});
 }
 
 void ParticleMapBuilder::getCurrentlyBuiltMap(mrpt::maps::CSimpleMap& out_map) const {

@@ -46,7 +46,7 @@ MapScore scoreMap(const world::Plan& plan, const SeenMask& seen, const world::Pl
                   const core::Pose2& T_world_map, double tolerance_m);
 
 /// Without truth: how sure a map is of its cells. Map entropy: the mean binary entropy (Shannon; bits, 0 to 1) of the cells
-/// that are not `unknown_value`, from occupancy probabilities. Blind to a bent map, and a matter of how many scans a cell
+/// that are not `unknown_value`, from occupancy probabilities. Does not see global distortion, and a matter of how many scans a cell
 /// got as much as of their agreement. Without known cells, or with a value outside 0 to 1: NaN.
 double mapEntropy(const std::vector<float>& occupancy, float unknown_value = 0.5F);
 

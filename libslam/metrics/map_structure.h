@@ -9,7 +9,7 @@ namespace slam::metrics {
 /// Evaluation Methods", 2017 (arXiv 1708.02354). A scan put down in a wrong place draws its walls a second time, so of two
 /// maps of one log the worse one tends to have more of each.
 ///
-/// What they cannot say: whether the map is bent as a whole (every wall drawn once, in a wrong place, scores well); and
+/// What they cannot say: whether the map is globally distorted (every wall drawn once, in a wrong place, scores well); and
 /// nothing across rasterisers: cell size, how a method draws a ray and when it calls a cell occupied move all three. So
 /// compare maps of one log, drawn by one grid with one cell size.
 struct MapStructure {

@@ -9,7 +9,7 @@ namespace slam::metrics {
 
 /// How sharp the points of all scans lie together when each scan is placed at its estimated pose. No truth, no raster.
 ///
-/// Blind to a map that is bent as a whole: scans that agree with their neighbours score well, wherever they all are. What
+/// Local consistency only: scans that agree with their neighbours score well, whatever the map's global distortion. What
 /// it sees is walls drawn twice, a loop that does not close, headings that jitter. The sensor's noise and what moved are
 /// in it, so compare trajectories of one log only.
 struct PointSharpness {

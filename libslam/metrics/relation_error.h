@@ -16,7 +16,7 @@ struct RelationStatistics {
 
 /// Error of a trajectory against relations (Kümmerle et al., Autonomous Robots 27(4), 2009): for each relation
 /// E = T_from_to^-1 (x_from^-1 x_to) with x the estimate; its translational error is the length of E's translation, its
-/// rotational error |angle of E|. No alignment, and a map that is bent far away costs nothing here.
+/// rotational error |angle of E|. No alignment, and a distortion far away costs nothing here.
 ///
 /// The pose at a relation's stamp is that of the estimate's pose with the same stamp (to 1 microsecond, the benchmark's
 /// resolution; of several the first). Where there is none it is interpolated between the neighbouring stamps, and

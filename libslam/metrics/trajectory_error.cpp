@@ -146,14 +146,30 @@ core::Pose2 alignPositions(const std::vector<core::Pose2>& truth, const std::vec
   return {q0.x - rotated_p0.x, q0.y - rotated_p0.y, angle};
 }
 
-TrajectoryError trajectoryError(const core::Trajectory& truth, const core::Trajectory& estimate) {
+namespace {
+
+core::Pose2 aligned(const MatchedPoses& matched, Align align, const core::Pose2& T_truth_map) {
+  switch (align) {
+    case Align::kNone:
+      return T_truth_map;
+    case Align::kFirst:
+      return matched.truth.front() * core::inverse(matched.estimate.front());
+    default:
+      return alignPositions(matched.truth, matched.estimate);
+  }
+}
+
+}  // namespace
+
+TrajectoryError trajectoryError(const core::Trajectory& truth, const core::Trajectory& estimate, Align align,
+                                const core::Pose2& T_truth_map) {
   TrajectoryError result;
   result.T_truth_estimate = {kNaN, kNaN, kNaN};
   const auto matched = match(truth, estimate);
   result.unmatched = estimate.size() - matched.truth.size();
   if (matched.truth.empty() || !comparable(truth, estimate)) return result;
 
-  result.T_truth_estimate = alignPositions(matched.truth, matched.estimate);
+  result.T_truth_estimate = aligned(matched, align, T_truth_map);
   std::vector<double> positions_m, headings_rad;
   for (size_t i = 0; i < matched.truth.size(); ++i) {
     const auto aligned = result.T_truth_estimate * matched.estimate[i];

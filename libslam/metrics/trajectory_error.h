@@ -13,12 +13,20 @@ namespace slam::metrics {
 /// are not finite give a pose of NaNs. REQUIRES lists of equal length, at least 1.
 core::Pose2 alignPositions(const std::vector<core::Pose2>& truth, const std::vector<core::Pose2>& estimate);
 
+/// How an estimate is laid onto the truth before distances are taken.
+enum class Align {
+  kNone,   ///< not at all: the estimate's frame has a known place in the truth's. For localisation in a map
+  kFirst,  ///< as its first matched pose lies: what the error has grown to since the start
+  kSe2     ///< by alignPositions()
+};
+
 /// Absolute trajectory error (Sturm et al., IROS 2012): the estimate is moved rigidly by alignPositions()
-/// onto the truth; then distances, and headings. Both frames' origins are therefore irrelevant.
+/// onto the truth, or as `align` says; then distances, and headings. Both frames' origins are therefore irrelevant, but for
+/// Align::kNone.
 struct TrajectoryError {
   ErrorStatistics position_m;    ///< ATE
   ErrorStatistics heading_rad;   ///< |heading error| after the same alignment
-  core::Pose2 T_truth_estimate;  ///< the alignment; NaN where there is none
+  core::Pose2 T_truth_estimate;  ///< the alignment; NaN where no pose is matched
   std::size_t unmatched = 0;     ///< estimated poses without a truth within reach (outside its time span)
 };
 
@@ -26,7 +34,9 @@ struct TrajectoryError {
 /// No common stamp: all NaN, count 0. A matched pose that is not finite makes the statistics that it enters
 /// NaN: a NaN position all of them, a NaN heading alone the heading's. A stamp that is not finite, or a truth
 /// that is not: all NaN. Stamps that run back: ContractError.
-TrajectoryError trajectoryError(const core::Trajectory& truth, const core::Trajectory& estimate);
+/// T_truth_map: with Align::kNone alone, where the estimate's frame lies in the truth's.
+TrajectoryError trajectoryError(const core::Trajectory& truth, const core::Trajectory& estimate,
+                                Align align = Align::kSe2, const core::Pose2& T_truth_map = {});
 
 /// Relative pose error (same source): for pairs of stamps (i, j) the error of the estimated relative motion,
 /// E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) with Q true and P estimated; no alignment. Stamps are those of the

@@ -18,7 +18,7 @@ core::ParameterTable<Options> tableFor(const std::string& section) {
            {"lidar", &Options::lidar, "", {}, "name of a preset, or an .ini file; empty: built-in values"},
            {"strategy", &Options::strategy, "", {}, "where to go; empty: the built-in one"},
            {"slam", &Options::slam, "graph", {}, "method that makes the map, for strategies that need one"},
-           {"start", &Options::start, "auto", {}, "auto, or x_m y_m yaw_deg in the world frame"},
+           {"start", &Options::start, "auto", {}, "auto, or x_m,y_m,yaw_deg in the world frame"},
            {"seed", &Options::seed, 1, 0, 2147483647, "of every random stream"},
            {"scans", &Options::scans, 0, 0, 1000000000, "then silence; 0 = no end"},
            {"real_time_factor", &Options::real_time_factor, 0.0, 0.0, 1000.0,

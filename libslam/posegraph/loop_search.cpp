@@ -17,7 +17,7 @@ constexpr double kBridgeWeight = 1e-6;
 /// Between rounds poses need not be found to more than so many standard deviations.
 constexpr double kCoarse = 0.03;
 constexpr int kCoarseIterations = 20;
-/// Errors spread: next to a wrong loop, right ones look wrong too. Only those near the worst are switched off at once.
+/// Errors spread: next to a false loop, true ones look false too. Only those near the worst are switched off at once.
 constexpr double kNearWorst = 0.25;
 /// Building: this share of the loops that fit is taken in a round, but at least so many, and all that the graph is
 /// about as sure of as they are themselves.
@@ -66,7 +66,7 @@ LoopChoice LoopSearch::build() {
   size_t off = 0;
   for (const size_t loop : loops_) off += choice.on[loop] == 0;
   if (static_cast<double>(off) <= kFewOff * static_cast<double>(loops_.size())) return choice;
-  // Where wrong loops came first, right ones were refused; from all of them at once the end may be better.
+  // Where false loops came first, right ones were refused; from all of them at once the end may be better.
   LoopChoice other;
   other.poses = graph_.poses();
   for (const Edge& edge : graph_.edges()) other.on.push_back(edge.on || edge.kind == EdgeKind::kLoop);
@@ -94,7 +94,7 @@ void LoopSearch::improve(LoopChoice& choice) {
     }
     keepTogether(choice, verdicts);
     if (choice.on == before) break;
-    choice.poses = start;  // wrong loops may have folded the graph past the way back
+    choice.poses = start;  // false loops may have folded the graph past the way back
     settleCoarsely(choice);
     is_settled = false;
     if (cost(choice) < cost(best)) best = choice;

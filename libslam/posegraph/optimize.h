@@ -40,9 +40,9 @@ struct OptimizeResult {
 ///           and switch_off_chi2 for every loop that is off. The poses are needed as a start all the same. For a whole graph of which nothing is known: it finds its way when every
 ///           second loop is wrong, and takes some dozens of `none`.
 /// The graph keeps the switches. What a loop costs is what the whole graph's chi2 would fall by without it: its own chi2
-/// is less, as odometry gives way to a wrong loop. So odometry that claims to be better than it is makes right loops
+/// is less, as odometry gives way to a false loop closure. So odometry that claims to be better than it is makes right loops
 /// look wrong; and switch_off_chi2 is not exceeded by one right loop in a million when all information is honest (three
-/// degrees of freedom). Where it is too modest, wrong loops hide in its slack: switch_off_medians finds the scale from
+/// degrees of freedom). Where it is conservative, false loops hide in its slack: switch_off_medians finds the scale from
 /// the loops themselves. A loop that alone ties a part of the graph to the rest is never off.
 ///
 /// A graph that grows: from its old poses it takes two or three steps, and new edges may wait. At the minimum the edges

@@ -11,7 +11,7 @@ namespace slam::report {
 namespace {
 
 constexpr double kLeastChartWidth = 330, kShape = 0.78;
-constexpr double kLineWidth = 2, kMarkRadius = 3.2, kApart = 6, kWhiskerEnd = 3.5;
+constexpr double kLineWidth = 1.5, kMarkRadius = 3.2, kApart = 6, kWhiskerEnd = 3.5;
 
 std::vector<double> valuesOf(const Chart& chart, double core::Point2::*coordinate) {
   std::vector<double> values;

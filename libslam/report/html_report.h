@@ -23,7 +23,7 @@ struct ReportRun {
   std::string summary;             ///< a sentence on how well it did
   std::optional<world::Plan> map;  ///< the last good state of a method that failed; none: it left nothing
   core::Pose2 T_world_map;
-  core::Trajectory path;    ///< as the method has it in the end
+  core::Trajectory path;    ///< the final one
   core::Trajectory online;  ///< as it was given at the time, where that differs; else empty
   std::vector<double>
       error_m;  ///< of each pose of path, NaN where no truth is near in time; empty without truth

@@ -155,11 +155,56 @@ void drawRaster(Canvas& canvas, const MapView& view, const world::Plan& raster,
   });
 }
 
+namespace {
+
+/// Along the whole line, round its corners too; a point that is not finite ends a dash and begins one behind it.
+void drawDashes(Canvas& canvas, const std::vector<Pixel>& points, Colour colour, double line_width) {
+  constexpr double kDash = 8, kGap = 9;
+  std::vector<Pixel> dash;
+  bool is_dash = true;
+  double left = kDash;
+  const auto finish = [&] {
+    if (dash.size() > 1) canvas.polyline(dash, colour, line_width);
+    dash.clear();
+  };
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Pixel to = points[i];
+    if (i == 0 || !std::isfinite(points[i - 1].x + points[i - 1].y) || !std::isfinite(to.x + to.y)) {
+      finish();
+      is_dash = true, left = kDash;
+      if (std::isfinite(to.x + to.y)) dash.push_back(to);
+      continue;
+    }
+    const Pixel a = points[i - 1];
+    const double length = std::hypot(to.x - a.x, to.y - a.y);
+    for (double done = 0; length - done > 0;) {
+      const double step = std::min(left, length - done);
+      done += step, left -= step;
+      const Pixel at{a.x + (to.x - a.x) * done / length, a.y + (to.y - a.y) * done / length};
+      if (is_dash) dash.push_back(at);
+      if (left > 0) continue;
+      finish();
+      is_dash = !is_dash, left = is_dash ? kDash : kGap;
+      if (is_dash) dash.push_back(at);
+    }
+  }
+  finish();
+}
+
+}  // namespace
+
 void drawPath(Canvas& canvas, const MapView& view, const core::Trajectory& path, Colour colour,
               double line_width) {
   std::vector<Pixel> points;
   for (const auto& stamped : path) points.push_back(view.toPixel(core::position(stamped.pose)));
   canvas.polyline(points, colour, line_width);
+}
+
+void drawDashedPath(Canvas& canvas, const MapView& view, const core::Trajectory& path, Colour colour,
+                    double line_width) {
+  std::vector<Pixel> points;
+  for (const auto& stamped : path) points.push_back(view.toPixel(core::position(stamped.pose)));
+  drawDashes(canvas, points, colour, line_width);
 }
 
 void drawStart(Canvas& canvas, Pixel at) {
@@ -203,6 +248,9 @@ void LegendStrip::draw(Canvas& canvas, Pixel upper_left) const {
       case LegendEntry::Kind::kBroadLine:
         canvas.line({at.x + 3, at.y}, {at.x + kSample - 3, at.y}, entry.colour,
                     entry.kind == LegendEntry::Kind::kLine ? 2.5 : 7);
+        break;
+      case LegendEntry::Kind::kDashes:
+        drawDashes(canvas, {{at.x + 3, at.y}, {at.x + kSample - 3, at.y}}, entry.colour, 2);
         break;
       case LegendEntry::Kind::kBox: {
         const PixelBox sample{middle.x - 9, middle.y - 8, 18, 16};

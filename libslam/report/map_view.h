@@ -83,12 +83,15 @@ void drawRaster(Canvas& canvas, const MapView& view, const world::Plan& raster,
                 const core::Pose2& T_world_raster);
 void drawPath(Canvas& canvas, const MapView& view, const core::Trajectory& path, Colour colour,
               double line_width);
+/// The same in dashes.
+void drawDashedPath(Canvas& canvas, const MapView& view, const core::Trajectory& path, Colour colour,
+                    double line_width);
 /// A ring where the path begins.
 void drawStart(Canvas& canvas, Pixel at);
 
 /// A row of the legend: a sample and what it means.
 struct LegendEntry {
-  enum class Kind { kLine, kBroadLine, kBox, kStart, kDot, kRing } kind;
+  enum class Kind { kLine, kBroadLine, kDashes, kBox, kStart, kDot, kRing } kind;
   Colour colour;
   std::string label;
 };

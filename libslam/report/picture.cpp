@@ -14,9 +14,10 @@ namespace {
 constexpr double kGap = 20;  // units, between the parts of a sheet
 constexpr double kPanelTitleSize = 23, kSubtitleSize = 18, kPanelHeadHeight = 58;
 struct LineWidths {
-  double truth, estimate;
+  double truth, estimate, dashes;
 };
-constexpr LineWidths kPlanLines{7, 2.5}, kPanelLines{5, 2};
+constexpr LineWidths kPlanLines{7, 3, 1.2}, kPanelLines{5, 2.6, 1.1};
+constexpr Colour kOverWalls{130, 130, 130};  // a path of the palette's black is no black line on black walls
 constexpr double kLeastWidth = 600, kMostWidth = 1960;  // on the screen, of what lies within the margins
 constexpr double kTallest = 1.15;                       // on paper, of a map's height in widths
 
@@ -30,6 +31,11 @@ std::vector<DrawnPath> truthFirst(std::vector<DrawnPath> paths) {
   return paths;
 }
 
+/// Whether the truth lies over estimates, as dashes that let them be seen.
+bool isDashed(const std::vector<DrawnPath>& paths) {
+  return std::any_of(paths.begin(), paths.end(), [](const DrawnPath& p) { return !p.is_truth; });
+}
+
 /// Colours by label, so that a method looks the same in every panel.
 class PathColours {
  public:
@@ -40,9 +46,10 @@ class PathColours {
     colours_ = labelColours(labels_);
   }
   Colour of(const DrawnPath& path) const {
-    if (path.is_truth) return kTruthPath;
-    return colours_[static_cast<size_t>(std::find(labels_.begin(), labels_.end(), path.label) -
-                                        labels_.begin())];
+    if (path.is_truth) return labels_.empty() ? kTruthPath : kInk;
+    const auto label = std::find(labels_.begin(), labels_.end(), path.label) - labels_.begin();
+    const Colour colour = colours_[static_cast<size_t>(label)];
+    return colour.red + colour.green + colour.blue == 0 ? kOverWalls : colour;
   }
 
  private:
@@ -53,10 +60,13 @@ class PathColours {
 void drawPaths(Canvas& canvas, const MapView& view, const std::vector<DrawnPath>& paths,
                const PathColours& colours, const LineWidths& widths) {
   const auto ordered = truthFirst(paths);
+  const bool is_dashed = isDashed(paths);
   for (const auto& path : ordered)
-    if (path.is_truth) drawPath(canvas, view, path.path, colours.of(path), widths.truth);
+    if (path.is_truth && !is_dashed) drawPath(canvas, view, path.path, colours.of(path), widths.truth);
   for (auto path = ordered.rbegin(); path != ordered.rend(); ++path)
     if (!path->is_truth) drawPath(canvas, view, path->path, colours.of(*path), widths.estimate);
+  for (const auto& path : ordered)
+    if (path.is_truth && is_dashed) drawDashedPath(canvas, view, path.path, colours.of(path), widths.dashes);
   for (const auto& path : ordered) {
     if (path.path.empty()) continue;
     drawStart(canvas, view.toPixel(core::position(path.path.front().pose)));
@@ -67,7 +77,8 @@ void drawPaths(Canvas& canvas, const MapView& view, const std::vector<DrawnPath>
 std::vector<LegendEntry> legendOf(const std::vector<DrawnPath>& paths, const PathColours& colours) {
   std::vector<LegendEntry> entries;
   for (const auto& path : truthFirst(paths)) {
-    const auto kind = path.is_truth ? LegendEntry::Kind::kBroadLine : LegendEntry::Kind::kLine;
+    const auto truth = isDashed(paths) ? LegendEntry::Kind::kDashes : LegendEntry::Kind::kBroadLine;
+    const auto kind = path.is_truth ? truth : LegendEntry::Kind::kLine;
     const bool known = std::any_of(entries.begin(), entries.end(), [&](const LegendEntry& e) {
       return e.kind == kind && e.label == path.label;
     });
@@ -223,6 +234,18 @@ void drawDifference(const world::Plan& plan, const world::Plan& map, const core:
                        [&](Pixel pixel) { return difference.colourAt(view.toWorld(pixel), side_m); });
   sheet.canvas().frame(view.box, kFrame, 1);
   sheet.canvas().save(file);
+}
+
+std::vector<Panel> pathPanels(const world::Plan& plan, const std::vector<DrawnPath>& paths) {
+  std::vector<Panel> panels;
+  for (const auto& path : paths) {
+    if (path.is_truth) continue;
+    Panel panel{path.label, "", plan, {}, {path}, true};
+    for (const auto& truth : paths)
+      if (truth.is_truth) panel.paths.push_back(truth);
+    panels.push_back(std::move(panel));
+  }
+  return panels;
 }
 
 void drawPanels(const std::vector<Panel>& panels, const std::string& file, const Paper& paper) {

@@ -14,7 +14,8 @@ namespace slam::report {
 struct DrawnPath {
   core::Trajectory path;
   std::string label;
-  bool is_truth = false;  ///< drawn grey and broad, under the others, of which the first lies on top
+  /// Beside others dashed and over them, else grey and broad. Of the others the first lies on top.
+  bool is_truth = false;
 };
 
 // All pictures: PNG, SVG or PDF by the file's extension, the same input gives the same bytes, written atomically
@@ -60,6 +61,8 @@ struct Panel {
   bool is_true = false;          ///< the map is a true plan
 };
 void drawPanels(const std::vector<Panel>& panels, const std::string& file, const Paper& paper = {});
+/// A panel for every path but the true one, which lies in each of them: where paths would hide one another.
+std::vector<Panel> pathPanels(const world::Plan& plan, const std::vector<DrawnPath>& paths);
 
 /// A scan: range over angle (the original chart; beams without a return leave gaps) beside the polar plot,
 /// lidar frame, ahead up.

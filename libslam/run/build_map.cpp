@@ -19,6 +19,7 @@
 #include "libslam/metrics/map_score.h"
 #include "libslam/run/cpu_time.h"
 #include "libslam/run/external_method.h"
+#include "libslam/run/known_map.h"
 #include "libslam/run/map_plan.h"
 #include "libslam/run/process_memory.h"
 #include "libslam/run/scene_file.h"
@@ -63,7 +64,7 @@ Cost summarize(std::vector<double> milliseconds, double finish_s, double log_sec
 const std::map<std::string, std::string>& fileNotes() {
   static const std::map<std::string, std::string> notes = {
       {"trajectory.tum", "estimated pose of every scan, TUM form: rasterslam eval, evo"},
-      {"trajectory_final.tum", "the same as the method has it in the end: rasterslam eval --relations, evo"},
+      {"trajectory_final.tum", "the final path, after all corrections: rasterslam eval --relations, evo"},
       {"covariances_final.csv", "the same of the poses of trajectory_final.tum"},
       {"covariances.csv",
        "how sure the method says that it is of each of these poses: x, y (m), phi (rad), map frame"},
@@ -129,20 +130,51 @@ void describePose(const std::string& name, const core::Pose2& pose,
   results[name + ".yaw_rad"] = core::formatNumber(pose.phi);
 }
 
+double lidarReach(const std::string& log_path) {
+  const auto first = logs::LogReader(log_path).next();
+  if (!first) throw core::InputError(log_path + ": holds 0 laser scans, expected at least 1");
+  return first->scan.max_range_m;
+}
+
+/// The map as key frames: the file itself, that of a folder, or views drawn in a grid, which go into the output.
+std::string keyFramesOf(const Continuation& continuation, const std::string& log_path,
+                        const std::string& output) {
+  const std::string& map = continuation.folder;
+  if (isGridMap(map)) {
+    const std::string views = output + "/map.simplemap";
+    mapping::writeKeyFrames(viewsOf(loadGridMap(map), lidarReach(log_path), map), views);
+    return views;
+  }
+  return std::filesystem::path(map).extension() == ".simplemap" ? map : map + "/map.simplemap";
+}
+
 /// The earlier run's map, before anything is measured.
-void beginInMap(mapping::MapBuilder& method, const Continuation& continuation, core::Manifest& manifest) {
-  const std::string map = continuation.folder + "/map.simplemap";
-  const core::Pose2 T_map_robot = continuation.T_map_robot.value_or(endOfRun(continuation.folder));
-  mapping::continueMap(method, map, T_map_robot, continuation.localise_only);
+void beginInMap(mapping::MapBuilder& method, const Continuation& continuation, const std::string& log_path,
+                const std::string& output, core::Manifest& manifest) {
+  const std::string key_frames = keyFramesOf(continuation, log_path, output);
+  const std::string& map = isGridMap(continuation.folder) ? continuation.folder : key_frames;
+  const core::Pose2 T_map_robot =
+      continuation.T_map_robot ? *continuation.T_map_robot : endOfRun(continuation.folder);
+  mapping::continueMap(method, key_frames, T_map_robot, continuation.localise_only);
   manifest.inputs[map] = core::fileSha256(map);
   manifest.results[continuation.localise_only ? "localised_in" : "continues"] = continuation.folder;
   describePose("start", T_map_robot, manifest.results);
 }
 
-/// The map of the earlier run, byte for byte: localising has not changed it.
-void keepMap(const std::string& from, const std::string& to) {
-  for (const char* file : {"map.yaml", "map.png", "map.gridmap.gz", "map.simplemap"})
-    core::writeFileAtomically(to + "/" + file, core::readTextFile(from + "/" + file));
+/// The map of before, byte for byte where it has these files: localising has not changed it.
+void keepMap(const std::string& map, const std::string& to) {
+  const auto copy = [&](const std::string& file, const std::string& name) {
+    if (std::filesystem::exists(file)) core::writeFileAtomically(to + "/" + name, core::readTextFile(file));
+  };
+  const std::filesystem::path path(map);
+  if (isGridMap(map)) {
+    world::savePlan(loadGridMap(map), to + "/map.yaml");
+    if (path.extension() == ".gz") copy(map, "map.gridmap.gz");
+    return;
+  }
+  const std::string from = path.extension() == ".simplemap" ? path.parent_path().string() : map;
+  for (const char* file : {"map.yaml", "map.png", "map.gridmap.gz"}) copy(from + "/" + file, file);
+  copy(path.extension() == ".simplemap" ? map : from + "/map.simplemap", "map.simplemap");
 }
 
 void describeSelfScore(const SelfScore& score, std::map<std::string, std::string>& results) {
@@ -269,7 +301,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   }
   const MemoryMeter memory;
   auto method = mapping::makeMapBuilder(builder_config, method_name, seed);
-  if (!continuation.folder.empty()) beginInMap(method, continuation, manifest);
+  if (!continuation.folder.empty()) beginInMap(method, continuation, log_path, output.path(), manifest);
   MapRun run;
   run.commands_from = tellCommands(method, log_path);
   Taken taken;
@@ -351,6 +383,10 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   describePose("end_final", end_final, manifest.results);
   if (run.stopped) describeStop(*run.stopped, manifest.results);
   if (const auto lost = lostInTheEnd(run.journal)) manifest.results["lost"] = lostText(*lost);
+  if (run.final_estimate || !run.journal.empty()) {
+    run.lost_share = lostShare(run.journal, run.estimate.back().time_s - run.estimate.front().time_s);
+    manifest.results["lost_share"] = core::formatNumber(*run.lost_share);
+  }
   if (external) manifest.results["filled_poses"] = std::to_string(run.filled_poses);
   if (map)
     manifest.results["map_mean_entropy_bits"] = core::formatNumber(metrics::mapEntropy(map->occupancy));

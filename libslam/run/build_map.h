@@ -40,6 +40,7 @@ struct MapRun {
   std::string commands_from;         ///< tellCommands()
   int filled_poses = 0;              ///< scans that an external program gave no pose
   std::vector<JournalLine> journal;  ///< empty for methods that keep none
+  std::optional<double> lost_share;  ///< of the time, by the journal (lostShare()); none without a journal
   std::optional<Stop> stopped;       ///< before the log's end; all else is of the scans before
 };
 

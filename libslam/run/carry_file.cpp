@@ -48,7 +48,7 @@ core::Trajectory brokenAtCarries(const core::Trajectory& truth, const std::vecto
 
 std::string carryText(const sim::Carry& carry, double start_s) {
   char text[160];
-  std::snprintf(text, sizeof text, "carried at %.1f s from (%.2f m, %.2f m) to (%.2f m, %.2f m, %.0f deg)",
+  std::snprintf(text, sizeof text, "kidnapped at %.1f s from (%.2f m, %.2f m) to (%.2f m, %.2f m, %.0f deg)",
                 carry.time_s - start_s, carry.T_world_from.x, carry.T_world_from.y, carry.T_world_to.x,
                 carry.T_world_to.y, core::radToDeg(carry.T_world_to.phi));
   return text;

@@ -15,6 +15,7 @@
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/mapping/method_config.h"
 #include "libslam/report/picture.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
@@ -30,9 +31,30 @@ namespace {
 struct Method {
   std::string name, argument, folder;  // argument: as the request names it
   core::IniFile config;
+  std::vector<std::string> settings;  // of the request, for this method
   std::string failure;
   bool reused = false;
 };
+
+/// The request's settings that the method has a section for.
+std::vector<std::string> settingsOf(const core::IniFile& config, const CompareRequest& request) {
+  const auto* type = config.find("method", "type");
+  const auto sections = mapping::methodSections(type == nullptr ? "" : type->value);
+  std::vector<std::string> own;
+  for (const auto& setting : request.method_settings)
+    if (std::count(sections.begin(), sections.end(), setting.substr(0, setting.find('.'))) > 0)
+      own.push_back(setting);
+  return own;
+}
+
+void requireUsed(const CompareRequest& request, const std::vector<Method>& methods) {
+  for (const auto& setting : request.method_settings)
+    if (std::none_of(methods.begin(), methods.end(), [&](const Method& method) {
+          return std::count(method.settings.begin(), method.settings.end(), setting) > 0;
+        }))
+      throw core::InputError("--set: found '" + setting +
+                             "', expected a section of a method that is compared");
+}
 
 std::vector<Method> loadMethods(const CompareRequest& request) {
   std::vector<Method> methods;
@@ -41,6 +63,8 @@ std::vector<Method> loadMethods(const CompareRequest& request) {
     method.name = core::isConfigFile(name_or_path) ? fs::path(name_or_path).stem().string() : name_or_path;
     method.argument = name_or_path;
     method.config = mapping::loadMethodConfig(request.methods_folder, name_or_path);
+    method.settings = settingsOf(method.config, request);
+    for (const auto& setting : method.settings) method.config.setFromArgument(setting, "--set");
     method.folder = request.output + "/" + method.name;
     for (const auto& other : methods)
       if (other.name == method.name) throw core::InputError("method '" + method.name + "' is named twice");
@@ -48,6 +72,7 @@ std::vector<Method> loadMethods(const CompareRequest& request) {
     methods.push_back(std::move(method));
   }
   if (methods.empty()) throw core::InputError("no method named, expected at least one");
+  requireUsed(request, methods);
   return methods;
 }
 
@@ -87,6 +112,7 @@ void runInProcess(const Method& method, const std::string& log_path, const Compa
       request.program, "run",         method.argument, log_path, "-o",
       method.folder,   "--overwrite", "--json",        "--seed", std::to_string(request.seed)};
   if (request.quiet) command.emplace_back("--quiet");
+  for (const auto& setting : method.settings) command.insert(command.end(), {"--set", setting});
   const auto result = runWorker(command, progress);
   if (result.exit_code == 0) return;
   if (result.exit_code == static_cast<int>(core::ExitCode::kInterrupted)) throw core::Interrupted();
@@ -142,10 +168,20 @@ core::Trajectory moved(const core::Pose2& T_world_map, core::Trajectory trajecto
 std::string subtitle(const Evaluation& e, bool has_truth) {
   char text[64];
   if (has_truth)
-    std::snprintf(text, sizeof text, "ATE %.3f m", e.final_trajectory.position_m.rmse);
+    std::snprintf(text, sizeof text, "final ATE %.3f m", e.final_trajectory.position_m.rmse);
   else
     std::snprintf(text, sizeof text, "path %.1f m", e.path_length_m);
   return text;
+}
+
+/// Several paths side by side, for on one plan they would hide one another.
+void drawPaths(const std::vector<report::Panel>& maps, const world::Plan& ground,
+               const std::vector<report::DrawnPath>& paths, const std::string& file) {
+  constexpr std::size_t kMostPanels = 8;
+  if (maps.size() < 2 || maps.size() > kMostPanels) return report::drawPlan(ground, paths, ground.name, file);
+  auto panels = report::pathPanels(ground, paths);
+  for (std::size_t i = 0; i < panels.size(); ++i) panels[i].subtitle = maps[i].subtitle;
+  report::drawPanels(panels, file);
 }
 
 void drawPictures(const std::vector<RunFolder>& runs, const std::vector<Evaluation>& evaluations,
@@ -172,7 +208,7 @@ void drawPictures(const std::vector<RunFolder>& runs, const std::vector<Evaluati
   if (panels.empty()) return;
   report::drawPanels(panels, output + "/maps.png");
   const world::Plan& ground = truth && truth->plan ? *truth->plan : runs.front().map;
-  report::drawPlan(ground, paths, ground.name, output + "/paths.png");
+  drawPaths(panels, ground, paths, output + "/paths.png");
   logs::LogReader log(log_path);
   if (const auto entry = log.next()) report::drawScan(entry->scan, output + "/scan.png");
 }

@@ -26,6 +26,8 @@ struct CompareRequest {
   RecordConfig record;               ///< for plan_path
   std::vector<std::string> methods;  ///< names in configs/methods or paths of .ini files
   std::string methods_folder;
+  /// "section.key=value", over every method that has such a section. Errors: one that none of them has.
+  std::vector<std::string> method_settings;
   std::string output;  ///< folder
   std::uint64_t seed = 1;
   int threads = 1;  ///< methods run side by side

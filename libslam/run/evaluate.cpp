@@ -9,6 +9,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/run/lost_time.h"
 #include "libslam/run/resources.h"
 #include "libslam/stats/consistency.h"
 
@@ -124,7 +125,7 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
   e.anees = e.within_50_share = e.within_95_share = kNan;
   e.anees_final = e.within_50_share_final = e.within_95_share_final = kNan;
   e.cost = {kNan, kNan, kNan, kNan};
-  e.path_length_m = e.map_mean_entropy_bits = e.agreement_m = kNan;
+  e.path_length_m = e.map_mean_entropy_bits = e.agreement_m = e.lost_share = kNan;
   e.structure = {kNan, 0, 0};
   e.mean_map_entropy = e.wall_thickness_m = e.on_wall_share = e.through_wall_share = kNan;
   e.end_pose = {kNan, kNan, kNan};
@@ -133,19 +134,22 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
 
 namespace {
 
-void judgeCovariances(const RunFolder& run, const Truth& truth, Evaluation& e) {
+void judgeCovariances(const RunFolder& run, const Truth& truth, const Alignment& alignment, Evaluation& e) {
+  std::optional<core::Pose2> T_world_map;
+  if (alignment.how == metrics::Align::kNone) T_world_map = alignment.T_truth_map;
   constexpr int kPoseDegreesOfFreedom = 3;
   if (!run.covariances.empty())
-    if (const auto online = stats::consistency({poseNees(truth.trajectory, run.estimate, run.covariances)},
-                                               kPoseDegreesOfFreedom)) {
+    if (const auto online =
+            stats::consistency({poseNees(truth.trajectory, run.estimate, run.covariances, T_world_map)},
+                               kPoseDegreesOfFreedom)) {
       e.anees = online->anees.value;
       e.within_50_share = online->coverage50.value;
       e.within_95_share = online->coverage95.value;
     }
   if (!run.final_covariances.empty())
-    if (const auto in_the_end =
-            stats::consistency({poseNees(truth.trajectory, *run.final_estimate, run.final_covariances)},
-                               kPoseDegreesOfFreedom)) {
+    if (const auto in_the_end = stats::consistency(
+            {poseNees(truth.trajectory, *run.final_estimate, run.final_covariances, T_world_map)},
+            kPoseDegreesOfFreedom)) {
       e.anees_final = in_the_end->anees.value;
       e.within_50_share_final = in_the_end->coverage50.value;
       e.within_95_share_final = in_the_end->coverage95.value;
@@ -154,7 +158,33 @@ void judgeCovariances(const RunFolder& run, const Truth& truth, Evaluation& e) {
 
 }  // namespace
 
-Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth) {
+Alignment alignmentOf(const core::Manifest& manifest) {
+  Alignment alignment;
+  if (manifest.results.count("localised_in") > 0) alignment.how = metrics::Align::kNone;
+  return alignment;
+}
+
+core::Pose2 mapFrame(const core::Manifest& manifest, const std::string& map_truth_path) {
+  const auto map = manifest.results.find("localised_in");
+  if (map == manifest.results.end())
+    throw core::InputError(
+        "--map-truth: the run was not localised in a map, expected one of 'run --localise'");
+  // The map may be a file of the run that made it.
+  const std::filesystem::path place(map->second);
+  const std::string folder =
+      std::filesystem::is_directory(place) ? map->second : place.parent_path().string();
+  const auto estimate = logs::readTum(folder + "/trajectory.tum");
+  const auto error =
+      metrics::trajectoryError(logs::readTrajectory(map_truth_path), estimate, metrics::Align::kFirst);
+  if (error.position_m.count == 0)
+    throw core::InputError(map_truth_path + ": no stamp in common with " + folder +
+                           "/trajectory.tum, expected the truth of the log that the map was made of");
+  return error.T_truth_estimate;
+}
+
+Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth,
+                    const std::optional<Alignment>& given) {
+  const Alignment alignment = given.value_or(alignmentOf(run.manifest));
   Evaluation e = failedEvaluation(run.method, "");
   // The gravest last.
   for (const char* event : {"lost", "interrupted", "failed"}) {
@@ -162,6 +192,8 @@ Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth) {
     if (found != run.manifest.results.end()) e.failure = found->second;
   }
   e.cost = run.cost;
+  e.align = alignment.how;
+  e.lost_share = numberIfThere(run.manifest, "lost_share");
   e.path_length_m = numberIfThere(run.manifest, "path_length_m");
   e.end_pose = {numberIfThere(run.manifest, "end.x_m"), numberIfThere(run.manifest, "end.y_m"),
                 numberIfThere(run.manifest, "end.yaw_rad")};
@@ -175,12 +207,20 @@ Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth) {
   e.on_wall_share = numberIfThere(run.manifest, "self.on_wall_share");
   e.through_wall_share = numberIfThere(run.manifest, "self.through_wall_share");
   if (!truth) return e;
-  e.trajectory = metrics::trajectoryError(truth->trajectory, run.estimate);
-  e.final_trajectory =
-      run.final_estimate ? metrics::trajectoryError(truth->trajectory, *run.final_estimate) : e.trajectory;
+  std::vector<LostSpan> lost;
+  if (run.manifest.results.count("localised_in") && std::filesystem::exists(run.path + "/journal.csv") &&
+      !run.estimate.empty())
+    lost = lostSpans(readJournal(run.path + "/journal.csv"),
+                     run.estimate.back().time_s - run.estimate.front().time_s);
+  const auto errorOf = [&](const core::Trajectory& estimate) {
+    return metrics::trajectoryError(truth->trajectory, whileNotLost(estimate, lost), alignment.how,
+                                    alignment.T_truth_map);
+  };
+  e.trajectory = errorOf(run.estimate);
+  e.final_trajectory = run.final_estimate ? errorOf(*run.final_estimate) : e.trajectory;
   e.per_metre = metrics::relativeErrorOverDistance(truth->trajectory, run.estimate, 1.0);
   e.per_second = metrics::relativeErrorOverTime(truth->trajectory, run.estimate, 1.0);
-  judgeCovariances(run, *truth, e);
+  judgeCovariances(run, *truth, alignment, e);
   if (truth->plan && truth->seen)
     e.map = metrics::scoreMap(*truth->plan, *truth->seen, run.map, e.final_trajectory.T_truth_estimate,
                               kWallTolerance_m);
@@ -201,13 +241,12 @@ const std::vector<MetricInfo>& metricInfos() {
   constexpr auto kSmaller = stats::Better::kSmaller, kLarger = stats::Better::kLarger;
   constexpr auto kNeither = std::nullopt;
   static const std::vector<MetricInfo> infos = {
-      {"ate_rmse_m", "ATE rmse m",
+      {"ate_rmse_m", "ATE online m",
        "absolute trajectory error of the path given online: position after SE(2) least-squares alignment, no "
-       "scale",
+       "scale; a run localised in a known map is not aligned",
        3, [](const E& e) { return e.trajectory.position_m.rmse; }},
-      {"ate_final_m", "final m",
-       "the same for the path as the method has it in the end; equal where it corrects nothing", 3,
-       [](const E& e) { return e.final_trajectory.position_m.rmse; }},
+      {"ate_final_m", "ATE final m", "the same for the final path; equal where the method corrects nothing",
+       3, [](const E& e) { return e.final_trajectory.position_m.rmse; }},
       {"ate_max_m", "max m", "largest such error", 3, [](const E& e) { return e.trajectory.position_m.max; }},
       {"heading_rmse_deg", "head. deg", "root mean square heading error after the same alignment", 2,
        [](const E& e) { return core::radToDeg(e.trajectory.heading_rad.rmse); }},
@@ -243,15 +282,15 @@ const std::vector<MetricInfo>& metricInfos() {
        [](const E& e) { return e.map.known_share; }, kLarger},
       {"anees", "ANEES",
        "error of the pose given online (no alignment: the start is known) against the method's own "
-       "covariance, squared, over 3 and averaged: 1 is true, above 1 too sure, below 1 too modest",
+       "covariance, squared, over 3 and averaged: 1 is consistent, above 1 overconfident, below 1 "
+       "conservative",
        2, [](const E& e) { return e.anees; }, kNeither},
       {"within_50_share", "in 50 %", "share of the poses within the ellipsoid that should hold half of them",
        3, [](const E& e) { return e.within_50_share; }, kNeither},
       {"within_95_share", "in 95 %", "the same for 95 %", 3, [](const E& e) { return e.within_95_share; },
        kNeither},
-      {"anees_final", "ANEES final",
-       "the same of the poses in the end, where the method states how sure it is of them", 2,
-       [](const E& e) { return e.anees_final; }, kNeither},
+      {"anees_final", "ANEES final", "the same of the final poses, where the method states their covariances",
+       2, [](const E& e) { return e.anees_final; }, kNeither},
       {"within_50_share_final", "in 50 % final", "share of those within their ellipsoid of 50 %", 3,
        [](const E& e) { return e.within_50_share_final; }, kNeither},
       {"within_95_share_final", "in 95 % final", "share of those within their ellipsoid of 95 %", 3,
@@ -268,11 +307,11 @@ const std::vector<MetricInfo>& metricInfos() {
        3, [](const E& e) { return e.agreement_m; }},
       {"wall_thickness_m", "walls m",
        "without truth: how far the scans' points lie from the line through those around them, median: "
-       "double walls raise it, blind to a bent map",
+       "double walls raise it, a global distortion does not",
        4, [](const E& e) { return e.wall_thickness_m; }},
       {"mean_map_entropy", "point entropy",
        "without truth: mean map entropy of the placed points, nats (Droeschel and Behnke 2018): small is "
-       "sharp, blind to a bent map",
+       "sharp; a global distortion does not lower it",
        3, [](const E& e) { return e.mean_map_entropy; }},
       {"on_wall_share", "on wall",
        "without truth: share of the scans' returns that end within 0.10 m of a wall of the map", 3,
@@ -292,6 +331,8 @@ const std::vector<MetricInfo>& metricInfos() {
       {"enclosed_areas", "areas",
        "without truth: free areas cut off from the largest one (same source): as above", 0,
        [](const E& e) { return countOf(e, e.structure.enclosed_areas); }, kNeither},
+      {"lost_share", "lost", "share of the time that the method called itself lost, by its journal", 3,
+       [](const E& e) { return e.lost_share; }},
       {"ms_per_scan", "ms/scan", "CPU time per scan, one thread, without reading the log", 3,
        [](const E& e) { return e.cost.mean_ms_per_scan; }, kSmaller, true},
       {"p99_ms", "p99 ms", "99th percentile of the same", 3,
@@ -339,6 +380,25 @@ report::Table withNotes(report::Table table, const std::vector<Evaluation>& eval
 
 }  // namespace
 
+namespace {
+
+/// What is not the usual alignment has to be said.
+void sayAlignment(const std::vector<Evaluation>& evaluations, report::Table& table) {
+  for (const auto& e : evaluations)
+    if (e.align == metrics::Align::kNone)
+      table.notes.push_back(e.method +
+                            ": not aligned (align none): errors in the frame of the known map, "
+                            "while the robot was not lost.");
+    else if (e.align == metrics::Align::kFirst)
+      table.notes.push_back(e.method + ": aligned at the first pose (align first).");
+}
+
+bool isLocalised(const Evaluation& e) {
+  return e.align == metrics::Align::kNone;
+}
+
+}  // namespace
+
 report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Truth& truth, Detail detail) {
   std::vector<std::string> keys = {"ate_rmse_m", "ate_final_m", "heading_rmse_deg", "rpe_1m_m", "rpe_1m_deg"};
   const auto add = [&](std::initializer_list<const char*> more) {
@@ -347,13 +407,17 @@ report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Tr
   if (detail == Detail::kFull)
     add({"ate_max_m", "rpe_1s_m", "rpe_1s_deg", "anees", "within_50_share", "within_95_share", "anees_final",
          "within_50_share_final", "within_95_share_final", "path_length_m"});
+  if (detail == Detail::kFull || std::any_of(evaluations.begin(), evaluations.end(), isLocalised))
+    add({"lost_share"});
   if (truth.plan) add({"wall_f1", "free_iou", "wall_p95_m"});
   if (truth.plan && detail == Detail::kFull)
     add({"wall_p50_m", "wall_precision", "wall_recall", "missed_p50_m", "missed_p95_m", "known_share"});
   if (detail == Detail::kFull)
     add({"wall_thickness_m", "mean_map_entropy", "on_wall_share", "through_wall_share", "map_entropy_bits",
          "occupied_share", "corners", "enclosed_areas"});
-  return withNotes(tableOf("Accuracy against the truth", keys, evaluations), evaluations);
+  auto table = withNotes(tableOf("Accuracy against the truth", keys, evaluations), evaluations);
+  sayAlignment(evaluations, table);
+  return table;
 }
 
 report::Table agreementTable(const std::vector<Evaluation>& evaluations, Detail detail) {
@@ -368,7 +432,7 @@ report::Table agreementTable(const std::vector<Evaluation>& evaluations, Detail 
   table.notes.emplace_back(
       "Drawing walls twice makes walls thicker and puts fewer returns on them, more beams through them, and "
       "more "
-      "occupied cells, corners and areas into the map. A map that is bent as a whole shows in none of these; "
+      "occupied cells, corners and areas into the map. None of these shows a global distortion of the map; "
       "the "
       "last three compare maps of one rasteriser only. 'rasterslam list metrics' defines them.");
   return table;

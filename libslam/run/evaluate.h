@@ -41,15 +41,27 @@ struct Truth {
 /// `lidar_of`: any run on the same log; it says which lidar looked. plan_path may be "".
 Truth loadTruth(const std::string& truth_path, const std::string& plan_path, const RunFolder& lidar_of);
 
+/// How a run is laid onto the truth.
+struct Alignment {
+  metrics::Align how = metrics::Align::kSe2;
+  core::Pose2 T_truth_map;  ///< with kNone: where the map's frame lies in the truth's
+};
+/// A run that was localised in a known map is not aligned: where it says that the robot is has to be right. Others by SE(2).
+Alignment alignmentOf(const core::Manifest& manifest);
+/// Where the frame of the map that a run was localised in lies, by the true path of the run that made the map: its first pose
+/// against the truth's. Errors: InputError where that run's folder or path cannot be read, or shares no stamp with the truth.
+core::Pose2 mapFrame(const core::Manifest& manifest, const std::string& map_truth_path);
+
 /// All figures of one run. Without truth the first three blocks are NaN; without plan the map score is.
 struct Evaluation {
+  metrics::Align align = metrics::Align::kSe2;
   std::string method,
       failure;  ///< failure: why there are no figures, where the robot was lost for good, or ""
   metrics::TrajectoryError trajectory;        ///< of the path given online
-  metrics::TrajectoryError final_trajectory;  ///< of the path in the end: the same where nothing is corrected
+  metrics::TrajectoryError final_trajectory;  ///< of the final path: the same where nothing is corrected
   metrics::RelativeError per_metre, per_second;
   metrics::MapScore map;
-  /// Whether the covariances of the online poses tell the truth (poseNees(), stats::consistency()), and those of the final
+  /// Whether the covariances of the online poses are consistent (poseNees(), stats::consistency()), and those of the final
   /// poses; NaN where there are none.
   double anees, within_50_share, within_95_share;
   double anees_final, within_50_share_final, within_95_share_final;
@@ -60,9 +72,11 @@ struct Evaluation {
   metrics::MapStructure structure;
   /// What only the scans can say (SelfScore); NaN where the run was not made by buildMap().
   double mean_map_entropy, wall_thickness_m, on_wall_share, through_wall_share;
+  double lost_share;   ///< of the time that the method called itself lost; NaN where it keeps no journal
   double agreement_m;  ///< see setAgreement()
 };
-Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth);
+Evaluation evaluate(const RunFolder& run, const std::optional<Truth>& truth,
+                    const std::optional<Alignment>& alignment = std::nullopt);
 /// Every figure NaN: the row of a method that failed.
 Evaluation failedEvaluation(const std::string& method, const std::string& why);
 

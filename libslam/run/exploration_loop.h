@@ -16,7 +16,7 @@ struct LoopResult {
   std::vector<metrics::CoveragePoint> curve;
   bool plan_is_open = false;         ///< explorable space reaches the picture's edge
   bool saw_nothing = false;          ///< no scan had a single return
-  std::vector<std::string> carries;  ///< when somebody carried the robot, for people
+  std::vector<std::string> carries;  ///< when the robot was kidnapped, for people
 };
 
 /// The SLAM method of an exploration.

@@ -89,10 +89,10 @@ std::string textOf(const std::string& name, const Events& events) {
   return text + " s";
 }
 
-const char* const kWrongLoopEvent = "wrong loop";
+const char* const kFalseLoopEvent = "false loop closure";
 const char* const kSlipEvent = "odometry wrong";
 const char* const kCollisionEvent = "collision";
-const char* const kCarriedEvent = "carried away";
+const char* const kKidnappedEvent = "kidnapped";
 
 /// Scans at which the odometry's motion over the last slip_s is wrong.
 std::vector<double> slipTimes(const core::Trajectory& truth, const core::Trajectory& odometry,
@@ -112,7 +112,7 @@ std::vector<double> slipTimes(const core::Trajectory& truth, const core::Traject
 /// The gravest first; what each event of a journal or the recording stands for.
 const std::vector<std::pair<std::string, std::string>>& suspects() {
   static const std::vector<std::pair<std::string, std::string>> list = {
-      {kCarriedEvent, "carried"},     {kWrongLoopEvent, "wrong loop"},
+      {kKidnappedEvent, "kidnapped"}, {kFalseLoopEvent, "false loop closure"},
       {kCollisionEvent, "collision"}, {kSlipEvent, "slip"},
       {"distrusted", "slip"},         {"lost", "lost"},
       {"restarted", "lost"},          {"poor", "lost"},
@@ -225,10 +225,11 @@ FailureReport explainFailure(const RunFolder& run, const Truth& truth, const Fai
     it->second.last_s = std::max(it->second.last_s, time_s);
     ++it->second.count;
   };
-  for (const auto& loop : report.wrong_loops) note(kWrongLoopEvent, loop.time_s);
+  for (const auto& loop : report.wrong_loops) note(kFalseLoopEvent, loop.time_s);
   for (const auto& collision : evidence.collisions)
     note(kCollisionEvent, collision.time_s - run.estimate.front().time_s);
-  for (const auto& carry : evidence.carries) note(kCarriedEvent, carry.time_s - run.estimate.front().time_s);
+  for (const auto& carry : evidence.carries)
+    note(kKidnappedEvent, carry.time_s - run.estimate.front().time_s);
   for (const double time_s : slipTimes(truth.trajectory, evidence.odometry, limits))
     note(kSlipEvent, time_s - run.estimate.front().time_s);
   for (const auto& line : journal)
@@ -287,9 +288,9 @@ report::Table failureTable(const FailureReport& report, const std::string& metho
   }
   for (const auto& line : report.around) add("around it", line);
   for (const auto& loop : report.wrong_loops)
-    add("wrong loop", "scan " + std::to_string(loop.scan) + " to " + std::to_string(loop.other_scan) +
-                          " at " + fixed(loop.time_s, 1) + " s: " + fixed(loop.apart_m, 2) +
-                          " m apart in truth, " + fixed(loop.apart_in_map_m, 2) + " m in the map");
+    add("false loop closure", "scan " + std::to_string(loop.scan) + " to " + std::to_string(loop.other_scan) +
+                                  " at " + fixed(loop.time_s, 1) + " s: " + fixed(loop.apart_m, 2) +
+                                  " m apart in truth, " + fixed(loop.apart_in_map_m, 2) + " m in the map");
   if (report.region)
     add("worst region of the map", at(report.region->centre) + ": " +
                                        fixed(report.region->missing_wall_m, 1) + " m of wall missing, " +

@@ -72,8 +72,8 @@ struct FailureReport {
   /// What journal, collisions and odometry say around the divergence, one entry per kind of event in the order of time:
   /// "degenerate 12 times, 83.1 to 85.0 s".
   std::vector<std::string> around;
-  /// The gravest of these: carried (by somebody, to another place) | wrong loop | collision | slip (the odometry was wrong, or distrusted) | lost | degenerate | unknown; "" where
-  /// nothing diverged.
+  /// The gravest of these: kidnapped | false loop closure | collision | slip (the odometry was wrong, or distrusted) |
+  /// lost | degenerate | unknown; "" where nothing diverged.
   std::string suspect;
   std::optional<WorstRegion> region;  ///< where a plan is known and something diverged
 };

@@ -81,7 +81,7 @@ std::vector<report::Panel> mapPanels(const report::ReportPage& page, const std::
     const double error_m = rms(run.error_m);
     if (std::isfinite(error_m)) {
       char text[64];
-      std::snprintf(text, sizeof text, "error %.3f m rmse", error_m);
+      std::snprintf(text, sizeof text, "final ATE %.3f m", error_m);
       panel.subtitle = text;
     }
     panel.map = *run.map;
@@ -107,16 +107,48 @@ std::vector<report::DrawnPath> allPaths(const report::ReportPage& page) {
   return paths;
 }
 
+namespace {
+
+constexpr double kSmoothedPerChart = 50;  // windows over the time that a chart shows
+
+/// Root mean square over a window about each moment: of errors that change from scan to scan a chart would show a band.
+std::vector<core::Point2> smoothedErrors(const report::ReportRun& run, double window_s) {
+  std::vector<core::Point2> points;
+  double sum = 0;
+  std::size_t from = 0, to = 0, count = 0;
+  const auto change = [&](std::size_t i, int sign) {
+    if (!std::isfinite(run.error_m[i])) return;
+    sum += sign * run.error_m[i] * run.error_m[i];
+    count += static_cast<std::size_t>(sign);
+  };
+  for (const auto& pose : run.path) {
+    while (to < run.path.size() && run.path[to].time_s <= pose.time_s + window_s / 2) change(to++, 1);
+    while (run.path[from].time_s < pose.time_s - window_s / 2) change(from++, -1);
+    points.push_back(
+        {pose.time_s - run.path.front().time_s,
+         count == 0 ? std::nan("") : std::sqrt(std::max(0.0, sum / static_cast<double>(count)))});
+  }
+  return points;
+}
+
+}  // namespace
+
 report::Chart errorChart(const report::ReportPage& page, const std::string& folder, bool is_log) {
   report::Chart chart{"time since the first scan (s)", "position error (m)", {}};
   chart.y_log = is_log;
+  double longest_s = 0;
+  std::vector<const report::ReportRun*> runs;
   for (const auto& run : page.runs) {
     if (std::isnan(rms(run.error_m))) continue;
-    report::Curve curve{run.method, {}};
-    for (std::size_t i = 0; i < run.path.size(); ++i)
-      curve.points.push_back({run.path[i].time_s - run.path.front().time_s, run.error_m[i]});
-    chart.curves.push_back(std::move(curve));
+    runs.push_back(&run);
+    longest_s = std::max(longest_s, run.path.back().time_s - run.path.front().time_s);
   }
+  // The best is drawn last: it is the one that others would hide.
+  std::stable_sort(runs.begin(), runs.end(),
+                   [](const auto* a, const auto* b) { return rms(a->error_m) > rms(b->error_m); });
+  const double window_s = std::max(1.0, std::round(longest_s / kSmoothedPerChart));
+  for (const auto* run : runs) chart.curves.push_back({run->method, smoothedErrors(*run, window_s)});
+  chart.y_title = "position error (m), rms over " + core::formatNumber(window_s) + " s";
   if (chart.curves.empty())
     throw core::InputError(folder + ": has no errors to draw, expected a run whose true path is known");
   return chart;

@@ -20,7 +20,8 @@ std::string axisTitle(const std::string& key);
 std::vector<report::Panel> mapPanels(const report::ReportPage& page, const std::string& folder);
 /// The true path and those of all runs; without a truth they lie in the map frame.
 std::vector<report::DrawnPath> allPaths(const report::ReportPage& page);
-/// Position error over time since the first scan, a line per method. Errors: InputError that names the folder, where no run
+/// Position error over time since the first scan, a line per method, smoothed (root mean square over a fiftieth of the
+/// time, at least 1 s, which the axis says), the worst first. Errors: InputError that names the folder, where no run
 /// has an error.
 report::Chart errorChart(const report::ReportPage& page, const std::string& folder, bool is_log);
 

@@ -33,6 +33,9 @@ std::string journalText(const std::vector<JournalLine>& journal);
 
 /// Where the robot got lost for good: the first `lost` that no `recovered` or `found again` follows.
 std::optional<JournalLine> lostInTheEnd(const std::vector<JournalLine>& journal);
+/// Share of the log's time, from its first to its last scan, that lies between a `lost` and the next `recovered` or `found
+/// again` (or the end). 0 for an empty journal and a log of no length.
+double lostShare(const std::vector<JournalLine>& journal, double log_seconds);
 /// "lost at scan 812 (83.2 s)"
 std::string lostText(const JournalLine& lost);
 

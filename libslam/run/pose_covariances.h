@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,10 +22,11 @@ std::vector<StampedCovariance> readCovariances(const std::string& path);
 
 /// NEES of every pose (stats::normalizedErrorSquared) with 3 degrees of freedom: the error of (x, y, phi) in the map frame,
 /// which is the true pose at the estimate's first stamp; nothing else is aligned. So the covariances must speak of the
-/// error since the start. covariances[i] belongs to estimate[i]. Left out: poses without a truth at their stamp, and
+/// error since the start. T_world_map: where the map frame lies instead, where a map was known from before. covariances[i] belongs to estimate[i]. Left out: poses without a truth at their stamp, and
 /// covariances that are not positive definite (the start is given). Empty when the truth does not know the first stamp.
 /// REQUIRES as many covariances as poses (ContractError).
 std::vector<double> poseNees(const core::Trajectory& truth, const core::Trajectory& estimate,
-                             const std::vector<StampedCovariance>& covariances);
+                             const std::vector<StampedCovariance>& covariances,
+                             const std::optional<core::Pose2>& T_world_map = std::nullopt);
 
 }  // namespace slam::run

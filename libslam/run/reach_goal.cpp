@@ -10,6 +10,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/number_list.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/navigate/surroundings.h"
@@ -191,30 +192,19 @@ void writeRun(const ReachGoalRequest& request, const GoalRun& run, const std::st
   drawGoalRun(request, run, run.method + ": " + resultOf(run), folder + "/path.png");
 }
 
-std::vector<double> numbersOf(const std::string& text) {
-  std::istringstream words(text);
-  std::vector<double> numbers;
-  for (std::string word; words >> word;) {
-    double number = 0;
-    if (!core::parseNumber(word, number)) return {};
-    numbers.push_back(number);
-  }
-  return numbers;
-}
-
 }  // namespace
 
 core::Point2 parsePlace(const std::string& text, const std::string& flag) {
-  const auto numbers = numbersOf(text);
+  const auto numbers = core::parseNumberList(text);
   if (numbers.size() != 2)
-    throw core::InputError(flag + ": found '" + text + "', expected two numbers: x_m y_m");
+    throw core::InputError(flag + ": found '" + text + "', expected two numbers: x_m,y_m");
   return {numbers[0], numbers[1]};
 }
 
 core::Pose2 parsePose(const std::string& text, const std::string& flag) {
-  const auto numbers = numbersOf(text);
+  const auto numbers = core::parseNumberList(text);
   if (numbers.size() != 3)
-    throw core::InputError(flag + ": found '" + text + "', expected three numbers: x_m y_m yaw_deg");
+    throw core::InputError(flag + ": found '" + text + "', expected three numbers: x_m,y_m,yaw_deg");
   return {numbers[0], numbers[1], core::wrapToPi(core::degToRad(numbers[2]))};
 }
 

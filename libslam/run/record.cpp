@@ -1,9 +1,9 @@
 #include "libslam/run/record.h"
 
 #include <filesystem>
-#include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/core/number_list.h"
 #include "libslam/navigate/safe_motion.h"
 #include "libslam/run/recorder.h"
 #include "libslam/run/sensor.h"
@@ -23,17 +23,10 @@ core::Pose2 startPose(const world::Plan& plan, const RecordConfig& config) {
     throw core::InputError(plan.name + ": no free place for a robot of side " +
                            core::formatNumber(config.robot.side_m) + " m");
   }
-  std::istringstream words(config.simulation.start);
-  std::string word;
-  std::vector<double> numbers;
-  for (double number = 0; words >> word;) {
-    if (!core::parseNumber(word, number)) break;
-    numbers.push_back(number);
-    word.clear();
-  }
-  if (numbers.size() != 3 || !word.empty())
+  const auto numbers = core::parseNumberList(config.simulation.start);
+  if (numbers.size() != 3)
     throw core::InputError("section [simulation], key 'start': found '" + config.simulation.start +
-                           "', expected auto or x_m y_m yaw_deg");
+                           "', expected auto or x_m,y_m,yaw_deg");
   return {numbers[0], numbers[1], core::wrapToPi(core::degToRad(numbers[2]))};
 }
 
@@ -42,7 +35,7 @@ const core::ParameterTable<SimulationOptions>& SimulationOptions::table() {
   static const core::ParameterTable<O> rows(
       "simulation",
       {{"duration_s", &O::duration_s, 600.0, 0.0, 1e7, "longest recording, in the robot's time"},
-       {"start", &O::start, "auto", {}, "auto, or x_m y_m yaw_deg in the world frame"},
+       {"start", &O::start, "auto", {}, "auto, or x_m,y_m,yaw_deg in the world frame"},
        {"log_form", &O::log_form, "action", {"action", "observation"}, "form of the rawlog"}});
   return rows;
 }

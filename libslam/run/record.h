@@ -25,7 +25,7 @@ namespace slam::run {
 /// Section [simulation].
 struct SimulationOptions {
   double duration_s;     ///< of the robot's time, at most
-  std::string start;     ///< "auto", or "x_m y_m yaw_deg" in the world frame
+  std::string start;     ///< "auto", or "x_m,y_m,yaw_deg" in the world frame; blanks do as commas
   std::string log_form;  ///< action | observation
   SimulationOptions();
   static const core::ParameterTable<SimulationOptions>& table();
@@ -74,7 +74,7 @@ struct Recording {
 ///   run.operations.txt    the original document's operation log
 ///   run.movers.csv        where people and doors were, when there are any that move: see MoversLog
 ///   run.collisions.csv    when and where a command was cut short, when any was: see readCollisions()
-///   run.carries.csv       when the robot was carried, from where and where to, when it was: see readCarryFile()
+///   run.carries.csv       when the robot was kidnapped, from where and where to, if it was: see readCarryFile()
 ///   run.plan.yaml, .png   the true plan, when it is not the given one: a [living] visit after the first
 ///   run.manifest.json     how to make it again
 /// Each file is written beside and renamed; an error or an interrupt leaves none of them.
@@ -84,7 +84,7 @@ Recording record(const world::Plan& given_plan, const RecordConfig& config, std:
                  const std::string& log_path, core::Manifest manifest, core::Progress& progress,
                  StepObserver* observer = nullptr);
 
-/// What is done next: a command to the robot, and before it somebody may carry it away.
+/// What is done next: a command to the robot, before which it may be kidnapped.
 struct Order {
   Order(const robot::Command& to_robot, bool whole = false) : command(to_robot), is_whole(whole) {}
   robot::Command command;

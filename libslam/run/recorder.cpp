@@ -160,7 +160,7 @@ Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, 
   if (!recording.collisions.empty())
     manifest.files[name(collisions_path)] = "truth: when and where a wall or a person cut a command short";
   if (!recording.carries.empty())
-    manifest.files[name(carries_path)] = "truth: when somebody carried the robot, from where and where to";
+    manifest.files[name(carries_path)] = "truth: when the robot was kidnapped, from where and where to";
   if (is_later_visit)
     manifest.files[name(stem) + ".plan.yaml"] =
         "true plan of this visit, furniture moved: rasterslam eval --plan";

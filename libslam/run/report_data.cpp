@@ -114,7 +114,7 @@ std::string summaryOf(const Evaluation& e, bool has_truth) {
   if (std::isnan(e.path_length_m)) return "";
   if (!has_truth) return "Its path is " + metres(e.path_length_m) + " long. No truth is known.";
   if (std::isnan(e.final_trajectory.position_m.rmse)) return "Its path cannot be compared with the truth.";
-  std::string text = "In the end its path is " + metres(e.final_trajectory.position_m.rmse) +
+  std::string text = "Its final path is " + metres(e.final_trajectory.position_m.rmse) +
                      " off (root mean square), " + metres(e.final_trajectory.position_m.max) +
                      " at worst; as it was given online, " + metres(e.trajectory.position_m.rmse) + ".";
   if (!std::isnan(e.map.occupied_precision) && !std::isnan(e.map.occupied_recall))
@@ -145,7 +145,7 @@ std::vector<std::string> verdictOf(const std::vector<Evaluation>& evaluations, b
     const auto& best = evaluations.front();
     std::string text = best.method +
                        (scored > 1 ? " came nearest to the truth: its path is " : "'s path is ") +
-                       metres(rmse(best)) + " off in the end (root mean square)";
+                       metres(rmse(best)) + " off in its final path (root mean square)";
     if (scored > 1) {
       const auto& second = evaluations[1];
       text += ", that of " + second.method + ", the next, " + metres(rmse(second));

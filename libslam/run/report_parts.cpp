@@ -75,7 +75,7 @@ void addCollisions(const std::string& log_path, double start_s, report::ReportRe
         {collision.time_s - start_s, "collision", "", core::position(collision.T_world_robot)});
   for (const auto& carry : readCarryFile(carriesPath(log_path)))
     replay.moments.push_back(
-        {carry.time_s - start_s, "carried", carryText(carry, start_s), core::position(carry.T_world_to)});
+        {carry.time_s - start_s, "kidnapped", carryText(carry, start_s), core::position(carry.T_world_to)});
 }
 
 }  // namespace

@@ -318,7 +318,7 @@ StressResult stress(const StressSuite& suite, const SweepPlan& plan, const Sweep
     rule += ", or that of the median " + plan.metric + " above " + core::formatNumber(limits.error);
   rule += "; what the seeds do not prove is not called broken. Failed: not ok";
   if (plan.failure_ate_m > 0)
-    rule += ", or more than " + core::formatNumber(plan.failure_ate_m) + " m off in the end";
+    rule += ", or more than " + core::formatNumber(plan.failure_ate_m) + " m off in the final path";
   notes.push_back(rule + ".");
   const bool is_single = std::any_of(runs.begin(), runs.end(), [](const auto& of_value) {
     return std::any_of(of_value.begin(), of_value.end(), [](const auto& list) { return list.size() == 1; });

@@ -443,7 +443,7 @@ const core::ParameterTable<SuiteOptions>& SuiteOptions::table() {
          "free_iou", "wall_p95_m", "relation_m", "relation_deg"},
         "the figure that ranks the methods"},
        {"failure_ate_m", &O::failure_ate_m, 0, 0, 1e6,
-        "a run whose path in the end is farther off than this (ate_final_m) counts as failed; 0: never"},
+        "a run whose final path is farther off than this (ate_final_m) counts as failed; 0: never"},
        {"keep",
         &O::keep,
         "paths",

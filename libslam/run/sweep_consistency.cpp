@@ -38,8 +38,8 @@ std::pair<stats::Estimate, std::size_t> meanOf(const SweepResults& results,
 std::string verdictOn(const stats::Estimate& anees) {
   if (std::isnan(anees.value)) return "-";
   if (!anees.interval) return "too few runs";
-  if (anees.interval->low > 1) return "too sure";
-  return anees.interval->high < 1 ? "too modest" : "not refuted";
+  if (anees.interval->low > 1) return "overconfident";
+  return anees.interval->high < 1 ? "conservative" : "consistent";
 }
 
 }  // namespace
@@ -90,11 +90,13 @@ SweepConsistency sweepConsistency(const SweepPlan& plan, const SweepResults& res
       add(tables.all, sweepAxes(), all);
     }
   for (auto* table : {&tables.main, &tables.all}) {
-    table->caption = "Sweep " + plan.name + ": are the covariances true? Means over the runs";
+    table->caption = "Sweep " + plan.name + ": are the stated covariances consistent? Means over the runs";
     table->notes.emplace_back(
-        "ANEES: 1 is true, above it the method is too sure, below too modest; the shares of the poses within "
-        "their ellipsoids should be 0.50 and 0.95. In brackets 95 % intervals: bootstrap over the runs "
-        "(BCa). "
+        "ANEES: above 1 the method is overconfident, below 1 conservative; consistent where the interval "
+        "holds 1. "
+        "The shares of the poses within their ellipsoids should be 0.50 and 0.95. In brackets 95 % "
+        "intervals: "
+        "bootstrap over the runs (BCa). "
         "Runs that went astray count.");
   }
   return tables;

@@ -28,7 +28,7 @@ struct MergedSweep {
 /// Brings the cells of a sweep together and writes into `output`:
 ///   results.csv .json             one row per run
 ///   summary.txt .md .tex .csv .json   statistics over the seeds
-///   consistency.txt .md .tex .csv .json   whether the covariances are true: sweepConsistency()
+///   consistency.txt .md .tex .csv .json   whether the covariances are consistent: sweepConsistency()
 ///   failures.csv .json .txt       where and why runs failed: sweepFailures()
 ///   cost.csv .json, cost_summary.txt .csv   time and memory: differ from run to run, as nothing else here does
 ///   index.sqlite                  writeSweepIndex()

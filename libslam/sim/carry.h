@@ -23,7 +23,7 @@ struct CarryOrder {
   std::string origin;         ///< for errors: "--carry"
 };
 
-/// A robot that was carried.
+/// A kidnapped robot: put elsewhere without its wheels noticing.
 struct Carry {
   double time_s;  ///< as Simulator::time_s() counts
   core::Pose2 T_world_from, T_world_to;

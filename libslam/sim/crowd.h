@@ -43,7 +43,7 @@ class Crowd {
 
   /// One tick. Where the robot was at the tick before tells its velocity.
   void tick(const Disc& robot_in_plan);
-  /// The robot was carried: it did not walk there, so nobody takes the jump for its velocity.
+  /// The robot was kidnapped: it did not walk there, so nobody takes the jump for its velocity.
   void noteCarried(const Disc& robot_in_plan) { last_robot_ = robot_in_plan; }
   /// These cells of the plan have changed, and no person is in the way.
   void update(const world::Plan& plan, const world::Door& cells);

@@ -43,7 +43,7 @@ class Scene {
   bool isAlive() const { return crowd_ || doors_; }
   /// Moves people and doors, given where the robot is now. Between two ticks they stand still.
   void tick(const Disc& robot);
-  /// The robot was carried to where it is now.
+  /// The robot was kidnapped to where it is now.
   void noteCarried(const Disc& robot);
   /// nullptr when there is none.
   const Crowd* crowd() const { return crowd_.get(); }

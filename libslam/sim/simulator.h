@@ -42,7 +42,7 @@ struct Collision {
 /// into them is a collision, and they never walk or close into the robot. Between two checks of the path (at
 /// most a quarter of a cell or 1 cm apart) the disc may cut a wall's corner by less than 0.1 mm.
 ///
-/// Somebody may carry the robot (carryAt(), carryNow()): at that moment, also amid a command, the truth jumps. The wheels do
+/// The robot may be kidnapped (carryAt(), carryNow()): at that moment, also amid a command, the truth jumps. The wheels do
 /// not notice: dead reckoning goes by the command alone, and the rest of the command is driven from the new place, unless an obstacle
 /// has ended it. A place where a person stands or a door is shut just then is waited for: the robot is put down before the first command that
 /// finds it free.
@@ -70,7 +70,7 @@ class Simulator {
   /// Carries out one command and looks. A command of duration 0 only looks.
   Sensed step(const robot::Command& command);
 
-  /// Has the robot carried at the moments of `orders` (since the first scan; may be called once, before the first command).
+  /// Has the robot kidnapped at the moments of `orders` (since the first scan; may be called once, before the first command).
   /// Errors: InputError for a place without room for the robot, as for the start.
   void carryAt(const std::vector<CarryOrder>& orders);
   /// The same before the next command. An order that still waits for its place is dropped.

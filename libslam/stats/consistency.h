@@ -19,9 +19,10 @@ std::optional<double> normalizedErrorSquared(const Eigen::VectorXd& error, const
 /// degrees_of_freedom at least 1 (ContractError).
 double chiSquaredQuantile(double probability, int degrees_of_freedom);
 
-/// Whether covariances tell the truth. Every figure's interval is over runs.
+/// Whether stated covariances are consistent with the errors. Every figure's interval is over runs.
 struct Consistency {
-  Estimate anees;  ///< mean NEES over degrees of freedom: 1 is true, above 1 too sure, below 1 too modest
+  /// Mean NEES over degrees of freedom: 1 is consistent, above 1 overconfident, below 1 conservative.
+  Estimate anees;
   Estimate coverage50;  ///< share of errors within the ellipse that should hold half of them
   Estimate coverage95;
   std::size_t runs = 0, samples = 0;

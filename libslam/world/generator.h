@@ -14,6 +14,7 @@ struct BuildingOptions {
   double width_m{}, height_m{};
   double resolution_m{};
   double corridor_m{}, room_m{}, door_m{};
+  double pillars_m{};
   double wall_m{}, outer_wall_m{};
   double clutter{};
   double glass{};
@@ -27,12 +28,12 @@ struct BuildingKind {
   std::string name, meaning;
   double width_m, height_m, corridor_m, room_m;
 };
-/// "flat", "office", "hall", "hospital", "cave".
+/// "flat", "office", "hall", "hospital", "cave", "campus".
 const std::vector<BuildingKind>& buildingKinds();
 
 struct GeneratedBuilding {
   Plan plan;
-  int rooms = 0;  ///< flats: their rooms; halls: their sections; caves: their chambers
+  int rooms = 0;  ///< flats: their rooms; halls: their sections; caves: their chambers; a campus: its yards
 };
 
 /// Draws a building of any size from 5 to 200 m; a larger one has more rooms, not larger ones. Placed at the

@@ -114,7 +114,7 @@ TEST(BadInput, StartsAndKeysThatCannotBe) {
   expectRefusal(folder, "simulate room.png --set 'simulation.start=0.02 1 0'", 3, "start");
   expectRefusal(folder, "simulate room.png --set 'simulation.start=-5 1 0'", 3, "start");
   expectRefusal(folder, "simulate room.png --set 'simulation.start=here'", 3,
-                "expected auto or x_m y_m yaw_deg");
+                "expected auto or x_m,y_m,yaw_deg");
   expectRefusal(folder, "simulate room.png --config typo.ini", 3,
                 "typo.ini:3: section [lidar], unknown key 'max_rnage_m'; did you mean 'max_range_m'?");
   expectRefusal(folder, "simulate room.png --set lidar.beams=1", 3,

@@ -82,7 +82,7 @@ TEST_F(AroundMethods, ARunGoesOnOrOnlyLocalises) {
   EXPECT_EQ(alone.exit_code, 3);
   EXPECT_THAT(alone.err, HasSubstr("--start belongs to --continue or --localise"));
   EXPECT_EQ(run("run graph run.rawlog -o x --continue first --localise first -q").exit_code, 2);
-  EXPECT_EQ(run("run graph run.rawlog -o x --continue first --start 0,0 -q").exit_code, 2);
+  EXPECT_EQ(run("run graph run.rawlog -o x --continue first --start 0,0 -q").exit_code, 3);
   EXPECT_EQ(run("run rbpf run.rawlog -o x --continue first -q").exit_code, 3);
 }
 
@@ -110,6 +110,45 @@ TEST_F(AroundMethods, APluginIsCheckedAndCompared) {
   EXPECT_EQ(ours.exit_code, 3);
   write("own.ini", "[method]\ntype = graph\n");
   EXPECT_THAT(run("plugin check own.ini run.rawlog -q").err, HasSubstr("key 'type': expected external"));
+}
+
+TEST_F(AroundMethods, AMethodsFileMayNameTheMethodThatItChanges) {
+  write("near.ini", "[method]\nbase = graph\n[graph]\nmax_range_m = 4\n");
+  const auto ran = run("run near.ini run.rawlog -o near --json -q");
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const auto manifest = nlohmann::json::parse(core::readTextFile(*folder_ / "near/manifest.json"));
+  EXPECT_EQ(manifest["config"]["graph.max_range_m"], "4");
+  EXPECT_EQ(manifest["config"]["method.type"], "graph");
+  write("nothing.ini", "[method]\nbase = grap\n");
+  const auto unknown = run("run nothing.ini run.rawlog -o nothing");
+  EXPECT_EQ(unknown.exit_code, 3);
+  EXPECT_THAT(unknown.err,
+              HasSubstr("nothing.ini:2: key 'base': unknown method 'grap'; did you mean 'graph'?"));
+  write("ring.ini", "[method]\nbase = ring.ini\n");
+  EXPECT_THAT(run("run ring.ini " + (*folder_ / "run.rawlog")).err, HasSubstr("expected an end"));
+}
+
+TEST_F(AroundMethods, AComparisonSetsValuesOfTheMethodsThatHaveThem) {
+  const auto ran =
+      run("compare run.rawlog -o set --methods naive_wheel,graph --set graph.max_range_m=4 --json -q");
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const auto manifest = nlohmann::json::parse(core::readTextFile(*folder_ / "set/graph/manifest.json"));
+  EXPECT_EQ(manifest["config"]["graph.max_range_m"], "4");
+  const auto nobody = run("compare run.rawlog -o nobody --methods naive_wheel --set graph.max_range_m=4");
+  EXPECT_EQ(nobody.exit_code, 3);
+  EXPECT_THAT(nobody.err,
+              HasSubstr("--set: found 'graph.max_range_m=4', expected a section of a method that is"));
+  EXPECT_FALSE(fs::exists(*folder_ / "nobody"));
+  EXPECT_THAT(run("compare run.rawlog -o no --set lidar.beams=91").err, HasSubstr("run.rawlog is a log"));
+  EXPECT_THAT(run("compare run.rawlog -o no --methods graph --set graph.max_rang_m=4").err,
+              HasSubstr("did you mean 'max_range_m'?"));
+}
+
+TEST_F(AroundMethods, AReportIsOneHtmlPage) {
+  ASSERT_EQ(run("run naive_wheel run.rawlog -o wheel -q").exit_code, 0);
+  const auto refused = run("report wheel -o report.pdf");
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_THAT(refused.err, HasSubstr("found 'report.pdf', expected a name that ends with .html"));
 }
 
 TEST_F(AroundMethods, TheContractIsInTheHelp) {

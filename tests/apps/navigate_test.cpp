@@ -90,7 +90,7 @@ TEST(Navigate, RefusesBadInputInOneLine) {
     EXPECT_FALSE(fs::exists(folder / "navigation") || fs::exists(folder / "navigation.tmp")) << arguments;
   };
   expectRefusal("none.png --goal '1 1'", "none.png: no such file");
-  expectRefusal("room.png --goal '1'", "--goal: found '1', expected two numbers: x_m y_m");
+  expectRefusal("room.png --goal '1'", "--goal: found '1', expected two numbers: x_m,y_m");
   expectRefusal("room.png --goal 'here'", "--goal: found 'here'");
   expectRefusal("room.png --goal '1 1' --start '1 1'", "--start: found '1 1', expected three numbers");
   expectRefusal("room.png --goal '9 9'", "goal (9.000 m, 9.000 m) is outside the plan");

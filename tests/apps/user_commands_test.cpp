@@ -65,18 +65,18 @@ TEST(Carry, HappensInSimulateExploreAndNavigate) {
   const std::string options = " -q --carry 5:11,3,90 --set lidar.beams=181 ";
   const auto simulated = rasterslam("simulate flat --duration 10 -o run.rawlog" + options, folder.path());
   ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
-  EXPECT_THAT(simulated.out, HasSubstr("carried at 5.0 s from ("));
+  EXPECT_THAT(simulated.out, HasSubstr("kidnapped at 5.0 s from ("));
   EXPECT_TRUE(fs::exists(folder / "run.carries.csv"));
   const auto explored = rasterslam(
       "explore flat --slam naive_wheel --strategy longest_ray --duration 10 -o e" + options, folder.path());
   ASSERT_EQ(explored.exit_code, 0) << explored.err;
-  EXPECT_THAT(explored.out, HasSubstr("carried at 5.0 s"));
+  EXPECT_THAT(explored.out, HasSubstr("kidnapped at 5.0 s"));
   EXPECT_TRUE(fs::exists(folder / "e/run.carries.csv"));
   const auto navigated = rasterslam("navigate flat --goal '11 7' --method bug2 --slam odometry -o n" +
                                         options + " --set navigate.time_limit_s=20",
                                     folder.path());
   EXPECT_NE(navigated.exit_code, 3) << navigated.err;
-  EXPECT_THAT(navigated.out, HasSubstr("carried at 5.0 s"));
+  EXPECT_THAT(navigated.out, HasSubstr("kidnapped at 5.0 s"));
   EXPECT_TRUE(fs::exists(folder / "n/bug2/run.carries.csv"));
 }
 

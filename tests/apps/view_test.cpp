@@ -181,7 +181,7 @@ TEST(ViewCommand, ADriveByCommandsInAWindowWritesWhatSimulateWrites) {
       "' view drive --speed 0 --close -o a.rawlog" +
       options);
   ASSERT_EQ(shown.exit_code, 0) << shown.err;
-  EXPECT_THAT(shown.out, HasSubstr("carried at 1.5 s"));
+  EXPECT_THAT(shown.out, HasSubstr("kidnapped at 1.5 s"));
   ASSERT_EQ(rasterslam("simulate -o b.rawlog" + options, folder.path()).exit_code, 0);
   for (const std::string suffix : {".rawlog", ".gt.tum", ".operations.txt", ".rawlog.GT.txt", ".carries.csv"})
     EXPECT_EQ(core::fileSha256(folder / ("a" + suffix)), core::fileSha256(folder / ("b" + suffix))) << suffix;
@@ -212,7 +212,7 @@ TEST(ViewCommand, ADriverTypesACommandAndCarriesTheRobotByTheMouse) {
                           "1280x800x24' sh hand.sh");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto out = core::readTextFile(folder / "out.txt");
-  EXPECT_THAT(out, HasSubstr("carried at ")) << core::readTextFile(folder / "err.txt");
+  EXPECT_THAT(out, HasSubstr("kidnapped at ")) << core::readTextFile(folder / "err.txt");
   EXPECT_THAT(out, HasSubstr("over 0.5 m"));
   EXPECT_THAT(out, HasSubstr("to (11.0"));
 }

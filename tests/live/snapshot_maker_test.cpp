@@ -122,7 +122,7 @@ TEST(SnapshotMaker, ACarryBreaksTheTruePathAndIsSaid) {
   sensed = simulator.step({0.1, 0, 1});
   maker.add({1, sensed.scan, {}, {}, nullptr, &simulator});
   const auto snapshot = maker.snapshot(nullptr, false);
-  EXPECT_EQ(snapshot.note, "somebody has carried the robot");
+  EXPECT_EQ(snapshot.note, "the robot was kidnapped");
   ASSERT_EQ(snapshot.truth.size(), 3U);
   EXPECT_FALSE(core::isFinite(snapshot.truth[1].pose));
   EXPECT_EQ(snapshot.truth[2].pose.x, 11);

@@ -197,7 +197,7 @@ TEST(ParticleFilter, BlindItFollowsTheOdometryAndLeavesItsMapAlone) {
   EXPECT_EQ(count(filter, "restarted"), 0);
 }
 
-TEST(ParticleFilter, CarriedAwayItSaysSoAndDrawsOnFromWhereItIs) {
+TEST(ParticleFilter, KidnappedItSaysSoAndMapsOnFromWhereItIs) {
   auto some = options();
   some.lost_scans = 5;
   ParticleFilter filter(some, 1);
@@ -366,6 +366,39 @@ TEST(ParticleFilter, ParticlesShareWhatTheyHaveInCommon) {
   ParticleFilter one(options(1), 1), many(options(30), 1);
   run(one, 300), run(many, 300);
   EXPECT_LT(many.bytes(), 15 * one.bytes());
+}
+
+/// The ring's walls five times as large: house fronts around a yard of 80 m, nothing else within reach of indoor settings.
+robot::Scan scanInYard(const core::Pose2& T, core::RandomStream& noise) {
+  std::vector<test::Wall> walls = ringWalls();
+  walls.resize(20);  // without the block in its middle
+  for (auto& wall : walls) wall = {{5 * wall.a.x, 5 * wall.a.y}, {5 * wall.b.x, 5 * wall.b.y}};
+  robot::Scan scan;
+  scan.first_angle_rad = -core::kPi, scan.step_rad = core::kPi / 180, scan.max_range_m = 80;
+  for (size_t i = 0; i < 360; ++i) {
+    const double range_m = test::castRay(walls, T, scan.angle(i)) + noise.normal(0.01);
+    scan.ranges_m.push_back(range_m < scan.max_range_m ? static_cast<float>(range_m) : robot::kNoReturn);
+  }
+  return scan;
+}
+
+TEST(ParticleFilter, ReachesAsFarAsTheRangesGo) {
+  core::RandomStream noise(3, "yard");
+  ParticleFilter filter(options(5), 1);
+  core::Pose2 T{40, 40, 0.3};
+  const core::Pose2 T_start = T;
+  for (int i = 0; i < 60; ++i) {
+    if (i > 0) T = T * core::Pose2{0.2, 0, 0.02};
+    const auto& step =
+        filter.update(scanInYard(T, noise), motionOf({i > 0 ? 0.21 : 0.0, 0, i > 0 ? 0.02 : 0.0}));
+    ASSERT_FALSE(step.lost) << "scan " << i;
+  }
+  EXPECT_GT(filter.rays().max_range_m, 40);
+  EXPECT_LT(core::distance(filter.lastStep().T_map_robot, core::between(T_start, T)), 0.05);
+  // Indoors nothing changes.
+  ParticleFilter inside(options(5), 1);
+  run(inside, 20);
+  EXPECT_EQ(inside.rays().max_range_m, ParticleFilterOptions().rays.max_range_m);
 }
 
 TEST(ParticleFilter, RefusesAMotionThatIsNotFinite) {

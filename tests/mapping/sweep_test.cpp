@@ -1,4 +1,4 @@
-// [method] sweep_s: scans of a lidar that turns while the robot does.
+// [method] sweep_s: scans of a spinning lidar on a robot that turns.
 #include <gtest/gtest.h>
 
 #include "libslam/mapping/map_builder.h"
@@ -41,12 +41,12 @@ double worstHeading(double sweep_s, const test::Drive& drive) {
   return worst_rad;
 }
 
-TEST(Sweep, ScansAreSetRightBeforeTheyAreMatched) {
+TEST(Sweep, ScansAreDeskewedBeforeTheyAreMatched) {
   const auto drive = sweptDrive();
-  const double as_they_are = worstHeading(0, drive), set_right = worstHeading(0.2, drive);
+  const double as_they_are = worstHeading(0, drive), deskewed = worstHeading(0.2, drive);
   // A sweep over 0.06 rad of turning turns the scan by half of that on the mean.
   EXPECT_GT(as_they_are, 0.015);
-  EXPECT_LT(set_right, 0.005);
+  EXPECT_LT(deskewed, 0.005);
 }
 
 }  // namespace

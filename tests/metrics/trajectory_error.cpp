@@ -57,6 +57,26 @@ TEST(TrajectoryError, IsZeroForTheTruthItself) {
   EXPECT_NEAR(e.heading_rad.max, 0, kExact);
 }
 
+TEST(TrajectoryError, WithoutAlignmentCountsWhereTheMapsFrameLies) {
+  const Pose2 T_truth_map{5, 1, 0.5};
+  const auto in_map = movedBy(core::inverse(T_truth_map), windingTruth());
+  EXPECT_GT(trajectoryError(windingTruth(), in_map, Align::kNone).position_m.max, 1);
+  const auto placed = trajectoryError(windingTruth(), in_map, Align::kNone, T_truth_map);
+  EXPECT_NEAR(placed.position_m.max, 0, kExact);
+  EXPECT_NEAR(placed.heading_rad.max, 0, kExact);
+  EXPECT_EQ(placed.T_truth_estimate.x, 5);
+}
+
+TEST(TrajectoryError, AlignedAtTheFirstPoseGrowsFromThere) {
+  Trajectory truth = straightLine(11, 1), estimate = truth;
+  for (auto& stamped : estimate) stamped.pose = Pose2{7, 3, 1} * Pose2{1.1 * stamped.pose.x, 0, 0};
+  const auto e = trajectoryError(truth, estimate, Align::kFirst);
+  EXPECT_NEAR(e.position_m.max, 1, kExact);  // a tenth of 10 m
+  EXPECT_NEAR(e.position_m.mean, 0.5, kExact);
+  EXPECT_NEAR(e.heading_rad.max, 0, kExact);
+  EXPECT_LT(trajectoryError(truth, estimate).position_m.max, 0.51);
+}
+
 TEST(TrajectoryError, IgnoresWhereTheEstimatesFrameLies) {
   const Pose2 T_map_world{-40, 17, 2.9};
   const auto e = trajectoryError(windingTruth(), movedBy(T_map_world, windingTruth()));

@@ -113,19 +113,56 @@ TEST(DrawPlan, ShowsWallsFreeSpaceAndPathsInTheirPlaces) {
   EXPECT_TRUE(isColour(at(4, 2.5), kFree));
   EXPECT_TRUE(isColour(at(4, 3), lineColours()[0]));
   EXPECT_TRUE(isColour(at(4, 2), lineColours()[1]));
-  EXPECT_TRUE(isColour(at(4, 1), kTruthPath));
+  // The truth is dashed: along its line there is ink and there is free space.
+  int ink = 0, free = 0;
+  for (double x = 2; x < 6; x += 0.01)
+    ink += at(x, 1)[0] < 200 ? 1 : 0, free += isColour(at(x, 1), kFree) ? 1 : 0;
+  EXPECT_GT(ink, 100);
+  EXPECT_GT(free, 100);
 }
 
-TEST(DrawPlan, DrawsTheTruthUnderTheEstimates) {
+TEST(DrawPlan, DrawsTheTruthAsDashesOverTheEstimates) {
   const TempFolder folder;
   drawPlan(room(), {{straight(1, 7, 2), "estimate"}, {straight(1, 7, 2), "truth", true}}, "",
            folder / "plan.png");
   const auto image = load(folder / "plan.png");
-  const int estimate = countOf(image, lineColours()[0]), truth = countOf(image, kTruthPath);
-  // 6 m of about 145 pixels each: of the estimate, 2.5 wide, at least one whole pixel wherever it lies, and one of the
-  // truth at either side.
-  EXPECT_GT(estimate, 800);
-  EXPECT_GT(truth, 2 * 800);
+  // 6 m of about 145 pixels each; half of them lie under a dash, whose edges are mixed with what lies below.
+  EXPECT_GT(countOf(image, lineColours()[0]), 800);
+  EXPECT_GT(countOf(image, kInk), 200);
+  drawPlan(room(), {{straight(1, 7, 2), "truth", true}}, "", folder / "alone.png");
+  EXPECT_GT(countOf(load(folder / "alone.png"), kTruthPath), 4 * 800) << "nothing lies below: it is broad";
+}
+
+TEST(DrawPlan, DashesEndWhereAPoseIsNotFinite) {
+  const TempFolder folder;
+  auto broken = straight(1, 7, 2);
+  for (auto& stamped : broken)
+    if (stamped.pose.x > 2 && stamped.pose.x < 6) stamped.pose.x = std::nan("");
+  const auto inkOf = [&](const core::Trajectory& truth) {
+    drawPlan(room(), {{straight(1, 7, 3), "estimate"}, {truth, "truth", true}}, "", folder / "plan.png");
+    return countOf(load(folder / "plan.png"), kInk);
+  };
+  const int legend = inkOf({});
+  EXPECT_LT(inkOf(broken) - legend, 0.6 * (inkOf(straight(1, 7, 2)) - legend));
+}
+
+TEST(DrawPlan, APathOfBlackIsSeenOnWalls) {
+  const TempFolder folder;
+  drawPlan(room(), {{straight(1, 7, 2), "naive"}}, "", folder / "plan.png");
+  EXPECT_EQ(countOf(load(folder / "plan.png"), {0, 0, 0}), 0);
+}
+
+TEST(PathPanels, ShowEveryPathByItselfWithTheTruth) {
+  const auto panels = pathPanels(
+      room(),
+      {{straight(1, 7, 3), "icp"}, {straight(1, 7, 1), "true path", true}, {straight(1, 7, 2), "graph"}});
+  ASSERT_EQ(panels.size(), 2U);
+  EXPECT_EQ(panels[0].title, "icp");
+  EXPECT_EQ(panels[1].title, "graph");
+  for (const auto& panel : panels) {
+    ASSERT_EQ(panel.paths.size(), 2U);
+    EXPECT_TRUE(panel.paths[1].is_truth);
+  }
 }
 
 TEST(DrawPlan, FollowsAPlanThatIsTurned) {

@@ -126,7 +126,7 @@ TEST(Failure, TheGravestEventAroundIsTheSuspect) {
   loop.other_scan = 0;
   journal.push_back(loop);
   report = explainFailure(run, truth, {journal, {{kStart_s + 21, {}}}, {}, {}});
-  EXPECT_EQ(report.suspect, "wrong loop");
+  EXPECT_EQ(report.suspect, "false loop closure");
   report = explainFailure(run, truth, {});
   EXPECT_EQ(report.suspect, "unknown");
   EXPECT_TRUE(report.around.empty());
@@ -193,8 +193,8 @@ TEST(Failure, ACarryIsTheGravestSuspect) {
   evidence.carries = {{10.05, {5, 0, 0}, {11, 0, 0}}};
   const auto report = explainFailure(run, truth, evidence);
   ASSERT_TRUE(report.divergence);
-  EXPECT_EQ(report.suspect, "carried");
-  EXPECT_THAT(report.around, ::testing::Contains(HasSubstr("carried away, 10.1 s")));
+  EXPECT_EQ(report.suspect, "kidnapped");
+  EXPECT_THAT(report.around, ::testing::Contains(HasSubstr("kidnapped, 10.1 s")));
 }
 
 }  // namespace

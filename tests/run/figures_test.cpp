@@ -149,5 +149,26 @@ TEST(ErrorChart, NeedsATruth) {
   EXPECT_EQ(allPaths(page).size(), 1U);
 }
 
+TEST(ErrorChart, IsSmoothAndDrawsTheBestLast) {
+  report::ReportPage page;
+  page.runs.resize(2);
+  const char* names[] = {"good", "bad"};
+  for (std::size_t i = 0; i < 2; ++i) {
+    auto& run = page.runs[i];
+    run.method = names[i];
+    for (int k = 0; k <= 1000; ++k) {  // 100 s; the error is 0 or 0.2 by turns, of the second ten times that
+      run.path.push_back({0.1 * k, {}});
+      run.error_m.push_back((k % 2) * (i == 0 ? 0.2 : 2));
+    }
+  }
+  page.runs[0].error_m[500] = std::nan("");  // does not count
+  const auto chart = errorChart(page, "out", true);
+  ASSERT_EQ(chart.curves.size(), 2U);
+  EXPECT_EQ(chart.curves[0].label, "bad");
+  EXPECT_EQ(chart.curves[1].label, "good");
+  EXPECT_EQ(chart.y_title, "position error (m), rms over 2 s");
+  for (const auto& p : chart.curves[1].points) EXPECT_NEAR(p.y, 0.2 / std::sqrt(2), 0.01) << p.x;
+}
+
 }  // namespace
 }  // namespace slam::run

@@ -75,7 +75,7 @@ TEST(ReachGoal, ACarriedRobotDoesNotKnowAndTheTruthDoes) {
   EXPECT_EQ(run.status, navigate::GoalStatus::kReached);  // by its wheels
   EXPECT_FALSE(run.right);                                // but not truly
   EXPECT_LT(run.path_m, core::pathLength(run.truth) - 0.5);
-  EXPECT_THAT(report::toText(comparison.table), HasSubstr("tangent: carried at 2.0 s from"));
+  EXPECT_THAT(report::toText(comparison.table), HasSubstr("tangent: kidnapped at 2.0 s from"));
   EXPECT_TRUE(fs::exists(folder / "out/tangent/run.carries.csv"));
 }
 

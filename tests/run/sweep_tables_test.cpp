@@ -77,7 +77,7 @@ TEST(SweepTables, AmongMoreMethodsMoreSeedsAreNeeded) {
 
 TEST(SweepConsistency, SaysWhoIsTooSureAndWhoSaysNothing) {
   TwoMethods sweep;
-  // `good` is too sure online (ANEES 1.5, 2, ..., 6) and in the end neither (0.5 and 1.5 in turn); `bad` states nothing.
+  // `good` is overconfident online (ANEES 1.5, 2, ..., 6) and in the end neither (0.5 and 1.5 in turn); `bad` states nothing.
   for (std::size_t i = 0; i < sweep.results.size(); i += 2) {
     const double seed = static_cast<double>(i / 2 + 1);
     auto& figures = sweep.results[i]->figures;
@@ -91,10 +91,10 @@ TEST(SweepConsistency, SaysWhoIsTooSureAndWhoSaysNothing) {
   EXPECT_EQ(numberIn(tables.all, 0, "runs"), 10);
   EXPECT_DOUBLE_EQ(numberIn(tables.all, 0, "anees"), 3.75);
   EXPECT_GT(numberIn(tables.all, 0, "anees_low"), 1);
-  EXPECT_EQ(textIn(tables.all, 0, "verdict"), "too sure");
+  EXPECT_EQ(textIn(tables.all, 0, "verdict"), "overconfident");
   EXPECT_EQ(textIn(tables.main, 0, "within_50_share"), "0.250 [0.250, 0.250]");
   EXPECT_TRUE(std::isnan(numberIn(tables.all, 0, "within_95_share")));
-  EXPECT_EQ(textIn(tables.all, 0, "verdict_final"), "not refuted");
+  EXPECT_EQ(textIn(tables.all, 0, "verdict_final"), "consistent");
   for (std::size_t i = 2; i < sweep.results.size(); ++i) sweep.results[i].reset();
   EXPECT_EQ(textIn(sweepConsistency(sweep.plan, sweep.results).all, 0, "verdict"), "too few runs");
   sweep.results[0]->figures.clear();
@@ -112,8 +112,8 @@ TEST(SweepConsistency, AllTogetherDrawsWithinEachSetting) {
   ASSERT_EQ(tables.main.rows.size(), 3U);
   EXPECT_EQ(textIn(tables.main, 0, "world"), "all");
   EXPECT_EQ(textIn(tables.main, 0, "anees"), "5.10 [5.10, 5.10]");
-  EXPECT_EQ(textIn(tables.main, 1, "verdict"), "too modest");
-  EXPECT_EQ(textIn(tables.main, 2, "verdict"), "too sure");
+  EXPECT_EQ(textIn(tables.main, 1, "verdict"), "conservative");
+  EXPECT_EQ(textIn(tables.main, 2, "verdict"), "overconfident");
 }
 
 TEST(SweepTables, AMethodThatAlwaysWinsIsInAGroupOfItsOwn) {

@@ -90,7 +90,7 @@ TEST_F(UserDriveTest, ACarryIsNoCommandAndNoWay) {
   ASSERT_EQ(carries.size(), 1U);
   EXPECT_NEAR(carries[0].time_s - truth.front().time_s, 1, 1e-3);
   EXPECT_EQ(carries[0].T_world_to.x, 11);
-  EXPECT_EQ(carryText(carries[0], truth.front().time_s).substr(0, 17), "carried at 1.0 s ");
+  EXPECT_EQ(carryText(carries[0], truth.front().time_s).substr(0, 19), "kidnapped at 1.0 s ");
   double odometry_m = 0;
   logs::LogReader log(folder_ / "run.rawlog");
   while (const auto entry = log.next()) odometry_m = entry->T_odom_robot.x;

@@ -29,14 +29,16 @@ TEST(LidarPresets, AllLoadStrictlyAndGiveEveryParameter) {
     for (const auto& row : LidarOptions::table().rows())
       EXPECT_TRUE(ini.find("lidar", row.info.key)) << entry.path() << " lacks " << row.info.key;
   }
-  EXPECT_THAT(names, testing::UnorderedElementsAre("thesis_360", "thesis_360_pixels", "lms291", "tim571",
-                                                   "utm30lx", "urg04lx", "rplidar_a1", "rplidar_a2"));
+  EXPECT_THAT(names,
+              testing::UnorderedElementsAre("thesis_360", "thesis_360_pixels", "lms291", "lms511", "tim571",
+                                            "utm30lx", "urg04lx", "rplidar_a1", "rplidar_a2"));
 }
 
 TEST(LidarPresets, HaveTheBeamStepOfTheDataSheet) {
   // The presets give field of view and count; the step follows. URG-04LX: 360/1024 deg within 0.1 %.
   EXPECT_NEAR(core::radToDeg(beamStep(load("thesis_360"))), 1.0, 1e-12);
   EXPECT_NEAR(core::radToDeg(beamStep(load("lms291"))), 0.5, 1e-12);
+  EXPECT_NEAR(core::radToDeg(beamStep(load("lms511"))), 0.5, 1e-12);
   EXPECT_NEAR(core::radToDeg(beamStep(load("tim571"))), 1.0 / 3, 1e-12);
   EXPECT_NEAR(core::radToDeg(beamStep(load("utm30lx"))), 0.25, 1e-12);
   EXPECT_NEAR(core::radToDeg(beamStep(load("urg04lx"))), 360.0 / 1024, 0.001 * 360.0 / 1024);
@@ -49,6 +51,8 @@ TEST(LidarPresets, HaveTheNoiseOfTheDataSheet) {
     return rangeSigma(load(name), range_m);
   };
   EXPECT_EQ(sigmaAt("lms291", 20), 0.01);
+  EXPECT_EQ(sigmaAt("lms511", 10), 0.006);
+  EXPECT_NEAR(sigmaAt("lms511", 30), 0.014, 0.0002);
   EXPECT_EQ(sigmaAt("tim571", 8), 0.02);
   EXPECT_DOUBLE_EQ(sigmaAt("utm30lx", 10), 0.01);
   EXPECT_DOUBLE_EQ(sigmaAt("utm30lx", 30), 0.03);

@@ -131,11 +131,9 @@ TEST_P(Generator, KeepsItsPromisesForManySeedsAndSizes) {
 }
 
 TEST_P(Generator, DrawsTheSameCellsOnAnyMachine) {
-  const std::map<std::string, std::string> golden = {{"flat", "e9a0c85b60dd1e15"},
-                                                     {"office", "fdbfa51327d96150"},
-                                                     {"hall", "86ee538e1e5e1344"},
-                                                     {"hospital", "d4536b8af39faf6f"},
-                                                     {"cave", "3d18b5de91a132cf"}};
+  const std::map<std::string, std::string> golden = {
+      {"flat", "e9a0c85b60dd1e15"},     {"office", "fdbfa51327d96150"}, {"hall", "86ee538e1e5e1344"},
+      {"hospital", "d4536b8af39faf6f"}, {"cave", "3d18b5de91a132cf"},   {"campus", "a261cda34ce65947"}};
   BuildingOptions options = sized(34, 26);
   options.glass = 0.3;
   const Plan plan = generateBuilding(GetParam(), options, 1).plan;
@@ -209,9 +207,10 @@ TEST(GeneratorErrors, NameTheKeyOrTheKind) {
   const auto error = [](const std::string& kind, const BuildingOptions& options) {
     return testing::errorOf([&] { generateBuilding(kind, options, 1); });
   };
-  EXPECT_EQ(error("ofice", {}),
-            "unknown kind of building 'ofice', expected flat, office, hall, hospital or cave; did you mean "
-            "'office'?");
+  EXPECT_EQ(
+      error("ofice", {}),
+      "unknown kind of building 'ofice', expected flat, office, hall, hospital, cave or campus; did you mean "
+      "'office'?");
   EXPECT_EQ(error("office", sized(4, 20)),
             "[building] width_m: found 4, expected 5 to 200, or 0 for the kind's own");
   EXPECT_EQ(error("office", sized(20, 201)),
@@ -222,7 +221,42 @@ TEST(GeneratorErrors, NameTheKeyOrTheKind) {
             "[building] corridor_m: found 0.4, expected 1 to 8, or 0 for the kind's own");
   options.corridor_m = 0, options.room_m = 2;
   EXPECT_EQ(error("office", options),
-            "[building] room_m: found 2, expected 2.5 to 80, or 0 for the kind's own");
+            "[building] room_m: found 2, expected 2.5 to 200, or 0 for the kind's own");
+  options.room_m = 0, options.pillars_m = 2;
+  EXPECT_EQ(error("hall", options),
+            "[building] pillars_m: found 2, expected 3 to 80, or 0 for a furnished hall");
+}
+
+TEST(GeneratedCampus, HasOneYardOf200MetresWhereAsked) {
+  BuildingOptions options = sized(200, 200, 0.1);
+  options.room_m = 200;
+  const GeneratedBuilding building = generateBuilding("campus", options, 1);
+  EXPECT_EQ(building.rooms, 1);
+  EXPECT_EQ(brokenPromiseOf(building.plan, options), "");
+  options.room_m = 50;
+  EXPECT_EQ(generateBuilding("campus", options, 1).rooms, 16);
+}
+
+/// Occupied cells with nothing of the outer walls: farther than 5 m from the plan's rim.
+size_t innerWallCells(const Plan& plan) {
+  const int rim = static_cast<int>(5 / plan.resolution_m);
+  size_t cells = 0;
+  for (int row = rim; row < plan.rows - rim; ++row)
+    for (int column = rim; column < plan.columns - rim; ++column)
+      cells += plan.at(column, row) == Cell::kOccupied;
+  return cells;
+}
+
+TEST(GeneratedHall, IsOneOpenRoomWithPillarsSoFarApartWhereAsked) {
+  BuildingOptions options = sized(200, 120, 0.1);
+  options.clutter = 0, options.pillars_m = 20;
+  const Plan plan = generateBuilding("hall", options, 1).plan;
+  EXPECT_EQ(brokenPromiseOf(plan, options), "");
+  // 9 x 5 pillars of 0.45 m, which are 5 x 5 cells at most; without racks, and the office in the corner apart.
+  EXPECT_LE(innerWallCells(plan), 45U * 25 + 200);
+  EXPECT_GE(innerWallCells(plan), 45U * 16);
+  options.pillars_m = 0;
+  EXPECT_GT(innerWallCells(generateBuilding("hall", options, 1).plan), 5000U);
 }
 
 TEST(GeneratedHospital, IsAliasedWithoutFurniture) {

@@ -28,7 +28,10 @@ const std::vector<Drawer>& drawers() {
         3.8},
        drawHospital},
       {{"cave", "chambers and tunnels in rock: rough walls, loops, not one straight line", 50, 32, 1.6, 8},
-       drawCave}};
+       drawCave},
+      {{"campus", "open air: yards between houses and their fronts, trees, lamp posts, parked cars", 120, 90,
+        4, 50},
+       drawCampus}};
   return all;
 }
 
@@ -78,9 +81,12 @@ const core::ParameterTable<BuildingOptions>& BuildingOptions::table() {
        {"resolution_m", &O::resolution_m, 0.05, 0.02, 0.1, "side of a cell"},
        {"corridor_m", &O::corridor_m, 0.0, 0.0, 8.0,
         "clear width of corridors, aisles or tunnels, 1 to 8; 0 = the kind's own"},
-       {"room_m", &O::room_m, 0.0, 0.0, 80.0,
-        "usual length of a room along its corridor, of a hall's section, between caves' chambers, 2.5 to 80; "
-        "0 = the kind's own"},
+       {"room_m", &O::room_m, 0.0, 0.0, 200.0,
+        "usual length of a room along its corridor, of a hall's section or a campus's yard, between caves' "
+        "chambers, 2.5 to 200; 0 = the kind's own"},
+       {"pillars_m", &O::pillars_m, 0.0, 0.0, 80.0,
+        "halls: open, with nothing but pillars so far apart and a few pieces; 0 = racks, pallets and "
+        "machines"},
        {"door_m", &O::door_m, 0.9, 0.8, 2.0, "clear width of doors"},
        {"wall_m", &O::wall_m, 0.15, 0.1, 0.5, "thickness of inner walls"},
        {"outer_wall_m", &O::outer_wall_m, 0.3, 0.1, 1.0, "thickness of outer walls"},
@@ -106,7 +112,7 @@ GeneratedBuilding generateBuilding(const std::string& kind, const BuildingOption
     std::vector<std::string> names;
     for (const BuildingKind& known : buildingKinds()) names.push_back(known.name);
     throw core::InputError("unknown kind of building '" + kind +
-                           "', expected flat, office, hall, hospital or cave" +
+                           "', expected flat, office, hall, hospital, cave or campus" +
                            core::didYouMean(kind, names));
   }
   BuildingOptions o = options;
@@ -119,7 +125,10 @@ GeneratedBuilding generateBuilding(const std::string& kind, const BuildingOption
                            ", expected 1 to 8, or 0 for the kind's own");
   if (o.room_m < 2.5)
     throw core::InputError("[building] room_m: found " + core::formatNumber(o.room_m) +
-                           ", expected 2.5 to 80, or 0 for the kind's own");
+                           ", expected 2.5 to 200, or 0 for the kind's own");
+  if (o.pillars_m > 0 && o.pillars_m < 3)
+    throw core::InputError("[building] pillars_m: found " + core::formatNumber(o.pillars_m) +
+                           ", expected 3 to 80, or 0 for a furnished hall");
   const bool stands = o.height_m > o.width_m;
   if (stands) std::swap(o.width_m, o.height_m);
   Site site(o, seed);

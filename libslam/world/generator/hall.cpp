@@ -24,7 +24,8 @@ class Hall {
   /// in the corner of the first.
   void cutSections() {
     const int w = site_.wall;
-    const int usual = std::max(site_.room, site_.cells(1000));
+    const bool is_open = site_.pillars > 0;
+    const int usual = is_open ? std::max(site_.width, site_.height) : std::max(site_.room, site_.cells(1000));
     const int nx = std::max(1, (site_.width + usual / 2) / usual);
     const int ny = std::max(1, (site_.height + usual / 2) / usual);
     for (int k = 0; k < ny; ++k)
@@ -67,14 +68,16 @@ class Hall {
   void furnishSection(const Rect& r, size_t index) {
     core::RandomStream random(site_.seed, "building furniture section " + std::to_string(index));
     const auto chance = index == 0 ? 0 : random.below(100);
-    if (chance < 60)
+    if (site_.pillars > 0)
+      raisePillars(r);
+    else if (chance < 60)
       furnishRacks(random, r);
     else if (chance < 80)
       furnishBlocks(random, r);
     else
       furnishWorkshop(random, r);
     const int pieces = static_cast<int>(static_cast<std::int64_t>(r.width()) * r.height() /
-                                        site_.cells(1000) / site_.cells(800));
+                                        site_.cells(1000) / site_.cells(site_.pillars > 0 ? 8000 : 800));
     for (int i = 0; i < pieces; ++i) {
       const bool is_there = random.chance(site_.options.clutter), is_cart = random.below(3) == 0;
       if (is_there)
@@ -128,7 +131,7 @@ class Hall {
   }
 
   void raisePillars(const Rect& r) {
-    const int side = site_.cells(45), bay = site_.cells(1050);
+    const int side = site_.cells(45), bay = site_.pillars > 0 ? site_.pillars : site_.cells(1050);
     const int nx = std::max(1, r.width() / bay), ny = std::max(1, r.height() / bay);
     for (int i = 1; i <= nx; ++i)
       for (int k = 1; k <= ny; ++k) {

@@ -47,6 +47,7 @@ Site::Site(const BuildingOptions& o, std::uint64_t building_seed)
       corridor(cells(centimetres(o.corridor_m))),
       door(std::max(cells(centimetres(o.door_m)), static_cast<int>(std::ceil(0.8 / o.resolution_m - 1e-9)))),
       room(cells(centimetres(o.room_m))),
+      pillars(o.pillars_m > 0 ? cells(centimetres(o.pillars_m)) : 0),
       nook(cells(15)) {}
 
 void Site::requireInside(const std::string& kind, int least_width, int least_height) const {

@@ -65,8 +65,9 @@ struct Site {
   Canvas canvas;
   int width, height;  ///< inside the outer walls
   int wall, outer_wall, corridor, door;
-  int room;  ///< the usual length of a room along its corridor
-  int nook;  ///< least wall beside a door
+  int room;     ///< the usual length of a room along its corridor
+  int pillars;  ///< between an open hall's pillars; 0: the hall is furnished
+  int nook;     ///< least wall beside a door
   std::vector<Room> rooms;
   std::vector<Rect> courts;  ///< open air inside the building: never carved
 };
@@ -84,5 +85,6 @@ void drawOffice(Site& site);
 void drawHall(Site& site);
 void drawHospital(Site& site);
 void drawCave(Site& site);
+void drawCampus(Site& site);
 
 }  // namespace slam::world

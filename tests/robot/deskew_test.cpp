@@ -1,4 +1,4 @@
-#include "libslam/robot/undistort.h"
+#include "libslam/robot/deskew.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ double rangeInRoom(const core::Pose2& T_room_lidar, double angle_rad) {
 
 constexpr double kPeriod_s = 0.2;
 
-/// What a turning lidar sees of the room when the robot drives `T_previous_robot` a period and is at T_room_robot at the end.
+/// What a spinning lidar sees of the room when the robot drives `T_previous_robot` a period and is at T_room_robot at the end.
 Scan sweptScan(const core::Pose2& T_room_robot, const core::Pose2& T_previous_robot, const Sweep& sweep,
                int beams, double fov_rad) {
   Scan scan;
@@ -46,7 +46,7 @@ std::pair<double, int> difference(const Scan& a, const Scan& b) {
   return {sum_m / count, count};
 }
 
-TEST(Undistort, ASweepWhileDrivingATurnBecomesTheScanAtItsEnd) {
+TEST(Deskew, ASweepWhileDrivingATurnBecomesTheScanAtItsEnd) {
   const core::Pose2 T_room_robot{0.5, -0.4, 0.3};
   for (const core::Pose2& motion :
        {core::Pose2{0.2, 0, 0}, core::Pose2{0, 0, 0.2}, core::Pose2{0.15, 0.01, -0.15}})
@@ -54,7 +54,7 @@ TEST(Undistort, ASweepWhileDrivingATurnBecomesTheScanAtItsEnd) {
       const Sweep sweep{0.15, clockwise};
       const auto swept = sweptScan(T_room_robot, motion, sweep, 361, core::kPi);
       const auto still = sweptScan(T_room_robot, {}, sweep, 361, core::kPi);
-      const auto result = undistorted(swept, motion, kPeriod_s, sweep);
+      const auto result = deskewed(swept, motion, kPeriod_s, sweep);
       EXPECT_GT(difference(swept, still).first, 0.02);
       // Corners are cut by less than a beam's width.
       EXPECT_LT(difference(result, still).first, 1e-3);
@@ -63,37 +63,37 @@ TEST(Undistort, ASweepWhileDrivingATurnBecomesTheScanAtItsEnd) {
     }
 }
 
-TEST(Undistort, AFullCircleStaysWhole) {
+TEST(Deskew, AFullCircleStaysWhole) {
   const core::Pose2 motion{0.1, 0, 0.1};
   const Sweep sweep{0.19, false};
   const double fov_rad = 2 * core::kPi * 359 / 360;
-  const auto result = undistorted(sweptScan({}, motion, sweep, 360, fov_rad), motion, kPeriod_s, sweep);
+  const auto result = deskewed(sweptScan({}, motion, sweep, 360, fov_rad), motion, kPeriod_s, sweep);
   const auto still = sweptScan({}, {}, sweep, 360, fov_rad);
   ASSERT_TRUE(still.isFullCircle());
   EXPECT_EQ(difference(result, still).second, 360);
   EXPECT_LT(difference(result, still).first, 2e-3);
 }
 
-TEST(Undistort, WhatTheReadingsNoLongerCoverIsLost) {
+TEST(Deskew, WhatTheReadingsNoLongerCoverIsLost) {
   // It turned left while it swept from right to left: what was first seen, far right, lies farther right now.
   const core::Pose2 motion{0, 0, 0.2};
   const Sweep sweep{0.2, false};
-  const auto result = undistorted(sweptScan({}, motion, sweep, 181, core::kPi), motion, kPeriod_s, sweep);
+  const auto result = deskewed(sweptScan({}, motion, sweep, 181, core::kPi), motion, kPeriod_s, sweep);
   EXPECT_TRUE(isReturn(result.ranges_m.front()));
   EXPECT_TRUE(isReturn(result.ranges_m.back()));
   const core::Pose2 other{0, 0, -0.2};
-  const auto turned = undistorted(sweptScan({}, other, sweep, 181, core::kPi), other, kPeriod_s, sweep);
+  const auto turned = deskewed(sweptScan({}, other, sweep, 181, core::kPi), other, kPeriod_s, sweep);
   EXPECT_TRUE(std::isnan(turned.ranges_m.front()));
   EXPECT_TRUE(isReturn(turned.ranges_m.back()));
 }
 
-TEST(Undistort, NoReturnsTurnAndNothingIsMadeUpBetweenTwoSurfaces) {
+TEST(Deskew, NoReturnsTurnAndNothingIsMadeUpBetweenTwoSurfaces) {
   Scan scan;
   scan.first_angle_rad = -0.5;
   scan.step_rad = 0.01;
   scan.ranges_m.assign(101, kNoReturn);
   for (size_t i = 40; i < 60; ++i) scan.ranges_m[i] = i < 50 ? 1.0F : 5.0F;
-  const auto result = undistorted(scan, {0, 0, 0.05}, 1, {1, false});
+  const auto result = deskewed(scan, {0, 0, 0.05}, 1, {1, false});
   int near = 0, far = 0;
   for (const float range_m : result.ranges_m) {
     EXPECT_TRUE(std::isnan(range_m) || range_m == kNoReturn || std::abs(range_m - 1) < 0.01 ||
@@ -106,10 +106,10 @@ TEST(Undistort, NoReturnsTurnAndNothingIsMadeUpBetweenTwoSurfaces) {
   EXPECT_NEAR(far, 10, 1);
 }
 
-TEST(Undistort, AStandingRobotAndNoSweepLeaveTheScan) {
+TEST(Deskew, AStandingRobotAndNoSweepLeaveTheScan) {
   const auto scan = sweptScan({}, {}, {0.1, false}, 91, core::kPi);
-  EXPECT_EQ(undistorted(scan, {}, kPeriod_s, {0.1, false}).ranges_m, scan.ranges_m);
-  EXPECT_EQ(undistorted(scan, {0.2, 0, 0.1}, kPeriod_s, {}).ranges_m, scan.ranges_m);
+  EXPECT_EQ(deskewed(scan, {}, kPeriod_s, {0.1, false}).ranges_m, scan.ranges_m);
+  EXPECT_EQ(deskewed(scan, {0.2, 0, 0.1}, kPeriod_s, {}).ranges_m, scan.ranges_m);
 }
 
 }  // namespace

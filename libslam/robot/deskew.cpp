@@ -1,4 +1,4 @@
-#include "libslam/robot/undistort.h"
+#include "libslam/robot/deskew.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,7 +58,7 @@ std::vector<Moved> movedReadings(const Scan& scan, const core::Pose2& T_previous
 
 }  // namespace
 
-Scan undistorted(const Scan& scan, const core::Pose2& T_previous_robot, double period_s, const Sweep& sweep) {
+Scan deskewed(const Scan& scan, const core::Pose2& T_previous_robot, double period_s, const Sweep& sweep) {
   const bool is_still = T_previous_robot.x == 0 && T_previous_robot.y == 0 && T_previous_robot.phi == 0;
   if (sweep.duration_s <= 0 || is_still || scan.ranges_m.size() < 2) return scan;
   auto moved = movedReadings(scan, T_previous_robot, period_s, sweep);

@@ -1,0 +1,22 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "libslam/gridmap/occupancy_raster.h"
+#include "libslam/robot/scan.h"
+
+namespace slam::mapping {
+
+/// A scan and where it is seen from.
+struct KeyFrame {
+  robot::Scan scan;
+  core::Pose2 T_map_robot;
+};
+
+/// Writes them as an MRPT simplemap, which continueMap() reads. Same key frames, same bytes. Errors: IoError.
+void writeKeyFrames(const std::vector<KeyFrame>& key_frames, const std::string& path);
+
+/// An MRPT occupancy grid, as saveMaps() or MRPT's programs write it. Errors: InputError for a file that is none.
+gridmap::OccupancyRaster readGridMap(const std::string& path);
+
+}  // namespace slam::mapping
