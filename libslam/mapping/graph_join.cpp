@@ -121,8 +121,7 @@ void GraphSlam::holdAgainst(Join& join, Cursor& cursor, int next) {
   ++join.asked;
   const auto around = keyframesNear(core::position(expected), componentOf(join.place), kMapKeyframes);
   if (toldBy(firstOf(around, kViewers), points, expected).telling < kTold) return;
-  LevelMaps maps(options_);
-  fill(maps, around, core::position(expected));
+  const LevelMaps& maps = mapOf(around, core::position(expected));
   scanmatch::PosePrior prior;
   prior.mean = expected;
   prior.information.diagonal() << 100, 100, 1000;

@@ -21,6 +21,10 @@ using scanmatch::PosePrior;
 constexpr double kSearchTurn_rad = 0.1, kSearchTurnPerMetre_rad = 0.002, kSearchTurnMost_rad = 0.6;
 /// Places tried in one search.
 constexpr int kMostPlaces = 2;
+/// Points that are searched with, at most.
+constexpr size_t kMostQueryPoints = 150;
+/// Windows up to this reach are searched on the finest raster; and how much coarser it may become.
+constexpr double kFineReach_m = 16, kCoarsest = 2;
 /// A confirmation may correct the hypothesis by this much.
 constexpr double kConfirmStep_m = 0.3, kConfirmTurn_rad = 0.06;
 constexpr int kMostFailures = 2;
@@ -30,6 +34,14 @@ constexpr double kDistinctShifts_m[] = {-1.5, -1, -0.6, -0.35, 0.35, 0.6, 1, 1.5
 constexpr double kDistinctKernel = 3;
 
 }  // namespace
+
+std::vector<Point2> searchPoints(const std::vector<PatchPoint>& points, size_t most) {
+  const auto kept = thinned(points, kQuerySpacing_m);
+  std::vector<Point2> result;
+  const size_t count = std::min(most, kept.size());
+  for (size_t i = 0; i < count; ++i) result.push_back(position(kept[i * kept.size() / count]));
+  return result;
+}
 
 std::vector<PatchPoint> thinned(const std::vector<PatchPoint>& points, double side_m) {
   std::unordered_set<std::int64_t> taken;
@@ -111,8 +123,7 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
     const Pose2 T_k_i = core::between(T, graph_.pose(i));
     for (const auto& point : keyframe(i).points) query.push_back(T_k_i * point);
   }
-  std::vector<Point2> search_points;
-  for (const auto& point : thinned(query, kQuerySpacing_m)) search_points.push_back(position(point));
+  const auto search_points = searchPoints(query, kMostQueryPoints);
   const auto match_points = thinned(query, kQueryMatchSpacing_m);
 
   searched_reach_m_ = 0;
@@ -129,16 +140,17 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
                                 [&](int a) { return is_local[static_cast<size_t>(a)] != 0; }),
                  around.end());
     around = firstOf(std::move(around), options_.map_keyframes);
-    const scanmatch::LikelihoodPyramid pyramid(placeAround(around), kSearchCell_m, kSearchSigma_m,
-                                               kSearchLevels);
+    // A wide window is searched on a coarser raster: it costs as its cube.
+    const double coarser = std::clamp(reachOf(old) / kFineReach_m, 1.0, kCoarsest);
+    pyramid_.build(placeAround(around), coarser * kSearchCell_m, coarser * kSearchSigma_m, kSearchLevels);
     const scanmatch::SearchWindow window{
         reachOf(old), std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * way[static_cast<size_t>(old)],
                                kSearchTurnMost_rad)};
     searched_reach_m_ = std::max(searched_reach_m_, window.half_xy_m);
-    const auto found = searchBest(pyramid, search_points, T, window, options_.loop_search_score);
+    const auto found = searchBest(pyramid_, search_points, T, window, options_.loop_search_score);
     if (!found) continue;
     note("searched", found->score, old);
-    const auto matched = matchFreely(match_points, around, found->T_map_robot);
+    const auto matched = matchFreely(match_points, around, found->T_map_robot, coarser > 1);
     std::vector<int> viewers;
     for (const int a : around)
       if (core::distance(graph_.pose(a), matched.T_map_robot) <= kViewerDistance_m) viewers.push_back(a);
@@ -174,8 +186,7 @@ bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
     if (is_old && static_cast<int>(around.size()) < options_.map_keyframes) around.push_back(old);
   }
   if (around.empty()) return false;
-  LevelMaps maps(options_);
-  fill(maps, around, core::position(expected));
+  const LevelMaps& maps = mapOf(around, core::position(expected));
   PosePrior prior;
   prior.mean = expected;
   prior.information.diagonal() << 100, 100, 1000;

@@ -100,14 +100,7 @@ std::optional<scanmatch::MatchResult> GraphSlam::matchAtPlace(const std::vector<
   std::vector<PatchPoint> near;
   for (const auto& point : query)
     if (std::hypot(point.x, point.y) <= kPlaceReach_m) near.push_back(point);
-  std::vector<Point2> search_points;
-  for (const auto& point : thinned(near, kQuerySpacing_m)) search_points.push_back(position(point));
-  if (search_points.size() > kMostQueryPoints) {
-    std::vector<Point2> fewer;
-    for (size_t i = 0; i < kMostQueryPoints; ++i)
-      fewer.push_back(search_points[i * search_points.size() / kMostQueryPoints]);
-    search_points = std::move(fewer);
-  }
+  const auto search_points = searchPoints(near, kMostQueryPoints);
   const auto found = searchBest(pyramidOf(place), search_points, {centre.x, centre.y, heading_rad},
                                 {kPlaceHalf_m, 0.5 * kHeadingStep_rad}, options_.loop_score);
   if (!found) return std::nullopt;

@@ -23,4 +23,7 @@ inline constexpr int kConfirmEdges = 4;
 /// One point per square of this side, in the order they come.
 std::vector<scanmatch::PatchPoint> thinned(const std::vector<scanmatch::PatchPoint>& points, double side_m);
 
+/// What a search asks: one point per kQuerySpacing_m, at most so many, evenly of all.
+std::vector<core::Point2> searchPoints(const std::vector<scanmatch::PatchPoint>& points, size_t most);
+
 }  // namespace slam::mapping

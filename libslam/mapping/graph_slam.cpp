@@ -92,7 +92,7 @@ GraphSlam::LevelMaps::LevelMaps(const GraphOptions& o)
       middle(2 * o.cell_m, o.blur_m + 0.02),
       coarse(4 * o.cell_m, o.blur_m + 0.07) {}
 
-GraphSlam::GraphSlam(const GraphOptions& options) : options_(options), maps_(options) {}
+GraphSlam::GraphSlam(const GraphOptions& options) : options_(options), maps_(options), scratch_(options) {}
 
 void GraphSlam::note(const char* event, double value, int other_keyframe, const std::string& detail) {
   journal_.push_back({static_cast<int>(records_.size()), event, value,

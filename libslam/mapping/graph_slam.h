@@ -262,7 +262,9 @@ class GraphSlam {
                                const core::Pose2& T_start, const scanmatch::PosePrior& prior,
                                double prior_kernel, bool with_coarse) const;
   scanmatch::MatchResult matchFreely(const std::vector<scanmatch::PatchPoint>& points,
-                                     const std::vector<int>& keyframes, const core::Pose2& T_start) const;
+                                     const std::vector<int>& keyframes, const core::Pose2& T_start,
+                                     bool with_coarse = false) const;
+  const LevelMaps& mapOf(const std::vector<int>& keyframes, const core::Point2& centre) const;
   std::optional<scanmatch::MatchResult> recover(const std::vector<scanmatch::PatchPoint>& points,
                                                 const core::Pose2& predicted,
                                                 const core::Pose2& matched) const;
@@ -402,8 +404,10 @@ class GraphSlam {
   int wrong_places_ = 0;                                  ///< that were learnt from
   bool is_lost_ = false, is_outside_ = false;             ///< in a finished map
   std::vector<Join> joins_;
-  std::vector<TrailPoint> trail_;        ///< of a robot that is lost in a finished map
-  int join_first_ = 0, join_last_ = -1;  ///< keyframes that are the trail else
+  std::vector<TrailPoint> trail_;         ///< of a robot that is lost in a finished map
+  int join_first_ = 0, join_last_ = -1;   ///< keyframes that are the trail else
+  mutable LevelMaps scratch_;             ///< of mapOf()
+  scanmatch::LikelihoodPyramid pyramid_;  ///< of findLoop()
   // Scratch of keyframesAround().
   mutable std::vector<double> reached_;
   mutable std::vector<int> touched_;

@@ -60,13 +60,18 @@ MatchResult GraphSlam::match(const std::vector<PatchPoint>& points, const LevelM
 
 /// To the map of these keyframes, from a pose near the right one, without regard to any prior.
 MatchResult GraphSlam::matchFreely(const std::vector<PatchPoint>& points, const std::vector<int>& keyframes,
-                                   const Pose2& T_start) const {
-  LevelMaps maps(options_);
-  fill(maps, keyframes, core::position(T_start));
+                                   const Pose2& T_start, bool with_coarse) const {
+  const LevelMaps& maps = mapOf(keyframes, core::position(T_start));
   PosePrior flat;
   flat.mean = T_start;
   flat.information.setIdentity();
-  return match(points, maps, T_start, flat, 0, false);
+  return match(points, maps, T_start, flat, 0, with_coarse);
+}
+
+/// A map of these keyframes, until the next one is asked for.
+const GraphSlam::LevelMaps& GraphSlam::mapOf(const std::vector<int>& keyframes, const Point2& centre) const {
+  fill(scratch_, keyframes, centre);
+  return scratch_;
 }
 
 void GraphSlam::fill(LevelMaps& maps, const std::vector<int>& keyframes, const Point2& centre) const {

@@ -6,9 +6,9 @@
 
 namespace slam::scanmatch {
 
-LikelihoodPyramid::LikelihoodPyramid(const std::vector<core::Point2>& points, double cell_m, double sigma_m,
-                                     int levels)
-    : cell_m_(cell_m) {
+void LikelihoodPyramid::build(const std::vector<core::Point2>& points, double cell_m, double sigma_m,
+                              int levels) {
+  cell_m_ = cell_m;
   constexpr int kReach = 3;
   double x_min = 1e300, x_max = -1e300, y_min = 1e300, y_max = -1e300;
   for (const auto& p : points) {
@@ -21,7 +21,9 @@ LikelihoodPyramid::LikelihoodPyramid(const std::vector<core::Point2>& points, do
   side_x_ = static_cast<int>(std::ceil((x_max - origin_.x) / cell_m)) + kReach + 1 + pad_;
   side_y_ = static_cast<int>(std::ceil((y_max - origin_.y) / cell_m)) + kReach + 1 + pad_;
   const auto side = static_cast<size_t>(side_x_);
-  std::vector<std::uint8_t> base(side * static_cast<size_t>(side_y_), 0);
+  levels_.resize(static_cast<size_t>(levels));
+  auto& base = levels_.front();
+  base.assign(side * static_cast<size_t>(side_y_), 0);
   for (const auto& p : points) {
     const double px = (p.x - origin_.x) / cell_m, py = (p.y - origin_.y) / cell_m;
     const int column = static_cast<int>(px), row = static_cast<int>(py);
@@ -40,25 +42,25 @@ LikelihoodPyramid::LikelihoodPyramid(const std::vector<core::Point2>& points, do
         cell = std::max(cell, static_cast<std::uint8_t>(value + 0.5));
       }
   }
-  levels_.push_back(std::move(base));
   // Level k + 1 from level k: the greatest of the four windows that make up the larger one.
   for (int k = 1; k < levels; ++k) {
-    const auto& below = levels_.back();
+    const auto& below = levels_[static_cast<size_t>(k) - 1];
+    auto& level = levels_[static_cast<size_t>(k)];
     const int half = 1 << (k - 1);
-    std::vector<std::uint8_t> rows(below.size()), level(below.size());
+    rows_.resize(below.size());
+    level.resize(below.size());
     for (int r = 0; r < side_y_; ++r) {
       const auto* in = &below[static_cast<size_t>(r) * side];
-      auto* out = &rows[static_cast<size_t>(r) * side];
+      auto* out = &rows_[static_cast<size_t>(r) * side];
       for (int c = 0; c + half < side_x_; ++c) out[c] = std::max(in[c], in[c + half]);
       for (int c = std::max(side_x_ - half, 0); c < side_x_; ++c) out[c] = in[c];
     }
     for (int r = 0; r < side_y_; ++r) {
-      const auto* in = &rows[static_cast<size_t>(r) * side];
-      const auto* other = r + half < side_y_ ? &rows[static_cast<size_t>(r + half) * side] : in;
+      const auto* in = &rows_[static_cast<size_t>(r) * side];
+      const auto* other = r + half < side_y_ ? &rows_[static_cast<size_t>(r + half) * side] : in;
       auto* out = &level[static_cast<size_t>(r) * side];
       for (int c = 0; c < side_x_; ++c) out[c] = std::max(in[c], other[c]);
     }
-    levels_.push_back(std::move(level));
   }
 }
 

@@ -14,7 +14,13 @@ class LikelihoodPyramid {
  public:
   /// Around the points (map frame). A cell at distance d of the nearest point has the value exp(-d^2 / (2 sigma^2)),
   /// cut off beyond three cells.
-  LikelihoodPyramid(const std::vector<core::Point2>& points, double cell_m, double sigma_m, int levels);
+  LikelihoodPyramid(const std::vector<core::Point2>& points, double cell_m, double sigma_m, int levels) {
+    build(points, cell_m, sigma_m, levels);
+  }
+  /// Empty, for build().
+  LikelihoodPyramid() = default;
+  /// Anew, in the memory that is there already.
+  void build(const std::vector<core::Point2>& points, double cell_m, double sigma_m, int levels);
 
   double cellSize() const { return cell_m_; }
   core::Point2 origin() const { return origin_; }
@@ -28,10 +34,11 @@ class LikelihoodPyramid {
   }
 
  private:
-  double cell_m_;
+  double cell_m_ = 0;
   core::Point2 origin_;  ///< corner of the cell (0, 0)
   int pad_ = 0, side_x_ = 0, side_y_ = 0;
   std::vector<std::vector<std::uint8_t>> levels_;
+  std::vector<std::uint8_t> rows_;  ///< scratch
 };
 
 struct SearchWindow {
