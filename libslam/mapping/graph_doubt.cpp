@@ -66,40 +66,51 @@ GraphSlam::Break GraphSlam::breakBefore(const robot::Scan& scan, const std::vect
   return best;
 }
 
-/// What keyframes' beams say of a scan at a pose.
+/// What keyframes and a scan at a pose say of each other: their beams of its points, and its beams of theirs, on average.
+/// Without the scan: their beams alone.
 GraphSlam::Told GraphSlam::toldBy(const std::vector<int>& viewers, const std::vector<PatchPoint>& points,
-                                  const Pose2& T_map_robot) const {
+                                  const Pose2& T_map_robot, const robot::Scan* scan) const {
   Told told;
-  const double all = static_cast<double>(viewers.size() * points.size());
-  if (all == 0) return told;
-  double conflict = 0, telling = 0;
+  if (viewers.empty() || points.empty()) return told;
+  const auto add = [](const View& seen, size_t asked, double& passed, double& share) {
+    const double all = static_cast<double>((asked + kStride - 1) / kStride);
+    passed += seen.passed / all;
+    share += (seen.agreed + seen.passed) / all;
+  };
   for (const int viewer : viewers) {
-    const View seen = view(viewer, core::between(graph_.pose(viewer), T_map_robot), points);
-    conflict += seen.conflict();
-    telling += seen.agreed + seen.passed;
+    double passed = 0, theirs = 0, its = 0;
+    const Pose2 T_viewer_scan = core::between(graph_.pose(viewer), T_map_robot);
+    add(view(lidarOf(viewer), keyframe(viewer).ranges_m, T_viewer_scan, points, kStride), points.size(),
+        passed, theirs);
+    const auto& known = keyframe(viewer).points;
+    if (scan != nullptr && !known.empty())
+      add(view(*scan, scan->ranges_m, core::inverse(T_viewer_scan), known, kStride), known.size(), passed,
+          its);
+    if (theirs + its > 0) told.contradicted += passed / (theirs + its);
+    told.telling += std::max(theirs, its);
   }
-  told.contradicted = conflict / static_cast<double>(viewers.size());
-  told.telling = telling / all;
+  told.contradicted /= static_cast<double>(viewers.size());
+  told.telling /= static_cast<double>(viewers.size());
   return told;
 }
 
 /// What a scan says of whether the robot was kidnapped. A scan that the map explains does not contradict it, whatever
 /// beams went through where somebody stands now.
-void GraphSlam::lookWhetherLost(const std::vector<PatchPoint>& points, const Step& step, double time_s,
-                                const Pose2& increment, double broken) {
+void GraphSlam::lookWhetherLost(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+                                const Step& step, const Pose2& increment, double broken) {
   Told told;
   double explained = step.score;
   if (doubt_.begins < 0) {
-    told = toldBy(firstOf(map_keyframes_, kAskedViewers), points, step.T_map_robot);
+    told = toldBy(firstOf(map_keyframes_, kAskedViewers), points, step.T_map_robot, &scan);
   } else {
-    told = trackBefore(points, increment, explained);
+    told = trackBefore(scan, points, increment, explained);
     // People who walk about contradict what was seen a moment ago, too.
-    const auto own = toldBy(firstOf(map_keyframes_, kAskedViewers), points, step.T_map_robot);
+    const auto own = toldBy(firstOf(map_keyframes_, kAskedViewers), points, step.T_map_robot, &scan);
     told.contradicted = std::max(told.contradicted - own.contradicted, 0.0);
   }
   const double against = told.contradicted * told.telling, says = against + explained;
   LostDetector::Look look{};
-  look.time_s = time_s;
+  look.time_s = scan.time_s;
   look.moved_m = std::hypot(increment.x, increment.y);
   look.broken = broken;
   look.contradicted = says > 0 ? against / says : 0;
@@ -111,15 +122,16 @@ void GraphSlam::lookWhetherLost(const std::vector<PatchPoint>& points, const Ste
 
 /// While in doubt: where the robot is if it was not kidnapped, by the map from before, and what that says of the scan.
 /// Odometry leads, within its noise.
-GraphSlam::Told GraphSlam::trackBefore(const std::vector<PatchPoint>& points, const Pose2& increment,
-                                       double& explained) {
+GraphSlam::Told GraphSlam::trackBefore(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+                                       const Pose2& increment, double& explained) {
   const Prediction step = predict(increment, true);
   PosePrior prior;
   prior.mean = doubt_.T_map_robot * increment;
   prior.information = poseInformation(step.sigma_xy_m, step.sigma_turn_rad);
   const auto matched = match(points, *doubt_.maps, prior.mean, prior, 0, true);
-  const auto as_matched = toldBy(keyframesBeforeDoubt(matched.T_map_robot), points, matched.T_map_robot);
-  const auto as_led = toldBy(keyframesBeforeDoubt(prior.mean), points, prior.mean);
+  const auto as_matched =
+      toldBy(keyframesBeforeDoubt(matched.T_map_robot), points, matched.T_map_robot, &scan);
+  const auto as_led = toldBy(keyframesBeforeDoubt(prior.mean), points, prior.mean, &scan);
   const bool fits = as_matched.contradicted <= as_led.contradicted;
   doubt_.T_map_robot = fits ? matched.T_map_robot : prior.mean;
   doubt_.information = matched.information;
@@ -129,7 +141,8 @@ GraphSlam::Told GraphSlam::trackBefore(const std::vector<PatchPoint>& points, co
 
 /// What a scan contradicts where the robot is not: turned on the spot, and matched again as a robot that was carried would
 /// be.
-void GraphSlam::learnWrongPlace(const std::vector<PatchPoint>& points, const Pose2& T_map_robot) {
+void GraphSlam::learnWrongPlace(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+                                const Pose2& T_map_robot) {
   // Often in the beginning, seldom when much is known.
   ++wrong_places_;
   if (wrong_places_ > kLearntSoon && wrong_places_ % kLearntSoon != 0) return;
@@ -142,7 +155,7 @@ void GraphSlam::learnWrongPlace(const std::vector<PatchPoint>& points, const Pos
   flat.information.setIdentity();
   const auto matched = match(points, maps_, wrong, flat, 0, true);
   if (std::abs(core::angleDifference(matched.T_map_robot.phi, T_map_robot.phi)) < kFoundBack_rad) return;
-  const Told told = toldBy(viewers, points, matched.T_map_robot);
+  const Told told = toldBy(viewers, points, matched.T_map_robot, &scan);
   const double against = told.contradicted * told.telling, says = against + matched.score;
   if (says > 0) lost_.learnWrong(against / says);
 }

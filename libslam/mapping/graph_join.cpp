@@ -3,6 +3,7 @@
 
 #include "libslam/mapping/graph_search.h"
 #include "libslam/mapping/graph_slam.h"
+#include "libslam/scanmatch/correlative_search.h"
 
 namespace slam::mapping {
 namespace {
@@ -22,8 +23,8 @@ constexpr int kMostFailures = 2, kFittingPerFailure = 5;
 constexpr double kNatsPerScan = 10;
 /// The best place must be ahead of every other by so much: one wrong join in a million.
 constexpr double kAhead = 14;
-/// And it was followed over this extent: rooms that look alike are smaller.
-constexpr double kExtent_m = 4;
+/// And it was followed over this extent without failing, and fits over half of it: rooms that look alike are smaller.
+constexpr double kExtent_m = 4, kFitExtent_m = 2;
 /// A scan of which the map says less than this share says nothing.
 constexpr double kTold = 0.3;
 /// Before a place is followed some points of the trail are asked whether the map contradicts it there.
@@ -33,6 +34,11 @@ constexpr double kFirstConflict = 0.25;
 constexpr double kSame_m = 0.5, kSame_rad = 0.1;
 /// A point of the trail may correct the place by this much.
 constexpr double kStep_m = 0.3, kStep_rad = 0.06;
+/// A trail is proved to lie at one place only: points that are asked, how much less other places must hold, what is another
+/// place, and how many are tried per scan.
+constexpr size_t kProofPoints = 120;
+constexpr double kProofMargin = 0.1, kProofApart_m = 1, kProofApart_rad = 0.2;
+constexpr int kProofsPerScan = 2, kPlacesUntilNextProof = 3;
 /// Keyframes that make the map that a point of the trail is matched to.
 constexpr int kMapKeyframes = 16;
 
@@ -74,7 +80,7 @@ void GraphSlam::addJoin(int place, const Pose2& T_map_robot, int places) {
   join.forth = join.back = {last, T_map_robot};
   join.back_to = std::max(0, last - kLongestTrail);
   join.places_left = places - 1;
-  join.least = join.most = core::position(T_map_robot);
+  join.fits = join.followed = {core::position(T_map_robot), core::position(T_map_robot)};
   if (isKnown(join) || !isPlausible(join)) return;
   holdAgainst(join, join.forth, last);
   if (join.fitting == 0) return;
@@ -84,6 +90,8 @@ void GraphSlam::addJoin(int place, const Pose2& T_map_robot, int places) {
       return a.evidence * b.asked < b.evidence * a.asked;
     });
     joins_.erase(worst);
+    // It may have been the one.
+    for (auto& known : joins_) known.places_left = places;
   }
   joins_.push_back(std::move(join));
 }
@@ -120,7 +128,10 @@ void GraphSlam::holdAgainst(Join& join, Cursor& cursor, int next) {
   cursor = {next, expected};
   ++join.asked;
   const auto around = keyframesNear(core::position(expected), componentOf(join.place), kMapKeyframes);
-  if (toldBy(firstOf(around, kViewers), points, expected).telling < kTold) return;
+  if (toldBy(firstOf(around, kViewers), points, expected).telling < kTold) {
+    join.followed.add(core::position(expected));
+    return;
+  }
   const LevelMaps& maps = mapOf(around, core::position(expected));
   scanmatch::PosePrior prior;
   prior.mean = expected;
@@ -128,19 +139,22 @@ void GraphSlam::holdAgainst(Join& join, Cursor& cursor, int next) {
   const auto matched = match(points, maps, expected, prior, 0, false);
   const Pose2& T = matched.T_map_robot;
   const double conflict = meanConflict(firstOf(around, kViewers), T, points);
-  join.evidence += kNatsPerScan * (matched.score - conflict);
-  if (matched.score < options_.loop_confirm_score || conflict >= options_.loop_conflict ||
-      core::distance(T, expected) > kStep_m ||
-      std::abs(core::angleDifference(T.phi, expected.phi)) > kStep_rad) {
+  const bool is_near = core::distance(T, expected) <= kStep_m &&
+                       std::abs(core::angleDifference(T.phi, expected.phi)) <= kStep_rad;
+  if (conflict >= options_.loop_conflict || !is_near) {
+    join.evidence += kNatsPerScan * (matched.score - conflict);
     ++join.failures;
     return;
   }
+  join.followed.add(core::position(expected));
+  // Where the map ends much is new, and contradicts nothing.
+  if (matched.score < options_.loop_confirm_score) return;
+  join.evidence += kNatsPerScan * (matched.score - conflict);
   ++join.fitting;
   cursor.T_map_robot = T;
   join.score = matched.score;
   join.distinct += distinctness(points, maps, matched);
-  join.least = {std::min(join.least.x, T.x), std::min(join.least.y, T.y)};
-  join.most = {std::max(join.most.x, T.x), std::max(join.most.y, T.y)};
+  join.fits.add(core::position(T));
   if (&cursor == &join.forth) join.old_keyframe = around.front();
   if (is_lost_) return;
   const size_t partners = std::min<size_t>(around.size(), kConfirmEdges);
@@ -176,22 +190,62 @@ const GraphSlam::Join* GraphSlam::workOnJoins(int component) {
       joins_.erase(next);
     }
   }
-  return decided();
+  Join* best = decided();
+  return best != nullptr && isProved(*best, component) ? best : nullptr;
 }
 
 /// The best place, once the whole map was looked at since it was found, and no other can be as good.
-const GraphSlam::Join* GraphSlam::decided() const {
+GraphSlam::Join* GraphSlam::decided() {
   const auto best = std::max_element(joins_.begin(), joins_.end(),
                                      [](const Join& a, const Join& b) { return a.evidence < b.evidence; });
   if (best == joins_.end() || !isCurrent(*best) || best->places_left > 0 ||
       best->fitting < options_.loop_confirmations || best->distinct < options_.loop_distinctness ||
-      core::distance(best->least, best->most) < kExtent_m)
+      best->followed.diagonal_m() < kExtent_m || best->fits.diagonal_m() < kFitExtent_m)
     return nullptr;
   for (const auto& other : joins_) {
     const int unasked = other.back.at - other.back_to + trailSize() - 1 - other.forth.at;
     if (&other != &*best && other.evidence + kNatsPerScan * unasked > best->evidence - kAhead) return nullptr;
   }
   return &*best;
+}
+
+/// The trail as a whole, seen from its newest end.
+std::vector<Point2> GraphSlam::trailQuery(const Join& join) const {
+  std::vector<PatchPoint> query;
+  for (int i = join.forth.at; i >= join.back_to; --i) {
+    const Pose2 T_last_i = core::between(trailPose(join.forth.at), trailPose(i));
+    for (const auto& point : trailPoints(i)) query.push_back(T_last_i * point);
+  }
+  return searchPoints(query, kProofPoints);
+}
+
+/// Whether the trail as a whole lies nearly as well somewhere around another place, turned against where it was found.
+bool GraphSlam::isAsGoodAt(const Join& join, const std::vector<Point2>& query, int place, double turn_rad) {
+  const auto& map = pyramidOf(place);
+  const Pose2& T = join.forth.T_map_robot;
+  const auto here = searchBest(pyramidOf(join.place), query, T, {kSearchCell_m, 0.02}, 0);
+  if (!here) return true;
+  const Point2 centre = core::position(graph_.pose(place));
+  const auto there = searchBest(map, query, {centre.x, centre.y, T.phi + turn_rad},
+                                {kPlaceHalf_m, 0.5 * kHeadingStep_rad}, here->score - kProofMargin);
+  return there && (core::distance(there->T_map_robot, T) > kProofApart_m ||
+                   std::abs(core::angleDifference(there->T_map_robot.phi, T.phi)) > kProofApart_rad);
+}
+
+/// Whether no other place of the map holds the trail as well; some of them are tried at each scan.
+bool GraphSlam::isProved(Join& join, int component) {
+  const auto& places = placesBeyond(component);
+  const int all = static_cast<int>(places.size()) * kHeadings;
+  const auto query = trailQuery(join);
+  for (int n = 0; n < kProofsPerScan && join.proved < all; ++n, ++join.proved) {
+    const int place = places[static_cast<size_t>(join.proved / kHeadings)];
+    if (!isAsGoodAt(join, query, place, join.proved % kHeadings * kHeadingStep_rad)) continue;
+    // Again, when more has been seen.
+    join.proved = 0;
+    join.places_left = kPlacesUntilNextProof;
+    return false;
+  }
+  return join.proved >= all;
 }
 
 void GraphSlam::joinPart(const Join& join) {
@@ -222,7 +276,7 @@ void GraphSlam::joinRemainingParts() {
     places_tried_ = 0;
     const int component = componentOf(first);
     if (component == 0) continue;
-    const size_t turns = 2 * kHeadings * placesBeyond(component).size() + kLongestTrail;
+    const size_t turns = 3 * kHeadings * placesBeyond(component).size() + kLongestTrail;
     for (size_t n = 0; n < turns && componentOf(first) == component; ++n) lookForPart(first, last);
   }
 }

@@ -52,7 +52,7 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
     step = track(scan, T_previous_robot, has_odometry, points, information);
     const Break seam =
         breakBefore(scan, points, increment, core::between(T_before, step.T_map_robot), has_odometry);
-    lookWhetherLost(points, step, scan.time_s, increment, seam.contradicted);
+    lookWhetherLost(scan, points, step, increment, seam.contradicted);
     // Who has walked out of the map is not looked for: his wheels will bring him back. What little fits would lead astray;
     // and he is back when a scan fits, not when some of it does.
     const bool was_outside = is_outside_;

@@ -125,7 +125,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
     step = track(scan, T_previous_robot, has_odometry, points, information);
     const Pose2 matched = core::between(T_before, step.T_map_robot);
     const Break seam = breakBefore(scan, points, increment, matched, has_odometry);
-    lookWhetherLost(points, step, scan.time_s, has_odometry ? increment : matched, seam.contradicted);
+    lookWhetherLost(scan, points, step, has_odometry ? increment : matched, seam.contradicted);
     const Trust trust = weighDoubt(T_before, seam, step);
     step.is_keyframe =
         trust == Trust::kOwnMap ||
@@ -137,7 +137,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
       comeBack(scan, points, step);
       step.is_keyframe = true;
     } else if (step.is_keyframe) {
-      if (doubt_.begins < 0) learnWrongPlace(points, step.T_map_robot);
+      if (doubt_.begins < 0) learnWrongPlace(scan, points, step.T_map_robot);
       if (trust == Trust::kOwnMap) beginOwnMap();
       addKeyframe(scan, std::move(points), step.T_map_robot, information, step.pose_covariance);
       step.pose_covariance = keyframe(lastKeyframe()).covariance;

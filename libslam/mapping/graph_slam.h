@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <memory>
@@ -174,6 +175,14 @@ class GraphSlam {
     int at;  ///< in the trail
     core::Pose2 T_map_robot;
   };
+  struct Box {
+    core::Point2 least, most;  ///< map frame
+    void add(const core::Point2& p) {
+      least = {std::min(least.x, p.x), std::min(least.y, p.y)};
+      most = {std::max(most.x, p.x), std::max(most.y, p.y)};
+    }
+    double diagonal_m() const { return core::distance(least, most); }
+  };
   /// A place of a trail in another part of the map, while the rest of the trail is held against it, to both sides.
   struct Join {
     int place;  ///< keyframe where it was found
@@ -181,7 +190,8 @@ class GraphSlam {
     int back_to;  ///< the trail is not asked farther back
     int asked = 0, fitting = 0, failures = 0;
     double evidence = 0, distinct = 0;  ///< nats; sum of distinctness()
-    core::Point2 least, most;           ///< corners of what fits, map frame
+    Box fits, followed;                 ///< where the trail fits, and where nothing contradicts it
+    int proved = 0;                     ///< places, times kHeadings, that were shown not to be as good
     int old_keyframe = 0;               ///< nearest at `forth`
     int places_left = 0;                ///< of the whole map, not looked at yet since it was found
     double score = 0;
@@ -283,7 +293,8 @@ class GraphSlam {
   Sight sight(int viewer, const core::Point2& p_lidar) const;
   std::vector<core::Pose2> lidarsOf(const std::vector<int>& viewers) const;
   static View view(const robot::Scan& lidar, const std::vector<float>& ranges,
-                   const core::Pose2& T_viewer_points, const std::vector<scanmatch::PatchPoint>& points);
+                   const core::Pose2& T_viewer_points, const std::vector<scanmatch::PatchPoint>& points,
+                   size_t stride = 1);
   View view(int viewer, const core::Pose2& T_viewer_points,
             const std::vector<scanmatch::PatchPoint>& points) const;
   double meanConflict(const std::vector<int>& viewers, const core::Pose2& T_map_points,
@@ -299,13 +310,14 @@ class GraphSlam {
                     const core::Pose2& T_previous_robot, const core::Pose2& T_previous_matched,
                     bool has_odometry) const;
   Told toldBy(const std::vector<int>& viewers, const std::vector<scanmatch::PatchPoint>& points,
-              const core::Pose2& T_map_robot) const;
-  Told trackBefore(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& increment,
-                   double& explained);
+              const core::Pose2& T_map_robot, const robot::Scan* scan = nullptr) const;
+  Told trackBefore(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
+                   const core::Pose2& increment, double& explained);
   void comeBack(const robot::Scan& scan, std::vector<scanmatch::PatchPoint> points, Step& step);
-  void lookWhetherLost(const std::vector<scanmatch::PatchPoint>& points, const Step& step, double time_s,
-                       const core::Pose2& increment, double broken);
-  void learnWrongPlace(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot);
+  void lookWhetherLost(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
+                       const Step& step, const core::Pose2& increment, double broken);
+  void learnWrongPlace(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
+                       const core::Pose2& T_map_robot);
   std::vector<int> keyframesBeforeDoubt(const core::Pose2& T_map_robot) const;
   Trust weighDoubt(const core::Pose2& T_before, const Break& seam, Step& step);
   void beginOwnMap();
@@ -360,7 +372,10 @@ class GraphSlam {
   bool isPlausible(const Join& join) const;
   void holdAgainst(Join& join, Cursor& cursor, int next);
   bool isCurrent(const Join& join) const;
-  const Join* decided() const;
+  Join* decided();
+  std::vector<core::Point2> trailQuery(const Join& join) const;
+  bool isAsGoodAt(const Join& join, const std::vector<core::Point2>& query, int place, double turn_rad);
+  bool isProved(Join& join, int component);
   void joinPart(const Join& join);
 
   // graph_localise.cpp: in a finished map

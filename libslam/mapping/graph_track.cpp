@@ -207,6 +207,8 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   const auto isBetter = [&](const MatchResult& other, double least_gain) {
     const double gained = gain(points, other.T_map_robot, result.T_map_robot);
     if (!(gained > least_gain) || other.score >= options_.recover_score) return gained > least_gain;
+    // Wheels are worth more than an explanation of less than half.
+    if (has_odometry && toldScore(points, other.T_map_robot) < options_.lost_score) return false;
     const double more_broken = brokenBy(points, core::between(T_before, other.T_map_robot)) -
                                brokenBy(points, core::between(T_before, result.T_map_robot));
     return gained - std::max(more_broken, 0.0) > least_gain;

@@ -56,11 +56,12 @@ GraphSlam::View GraphSlam::view(int viewer, const Pose2& T_viewer_points,
 }
 
 GraphSlam::View GraphSlam::view(const robot::Scan& lidar, const std::vector<float>& ranges,
-                                const Pose2& T_viewer_points, const std::vector<PatchPoint>& points) {
+                                const Pose2& T_viewer_points, const std::vector<PatchPoint>& points,
+                                size_t stride) {
   const Pose2 T_lidar_points = core::inverse(lidar.T_robot_lidar) * T_viewer_points;
   View result;
-  for (const auto& point : points) {
-    const Sight seen = sight(lidar, ranges, T_lidar_points * position(point));
+  for (size_t i = 0; i < points.size(); i += stride) {
+    const Sight seen = sight(lidar, ranges, T_lidar_points * position(points[i]));
     if (seen == Sight::kAgreed) ++result.agreed;
     if (seen == Sight::kPassed) ++result.passed;
   }

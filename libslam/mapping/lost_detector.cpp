@@ -49,7 +49,7 @@ void LostDetector::look(const Look& now) {
   const double unbroken = std::clamp(-ratio(now.broken, unbroken_) / kMostPerLook, 0.0, 1.0);
   dismissed_ *= std::exp(-news / kForgotten);
   const double begins_now =
-      std::isfinite(now.broken)
+      now.may_be_lost && std::isfinite(now.broken)
           ? -std::min(kUnbroken, std::max(kUnbroken * unbroken, kPerDismissed * dismissed_))
           : -kUnbroken;
   double says = ratio(now.contradicted, well_);

@@ -38,8 +38,8 @@ class LostDetector {
   /// For "is elsewhere", in nats, -kUnbroken or more.
   double evidence() const { return evidence_; }
   bool isLost() const { return evidence_ >= kLost; }
-  /// More speaks for it than against it.
-  bool isInDoubt() const { return evidence_ > 0; }
+  /// A break, or more that speaks for it than against it.
+  bool isInDoubt() const { return evidence_ > kDoubt; }
   /// A doubt has passed: breaks happen here for other reasons (people, uneven ground), and the next one says less.
   void dismiss();
   /// The evidence starts anew; what was learnt stays.
@@ -47,7 +47,7 @@ class LostDetector {
 
   static constexpr double kLook_s = 0.4, kLook_m = 0.5;
   /// One false alarm in exp(kLost) looks (1.2 million) at most, as far as the model holds.
-  static constexpr double kLost = 14;
+  static constexpr double kLost = 14, kDoubt = -2;
   static constexpr double kUnbroken = 30;
   /// A break says so much less for every doubt that was dismissed; of these kForgotten looks leave a third.
   static constexpr double kPerDismissed = 2.5, kForgotten = 300;
