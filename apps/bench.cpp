@@ -189,8 +189,7 @@ int bench(const Context& context, const Arguments& arguments) {
     describe(run::sweep(sweep, request, context.manifest(), progress));
   } catch (const core::Interrupted&) {
     run::mergeSweep(whole, context.manifest(), core::silentProgress());
-    std::fprintf(stderr, "rasterslam: the tables in %s hold what is done; --resume goes on\n",
-                 request.output.c_str());
+    std::fprintf(stderr, "rasterslam: the tables in %s hold what is done\n", request.output.c_str());
     throw;
   }
   const auto merged = run::mergeSweep(whole, context.manifest(), core::silentProgress());

@@ -5,6 +5,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/plan_warnings.h"
 #include "libslam/core/error.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/run/compare.h"
@@ -51,6 +52,7 @@ int compareMethods(const Context& context, const Arguments& arguments) {
                            "', expected a section of a method, as " + arguments.input + " is a log");
   (is_plan ? request.plan_path : request.log_path) =
       is_plan ? run::resolvePlan(arguments.input) : arguments.input;
+  if (is_plan) warnOfPlan(context, request.plan_path);
   if (is_plan && !arguments.relations.empty())
     throw core::InputError("--relations belongs to a log; " + arguments.input +
                            " is a plan, whose simulation knows the whole truth");

@@ -10,6 +10,9 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/logs/log_edit.h"
+#include "libslam/run/compare.h"
+#include "libslam/run/cut_truth.h"
+#include "libslam/run/record.h"
 #include "libslam/run/scan_odometry_log.h"
 #include "libslam/run/told_commands.h"
 
@@ -22,12 +25,13 @@ void addOut(CLI::App* command, Context& context) {
   addJson(command, context);
 }
 
-int report(const Context& context, const logs::EditCounts& counts) {
+int report(const Context& context, const logs::EditCounts& counts,
+           const std::vector<std::string>& beside = {}) {
   if (context.json) {
     std::cout << nlohmann::ordered_json{{"output", context.output},      {"read", counts.read},
                                         {"unchanged", counts.unchanged}, {"changed", counts.changed},
                                         {"composed", counts.composed},   {"dropped", counts.dropped},
-                                        {"damage", counts.damage}}
+                                        {"damage", counts.damage},       {"beside", beside}}
                      .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
               << "\n";
     return 0;
@@ -39,6 +43,7 @@ int report(const Context& context, const logs::EditCounts& counts) {
     std::printf("%lu actions took up the motion of dropped steps\n", n(counts.composed));
   if (!counts.damage.empty()) printWrapped("the log broke off: ", counts.damage);
   std::printf("  %s\n", context.output.c_str());
+  for (const auto& file : beside) std::printf("  %s\n", file.c_str());
   return 0;
 }
 
@@ -70,8 +75,12 @@ int cut(const Context& context, const CutArguments& arguments) {
   options.salvage = arguments.salvage;
   if (!options.from && !options.to && !options.salvage)
     throw core::InputError("cut: found neither --from nor --to nor --salvage, expected one of them");
+  if (!run::findTruth(arguments.log).empty())
+    for (const std::string end : {".gt.tum", ".manifest.json"})
+      core::refuseToOverwrite(run::logStem(context.output) + end, context.overwrite);
   ConsoleProgress progress(context.quiet);
-  return report(context, logs::cutLog(arguments.log, context.output, options, progress));
+  const auto counts = logs::cutLog(arguments.log, context.output, options, progress);
+  return report(context, counts, run::keepTruth(arguments.log, context.output));
 }
 
 struct MergeArguments {
@@ -205,7 +214,8 @@ int filter(const Context& context, const FilterArguments& arguments) {
 }
 
 void addCut(CLI::App& app, Context& context) {
-  auto* command = app.add_subcommand("cut", "a part of a log by time; the rest stays byte for byte");
+  auto* command = app.add_subcommand(
+      "cut", "a part of a log by time, with its truth and plan; the rest stays byte for byte");
   auto arguments = std::make_shared<CutArguments>();
   command->add_option("log", arguments->log, "a log of any format that is read here")->required();
   command->add_option("--from", arguments->from,

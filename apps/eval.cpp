@@ -13,6 +13,7 @@
 #include "libslam/run/compare.h"
 #include "libslam/run/evaluate.h"
 #include "libslam/run/failure.h"
+#include "libslam/run/path_score.h"
 #include "libslam/run/relation_tables.h"
 #include "libslam/run/resources.h"
 
@@ -20,7 +21,7 @@ namespace slam::apps {
 namespace {
 
 struct Arguments {
-  std::string folder, truth, plan, relations, align, map_truth;
+  std::string folder, truth, plan, relations, align, map_truth, rpe;
   GateFlags gate;
 };
 
@@ -84,14 +85,58 @@ run::Alignment alignmentOf(const Arguments& arguments, const core::Manifest& man
   return alignment;
 }
 
+/// A run's folder, or a trajectory by itself, which has neither map nor cost.
+run::RunFolder loadRunOrPath(const std::string& path) {
+  if (std::filesystem::is_directory(path) || !std::filesystem::exists(path)) return run::loadRun(path);
+  run::RunFolder run;
+  run.path = path;
+  run.method = std::filesystem::path(path).stem().string();
+  run.estimate = logs::readTrajectory(path);
+  return run;
+}
+
+/// A truth of another drive with the same stamps gives figures, too; simulations all begin at the same time.
+void warnOfOtherTruth(const core::Trajectory& truth, const core::Trajectory& estimate,
+                      const std::string& truth_path) {
+  const double agreement = run::motionAgreement(truth, estimate);
+  if (agreement < run::kLeastMotionAgreement)
+    std::fprintf(stderr,
+                 "rasterslam: warning: %s: is it of another run? The poses do not move when it does "
+                 "(correlation %.2f)\n",
+                 truth_path.c_str(), agreement);
+}
+
+int evaluatePath(const Context& context, const Arguments& arguments, const run::RunFolder& path) {
+  if (arguments.truth.empty())
+    throw core::InputError(arguments.folder +
+                           ": is a file, expected a run's folder, or --truth or --relations beside it");
+  if (!arguments.plan.empty())
+    throw core::InputError("--plan scores a map, and " + arguments.folder + " is a path alone");
+  if (!arguments.gate.gate.empty() || !arguments.gate.write_gate.empty())
+    throw core::InputError("--gate and --write-gate hold runs, and " + arguments.folder + " is a path alone");
+  const auto truth = run::loadTruth(arguments.truth, "", path).trajectory;
+  const auto alignment = alignmentOf(arguments, core::Manifest());
+  std::vector<std::pair<std::string, report::Table>> tables = {
+      {"scores", run::pathTable(arguments.folder, truth, path.estimate, alignment)},
+      {"rpe", run::rpeTable(truth, path.estimate,
+                            run::parseRpeSteps(arguments.rpe.empty() ? "1m,1s" : arguments.rpe, "--rpe"))}};
+  print(context, tables, {});
+  warnOfOtherTruth(truth, path.estimate, arguments.truth);
+  return 0;
+}
+
 int evaluateRun(const Context& context, const Arguments& arguments) {
   if (!arguments.relations.empty()) return evaluateByRelations(context, arguments);
-  const auto run_folder = run::loadRun(arguments.folder);
+  const auto run_folder = loadRunOrPath(arguments.folder);
+  if (run_folder.path == arguments.folder && !std::filesystem::is_directory(arguments.folder))
+    return evaluatePath(context, arguments, run_folder);
   const std::string plan_path = arguments.plan.empty() ? "" : run::resolvePlan(arguments.plan);
   if (arguments.truth.empty() && !plan_path.empty())
     throw core::InputError("--plan needs --truth: without the true path the map cannot be laid on the plan");
   std::optional<run::Truth> truth;
   if (!arguments.truth.empty()) truth = run::loadTruth(arguments.truth, plan_path, run_folder);
+  if (!truth && !arguments.rpe.empty()) throw core::InputError("--rpe needs --truth");
+  if (!arguments.rpe.empty()) run::parseRpeSteps(arguments.rpe, "--rpe");
   if (!truth && !(arguments.align.empty() && arguments.map_truth.empty()))
     throw core::InputError("--align and --map-truth need --truth");
   const auto evaluation = run::evaluate(run_folder, truth, alignmentOf(arguments, run_folder.manifest));
@@ -112,7 +157,11 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
     if (failure.divergence || !evaluation.failure.empty())
       tables.emplace_back("failure", run::failureTable(failure, evaluation.method));
   }
+  if (truth && !arguments.rpe.empty())
+    tables.emplace_back("rpe", run::rpeTable(truth->trajectory, run_folder.estimate,
+                                             run::parseRpeSteps(arguments.rpe, "--rpe")));
   print(context, tables, gate);
+  if (truth) warnOfOtherTruth(truth->trajectory, run_folder.estimate, arguments.truth);
   if (truth && evaluation.trajectory.unmatched > 0)
     std::fprintf(stderr,
                  "rasterslam: %zu of %zu poses lie outside the truth's time span and are not scored\n",
@@ -123,9 +172,9 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
 }  // namespace
 
 void addEval(CLI::App& app, Context& context) {
-  auto* command = app.add_subcommand("eval", "score the folder of one run");
+  auto* command = app.add_subcommand("eval", "score the folder of one run, or a path by itself");
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("folder", arguments->folder, "what 'rasterslam run' wrote")->required();
+  command->add_option("folder", arguments->folder, "what 'rasterslam run' wrote, or a path: TUM")->required();
   command->add_option("--truth", arguments->truth, "true path: TUM, or MRPT's .GT.txt");
   command->add_option("--plan", arguments->plan,
                       "true plan, to score the map too (needs a TUM truth in the plan's frame)");
@@ -146,6 +195,9 @@ void addEval(CLI::App& app, Context& context) {
   command->add_option(
       "--map-truth", arguments->map_truth,
       "align none: true path of the run that made the map, if the map's frame is not the truth's");
+  command->add_option(
+      "--rpe", arguments->rpe,
+      "relative pose error over these distances and times as well: 1m,10m,1s (a path by itself: 1m,1s)");
   addGateFlags(command, arguments->gate);
   command->add_flag("--overwrite", context.overwrite,
                     "with --write-gate: replace this method's values; its tolerances stay");
@@ -156,6 +208,7 @@ void addEval(CLI::App& app, Context& context) {
       "  rasterslam eval out --truth run.gt.tum --plan flat --json\n"
       "  rasterslam eval out --truth run.gt.tum --plan flat --write-gate baseline.json\n"
       "  rasterslam eval out --truth run.gt.tum --plan flat --gate baseline.json\n"
+      "  rasterslam eval path.tum --truth run.gt.tum --rpe 1m,10m,1s\n"
       "  rasterslam eval found --truth tuesday.gt.tum --map-truth monday.gt.tum\n"
       "  rasterslam eval path.tum --relations intel.relations");
   command->callback([&context, arguments] {

@@ -6,6 +6,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/plan_warnings.h"
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
 #include "libslam/run/explore.h"
@@ -53,6 +54,7 @@ int explorePlan(const Context& context, const Arguments& arguments) {
     return 0;
   }
   request.plan_path = run::resolvePlan(arguments.plan);
+  warnOfPlan(context, request.plan_path);
   request.slam = arguments.slam;
   request.methods_folder = run::configsFolder() + "/methods";
   request.output = context.output.empty() ? "exploration" : context.output;

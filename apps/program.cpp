@@ -13,6 +13,7 @@
 #include "apps/console.h"
 #include "libslam/core/error.h"
 #include "libslam/core/exit_code.h"
+#include "libslam/core/manifest.h"
 
 namespace slam::apps {
 namespace {
@@ -87,6 +88,19 @@ std::vector<std::string> withoutHelpWord(std::vector<std::string> command_line) 
   return command_line;
 }
 
+/// How to go on with what was interrupted; "" where the command cannot.
+std::string resumeText(const CLI::App& app, const std::vector<std::string>& command_line) {
+  const CLI::App* command = &app;
+  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+  if (command->get_option_no_throw("--resume") == nullptr) return "";
+  std::vector<std::string> words;
+  for (const auto& word : command_line)
+    if (word != "--overwrite" && word != "--resume") words.push_back(word);
+  words.front() = std::filesystem::path(words.front()).filename().string();
+  words.emplace_back("--resume");
+  return "; go on with: " + core::shellQuoted(words);
+}
+
 }  // namespace
 
 int runProgram(CLI::App& app, Context& context) {
@@ -104,6 +118,8 @@ int runProgram(CLI::App& app, Context& context) {
     return context.action();
   } catch (const std::bad_alloc&) {
     return report(context, "out of memory", ExitCode::kFailed);
+  } catch (const core::Interrupted& error) {
+    return report(context, (error.what() + resumeText(app, command_line)).c_str(), ExitCode::kInterrupted);
   } catch (const std::exception& error) {
     return report(context, error.what(), core::exitCodeOf(error));
   }

@@ -6,6 +6,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/plan_warnings.h"
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
@@ -67,6 +68,7 @@ int simulate(const Context& context, const Arguments& arguments) {
   for (const auto& path : {log_path, run::logStem(log_path) + ".gt.tum"})
     core::refuseToOverwrite(path, context.overwrite);
   const auto plan = world::loadPlan(plan_path);
+  warnOfPlan(context, plan_path);
   auto manifest = context.manifest();
   manifest.inputs[plan_path] = core::fileSha256(plan_path);
   noteCommands(arguments.commands, manifest);

@@ -22,7 +22,7 @@ struct Arguments {
   std::string plan;
   double resolution_m = 0, robot_side_m = 0, widest_gap_m = -1;
   std::vector<std::string> only, skip;
-  bool fix = false;
+  bool fix = false, yes = false;
 };
 
 void printFindings(const world::PlanCheck& check, bool fixed) {
@@ -67,6 +67,8 @@ ordered_json toJson(const world::PlanCheck& check) {
   const auto& f = check.figures;
   return {{"kind", check.is_map ? "map" : "drawing"},
           {"usable", check.isUsable()},
+          {"hidden_m2", check.hidden_m2},
+          {"hidden_share", check.hidden_share},
           {"findings", findings},
           {"columns", check.after.columns},
           {"rows", check.after.rows},
@@ -114,6 +116,23 @@ void requireWritable(const std::string& yaml_path, const std::vector<std::string
   }
 }
 
+/// Beyond this share of the free space mending has taken rooms for the outside, until somebody says otherwise.
+constexpr double kMostHidden = 0.2;
+
+std::string hiddenText(const world::PlanCheck& check) {
+  char text[96];
+  std::snprintf(text, sizeof text, "%.1f m2, %.0f %% of the free space amid the walls", check.hidden_m2,
+                100 * check.hidden_share);
+  return text;
+}
+
+/// A copy that lacks much of the plan is not written unasked.
+void requireLittleHidden(const world::PlanCheck& check, const std::string& plan_path, bool yes) {
+  if (yes || check.hidden_share <= kMostHidden) return;
+  throw core::InputError(plan_path + ": mending would make unknown " + hiddenText(check) +
+                         "; close the outline in the drawing or by --close-gaps METRES, or say --yes");
+}
+
 int checkWorld(const Context& context, const Arguments& arguments) {
   const std::string plan_path = run::resolvePlan(arguments.plan);
   world::PlanCheckOptions options;
@@ -143,6 +162,7 @@ int checkWorld(const Context& context, const Arguments& arguments) {
   json.update(toJson(check));
   bool is_usable = check.isUsable();
   if (arguments.fix && check.isMendable()) {
+    requireLittleHidden(check, plan_path, arguments.yes);
     world::savePlan(check.after, fixed_path);
     report::drawPlanChanges(check.before, check.after, check.changes, fs::path(plan_path).filename().string(),
                             changesBeside(fixed_path));
@@ -152,6 +172,7 @@ int checkWorld(const Context& context, const Arguments& arguments) {
     json["files"] = {fixed_path, pictureOf(fixed_path), changesBeside(fixed_path)};
     if (!context.json) {
       std::cout << "\nafter fixing:\n";
+      if (check.hidden_m2 > 0) std::cout << "made unknown: " << hiddenText(check) << "\n";
       printFindings(again, false);
       if (again.findings.empty()) std::cout << "nothing to mend\n";
       printFigures(again);
@@ -160,6 +181,8 @@ int checkWorld(const Context& context, const Arguments& arguments) {
     }
   } else if (!context.json) {
     printFigures(check);
+    if (check.isMendable() && check.hidden_share > kMostHidden)
+      std::cout << "--fix would make unknown " << hiddenText(check) << "\n";
     if (check.isMendable()) std::cout << "next: rasterslam world check " << arguments.plan << " --fix\n";
   }
   if (context.json) std::cout << json.dump(2) << "\n";
@@ -187,6 +210,8 @@ void addWorldCheck(CLI::App& world, Context& context) {
       ->required();
   command->add_flag("--fix", arguments->fix,
                     "write a mended copy and a picture of the changes; the plan stays");
+  command->add_flag("--yes", arguments->yes,
+                    "with --fix: also when more than 20 % of the free space amid the walls becomes unknown");
   addOutput(command, context, "with --fix: the yaml to write (default NAME.fixed.yaml beside the plan)");
   command
       ->add_option("--resolution", arguments->resolution_m,

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
+#include "libslam/world/check/hidden.h"
 #include "libslam/world/check/passages.h"
 #include "libslam/world/check/rules.h"
 #include "libslam/world/map_yaml.h"
@@ -223,9 +224,11 @@ PlanCheck checkPlan(const std::string& path, const PlanCheckOptions& options) {
   sheet.changes = cv::Mat(sheet.cells.size(), CV_8U, cv::Scalar(0));
   sheet.is_map = looksLikeAMap(sheet, source.has_yaml);
 
+  cv::Mat drawn;
   for (const Rule& rule : rules()) {
     const bool is_wanted = options.only.empty() || contains(options.only, rule.key);
     if (!is_wanted || contains(options.skip, rule.key)) continue;
+    if (rule.look == check::checkOutside) drawn = sheet.cells.clone();
     rule.look(sheet);
     const bool is_hopeless = rule.look == check::checkSize && !sheet.findings.empty() &&
                              sheet.findings.back().severity == Severity::kError;
@@ -238,6 +241,10 @@ PlanCheck checkPlan(const std::string& path, const PlanCheckOptions& options) {
   dropWhatIsGone(result.after);
   result.changes = inPlanOrder<Change>(sheet.changes);
   result.is_map = sheet.is_map;
+  if (drawn.empty()) drawn = sheet.cells;
+  const auto hidden = check::hiddenSpace(sheet, cellsOf(result.before), drawn);
+  result.hidden_m2 = sheet.squareMetres(hidden.hidden);
+  result.hidden_share = hidden.before > 0 ? static_cast<double>(hidden.hidden) / hidden.before : 0;
   result.files = {path};
   if (source.has_yaml) result.files.push_back(source.map.image_path);
   if (!source.map.materials_path.empty()) result.files.push_back(source.map.materials_path);

@@ -169,5 +169,23 @@ TEST(InfoCommand, ListsEveryStream) {
   EXPECT_NEAR(streams[1]["rate_hz"].get<double>(), 5, 1e-6);
 }
 
+TEST(Cut, KeepsTruthAndPlan) {
+  const testing::TempFolder folder;
+  const auto run = [&](const std::string& arguments) { return rasterslam(arguments, folder.path()); };
+  ASSERT_EQ(run("simulate flat -o whole.rawlog --duration 12 -q --set lidar.beams=91").exit_code, 0);
+  const auto cut = run("cut whole.rawlog --from 4 --to 9 -o part.rawlog -q");
+  ASSERT_EQ(cut.exit_code, 0) << cut.err;
+  EXPECT_THAT(cut.out, HasSubstr("part.gt.tum"));
+  const auto scored =
+      nlohmann::json::parse(run("compare part.rawlog --methods naive_wheel -o cmp --json -q").out);
+  EXPECT_LT(scored["scores"]["rows"][0]["ate_final_m"].get<double>(), 0.2);
+  EXPECT_TRUE(scored["scores"]["rows"][0]["wall_f1"].is_number()) << "the plan was found";
+  const auto truth = core::readTextFile(folder / "part.gt.tum");
+  EXPECT_EQ(std::count(truth.begin(), truth.end(), '\n'), 1 + 25) << "a heading, and 5 s at 5 Hz";
+  fs::remove(folder / "part.rawlog");
+  EXPECT_THAT(run("cut whole.rawlog --from 4 -o part.rawlog").err, HasSubstr("part.gt.tum"));
+  EXPECT_FALSE(fs::exists(folder / "part.rawlog"));
+}
+
 }  // namespace
 }  // namespace slam::apps

@@ -162,7 +162,8 @@ TEST(MainJob, AnInterruptedComparisonResumes) {
       "' compare flat --duration 60 -q --methods naive_wheel,rbpf_exact -o out & pid=$!; "
       "while [ ! -d out/naive_wheel ] && kill -0 $pid; do :; done; kill -INT $pid; wait $pid; }");
   ASSERT_EQ(stopped.exit_code, 130) << stopped.err;
-  EXPECT_THAT(stopped.err, HasSubstr("interrupted"));
+  EXPECT_THAT(stopped.err, HasSubstr("rasterslam: interrupted; go on with: rasterslam compare flat"));
+  EXPECT_THAT(stopped.err, HasSubstr("--resume\n"));
   EXPECT_FALSE(fs::exists(folder / "out/rbpf_exact"));
   EXPECT_FALSE(fs::exists(folder / "out/rbpf_exact.tmp"));
   EXPECT_THAT(rasterslam("compare flat -o out", folder.path()).err, HasSubstr("--resume"));

@@ -58,6 +58,17 @@ class PlanChecks : public ::testing::Test {
   testing::TempFolder folder_;
 };
 
+/// Two rooms of 6 x 9 m side by side; an opening of `outer_px` in the left one's outer wall, one of 1.5 m between them. 5 cm.
+cv::Mat twoRooms(int outer_px) {
+  cv::Mat picture(240, 320, CV_8U, cv::Scalar(255));
+  cv::rectangle(picture, cv::Rect(30, 20, 250, 190), cv::Scalar(0), cv::FILLED);
+  cv::rectangle(picture, cv::Rect(34, 24, 119, 182), cv::Scalar(255), cv::FILLED);
+  cv::rectangle(picture, cv::Rect(157, 24, 119, 182), cv::Scalar(255), cv::FILLED);
+  cv::rectangle(picture, cv::Rect(153, 60, 4, 30), cv::Scalar(255), cv::FILLED);
+  if (outer_px > 0) cv::rectangle(picture, cv::Rect(30, 100, 4, outer_px), cv::Scalar(255), cv::FILLED);
+  return picture;
+}
+
 const Finding* find(const PlanCheck& check, const std::string& key) {
   for (const Finding& finding : check.findings)
     if (finding.key == key) return &finding;
@@ -509,6 +520,17 @@ TEST_F(PlanChecks, SurvivesAnyPicture) {
     for (const Finding& finding : check.findings)
       EXPECT_FALSE(finding.text.empty() || finding.remedy.empty());
   }
+}
+
+TEST_F(PlanChecks, SayHowMuchOfThePlanMendingTakesForTheOutside) {
+  const auto closed = checkPlan(write(twoRooms(30)), at(0.05));  // 1.5 m: closed
+  EXPECT_LT(closed.hidden_share, 0.01);
+  // 3 m stay open, so that the passage between the rooms is what is closed, and one room of two is lost.
+  const auto open = checkPlan(write(twoRooms(60)), at(0.05));
+  EXPECT_NEAR(open.hidden_share, 0.5, 0.05);
+  EXPECT_NEAR(open.hidden_m2, 119 * 182 * 0.0025, 3);
+  const auto whole = checkPlan(write(twoRooms(0)), at(0.05));
+  EXPECT_EQ(whole.hidden_m2, 0) << "the paper around does not count";
 }
 
 }  // namespace
