@@ -34,11 +34,11 @@ constexpr double kFirstConflict = 0.25;
 constexpr double kSame_m = 0.5, kSame_rad = 0.1;
 /// A point of the trail may correct the place by this much.
 constexpr double kStep_m = 0.3, kStep_rad = 0.06;
-/// A trail is proved to lie at one place only: points that are asked, how much less other places must hold, what is another
-/// place, and how many are tried per scan.
+/// A trail is proved to lie at one place only: points that are asked, by how much less others hold it, and how
+/// many are tried per scan.
 constexpr size_t kProofPoints = 120;
-constexpr double kProofMargin = 0.1, kProofApart_m = 1, kProofApart_rad = 0.2;
-constexpr int kProofsPerScan = 2, kPlacesUntilNextProof = 3;
+constexpr double kProofMargin = 0.1;
+constexpr int kProofsPerScan = 2;
 /// Keyframes that make the map that a point of the trail is matched to.
 constexpr int kMapKeyframes = 16;
 
@@ -155,6 +155,7 @@ void GraphSlam::holdAgainst(Join& join, Cursor& cursor, int next) {
   join.score = matched.score;
   join.distinct += distinctness(points, maps, matched);
   join.fits.add(core::position(T));
+  join.placed.push_back({next, T});
   if (&cursor == &join.forth) join.old_keyframe = around.front();
   if (is_lost_) return;
   const size_t partners = std::min<size_t>(around.size(), kConfirmEdges);
@@ -209,43 +210,43 @@ GraphSlam::Join* GraphSlam::decided() {
   return &*best;
 }
 
-/// The trail as a whole, seen from its newest end.
+/// What of the trail fits, as it lies in the map, seen from its newest end.
 std::vector<Point2> GraphSlam::trailQuery(const Join& join) const {
   std::vector<PatchPoint> query;
-  for (int i = join.forth.at; i >= join.back_to; --i) {
-    const Pose2 T_last_i = core::between(trailPose(join.forth.at), trailPose(i));
-    for (const auto& point : trailPoints(i)) query.push_back(T_last_i * point);
-  }
+  const Pose2 T_last_map = core::inverse(join.forth.T_map_robot);
+  for (const auto& fit : join.placed)
+    for (const auto& point : trailPoints(fit.at)) {
+      const PatchPoint seen = T_last_map * fit.T_map_robot * point;
+      if (std::hypot(seen.x, seen.y) <= kPlaceReach_m) query.push_back(seen);
+    }
   return searchPoints(query, kProofPoints);
 }
 
-/// Whether the trail as a whole lies nearly as well somewhere around another place, turned against where it was found.
-bool GraphSlam::isAsGoodAt(const Join& join, const std::vector<Point2>& query, int place, double turn_rad) {
-  const auto& map = pyramidOf(place);
-  const Pose2& T = join.forth.T_map_robot;
-  const auto here = searchBest(pyramidOf(join.place), query, T, {kSearchCell_m, 0.02}, 0);
-  if (!here) return true;
-  const Point2 centre = core::position(graph_.pose(place));
-  const auto there = searchBest(map, query, {centre.x, centre.y, T.phi + turn_rad},
-                                {kPlaceHalf_m, 0.5 * kHeadingStep_rad}, here->score - kProofMargin);
-  return there && (core::distance(there->T_map_robot, T) > kProofApart_m ||
-                   std::abs(core::angleDifference(there->T_map_robot.phi, T.phi)) > kProofApart_rad);
-}
-
-/// Whether no other place of the map holds the trail as well; some of them are tried at each scan.
+/// Looks for other places of the map that hold the trail as a whole nearly as well; some are tried at each scan, and what is
+/// found has to be followed and left behind first. True when all were tried.
 bool GraphSlam::isProved(Join& join, int component) {
-  const auto& places = placesBeyond(component);
-  const int all = static_cast<int>(places.size()) * kHeadings;
+  const auto places = placesBeyond(component);
+  const Pose2 T = join.forth.T_map_robot;
+  const auto nearest = std::min_element(places.begin(), places.end(), [&](int a, int b) {
+    return core::distance(graph_.pose(a), T) < core::distance(graph_.pose(b), T);
+  });
+  if (nearest == places.end()) return false;
   const auto query = trailQuery(join);
+  const auto here = searchBest(pyramidOf(*nearest), query, T, {2 * kSearchCell_m, 0.02}, 0);
+  if (!here) return false;
+  std::vector<std::pair<int, Pose2>> others;
+  const int all = static_cast<int>(places.size()) * kHeadings;
   for (int n = 0; n < kProofsPerScan && join.proved < all; ++n, ++join.proved) {
     const int place = places[static_cast<size_t>(join.proved / kHeadings)];
-    if (!isAsGoodAt(join, query, place, join.proved % kHeadings * kHeadingStep_rad)) continue;
-    // Again, when more has been seen.
-    join.proved = 0;
-    join.places_left = kPlacesUntilNextProof;
-    return false;
+    const Point2 centre = core::position(graph_.pose(place));
+    const auto there = searchBest(pyramidOf(place), query,
+                                  {centre.x, centre.y, T.phi + join.proved % kHeadings * kHeadingStep_rad},
+                                  {kPlaceHalf_m, 0.5 * kHeadingStep_rad}, here->score - kProofMargin);
+    if (there) others.push_back({place, there->T_map_robot});
   }
-  return join.proved >= all;
+  const bool is_proved = join.proved >= all && others.empty();
+  for (const auto& [place, T_other] : others) addJoin(place, T_other, 0);
+  return is_proved;
 }
 
 void GraphSlam::joinPart(const Join& join) {

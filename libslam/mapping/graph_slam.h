@@ -190,6 +190,7 @@ class GraphSlam {
     int back_to;  ///< the trail is not asked farther back
     int asked = 0, fitting = 0, failures = 0;
     double evidence = 0, distinct = 0;  ///< nats; sum of distinctness()
+    std::vector<Cursor> placed;         ///< points of the trail that fit
     Box fits, followed;                 ///< where the trail fits, and where nothing contradicts it
     int proved = 0;                     ///< places, times kHeadings, that were shown not to be as good
     int old_keyframe = 0;               ///< nearest at `forth`
@@ -374,7 +375,6 @@ class GraphSlam {
   bool isCurrent(const Join& join) const;
   Join* decided();
   std::vector<core::Point2> trailQuery(const Join& join) const;
-  bool isAsGoodAt(const Join& join, const std::vector<core::Point2>& query, int place, double turn_rad);
   bool isProved(Join& join, int component);
   void joinPart(const Join& join);
 

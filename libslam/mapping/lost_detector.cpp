@@ -53,7 +53,8 @@ void LostDetector::look(const Look& now) {
           ? -std::min(kUnbroken, std::max(kUnbroken * unbroken, kPerDismissed * dismissed_))
           : -kUnbroken;
   double says = ratio(now.contradicted, well_);
-  if (!now.may_be_lost) says = std::min(says, 0.0);
+  // What is mostly explained speaks against it, whatever the rest says.
+  if (!now.may_be_lost) says = std::min(says, -0.5 * kMostPerLook);
   says *= news * std::min(std::isfinite(now.telling) ? now.telling / kTelling : 0, 1.0);
   // After the break the scans of a robot that was kidnapped fit one another; among people who walk about they do not.
   if (says > 0 && evidence_ > begins_now && std::isfinite(now.broken))

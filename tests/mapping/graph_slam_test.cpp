@@ -266,8 +266,8 @@ TEST(GraphSlam, FindsItselfAgainInAFinishedMap) {
   // Carried to a third of the lap.
   GraphSlam::Step step;
   // It has to be followed through more than a room, and the whole map to be looked at.
-  for (size_t i = far; i < far + 200; ++i) step = graph.localise(log.scans[i], log.increments[i], true);
-  EXPECT_LT(core::distance(step.T_map_robot, log.truth[far + 199]), 0.1);
+  for (size_t i = far; i < far + 360; ++i) step = graph.localise(log.scans[i], log.increments[i], true);
+  EXPECT_LT(core::distance(step.T_map_robot, log.truth[far + 359]), 0.1);
   EXPECT_TRUE(eventsOf(graph).count("lost"));
   EXPECT_TRUE(eventsOf(graph).count("recovered"));
   EXPECT_EQ(graph.keyframeCount(), keyframes);
