@@ -39,7 +39,7 @@ void addReport(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand(
       "report", "one HTML file of a result: verdict, tables, maps, errors, replay; opens anywhere");
   auto folder = std::make_shared<std::string>();
-  command->add_option("folder", *folder, "what compare, run, explore, navigate, bench or stress wrote")
+  command->add_option("folder", *folder, "what compare, run, explore, navigate, bench, stress or tune wrote")
       ->required();
   addOutput(command, context, "the file to write (default report.html)");
   addJson(command, context);

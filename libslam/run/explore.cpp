@@ -357,6 +357,21 @@ void drawCoverage(const std::vector<Job>& jobs, const std::string& title, const 
   report::drawCharts(charts, title, png_path);
 }
 
+/// The curves of runs that leave no folder of their own.
+std::string curvesCsv(const std::vector<Job>& jobs) {
+  report::Table table;
+  table.columns = {{"strategy", "strategy", 0},
+                   {"seed", "seed", 0},
+                   {"time_s", "time s", 3},
+                   {"path_m", "path m", 4},
+                   {"explored_share", "explored", 6}};
+  for (const auto& job : jobs)
+    for (const auto& p : job.result.curve)
+      table.rows.push_back({job.result.exploration.strategy, static_cast<double>(job.seed), p.time_s,
+                            p.path_m, p.explored_m2 / job.result.exploration.explorable_m2});
+  return report::toCsv(table);
+}
+
 std::vector<Job> makeJobs(const ExploreRequest& request, const std::string& folder) {
   std::vector<Job> jobs;
   const bool single = request.strategies.size() == 1 && request.seeds == 1;
@@ -502,11 +517,14 @@ ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest
   core::writeFileAtomically(folder + "/cost.csv", report::toCsv(result.cost));
   core::writeFileAtomically(folder + "/cost.json", report::toJson(result.cost));
   drawCoverage(jobs, caption, folder + "/coverage.png");
+  if (request.tables_only) core::writeFileAtomically(folder + "/curves.csv", curvesCsv(jobs));
 
   // A single run has already left a manifest there: the same one, with more in it.
   if (fs::exists(folder + "/manifest.json")) manifest = core::readManifest(folder + "/manifest.json");
   manifest.files["scores.txt"] = "the table; also .md and .tex, and .csv and .json with quartiles";
   manifest.files["runs.csv"] = "every figure of every run";
+  if (request.tables_only)
+    manifest.files["curves.csv"] = "explored share over time and path: rasterslam plot exploration";
   manifest.files["coverage.png"] = "explored share over time, path and scans";
   manifest.files["cost.csv"] = "CPU time of the decisions; also .json";
   manifest.results.emplace("status", "complete");  // a single run that failed has said so

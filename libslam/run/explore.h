@@ -48,7 +48,7 @@ struct ExploreRequest {
   std::uint64_t seed = 1;
   int seeds = 1;             ///< runs with seed, seed + 1, ...
   int threads = 1;           ///< runs side by side; the results do not depend on it
-  bool tables_only = false;  ///< no folder per run: sweeps
+  bool tables_only = false;  ///< no folder per run, but curves.csv of all of them: sweeps
   bool overwrite = false;
   StepObserver* observer = nullptr;  ///< of a single run: one strategy, one seed (ContractError)
 };

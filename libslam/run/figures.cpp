@@ -295,10 +295,33 @@ std::vector<report::Chart> stressCharts(const report::Table& stress, const std::
   return {errors, failures};
 }
 
+namespace {
+
+/// One exploration: its curve stands in the rows [first, last) of a file's table.
+struct ExplorationRun {
+  std::string folder, strategy, file;
+  std::size_t first = 0, last = 0;  // 0, 0: all
+};
+
+/// Those of a folder with tables only, whose curves stand one below the other.
+std::vector<ExplorationRun> runsInOneTable(const std::string& folder, const std::string& file) {
+  const auto table = report::fromCsv(core::readTextFile(file), file);
+  const auto strategy = columnOf(table, "strategy", file), seed = columnOf(table, "seed", file);
+  std::vector<ExplorationRun> runs;
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    const auto& row = table.rows[i];
+    const bool is_new = i == 0 || textOf(row[strategy]) != textOf(table.rows[i - 1][strategy]) ||
+                        textOf(row[seed]) != textOf(table.rows[i - 1][seed]);
+    if (is_new) runs.push_back({folder, textOf(row[strategy]), file, i, i});
+    runs.back().last = i + 1;
+  }
+  return runs;
+}
+
+}  // namespace
+
 std::vector<report::Chart> explorationCharts(const std::vector<std::string>& folders) {
-  struct Run {
-    std::string folder, strategy, file;
-  };
+  using Run = ExplorationRun;
   std::vector<Run> runs;
   for (const auto& folder : folders) {
     if (!fs::is_directory(folder))
@@ -307,7 +330,9 @@ std::vector<report::Chart> explorationCharts(const std::vector<std::string>& fol
     for (const auto& entry : fs::recursive_directory_iterator(folder))
       if (entry.path().filename() == "exploration.csv") files.push_back(entry.path().string());
     std::sort(files.begin(), files.end());
-    if (files.empty())
+    if (const std::string file = folder + "/curves.csv"; files.empty() && fs::exists(file))
+      for (auto& run : runsInOneTable(folder, file)) runs.push_back(std::move(run));
+    else if (files.empty())
       throw core::InputError(folder +
                              ": holds no exploration.csv, expected a folder that 'rasterslam explore' wrote");
     for (const auto& file : files) {
@@ -319,7 +344,7 @@ std::vector<report::Chart> explorationCharts(const std::vector<std::string>& fol
         if (table.rows.empty()) throw core::InputError(list + ": holds no run, expected one");
         strategy = textOf(table.rows.front()[columnOf(table, "strategy", list)]);
       }
-      runs.push_back({folder, strategy, file});
+      runs.push_back({folder, strategy, file, 0, 0});
     }
   }
   std::vector<report::Chart> charts = {{"time (s)", "explored (%)", {}, 100},
@@ -339,8 +364,9 @@ std::vector<report::Chart> explorationCharts(const std::vector<std::string>& fol
     for (std::size_t i = 0; i < charts.size(); ++i) {
       const auto x = columnOf(table, keys[i], run.file);
       report::Curve curve{label, {}};
-      for (const auto& row : table.rows)
-        curve.points.push_back({numberOf(row[x]), 100 * numberOf(row[share])});
+      const std::size_t last = run.last == 0 ? table.rows.size() : run.last;
+      for (std::size_t r = run.first; r < last; ++r)
+        curve.points.push_back({numberOf(table.rows[r][x]), 100 * numberOf(table.rows[r][share])});
       charts[i].curves.push_back(std::move(curve));
     }
   }

@@ -328,9 +328,33 @@ void addRun(const std::string& folder, const std::string& log_path, const std::s
   page.replays[replay].seen = truth->seen;
 }
 
+namespace {
+
+/// What tune() writes beside its sweeps.
+bool isTuning(const std::string& folder) {
+  return fs::exists(folder + "/candidates.json") && fs::exists(folder + "/verdict.txt");
+}
+
+report::ReportPage tuningPage(const std::string& folder) {
+  report::ReportPage page;
+  page.title = pageTitle(folder, "Tuning");
+  page.subtitle =
+      "Candidates were ranked on training worlds, the best judged against the default on held-out ones.";
+  page.verdict = {core::trimmed(core::readTextFile(folder + "/verdict.txt"))};
+  for (const std::string name : {"candidates", "sensitivity"})
+    if (fs::exists(folder + "/" + name + ".json"))
+      page.tables.push_back(readJsonTable(folder + "/" + name + ".json"));
+  if (fs::exists(folder + "/held_out/summary.md"))
+    page.tables.push_back(readMarkdownTable(folder + "/held_out/summary.md"));
+  return page;
+}
+
+}  // namespace
+
 report::ReportPage gatherReport(const std::string& folder, core::Progress& progress) {
   if (!fs::is_directory(folder))
     throw core::InputError(folder + ": is not a folder, expected one that rasterslam wrote");
+  if (isTuning(folder)) return tuningPage(folder);
   const std::string manifest_path = folder + "/manifest.json";
   if (!fs::exists(manifest_path))
     throw core::InputError(folder +

@@ -62,5 +62,17 @@ TEST(ExploreCommand, PrintsItsConfigurationWithTheReferee) {
   EXPECT_THAT(result.out, ::testing::ContainsRegex("give_up_s = 300 +# built-in"));
 }
 
+TEST(Explore, TablesAloneAreEnoughForTheFigure) {
+  const testing::TempFolder folder;
+  const std::string explore =
+      "explore flat --strategy longest_ray,quadrant --seeds 2 --duration 20 -q --set lidar.beams=91 ";
+  for (const std::string how : {"-o folders", "--tables-only -o tables"})
+    ASSERT_EQ(rasterslam(explore + how, folder.path()).exit_code, 0) << how;
+  const auto drawn = rasterslam("plot exploration tables -o tables.svg --json", folder.path());
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_THAT(drawn.out, ::testing::HasSubstr("\"runs\": 4"));
+  ASSERT_EQ(rasterslam("plot exploration folders -o folders.svg", folder.path()).exit_code, 0);
+}
+
 }  // namespace
 }  // namespace slam::apps

@@ -93,6 +93,9 @@ TEST(Tune, JudgesOnHeldOutWorldsAndGoesOnWhereItWas) {
   std::string log;
   for (const auto& cell : fs::directory_iterator(folder / "one/training/cells"))
     if (fs::exists(cell.path() / "run.rawlog")) log = (cell.path() / "run.rawlog").string();
+  const auto page = rasterslam("report one -o tuned.html", folder.path());
+  EXPECT_EQ(page.exit_code, 0) << page.err;
+  EXPECT_THAT(core::readTextFile(folder / "tuned.html"), HasSubstr("<title>Tuning"));
   const auto run = rasterslam("run one/icp_tuned.ini " + log + " -o again -q", folder.path());
   EXPECT_EQ(run.exit_code, 0) << run.err;
 }
