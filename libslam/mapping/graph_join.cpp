@@ -260,6 +260,9 @@ void GraphSlam::joinPart(const Join& join) {
   hypothesis.edges = join.edges;
   accept(hypothesis);
   joins_.clear();
+  // The keyframes have moved.
+  const Point2 centre = core::position(currentPose());
+  setMap(keyframesAround(lastKeyframe(), centre, options_.map_path_m, options_.map_radius_m), centre);
 }
 
 /// Looks for the place of the keyframes [first, last] in the rest of the map, for as long as one scan may take.
