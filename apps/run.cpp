@@ -36,6 +36,31 @@ run::Continuation continuationOf(const Arguments& arguments) {
   return continuation;
 }
 
+/// Says once that a robot is not found in a map, while there is time to take another.
+class NotFoundYet : public run::StepObserver {
+ public:
+  explicit NotFoundYet(std::string map) : map_(std::move(map)) {}
+  void onStep(const run::Step& step) override {
+    constexpr double kPatience_s = 60;
+    if (has_looked_ || step.time_s < kPatience_s || step.method == nullptr) return;
+    has_looked_ = true;
+    bool was_found = false, was_lost = false;
+    for (const auto& entry : mapping::journalOf(*step.method)) {
+      was_found = was_found || entry.event == "recovered";
+      was_lost = was_lost || (entry.event == "lost" && entry.scan <= 0);
+    }
+    if (was_lost && !was_found)
+      std::fprintf(stderr,
+                   "rasterslam: %s: the robot is not found in it after %.0f s of the log: is it the map of "
+                   "another place?\n",
+                   map_.c_str(), kPatience_s);
+  }
+
+ private:
+  std::string map_;
+  bool has_looked_ = false;
+};
+
 nlohmann::ordered_json journalJson(const std::vector<run::JournalLine>& journal) {
   auto list = nlohmann::ordered_json::array();
   for (const auto& line : journal) {
@@ -49,6 +74,26 @@ nlohmann::ordered_json journalJson(const std::vector<run::JournalLine>& journal)
     list.push_back(std::move(entry));
   }
   return list;
+}
+
+nlohmann::ordered_json resultJson(const std::string& name, const std::string& folder,
+                                  const run::MapRun& result, bool with_journal) {
+  const auto& end = result.end;
+  const auto lost = run::lostInTheEnd(result.journal);
+  nlohmann::ordered_json json{{"folder", folder},
+                              {"method", name},
+                              {"scans", result.estimate.size()},
+                              {"path_length_m", result.path_length_m},
+                              {"end_pose", {end.x, end.y, end.phi}},
+                              {"mean_ms_per_scan", result.cost.mean_ms_per_scan},
+                              {"p99_ms_per_scan", result.cost.p99_ms_per_scan},
+                              {"peak_memory_mb", result.cost.peak_memory_mb}};
+  if (!result.commands_from.empty()) json["commands_from"] = result.commands_from;
+  if (result.lost_share) json["lost_share"] = *result.lost_share;
+  if (lost) json["lost"] = run::lostText(*lost);
+  if (result.stopped) json[run::eventOf(*result.stopped)] = run::stopText(*result.stopped);
+  if (with_journal) json["journal"] = journalJson(result.journal);
+  return json;
 }
 
 core::ExitCode exitCodeOf(const run::MapRun& result, bool is_lost) {
@@ -72,9 +117,11 @@ int runMethod(const Context& context, const Arguments& arguments) {
   }
   const std::string folder = context.output.empty() ? name : context.output;
   ConsoleProgress progress(context.quiet);
+  NotFoundYet not_found(arguments.localised);
   const auto result =
       run::buildMap(arguments.log, config, name, context.seed, folder, context.overwrite, context.manifest(),
-                    progress, true, continuationOf(arguments), nullptr, arguments.keep_partial);
+                    progress, true, continuationOf(arguments),
+                    arguments.localised.empty() ? nullptr : &not_found, arguments.keep_partial);
   const auto lost = run::lostInTheEnd(result.journal);
   const auto exit_code = static_cast<int>(exitCodeOf(result, lost.has_value()));
   if (result.stopped)
@@ -90,20 +137,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
     std::fprintf(stderr, "rasterslam: %s\n", note.c_str());
   const auto& end = result.end;
   if (context.json) {
-    nlohmann::ordered_json json{{"folder", folder},
-                                {"method", name},
-                                {"scans", result.estimate.size()},
-                                {"path_length_m", result.path_length_m},
-                                {"end_pose", {end.x, end.y, end.phi}},
-                                {"mean_ms_per_scan", result.cost.mean_ms_per_scan},
-                                {"p99_ms_per_scan", result.cost.p99_ms_per_scan},
-                                {"peak_memory_mb", result.cost.peak_memory_mb}};
-    if (!result.commands_from.empty()) json["commands_from"] = result.commands_from;
-    if (result.lost_share) json["lost_share"] = *result.lost_share;
-    if (lost) json["lost"] = run::lostText(*lost);
-    if (result.stopped) json[run::eventOf(*result.stopped)] = run::stopText(*result.stopped);
-    if (arguments.journal) json["journal"] = journalJson(result.journal);
-    std::cout << json.dump(2) << "\n";
+    std::cout << resultJson(name, folder, result, arguments.journal).dump(2) << "\n";
     return exit_code;
   }
   if (arguments.journal)
@@ -149,8 +183,10 @@ void addRun(CLI::App& app, Context& context) {
                    "ROS map yaml or "
                    ".gridmap.gz")
       ->excludes(continued);
-  command->add_option("--start", arguments->start,
-                      "where the log begins in that map: x_m,y_m,yaw_deg (default: where that run ended)");
+  command->add_option(
+      "--start", arguments->start,
+      "where the log begins in that map: x_m,y_m,yaw_deg (default: where that run ended; with --localise and "
+      "a method of type graph it is found anywhere)");
   addOutput(command, context, "folder to write (default: the method's name)");
   addSeed(command, context);
   addConfig(command, context);

@@ -16,7 +16,9 @@ constexpr const char* kStandardInput = "-";
 void addCarry(CLI::App* command, std::vector<std::string>& carries) {
   command
       ->add_option("--carry", carries,
-                   "kidnap the robot: TIME_S:X_M,Y_M,HEADING_DEG in the world frame; repeat for more")
+                   "kidnap the robot: TIME_S:X_M,Y_M,HEADING_DEG in the world frame, TIME_S:random, or "
+                   "TIME_S:visited for a "
+                   "place where it was before; repeat for more")
       ->take_all()
       ->expected(1);
 }

@@ -39,6 +39,9 @@ class GraphMapBuilder : public mrpt::slam::CMetricMapBuilder {
   /// The same as processActionObservation() without MRPT's types in between.
   core::Pose2 processScan(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
   void finish() { graph_.finish(); }
+  /// After initialize() with a map: nobody knows where in it the robot is. REQUIRES options.enableMapUpdating = false from then
+  /// on.
+  void startAnywhere() { graph_.startAnywhere(); }
   const GraphSlam& graph() const { return graph_; }
 
  private:

@@ -349,24 +349,30 @@ MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, 
   return method;
 }
 
-void continueMap(MapBuilder& method, const std::string& simplemap_path, const core::Pose2& T_map_robot,
-                 bool keep_map) {
+void continueMap(MapBuilder& method, const std::string& simplemap_path,
+                 const std::optional<core::Pose2>& T_map_robot, bool keep_map) {
   if (method.type == "naive" || method.type == "rbpf")
     throw core::InputError("method " + method.name + " of type " + method.type +
                            " cannot go on in a map, expected type graph, particles or icp");
+  if (!T_map_robot && (method.type != "graph" || !keep_map))
+    throw core::InputError(
+        "method " + method.name + " of type " + method.type +
+        " has to be told where in the map the log begins (--start): only type graph finds a robot "
+        "anywhere, and only with --localise");
   const auto map = loadKeyFrames(simplemap_path);
   mrpt::poses::CPosePDFGaussian start;
-  start.mean = mrpt::poses::CPose2D(robot::toMrpt(T_map_robot));
+  start.mean = mrpt::poses::CPose2D(robot::toMrpt(T_map_robot.value_or(core::Pose2{})));
   try {
     const StoppedClock clock;
-    method.builder->initialize(map, &start);
+    method.builder->initialize(map, T_map_robot ? &start : nullptr);
+    if (!T_map_robot) graphOf(method)->startAnywhere();
   } catch (const core::MethodError&) {
     throw;
   } catch (const std::exception& error) {
     throw core::InputError(simplemap_path + ": cannot be gone on with: " + firstLine(error.what()));
   }
   method.builder->options.enableMapUpdating = !keep_map;
-  method.state->T_map_robot = T_map_robot;
+  method.state->T_map_robot = T_map_robot.value_or(core::Pose2{});
 }
 
 std::string toMrptConfig(const core::IniFile& config, const std::string& name) {

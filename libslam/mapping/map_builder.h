@@ -61,10 +61,11 @@ std::vector<std::string> methodNames(const std::string& methods_folder);
 core::IniFile loadMethodConfig(const std::string& methods_folder, const std::string& name_or_path);
 
 /// Goes on in a map of before (a map.simplemap) instead of an empty one, in its frame: the robot is at T_map_robot at the
-/// first scan. keep_map: the map stays as it is, the robot is only localised in it. REQUIRES that no scan was processed.
+/// first scan; nullopt: nobody knows where, and it is looked for in all of the map (type graph with keep_map alone).
+/// keep_map: the map stays as it is, the robot is only localised in it. REQUIRES that no scan was processed.
 /// Errors: InputError for a file that is no simplemap or holds no scan, and for types that cannot: naive, rbpf.
-void continueMap(MapBuilder& method, const std::string& simplemap_path, const core::Pose2& T_map_robot,
-                 bool keep_map);
+void continueMap(MapBuilder& method, const std::string& simplemap_path,
+                 const std::optional<core::Pose2>& T_map_robot, bool keep_map);
 
 /// What the robot was told to do before each scan to come, the first included: for processScan() where it is not told itself.
 void setCommands(MapBuilder& method, std::vector<robot::Commanded> commands);

@@ -153,12 +153,14 @@ void beginInMap(mapping::MapBuilder& method, const Continuation& continuation, c
                 const std::string& output, core::Manifest& manifest) {
   const std::string key_frames = keyFramesOf(continuation, log_path, output);
   const std::string& map = isGridMap(continuation.folder) ? continuation.folder : key_frames;
-  const core::Pose2 T_map_robot =
-      continuation.T_map_robot ? *continuation.T_map_robot : endOfRun(continuation.folder);
+  std::optional<core::Pose2> T_map_robot = continuation.T_map_robot;
+  const bool anywhere = continuation.localise_only && method.type == "graph";
+  const bool is_run = map == continuation.folder + "/map.simplemap";
+  if (!T_map_robot && !anywhere && is_run) T_map_robot = endOfRun(continuation.folder);
   mapping::continueMap(method, key_frames, T_map_robot, continuation.localise_only);
   manifest.inputs[map] = core::fileSha256(map);
   manifest.results[continuation.localise_only ? "localised_in" : "continues"] = continuation.folder;
-  describePose("start", T_map_robot, manifest.results);
+  if (T_map_robot) describePose("start", *T_map_robot, manifest.results);
 }
 
 /// The map of before, byte for byte where it has these files: localising has not changed it.

@@ -46,10 +46,11 @@ struct MapRun {
 
 /// An earlier run whose map is gone on with.
 struct Continuation {
-  std::string folder;          ///< that buildMap() wrote; "" begins a map
+  std::string folder;  ///< that buildMap() wrote, a .simplemap, or a grid map (isGridMap()); "" begins a map
   bool localise_only = false;  ///< its map stays: the folder gets the same map files, and a path
   std::optional<core::Pose2>
-      T_map_robot;  ///< at the first scan, in the frame of that map; none: where that run ended
+      T_map_robot;  ///< at the first scan, in the frame of that map; none: where that run ended, and with localise_only
+                    ///< anywhere, where the method is of type graph
 };
 
 /// Runs a SLAM method over a log and writes a folder:

@@ -10,6 +10,13 @@ namespace {
 
 constexpr const char* kNone = "none";
 
+using Where = CarryOrder::Where;
+
+Where whereOf(const std::string& word) {
+  const auto place = word.substr(std::min(word.size(), word.find(':')));
+  return place == ":random" ? Where::kRandom : place == ":visited" ? Where::kVisited : Where::kGiven;
+}
+
 /// "60:12.5,3,90" as its four numbers; none for another form.
 std::vector<double> numbersOf(const std::string& word) {
   const auto colon = word.find(':');
@@ -31,13 +38,14 @@ std::vector<double> numbersOf(const std::string& word) {
 
 const core::ParameterTable<EventOptions>& EventOptions::table() {
   using O = EventOptions;
-  static const core::ParameterTable<O> rows(
-      "events",
-      {{"carry",
-        &O::carry,
-        kNone,
-        {},
-        "kidnapped robot: TIME_S:X_M,Y_M,HEADING_DEG in the world frame, several by blanks; none"}});
+  static const core::ParameterTable<O> rows("events",
+                                            {{"carry",
+                                              &O::carry,
+                                              kNone,
+                                              {},
+                                              "kidnapped robot: TIME_S:X_M,Y_M,HEADING_DEG in the world "
+                                              "frame, or TIME_S:random, or TIME_S:visited for a "
+                                              "place where it was before; several by blanks; none"}});
   return rows;
 }
 
@@ -53,11 +61,13 @@ std::vector<CarryOrder> parseCarries(const std::string& text, const std::string&
     const auto fail = [&](const std::string& expected) {
       throw core::InputError(origin + ": found '" + word + "', expected " + expected);
     };
-    const auto numbers = numbersOf(word);
-    if (numbers.empty()) fail("TIME_S:X_M,Y_M,HEADING_DEG, such as 60:12.5,3,90");
+    const auto where = whereOf(word);
+    const auto numbers = numbersOf(where == Where::kGiven ? word : word.substr(0, word.find(':')) + ":0,0,0");
+    if (numbers.empty())
+      fail("TIME_S:X_M,Y_M,HEADING_DEG, such as 60:12.5,3,90, or TIME_S:random or TIME_S:visited");
     if (!(numbers[0] > 0)) fail("a time above 0: where the robot starts is for 'start' to say");
     carries.push_back(
-        {numbers[0], {numbers[1], numbers[2], core::wrapToPi(core::degToRad(numbers[3]))}, origin});
+        {numbers[0], {numbers[1], numbers[2], core::wrapToPi(core::degToRad(numbers[3]))}, origin, where});
   }
   if (carries.empty()) throw core::InputError(origin + ": found nothing, expected events or none");
   std::stable_sort(carries.begin(), carries.end(),

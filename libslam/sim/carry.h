@@ -19,8 +19,9 @@ struct EventOptions {
 /// tells it.
 struct CarryOrder {
   double time_s = 0;          ///< since the first scan
-  core::Pose2 T_world_robot;  ///< where it is put down
+  core::Pose2 T_world_robot;  ///< where it is put down, with kGiven
   std::string origin;         ///< for errors: "--carry"
+  enum class Where { kGiven, kRandom, kVisited } where = Where::kGiven;
 };
 
 /// A kidnapped robot: put elsewhere without its wheels noticing.
@@ -29,7 +30,8 @@ struct Carry {
   core::Pose2 T_world_from, T_world_to;
 };
 
-/// Reads "TIME_S:X_M,Y_M,HEADING_DEG", several separated by blanks, in any order; world frame, times since the first scan.
+/// Reads "TIME_S:X_M,Y_M,HEADING_DEG", "TIME_S:random" (any place that it could drive to) or "TIME_S:visited" (a place that it
+/// has been at), several separated by blanks, in any order; world frame, times since the first scan.
 /// "none": none. The result is sorted by time. `origin` stands before errors. Errors: InputError for another form, a time that is
 /// not above 0, two at one time.
 std::vector<CarryOrder> parseCarries(const std::string& text, const std::string& origin);

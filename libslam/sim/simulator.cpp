@@ -5,6 +5,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
+#include "libslam/sim/carry_place.h"
 #include "libslam/sim/standing_room.h"
 
 namespace slam::sim {
@@ -31,7 +32,8 @@ Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
       odometer_(odometry, seed),
       path_(lidar_.memory_s()),
       T_world_robot_(start),
-      start_time_s_(start_time_s) {
+      start_time_s_(start_time_s),
+      carry_random_(seed, "carry") {
   if (camera) camera_.emplace(*camera, seed);
   requireStandingRoom(plan, "start pose", start, robot::circumscribedRadius(robot_));
 }
@@ -87,16 +89,18 @@ double Simulator::advance(const robot::Command& command) {
     collisions_.push_back({time_s() + driven_s, T_world_robot_});
   }
   elapsed_ns_ += std::llround(command.duration_s * 1e9);
+  if (!pending_carries_.empty()) visited_.push_back(core::position(T_world_robot_));
   return driven_s;
 }
 
 void Simulator::carryAt(const std::vector<CarryOrder>& orders) {
   const double radius_m = robot::circumscribedRadius(robot_);
   for (const auto& order : orders) {
-    requireStandingRoom(scene_.planWithDoorsOpen(),
-                        order.origin + ": the place at " + core::formatNumber(order.time_s) + " s",
-                        order.T_world_robot, radius_m);
-    pending_carries_.push_back({std::llround(order.time_s * 1e9), order.T_world_robot});
+    if (order.where == CarryOrder::Where::kGiven)
+      requireStandingRoom(scene_.planWithDoorsOpen(),
+                          order.origin + ": the place at " + core::formatNumber(order.time_s) + " s",
+                          order.T_world_robot, radius_m);
+    pending_carries_.push_back({std::llround(order.time_s * 1e9), order.T_world_robot, order.where});
   }
 }
 
@@ -104,13 +108,24 @@ void Simulator::carryNow(const core::Pose2& T_world_robot) {
   const auto later = std::find_if(pending_carries_.begin(), pending_carries_.end(),
                                   [this](const PendingCarry& carry) { return carry.time_ns > elapsed_ns_; });
   pending_carries_.insert(pending_carries_.erase(pending_carries_.begin(), later),
-                          {elapsed_ns_, T_world_robot});
+                          {elapsed_ns_, T_world_robot, CarryOrder::Where::kGiven});
+}
+
+core::Pose2 Simulator::placeOf(const PendingCarry& carry) {
+  const double radius_m = robot::circumscribedRadius(robot_);
+  std::optional<core::Pose2> place;
+  if (carry.where == CarryOrder::Where::kRandom)
+    place = randomPlace(scene_.planWithDoorsOpen(), T_world_robot_, radius_m, carry_random_);
+  if (carry.where == CarryOrder::Where::kVisited)
+    place = sim::placeOf(visited_, T_world_robot_, carry_random_);
+  if (carry.where == CarryOrder::Where::kGiven) place = carry.T_world_robot;
+  return place.value_or(T_world_robot_);
 }
 
 void Simulator::carryIfDue() {
   const double radius_m = robot::circumscribedRadius(robot_);
   while (!pending_carries_.empty() && pending_carries_.front().time_ns <= elapsed_ns_) {
-    const core::Pose2 T_world_to = pending_carries_.front().T_world_robot;
+    const core::Pose2 T_world_to = placeOf(pending_carries_.front());
     if (scene_.discCollides(core::position(T_world_to), radius_m)) return;
     pending_carries_.erase(pending_carries_.begin());
     carries_.push_back({time_s(), T_world_robot_, T_world_to});

@@ -42,6 +42,7 @@ struct Collision {
 /// into them is a collision, and they never walk or close into the robot. Between two checks of the path (at
 /// most a quarter of a cell or 1 cm apart) the disc may cut a wall's corner by less than 0.1 mm.
 ///
+/// Chance of the places that orders leave open: stream "carry".
 /// The robot may be kidnapped (carryAt(), carryNow()): at that moment, also amid a command, the truth jumps. The wheels do
 /// not notice: dead reckoning goes by the command alone, and the rest of the command is driven from the new place, unless an obstacle
 /// has ended it. A place where a person stands or a door is shut just then is waited for: the robot is put down before the first command that
@@ -88,7 +89,10 @@ class Simulator {
   struct PendingCarry {
     std::int64_t time_ns;  ///< of the simulator's own clock
     core::Pose2 T_world_robot;
+    CarryOrder::Where where = CarryOrder::Where::kGiven;
   };
+  /// Where an order puts the robot down; another place at every call, of those that it leaves to chance.
+  core::Pose2 placeOf(const PendingCarry& carry);
 
   /// Carries out the orders that are due, as far as their places are free.
   void carryIfDue();
@@ -112,6 +116,8 @@ class Simulator {
   bool collided_ = false;
   std::vector<Collision> collisions_;
   std::vector<PendingCarry> pending_carries_;  ///< by time
+  core::RandomStream carry_random_;
+  std::vector<core::Point2> visited_;  ///< after every command, while orders are pending
   std::vector<Carry> carries_;
 };
 

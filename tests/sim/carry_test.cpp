@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "libslam/core/error.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/testing/error_of.h"
@@ -48,6 +50,52 @@ TEST(ParseCarries, ReadsTimesPlacesAndDegreesInAnyOrder) {
   EXPECT_EQ(carries[1].T_world_robot.x, 12.5);
   EXPECT_DOUBLE_EQ(carries[1].T_world_robot.phi, core::kPi / 2);
   EXPECT_TRUE(parseCarries("none", "--carry").empty());
+}
+
+TEST(ParseCarries, LeavesPlacesToChance) {
+  const auto carries = parseCarries("60:random 70:visited 80:1,2,3", "--carry");
+  ASSERT_EQ(carries.size(), 3U);
+  EXPECT_EQ(carries[0].where, CarryOrder::Where::kRandom);
+  EXPECT_EQ(carries[0].time_s, 60);
+  EXPECT_EQ(carries[1].where, CarryOrder::Where::kVisited);
+  EXPECT_EQ(carries[2].where, CarryOrder::Where::kGiven);
+}
+
+TEST_F(CarriedRobot, IsPutDownAnywhereThatItCanDriveTo) {
+  // A wall with no way through: nobody carries it into the eastern part.
+  for (int row = 0; row < plan_.rows; ++row)
+    plan_.cells[static_cast<size_t>(row) * 200 + 120] = world::Cell::kOccupied;
+  std::vector<core::Pose2> places;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Simulator simulator(plan_, {}, robot::LidarOptions{}, perfectOdometry(), {1, 1, 0}, seed, 0);
+    simulator.carryAt(parseCarries("1:random", "--carry"));
+    for (int i = 0; i < 4; ++i) simulator.step({0.2, 0, 0.5});
+    ASSERT_EQ(simulator.carries().size(), 1U);
+    const core::Pose2& to = simulator.carries()[0].T_world_to;
+    EXPECT_FALSE(world::discCollides(plan_, core::position(to), robot::circumscribedRadius({})));
+    EXPECT_LT(to.x, 6);
+    EXPECT_GE(core::distance(to, simulator.carries()[0].T_world_from), 3);
+    places.push_back(to);
+  }
+  EXPECT_NE(places[0].x, places[1].x);
+  const auto beyond = [](const core::Pose2& T) { return T.y > 3; };
+  EXPECT_GT(std::count_if(places.begin(), places.end(), beyond), 5);
+}
+
+TEST_F(CarriedRobot, IsPutDownWhereItWas) {
+  auto simulator = simulatorAt({1, 1, 0});
+  simulator.carryAt(parseCarries("10:visited", "--carry"));
+  std::vector<core::Point2> path;
+  for (int i = 0; i < 21; ++i) {
+    simulator.step({0.6, 0, 0.5});
+    if (simulator.carries().empty()) path.push_back(core::position(simulator.truth()));
+  }
+  ASSERT_EQ(simulator.carries().size(), 1U);
+  const core::Pose2& to = simulator.carries()[0].T_world_to;
+  EXPECT_TRUE(std::any_of(path.begin(), path.end(), [&](const core::Point2& p) {
+    return core::distance(p, core::position(to)) < 1e-9;
+  }));
+  EXPECT_GE(core::distance(to, simulator.carries()[0].T_world_from), 3);
 }
 
 TEST(ParseCarries, RefusesInOneLineThatNamesTheOrigin) {

@@ -1,0 +1,83 @@
+// run --localise in a grid map: a robot that nobody says where it is.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "libslam/core/files.h"
+#include "tests/apps/program.h"
+
+namespace slam::apps {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+/// 65 s in an office, its plan, and the plan of another building.
+class InAPlan : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new testing::TempFolder;
+    for (const std::string command :
+         {"world make office -o plan.yaml --size 24x16 --seed 3", "world make flat -o other.yaml --seed 9",
+          "simulate plan.yaml -o visit.rawlog --duration 65 --seed 5 -q"}) {
+      const auto made = run(command);
+      ASSERT_EQ(made.exit_code, 0) << made.err;
+    }
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+  static testing::CommandResult run(const std::string& arguments) {
+    return rasterslam(arguments, folder_->path());
+  }
+  static testing::TempFolder* folder_;
+};
+testing::TempFolder* InAPlan::folder_ = nullptr;
+
+TEST_F(InAPlan, ARobotIsFoundWithoutAStart) {
+  const auto found = run("run graph visit.rawlog -o found --localise plan.yaml -q");
+  ASSERT_EQ(found.exit_code, 0) << found.err;
+  EXPECT_THAT(found.out, HasSubstr("% of the time\n"));
+  const auto scored = run("eval found --truth visit.gt.tum");
+  ASSERT_EQ(scored.exit_code, 0) << scored.err;
+  EXPECT_THAT(scored.out, HasSubstr("not aligned (align none)"));
+  const auto row =
+      nlohmann::json::parse(run("eval found --truth visit.gt.tum --json").out)["scores"]["rows"][0];
+  EXPECT_LT(row["ate_rmse_m"], 0.1);  // two cells of the plan
+  EXPECT_LT(row["lost_share"], 1);
+}
+
+TEST_F(InAPlan, AnotherBuildingIsSaidAfterAMinute) {
+  const auto lost = run("run graph visit.rawlog -o astray --localise other.yaml -q");
+  EXPECT_EQ(lost.exit_code, 4);
+  EXPECT_THAT(
+      lost.err,
+      HasSubstr(
+          "other.yaml: the robot is not found in it after 60 s of the log: is it the map of another place?"));
+  EXPECT_TRUE(fs::exists(*folder_ / "astray/trajectory.tum"));
+  EXPECT_THAT(lost.out, HasSubstr("lost 100.0 % of the time"));
+}
+
+TEST_F(InAPlan, AMapWithoutAFreePlaceIsRefused) {
+  core::writeFileAtomically(*folder_ / "full.pgm", "P2\n4 4\n255\n0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0\n");
+  core::writeFileAtomically(*folder_ / "full.yaml",
+                            "image: full.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
+                            "occupied_thresh: 0.65\nfree_thresh: 0.196\n");
+  const auto refused = run("run graph visit.rawlog -o x --localise full.yaml -q");
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_THAT(refused.err, HasSubstr("full.yaml: the picture has no free space"));
+  EXPECT_FALSE(fs::exists(*folder_ / "x"));
+}
+
+TEST_F(InAPlan, MethodsThatCannotFindItSaySo) {
+  const auto refused = run("run icp visit.rawlog -o x --localise plan.yaml -q");
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_THAT(refused.err, HasSubstr("has to be told where in the map the log begins (--start)"));
+  EXPECT_FALSE(fs::exists(*folder_ / "x"));
+}
+
+}  // namespace
+}  // namespace slam::apps
