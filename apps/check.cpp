@@ -119,6 +119,8 @@ ordered_json toJson(const doctor::LogCheck& check) {
           {"view_given", f.is_view_given},
           {"view_factor", f.view.is_observable ? toJson(f.view.factor) : ordered_json()},
           {"view_candidates", views},
+          {"sweep_stated_s", f.stated_sweep ? ordered_json(f.stated_sweep->duration_s) : ordered_json()},
+          {"sweep_s", f.sweep.is_observable ? toJson(f.sweep.duration_s) : ordered_json()},
           {"matched_pairs", f.matched_pairs},
           {"unmatched_pairs", f.unmatched_pairs},
           {"odometry", odometryJson(f)},

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "libslam/core/error.h"
 #include "libslam/run/resources.h"
@@ -60,27 +61,62 @@ void addSensorFlag(CLI::App* command, SimulationFlags& flags) {
 
 void addSimulationFlags(CLI::App* command, SimulationFlags& flags) {
   command->add_option("--strategy", flags.strategy, "where to go: see 'rasterslam list strategies'");
-  command->add_option("--lidar", flags.lidar,
-                      "a lidar by name (see 'rasterslam list lidars') or an .ini file");
+  command
+      ->add_option(
+          "--lidar", flags.lidars,
+          "a lidar by name (see 'rasterslam list lidars') or an .ini file; again for one more on the "
+          "robot, as rear=LIDAR@X,Y,DEG (metres and degrees from the robot's centre)")
+      ->take_all()
+      ->expected(1);
   addSensorFlag(command, flags);
   command->add_option("--duration", flags.duration_s, "longest recording, seconds of the robot's time");
   command->add_option("--form", flags.form, "form of the rawlog: action or observation");
 }
 
+namespace {
+
+/// The file of a lidar by name or path.
+core::IniFile loadLidar(const std::string& lidar) {
+  const bool is_path = lidar.find_first_of("/.") != std::string::npos;
+  const std::string folder = run::configsFolder() + "/lidars";
+  if (!is_path) {
+    const auto names = run::namesInFolder(folder, ".ini");
+    if (std::find(names.begin(), names.end(), lidar) == names.end())
+      throw core::InputError("--lidar: found '" + lidar + "', expected a name of 'rasterslam list lidars'" +
+                             core::didYouMean(lidar, names));
+  }
+  return core::IniFile::load(is_path ? lidar : folder + "/" + lidar + ".ini");
+}
+
+/// Section [lidar] of "LIDAR", or [lidar NAME] of "NAME=LIDAR@X,Y,DEG".
+void addLidar(const std::string& argument, core::IniFile& config) {
+  const auto equals = argument.find('=');
+  if (equals == std::string::npos) return config.overrideWith(loadLidar(argument));
+  const auto at = argument.find('@', equals);
+  const auto fail = [&] {
+    throw core::InputError("--lidar: found '" + argument +
+                           "', expected NAME=LIDAR@X,Y,DEG, as rear=tim571@-0.1,0,180");
+  };
+  if (equals == 0 || at == std::string::npos) fail();
+  const std::string section = "lidar " + argument.substr(0, equals);
+  const auto preset = loadLidar(argument.substr(equals + 1, at - equals - 1));
+  if (const auto it = preset.sections().find("lidar"); it != preset.sections().end())
+    for (const auto& [key, entry] : it->second) config.set(section, key, entry.value, entry.origin);
+  std::istringstream numbers(argument.substr(at + 1));
+  std::string number;
+  for (const char* key : {"mount_x_m", "mount_y_m", "mount_yaw_deg"}) {
+    double value = 0;
+    if (!std::getline(numbers, number, ',') || !core::parseNumber(number, value)) fail();
+    config.set(section, key, number, "--lidar");
+  }
+  if (std::getline(numbers, number)) fail();
+}
+
+}  // namespace
+
 core::IniFile simulationConfig(const Context& context, const SimulationFlags& flags) {
   core::IniFile config;
-  if (!flags.lidar.empty()) {
-    const bool is_path = flags.lidar.find_first_of("/.") != std::string::npos;
-    const std::string folder = run::configsFolder() + "/lidars";
-    if (!is_path) {
-      const auto names = run::namesInFolder(folder, ".ini");
-      if (std::find(names.begin(), names.end(), flags.lidar) == names.end())
-        throw core::InputError("--lidar: found '" + flags.lidar +
-                               "', expected a name of 'rasterslam list lidars'" +
-                               core::didYouMean(flags.lidar, names));
-    }
-    config = core::IniFile::load(is_path ? flags.lidar : folder + "/" + flags.lidar + ".ini");
-  }
+  for (const auto& lidar : flags.lidars) addLidar(lidar, config);
   if (!context.config.empty()) config.overrideWith(core::IniFile::load(context.config));
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   if (!flags.sensor.empty()) config.set("sensor", "kind", flags.sensor, "--sensor");

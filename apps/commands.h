@@ -69,7 +69,8 @@ inline constexpr const char* kNavigatorsSlam = "naive_flow";
 
 /// Flags of a simulation, shared by simulate and compare.
 struct SimulationFlags {
-  std::string lidar, sensor, strategy, form;
+  std::vector<std::string> lidars;  ///< the first, then NAME=LIDAR@X,Y,DEG for each further one
+  std::string sensor, strategy, form;
   double duration_s = -1;
 };
 /// --sensor, of them.

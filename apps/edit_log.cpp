@@ -281,7 +281,8 @@ void addFilter(CLI::App& app, Context& context) {
   addOut(command, context);
   command->footer(
       "--no-return, --step and --mount are about all 2D scans of the log. The motion of dropped steps of\n"
-      "an action / sensory frame log goes to the next step kept. What is not touched stays byte for byte.\n"
+      "an action / sensory frame log goes to the next step kept. What is not touched stays byte for byte,\n"
+      "except with --odometry, which writes all objects anew: scans keep their readings, stamps and labels.\n"
       "--odometry comes last, of the lidar with the most scans, and leaves out all movements of the log. "
       "Actions carry mean,\n"
       "covariance and a motion model of that spread; observations the mean. argmax guesses whether the robot "

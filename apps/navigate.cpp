@@ -70,7 +70,7 @@ void addNavigate(CLI::App& app, Context& context) {
           "--slam", arguments->slam,
           "where the pose comes from: a name of 'rasterslam list methods', or odometry for the wheels")
       ->capture_default_str();
-  command->add_option("--lidar", arguments->flags.lidar,
+  command->add_option("--lidar", arguments->flags.lidars,
                       "a lidar by name (see 'rasterslam list lidars') or an .ini file");
   addSensorFlag(command, arguments->flags);
   addCarry(command, arguments->carries);

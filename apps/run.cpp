@@ -19,7 +19,7 @@ namespace slam::apps {
 namespace {
 
 struct Arguments {
-  std::string method, log, continued, localised;
+  std::string method, log, continued, localised, lidars;
   std::string start;  ///< x_m,y_m,yaw_deg
   bool journal = false, keep_partial = false;
 };
@@ -110,6 +110,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
   auto config = mapping::loadMethodConfig(run::configsFolder() + "/methods", arguments.method);
   if (!context.config.empty()) config.overrideWith(core::IniFile::load(context.config));
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
+  if (!arguments.lidars.empty()) config.set("method", "lidars", arguments.lidars, "--lidars");
   const std::string name = std::filesystem::path(arguments.method).stem().string();
   if (context.print_config) {
     printParameters(run::methodParameters(config, name, context.seed), context.json);
@@ -135,6 +136,9 @@ int runMethod(const Context& context, const Arguments& arguments) {
                  arguments.log.c_str(), result.steps_without_odometry, result.estimate.size() - 1);
   if (const auto note = run::commandsNote(name, result.commands_from); !note.empty())
     std::fprintf(stderr, "rasterslam: %s\n", note.c_str());
+  for (const auto& remark : result.remarks)
+    std::fprintf(stderr, "rasterslam: %s: %s\n", arguments.log.c_str(), remark.c_str());
+  if (!result.skew_note.empty()) std::fprintf(stderr, "rasterslam: %s\n", result.skew_note.c_str());
   const auto& end = result.end;
   if (context.json) {
     std::cout << resultJson(name, folder, result, arguments.journal).dump(2) << "\n";
@@ -187,6 +191,8 @@ void addRun(CLI::App& app, Context& context) {
       "--start", arguments->start,
       "where the log begins in that map: x_m,y_m,yaw_deg (default: where that run ended; with --localise and "
       "a method of type graph it is found anywhere)");
+  command->add_option("--lidars", arguments->lidars,
+                      "sensor labels of the lidars to use, as front,rear (default: all 2D scanners)");
   addOutput(command, context, "folder to write (default: the method's name)");
   addSeed(command, context);
   addConfig(command, context);

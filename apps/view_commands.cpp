@@ -339,7 +339,7 @@ void addViewCommands(CLI::App& app, Context& context) {
   drive->add_option("plan", driving->input, kPlanMeaning)->required();
   addOutput(drive, context, "the rawlog to write (default run.rawlog)");
   addSeed(drive, context);
-  drive->add_option("--lidar", driving->simulation.lidar,
+  drive->add_option("--lidar", driving->simulation.lidars,
                     "a lidar by name (see 'rasterslam list lidars') or an .ini file");
   addSensorFlag(drive, driving->simulation);
   driving->slam = "naive";
@@ -405,7 +405,7 @@ void addViewCommands(CLI::App& app, Context& context) {
       ->add_option("--slam", navigating->slam,
                    "where the pose comes from: a method, or odometry for the wheels")
       ->capture_default_str();
-  navigate->add_option("--lidar", navigating->simulation.lidar,
+  navigate->add_option("--lidar", navigating->simulation.lidars,
                        "a lidar by name (see 'rasterslam list lidars') or an .ini file");
   addSensorFlag(navigate, navigating->simulation);
   addCarry(navigate, navigating->carries);

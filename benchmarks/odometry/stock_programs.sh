@@ -15,20 +15,9 @@ data=$root/../shared/data
 program=$root/build/release/apps/rasterslam
 work=
 folder=$root/benchmarks/results
-while getopts d:w:p:o: option; do
-  case $option in
-    d) data=$OPTARG ;;
-    w) work=$OPTARG ;;
-    p) program=$OPTARG ;;
-    o) folder=$OPTARG ;;
-    *) sed -n '4s/^# *//p' "$0" >&2; exit 2 ;;
-  esac
-done
-if [ -z "$work" ]; then
-  work=$(mktemp -d)
-  trap 'rm -rf "$work"' EXIT
-fi
-mkdir -p "$work" "$folder"
+. "$root/benchmarks/shared.sh"
+read_options "d=data w=work p=program o=folder" "$@"
+make_folders
 csv=$work/stock_programs.csv
 echo 'log,odometry,program,scored,translation_mean_m,translation_max_m,rotation_mean_deg,rotation_max_deg,seconds' > "$csv"
 

@@ -19,23 +19,9 @@ name=relations_baselines
 program=$root/build/release/apps/rasterslam
 work=
 folder=$root/benchmarks/results
-while getopts d:l:m:n:p:w:o: option; do
-  case $option in
-    d) data=$OPTARG ;;
-    l) logs=$OPTARG ;;
-    m) methods=$OPTARG ;;
-    n) name=$OPTARG ;;
-    p) program=$OPTARG ;;
-    w) work=$OPTARG ;;
-    o) folder=$OPTARG ;;
-    *) sed -n '5s/^# *//p' "$0" >&2; exit 2 ;;
-  esac
-done
-if [ -z "$work" ]; then
-  work=$(mktemp -d)
-  trap 'rm -rf "$work"' EXIT
-fi
-mkdir -p "$work" "$folder"
+. "$root/benchmarks/shared.sh"
+read_options "d=data l=logs m=methods n=name p=program w=work o=folder" "$@"
+make_folders
 
 files=
 for method in $(echo "$methods" | tr , ' '); do

@@ -17,7 +17,8 @@ constexpr double kWrongClock_s = 0.2;  // at half a radian per second this is 6 
 constexpr double kWrongDistance = 0.1, kWrongTurn = 0.1;
 constexpr double kWrongDrift_rad_per_m = core::degToRad(2.0);
 constexpr double kWrongPosition_m = 0.15, kWrongYaw_rad = core::degToRad(3.0);
-constexpr double kImplausibleMount_m = 2;  // a robot indoors is not longer
+constexpr double kMostSweep = 1.2, kWrongSweep = 0.1;  // of the time between two scans
+constexpr double kImplausibleMount_m = 2;              // a robot indoors is not longer
 constexpr double kManyAsReturns = 0.05;
 constexpr double kManyDuplicates = 0.01;
 constexpr double kManyLost = 0.2, kManyUnmatched = 0.05;
@@ -97,6 +98,7 @@ class Rules {
       if (isInMetres()) {
         matching();
         view();
+        sweep();
       }
     }
     odometry();
@@ -337,6 +339,51 @@ class Rules {
         text("rasterslam filter LOG -o OUT --step %.4g (degrees between two readings)", nearest_deg));
   }
 
+  static std::string sweepText(const Estimate& e) {
+    const bool is_clockwise = e.value < 0;
+    return shown(e, is_clockwise ? -1 : 1, 3) + " s" + (is_clockwise ? ", clockwise" : "");
+  }
+
+  void sweep() {
+    const auto& fit = f_.sweep;
+    std::string stated = "the log does not state how long a sweep takes";
+    double stated_s = 0;
+    if (const auto& sweep = f_.stated_sweep) {
+      stated_s = sweep->clockwise ? -sweep->duration_s : sweep->duration_s;
+      stated = text("the log states a sweep of %.3f s%s", sweep->duration_s,
+                    sweep->clockwise ? ", clockwise" : "");
+    }
+    const double period_s = scanPeriod();
+    if (f_.stated_sweep && period_s > 0 && f_.stated_sweep->duration_s > kMostSweep * period_s) {
+      say("sweep", Severity::kWarning,
+          stated + text(", longer than the %.3f s between two scans: it is not believed", period_s),
+          "tell the methods how long it takes: --set method.sweep_s=SECONDS");
+      return;
+    }
+    if (!fit.is_observable) {
+      say("sweep", Severity::kNote,
+          stated + text("; not checked, %zu pairs of scans between which the turning changes%s", fit.pairs,
+                        fit.pairs < 8 ? " are too few" : " do not tell"));
+      return;
+    }
+    const std::string evidence = text("%zu changes of turning show ", fit.pairs) + sweepText(fit.duration_s);
+    const bool is_wrong = fit.duration_s.distanceTo(stated_s) > 0 &&
+                          std::abs(fit.duration_s.value - stated_s) > kWrongSweep * period_s;
+    if (!is_wrong) {
+      say("sweep", Severity::kNote, stated + "; " + evidence);
+      return;
+    }
+    say("sweep", Severity::kWarning, stated + ", but " + evidence + ": scans taken on the move are skewed",
+        text("rasterslam run METHOD LOG --set method.sweep_s=%.3f%s", std::abs(fit.duration_s.value),
+             fit.duration_s.value < 0 ? " --set method.sweep_clockwise=true" : ""));
+  }
+
+  double scanPeriod() const {
+    for (const auto& stream : f_.streams)
+      if (stream.kind == kScanKind && stream.label == f_.lidar) return stream.median_period_s;
+    return 0;
+  }
+
   void odometry() {
     if (f_.odometry.empty()) {
       say("odometry", f_.ranges.scans > 0 ? Severity::kNote : Severity::kWarning, "none",
@@ -508,6 +555,7 @@ const std::vector<FindingKey>& findingKeys() {
       {"duplicates", "scans that repeat the one before"},
       {"matching", "scans that do not fit on the one before"},
       {"view", "the field of view, by how well scans lie on one another"},
+      {"sweep", "how long the lidar takes from its first to its last beam, as turns show it"},
       {"odometry", "what there is"},
       {"jumps", "odometry steps too far for a robot"},
       {"clock", "odometry's stamps against those of the scans"},

@@ -17,6 +17,7 @@
 #include "libslam/logs/log_motion.h"
 #include "libslam/logs/mrpt_time.h"
 #include "libslam/logs/object_stream.h"
+#include "libslam/logs/sweep_note.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::doctor {
@@ -177,6 +178,7 @@ class Survey : public LogVisitor {
     } else if (const auto* comment = dynamic_cast<const mrpt::obs::CObservationComment*>(&observation)) {
       has_resolution_ |= comment->text.find("laser_front_laser_resolution") != std::string::npos ||
                          comment->text.find("laser_rear_laser_resolution") != std::string::npos;
+      if (const auto note = logs::parseSweepNote(comment->text)) sweeps_[note->label] = note->sweep;
     }
   }
   void takeActions(const CActionCollection& actions) override {
@@ -190,6 +192,8 @@ class Survey : public LogVisitor {
     figures_.streams = streams_.figures();
     for (const auto& [stream, tally] : odometry_tallies_) figures_.odometry.push_back(tally.figures(stream));
     chooseLidar(lidar);
+    if (const auto sweep = sweeps_.find(figures_.lidar); sweep != sweeps_.end())
+      figures_.stated_sweep = sweep->second;
     // Of all formats, only CARMEN's old laser messages leave out where their readings point to.
     const bool is_old_message = figures_.lidar == "FLASER" || figures_.lidar == "RLASER";
     figures_.is_view_given = format != logs::LogFormat::kCarmen || !is_old_message || has_resolution_;
@@ -227,6 +231,7 @@ class Survey : public LogVisitor {
   LogFigures& figures_;
   StreamSurvey streams_;
   std::map<std::string, RangeTally> lidars_;
+  std::map<std::string, robot::Sweep> sweeps_;
   OdometryReader odometry_;
   std::map<std::string, OdometryTally> odometry_tallies_;
   std::optional<double> newest_s_;
@@ -239,12 +244,16 @@ class Matching : public LogVisitor {
   Matching(LogFigures& figures, double period_s)
       : figures_(figures),
         series_(figures.ranges.scans, period_s / kReadingsPerScan),
-        pairs_(figures.ranges.scans) {}
+        pairs_(figures.ranges.scans),
+        sweep_pairs_(figures.ranges.scans) {}
 
   void takeObservation(const CObservation& observation, bool is_in_frame) override {
     if (const auto reading = odometry_.take(observation, is_in_frame)) {
       if (reading->time_s) {
         newest_s_ = reading->time_s;
+        // Of several sources the first is as good as any here.
+        if (sweep_stream_.empty()) sweep_stream_ = reading->stream;
+        if (reading->stream == sweep_stream_) T_odom_robot_ = reading->T_odom_robot;
         if (isKnown(reading->stream))
           series_.addOdometry(reading->stream, {*reading->time_s, reading->T_odom_robot});
       }
@@ -257,6 +266,7 @@ class Matching : public LogVisitor {
   void finish() {
     series_.finish();
     figures_.view = pairs_.fit();
+    figures_.sweep = sweep_pairs_.fit();
     double best = -1;
     for (std::size_t i = 0; i < figures_.odometry.size(); ++i) {
       auto& odometry = figures_.odometry[i];
@@ -302,6 +312,8 @@ class Matching : public LogVisitor {
         if (range_m >= spike->threshold_m) range_m = robot::kNoReturn;
     const ScanStep* step = series_.addScan(scan);
     pairs_.addScan(scan, step);
+    sweep_pairs_.addScan(scan, motionTo(step));
+    T_odom_previous_ = T_odom_robot_;
     if (!step) return;
     ++figures_.matched_pairs;
     if (!step->is_matched) {
@@ -310,6 +322,14 @@ class Matching : public LogVisitor {
     } else if (!step->is_reliable) {
       ++figures_.unsure_pairs;
     }
+  }
+
+  /// The robot's motion since the scan before: the odometry's, else what the scans show, as far as skewed ones can.
+  std::optional<core::Pose2> motionTo(const ScanStep* step) const {
+    if (!step || !step->is_matched) return std::nullopt;
+    if (T_odom_previous_ && T_odom_robot_) return core::between(*T_odom_previous_, *T_odom_robot_);
+    const auto& mount = figures_.ranges.T_robot_lidar;
+    return mount * step->T_previous_lidar * core::inverse(mount);
   }
 
   void findDisagreements(const Stretch& stretch, const std::string& stream, double offset_s) {
@@ -335,6 +355,9 @@ class Matching : public LogVisitor {
   LogFigures& figures_;
   MotionSeries series_;
   ViewPairs pairs_;
+  SweepPairs sweep_pairs_;
+  std::string sweep_stream_;
+  std::optional<core::Pose2> T_odom_robot_, T_odom_previous_;  ///< at this scan and at the one before
   OdometryReader odometry_;
   std::optional<double> newest_s_;
 };

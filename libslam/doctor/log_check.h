@@ -8,6 +8,7 @@
 #include "libslam/doctor/odometry_fit.h"
 #include "libslam/doctor/range_tally.h"
 #include "libslam/doctor/stamp_tally.h"
+#include "libslam/doctor/sweep_fit.h"
 #include "libslam/doctor/view_fit.h"
 
 namespace slam::doctor {
@@ -50,6 +51,8 @@ struct LogFigures {
   std::uint64_t matched_pairs = 0, unmatched_pairs = 0, unsure_pairs = 0;  ///< of consecutive scans
   double first_unmatched_s = 0;
   ViewFit view;
+  std::optional<robot::Sweep> stated_sweep;  ///< of the lidar, where the log says it (logs/sweep_note.h)
+  SweepFit sweep;
   std::vector<OdometryFigures> odometry;  ///< by stream
   int best_odometry = -1;  ///< the one that agrees best with the scans; the next three are of it
   OdometryFit fit;

@@ -2,18 +2,23 @@
 
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CSensoryFrame.h>
 
+#include <algorithm>
+#include <cmath>
 #include <deque>
 #include <exception>
 #include <utility>
 
 #include "libslam/core/error.h"
+#include "libslam/logs/lidar_choice.h"
 #include "libslam/logs/log_motion.h"
 #include "libslam/logs/mrpt_objects.h"
 #include "libslam/logs/mrpt_time.h"
 #include "libslam/logs/object_stream.h"
+#include "libslam/logs/sweep_note.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::logs {
@@ -26,11 +31,13 @@ using mrpt::obs::CObservationOdometry;
 using mrpt::obs::CSensoryFrame;
 
 constexpr size_t kScansToChooseLabel = 100;
+constexpr double kSameMoment_s = 1e-3;
 /// A scan of whichever lidar with the motion since the scan before it, of whichever lidar.
 struct Step {
-  std::string label;
-  robot::Scan scan;
+  LidarScan seen;
   Motion motion;
+  std::uint64_t frame = 0;  ///< which frame it came in; 0: none
+  double tilt_rad = 0;
 };
 
 /// From the objects of a rawlog, whatever its form, to scans with increments.
@@ -79,11 +86,16 @@ class StepReader {
   }
 
   void takeFrame(const CSensoryFrame& frame) {
-    // A frame is one moment: its odometry belongs to its scans wherever it stands among them.
+    // A frame is one moment: its odometry, and what it says of sweeps, belong to its scans wherever they stand among them.
+    const auto isScan = [](const CObservation& observation) {
+      return dynamic_cast<const CObservation2DRangeScan*>(&observation) != nullptr;
+    };
+    frame_ = ++frames_;
     for (const auto& observation : frame)
-      if (dynamic_cast<const CObservationOdometry*>(observation.get())) takeObservation(*observation);
+      if (!isScan(*observation)) takeObservation(*observation);
     for (const auto& observation : frame)
-      if (!dynamic_cast<const CObservationOdometry*>(observation.get())) takeObservation(*observation);
+      if (isScan(*observation)) takeObservation(*observation);
+    frame_ = 0;
   }
 
   void takeObservation(const CObservation& observation) {
@@ -91,8 +103,19 @@ class StepReader {
       takeScan(*scan);
     else if (const auto* odometry = dynamic_cast<const CObservationOdometry*>(&observation))
       takeReading(*odometry);
+    else if (const auto* comment = dynamic_cast<const mrpt::obs::CObservationComment*>(&observation))
+      takeComment(*comment);
     else
       ++counts_.other_observations;
+  }
+
+  void takeComment(const mrpt::obs::CObservationComment& comment) {
+    ++counts_.other_observations;
+    try {
+      if (const auto note = parseSweepNote(comment.text)) sweeps_[note->label] = note->sweep;
+    } catch (const core::InputError& error) {
+      fail(error.what());
+    }
   }
 
   void takeReading(const CObservationOdometry& odometry) {
@@ -112,13 +135,17 @@ class StepReader {
       fail("laser scan without a time stamp, and no action or odometry before it has one");
     if (!has_actions_) motion_.add(bare_odometry_.takeUntil(ticks));
     Step step;
-    step.label = observation.sensorLabel;
+    step.seen.lidar = observation.sensorLabel;
     try {
-      step.scan = robot::fromMrpt(observation);
+      step.seen.scan = robot::fromMrpt(observation);
     } catch (const core::InputError& error) {
       fail(error.what());
     }
-    step.scan.time_s = secondsFromMrptTicks(ticks);
+    step.seen.scan.time_s = secondsFromMrptTicks(ticks);
+    if (const auto sweep = sweeps_.find(observation.sensorLabel); sweep != sweeps_.end())
+      step.seen.sweep = sweep->second;
+    step.frame = frame_;
+    step.tilt_rad = std::acos(std::clamp(observation.sensorPose.getRotationMatrix()(2, 2), -1.0, 1.0));
     step.motion = std::exchange(motion_, Motion{});
     ready_.push_back(std::move(step));
   }
@@ -141,45 +168,59 @@ class StepReader {
   Motion motion_;
   bool has_actions_ = false;  ///< an action with an increment was met: bare readings count no more
   BareOdometry bare_odometry_;
-  std::int64_t newest_ticks_ = kNoStamp;  ///< of an action or odometry reading
+  std::map<std::string, robot::Sweep> sweeps_;  ///< by label, as stated so far
+  std::uint64_t frames_ = 0, frame_ = 0;        ///< how many; the one at work
+  std::int64_t newest_ticks_ = kNoStamp;        ///< of an action or odometry reading
   std::deque<Step> ready_;
 };
 
 }  // namespace
 
 struct LogReader::State {
-  State(const std::string& log_path, const std::string& sensor_label)
-      : path(log_path), steps(log_path), label(sensor_label), label_is_given(!sensor_label.empty()) {}
+  State(const std::string& log_path, const std::string& wanted)
+      : path(log_path), steps(log_path), lidars_wanted(wanted) {}
 
   /// Reads ahead, keeping an error for when the scans before it are used up.
-  void chooseLabel() {
-    label_is_chosen = true;
-    if (label_is_given) return;
+  void choose() {
+    is_chosen = true;
+    while (ahead.size() < kScansToChooseLabel && readAhead()) continue;
+    std::vector<SeenScan> seen;
+    for (const Step& step : ahead) seen.push_back({&step.seen, step.tilt_rad});
+    chosen = namedLidars(lidars_wanted);
+    if (chosen.empty()) {
+      const auto choice = lidars_wanted == kAllLidars ? allLidars(seen) : mainLidar(seen);
+      chosen = choice.labels, remarks = choice.passed_over;
+    } else {
+      requireAgreement(path, seen, chosen);
+    }
+    for (const auto& label : chosen)
+      if (const auto why = impossibleSweep(seen, label); !why.empty())
+        no_sweep.push_back(label), remarks.push_back(why);
+  }
+
+  /// One step more; false at the end, or where the log breaks.
+  bool readAhead() {
+    if (error_ahead) return false;
     try {
-      while (ahead.size() < kScansToChooseLabel) {
-        auto step = steps.next();
-        if (!step) break;
-        ahead.push_back(std::move(*step));
-      }
+      auto step = steps.next();
+      if (step) ahead.push_back(std::move(*step));
+      return step.has_value();
     } catch (const core::InputError&) {
       error_ahead = std::current_exception();
+      return false;
     }
-    std::map<std::string, size_t> scans;
-    for (const Step& step : ahead) ++scans[step.label];
-    size_t most = 0;
-    for (const Step& step : ahead)
-      if (scans[step.label] > most) most = scans[step.label], label = step.label;
   }
 
   std::optional<Step> nextStep() {
-    if (!label_is_chosen) chooseLabel();
-    if (!ahead.empty()) {
-      Step step = std::move(ahead.front());
-      ahead.pop_front();
-      return step;
-    }
-    if (error_ahead) std::rethrow_exception(error_ahead);
-    return steps.next();
+    if (ahead.empty() && error_ahead) std::rethrow_exception(error_ahead);
+    if (ahead.empty()) return steps.next();
+    Step step = std::move(ahead.front());
+    ahead.pop_front();
+    return step;
+  }
+
+  bool isChosen(const std::string& label) const {
+    return std::find(chosen.begin(), chosen.end(), label) != chosen.end();
   }
 
   LogEntry toEntry(Step&& step) {
@@ -194,23 +235,59 @@ struct LogReader::State {
     is_first = false;
     T_odom_robot = T_odom_robot * entry.T_previous_robot;
     entry.T_odom_robot = T_odom_robot;
-    entry.scan = std::move(step.scan);
+    if (chosen.size() > 1) gather(step, entry.others);
+    entry.lidar = std::move(step.seen.lidar);
+    entry.scan = std::move(step.seen.scan);
+    entry.sweep = step.seen.sweep;
+    dropImpossible(entry.lidar, entry.sweep);
+    for (auto& other : entry.others) dropImpossible(other.lidar, other.sweep);
     return entry;
   }
 
-  void requireLabelFound() const {
+  void dropImpossible(const std::string& label, std::optional<robot::Sweep>& sweep) const {
+    if (std::find(no_sweep.begin(), no_sweep.end(), label) != no_sweep.end()) sweep.reset();
+  }
+
+  /// What other lidars saw at the same moment. The main one's becomes `step`.
+  void gather(Step& step, std::vector<LidarScan>& others) {
+    const auto isNew = [&](const std::string& label) {
+      return label != step.seen.lidar && std::none_of(others.begin(), others.end(), [&](const auto& other) {
+               return other.lidar == label;
+             });
+    };
+    while (!ahead.empty() || readAhead()) {
+      Step& next = ahead.front();
+      const bool is_in_frame = next.frame != 0 && next.frame == step.frame;
+      const bool is_same_moment = std::abs(next.seen.scan.time_s - step.seen.scan.time_s) <= kSameMoment_s;
+      if (!is_in_frame && (!is_same_moment || next.frame != 0 || next.motion.has_increment)) break;
+      if (isChosen(next.seen.lidar)) {
+        if (!isNew(next.seen.lidar)) break;
+        others.push_back(std::move(next.seen));
+      }
+      motion.add(next.motion);
+      ahead.pop_front();
+    }
+    for (auto& other : others)
+      if (other.lidar == chosen.front()) std::swap(other, step.seen);
+  }
+
+  void requireLabelsFound() const {
     const auto& labels = steps.counts().scans_by_label;
-    if (!label_is_given || labels.count(label) || labels.empty()) return;
-    std::string found;
-    for (const auto& [name, scans] : labels)
-      found += (found.empty() ? "'" : ", '") + name + "' (" + std::to_string(scans) + " scans)";
-    throw core::InputError(path + ": no laser scan with the sensor label '" + label + "', found " + found);
+    for (const auto& label : namedLidars(lidars_wanted)) {
+      if (labels.count(label) || labels.empty()) continue;
+      std::string found;
+      for (const auto& [name, scans] : labels)
+        found += (found.empty() ? "'" : ", '") + name + "' (" + std::to_string(scans) + " scans)";
+      throw core::InputError(path + ": no laser scan with the sensor label '" + label + "', found " + found);
+    }
   }
 
   std::string path;
   StepReader steps;
-  std::string label;
-  bool label_is_given, label_is_chosen = false;
+  std::string lidars_wanted;
+  bool is_chosen = false;
+  std::vector<std::string> chosen, remarks;
+  std::vector<std::string> no_sweep;  ///< lidars whose stated sweep cannot be
   std::deque<Step> ahead;
   std::exception_ptr error_ahead;
   Motion motion;  ///< since the last entry
@@ -218,16 +295,17 @@ struct LogReader::State {
   core::Pose2 T_odom_robot;
 };
 
-LogReader::LogReader(const std::string& path, const std::string& sensor_label)
-    : state_(std::make_unique<State>(path, sensor_label)) {}
+LogReader::LogReader(const std::string& path, const std::string& lidars)
+    : state_(std::make_unique<State>(path, lidars)) {}
 LogReader::~LogReader() = default;
 
 std::optional<LogEntry> LogReader::next() {
+  if (!state_->is_chosen) state_->choose();
   while (auto step = state_->nextStep()) {
     state_->motion.add(step->motion);
-    if (step->label == state_->label) return state_->toEntry(std::move(*step));
+    if (state_->isChosen(step->seen.lidar)) return state_->toEntry(std::move(*step));
   }
-  state_->requireLabelFound();
+  state_->requireLabelsFound();
   return std::nullopt;
 }
 
@@ -238,7 +316,14 @@ const LogCounts& LogReader::counts() const {
   return state_->steps.counts();
 }
 const std::string& LogReader::sensorLabel() const {
-  return state_->label;
+  static const std::string none;
+  return state_->chosen.empty() ? none : state_->chosen.front();
+}
+const std::vector<std::string>& LogReader::lidars() const {
+  return state_->chosen;
+}
+const std::vector<std::string>& LogReader::remarks() const {
+  return state_->remarks;
 }
 
 }  // namespace slam::logs

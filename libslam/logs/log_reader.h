@@ -4,11 +4,20 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/robot/deskew.h"
 #include "libslam/robot/scan.h"
 
 namespace slam::logs {
+
+/// A scan of one of several lidars.
+struct LidarScan {
+  std::string lidar;  ///< its sensor label
+  robot::Scan scan;
+  std::optional<robot::Sweep> sweep;  ///< as the log states it (sweep_note.h)
+};
 
 /// One scan with the odometry that belongs to it.
 struct LogEntry {
@@ -16,7 +25,13 @@ struct LogEntry {
   core::Pose2 T_odom_robot;      ///< accumulated odometry at the scan, starting at the identity
   core::Pose2 T_previous_robot;  ///< its increment since the entry before (identity for the first)
   bool has_odometry = false;     ///< false: the log gave none for this step, the two above do not move
+  std::string lidar = {};        ///< sensor label of `scan`
+  std::optional<robot::Sweep> sweep = {};  ///< of `scan`, as the log states it
+  std::vector<LidarScan> others = {};  ///< what other lidars saw at that moment; only where several are read
 };
+
+/// LogReader's words for all lidars of a log.
+inline constexpr const char* kAllLidars = "*";
 
 /// What a reader met so far. It reads ahead by up to 100 scans.
 struct LogCounts {
@@ -40,16 +55,24 @@ struct LogCounts {
 /// is false. As soon as a log has shown an action with an increment, its bare readings count no more. What moved
 /// before the first scan is dropped: its T_odom_robot is the identity. Scans come in the order of the file.
 ///
-/// Several lidars: the label with the most scans among the first 100 scans (a tie: the one met first) unless
-/// `sensor_label` names one; the motion of skipped scans goes to the next one kept. Several scans of that
-/// label in one frame are entries of their own, the later ones without odometry.
+/// Several lidars: `lidars` names labels with commas between them. "" is the main one: the label with the most scans among the
+/// first 100 (a tie: the one met first). kAllLidars is the main one and all that come among these 100 beside it and can be
+/// taken with it: level to 5 degrees, mounted within 2 m of the robot's centre at a place of its own (two lidars in one place: nobody
+/// measured the second), not
+/// repeating the readings of another, with stamps that agree with those about it in the file to three periods (at least 0.2 s); remarks()
+/// say of which that is not so, and why. The motion of skipped scans goes to the next one kept. Scans of several lidars in one frame,
+/// or stamped within a millisecond one after the other, are one entry: the main one's, or else the first, with the rest in
+/// `others`. All else are entries of their own, as are several scans of one label in one frame, the later ones without odometry.
+///
+/// Sweeps: what the log's sweep notes say (sweep_note.h), from where they stand on. A sweep that takes more than 1.2 of the
+/// period between the scans of its lidar (the median among the first 100 scans) is none: remarks() say so.
 ///
 /// Stamps: a scan without one gets that of the newest action or odometry reading before it; without either,
 /// an InputError.
 ///
 /// Errors (InputError with path): those of openLog() and of the format; of a rawlog: truncated: with the byte offset in
 /// the (compressed) file and the number of good entries (LogCounts::entries) before it, which next() gives
-/// first; corrupt: with the same, where a packed log is checked whole before its first entry and the number
+/// first; a note of a sweep that is none; lidars named together whose stamps disagree as above; corrupt: with the same, where a packed log is checked whole before its first entry and the number
 /// is an estimate; no scan of the named label (then with the labels that are there); a scan that
 /// robot::fromMrpt refuses, or odometry that is not finite: with the number of the entry. The checksum comes
 /// first because MRPT's parsers may crash on damaged bytes; a plain log has none, nor has one that is cut:
@@ -63,7 +86,7 @@ struct LogCounts {
 /// the same generator gets other ones than with a log of mmGaussian actions (the same ones for the same log).
 class LogReader {
  public:
-  explicit LogReader(const std::string& path, const std::string& sensor_label = "");
+  explicit LogReader(const std::string& path, const std::string& lidars = "");
   ~LogReader();
   /// The next scan, or nullopt at the proper end of the log. Entries before damage come first, then the
   /// error.
@@ -71,8 +94,12 @@ class LogReader {
   /// How far in the file, 0..1, for progress.
   double fractionRead() const;
   const LogCounts& counts() const;
-  /// The label of the scans that next() gives; "" also before the first call.
+  /// The label of the scans that next() gives, of several lidars the main one's; "" also before the first call.
   const std::string& sensorLabel() const;
+  /// All labels that next() gives, the main one first; empty before the first call.
+  const std::vector<std::string>& lidars() const;
+  /// Lines for people: about each lidar that kAllLidars leaves out, and each sweep that cannot be.
+  const std::vector<std::string>& remarks() const;
 
  private:
   struct State;

@@ -3,39 +3,66 @@
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CSensoryFrame.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
 
 #include "libslam/core/error.h"
 #include "libslam/logs/mrpt_objects.h"
 #include "libslam/logs/mrpt_time.h"
 #include "libslam/logs/rawlog_stream.h"
+#include "libslam/logs/sweep_note.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::logs {
 namespace {
 
-std::shared_ptr<mrpt::obs::CObservation2DRangeScan> toObservation(const LogEntry& entry) {
-  auto observation = robot::toMrpt(entry.scan);
-  observation->timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(mrptTicks(entry.scan.time_s)));
-  return observation;
+/// The scans of an entry, each as an observation, and what is new to say of their sweeps.
+std::vector<mrpt::obs::CObservation::Ptr> observationsOf(const LogEntry& entry,
+                                                         std::map<std::string, std::string>& notes) {
+  std::vector<mrpt::obs::CObservation::Ptr> scans, news;
+  const auto ticks = mrptTicks(entry.scan.time_s);
+  const auto add = [&](const std::string& lidar, const robot::Scan& scan,
+                       const std::optional<robot::Sweep>& sweep) {
+    auto observation = robot::toMrpt(scan);
+    observation->timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(mrptTicks(scan.time_s)));
+    if (!lidar.empty()) observation->sensorLabel = lidar;
+    scans.push_back(observation);
+    if (!sweep) return;
+    const std::string text = formatSweepNote({observation->sensorLabel, *sweep});
+    if (std::exchange(notes[observation->sensorLabel], text) != text)
+      news.push_back(makeComment(text, ticks));
+  };
+  add(entry.lidar, entry.scan, entry.sweep);
+  for (const auto& other : entry.others) add(other.lidar, other.scan, other.sweep);
+  scans.insert(scans.end(), news.begin(), news.end());
+  return scans;
 }
 
-void writeActionAndFrame(const LogEntry& entry, ObjectSink& sink) {
+void writeActionAndFrame(const LogEntry& entry, std::map<std::string, std::string>& notes, ObjectSink& sink) {
   // The form knows no frame without an action before it; an empty collection says that nothing was measured.
   mrpt::obs::CActionCollection actions;
   if (entry.has_odometry) actions.insert(wheelAction(entry.T_previous_robot, mrptTicks(entry.scan.time_s)));
   mrpt::obs::CSensoryFrame frame;
-  frame.insert(toObservation(entry));
+  for (const auto& observation : observationsOf(entry, notes)) frame.insert(observation);
   sink.write(actions);
   sink.write(frame);
 }
 
-void writeObservations(const LogEntry& entry, ObjectSink& sink) {
-  const auto scan = toObservation(entry);
+void writeObservations(const LogEntry& entry, std::map<std::string, std::string>& notes, ObjectSink& sink) {
+  auto observations = observationsOf(entry, notes);
   if (entry.has_odometry)
     sink.write(*makeOdometry(entry.T_odom_robot, mrptTicks(entry.scan.time_s), kOdometryLabel));
-  sink.write(*scan);
+  // A note stands before the scan that it is true of.
+  std::stable_partition(observations.begin(), observations.end(), [](const auto& observation) {
+    return dynamic_cast<const mrpt::obs::CObservationComment*>(observation.get()) != nullptr;
+  });
+  for (const auto& observation : observations) sink.write(*observation);
 }
 
 void requireWritable(const LogEntry& entry) {
@@ -48,6 +75,7 @@ void requireWritable(const LogEntry& entry) {
 struct LogWriter::State {
   RawlogSink sink;
   RawlogForm form;
+  std::map<std::string, std::string> sweep_notes = {};  ///< the last by label
 };
 
 LogWriter::LogWriter(const std::string& path, RawlogForm form) : state_(new State{RawlogSink(path), form}) {}
@@ -56,9 +84,9 @@ LogWriter::~LogWriter() = default;
 void LogWriter::write(const LogEntry& entry) {
   requireWritable(entry);
   if (state_->form == RawlogForm::kActionFrame)
-    writeActionAndFrame(entry, state_->sink);
+    writeActionAndFrame(entry, state_->sweep_notes, state_->sink);
   else
-    writeObservations(entry, state_->sink);
+    writeObservations(entry, state_->sweep_notes, state_->sink);
 }
 
 void LogWriter::close() {

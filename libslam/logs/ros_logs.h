@@ -26,7 +26,8 @@ namespace slam::logs {
 /// increment is rounded more), else (n - 1) increments. Negative increments: readings turned round. A sweep
 /// that is not centred is a turned sensor, as in robot::toMrpt(). Readings by REP 117: +inf, or >= range_max:
 /// no-return; -inf, NaN, or < range_min: lost. A range_max that is not a number above 0 counts as 1000 m.
-/// Intensities are rounded to integers. Scans without readings are skipped.
+/// A time_increment that is not 0 comes as a note (sweep_note.h) before the first scan that has it: beam i is measured i increments after
+/// the stamp. Intensities are rounded to integers. Scans without readings are skipped.
 ///
 /// Mounting: the transform from the robot's frame to the scan's frame_id through whatever chain /tf and
 /// /tf_static hold at that point of the file, in full 3D. The robot's frame is the odometry's child_frame_id, else

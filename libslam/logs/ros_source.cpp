@@ -1,4 +1,5 @@
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 
@@ -13,9 +14,11 @@
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/logs/mrpt_objects.h"
 #include "libslam/logs/mrpt_time.h"
 #include "libslam/logs/ros_frames.h"
 #include "libslam/logs/ros_objects.h"
+#include "libslam/logs/sweep_note.h"
 
 namespace slam::logs {
 namespace {
@@ -28,13 +31,20 @@ constexpr float kUnknownMaxRange_m = 1000;
 constexpr size_t kMostNamedTopics = 5;
 
 /// A sweep's angles with the readings in counter-clockwise order of the lidar's own frame.
-struct Sweep {
+struct Angles {
   double first_rad = 0, aperture_rad = 0;
   bool reversed = false;
 };
 
+/// Beam i of the message is measured at the stamp + i * time_increment; `reversed`: beams are given from the last one on.
+robot::Sweep timesOf(const RosLaserScan& scan, bool reversed) {
+  const double span_s = static_cast<double>(scan.ranges.size() - 1) * scan.time_increment;
+  const bool runs_back = span_s < 0;
+  return {std::abs(span_s), reversed != runs_back, runs_back ? 1.0 : 0.0};
+}
+
 template <class Scan>
-Sweep sweepOf(const Scan& scan) {
+Angles anglesOf(const Scan& scan) {
   const double steps = static_cast<double>(scan.ranges.size() - 1);
   const double step_rad = scan.angle_increment;
   double span_rad = steps * step_rad;
@@ -58,6 +68,7 @@ RosLaserScan singleEcho(const RosMultiEchoLaserScan& multi) {
   scan.angle_min = multi.angle_min;
   scan.angle_max = multi.angle_max;
   scan.angle_increment = multi.angle_increment;
+  scan.time_increment = multi.time_increment;
   scan.range_min = multi.range_min;
   scan.range_max = multi.range_max;
   // Nothing came back along a beam without echoes.
@@ -259,14 +270,14 @@ class RosObjects : public ObjectSource {
       ++empty_scans_;
       return;
     }
-    const Sweep sweep = sweepOf(scan);
-    if (!std::isfinite(sweep.first_rad) || !std::isfinite(sweep.aperture_rad))
+    const Angles angles = anglesOf(scan);
+    if (!std::isfinite(angles.first_rad) || !std::isfinite(angles.aperture_rad))
       fail("a laser scan with angles that are not finite");
     auto observation = CObservation2DRangeScan::Create();
     observation->timestamp = stampOf(message, scan.header);
     observation->sensorLabel = frameName(message.channel->topic);
     observation->rightToLeft = true;
-    observation->aperture = static_cast<float>(sweep.aperture_rad);
+    observation->aperture = static_cast<float>(angles.aperture_rad);
     const bool has_max_range = std::isfinite(scan.range_max) && scan.range_max > 0;
     observation->maxRange = has_max_range ? scan.range_max : kUnknownMaxRange_m;
 
@@ -276,7 +287,7 @@ class RosObjects : public ObjectSource {
       T_base_lidar = CPose3D();
       if (unmounted_.size() < kMostNamedTopics) unmounted_.insert(frame);
     }
-    double centre_rad = core::wrapToPi(sweep.first_rad + sweep.aperture_rad / 2);
+    double centre_rad = core::wrapToPi(angles.first_rad + angles.aperture_rad / 2);
     const bool is_upside_down = T_base_lidar->getRotationMatrix()(2, 2) < 0;
     if (is_upside_down) {
       *T_base_lidar = *T_base_lidar + CPose3D(0, 0, 0, 0, 0, core::kPi);
@@ -284,8 +295,17 @@ class RosObjects : public ObjectSource {
     }
     if (centre_rad != 0) *T_base_lidar = *T_base_lidar + CPose3D(0, 0, 0, centre_rad, 0, 0);
     observation->sensorPose = *T_base_lidar;
-    setReadings(scan, sweep.reversed != is_upside_down, *observation);
+    const bool is_reversed = angles.reversed != is_upside_down;
+    setReadings(scan, is_reversed, *observation);
+    noteSweep(observation->sensorLabel, timesOf(scan, is_reversed), ticksOf(*observation));
     ready_.push_back(std::move(observation));
+  }
+
+  /// Before the scan that it is true of. A time_increment that is no number says as little as none.
+  void noteSweep(const std::string& label, const robot::Sweep& sweep, std::int64_t ticks) {
+    if (!std::isfinite(sweep.duration_s) || (sweep.duration_s == 0 && sweeps_.count(label) == 0)) return;
+    const std::string text = formatSweepNote({label, sweep});
+    if (std::exchange(sweeps_[label], text) != text) ready_.push_back(makeComment(text, ticks));
   }
 
   void takeTransforms(const RosMessage& message, const RosTransforms& transforms) {
@@ -372,6 +392,7 @@ class RosObjects : public ObjectSource {
   std::string topic_;
   std::uint64_t without_stamp_ = 0, empty_scans_ = 0, bad_transforms_ = 0;
   std::set<std::string> unmounted_;
+  std::map<std::string, std::string> sweeps_;                                 ///< the last note by label
   std::map<std::string, std::pair<std::string, std::uint64_t>> passed_over_;  ///< type, how many, by topic
 };
 

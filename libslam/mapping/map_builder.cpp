@@ -52,6 +52,16 @@ struct MapBuilder::State {
   CActionRobotMovement2D::TMotionModelOptions motion_model;
   std::unique_ptr<odometry::ScanOdometry> scan_odometry;
   std::optional<robot::Scan> previous_scan;
+  std::optional<robot::Scan> reference_scan;  ///< the last one of the lidar of the first
+  core::Pose2 T_reference_previous;           ///< the motion fed since that one
+  std::optional<robot::Sweep> sweep;          ///< of the scans to come, as told
+  std::vector<SweptScan> told_others;         ///< addScans(), for the next step
+  std::vector<robot::Scan> others;            ///< of the step at work, deskewed
+  std::vector<size_t> graph_steps;            ///< which of the graph's scans is that of each step
+  SweptScans swept;
+  core::Pose2 T_previous_last;     ///< the last step, as the method has it
+  double last_period_s = 0;        ///< how long it took
+  bool last_had_odometry = false;  ///< and whether the log gave odometry for it
   bool scan_odometry_saw_previous = false;
   robot::Commanded commanded;              ///< at this step
   std::vector<robot::Commanded> commands;  ///< of all steps, where they are known; may be empty
@@ -65,6 +75,8 @@ MapBuilder& MapBuilder::operator=(MapBuilder&&) noexcept = default;
 MapBuilder::~MapBuilder() = default;
 
 namespace {
+
+constexpr double kMostPeriods = 3;  // that a last motion is taken to go on for
 
 void silence(mrpt::system::COutputLogger& logger) {
   logger.setVerbosityLevel(mrpt::system::LVL_ERROR);
@@ -129,15 +141,39 @@ CActionRobotMovement2D::TMotionModelOptions motionModel(const MotionOptions& mot
   return model;
 }
 
+bool isReference(const MapBuilder::State& state, const robot::Scan& scan) {
+  if (!state.reference_scan) return true;
+  const core::Pose2 &a = state.reference_scan->T_robot_lidar, &b = scan.T_robot_lidar;
+  return a.x == b.x && a.y == b.y && a.phi == b.phi;
+}
+
+/// The last step goes on, as long as it is to this scan.
+core::Pose2 lastMotionUntil(const MapBuilder::State& state, const robot::Scan& scan) {
+  if (!state.previous_scan || !(state.last_period_s > 0)) return {};
+  const double period_s = scan.time_s - state.previous_scan->time_s;
+  return core::interpolate({}, state.T_previous_last,
+                           std::clamp(period_s / state.last_period_s, 0.0, kMostPeriods));
+}
+
 /// The motion since the scan before, from the scans. The estimator may have slept while the wheels did the
 /// work: then it is shown the previous scan first.
 odometry::ScanMotion motionFromScans(MapBuilder::State& state, const robot::Scan& scan) {
-  if (!state.scan_odometry) state.scan_odometry = odometry::makeScanOdometry(state.config.scan_odometry);
-  if (!state.scan_odometry_saw_previous && state.previous_scan) {
-    state.scan_odometry->reset();
-    state.scan_odometry->update(*state.previous_scan);
+  if (!isReference(state, scan)) {
+    odometry::ScanMotion motion;
+    motion.T_previous_current = lastMotionUntil(state, scan);
+    return motion;
   }
-  return state.scan_odometry->update(scan, state.commanded);
+  if (!state.scan_odometry) state.scan_odometry = odometry::makeScanOdometry(state.config.scan_odometry);
+  if (!state.scan_odometry_saw_previous && state.reference_scan) {
+    state.scan_odometry->reset();
+    state.scan_odometry->update(*state.reference_scan);
+  }
+  state.scan_odometry_saw_previous = true;
+  auto motion = state.scan_odometry->update(scan, state.commanded);
+  const auto& passed = state.T_reference_previous;
+  const bool is_next = passed.x == 0 && passed.y == 0 && passed.phi == 0;
+  if (!is_next) motion.T_previous_current = core::between(passed, motion.T_previous_current);
+  return motion;
 }
 
 std::string stepText(const MapBuilder& method) {
@@ -156,14 +192,13 @@ std::shared_ptr<CActionRobotMovement2D> makeAction(MapBuilder& method, const rob
   const bool from_scans = state.config.method.odometry != "wheel" || (!has_odometry && !is_first);
   if (from_scans) {
     const odometry::ScanMotion motion = motionFromScans(state, scan);
-    state.scan_odometry_saw_previous = true;
     requireFinite(method, motion.T_previous_current, "the motion estimated from the scans");
     // The original method stays what it was: how far, it never asks the wheels.
     const std::string& odometry = state.config.method.odometry;
     const bool ask_wheels =
         !motion.reliable && has_odometry && odometry != "argmax" && odometry != "argmax_blind";
     if (!ask_wheels || is_first) return odometry::toMrptAction(motion, state.builder_time_s);
-  } else {
+  } else if (isReference(state, scan)) {
     state.scan_odometry_saw_previous = false;
   }
   const core::Pose2 increment = is_first ? core::Pose2{} : T_previous_robot;
@@ -211,7 +246,7 @@ double cellsOf(const ParticleFilter& filter, const core::Point2& centre, double 
 }
 
 /// How far from the robot the scan can change the grid.
-double reach(const MapBuilder::State& state, const robot::Scan& scan) {
+double reachOf(const MapBuilder::State& state, const robot::Scan& scan) {
   double farthest_m = 0;
   for (const float range_m : scan.ranges_m)
     if (robot::isReturn(range_m)) farthest_m = std::max(farthest_m, static_cast<double>(range_m));
@@ -219,6 +254,12 @@ double reach(const MapBuilder::State& state, const robot::Scan& scan) {
   const auto& mapping = state.config.mapping;
   if (state.config.method.type == "naive" && mapping.draw == "dots") return farthest_m + mount_m;
   return std::min(mapping.max_insert_range_m, std::max(farthest_m, scan.max_range_m)) + mount_m;
+}
+
+double reach(const MapBuilder::State& state, const robot::Scan& scan) {
+  double reach_m = reachOf(state, scan);
+  for (const auto& other : state.others) reach_m = std::max(reach_m, reachOf(state, other));
+  return reach_m;
 }
 
 /// MRPT's grids grow without limit and end the program when memory does: a diverging method has to be stopped
@@ -246,14 +287,20 @@ std::string firstLine(const std::string& text) {
 
 void feed(MapBuilder& method, const std::shared_ptr<CActionRobotMovement2D>& action,
           const robot::Scan& scan) {
-  auto observation = robot::toMrpt(scan);
   const auto stamp = mrpt::Clock::fromDouble(method.state->builder_time_s);
   action->timestamp = stamp;
-  observation->timestamp = stamp;
   mrpt::obs::CActionCollection actions;
   actions.insert(*action);
   mrpt::obs::CSensoryFrame frame;
-  frame.insert(observation);
+  const auto insert = [&](const robot::Scan& seen) {
+    auto observation = robot::toMrpt(seen);
+    observation->timestamp = stamp;
+    // MRPT's ICP counts the way since the last insertion lidar by lidar, by their labels.
+    if (frame.size() > 0) observation->sensorLabel += " " + std::to_string(frame.size() + 1);
+    frame.insert(observation);
+  };
+  insert(scan);
+  for (const auto& other : method.state->others) insert(other);
   try {
     method.builder->processActionObservation(actions, frame);
   } catch (const std::exception& error) {
@@ -303,19 +350,91 @@ mrpt::maps::CSimpleMap loadKeyFrames(const std::string& path) {
   return map;
 }
 
-/// The scan without what the robot's motion did to it, where the method wants that and it can be known.
-std::optional<robot::Scan> setRight(const MapBuilder::State& state, const robot::Scan& scan,
-                                    const core::Pose2& T_previous_robot) {
-  const MethodOptions& options = state.config.method;
-  if (!(options.sweep_s > 0) || !state.previous_scan || !core::isFinite(T_previous_robot))
-    return std::nullopt;
+/// What the robot did in a time.
+struct RecentMotion {
+  core::Pose2 T_previous_robot;
+  double period_s;
+};
+
+/// The motion up to the scan: the odometry's, else that of the step before where that one had odometry. A motion that is itself
+/// from skewed scans would make it worse.
+std::optional<RecentMotion> motionUpTo(const MapBuilder::State& state, const robot::Scan& scan,
+                                       const core::Pose2& T_previous_robot, bool has_odometry) {
+  if (!state.previous_scan) return std::nullopt;
   const double period_s = scan.time_s - state.previous_scan->time_s;
-  if (!(period_s > 0)) return std::nullopt;
-  return robot::deskewed(scan, T_previous_robot, period_s, {options.sweep_s, options.sweep_clockwise});
+  if (has_odometry && period_s > 0 && core::isFinite(T_previous_robot))
+    return RecentMotion{T_previous_robot, period_s};
+  if (state.last_had_odometry && state.last_period_s > 0)
+    return RecentMotion{state.T_previous_last, state.last_period_s};
+  return std::nullopt;
+}
+
+/// The scan without what the robot's motion did to it, where the method wants that and it can be known.
+std::optional<robot::Scan> deskew(MapBuilder::State& state, const robot::Scan& scan,
+                                  std::optional<robot::Sweep> sweep, const core::Pose2& T_previous_robot,
+                                  bool has_odometry) {
+  const MethodOptions& options = state.config.method;
+  if (options.sweep_s > 0) sweep = robot::Sweep{options.sweep_s, options.sweep_clockwise};
+  if (!sweep || !(sweep->duration_s > 0)) return std::nullopt;
+  state.swept.swept += state.previous_scan.has_value();
+  if (!options.deskew) return std::nullopt;
+  const auto motion = motionUpTo(state, scan, T_previous_robot, has_odometry);
+  if (!motion) return std::nullopt;
+  ++state.swept.set_right;
+  return robot::deskewed(scan, motion->T_previous_robot, motion->period_s, *sweep);
+}
+
+/// The scans of the other lidars at this step, deskewed.
+void takeOthers(MapBuilder::State& state, const core::Pose2& T_previous_robot, bool has_odometry) {
+  state.others.clear();
+  for (auto& told : std::exchange(state.told_others, {})) {
+    auto corrected = deskew(state, told.scan, told.sweep, T_previous_robot, has_odometry);
+    state.others.push_back(corrected ? std::move(*corrected) : std::move(told.scan));
+  }
+}
+
+/// Remembers the step that ends with this scan; T_previous_robot is what the method was fed.
+void noteStep(MapBuilder::State& state, const robot::Scan& scan, const core::Pose2& T_previous_robot,
+              const core::Pose2& T_map_robot) {
+  if (isReference(state, scan)) {
+    state.reference_scan = scan;
+    state.T_reference_previous = {};
+  } else {
+    state.T_reference_previous = state.T_reference_previous * T_previous_robot;
+  }
+  const double period_s = state.previous_scan ? scan.time_s - state.previous_scan->time_s : 0;
+  if (period_s > 0) {
+    state.T_previous_last = core::between(state.T_map_robot, T_map_robot);
+    state.last_period_s = period_s;
+  }
+  state.T_map_robot = T_map_robot;
+  state.previous_scan = scan;
 }
 
 GraphMapBuilder* graphOf(const MapBuilder& method) {
   return dynamic_cast<GraphMapBuilder*>(method.builder.get());
+}
+
+void processInGraph(MapBuilder& method, GraphMapBuilder& graph, const robot::Scan& scan,
+                    const core::Pose2& T_previous_robot, bool has_odometry) {
+  MapBuilder::State& state = *method.state;
+  // Where there is no odometry the graph knows better than two scans alone.
+  core::Pose2 increment = T_previous_robot;
+  if (state.config.method.odometry == "none") {
+    has_odometry = false;
+  } else if (state.config.method.odometry != "wheel") {
+    increment = motionFromScans(state, scan).T_previous_current;
+    has_odometry = true;
+  }
+  if (state.steps > 0 && has_odometry) requireFinite(method, increment, "the odometry");
+  core::Pose2 T_map_robot = graph.processScan(scan, increment, has_odometry);
+  for (const auto& other : state.others) T_map_robot = graph.processScan(other, {}, true);
+  requireFinite(method, T_map_robot, "the pose");
+  const size_t last = state.graph_steps.empty() ? 0 : state.graph_steps.back() + 1;
+  state.graph_steps.push_back(last + state.others.size());
+  noteStep(state, scan, has_odometry ? increment : core::between(state.T_map_robot, T_map_robot),
+           T_map_robot);
+  ++state.steps;
 }
 
 const mrpt::maps::CMultiMetricMapPDF* particlesOf(const MapBuilder& method) {
@@ -344,6 +463,7 @@ MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, 
   method.name = name;
   method.type = state.config.method.type;
   method.odometry = state.config.method.odometry;
+  method.lidars = state.config.method.lidars;
   method.parameters = state.config.report;
   method.builder = makeBuilder(state.config, name, seed);
   return method;
@@ -387,8 +507,20 @@ std::string toMrptConfig(const core::IniFile& config, const std::string& name) {
   return mrptConfigText(read, name);
 }
 
+void addScans(MapBuilder& method, std::vector<SweptScan> others) {
+  method.state->told_others = std::move(others);
+}
+
 void setCommands(MapBuilder& method, std::vector<robot::Commanded> commands) {
   method.state->commands = std::move(commands);
+}
+
+void setSweep(MapBuilder& method, const std::optional<robot::Sweep>& sweep) {
+  method.state->sweep = sweep;
+}
+
+SweptScans sweptScans(const MapBuilder& method) {
+  return method.state->swept;
 }
 
 core::Pose2 processScan(MapBuilder& method, const robot::Scan& raw_scan, const core::Pose2& T_previous_robot,
@@ -401,25 +533,15 @@ core::Pose2 processScan(MapBuilder& method, const robot::Scan& raw_scan, const c
     else if (has_odometry)
       state.commanded = state.wheels_commands.next(T_previous_robot);
   }
-  std::optional<robot::Scan> corrected;
-  if (has_odometry) corrected = setRight(state, raw_scan, T_previous_robot);
+  const std::optional<robot::Scan> corrected =
+      deskew(state, raw_scan, state.sweep, T_previous_robot, has_odometry);
+  takeOthers(state, T_previous_robot, has_odometry);
+  state.last_had_odometry = has_odometry;
   const robot::Scan& scan = corrected ? *corrected : raw_scan;
   state.builder_time_s = growingTime(scan.time_s, state.builder_time_s, state.steps == 0);
 
   if (auto* graph = graphOf(method)) {
-    // Where there is no odometry the graph knows better than two scans alone.
-    core::Pose2 increment = T_previous_robot;
-    if (state.config.method.odometry == "none") {
-      has_odometry = false;
-    } else if (state.config.method.odometry != "wheel") {
-      increment = motionFromScans(state, scan).T_previous_current;
-      state.scan_odometry_saw_previous = has_odometry = true;
-    }
-    if (state.steps > 0 && has_odometry) requireFinite(method, increment, "the odometry");
-    state.T_map_robot = graph->processScan(scan, increment, has_odometry);
-    requireFinite(method, state.T_map_robot, "the pose");
-    state.previous_scan = scan;
-    ++state.steps;
+    processInGraph(method, *graph, scan, T_previous_robot, has_odometry);
     return state.T_map_robot;
   }
 
@@ -432,10 +554,10 @@ core::Pose2 processScan(MapBuilder& method, const robot::Scan& raw_scan, const c
   feed(method, action, scan);
 
   const auto pose = method.builder->getCurrentPoseEstimation()->getMeanVal();
-  state.T_map_robot = {pose.x(), pose.y(), pose.yaw()};
-  requireFinite(method, state.T_map_robot, "the pose");
-  requireBoundedMap(method, state.T_map_robot, 0);
-  state.previous_scan = scan;
+  const core::Pose2 T_map_robot{pose.x(), pose.y(), pose.yaw()};
+  requireFinite(method, T_map_robot, "the pose");
+  requireBoundedMap(method, T_map_robot, 0);
+  noteStep(state, scan, increment, T_map_robot);
   noteUpdate(method);
   ++state.steps;
   return state.T_map_robot;
@@ -457,7 +579,11 @@ std::optional<Eigen::Matrix3d> poseCovariance(const MapBuilder& method) {
 
 std::vector<Eigen::Matrix3d> finalCovariances(const MapBuilder& method) {
   const auto* graph = graphOf(method);
-  return graph == nullptr ? std::vector<Eigen::Matrix3d>() : graph->graph().covariances();
+  if (graph == nullptr) return {};
+  const auto of_scans = graph->graph().covariances();
+  std::vector<Eigen::Matrix3d> covariances;
+  for (const size_t scan : method.state->graph_steps) covariances.push_back(of_scans.at(scan));
+  return covariances;
 }
 
 void finishMap(MapBuilder& method) {
@@ -465,8 +591,25 @@ void finishMap(MapBuilder& method) {
   if (graph != nullptr && graph->options.enableMapUpdating) graph->finish();
 }
 
+namespace {
+
+/// The graph counts scans, others count steps, which may be of several scans.
+std::vector<JournalEntry> byStep(std::vector<JournalEntry> journal, const std::vector<size_t>& graph_steps) {
+  const auto stepOf = [&](int scan) {
+    const auto step = std::lower_bound(graph_steps.begin(), graph_steps.end(), static_cast<size_t>(scan));
+    return static_cast<int>(step - graph_steps.begin());
+  };
+  for (auto& entry : journal) {
+    if (entry.scan >= 0) entry.scan = stepOf(entry.scan);
+    if (entry.other_scan >= 0) entry.other_scan = stepOf(entry.other_scan);
+  }
+  return journal;
+}
+
+}  // namespace
+
 std::vector<JournalEntry> journalOf(const MapBuilder& method) {
-  if (const auto* graph = graphOf(method)) return graph->graph().journal();
+  if (const auto* graph = graphOf(method)) return byStep(graph->graph().journal(), method.state->graph_steps);
   if (const auto* particles = dynamic_cast<const ParticleMapBuilder*>(method.builder.get()))
     return particles->filter().journal();
   return {};
@@ -475,11 +618,12 @@ std::vector<JournalEntry> journalOf(const MapBuilder& method) {
 std::optional<core::Trajectory> finalPath(const MapBuilder& method, const core::Trajectory& online) {
   if (const auto* graph = graphOf(method)) {
     const auto poses = graph->graph().poses();
-    if (online.size() != poses.size())
-      throw core::ContractError("finalPath: expected the " + std::to_string(poses.size()) +
+    const auto& graph_steps = method.state->graph_steps;
+    if (online.size() != graph_steps.size())
+      throw core::ContractError("finalPath: expected the " + std::to_string(graph_steps.size()) +
                                 " poses given online");
     core::Trajectory path = online;
-    for (size_t i = 0; i < path.size(); ++i) path[i].pose = poses[i];
+    for (size_t i = 0; i < path.size(); ++i) path[i].pose = poses.at(graph_steps[i]);
     return path;
   }
   if (const auto* filter = dynamic_cast<const ParticleMapBuilder*>(method.builder.get())) {

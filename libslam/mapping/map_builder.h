@@ -11,6 +11,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/gridmap/occupancy_raster.h"
 #include "libslam/mapping/journal.h"
+#include "libslam/robot/deskew.h"
 #include "libslam/robot/motion_kind.h"
 #include "libslam/robot/scan.h"
 
@@ -37,6 +38,7 @@ struct MapBuilder {
   std::string name;      ///< of the configuration: "icp", "rbpf_exact"
   std::string type;      ///< naive | icp | rbpf | particles | graph
   std::string odometry;  ///< which increments it is fed: [method] odometry
+  std::string lidars;    ///< whose scans it wants: [method] lidars
   std::vector<core::ParameterReport> parameters;
 
   struct State;
@@ -70,16 +72,39 @@ void continueMap(MapBuilder& method, const std::string& simplemap_path,
 /// What the robot was told to do before each scan to come, the first included: for processScan() where it is not told itself.
 void setCommands(MapBuilder& method, std::vector<robot::Commanded> commands);
 
+/// How the scans to come are swept, by whoever measures them; nullopt (at first): all beams at once, or nobody knows. [method]
+/// sweep_s comes before it.
+void setSweep(MapBuilder& method, const std::optional<robot::Sweep>& sweep);
+
+/// What became of the scans that a turning lidar swept.
+struct SweptScans {
+  std::uint64_t swept = 0;      ///< of a known sweep, after the first
+  std::uint64_t set_right = 0;  ///< of these
+};
+SweptScans sweptScans(const MapBuilder& method);
+
+/// A scan and how it was swept, as setSweep().
+struct SweptScan {
+  robot::Scan scan;
+  std::optional<robot::Sweep> sweep;
+};
+/// What other lidars saw at the moment of the next scan that processScan() gets, each at its own mounting pose. Every type takes them in with
+/// that scan.
+void addScans(MapBuilder& method, std::vector<SweptScan> others);
+
 /// Feeds one scan. T_previous_robot is the wheels' increment since the scan before, the first scan's is taken
 /// as null. Which increment the builder gets is for [method] odometry to say; `wheel` takes the one estimated
 /// from the two scans (method correlation unless [scan_odometry] says otherwise) at every step for which
 /// has_odometry is false. Stamps that do not grow are moved on by a millisecond, for the builder only.
-/// With [method] sweep_s the scan is deskewed (robot::deskewed()) before anything else sees it, at every step that has
-/// odometry and a stamp after the one before.
+/// A scan whose sweep is known (setSweep(), [method] sweep_s) is deskewed (robot::deskewed())
+/// before anything else sees it, unless [method] deskew is false. The motion is
+/// the odometry's, of this step or else of the one before; without either, as at the first scan, the scan stays.
 /// The other way round, correlation, range_flow and plicp take the wheels' increment, where there is one, at a step that
 /// the scans leave open (a corridor, an open field); argmax, the original method, never does.
-/// `commanded` tells argmax what the robot was told to do since the scan before. Where nobody says (kUnknown, and no
-/// setCommands()) the wheels' increment does, and without wheels argmax guesses, as argmax_blind always does.
+/// Scans of several lidars may follow one another: increments from scans are of the lidar of the first scan, at its mounting pose; a
+/// step to another one's scan goes on as the last step did.
+/// `commanded` tells argmax what the robot was told to do since the scan before. Where nobody says (kUnknown, and no setCommands()) the wheels'
+/// increment does, and without wheels argmax guesses, as argmax_blind always does.
 /// Returns the pose T_map_robot after it; the map frame is the robot's pose at the first scan
 /// (which the particle filter already spreads by some millimetres).
 /// The random numbers of step k come from (seed, k) alone: neither the thread nor other methods run in

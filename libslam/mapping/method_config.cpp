@@ -291,10 +291,17 @@ const core::ParameterTable<MethodOptions>& MethodOptions::table() {
         {"wheel", "argmax", "argmax_blind", "correlation", "range_flow", "plicp", "none"},
         "the motion increments; wheel takes those of scans where the log has none (graph: none); none is "
         "graph's alone: the last motion goes on"},
+       {"lidars",
+        &MethodOptions::lidars,
+        "*",
+        {},
+        "sensor labels of the log's lidars to use, with commas between them; * is all 2D scanners"},
+       {"deskew", &MethodOptions::deskew, true,
+        "scans of a spinning lidar are deskewed, by the log's odometry"},
        {"sweep_s", &MethodOptions::sweep_s, 0.0, 0.0, 10.0,
-        "time from a scan's first to its last beam, at which it is stamped; scans are deskewed by the motion "
-        "that the log's odometry gives; 0 leaves them"},
-       {"sweep_clockwise", &MethodOptions::sweep_clockwise, false, "the last beam is measured first"}});
+        "time from a scan's first to its last beam, at which it is stamped; 0 is what the log states"},
+       {"sweep_clockwise", &MethodOptions::sweep_clockwise, false,
+        "with sweep_s: the last beam is measured first"}});
   return kTable;
 }
 

@@ -14,8 +14,10 @@ namespace slam::mapping {
 struct MethodOptions {
   std::string type;      ///< naive | icp | rbpf | particles | graph
   std::string odometry;  ///< wheel | argmax | argmax_blind | correlation | range_flow | plicp | none
-  double sweep_s;        ///< robot::Sweep, 0: the scans are taken as they are
-  bool sweep_clockwise;
+  std::string lidars;    ///< logs::LogReader's words: * | labels with commas between them
+  bool deskew;           ///< scans whose sweep is known are deskewed
+  double sweep_s;        ///< robot::Sweep, 0: as the log states it
+  bool sweep_clockwise;  ///< of sweep_s
   MethodOptions();
   static const core::ParameterTable<MethodOptions>& table();
 };

@@ -386,8 +386,7 @@ void ParticleFilter::reachFarther(const robot::Scan& scan) {
   point_options_.max_range_m = std::max(point_options_.max_range_m, options_.rays.max_range_m);
 }
 
-void ParticleFilter::findPlace(const robot::Scan& scan, const std::optional<Motion>& motion) {
-  const auto points = scanmatch::surfacePoints(scan, point_options_);
+void ParticleFilter::findPlace(const std::vector<SurfacePoint>& points, const std::optional<Motion>& motion) {
   const core::Pose2 T_before = particles_[best_].T_raster_robot;
   const Guidance guidance = guide(points, motion);
   step_.score = guidance.match.score;
@@ -414,13 +413,22 @@ void ParticleFilter::findPlace(const robot::Scan& scan, const std::optional<Moti
   trackDrift(T_before, prior_information.inverse(), prior_information);
 }
 
-const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::optional<Motion>& motion) {
+const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::optional<Motion>& motion,
+                                           const std::vector<robot::Scan>& others) {
   if (motion && !(core::isFinite(motion->T_previous_robot) && motion->covariance.allFinite()))
     throw core::ContractError("ParticleFilter::update: the motion is not finite");
   const bool is_first = scans_ == 0 && !map_is_known_;
   step_ = {};
   reachFarther(scan);
-  if (!is_first) findPlace(scan, scans_ == 0 ? std::nullopt : motion);
+  for (const auto& other : others) reachFarther(other);
+  if (!is_first) {
+    auto points = scanmatch::surfacePoints(scan, point_options_);
+    for (const auto& other : others) {
+      const auto more = scanmatch::surfacePoints(other, point_options_);
+      points.insert(points.end(), more.begin(), more.end());
+    }
+    findPlace(points, scans_ == 0 ? std::nullopt : motion);
+  }
   const bool restarted = mapping_ && lost_ && lost_scans_ >= options_.lost_scans;
   if (restarted) {
     note("restarted", lost_scans_);
@@ -434,10 +442,11 @@ const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::o
   if (step_.inserted) {
     const bool is_matched = !is_first && !restarted;
     if (is_matched) weigh();
-    const gridmap::ScanRays rays = gridmap::scanRays(scan, options_.rays);
+    std::vector<gridmap::ScanRays> seen = {gridmap::scanRays(scan, options_.rays)};
+    for (const auto& other : others) seen.push_back(gridmap::scanRays(other, options_.rays));
     team_.forEach(particles_.size(), [&](size_t i) {
       if (is_matched) drawPose(i);
-      particles_[i].grid.insert(rays, particles_[i].T_raster_robot);
+      for (const auto& rays : seen) particles_[i].grid.insert(rays, particles_[i].T_raster_robot);
     });
   }
   for (Particle& particle : particles_)

@@ -103,8 +103,9 @@ class ParticleFilter {
   ParticleFilter(const ParticleFilterOptions& options, std::uint64_t seed);
 
   /// The pose at this scan. Without a motion the motion before is taken to go on, loosely. The first scan's motion is
-  /// ignored. REQUIRES a finite motion (ContractError).
-  const ParticleStep& update(const robot::Scan& scan, const std::optional<Motion>& motion);
+  /// ignored. `others`: what other lidars saw at that moment. REQUIRES a finite motion (ContractError).
+  const ParticleStep& update(const robot::Scan& scan, const std::optional<Motion>& motion,
+                             const std::vector<robot::Scan>& others = {});
   const ParticleStep& lastStep() const { return step_; }
 
   /// The best particle's path, a pose for every scan: corrected by all that was seen after it.
@@ -151,7 +152,7 @@ class ParticleFilter {
   };
   static core::Pose2 mapFromRaster() { return {0, 0, -kRasterTurn_rad}; }
   void reachFarther(const robot::Scan& scan);
-  void findPlace(const robot::Scan& scan, const std::optional<Motion>& motion);
+  void findPlace(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
   Guidance guide(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
   void matchAll(const std::vector<scanmatch::SurfacePoint>& points, const Guidance& guidance);
   void moveAll(const std::optional<Motion>& motion);

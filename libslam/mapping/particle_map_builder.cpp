@@ -41,11 +41,12 @@ ParticleFilterOptions filterOptions(const MethodConfig& config) {
   return options;
 }
 
-CObservation2DRangeScan::Ptr firstScan(const mrpt::obs::CSensoryFrame& frame) {
+std::vector<CObservation2DRangeScan::Ptr> scansOf(const mrpt::obs::CSensoryFrame& frame) {
+  std::vector<CObservation2DRangeScan::Ptr> scans;
   for (size_t i = 0; i < frame.size(); ++i)
     if (auto scan = std::dynamic_pointer_cast<CObservation2DRangeScan>(frame.getObservationByIndex(i)))
-      return scan;
-  return {};
+      scans.push_back(scan);
+  return scans;
 }
 
 Motion fromMrpt(const mrpt::poses::CPosePDF& change) {
@@ -96,12 +97,13 @@ void ParticleMapBuilder::initialize(const mrpt::maps::CSimpleMap& initialMap,
     mrpt::poses::CPose3DPDF::Ptr pose;
     mrpt::obs::CSensoryFrame::Ptr frame;
     initial_map_.get(i, pose, frame);
-    const auto scan = frame ? firstScan(*frame) : nullptr;
-    if (!scan || !pose) continue;
+    if (!frame || !pose) continue;
     const auto mean = pose->getMeanVal();
-    known.emplace_back(gridmap::scanRays(robot::fromMrpt(*scan), filter_options_.rays),
-                       core::Pose2{mean.x(), mean.y(), mean.yaw()});
-    start_map_.insert(known.back().first, known.back().second);
+    for (const auto& scan : scansOf(*frame)) {
+      known.emplace_back(gridmap::scanRays(robot::fromMrpt(*scan), filter_options_.rays),
+                         core::Pose2{mean.x(), mean.y(), mean.yaw()});
+      start_map_.insert(known.back().first, known.back().second);
+    }
   }
   const core::Pose2 T_map_robot = x0 != nullptr ? robot::fromMrpt(x0->getMeanVal().asTPose()) : core::Pose2{};
   if (!known.empty() || x0 != nullptr) filter_->start(T_map_robot, known);
@@ -134,17 +136,21 @@ void ParticleMapBuilder::processActionObservation(mrpt::obs::CActionCollection& 
         kLeastSigma_m * kLeastSigma_m, kLeastSigma_m * kLeastSigma_m, kLeastSigma_rad * kLeastSigma_rad);
     motion_ = motion_ ? *motion_ * motion : motion;
   }
-  const auto observation = firstScan(observations);
-  if (!observation) return;
-  const robot::Scan scan = robot::fromMrpt(*observation);
+  const auto scans = scansOf(observations);
+  if (scans.empty()) return;
+  const robot::Scan scan = robot::fromMrpt(*scans.front());
+  std::vector<robot::Scan> others;
+  for (size_t i = 1; i < scans.size(); ++i) others.push_back(robot::fromMrpt(*scans[i]));
   filter_->setMapping(options.enableMapUpdating);
-  const ParticleStep& step = filter_->update(scan, motion_);
+  const ParticleStep& step = filter_->update(scan, motion_, others);
   motion_.reset();
   if (!step.inserted) return;
   up_to_date_ = false;
   auto frame = mrpt::obs::CSensoryFrame::Create();
-  frame->insert(observation);
-  key_frames_.push_back({filter_->scans() - 1, frame, gridmap::scanRays(scan, filter_->rays())});
+  for (const auto& observation : scans) frame->insert(observation);
+  key_frames_.push_back({filter_->scans() - 1, frame, {gridmap::scanRays(scan, filter_->rays())}});
+  for (const auto& other : others)
+    key_frames_.back().rays.push_back(gridmap::scanRays(other, filter_->rays()));
 }
 
 void ParticleMapBuilder::getCurrentlyBuiltMap(mrpt::maps::CSimpleMap& out_map) const {
@@ -175,7 +181,7 @@ void ParticleMapBuilder::drawMap() const {
   while (drawn_poses_.size() < key_frames_.size()) {
     const KeyFrame& key_frame = key_frames_[drawn_poses_.size()];
     drawn_poses_.push_back(path[key_frame.scan].pose);
-    drawn_.insert(key_frame.rays, drawn_poses_.back());
+    for (const auto& rays : key_frame.rays) drawn_.insert(rays, drawn_poses_.back());
   }
   publish(drawn_.toRaster(), *published_);
   up_to_date_ = true;

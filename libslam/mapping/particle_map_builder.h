@@ -46,7 +46,7 @@ class ParticleMapBuilder : public mrpt::slam::CMetricMapBuilder {
   struct KeyFrame {
     std::uint64_t scan;  ///< index into the path
     mrpt::obs::CSensoryFrame::Ptr frame;
-    gridmap::ScanRays rays;
+    std::vector<gridmap::ScanRays> rays;  ///< one for each lidar
   };
   void drawMap() const;
 

@@ -4,6 +4,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/run/log_feed.h"
 #include "libslam/run/resources.h"
 #include "libslam/sim/simulator.h"
 
@@ -80,6 +81,7 @@ struct ExploringRobot::State {
                options.record.strategy, options.record.robot, 1 / options.record.lidar.rate_hz,
                {seedOf(options), "driver"}),
         scans_left(options.scans > 0 ? options.scans : -1) {
+    for (const auto& lidar : options.record.other_lidars) simulator.mount(lidar, seedOf(options));
     if (!navigate::strategyNeedsMap(options.record.strategy.name)) return;
     const auto config = mapping::loadMethodConfig(run::configsFolder() + "/methods", options.slam);
     slam = mapping::makeMapBuilder(config, options.slam, seedOf(options));
@@ -88,6 +90,7 @@ struct ExploringRobot::State {
   robot::Command decide() {
     core::Pose2 T_map_robot = sensed->T_odom_robot;
     if (slam) {
+      run::tellSensors(*slam, *sensed);
       T_map_robot = mapping::processScan(*slam, sensed->scan, sensed->T_previous_robot, true);
       if (driver.wantsMap()) driver.setMap(mapping::currentMap(*slam));
     }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/robot/lidar.h"
+
 namespace slam::robot {
 namespace {
 
@@ -35,10 +37,12 @@ std::vector<Moved> movedReadings(const Scan& scan, const core::Pose2& T_previous
   const core::Pose2 T_robot_previous = core::inverse(T_previous_robot);
   const core::Pose2 T_lidar_robot = core::inverse(scan.T_robot_lidar);
   const size_t last = scan.ranges_m.size() - 1;
+  const double after_stamp_s = sweep.duration_s * (1 - sweep.stamped_share);
   std::vector<Moved> moved;
   for (size_t i = 0; i <= last; ++i) {
     const size_t beams_after = sweep.clockwise ? i : last - i;
-    const double ago_s = sweep.duration_s * static_cast<double>(beams_after) / static_cast<double>(last);
+    const double ago_s =
+        sweep.duration_s * static_cast<double>(beams_after) / static_cast<double>(last) - after_stamp_s;
     const core::Pose2 T_robot_then = core::interpolate({}, T_robot_previous, ago_s / period_s);
     const float range_m = scan.ranges_m[i];
     if (!isReturn(range_m)) {
@@ -57,6 +61,11 @@ std::vector<Moved> movedReadings(const Scan& scan, const core::Pose2& T_previous
 }
 
 }  // namespace
+
+Sweep sweepOf(const LidarOptions& options) {
+  const int first_measured = options.sweep_clockwise ? options.beams - 1 : 0;
+  return {secondsBeforeLastBeam(options, first_measured), options.sweep_clockwise};
+}
 
 Scan deskewed(const Scan& scan, const core::Pose2& T_previous_robot, double period_s, const Sweep& sweep) {
   const bool is_still = T_previous_robot.x == 0 && T_previous_robot.y == 0 && T_previous_robot.phi == 0;

@@ -20,6 +20,7 @@
 #include "libslam/run/cpu_time.h"
 #include "libslam/run/external_method.h"
 #include "libslam/run/known_map.h"
+#include "libslam/run/log_feed.h"
 #include "libslam/run/map_plan.h"
 #include "libslam/run/process_memory.h"
 #include "libslam/run/scene_file.h"
@@ -214,7 +215,9 @@ void stoppable(MapRun& run, const Taken& taken, bool keep_partial, const std::fu
 void takeIn(const std::string& log_path, mapping::MapBuilder& method,
             const std::optional<ExternalRun>& external, MapRun& run, Taken& taken, core::Manifest& manifest,
             core::Progress& progress, StepObserver* observer) {
-  logs::LogReader log(log_path);
+  // An external program reads the log by itself; its poses are those of the main lidar's scans.
+  logs::LogReader log(log_path, external ? "" : method.lidars);
+  OdometryGaps gaps;
   while (const auto entry = log.next()) {
     const double stamp_s = entry->scan.time_s;
     const double time_s = run.estimate.empty() ? 0 : stamp_s - taken.stamps_s.front();
@@ -226,6 +229,7 @@ void takeIn(const std::string& log_path, mapping::MapBuilder& method,
     std::optional<Eigen::Matrix3d> covariance;
     double after_s = 0;
     const double before_s = threadCpuSeconds();
+    tellSensors(method, *entry);
     insideMethod([&] {
       T_map_robot =
           mapping::processScan(method, entry->scan, T_previous_robot, entry->has_odometry || external);
@@ -234,7 +238,9 @@ void takeIn(const std::string& log_path, mapping::MapBuilder& method,
     });
     if (!core::isFinite(T_map_robot))
       throw core::MethodError(method.name + " diverged: its pose is not finite");
-    if (!run.estimate.empty() && !entry->has_odometry) ++run.steps_without_odometry;
+    gaps.add(*entry);
+    run.steps_without_odometry = gaps.count();
+    if (run.estimate.empty()) run.lidars = log.lidars(), run.remarks = log.remarks();
     taken.milliseconds.push_back((after_s - before_s) * 1000);
     taken.stamps_s.push_back(stamp_s);
     taken.last_scan = entry->scan;
@@ -334,8 +340,9 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   std::optional<SelfScore> self;
   ask([&] { map = mapping::currentMap(method); });
   if (!run.stopped)
-    stoppable(run, taken, keep_partial,
-              [&] { self = selfScore(log_path, in_log_order, toPlan(*map), progress); });
+    stoppable(run, taken, keep_partial, [&] {
+      self = selfScore(log_path, in_log_order, toPlan(*map), progress, external ? "" : method.lidars);
+    });
   std::vector<Eigen::Matrix3d> final_covariances;
   if (!run.stopped) ask([&] { final_covariances = mapping::finalCovariances(method); });
   run.journal = placedJournal(mapping::journalOf(method), taken.stamps_s, in_log_order);
@@ -378,6 +385,8 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   manifest.results["log"] = log_path;
   manifest.results["scans"] = std::to_string(run.estimate.size());
   manifest.results["steps_without_odometry"] = std::to_string(run.steps_without_odometry);
+  describeSensors(method, run.lidars, manifest.results);
+  run.skew_note = skewNote(method_name, manifest.results);
   if (!run.commands_from.empty()) manifest.results["commands_from"] = run.commands_from;
   // Of the log's order, which the files' order of stamps may lose.
   manifest.results["path_length_m"] = core::formatNumber(run.path_length_m);

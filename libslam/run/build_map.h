@@ -36,8 +36,11 @@ struct MapRun {
   double path_length_m = 0;  ///< of the poses given online; this and the next in the order of the log
   core::Pose2 end;           ///< T_map_robot at the last scan
   Cost cost;
-  int steps_without_odometry = 0;    ///< scans after the first for which the log gives no increment
-  std::string commands_from;         ///< tellCommands()
+  int steps_without_odometry = 0;  ///< scans after the first for which the log gives no increment
+  std::string commands_from;       ///< tellCommands()
+  std::vector<std::string> lidars,
+      remarks;                       ///< of the log's reader: whose scans were taken; lines for people
+  std::string skew_note;             ///< skewNote()
   int filled_poses = 0;              ///< scans that an external program gave no pose
   std::vector<JournalLine> journal;  ///< empty for methods that keep none
   std::optional<double> lost_share;  ///< of the time, by the journal (lostShare()); none without a journal

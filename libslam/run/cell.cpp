@@ -18,6 +18,7 @@
 #include "libslam/run/build_map.h"
 #include "libslam/run/evaluate.h"
 #include "libslam/run/failure.h"
+#include "libslam/run/log_feed.h"
 #include "libslam/run/process_memory.h"
 #include "libslam/run/record.h"
 #include "libslam/run/relation_tables.h"
@@ -198,6 +199,8 @@ void runMethod(const std::string& folder, const Json& spec, const CellInputs& in
   std::optional<Truth> truth;
   if (!inputs.truth.empty()) truth = loadTruth(inputs.truth, inputs.truth_plan, run);
   addFigures(evaluate(run, truth), result);
+  if (const auto skewed = skewedScans(run.manifest.results); skewed > 0)
+    result.figures.emplace_back("skewed_scans", static_cast<double>(skewed));
   if (truth && firstDivergence(truth->trajectory, run.estimate)) {
     const auto failure = explainFailure(run, *truth, readEvidence(run, inputs.truth, inputs.log));
     core::writeFileAtomically(folder + "/failure.json", failureJson(failure));

@@ -19,6 +19,7 @@
 #include "libslam/report/picture.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
+#include "libslam/run/log_feed.h"
 #include "libslam/run/relation_tables.h"
 #include "libslam/run/scene_file.h"
 #include "libslam/run/told_commands.h"
@@ -292,13 +293,14 @@ TruthFiles truthFiles(const std::string& log_path, const std::string& given_traj
 
 namespace {
 
-/// Under the tables: which methods took the kinds of the commands from the wheels.
+/// Under the tables: which methods took the kinds of the commands from the wheels, and which took skewed scans.
 void noteCommands(const std::vector<RunFolder>& runs, const std::vector<report::Table*>& tables) {
   for (const auto& run : runs) {
     const auto from = run.manifest.results.find("commands_from");
     const std::string note = from == run.manifest.results.end() ? "" : commandsNote(run.method, from->second);
-    if (note.empty()) continue;
-    for (auto* table : tables) table->notes.push_back(note + ".");
+    for (const auto& text : {note, skewNote(run.method, run.manifest.results)})
+      if (!text.empty())
+        for (auto* table : tables) table->notes.push_back(text + ".");
   }
 }
 

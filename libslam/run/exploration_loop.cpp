@@ -14,6 +14,7 @@
 #include "libslam/run/build_map.h"
 #include "libslam/run/carry_file.h"
 #include "libslam/run/cpu_time.h"
+#include "libslam/run/log_feed.h"
 #include "libslam/run/map_plan.h"
 #include "libslam/run/recorder.h"
 #include "libslam/run/return_to_start.h"
@@ -44,6 +45,7 @@ class Localiser {
         is_reference_ && last_truth_ ? core::between(*last_truth_, T_world_robot) : sensed.T_previous_robot;
     last_truth_ = T_world_robot;
     core::Pose2 T_map_robot;
+    tellSensors(builder_, sensed);
     insideMethod([&] {
       T_map_robot = mapping::processScan(builder_, sensed.scan, T_previous_robot, true, commanded_);
     });
@@ -147,6 +149,12 @@ class NearMisses {
   bool near_ = false;
 };
 
+std::vector<std::string> lidarsOf(const RecordConfig& record) {
+  std::vector<std::string> labels = {"LASER"};
+  for (const auto& lidar : record.other_lidars) labels.push_back(lidar.label);
+  return labels;
+}
+
 bool opensToTheEdge(const metrics::ExplorableArea& area) {
   for (int row = 0; row < area.rows; ++row)
     for (int column = 0; column < area.columns; ++column) {
@@ -179,6 +187,7 @@ class Loop {
         referee_(config.exploration),
         near_misses_(plan, radius_m_) {
     simulator_.carryAt(config.record.carries);
+    for (const auto& lidar : config.record.other_lidars) simulator_.mount(lidar, seed);
     if (!folder.empty()) recorder_.emplace(folder + "/run.rawlog", config.record);
   }
 
@@ -453,6 +462,7 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
   manifest.files["path.png"] = "true path and places of the decisions on the plan";
   auto& results = manifest.results;
   describeLidar(*first_scan_, results);
+  describeSensors(localiser_.builder(), lidarsOf(config_.record), results);
   const auto number = [](double value) { return core::formatNumber(value); };
   results["method"] = method_.name;
   results["strategy"] = e.strategy;

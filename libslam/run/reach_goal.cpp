@@ -17,6 +17,7 @@
 #include "libslam/run/carry_file.h"
 #include "libslam/run/goal_methods.h"
 #include "libslam/run/goal_picture.h"
+#include "libslam/run/log_feed.h"
 #include "libslam/run/recorder.h"
 #include "libslam/run/sensor.h"
 #include "libslam/sim/simulator.h"
@@ -63,6 +64,7 @@ class PoseSource {
   }
   core::Pose2 update(const sim::Sensed& sensed) {
     if (!builder_) return sensed.T_odom_robot;
+    tellSensors(*builder_, sensed);
     return mapping::processScan(*builder_, sensed.scan, sensed.T_previous_robot, true, commanded_);
   }
   /// What the robot is told to do next.
@@ -220,13 +222,17 @@ core::Pose2 goalStart(const world::Plan& plan, const ReachGoalConfig& config, co
 ReachGoalConfig readReachGoalConfig(const core::IniFile& given) {
   std::vector<std::string> known = {"robot",    "odometry",  "living",    "events",
                                     "navigate", "lidar_bug", "obstacles", "mrpt_reactive"};
-  known.insert(known.end(), sensorSections().begin(), sensorSections().end());
+  const auto sensors = sensorSections(given);
+  known.insert(known.end(), sensors.begin(), sensors.end());
   core::rejectUnknownSections(given, known);
   ReachGoalConfig config;
   auto* report = &config.parameters;
   core::readParameters(given, robot::RobotOptions::table(), config.robot, report);
-  const auto sensor = readSensor(given, report);
+  const auto sensor = readSensor(given, config.robot, report);
   config.lidar = sensor.lidar, config.camera = sensor.camera;
+  if (!sensor.other_lidars.empty())
+    throw core::InputError("section [lidar " + sensor.other_lidars.front().label +
+                           "]: a robot that drives to a goal carries one lidar, expected [lidar] alone");
   const auto ini = withCameraDefaults(given, sensor.camera, config.robot);
   core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
   core::readParameters(ini, sim::LivingOptions::table(), config.living, report);

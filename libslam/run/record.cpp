@@ -47,14 +47,15 @@ SimulationOptions::SimulationOptions() {
 RecordConfig readRecordConfig(const core::IniFile& given, const std::vector<std::string>& other_sections) {
   std::vector<std::string> known = {"robot",  "odometry",   "strategy", "obstacles",
                                     "living", "simulation", "events"};
-  known.insert(known.end(), sensorSections().begin(), sensorSections().end());
+  const auto sensors = sensorSections(given);
+  known.insert(known.end(), sensors.begin(), sensors.end());
   known.insert(known.end(), other_sections.begin(), other_sections.end());
   core::rejectUnknownSections(given, known);
   RecordConfig config;
   auto* report = &config.parameters;
   core::readParameters(given, robot::RobotOptions::table(), config.robot, report);
-  const auto sensor = readSensor(given, report);
-  config.lidar = sensor.lidar, config.camera = sensor.camera;
+  const auto sensor = readSensor(given, config.robot, report);
+  config.lidar = sensor.lidar, config.camera = sensor.camera, config.other_lidars = sensor.other_lidars;
   const auto ini = withCameraDefaults(given, sensor.camera, config.robot);
   core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
   core::readParameters(ini, navigate::StrategyOptions::table(), config.strategy, report);
@@ -89,6 +90,7 @@ Recording recordLoop(sim::Simulator& simulator, const RecordConfig& config, std:
                      const std::function<const navigate::Decision*()>& decision) {
   const double period_s = 1 / config.lidar.rate_hz;
   simulator.carryAt(config.carries);
+  for (const auto& lidar : config.other_lidars) simulator.mount(lidar, seed);
   Recorder recorder(log_path, config);
   robot::CommandSeries commands;
   robot::Commanded commanded = robot::MotionKind::kRest;
@@ -103,7 +105,7 @@ Recording recordLoop(sim::Simulator& simulator, const RecordConfig& config, std:
     const auto order = is_over ? std::nullopt : commander(sensed);
     if (observer)
       observer->onStep({elapsed_s, sensed.scan, sensed.T_previous_robot, sensed.T_odom_robot, nullptr,
-                        &simulator, decision(), "", commanded});
+                        &simulator, decision(), "", commanded, &sensed});
     if (!order) break;
     commanded = commands.next(order->command, order->is_whole);
     if (order->T_world_carried) simulator.carryNow(*order->T_world_carried);

@@ -34,8 +34,9 @@ struct SimulationOptions {
 /// All that decides a recording besides the plan and the seed.
 struct RecordConfig {
   robot::RobotOptions robot;
-  robot::LidarOptions lidar;                 ///< with a camera: the one that would give its scans
-  std::optional<robot::FloorCamera> camera;  ///< looks in place of the lidar
+  robot::LidarOptions lidar;                  ///< with a camera: the one that would give its scans
+  std::vector<sim::NamedLidar> other_lidars;  ///< of the sections [lidar NAME]
+  std::optional<robot::FloorCamera> camera;   ///< looks in place of the lidar
   robot::OdometryOptions odometry;
   navigate::StrategyOptions strategy;
   sim::LivingOptions living;

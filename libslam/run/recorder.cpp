@@ -17,7 +17,10 @@ namespace slam::run {
 namespace {
 
 logs::LogEntry toLogEntry(const sim::Sensed& sensed) {
-  return {sensed.scan, sensed.T_odom_robot, sensed.T_previous_robot, true};
+  logs::LogEntry entry{sensed.scan, sensed.T_odom_robot, sensed.T_previous_robot, true};
+  entry.sweep = sensed.sweep;
+  for (const auto& other : sensed.others) entry.others.push_back({other.label, other.scan, other.sweep});
+  return entry;
 }
 
 sim::Operation toOperation(robot::MotionKind kind, const odometry::ScanMotion& motion) {

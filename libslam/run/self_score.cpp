@@ -22,14 +22,16 @@ std::vector<core::Point2> returnsOf(const robot::Scan& scan) {
 }  // namespace
 
 SelfScore selfScore(const std::string& log_path, const core::Trajectory& path, const world::Plan& map,
-                    core::Progress& progress) {
-  logs::LogReader log(log_path);
+                    core::Progress& progress, const std::string& lidars) {
+  logs::LogReader log(log_path, lidars);
   metrics::PlacedScans scans(map);
   progress.begin("placing the scans");
   size_t scan = 0;
   while (const auto entry = log.next()) {
     if (scan == path.size()) throw core::ContractError("selfScore: more scans than poses");
     scans.add(path[scan].pose * entry->scan.T_robot_lidar, returnsOf(entry->scan));
+    for (const auto& other : entry->others)
+      scans.add(path[scan].pose * other.scan.T_robot_lidar, returnsOf(other.scan));
     progress.update(log.fractionRead(), path[scan].time_s - path.front().time_s);
     ++scan;
   }

@@ -10,6 +10,7 @@
 #include "libslam/robot/drive.h"
 #include "libslam/robot/lidar.h"
 #include "libslam/robot/scan.h"
+#include "libslam/sim/simulator.h"
 
 namespace slam::run {
 
@@ -22,16 +23,20 @@ struct SensorOptions {
 
 /// What the robot looks with.
 struct SensorConfig {
-  std::optional<robot::FloorCamera> camera;  ///< none: a lidar
-  robot::LidarOptions lidar;                 ///< of a camera robot::asLidar(): its scans, period and range
+  std::optional<robot::FloorCamera> camera;   ///< none: a lidar
+  robot::LidarOptions lidar;                  ///< of a camera robot::asLidar(): its scans, period and range
+  std::vector<sim::NamedLidar> other_lidars;  ///< one for each section [lidar NAME], by name
 };
 
-/// The sections that readSensor() may read.
-const std::vector<std::string>& sensorSections();
+/// The sections that readSensor() reads or refuses; those of further lidars as they stand in `config`.
+std::vector<std::string> sensorSections(const core::IniFile& config);
 
-/// Reads [sensor] and then [lidar], or [camera] and [camera_scan]. InputError for what the sensor cannot be
-/// (robot::requireSensible()) and for a section of the other sensor, which would have no effect.
-SensorConfig readSensor(const core::IniFile& config, std::vector<core::ParameterReport>* report);
+/// Reads [sensor] and then [lidar] with [lidar NAME] for each further one, or [camera] and [camera_scan]. A further lidar has the same keys as the
+/// first. InputError for what the sensor cannot be (robot::requireSensible()); a section of the other sensor, which would have no effect;
+/// a name with a comma or the first one's, LASER; a further lidar without a mount of its own; any lidar mounted outside of the circle
+/// around the robot.
+SensorConfig readSensor(const core::IniFile& config, const robot::RobotOptions& robot,
+                        std::vector<core::ParameterReport>* report);
 
 /// The configuration with what a narrow view needs where `config` says nothing. With a camera: [strategy] and
 /// [navigate] memory = local_map, and a [strategy] stop_clearance_m that reaches a step beyond the dead zone, or CanMove

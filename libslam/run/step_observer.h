@@ -20,6 +20,8 @@ struct Step {
   const navigate::Decision* decision = nullptr;  ///< nullptr: none, or of a navigator that has no such
   std::string note = {};                         ///< what a navigator says of its state
   robot::Commanded commanded = {};  ///< what led to the scan, where the loop builds no map itself
+  const sim::Sensed* sensed =
+      nullptr;  ///< all that was sensed with the scan; nullptr: the scans come from a log
 };
 
 /// Looks on while a loop of this room works: record(), buildMap(), exploreOnce(), driveToGoal(). It changes nothing: same

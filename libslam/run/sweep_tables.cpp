@@ -198,6 +198,14 @@ void addNotes(const SweepPlan& plan, const SweepResults& results, report::Table&
       "; p: of that difference, by Holm's method. More seeds: how many more would settle it, by the "
       "differences "
       "seen so far.");
+  std::map<std::string, double> skewed;  // by method
+  for (std::size_t i = 0; i < results.size(); ++i)
+    if (results[i])
+      if (const double scans = figureOf(*results[i], "skewed_scans"); scans > 0)
+        skewed[fullName(plan.runs[i])] += scans;
+  for (const auto& [method, scans] : skewed)
+    table.notes.push_back(method + ": " + core::formatNumber(scans) +
+                          " scans were swept while the robot moved and were not deskewed.");
   std::map<std::string, std::size_t> runs_of_group;
   for (const auto& run : plan.runs) {
     ++runs_of_group[fullName(run) + '\n' + settingKey(plan.logs[run.log])];

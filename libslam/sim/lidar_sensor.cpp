@@ -64,11 +64,11 @@ core::Point2 LidarSensor::Ray::direction() const {
   return {std::cos(angle_rad), std::sin(angle_rad)};
 }
 
-LidarSensor::LidarSensor(const robot::LidarOptions& options, std::uint64_t seed)
+LidarSensor::LidarSensor(const robot::LidarOptions& options, std::uint64_t seed, const std::string& name)
     : options_(options),
-      random_(seed, "lidar"),
-      mixed_random_(seed, "lidar mixed"),
-      glass_random_(seed, "lidar glass") {
+      random_(seed, name),
+      mixed_random_(seed, name + " mixed"),
+      glass_random_(seed, name + " glass") {
   robot::requireSensible(options);
   const int rays = options.beam_width_rad > 0 ? robot::kRaysPerBeam : 1;
   for (int ray = 0; ray < rays; ++ray) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "libslam/core/pose2.h"
@@ -34,7 +35,7 @@ namespace slam::sim {
 ///
 /// Rays: exact, or with ray = original as world::castOriginalRay(); to that one all materials are plain.
 ///
-/// Streams: "lidar" (as robot::applyLidarErrors()), "lidar mixed", "lidar glass". Effects that are off neither
+/// Streams: the name, "lidar" (as robot::applyLidarErrors()), with " mixed" and with " glass". Effects that are off neither
 /// draw nor cost.
 class LidarSensor {
  public:
@@ -49,7 +50,7 @@ class LidarSensor {
   };
 
   /// InputError as robot::requireSensible().
-  LidarSensor(const robot::LidarOptions& options, std::uint64_t seed);
+  LidarSensor(const robot::LidarOptions& options, std::uint64_t seed, const std::string& name = "lidar");
 
   /// How long ago the oldest beam of a scan was measured, for the RecentPath that sense() is given.
   double memory_s() const;

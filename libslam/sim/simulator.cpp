@@ -20,6 +20,11 @@ void requireValid(const robot::Command& command) {
     throw core::ContractError("Simulator::step: expected a finite command with a duration of at least 0");
 }
 
+std::optional<robot::Sweep> statedSweep(const robot::LidarOptions& lidar) {
+  if (!(lidar.sweep > 0)) return std::nullopt;
+  return robot::sweepOf(lidar);
+}
+
 }  // namespace
 
 Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
@@ -29,6 +34,7 @@ Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
     : scene_(plan, living, seed, {core::position(start), robot::circumscribedRadius(robot)}),
       robot_(robot),
       lidar_(lidar, seed),
+      sweep_(camera ? std::nullopt : statedSweep(lidar)),
       odometer_(odometry, seed),
       path_(lidar_.memory_s()),
       T_world_robot_(start),
@@ -36,6 +42,14 @@ Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
       carry_random_(seed, "carry") {
   if (camera) camera_.emplace(*camera, seed);
   requireStandingRoom(plan, "start pose", start, robot::circumscribedRadius(robot_));
+}
+
+void Simulator::mount(const NamedLidar& lidar, std::uint64_t seed) {
+  others_.push_back(
+      {lidar.label, statedSweep(lidar.options), LidarSensor(lidar.options, seed, "lidar " + lidar.label)});
+  double memory_s = lidar_.memory_s();
+  for (const auto& other : others_) memory_s = std::max(memory_s, other.sensor.memory_s());
+  path_ = RecentPath(memory_s);
 }
 
 double Simulator::time_s() const {
@@ -49,6 +63,10 @@ Sensed Simulator::sense() {
   sensed.T_odom_robot = T_odom_robot_;
   sensed.T_previous_robot = T_previous_robot_;
   sensed.collided = collided_;
+  sensed.sweep = sweep_;
+  for (auto& other : others_)
+    sensed.others.push_back(
+        {other.label, other.sensor.sense(scene_, T_world_robot_, path_, time_s()), other.sweep});
   return sensed;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/robot/deskew.h"
 #include "libslam/robot/drive.h"
 #include "libslam/robot/lidar.h"
 #include "libslam/robot/odometer.h"
@@ -19,12 +20,29 @@
 
 namespace slam::sim {
 
+/// A lidar beside the first one.
+struct NamedLidar {
+  std::string label;  ///< of its scans, not "LASER", which is the first one's
+  robot::LidarOptions options;
+};
+
+/// What another lidar than the first sees.
+struct OtherScan {
+  std::string label;
+  robot::Scan scan;
+  std::optional<robot::Sweep> sweep;
+};
+
 /// What the robot senses after a command. Nothing of the truth is in it.
 struct Sensed {
   robot::Scan scan;
   core::Pose2 T_odom_robot;      ///< dead reckoning from the start
   core::Pose2 T_previous_robot;  ///< its last increment
   bool collided = false;         ///< the bumper: the command was cut short by an obstacle
+  std::optional<robot::Sweep> sweep =
+      {};  ///< of `scan`, where the lidar's beams are not all at once: robot::sweepOf()
+  std::vector<OtherScan> others =
+      {};  ///< of the lidars that were mounted beside the first, of the same moment
 };
 
 /// A collision, for the report.
@@ -66,6 +84,10 @@ class Simulator {
             const robot::OdometryOptions&, const core::Pose2&, std::uint64_t, double = 0,
             const LivingOptions& = {}, const std::optional<robot::FloorCamera>& = {}) = delete;
 
+  /// Mounts one more lidar, which then looks whenever the first does (its own rate says only how long its sweep takes). Before the
+  /// first look. Its random streams are of its label, so that the first one's noise stays as it was.
+  void mount(const NamedLidar& lidar, std::uint64_t seed);
+
   /// The first look, before any command. Looking again draws new noise and moves nothing else.
   Sensed sense();
   /// Carries out one command and looks. A command of duration 0 only looks.
@@ -106,7 +128,14 @@ class Simulator {
 
   Scene scene_;
   robot::RobotOptions robot_;
+  struct MountedLidar {
+    std::string label;
+    std::optional<robot::Sweep> sweep;
+    LidarSensor sensor;
+  };
   LidarSensor lidar_;
+  std::optional<robot::Sweep> sweep_;  ///< of lidar_
+  std::vector<MountedLidar> others_;
   std::optional<CameraSensor> camera_;
   robot::Odometer odometer_;
   RecentPath path_;

@@ -101,6 +101,27 @@ TEST(EditCommands, CutSalvageMergeAndFilterWorkTogether) {
   EXPECT_EQ(info["mount"][0], 0.1);
 }
 
+TEST(EditCommands, ArgmaxIsToldTheCommandsByTheOperationLogAsLongAsAllScansAreThere) {
+  const testing::TempFolder folder;
+  writeLog(folder, "a.rawlog", 30);
+  const auto driven = [&](const std::string& flags) {
+    const auto filtered = rasterslam(
+        "filter a.rawlog " + flags + " --odometry argmax -o b.rawlog -q --overwrite", folder.path());
+    EXPECT_EQ(filtered.exit_code, 0) << filtered.err;
+    return json::parse(rasterslam("info b.rawlog --json", folder.path()).out)["odometry_length_m"]
+        .get<double>();
+  };
+  // The wall ahead comes nearer by 2 cm at each scan; the wheels say that this is a move.
+  EXPECT_NEAR(driven(""), 0.58, 0.02);
+  core::writeFileAtomically(folder / "a.operations.txt", "m 0 0.58 0 29\n");
+  EXPECT_NEAR(driven(""), 0.58, 0.02);
+  // Told that it only turned, it does not move, whatever the wheels say.
+  core::writeFileAtomically(folder / "a.operations.txt", "t 0 0 29\n");
+  EXPECT_EQ(driven(""), 0);
+  // Of every third scan the operation log says nothing.
+  EXPECT_NEAR(driven("--every 3"), 0.54, 0.02);
+}
+
 TEST(EditCommands, FilterPutsOdometryFromTheScansInPlaceOfTheLogs) {
   const testing::TempFolder folder;
   writeLog(folder, "a.rawlog", 30);

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mrpt/obs/CObservationComment.h>
 
+#include "libslam/logs/sweep_note.h"
 #include "libslam/robot/mrpt_types.h"
 #include "libslam/testing/error_of.h"
 #include "tests/logs/ros_fixtures.h"
@@ -324,6 +326,34 @@ TEST(RosSource, RefusesAPoseWithoutOrientation) {
   const auto source = bag.open();
   EXPECT_EQ(testing::errorOf([&] { source->next(); }),
             "fake.bag: message 1 (/odom): a pose that is not finite, or with a quaternion of length 0");
+}
+
+TEST(RosSource, NotesTheTimesOfTheBeams) {
+  // Beams given from left to right, the one at the right end last: clockwise. The stamp is the first beam's.
+  auto scan = laserScan("laser", {1, 2, 3, 4, 5});
+  std::swap(scan.angle_min, scan.angle_max);
+  scan.angle_increment = -scan.angle_increment;
+  scan.time_increment = 0.01F;
+  auto back = laserScan("laser", {1, 2, 3, 4, 5});
+  back.time_increment = -0.01F;  // from the last beam to the first, which is the stamp's
+  FakeBag bag;
+  bag.add("/scan", kLaserScanType, kRosStart_ns, scan);
+  bag.add("/scan", kLaserScanType, kRosStart_ns + 1000, scan);
+  bag.add("/scan", kLaserScanType, kRosStart_ns + 2000, back);
+  const auto source = bag.open();
+  const auto objects = readAll(*source);
+  ASSERT_EQ(objects.size(), 5U);  // the second scan is swept as the first
+  const auto noteAt = [&](size_t i) {
+    const auto comment = std::dynamic_pointer_cast<mrpt::obs::CObservationComment>(objects[i]);
+    return comment ? parseSweepNote(comment->text) : std::nullopt;
+  };
+  ASSERT_TRUE(noteAt(0) && noteAt(3));
+  EXPECT_EQ(noteAt(0)->label, "scan");
+  EXPECT_NEAR(noteAt(0)->sweep.duration_s, 0.04, 1e-6);
+  EXPECT_TRUE(noteAt(0)->sweep.clockwise);
+  EXPECT_EQ(noteAt(0)->sweep.stamped_share, 0);
+  EXPECT_TRUE(noteAt(3)->sweep.clockwise);
+  EXPECT_EQ(noteAt(3)->sweep.stamped_share, 1);
 }
 
 }  // namespace

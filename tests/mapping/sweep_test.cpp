@@ -1,4 +1,4 @@
-// [method] sweep_s: scans of a spinning lidar on a robot that turns.
+// Scans of a lidar that turns while the robot does: told by [method] sweep_s, or by whoever has them.
 #include <gtest/gtest.h>
 
 #include "libslam/mapping/map_builder.h"
@@ -27,15 +27,24 @@ test::Drive sweptDrive() {
   return drive;
 }
 
-double worstHeading(double sweep_s, const test::Drive& drive) {
+struct Told {
+  double sweep_s = 0;
+  bool deskew = true, has_odometry = true;
+  std::optional<robot::Sweep> by_the_log = {};
+};
+
+double worstHeading(const Told& told, const test::Drive& drive, SweptScans* swept = nullptr) {
   core::IniFile config;
   config.set("method", "type", "graph", "test");
-  config.set("method", "sweep_s", core::formatNumber(sweep_s), "test");
+  config.set("method", "sweep_s", core::formatNumber(told.sweep_s), "test");
+  config.set("method", "deskew", told.deskew ? "true" : "false", "test");
   auto method = makeMapBuilder(config, "graph", 1);
   double worst_rad = 0;
   for (size_t i = 0; i < drive.entries.size(); ++i) {
     const auto& entry = drive.entries[i];
-    const auto pose = processScan(method, entry.scan, entry.T_previous_robot, true);
+    setSweep(method, told.by_the_log);
+    const auto pose = processScan(method, entry.scan, entry.T_previous_robot, told.has_odometry);
+    if (swept) *swept = sweptScans(method);
     worst_rad = std::max(worst_rad, std::abs(core::angleDifference(pose.phi, drive.truth[i].phi)));
   }
   return worst_rad;
@@ -43,10 +52,44 @@ double worstHeading(double sweep_s, const test::Drive& drive) {
 
 TEST(Sweep, ScansAreDeskewedBeforeTheyAreMatched) {
   const auto drive = sweptDrive();
-  const double as_they_are = worstHeading(0, drive), deskewed = worstHeading(0.2, drive);
+  const double as_they_are = worstHeading({}, drive), deskewed = worstHeading({0.2}, drive);
   // A sweep over 0.06 rad of turning turns the scan by half of that on the mean.
   EXPECT_GT(as_they_are, 0.015);
   EXPECT_LT(deskewed, 0.005);
+}
+
+TEST(Sweep, WhatTheLogStatesIsEnough) {
+  const auto drive = sweptDrive();
+  Told told;
+  told.by_the_log = robot::Sweep{0.2};
+  SweptScans swept;
+  EXPECT_EQ(worstHeading(told, drive, &swept), worstHeading({0.2}, drive));
+  EXPECT_EQ(swept.swept, drive.entries.size() - 1);
+  EXPECT_EQ(swept.set_right, swept.swept);
+}
+
+TEST(Sweep, IsLeftWhereNobodyWantsItSetRight) {
+  const auto drive = sweptDrive();
+  Told told;
+  told.by_the_log = robot::Sweep{0.2};
+  told.deskew = false;
+  SweptScans swept;
+  EXPECT_EQ(worstHeading(told, drive, &swept), worstHeading({}, drive));
+  EXPECT_EQ(swept.swept, drive.entries.size() - 1);
+  EXPECT_EQ(swept.set_right, 0U);
+}
+
+TEST(Sweep, WithoutOdometryTheScansStayAndAreCounted) {
+  const auto drive = sweptDrive();
+  Told told;
+  told.has_odometry = false;
+  const double as_they_are = worstHeading(told, drive);
+  told.by_the_log = robot::Sweep{0.2};
+  SweptScans swept;
+  // A motion that is itself from skewed scans would double the error.
+  EXPECT_EQ(worstHeading(told, drive, &swept), as_they_are);
+  EXPECT_EQ(swept.swept, drive.entries.size() - 1);
+  EXPECT_EQ(swept.set_right, 0U);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "libslam/robot/lidar.h"
+
 namespace slam::robot {
 namespace {
 
@@ -110,6 +112,31 @@ TEST(Deskew, AStandingRobotAndNoSweepLeaveTheScan) {
   const auto scan = sweptScan({}, {}, {0.1, false}, 91, core::kPi);
   EXPECT_EQ(deskewed(scan, {}, kPeriod_s, {0.1, false}).ranges_m, scan.ranges_m);
   EXPECT_EQ(deskewed(scan, {0.2, 0, 0.1}, kPeriod_s, {}).ranges_m, scan.ranges_m);
+}
+
+TEST(Deskew, AStampAtTheBeginningIsSetRightToThen) {
+  const core::Pose2 T_room_robot{0.5, -0.4, 0.3}, motion{0.15, 0.01, -0.15};
+  const Sweep to_the_end{0.15, false};
+  Sweep from_the_start = to_the_end;
+  from_the_start.stamped_share = 0;
+  // Swept until a moment that is 0.15 s after the stamp: there the robot has gone on as before.
+  const double share = to_the_end.duration_s / kPeriod_s;
+  const core::Pose2 T_room_end = T_room_robot * core::interpolate({}, motion, share);
+  const auto swept = sweptScan(T_room_end, motion, to_the_end, 361, core::kPi);
+  const auto still = sweptScan(T_room_robot, {}, to_the_end, 361, core::kPi);
+  const auto result = deskewed(swept, motion, kPeriod_s, from_the_start);
+  EXPECT_GT(difference(deskewed(swept, motion, kPeriod_s, to_the_end), still).first, 0.05);
+  // The motions ahead and back differ by the bend of the way, some millimetres.
+  EXPECT_LT(difference(result, still).first, 0.01);
+}
+
+TEST(Deskew, TheSweepOfASimulatedLidarIsFromItsFirstToItsLastBeam) {
+  LidarOptions lidar;
+  lidar.beams = 5, lidar.rate_hz = 10, lidar.sweep = 0.5, lidar.sweep_clockwise = true;
+  const auto sweep = sweepOf(lidar);
+  EXPECT_DOUBLE_EQ(sweep.duration_s, 0.04);  // five beams share 0.05 s
+  EXPECT_TRUE(sweep.clockwise);
+  EXPECT_EQ(sweep.stamped_share, 1);
 }
 
 }  // namespace

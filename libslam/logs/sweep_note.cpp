@@ -1,0 +1,49 @@
+#include "libslam/logs/sweep_note.h"
+
+#include "libslam/core/error.h"
+#include "libslam/core/ini.h"
+#include "libslam/core/parameters.h"
+
+namespace slam::logs {
+namespace {
+
+constexpr const char* kSection = "sweep";
+
+struct Fields {
+  std::string label;
+  double duration_s, stamped_share;
+  bool clockwise;
+};
+
+const core::ParameterTable<Fields>& table() {
+  static const core::ParameterTable<Fields> rows(
+      kSection,
+      {{"label", &Fields::label, "", {}, "sensor label of the lidar"},
+       {"duration_s", &Fields::duration_s, 0.0, 0.0, 1e3, "from the first to the last beam"},
+       {"clockwise", &Fields::clockwise, false, "the last beam is measured first"},
+       {"stamped_share", &Fields::stamped_share, 1.0, 0.0, 1.0, "of the sweep that is over at the stamp"}});
+  return rows;
+}
+
+}  // namespace
+
+std::string formatSweepNote(const SweepNote& note) {
+  return "[sweep]\nlabel = " + note.label + "\nduration_s = " + core::formatNumber(note.sweep.duration_s) +
+         "\nclockwise = " + (note.sweep.clockwise ? "true" : "false") +
+         "\nstamped_share = " + core::formatNumber(note.sweep.stamped_share) + "\n";
+}
+
+std::optional<SweepNote> parseSweepNote(const std::string& text) {
+  if (text.rfind("[sweep]\n", 0) != 0) return std::nullopt;
+  const auto ini = core::IniFile::parse(text, "sweep note");
+  core::rejectUnknownSections(ini, {kSection});
+  Fields fields;
+  table().setDefaults(fields);
+  core::readParameters(ini, table(), fields);
+  for (const char* key : {"label", "duration_s"})
+    if (!ini.find(kSection, key))
+      throw core::InputError(std::string("sweep note: key '") + key + "' is missing");
+  return SweepNote{fields.label, {fields.duration_s, fields.clockwise, fields.stamped_share}};
+}
+
+}  // namespace slam::logs
