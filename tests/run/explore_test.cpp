@@ -319,7 +319,7 @@ TEST(Explore, RefusesWhatCannotBe) {
   };
   EXPECT_THAT(refusal(with({"simulation.start=0.05 0.05 0"})), HasSubstr("start"));
   EXPECT_THAT(refusal(with({"simulation.start=-3 2 0"})), HasSubstr("start"));
-  EXPECT_THAT(refusal(with({"simulation.start=nowhere"})), HasSubstr("expected auto or x_m y_m yaw_deg"));
+  EXPECT_THAT(refusal(with({"simulation.start=nowhere"})), HasSubstr("expected auto or x_m,y_m,yaw_deg"));
   EXPECT_THAT(refusal(with({"robot.side_m=4"})), HasSubstr("no free place for a robot of side 4 m"));
   EXPECT_THAT(refusal(with({}, "icq")), HasSubstr("did you mean 'icp'?"));
   auto twice = with({});

@@ -246,8 +246,9 @@ TEST(ReachGoal, RefusesWhatCannotBeMeant) {
 
 TEST(ParsePlace, TakesNumbersOnly) {
   EXPECT_EQ(parsePlace(" 1.5  -2 ", "--goal").y, -2);
+  EXPECT_EQ(parsePlace("1.5,-2", "--goal").y, -2);
   EXPECT_NEAR(parsePose("1 2 90", "--start").phi, core::kPi / 2, 1e-12);
-  for (const std::string text : {"", "1", "1 2 3", "1 x", "1 nan", "1,2"})
+  for (const std::string text : {"", "1", "1 2 3", "1 x", "1 nan", "1,2,3", "1,,2"})
     EXPECT_THROW(parsePlace(text, "--goal"), core::InputError) << text;
 }
 
