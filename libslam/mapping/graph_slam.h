@@ -59,19 +59,21 @@ struct GraphOptions {
 /// Without odometry the last motion stands in for it, as long as the step takes. Where there is no odometry, or it is
 /// contradicted, the motion that two scans alone give (odometry::ScanOdometry, correlation) is one of the starts, too.
 /// Odometry's noise grows with the root of time, with the metres and with the angle. Steps are timed by the mean of
-/// the scans' stamps of late. Scans may come from several
-/// lidars; each is known by its beams and its mounting.
+/// the scans' stamps of late. Scans may come from several lidars; each is known by its beams and its mounting.
 ///
-/// A robot that was carried away (the scans contradict the map, see LostDetector): a new part of the map begins. It is
-/// searched for all over the rest, one place at a time, and joined to it by a loop that was followed over an extent of
-/// kJoinExtent_m, once every other place of the map was looked at and none of them can be followed as well. Any number of
-/// parts may be open; each is joined when it is found. In a finished map the robot is found the same way.
+/// The kidnapped robot (see LostDetector): a scan that breaks with the one before and contradicts the map is held back for
+/// half a second. If that goes on, the robot maps on by itself, while it is still tracked in the map from before. Either
+/// that map explains the scans again, and goes on; or the evidence decides, and a new part of the map begins where the doubt
+/// began. A part is searched for all over the rest, one place and heading at a time; places that may be right are followed
+/// along the whole part, forth and back, a few steps per scan. It is joined at the best of them, once all of the map was
+/// looked at and no other place is nearly as good. Any number of parts may be open. In a finished map the robot is found
+/// the same way.
 ///
 /// Journal: `distrusted` (odometry; value = gain in score), `rematched` (found on the lattice; value = score), `poor`
 /// (value = score), `lost` (value = score), `recovered` (the new part has been joined, or the robot is found again in a
 /// finished map; value = score), `joined` (two other parts; value = metres of way), `apart` (in the end, a part that was
-/// joined to nothing; value = its first keyframe), `degenerate` (value = share of information
-/// along the open direction), `searched` (value = best score), `found` (value = score), `confirmed`, `dropped`,
+/// joined to nothing; value = its first keyframe), `outside` and `inside` (of a finished map; value = score), `degenerate`
+/// (value = share of information along the open direction), `searched` (value = best score), `found` (value = score), `confirmed`, `dropped`,
 /// `accepted` (value = metres of path that the loop closes), `rejected` (value = the chi2 it would cost), `optimised`
 /// (value = chi2).
 ///
