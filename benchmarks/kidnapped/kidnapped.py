@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Is a robot that was carried away noticed, and is what it maps then joined rightly?
+"""Is a kidnapped robot noticed, and is what it maps then joined rightly?
 
   benchmarks/kidnapped/kidnapped.py [-n DRIVES] [-w DRIVES] [-l DRIVES] [-m METHOD] [-j JOBS] [-p PROGRAM] [-o FOLDER]
 

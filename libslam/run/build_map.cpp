@@ -146,7 +146,12 @@ std::string keyFramesOf(const Continuation& continuation, const std::string& log
     mapping::writeKeyFrames(viewsOf(loadGridMap(map), lidarReach(log_path), map), views);
     return views;
   }
-  return std::filesystem::path(map).extension() == ".simplemap" ? map : map + "/map.simplemap";
+  if (std::filesystem::path(map).extension() == ".simplemap") return map;
+  if (std::filesystem::is_regular_file(map))
+    throw core::InputError(map +
+                           ": found a file of another kind, expected the folder of a run, a ROS map's .yaml, "
+                           ".gridmap.gz or .simplemap");
+  return map + "/map.simplemap";
 }
 
 /// The earlier run's map, before anything is measured.

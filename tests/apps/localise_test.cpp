@@ -15,27 +15,13 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 /// 65 s in an office, its plan, and the plan of another building.
-class InAPlan : public ::testing::Test {
+class InAPlan : public CommandsInAFolder {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new testing::TempFolder;
-    for (const std::string command :
-         {"world make office -o plan.yaml --size 24x16 --seed 3", "world make flat -o other.yaml --seed 9",
-          "simulate plan.yaml -o visit.rawlog --duration 65 --seed 5 -q"}) {
-      const auto made = run(command);
-      ASSERT_EQ(made.exit_code, 0) << made.err;
-    }
+    fill({"world make office -o plan.yaml --size 24x16 --seed 3", "world make flat -o other.yaml --seed 9",
+          "simulate plan.yaml -o visit.rawlog --duration 65 --seed 5 -q"});
   }
-  static void TearDownTestSuite() {
-    delete folder_;
-    folder_ = nullptr;
-  }
-  static testing::CommandResult run(const std::string& arguments) {
-    return rasterslam(arguments, folder_->path());
-  }
-  static testing::TempFolder* folder_;
 };
-testing::TempFolder* InAPlan::folder_ = nullptr;
 
 TEST_F(InAPlan, ARobotIsFoundWithoutAStart) {
   const auto found = run("run graph visit.rawlog -o found --localise plan.yaml -q");
@@ -77,6 +63,14 @@ TEST_F(InAPlan, MethodsThatCannotFindItSaySo) {
   EXPECT_EQ(refused.exit_code, 3);
   EXPECT_THAT(refused.err, HasSubstr("has to be told where in the map the log begins (--start)"));
   EXPECT_FALSE(fs::exists(*folder_ / "x"));
+}
+
+TEST_F(InAPlan, AFileThatIsNoMapIsNamed) {
+  const auto refused = run("run graph visit.rawlog -o none --localise visit.rawlog -q");
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_THAT(refused.err,
+              HasSubstr("visit.rawlog: found a file of another kind, expected the folder of a run"));
+  EXPECT_FALSE(fs::exists(*folder_ / "none"));
 }
 
 }  // namespace

@@ -17,26 +17,15 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 /// 20 s in the corridor, whose middle leaves a direction open.
-class AroundMethods : public ::testing::Test {
+class AroundMethods : public CommandsInAFolder {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new testing::TempFolder;
-    const auto made = run("simulate corridor -o run.rawlog --duration 20 --set lidar.max_range_m=5 -q");
-    ASSERT_EQ(made.exit_code, 0) << made.err;
-  }
-  static void TearDownTestSuite() {
-    delete folder_;
-    folder_ = nullptr;
-  }
-  static testing::CommandResult run(const std::string& arguments) {
-    return rasterslam(arguments, folder_->path());
+    fill({"simulate corridor -o run.rawlog --duration 20 --set lidar.max_range_m=5 -q"});
   }
   static void write(const std::string& name, const std::string& text) {
     core::writeFileAtomically(*folder_ / name, text);
   }
-  static testing::TempFolder* folder_;
 };
-testing::TempFolder* AroundMethods::folder_ = nullptr;
 
 TEST_F(AroundMethods, TheJournalIsPrintedAndDrawn) {
   const auto printed = run("run graph run.rawlog -o graph --journal -q");

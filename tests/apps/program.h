@@ -1,5 +1,8 @@
 #pragma once
+#include <gtest/gtest.h>
+
 #include <string>
+#include <vector>
 
 #include "libslam/testing/temp_folder.h"
 
@@ -9,5 +12,25 @@ namespace slam::apps {
 inline testing::CommandResult rasterslam(const std::string& arguments, const std::string& folder = "/tmp") {
   return testing::runCommand("cd '" + folder + "' && '" RASTERSLAM_PROGRAM "' " + arguments);
 }
+
+/// Tests whose commands run in one folder, which the suite fills first.
+class CommandsInAFolder : public ::testing::Test {
+ protected:
+  static void fill(const std::vector<std::string>& commands) {
+    folder_ = new testing::TempFolder;
+    for (const std::string& command : commands) {
+      const auto made = run(command);
+      ASSERT_EQ(made.exit_code, 0) << command << ": " << made.err;
+    }
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+  static testing::CommandResult run(const std::string& arguments) {
+    return rasterslam(arguments, folder_->path());
+  }
+  inline static testing::TempFolder* folder_ = nullptr;
+};
 
 }  // namespace slam::apps
