@@ -15,7 +15,7 @@ using scanmatch::PosePrior;
 constexpr double kHold_s = 0.5;
 /// A scan of which less is known than this share says nothing.
 constexpr double kTold = 0.1;
-/// How far a robot may have been carried, and what that counts as driven.
+/// How far a robot may have been kidnapped, and what that counts as driven.
 constexpr double kGap_m = 30, kGap_rad = 3, kGapPath_m = 1000;
 /// Keyframes that are all learnt from; then one in so many.
 constexpr int kLearntSoon = 20;
@@ -31,12 +31,12 @@ constexpr double kFoundBack_rad = 0.3;
 
 }  // namespace
 
-/// How far two scans in a row contradict each other after a motion, 0..1: of the points that the scan before speaks of, those
-/// in whose place it saw that there is nothing. It has to speak of kShared of them; what is missing there counts, too.
-/// 0 without a scan before.
+/// How far a scan and the last one of its lidar contradict each other after a motion, 0..1: of the points that the one before
+/// speaks of, those in whose place it saw that there is nothing. It has to speak of kShared of them; what is missing
+/// there counts, too. 0 without a scan before.
 double GraphSlam::brokenBy(const std::vector<PatchPoint>& points, const Pose2& T_previous_robot) const {
-  if (previous_scan_.ranges_m.size() < 2) return 0;
-  const View seen = view(previous_scan_, previous_scan_.ranges_m, T_previous_robot, points);
+  if (before() == nullptr) return 0;
+  const View seen = view(before()->scan, before()->T_seen_robot * T_previous_robot, points);
   const double shared =
       std::max<double>(seen.agreed + seen.passed, kShared * static_cast<double>(points.size()));
   return shared > 0 ? 1 - seen.agreed / shared : 0;
@@ -47,8 +47,8 @@ double GraphSlam::brokenBy(const std::vector<PatchPoint>& points, const Pose2& T
 GraphSlam::Break GraphSlam::breakBefore(const robot::Scan& scan, const std::vector<PatchPoint>& points,
                                         const Pose2& T_previous_robot, const Pose2& T_previous_matched,
                                         bool has_odometry) const {
+  if (before() == nullptr || points.empty()) return {T_previous_robot, std::nan("")};
   Break best{T_previous_robot, 1};
-  if (previous_scan_.ranges_m.size() < 2 || points.empty()) return best;
   const auto consider = [&](const Pose2& T) {
     const double conflict = brokenBy(points, T);
     if (conflict < best.contradicted) best = {T, conflict};
@@ -66,6 +66,12 @@ GraphSlam::Break GraphSlam::breakBefore(const robot::Scan& scan, const std::vect
   return best;
 }
 
+/// Of what speaks of a scan's place, the share that speaks against it, when the map explains so much of the scan.
+double GraphSlam::Told::against(double explained) const {
+  const double against = contradicted * telling;
+  return against + explained > 0 ? against / (against + explained) : 0;
+}
+
 /// What keyframes and a scan at a pose say of each other: their beams of its points, and its beams of theirs, on average.
 /// Without the scan: their beams alone.
 GraphSlam::Told GraphSlam::toldBy(const std::vector<int>& viewers, const std::vector<PatchPoint>& points,
@@ -80,12 +86,10 @@ GraphSlam::Told GraphSlam::toldBy(const std::vector<int>& viewers, const std::ve
   for (const int viewer : viewers) {
     double passed = 0, theirs = 0, its = 0;
     const Pose2 T_viewer_scan = core::between(graph_.pose(viewer), T_map_robot);
-    add(view(lidarOf(viewer), keyframe(viewer).ranges_m, T_viewer_scan, points, kStride), points.size(),
-        passed, theirs);
+    add(view(keyframe(viewer).seen, T_viewer_scan, points, kStride), points.size(), passed, theirs);
     const auto& known = keyframe(viewer).points;
     if (scan != nullptr && !known.empty())
-      add(view(*scan, scan->ranges_m, core::inverse(T_viewer_scan), known, kStride), known.size(), passed,
-          its);
+      add(view(*scan, core::inverse(T_viewer_scan), known, kStride), known.size(), passed, its);
     if (theirs + its > 0) told.contradicted += passed / (theirs + its);
     told.telling += std::max(theirs, its);
   }
@@ -108,13 +112,12 @@ void GraphSlam::lookWhetherLost(const robot::Scan& scan, const std::vector<Patch
     const auto own = toldBy(firstOf(map_keyframes_, kAskedViewers), points, step.T_map_robot, &scan);
     told.contradicted = std::max(told.contradicted - own.contradicted, 0.0);
   }
-  const double against = told.contradicted * told.telling, says = against + explained;
   LostDetector::Look look{};
   look.time_s = scan.time_s;
   look.moved_m = std::hypot(increment.x, increment.y);
   look.broken = broken;
-  look.contradicted = says > 0 ? against / says : 0;
-  look.telling = std::min(says, 1.0);
+  look.contradicted = told.against(explained);
+  look.telling = std::min(told.contradicted * told.telling + explained, 1.0);
   look.may_be_lost = explained < options_.lost_score;
   lost_.look(look);
   if (look.telling < kTold) doubt_.untold_m += look.moved_m;
@@ -134,13 +137,12 @@ GraphSlam::Told GraphSlam::trackBefore(const robot::Scan& scan, const std::vecto
   const auto as_led = toldBy(keyframesBeforeDoubt(prior.mean), points, prior.mean, &scan);
   const bool fits = as_matched.contradicted <= as_led.contradicted;
   doubt_.T_map_robot = fits ? matched.T_map_robot : prior.mean;
-  doubt_.information = matched.information;
+  doubt_.information = fits ? matched.information : prior.information;
   explained = matched.score;
   return fits ? as_matched : as_led;
 }
 
-/// What a scan contradicts where the robot is not: turned on the spot, and matched again as a robot that was carried would
-/// be.
+/// What a scan contradicts where the robot is not: turned on the spot, and matched again as a kidnapped robot would be.
 void GraphSlam::learnWrongPlace(const robot::Scan& scan, const std::vector<PatchPoint>& points,
                                 const Pose2& T_map_robot) {
   // Often in the beginning, seldom when much is known.
@@ -155,9 +157,7 @@ void GraphSlam::learnWrongPlace(const robot::Scan& scan, const std::vector<Patch
   flat.information.setIdentity();
   const auto matched = match(points, maps_, wrong, flat, 0, true);
   if (std::abs(core::angleDifference(matched.T_map_robot.phi, T_map_robot.phi)) < kFoundBack_rad) return;
-  const Told told = toldBy(viewers, points, matched.T_map_robot, &scan);
-  const double against = told.contradicted * told.telling, says = against + matched.score;
-  if (says > 0) lost_.learnWrong(against / says);
+  lost_.learnWrong(toldBy(viewers, points, matched.T_map_robot, &scan).against(matched.score));
 }
 
 /// The keyframes from before the doubt that can say most of a pose: the nearest.
@@ -176,7 +176,7 @@ GraphSlam::Trust GraphSlam::weighDoubt(const Pose2& T_before, const Break& seam,
   if (doubt_.begins >= 0) {
     if (!lost_.isInDoubt()) return Trust::kBack;
     if (doubt_.untold_m > options_.map_radius_m && !lost_.isLost()) {
-      // He has left what was known before: nothing will prove it any more.
+      // The robot has left what was known before: nothing will prove it any more.
       endDoubt();
     }
     return Trust::kWell;

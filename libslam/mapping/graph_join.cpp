@@ -16,8 +16,8 @@ using scanmatch::PatchPoint;
 constexpr int kChecksPerScan = 3;
 /// How far back a trail is asked, in points of it, and places that are followed at once.
 constexpr int kLongestTrail = 40, kMostJoins = 12;
-/// A place may fail so often, and once more for every so many points that fit.
-constexpr int kMostFailures = 2, kFittingPerFailure = 5;
+/// A place may fail kMostFailures times, and once more for every so many points that fit.
+constexpr int kFittingPerFailure = 5;
 /// What a point of a trail says, in nats, when all of its scan is explained and nothing contradicted; neighbouring beams
 /// err together, so that a scan stands for some ten independent points.
 constexpr double kNatsPerScan = 10;
@@ -32,8 +32,6 @@ constexpr int kFirstAsked = 6;
 constexpr double kFirstConflict = 0.25;
 /// Two places are the same.
 constexpr double kSame_m = 0.5, kSame_rad = 0.1;
-/// A point of the trail may correct the place by this much.
-constexpr double kStep_m = 0.3, kStep_rad = 0.06;
 /// A trail is proved to lie at one place only: points that are asked, by how much less others hold it, and how
 /// many are tried per scan.
 constexpr size_t kProofPoints = 120;
@@ -69,17 +67,17 @@ void GraphSlam::lookAtNextPlace(int component) {
   const auto matched = matchAtPlace(query, place, heading);
   if (!matched) return;
   note("found", matched->score, place);
-  addJoin(place, matched->T_map_robot, static_cast<int>(places.size()));
+  addJoin(place, matched->T_map_robot);
 }
 
 /// The place is followed from now on, unless it is already, or the trail contradicts it at once.
-void GraphSlam::addJoin(int place, const Pose2& T_map_robot, int places) {
+void GraphSlam::addJoin(int place, const Pose2& T_map_robot) {
   const int last = trailSize() - 1;
   Join join;
   join.place = join.old_keyframe = place;
   join.forth = join.back = {last, T_map_robot};
   join.back_to = std::max(0, last - kLongestTrail);
-  join.places_left = places - 1;
+  join.places_left = static_cast<int>(places_.size()) - 1;
   join.fits = join.followed = {core::position(T_map_robot), core::position(T_map_robot)};
   if (isKnown(join) || !isPlausible(join)) return;
   holdAgainst(join, join.forth, last);
@@ -91,7 +89,7 @@ void GraphSlam::addJoin(int place, const Pose2& T_map_robot, int places) {
     });
     joins_.erase(worst);
     // It may have been the one.
-    for (auto& known : joins_) known.places_left = places;
+    for (auto& known : joins_) known.places_left = static_cast<int>(places_.size());
   }
   joins_.push_back(std::move(join));
 }
@@ -139,8 +137,8 @@ void GraphSlam::holdAgainst(Join& join, Cursor& cursor, int next) {
   const auto matched = match(points, maps, expected, prior, 0, false);
   const Pose2& T = matched.T_map_robot;
   const double conflict = meanConflict(firstOf(around, kViewers), T, points);
-  const bool is_near = core::distance(T, expected) <= kStep_m &&
-                       std::abs(core::angleDifference(T.phi, expected.phi)) <= kStep_rad;
+  const bool is_near = core::distance(T, expected) <= kConfirmStep_m &&
+                       std::abs(core::angleDifference(T.phi, expected.phi)) <= kConfirmTurn_rad;
   if (conflict >= options_.loop_conflict || !is_near) {
     join.evidence += kNatsPerScan * (matched.score - conflict);
     ++join.failures;
@@ -158,15 +156,7 @@ void GraphSlam::holdAgainst(Join& join, Cursor& cursor, int next) {
   join.placed.push_back({next, T});
   if (&cursor == &join.forth) join.old_keyframe = around.front();
   if (is_lost_) return;
-  const size_t partners = std::min<size_t>(around.size(), kConfirmEdges);
-  for (size_t i = 0; i < partners; ++i) {
-    posegraph::Edge edge;
-    edge.from = around[i], edge.to = join_first_ + next;
-    edge.T_from_to = core::between(graph_.pose(around[i]), T);
-    edge.information = edgeInformation(matched.information, T.phi) / static_cast<double>(kConfirmEdges);
-    edge.kind = posegraph::EdgeKind::kLoop;
-    join.edges.push_back(edge);
-  }
+  addLoopEdges(join.edges, around, join_first_ + next, matched);
 }
 
 /// One scan's share of the search. The place that the trail belongs to, when that is decided.
@@ -245,7 +235,7 @@ bool GraphSlam::isProved(Join& join, int component) {
     if (there) others.push_back({place, there->T_map_robot});
   }
   const bool is_proved = join.proved >= all && others.empty();
-  for (const auto& [place, T_other] : others) addJoin(place, T_other, 0);
+  for (const auto& [place, T_other] : others) addJoin(place, T_other);
   return is_proved;
 }
 

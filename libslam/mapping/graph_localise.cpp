@@ -29,7 +29,7 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
   if (keyframes_.empty()) throw core::ContractError("GraphSlam: localise() without a map");
   std::vector<PatchPoint> points;
   Eigen::Matrix3d information;
-  noteTime(scan, has_odometry);
+  noteScan(scan, has_odometry);
   Pose2 increment = has_odometry ? T_previous_robot : T_previous_robot_;
   if (is_lost_ && !has_odometry) increment = motionFromScans(scan).value_or(increment);
   const Pose2 predicted = currentPose() * increment;
@@ -53,8 +53,8 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
     const Break seam =
         breakBefore(scan, points, increment, core::between(T_before, step.T_map_robot), has_odometry);
     lookWhetherLost(scan, points, step, increment, seam.contradicted);
-    // Who has walked out of the map is not looked for: his wheels will bring him back. What little fits would lead astray;
-    // and he is back when a scan fits, not when some of it does.
+    // A robot that has left the map is not searched for: odometry leads it back. What little fits would mislead it; and it is
+    // back when a scan fits as a whole.
     const bool was_outside = is_outside_;
     is_outside_ =
         knownShare(points, predicted) < kLeastKnown || (was_outside && !fitsMap(points, step.T_map_robot));
@@ -71,7 +71,7 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), step.T_map_robot);
   if (!is_lost_) setMapNear(core::position(step.T_map_robot));
   records_.push_back({lastKeyframe(), T_keyframe_robot_, step.match_covariance});
-  previous_scan_ = scan;
+  keepScan(scan);
   return step;
 }
 

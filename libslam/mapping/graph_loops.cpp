@@ -25,9 +25,6 @@ constexpr int kMostPlaces = 2;
 constexpr size_t kMostQueryPoints = 150;
 /// Windows up to this reach are searched on the finest raster; and how much coarser it may become.
 constexpr double kFineReach_m = 16, kCoarsest = 2;
-/// A confirmation may correct the hypothesis by this much.
-constexpr double kConfirmStep_m = 0.3, kConfirmTurn_rad = 0.06;
-constexpr int kMostFailures = 2;
 /// Travel to the next search, by the last one's window; never so far that two searches share no scan.
 constexpr double kPausePerReach = 0.1;
 constexpr double kDistinctShifts_m[] = {-1.5, -1, -0.6, -0.35, 0.35, 0.6, 1, 1.5};
@@ -175,6 +172,21 @@ std::vector<Point2> GraphSlam::placeAround(const std::vector<int>& keyframes) co
   return place;
 }
 
+/// A match of keyframe k to the nearest of `around`.
+void GraphSlam::addLoopEdges(std::vector<posegraph::Edge>& edges, const std::vector<int>& around, int k,
+                             const scanmatch::MatchResult& matched) const {
+  const size_t partners = std::min<size_t>(around.size(), kConfirmEdges);
+  for (size_t i = 0; i < partners; ++i) {
+    posegraph::Edge edge;
+    edge.from = around[i], edge.to = k;
+    edge.T_from_to = core::between(graph_.pose(around[i]), matched.T_map_robot);
+    edge.information =
+        edgeInformation(matched.information, matched.T_map_robot.phi) / static_cast<double>(kConfirmEdges);
+    edge.kind = posegraph::EdgeKind::kLoop;
+    edges.push_back(edge);
+  }
+}
+
 /// Whether keyframe k by itself fits the old map where the hypothesis puts it; the hypothesis moves on to k then.
 bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
   const Pose2 expected =
@@ -198,16 +210,7 @@ bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
       std::abs(core::angleDifference(matched.T_map_robot.phi, expected.phi)) > kConfirmTurn_rad)
     return false;
   hypothesis.evidence += distinctness(points, maps, matched);
-  const size_t partners = std::min<size_t>(around.size(), kConfirmEdges);
-  for (size_t i = 0; i < partners; ++i) {
-    posegraph::Edge edge;
-    edge.from = around[i], edge.to = k;
-    edge.T_from_to = core::between(graph_.pose(around[i]), matched.T_map_robot);
-    edge.information =
-        edgeInformation(matched.information, matched.T_map_robot.phi) / static_cast<double>(kConfirmEdges);
-    edge.kind = posegraph::EdgeKind::kLoop;
-    hypothesis.edges.push_back(edge);
-  }
+  addLoopEdges(hypothesis.edges, around, k, matched);
   hypothesis.keyframe = k, hypothesis.old_keyframe = around.front();
   hypothesis.T_map_robot = matched.T_map_robot;
   ++hypothesis.confirmations;

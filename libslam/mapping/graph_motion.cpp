@@ -29,15 +29,39 @@ Pose2 goneOn(const Pose2& T, double times) {
 
 }  // namespace
 
-void GraphSlam::noteTime(const robot::Scan& scan, bool has_odometry) {
-  if (previous_scan_.ranges_m.empty()) return;
+/// What is there to go by: the time since the scan before, and the last scan of the same lidar.
+void GraphSlam::noteScan(const robot::Scan& scan, bool has_odometry) {
+  if (seen_.empty()) return;
+  const auto isSameLidar = [&](const Seen& seen) {
+    const Pose2 &a = seen.scan.T_robot_lidar, &b = scan.T_robot_lidar;
+    return a.x == b.x && a.y == b.y && a.phi == b.phi;
+  };
+  const auto same = std::find_if(seen_.begin(), seen_.end(), isSameLidar);
+  before_ = same == seen_.end() ? -1 : static_cast<int>(same - seen_.begin());
   const bool is_first = !(period_s_ > 0);
-  const double since_s = scan.time_s - previous_scan_.time_s;
+  const double since_s = scan.time_s - previous_time_s_;
   const double before_s = is_first ? kNominalPeriod_s : period_s_;
   period_s_ = since_s > 0 ? std::clamp(since_s, kLeastPeriod_s, kMostPeriod_s) : before_s;
   mean_period_s_ = is_first ? period_s_ : mean_period_s_ + kPeriodGain * (period_s_ - mean_period_s_);
   if (!has_odometry && !is_first && period_s_ != before_s)
     T_previous_robot_ = goneOn(T_previous_robot_, std::clamp(period_s_ / before_s, 0.2, 5.0));
+}
+
+/// After a scan was taken in.
+void GraphSlam::keepScan(const robot::Scan& scan) {
+  for (auto& seen : seen_) seen.T_seen_robot = seen.T_seen_robot * T_previous_robot_;
+  if (before_ < 0) {
+    before_ = static_cast<int>(seen_.size());
+    seen_.emplace_back();
+  }
+  seen_[static_cast<size_t>(before_)] = {scan, {}};
+  previous_time_s_ = scan.time_s;
+}
+
+/// The last scan of the lidar that made the one at hand; null without one that says anything.
+const GraphSlam::Seen* GraphSlam::before() const {
+  if (before_ < 0 || seen_[static_cast<size_t>(before_)].scan.ranges_m.size() < 2) return nullptr;
+  return &seen_[static_cast<size_t>(before_)];
 }
 
 GraphSlam::Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has_odometry) const {
@@ -55,14 +79,15 @@ GraphSlam::Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has
   return result;
 }
 
-/// The robot's motion since the scan before, from these two scans alone; nothing where they leave it open.
+/// The robot's motion since the scan before, from this scan and the last one of its lidar alone; nothing where they leave it
+/// open.
 std::optional<Pose2> GraphSlam::motionFromScans(const robot::Scan& scan) const {
-  if (previous_scan_.ranges_m.size() < 2) return std::nullopt;
+  if (before() == nullptr) return std::nullopt;
   const auto odometry = odometry::makeScanOdometry(odometry::ScanOdometryOptions());
-  odometry->update(previous_scan_);
+  odometry->update(before()->scan);
   const auto motion = odometry->update(scan);
   if (!motion.reliable) return std::nullopt;
-  return motion.T_previous_current;
+  return core::inverse(before()->T_seen_robot) * motion.T_previous_current;
 }
 
 }  // namespace slam::mapping

@@ -24,11 +24,6 @@ int GraphSlam::componentOf(int k) const {
   return 0;
 }
 
-bool GraphSlam::beginsPart(int k) const {
-  return k > 0 &&
-         std::any_of(parts_.begin(), parts_.end(), [&](const Part& part) { return part.begin == k; });
-}
-
 void GraphSlam::beginPart(int k) {
   parts_.push_back({k, k});
   joins_.clear();

@@ -17,6 +17,9 @@ inline constexpr int kMostQueryKeyframes = 30;
 inline constexpr int kViewers = 6;
 inline constexpr double kViewerDistance_m = 4;
 
+/// A place that is followed may be corrected by this much from keyframe to keyframe, and fail so often.
+inline constexpr double kConfirmStep_m = 0.3, kConfirmTurn_rad = 0.06;
+inline constexpr int kMostFailures = 2;
 /// Edges that one match makes.
 inline constexpr int kConfirmEdges = 4;
 

@@ -112,7 +112,7 @@ void GraphSlam::link(int a, int b) {
 GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previous_robot,
                                    bool has_odometry) {
   if (scan.ranges_m.size() < 2) throw core::ContractError("GraphSlam: a scan of fewer than 2 beams");
-  noteTime(scan, has_odometry);
+  noteScan(scan, has_odometry);
   Step step;
   if (keyframes_.empty()) {
     addKeyframe(scan, pointsOf(scan), {}, Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero());
@@ -148,7 +148,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
   if (options_.loops && isCutOff(lastKeyframe()) && doubt_.begins < 0)
     lookForPart(parts_.back().begin, lastKeyframe());
   records_.push_back({lastKeyframe(), T_keyframe_robot_, step.match_covariance});
-  previous_scan_ = scan;
+  keepScan(scan);
   return step;
 }
 
@@ -217,8 +217,7 @@ int GraphSlam::addOdometryEdge(int k) {
 void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
                             const Eigen::Matrix3d& information, const Eigen::Matrix3d& covariance) {
   const int k = graph_.addNode(T_map_robot);
-  keyframes_.push_back({static_cast<int>(records_.size()), scan.time_s, std::move(points), scan.ranges_m,
-                        lidarLike(scan), path_m_, -1, covariance});
+  keyframes_.push_back({static_cast<int>(records_.size()), scan, std::move(points), path_m_, -1, covariance});
   links_.emplace_back();
   if (k == 0) {
     graph_.setFixed(0);
@@ -243,27 +242,6 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> poi
   if (options_.loops && k > 0) closeLoops();
   const Point2 centre = core::position(currentPose());
   setMap(keyframesAround(k, centre, options_.map_path_m, options_.map_radius_m), centre);
-}
-
-/// The number of the lidar that made a scan: the same beams at the same place of the robot.
-int GraphSlam::lidarLike(const robot::Scan& scan) {
-  const auto isSame = [&](const robot::Scan& lidar) {
-    const Pose2 &a = lidar.T_robot_lidar, &b = scan.T_robot_lidar;
-    return lidar.first_angle_rad == scan.first_angle_rad && lidar.step_rad == scan.step_rad && a.x == b.x &&
-           a.y == b.y && a.phi == b.phi && lidar.max_range_m == scan.max_range_m;
-  };
-  const auto known = std::find_if(lidars_.begin(), lidars_.end(), isSame);
-  if (known != lidars_.end()) return static_cast<int>(known - lidars_.begin());
-  lidars_.push_back(scan);
-  lidars_.back().ranges_m.clear();
-  return static_cast<int>(lidars_.size()) - 1;
-}
-
-robot::Scan GraphSlam::keyframeScan(int k) const {
-  robot::Scan scan = lidarOf(k);
-  scan.time_s = keyframe(k).time_s;
-  scan.ranges_m = keyframe(k).ranges_m;
-  return scan;
 }
 
 std::vector<Pose2> GraphSlam::poses() const {

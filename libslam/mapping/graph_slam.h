@@ -59,7 +59,7 @@ struct GraphOptions {
 /// Without odometry the last motion stands in for it, as long as the step takes. Where there is no odometry, or it is
 /// contradicted, the motion that two scans alone give (odometry::ScanOdometry, correlation) is one of the starts, too.
 /// Odometry's noise grows with the root of time, with the metres and with the angle. Steps are timed by the mean of
-/// the scans' stamps of late. Scans may come from several lidars; each is known by its beams and its mounting.
+/// the scans' stamps of late. Scans may come from several lidars; each is known by its mounting.
 ///
 /// The kidnapped robot (see LostDetector): a scan that breaks with the one before and contradicts the map is held back for
 /// half a second. If that goes on, the robot maps on by itself, while it is still tracked in the map from before. Either
@@ -106,8 +106,9 @@ class GraphSlam {
   /// How sure poses() are: one each, map frame.
   std::vector<Eigen::Matrix3d> covariances() const;
 
-  /// The scan of a keyframe: its own readings and stamp, its lidar as that was first seen.
-  robot::Scan keyframeScan(int keyframe) const;
+  const robot::Scan& keyframeScan(int keyframe) const {
+    return keyframes_[static_cast<size_t>(keyframe)].seen;
+  }
   int keyframeCount() const { return graph_.nodeCount(); }
   const core::Pose2& keyframePose(int keyframe) const { return graph_.pose(keyframe); }
   /// Grows when keyframes that were there before have moved.
@@ -125,14 +126,12 @@ class GraphSlam {
 
  private:
   struct Keyframe {
-    int scan;
-    double time_s;
+    int scan;  ///< counted from 0
+    robot::Scan seen;
     std::vector<scanmatch::PatchPoint> points;  ///< robot frame
-    std::vector<float> ranges_m;
-    int lidar;                   ///< in lidars_
-    double path_m;               ///< driven since the start
-    int odometry_edge;           ///< to the keyframe before
-    Eigen::Matrix3d covariance;  ///< of its pose in the map
+    double path_m;                              ///< driven since the start
+    int odometry_edge;                          ///< to the keyframe before
+    Eigen::Matrix3d covariance;                 ///< of its pose in the map
   };
   struct Record {
     int keyframe;
@@ -208,10 +207,15 @@ class GraphSlam {
     double conflict() const;
   };
 
-  /// How a scan joins the one before.
+  /// The last scan of a lidar, and how the robot has moved from there to the scan before the one at hand.
+  struct Seen {
+    robot::Scan scan;
+    core::Pose2 T_seen_robot;
+  };
+  /// How a scan joins the last one of its lidar.
   struct Break {
     core::Pose2 T_previous_robot;
-    double contradicted;  ///< share of its points where the scan before saw that there is nothing
+    double contradicted;  ///< see brokenBy(); NaN: there is nothing to compare
   };
   /// Since scans speak for kidnapping.
   struct Doubt {
@@ -228,6 +232,7 @@ class GraphSlam {
   /// there was nothing.
   struct Told {
     double contradicted = 0, telling = 0;
+    double against(double explained) const;
   };
 
   /// In standard deviations of a surfel: farther points hardly count.
@@ -256,13 +261,13 @@ class GraphSlam {
   void link(int a, int b);
   void note(const char* event, double value, int other_keyframe = -1, const std::string& detail = "");
   core::Pose2 currentPose() const;
-  int lidarLike(const robot::Scan& scan);
-  const robot::Scan& lidarOf(int k) const { return lidars_[static_cast<size_t>(keyframe(k).lidar)]; }
   const Keyframe& keyframe(int k) const { return keyframes_[static_cast<size_t>(k)]; }
   int lastKeyframe() const { return static_cast<int>(keyframes_.size()) - 1; }
 
   // graph_motion.cpp: what is known of a step before it is matched
-  void noteTime(const robot::Scan& scan, bool has_odometry);
+  void noteScan(const robot::Scan& scan, bool has_odometry);
+  void keepScan(const robot::Scan& scan);
+  const Seen* before() const;
   Prediction predict(const core::Pose2& T_previous_robot, bool has_odometry) const;
   std::optional<core::Pose2> motionFromScans(const robot::Scan& scan) const;
 
@@ -292,12 +297,11 @@ class GraphSlam {
   void keepTo(const core::Pose2& predicted, const core::Pose2& increment, Step& step);
 
   // graph_views.cpp: what keyframes' beams say of other scans
-  static Sight sight(const robot::Scan& lidar, const std::vector<float>& ranges, const core::Point2& p_lidar);
+  static Sight sight(const robot::Scan& seen, const core::Point2& p_lidar);
   Sight sight(int viewer, const core::Point2& p_lidar) const;
   std::vector<core::Pose2> lidarsOf(const std::vector<int>& viewers) const;
-  static View view(const robot::Scan& lidar, const std::vector<float>& ranges,
-                   const core::Pose2& T_viewer_points, const std::vector<scanmatch::PatchPoint>& points,
-                   size_t stride = 1);
+  static View view(const robot::Scan& scan, const core::Pose2& T_viewer_points,
+                   const std::vector<scanmatch::PatchPoint>& points, size_t stride = 1);
   View view(int viewer, const core::Pose2& T_viewer_points,
             const std::vector<scanmatch::PatchPoint>& points) const;
   double meanConflict(const std::vector<int>& viewers, const core::Pose2& T_map_points,
@@ -337,6 +341,8 @@ class GraphSlam {
   void searchRemainingLoops();
   std::optional<Hypothesis> findLoop(int keyframe, int query_first, int query_last);
   bool confirm(Hypothesis& hypothesis, int keyframe) const;
+  void addLoopEdges(std::vector<posegraph::Edge>& edges, const std::vector<int>& around, int keyframe,
+                    const scanmatch::MatchResult& matched) const;
   void follow(Hypothesis& found);
   static double distinctness(const std::vector<scanmatch::PatchPoint>& points, const LevelMaps& maps,
                              const scanmatch::MatchResult& matched);
@@ -347,7 +353,6 @@ class GraphSlam {
   // graph_parts.cpp: parts of the map that have no known place in one another
   int componentOf(int keyframe) const;
   bool isCutOff(int keyframe) const { return componentOf(keyframe) != 0; }
-  bool beginsPart(int keyframe) const;
   void beginPart(int keyframe);
   void joinComponents(int from, int to);
   const std::vector<int>& placesBeyond(int component);
@@ -370,7 +375,7 @@ class GraphSlam {
   void joinRemainingParts();
   const Join* workOnJoins(int component);
   void lookAtNextPlace(int component);
-  void addJoin(int place, const core::Pose2& T_map_robot, int places);
+  void addJoin(int place, const core::Pose2& T_map_robot);
   bool isKnown(const Join& join) const;
   bool isPlausible(const Join& join) const;
   void holdAgainst(Join& join, Cursor& cursor, int next);
@@ -401,11 +406,12 @@ class GraphSlam {
   std::vector<JournalEntry> journal_;
   LevelMaps maps_;
   std::vector<int> map_keyframes_;
-  std::vector<int> anchors_;         ///< of these, those that stand for the local map's uncertainty
-  std::vector<robot::Scan> lidars_;  ///< that scans have come from, without ranges
+  std::vector<int> anchors_;  ///< of these, those that stand for the local map's uncertainty
   core::Pose2 T_keyframe_robot_, T_previous_robot_, T_odometry_;  ///< the last: since the last keyframe
   bool odometry_holds_ = true;                                    ///< since the last keyframe
-  robot::Scan previous_scan_;
+  std::vector<Seen> seen_;                                        ///< one per lidar
+  int before_ = -1;                          ///< of these, the one of the scan at hand; -1: its lidar is new
+  double previous_time_s_ = 0;               ///< of the last scan of any
   double period_s_ = 0, mean_period_s_ = 0;  ///< from the scan before to the last one
   double path_m_ = 0, searched_m_ = 0;
   double searched_reach_m_ = 0;  ///< window of the last search for loops

@@ -16,14 +16,14 @@ double GraphSlam::View::conflict() const {
   return agreed + passed == 0 ? 0 : static_cast<double>(passed) / (agreed + passed);
 }
 
-/// What a lidar's readings say of a point in its frame.
-GraphSlam::Sight GraphSlam::sight(const robot::Scan& lidar, const std::vector<float>& ranges,
-                                  const Point2& p_lidar) {
+/// What a scan says of a point in its lidar's frame.
+GraphSlam::Sight GraphSlam::sight(const robot::Scan& seen, const Point2& p_lidar) {
+  const auto& ranges = seen.ranges_m;
   // Half of what two walls are apart at least; and beams are compared with their neighbours.
   constexpr double kSame_m = 0.3;
-  double angle = std::atan2(p_lidar.y, p_lidar.x) - lidar.first_angle_rad;
+  double angle = std::atan2(p_lidar.y, p_lidar.x) - seen.first_angle_rad;
   if (angle < 0) angle += 2 * core::kPi;
-  const auto beam = std::lround(angle / lidar.step_rad);
+  const auto beam = std::lround(angle / seen.step_rad);
   if (beam < 1 || beam + 1 >= static_cast<long>(ranges.size())) return Sight::kUnseen;
   const double distance_m = std::hypot(p_lidar.x, p_lidar.y);
   double off_m = 1e9, nearest_m = 1e9;
@@ -38,7 +38,7 @@ GraphSlam::Sight GraphSlam::sight(const robot::Scan& lidar, const std::vector<fl
 }
 
 GraphSlam::Sight GraphSlam::sight(int viewer, const Point2& p_lidar) const {
-  return sight(lidarOf(viewer), keyframe(viewer).ranges_m, p_lidar);
+  return sight(keyframe(viewer).seen, p_lidar);
 }
 
 /// From map to lidar, of each of these keyframes.
@@ -46,22 +46,21 @@ std::vector<Pose2> GraphSlam::lidarsOf(const std::vector<int>& viewers) const {
   std::vector<Pose2> T_lidars_map;
   T_lidars_map.reserve(viewers.size());
   for (const int viewer : viewers)
-    T_lidars_map.push_back(core::inverse(graph_.pose(viewer) * lidarOf(viewer).T_robot_lidar));
+    T_lidars_map.push_back(core::inverse(graph_.pose(viewer) * keyframe(viewer).seen.T_robot_lidar));
   return T_lidars_map;
 }
 
 GraphSlam::View GraphSlam::view(int viewer, const Pose2& T_viewer_points,
                                 const std::vector<PatchPoint>& points) const {
-  return view(lidarOf(viewer), keyframe(viewer).ranges_m, T_viewer_points, points);
+  return view(keyframe(viewer).seen, T_viewer_points, points);
 }
 
-GraphSlam::View GraphSlam::view(const robot::Scan& lidar, const std::vector<float>& ranges,
-                                const Pose2& T_viewer_points, const std::vector<PatchPoint>& points,
-                                size_t stride) {
-  const Pose2 T_lidar_points = core::inverse(lidar.T_robot_lidar) * T_viewer_points;
+GraphSlam::View GraphSlam::view(const robot::Scan& scan, const Pose2& T_viewer_points,
+                                const std::vector<PatchPoint>& points, size_t stride) {
+  const Pose2 T_lidar_points = core::inverse(scan.T_robot_lidar) * T_viewer_points;
   View result;
   for (size_t i = 0; i < points.size(); i += stride) {
-    const Sight seen = sight(lidar, ranges, T_lidar_points * position(points[i]));
+    const Sight seen = sight(scan, T_lidar_points * position(points[i]));
     if (seen == Sight::kAgreed) ++result.agreed;
     if (seen == Sight::kPassed) ++result.passed;
   }

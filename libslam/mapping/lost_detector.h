@@ -5,28 +5,28 @@ namespace slam::mapping {
 /// Tells from scan after scan whether a robot was kidnapped: Page's cumulative sum of the log likelihood ratio (a repeated
 /// sequential probability ratio test) of "is elsewhere since scan s" over "is where the map says".
 ///
-/// Two things speak. The contradicted share: of the points about which the map from before s says anything, those in whose
-/// place it saw that there is nothing. And, once, the break at s: the same share of scan s by the scan before it, moved
-/// as the robot moved. A robot that drifts contradicts its map, too, but from one scan to the next all fits: without a
-/// break kidnapping is the less likely by kUnbroken.
+/// Two things speak. The contradicted share: of what the map from before s says of a scan, how much speaks against its
+/// place (beams that went through a point that is seen now, and the other way round). And, once, the break at s: how far
+/// scan s contradicts the one before it, moved as the robot moved. A robot that drifts contradicts its map, too, but from
+/// one scan to the next all fits: without a break kidnapping is the less likely by kUnbroken.
 ///
 /// How large both shares are where all is well, and how much they vary, is learnt from the scans themselves while they are
 /// well; how large they are where the robot is not, from scans put into wrong places on purpose. Where a wrong place
-/// contradicts no more than the right one, nothing is ever said. A share is taken for one of independent trials, of as
-/// many as its variation stands for (quasi-binomial).
+/// contradicts no more than the right one, nothing is ever said. Both shares are taken as normal with one variance, the larger
+/// of the two.
 ///
 /// Evidence counts by time and way, not by scan: a scan counts whole when kLook_s or kLook_m have passed since the one
 /// before, less else, and never more.
 ///
-/// Sources: Wald, Annals of Mathematical Statistics 16, 1945; Page, Biometrika 41, 1954; Wedderburn, Biometrika 61, 1974
-/// (quasi-likelihood). The break as the prior of a change, and learning both sides while the robot drives, are ours.
+/// Sources: Wald, Annals of Mathematical Statistics 16, 1945; Page, Biometrika 41, 1954. The break as the prior of a change,
+/// and learning both sides while the robot drives, are ours.
 class LostDetector {
  public:
   struct Look {
     double time_s;        ///< times that run back count as none
-    double moved_m;       ///< since the look before
+    double moved_m;       ///< since the look before, by odometry
     double contradicted;  ///< 0..1; NaN counts as nothing
-    double telling;       ///< share, 0..1, of the scan's points about which the map says anything
+    double telling;       ///< share, 0..1, of the scan of which the map says anything
     double broken;        ///< what the scan before says, 0..1; NaN: nothing
     /// False where the map explains so much of the scan that it cannot speak for kidnapping.
     bool may_be_lost = true;
