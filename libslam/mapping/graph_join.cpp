@@ -36,9 +36,27 @@ constexpr double kSame_m = 0.5, kSame_rad = 0.1;
 /// many are tried per scan.
 constexpr size_t kProofPoints = 120;
 constexpr double kProofMargin = 0.1;
+constexpr double kTwin_m = 2, kTwin_rad = 0.5;
+/// A map that has a twin of a place within itself may have one beyond its edge, too, where the robot may be: by so much of
+/// its way at least, in metres, a part must fit one place better than every other.
+constexpr double kAlone_m = 3;
+constexpr double kLeastTwin = 0.6;
+/// A twin that was followed and left behind counts no more when this one fits over so many times its extent.
+constexpr double kRefuted = 2;
+/// Points that have to fit, after a twin was found, before the next proof.
+constexpr int kFitsBetweenProofs = 4;
 constexpr int kProofsPerScan = 2;
 /// Keyframes that make the map that a point of the trail is matched to.
 constexpr int kMapKeyframes = 16;
+
+/// The share of what a place explains that no other may reach when the trail fits it over such an extent.
+double twinShare(double fits_m) {
+  return std::max(kLeastTwin, 1 - kAlone_m / fits_m);
+}
+
+bool isSame(const Pose2& a, const Pose2& b) {
+  return core::distance(a, b) < kTwin_m && std::abs(core::angleDifference(a.phi, b.phi)) < kTwin_rad;
+}
 
 }  // namespace
 
@@ -119,6 +137,18 @@ bool GraphSlam::isPlausible(const Join& join) const {
   return telling > 0 && against < kFirstConflict * telling;
 }
 
+/// How far a point of the trail and the map contradict each other at a pose: by the map's beams, and by the point's own.
+double GraphSlam::conflictOf(int trail_point, const std::vector<int>& viewers,
+                             const Pose2& T_map_robot) const {
+  const double theirs = meanConflict(viewers, T_map_robot, trailPoints(trail_point));
+  if (is_lost_ || viewers.empty()) return theirs;
+  const auto& seen = keyframe(join_first_ + trail_point).seen;
+  double its = 0;
+  for (const int viewer : viewers)
+    its += view(seen, core::between(T_map_robot, graph_.pose(viewer)), keyframe(viewer).points).conflict();
+  return std::max(theirs, its / static_cast<double>(viewers.size()));
+}
+
 /// Moves a place on to the next point of its trail.
 void GraphSlam::holdAgainst(Join& join, Cursor& cursor, int next) {
   const Pose2 expected = cursor.T_map_robot * core::between(trailPose(cursor.at), trailPose(next));
@@ -126,28 +156,35 @@ void GraphSlam::holdAgainst(Join& join, Cursor& cursor, int next) {
   cursor = {next, expected};
   ++join.asked;
   const auto around = keyframesNear(core::position(expected), componentOf(join.place), kMapKeyframes);
-  if (toldBy(firstOf(around, kViewers), points, expected).telling < kTold) {
+  const auto viewers = firstOf(around, kViewers);
+  const double unknown = 1 - std::min(toldBy(viewers, points, expected).telling, 1.0);
+  if (1 - unknown < kTold) {
     join.followed.add(core::position(expected));
+    join.says[next] = {0, 1};
     return;
   }
+  ++join.told;
   const LevelMaps& maps = mapOf(around, core::position(expected));
   scanmatch::PosePrior prior;
   prior.mean = expected;
   prior.information.diagonal() << 100, 100, 1000;
   const auto matched = match(points, maps, expected, prior, 0, false);
   const Pose2& T = matched.T_map_robot;
-  const double conflict = meanConflict(firstOf(around, kViewers), T, points);
+  const double conflict = conflictOf(next, viewers, T);
   const bool is_near = core::distance(T, expected) <= kConfirmStep_m &&
                        std::abs(core::angleDifference(T.phi, expected.phi)) <= kConfirmTurn_rad;
   if (conflict >= options_.loop_conflict || !is_near) {
     join.evidence += kNatsPerScan * (matched.score - conflict);
+    join.says[next] = {-kNatsPerScan, 0};
     ++join.failures;
     return;
   }
   join.followed.add(core::position(expected));
+  const double nats = kNatsPerScan * (matched.score - conflict);
+  join.says[next] = {nats, unknown};
   // Where the map ends much is new, and contradicts nothing.
   if (matched.score < options_.loop_confirm_score) return;
-  join.evidence += kNatsPerScan * (matched.score - conflict);
+  join.evidence += nats;
   ++join.fitting;
   cursor.T_map_robot = T;
   join.score = matched.score;
@@ -176,8 +213,8 @@ const GraphSlam::Join* GraphSlam::workOnJoins(int component) {
     else
       holdAgainst(*next, next->forth, next->forth.at + 1);
     if (next->failures > kMostFailures + next->fitting / kFittingPerFailure ||
-        (next->asked >= kFirstAsked && 4 * next->fitting < next->asked)) {
-      note("dropped", next->fitting, next->old_keyframe);
+        (next->told >= kFirstAsked && 4 * next->fitting < next->told)) {
+      refute(*next);
       joins_.erase(next);
     }
   }
@@ -185,19 +222,50 @@ const GraphSlam::Join* GraphSlam::workOnJoins(int component) {
   return best != nullptr && isProved(*best, component) ? best : nullptr;
 }
 
-/// The best place, once the whole map was looked at since it was found, and no other can be as good.
-GraphSlam::Join* GraphSlam::decided() {
-  const auto best = std::max_element(joins_.begin(), joins_.end(),
-                                     [](const Join& a, const Join& b) { return a.evidence < b.evidence; });
-  if (best == joins_.end() || !isCurrent(*best) || best->places_left > 0 ||
-      best->fitting < options_.loop_confirmations || best->distinct < options_.loop_distinctness ||
-      best->followed.diagonal_m() < kExtent_m || best->fits.diagonal_m() < kFitExtent_m)
-    return nullptr;
-  for (const auto& other : joins_) {
-    const int unasked = other.back.at - other.back_to + trailSize() - 1 - other.forth.at;
-    if (&other != &*best && other.evidence + kNatsPerScan * unasked > best->evidence - kAhead) return nullptr;
+/// A place that is left behind tells over what extent a wrong one can fit.
+void GraphSlam::refute(const Join& join) {
+  note("dropped", join.fitting, join.old_keyframe);
+  const double fits_m = join.placed.size() > 1 ? join.fits.diagonal_m() : 0;
+  refuted_.push_back({join.forth.T_map_robot * core::inverse(trailPose(join.forth.at)), fits_m});
+}
+
+/// Whether another place was followed before, and fitted over much less than this one does.
+bool GraphSlam::isRefuted(const Pose2& T_map_robot, const Join& join) const {
+  return std::any_of(refuted_.begin(), refuted_.end(), [&](const Refuted& refuted) {
+    return isSame(refuted.T_map_trail * trailPose(join.forth.at), T_map_robot) &&
+           join.fits.diagonal_m() >= kRefuted * refuted.fits_m;
+  });
+}
+
+/// By how many nats a place is ahead of another, point by point of the trail. What the other was not asked yet, and what its
+/// map says nothing of, may fit there.
+double GraphSlam::aheadOf(const Join& join, const Join& other) const {
+  const double credit = is_lost_ ? 0 : kNatsPerScan;
+  double ahead = 0;
+  for (const auto& [point, said] : join.says) {
+    const auto rival = other.says.find(point);
+    ahead += said.nats -
+             (rival == other.says.end() ? kNatsPerScan : rival->second.nats + credit * rival->second.unknown);
   }
-  return &*best;
+  return ahead;
+}
+
+/// Whether all of the trail was held against a place, and all of the map was looked at since it was found.
+bool GraphSlam::isReady(const Join& join) const {
+  return isCurrent(join) && join.places_left <= 0 && join.fitting >= options_.loop_confirmations &&
+         join.distinct >= options_.loop_distinctness && join.followed.diagonal_m() >= kExtent_m &&
+         join.fits.diagonal_m() >= kFitExtent_m;
+}
+
+/// The place that no other can be as good as, if there is one.
+GraphSlam::Join* GraphSlam::decided() {
+  for (auto& join : joins_) {
+    const bool is_ahead = isReady(join) && std::all_of(joins_.begin(), joins_.end(), [&](const Join& other) {
+                            return &other == &join || aheadOf(join, other) > kAhead;
+                          });
+    if (is_ahead) return &join;
+  }
+  return nullptr;
 }
 
 /// What of the trail fits, as it lies in the map, seen from its newest end.
@@ -220,19 +288,27 @@ bool GraphSlam::isProved(Join& join, int component) {
   const auto nearest = std::min_element(places.begin(), places.end(), [&](int a, int b) {
     return core::distance(graph_.pose(a), T) < core::distance(graph_.pose(b), T);
   });
-  if (nearest == places.end()) return false;
+  if (nearest == places.end() || join.fitting < join.proof_from) return false;
   const auto query = trailQuery(join);
   const auto here = searchBest(pyramidOf(*nearest), query, T, {2 * kSearchCell_m, 0.02}, 0);
   if (!here) return false;
-  std::vector<std::pair<int, Pose2>> others;
   const int all = static_cast<int>(places.size()) * kHeadings;
+  const double least =
+      is_lost_ ? here->score - kProofMargin : twinShare(join.fits.diagonal_m()) * here->score;
+  std::vector<std::pair<int, Pose2>> others;
   for (int n = 0; n < kProofsPerScan && join.proved < all; ++n, ++join.proved) {
     const int place = places[static_cast<size_t>(join.proved / kHeadings)];
     const Point2 centre = core::position(graph_.pose(place));
     const auto there = searchBest(pyramidOf(place), query,
                                   {centre.x, centre.y, T.phi + join.proved % kHeadings * kHeadingStep_rad},
-                                  {kPlaceHalf_m, 0.5 * kHeadingStep_rad}, here->score - kProofMargin);
-    if (there) others.push_back({place, there->T_map_robot});
+                                  {kPlaceHalf_m, 0.5 * kHeadingStep_rad}, least);
+    if (there && !isSame(there->T_map_robot, T) && !isRefuted(there->T_map_robot, join))
+      others.push_back({place, there->T_map_robot});
+  }
+  // In a finished map the robot is in one of its places, and it is enough to leave the others behind.
+  if (!others.empty() && !is_lost_) {
+    join.proved = 0;
+    join.proof_from = join.fitting + kFitsBetweenProofs;
   }
   const bool is_proved = join.proved >= all && others.empty();
   for (const auto& [place, T_other] : others) addJoin(place, T_other);
@@ -249,7 +325,7 @@ void GraphSlam::joinPart(const Join& join) {
   hypothesis.evidence = join.distinct;
   hypothesis.edges = join.edges;
   accept(hypothesis);
-  joins_.clear();
+  searchAnew();
   // The keyframes have moved.
   const Point2 centre = core::position(currentPose());
   setMap(keyframesAround(lastKeyframe(), centre, options_.map_path_m, options_.map_radius_m), centre);
@@ -261,16 +337,15 @@ void GraphSlam::lookForPart(int first, int last) {
   if (const Join* join = workOnJoins(componentOf(first))) joinPart(*join);
 }
 
-/// In the end there is time to look for every part everywhere.
+/// In the end there is time to look for every part everywhere, the newest first: its places are being followed.
 void GraphSlam::joinRemainingParts() {
-  for (size_t p = 0; p < parts_.size(); ++p) {
+  for (size_t p = parts_.size(); p-- > 0;) {
     const int first = parts_[p].begin;
     const int last = (p + 1 < parts_.size() ? parts_[p + 1].begin : graph_.nodeCount()) - 1;
-    joins_.clear();
-    places_tried_ = 0;
     const int component = componentOf(first);
     if (component == 0) continue;
-    const size_t turns = 3 * kHeadings * placesBeyond(component).size() + kLongestTrail;
+    if (p + 1 < parts_.size()) searchAnew();
+    const size_t turns = 4 * kHeadings * placesBeyond(component).size() + kLongestTrail;
     for (size_t n = 0; n < turns && componentOf(first) == component; ++n) lookForPart(first, last);
   }
 }

@@ -44,7 +44,8 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
       is_lost_ = false;
       held_back_ = 0;
       lost_.restart();
-      joins_.clear(), trail_.clear();
+      trail_.clear();
+      searchAnew();
       note("recovered", step.score);
     }
   } else {
@@ -105,8 +106,8 @@ void GraphSlam::beLost(double score) {
   note("lost", score);
   is_lost_ = true, is_outside_ = false;
   lost_.restart();
-  joins_.clear(), trail_.clear();
-  places_tried_ = 0;
+  trail_.clear();
+  searchAnew();
 }
 
 }  // namespace slam::mapping

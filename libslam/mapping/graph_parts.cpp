@@ -26,7 +26,12 @@ int GraphSlam::componentOf(int k) const {
 
 void GraphSlam::beginPart(int k) {
   parts_.push_back({k, k});
-  joins_.clear();
+  searchAnew();
+}
+
+/// Forgets every place that was followed.
+void GraphSlam::searchAnew() {
+  joins_.clear(), refuted_.clear();
   places_tried_ = 0;
 }
 
@@ -35,7 +40,7 @@ void GraphSlam::joinComponents(int a, int b) {
   for (auto& part : parts_)
     if (part.component == a || part.component == b) part.component = std::min(a, b);
   places_component_ = kNoComponent;
-  joins_.clear();
+  searchAnew();
 }
 
 /// Keyframes, kPlaceStep_m apart at least, from which all of the map that is not of this component can be looked at.

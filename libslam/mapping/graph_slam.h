@@ -184,20 +184,31 @@ class GraphSlam {
     }
     double diagonal_m() const { return core::distance(least, most); }
   };
+  /// What a point of a trail says for a place, in nats, and the share of its scan about which the map says nothing there.
+  struct Said {
+    double nats, unknown;
+  };
   /// A place of a trail in another part of the map, while the rest of the trail is held against it, to both sides.
   struct Join {
     int place;  ///< keyframe where it was found
     Cursor forth, back;
     int back_to;  ///< the trail is not asked farther back
-    int asked = 0, fitting = 0, failures = 0;
+    int asked = 0, told = 0, fitting = 0, failures = 0;
     double evidence = 0, distinct = 0;  ///< nats; sum of distinctness()
+    std::map<int, Said> says;           ///< of every point of the trail that was asked
     std::vector<Cursor> placed;         ///< points of the trail that fit
     Box fits, followed;                 ///< where the trail fits, and where nothing contradicts it
     int proved = 0;                     ///< places, times kHeadings, that were shown not to be as good
+    int proof_from = 0;                 ///< points that have to fit before the proof goes on
     int old_keyframe = 0;               ///< nearest at `forth`
     int places_left = 0;                ///< of the whole map, not looked at yet since it was found
     double score = 0;
     std::vector<posegraph::Edge> edges;
+  };
+  /// A place that a trail was followed through until it failed, and the extent over which it fitted.
+  struct Refuted {
+    core::Pose2 T_map_trail;
+    double fits_m;
   };
   /// What a keyframe's beams say of a point: one ended there; they went on behind it; or neither.
   enum class Sight { kAgreed, kPassed, kUnseen };
@@ -354,6 +365,7 @@ class GraphSlam {
   int componentOf(int keyframe) const;
   bool isCutOff(int keyframe) const { return componentOf(keyframe) != 0; }
   void beginPart(int keyframe);
+  void searchAnew();
   void joinComponents(int from, int to);
   const std::vector<int>& placesBeyond(int component);
   std::vector<int> keyframesAtPlace(int place) const;
@@ -380,6 +392,11 @@ class GraphSlam {
   bool isPlausible(const Join& join) const;
   void holdAgainst(Join& join, Cursor& cursor, int next);
   bool isCurrent(const Join& join) const;
+  double conflictOf(int trail_point, const std::vector<int>& viewers, const core::Pose2& T_map_robot) const;
+  void refute(const Join& join);
+  bool isRefuted(const core::Pose2& T_map_robot, const Join& join) const;
+  double aheadOf(const Join& join, const Join& other) const;
+  bool isReady(const Join& join) const;
   Join* decided();
   std::vector<core::Point2> trailQuery(const Join& join) const;
   bool isProved(Join& join, int component);
@@ -427,6 +444,7 @@ class GraphSlam {
   int wrong_places_ = 0;                                  ///< that were learnt from
   bool is_lost_ = false, is_outside_ = false;             ///< in a finished map
   std::vector<Join> joins_;
+  std::vector<Refuted> refuted_;          ///< since searchAnew()
   std::vector<TrailPoint> trail_;         ///< of a robot that is lost in a finished map
   int join_first_ = 0, join_last_ = -1;   ///< keyframes that are the trail else
   mutable LevelMaps scratch_;             ///< of mapOf()
