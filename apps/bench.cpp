@@ -13,12 +13,12 @@
 #include "apps/console.h"
 #include "apps/gate_flags.h"
 #include "libslam/core/error.h"
-#include "libslam/run/cell.h"
-#include "libslam/run/submit.h"
-#include "libslam/run/sweep.h"
-#include "libslam/run/sweep_gate.h"
-#include "libslam/run/sweep_merge.h"
-#include "libslam/run/worker.h"
+#include "libslam/process/worker.h"
+#include "libslam/study/sweep_gate.h"
+#include "libslam/study/sweep_merge.h"
+#include "libslam/sweep/cell.h"
+#include "libslam/sweep/submit.h"
+#include "libslam/sweep/sweep.h"
 
 namespace slam::apps {
 namespace {
@@ -26,24 +26,24 @@ namespace {
 struct Arguments {
   std::string suite, shard, cell;
   std::vector<std::string> folders;  ///< of merge
-  run::SubmitRequest submission;
+  sweep::SubmitRequest submission;
   GateFlags gate;
   int jobs = 1;
   bool resume = false, retry = false, check = false, go = false;
 };
 
 int plan(const Context& context, const Arguments& arguments) {
-  const auto sweep = run::planSweep(arguments.suite);
-  const auto table = run::planTable(sweep.plan);
+  const auto sweep = sweep::planSweep(arguments.suite);
+  const auto table = sweep::planTable(sweep.plan);
   if (context.json)
-    std::cout << run::toJson(sweep.plan);
+    std::cout << sweep::toJson(sweep.plan);
   else
     std::cout << tableText(table);
   return 0;
 }
 
 /// "2/8"
-void setShard(const std::string& text, run::SweepRequest& request) {
+void setShard(const std::string& text, sweep::SweepRequest& request) {
   if (text.empty()) return;
   int end = 0;
   const int count = std::sscanf(text.c_str(), "%zu/%zu%n", &request.shard, &request.of, &end);
@@ -52,8 +52,8 @@ void setShard(const std::string& text, run::SweepRequest& request) {
     throw core::InputError("--shard: found '" + text + "', expected i/n with i from 1 to n, such as 2/8");
 }
 
-run::SweepRequest requestOf(const Context& context, const Arguments& arguments) {
-  run::SweepRequest request;
+sweep::SweepRequest requestOf(const Context& context, const Arguments& arguments) {
+  sweep::SweepRequest request;
   request.output = context.output;
   request.program = context.programPath();
   request.jobs = arguments.jobs;
@@ -69,12 +69,12 @@ void say(const std::vector<std::string>& lines, const char* prefix) {
   for (const auto& line : lines) std::fprintf(stderr, "rasterslam: %s%s\n", prefix, line.c_str());
 }
 
-int exitCode(const run::SweepOutcome& outcome) {
+int exitCode(const sweep::SweepOutcome& outcome) {
   const bool whole = outcome.failed == 0 && outcome.lost.empty();
   return static_cast<int>(whole ? core::ExitCode::kOk : core::ExitCode::kCellsFailed);
 }
 
-void describe(const run::SweepOutcome& outcome) {
+void describe(const sweep::SweepOutcome& outcome) {
   say(outcome.repaired, "done again: ");
   say(outcome.lost, "");
 }
@@ -84,7 +84,7 @@ int execute(const Context& context, const Arguments& arguments) {
   request.resume = true;
   ConsoleProgress progress(context.quiet), cell_progress(true);
   request.cell_progress = &cell_progress;
-  const auto outcome = run::sweep(run::planSweep(arguments.suite), request, context.manifest(), progress);
+  const auto outcome = sweep::sweep(sweep::planSweep(arguments.suite), request, context.manifest(), progress);
   describe(outcome);
   if (context.json)
     std::cout << nlohmann::ordered_json{{"folder", request.output},
@@ -103,18 +103,18 @@ int execute(const Context& context, const Arguments& arguments) {
 constexpr std::size_t kMostLines = 20;
 
 /// Before hours of work, what is wrong with the baseline's file.
-void requireUsableGate(const Context& context, const GateFlags& flags, const run::SweepPlan& plan) {
-  slam::apps::requireUsableGate(context, flags, run::scoresOf(plan, run::SweepResults(plan.runs.size())));
+void requireUsableGate(const Context& context, const GateFlags& flags, const sweep::SweepPlan& plan) {
+  slam::apps::requireUsableGate(context, flags, study::scoresOf(plan, study::SweepResults(plan.runs.size())));
 }
 
 /// 6 where runs are missing; where they failed too, unless a baseline says what may fail.
-int exitCode(const run::MergedSweep& merged, const GateResult& gate) {
+int exitCode(const study::MergedSweep& merged, const GateResult& gate) {
   if (gate.exit_code != 0) return gate.exit_code;
   const bool whole = merged.missing.empty() && (merged.failed == 0 || gate.table);
   return static_cast<int>(whole ? core::ExitCode::kOk : core::ExitCode::kCellsFailed);
 }
 
-int reportMerged(const Context& context, const GateFlags& flags, const run::MergedSweep& merged,
+int reportMerged(const Context& context, const GateFlags& flags, const study::MergedSweep& merged,
                  const std::string& folder) {
   for (std::size_t i = 0; i < std::min(merged.missing.size(), kMostLines); ++i)
     std::fprintf(stderr, "rasterslam: %s\n", merged.missing[i].c_str());
@@ -123,8 +123,8 @@ int reportMerged(const Context& context, const GateFlags& flags, const run::Merg
   if (!flags.write_gate.empty() && !merged.missing.empty())
     throw core::InputError(folder + ": " + std::to_string(merged.missing.size()) +
                            " cells are missing, expected a whole sweep to make a baseline of");
-  const auto gate = checkGate(context, flags, run::scoresOf(merged.plan, merged.results));
-  writeGate(context, flags, run::summaryScoresOf(merged.plan, merged.results));
+  const auto gate = checkGate(context, flags, study::scoresOf(merged.plan, merged.results));
+  writeGate(context, flags, study::summaryScoresOf(merged.plan, merged.results));
   const auto parsed = [](const report::Table& table) {
     return nlohmann::ordered_json::parse(report::toJson(table));
   };
@@ -148,26 +148,26 @@ int reportMerged(const Context& context, const GateFlags& flags, const run::Merg
 }
 
 int merge(const Context& context, const Arguments& arguments) {
-  run::MergeRequest request;
+  study::MergeRequest request;
   for (const auto& folder : arguments.folders)
     request.folders.push_back(std::filesystem::path(folder).lexically_normal().string());
   request.output = context.output.empty() ? request.folders.front() : context.output;
   request.check_bytes = arguments.check;
   ConsoleProgress progress(true);
-  const auto merged = run::mergeSweep(request, context.manifest(), progress);
+  const auto merged = study::mergeSweep(request, context.manifest(), progress);
   return reportMerged(context, arguments.gate, merged, request.output);
 }
 
 int submit(const Context& context, const Arguments& arguments) {
-  const auto sweep = run::planSweep(arguments.suite);
+  const auto sweep = sweep::planSweep(arguments.suite);
   const auto script =
-      run::writeSubmission(sweep, requestOf(context, arguments), arguments.submission, context.manifest());
+      sweep::writeSubmission(sweep, requestOf(context, arguments), arguments.submission, context.manifest());
   if (!arguments.go) {
     std::printf("next: sh %s\n", core::shellQuoted({script}).c_str());
     return 0;
   }
   ConsoleProgress progress(true);
-  const auto result = run::runWorker({"/bin/sh", script}, progress);
+  const auto result = process::runWorker({"/bin/sh", script}, progress);
   std::cout << result.out;
   return result.exit_code;
 }
@@ -176,29 +176,29 @@ int submit(const Context& context, const Arguments& arguments) {
 int bench(const Context& context, const Arguments& arguments) {
   if (arguments.suite.empty())
     throw core::InputError("bench: no suite named, expected the sweep's .ini or .yaml");
-  const auto sweep = run::planSweep(arguments.suite);
+  const auto sweep = sweep::planSweep(arguments.suite);
   auto request = requestOf(context, arguments);
   if (request.output.empty()) request.output = sweep.plan.name;
   requireUsableGate(context, arguments.gate, sweep.plan);
   ConsoleProgress progress(context.quiet), cell_progress(true);
   request.cell_progress = &cell_progress;
-  run::MergeRequest whole;
+  study::MergeRequest whole;
   whole.folders = {request.output};
   whole.output = request.output;
   try {
-    describe(run::sweep(sweep, request, context.manifest(), progress));
+    describe(sweep::sweep(sweep, request, context.manifest(), progress));
   } catch (const core::Interrupted&) {
-    run::mergeSweep(whole, context.manifest(), core::silentProgress());
+    study::mergeSweep(whole, context.manifest(), core::silentProgress());
     std::fprintf(stderr, "rasterslam: the tables in %s hold what is done\n", request.output.c_str());
     throw;
   }
-  const auto merged = run::mergeSweep(whole, context.manifest(), core::silentProgress());
+  const auto merged = study::mergeSweep(whole, context.manifest(), core::silentProgress());
   return reportMerged(context, arguments.gate, merged, request.output);
 }
 
 struct CellArguments {
   std::string folder;
-  run::CellInputs inputs;
+  sweep::CellInputs inputs;
   int parent = 0;
 };
 
@@ -207,7 +207,7 @@ int workOnCell(const CellArguments& arguments) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (arguments.parent != 0 && getppid() != arguments.parent) throw core::Interrupted();
   ConsoleProgress progress(true);
-  run::workOnCell(arguments.folder, arguments.inputs, progress);
+  sweep::workOnCell(arguments.folder, arguments.inputs, progress);
   return 0;
 }
 
@@ -266,7 +266,7 @@ void addSubmit(CLI::App& bench, Context& context, const std::shared_ptr<Argument
   auto& submission = arguments->submission;
   command->add_option("--engine", submission.engine, "parallel or slurm")
       ->required()
-      ->check(CLI::IsMember(run::submitEngines()));
+      ->check(CLI::IsMember(sweep::submitEngines()));
   command->add_option("--tasks", submission.tasks, "parts of the sweep, each with many cells")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();

@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/run/resources.h"
+#include "libslam/core/resources.h"
 
 namespace slam::apps {
 
@@ -78,9 +78,9 @@ namespace {
 /// The file of a lidar by name or path.
 core::IniFile loadLidar(const std::string& lidar) {
   const bool is_path = lidar.find_first_of("/.") != std::string::npos;
-  const std::string folder = run::configsFolder() + "/lidars";
+  const std::string folder = core::configsFolder() + "/lidars";
   if (!is_path) {
-    const auto names = run::namesInFolder(folder, ".ini");
+    const auto names = core::namesInFolder(folder, ".ini");
     if (std::find(names.begin(), names.end(), lidar) == names.end())
       throw core::InputError("--lidar: found '" + lidar + "', expected a name of 'rasterslam list lidars'" +
                              core::didYouMean(lidar, names));

@@ -7,9 +7,9 @@
 #include "apps/console.h"
 #include "apps/plan_warnings.h"
 #include "libslam/core/error.h"
+#include "libslam/core/resources.h"
 #include "libslam/mapping/method_config.h"
-#include "libslam/run/compare.h"
-#include "libslam/run/resources.h"
+#include "libslam/score/compare.h"
 
 namespace slam::apps {
 namespace {
@@ -32,14 +32,14 @@ bool isOfMethods(const std::string& setting) {
 }
 
 int compareMethods(const Context& context, const Arguments& arguments) {
-  run::CompareRequest request;
-  const bool is_plan = run::looksLikePlan(arguments.input);
+  score::CompareRequest request;
+  const bool is_plan = core::looksLikePlan(arguments.input);
   Context simulation = context;
   simulation.settings.clear();
   for (const auto& setting : context.settings)
     (isOfMethods(setting) ? request.method_settings : simulation.settings).push_back(setting);
   if (is_plan || context.print_config)
-    request.record = run::readRecordConfig(simulationConfig(simulation, arguments.flags));
+    request.record = record::readRecordConfig(simulationConfig(simulation, arguments.flags));
   if (context.print_config) {
     printParameters(request.record.parameters, context.json);
     return 0;
@@ -51,16 +51,16 @@ int compareMethods(const Context& context, const Arguments& arguments) {
     throw core::InputError("--set: found '" + simulation.settings.front() +
                            "', expected a section of a method, as " + arguments.input + " is a log");
   (is_plan ? request.plan_path : request.log_path) =
-      is_plan ? run::resolvePlan(arguments.input) : arguments.input;
+      is_plan ? core::resolvePlan(arguments.input) : arguments.input;
   if (is_plan) warnOfPlan(context, request.plan_path);
   if (is_plan && !arguments.relations.empty())
     throw core::InputError("--relations belongs to a log; " + arguments.input +
                            " is a plan, whose simulation knows the whole truth");
   request.truth_path = arguments.truth;
   request.relations_path = arguments.relations;
-  if (!arguments.plan.empty()) request.truth_plan_path = run::resolvePlan(arguments.plan);
+  if (!arguments.plan.empty()) request.truth_plan_path = core::resolvePlan(arguments.plan);
   request.methods = arguments.methods;
-  request.methods_folder = run::configsFolder() + "/methods";
+  request.methods_folder = core::configsFolder() + "/methods";
   request.output = context.output.empty() ? "comparison" : context.output;
   request.seed = context.seed;
   request.threads = arguments.threads;
@@ -69,7 +69,7 @@ int compareMethods(const Context& context, const Arguments& arguments) {
   request.overwrite = context.overwrite;
   request.resume = arguments.resume;
   ConsoleProgress progress(context.quiet);
-  const auto comparison = run::compare(request, context.manifest(), progress);
+  const auto comparison = score::compare(request, context.manifest(), progress);
   if (context.json) {
     const auto parsed = [](const report::Table& table) {
       return nlohmann::ordered_json::parse(report::toJson(table));

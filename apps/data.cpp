@@ -9,13 +9,13 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "libslam/core/error.h"
+#include "libslam/logs/public_data.h"
 #include "libslam/report/table.h"
-#include "libslam/run/public_data.h"
 
 namespace slam::apps {
 namespace {
 
-using run::PublicData;
+using logs::PublicData;
 
 nlohmann::ordered_json toJson(const PublicData& data) {
   nlohmann::ordered_json size;
@@ -74,7 +74,7 @@ void printOne(const PublicData& data, const std::string& note) {
   print("note", note);
 }
 
-report::Table overview(const run::PublicDataTable& table) {
+report::Table overview(const logs::PublicDataTable& table) {
   report::Table overview;
   overview.caption = "Public data for 2D-lidar SLAM; nothing is downloaded by this program";
   overview.columns = {{"name", "name", 0},       {"kind", "kind", 0},   {"format", "format", 0},
@@ -92,7 +92,7 @@ report::Table overview(const run::PublicDataTable& table) {
 }
 
 int showData(const Context& context, const std::string& name) {
-  const auto table = run::readPublicData(run::publicDataFile());
+  const auto table = logs::readPublicData(logs::publicDataFile());
   if (name.empty()) {
     if (context.json) {
       auto list = nlohmann::ordered_json::array();

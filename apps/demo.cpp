@@ -6,10 +6,10 @@
 #include "apps/console.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/resources.h"
+#include "libslam/pages/report_data.h"
 #include "libslam/report/html_report.h"
-#include "libslam/run/compare.h"
-#include "libslam/run/report_data.h"
-#include "libslam/run/resources.h"
+#include "libslam/score/compare.h"
 
 namespace slam::apps {
 namespace {
@@ -18,10 +18,10 @@ constexpr const char* kWorld = "office_loop";
 constexpr double kOriginal_s = 300;
 constexpr const char* kRealLog = "2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog";
 
-run::CompareRequest commonRequest(const Context& context, const std::string& output) {
-  run::CompareRequest request;
+score::CompareRequest commonRequest(const Context& context, const std::string& output) {
+  score::CompareRequest request;
   request.methods = defaultMethods();
-  request.methods_folder = run::configsFolder() + "/methods";
+  request.methods_folder = core::configsFolder() + "/methods";
   request.output = output;
   request.program = context.programPath();
   request.quiet = context.quiet;
@@ -31,10 +31,10 @@ run::CompareRequest commonRequest(const Context& context, const std::string& out
   return request;
 }
 
-int show(const run::Comparison& comparison, const std::string& title, const std::string& folder,
+int show(const score::Comparison& comparison, const std::string& title, const std::string& folder,
          core::Progress& progress) {
   const std::string page = folder + "/report.html";
-  core::writeFileAtomically(page, report::toHtml(run::gatherReport(folder, progress)));
+  core::writeFileAtomically(page, report::toHtml(pages::gatherReport(folder, progress)));
   std::cout
       << "\n== " << title << "\n\n"
       << tableText(comparison.accuracy) << "\n"
@@ -48,9 +48,9 @@ int demo(const Context& context) {
   ConsoleProgress progress(context.quiet);
 
   auto simulated = commonRequest(context, output + "/simulated");
-  simulated.plan_path = run::resolvePlan(kWorld);
-  simulated.record = run::readRecordConfig(core::IniFile());
-  int failed = show(run::compare(simulated, context.manifest(), progress),
+  simulated.plan_path = core::resolvePlan(kWorld);
+  simulated.record = record::readRecordConfig(core::IniFile());
+  int failed = show(score::compare(simulated, context.manifest(), progress),
                     std::string("A robot explores the plan '") + kWorld + "'", simulated.output, progress);
 
   // The original robot with its own lidar, and what it loses where it has to guess what it was told to do.
@@ -58,12 +58,12 @@ int demo(const Context& context) {
   original.methods = {"naive", "naive_blind", "naive_wheel", "icp", "graph"};
   original.plan_path = simulated.plan_path;
   original.record =
-      run::readRecordConfig(core::IniFile::load(run::configsFolder() + "/lidars/thesis_360.ini"));
+      record::readRecordConfig(core::IniFile::load(core::configsFolder() + "/lidars/thesis_360.ini"));
   original.record.simulation.duration_s = kOriginal_s;
-  failed += show(run::compare(original, context.manifest(), progress),
+  failed += show(score::compare(original, context.manifest(), progress),
                  "The original robot with the original lidar, thesis_360", original.output, progress);
 
-  const std::string datasets = run::mrptDatasetsFolder();
+  const std::string datasets = core::mrptDatasetsFolder();
   const std::string real_log = datasets.empty() ? "" : datasets + "/" + kRealLog;
   if (real_log.empty() || !std::filesystem::exists(real_log)) {
     std::fprintf(
@@ -72,7 +72,7 @@ int demo(const Context& context) {
   } else {
     auto real = commonRequest(context, output + "/real");
     real.log_path = real_log;
-    failed += show(run::compare(real, context.manifest(), progress),
+    failed += show(score::compare(real, context.manifest(), progress),
                    "A real robot in Malaga (MRPT's sample log)", real.output, progress);
   }
   std::cout << "\nNext: rasterslam simulate YOUR_PLAN.png -o run.rawlog && rasterslam compare run.rawlog\n";

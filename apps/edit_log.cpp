@@ -10,11 +10,12 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/logs/log_edit.h"
-#include "libslam/run/compare.h"
-#include "libslam/run/cut_truth.h"
-#include "libslam/run/record.h"
+#include "libslam/record/cut_truth.h"
+#include "libslam/record/record.h"
+#include "libslam/record/truth_files.h"
 #include "libslam/run/scan_odometry_log.h"
 #include "libslam/run/told_commands.h"
+#include "libslam/score/compare.h"
 
 namespace slam::apps {
 namespace {
@@ -75,12 +76,12 @@ int cut(const Context& context, const CutArguments& arguments) {
   options.salvage = arguments.salvage;
   if (!options.from && !options.to && !options.salvage)
     throw core::InputError("cut: found neither --from nor --to nor --salvage, expected one of them");
-  if (!run::findTruth(arguments.log).empty())
+  if (!record::findTruth(arguments.log).empty())
     for (const std::string end : {".gt.tum", ".manifest.json"})
-      core::refuseToOverwrite(run::logStem(context.output) + end, context.overwrite);
+      core::refuseToOverwrite(record::logStem(context.output) + end, context.overwrite);
   ConsoleProgress progress(context.quiet);
   const auto counts = logs::cutLog(arguments.log, context.output, options, progress);
-  return report(context, counts, run::keepTruth(arguments.log, context.output));
+  return report(context, counts, record::keepTruth(arguments.log, context.output));
 }
 
 struct MergeArguments {

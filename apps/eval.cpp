@@ -8,14 +8,14 @@
 #include "apps/console.h"
 #include "apps/gate_flags.h"
 #include "libslam/core/error.h"
+#include "libslam/core/resources.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
-#include "libslam/run/compare.h"
-#include "libslam/run/evaluate.h"
-#include "libslam/run/failure.h"
-#include "libslam/run/path_score.h"
-#include "libslam/run/relation_tables.h"
-#include "libslam/run/resources.h"
+#include "libslam/score/compare.h"
+#include "libslam/score/evaluate.h"
+#include "libslam/score/failure.h"
+#include "libslam/score/path_score.h"
+#include "libslam/score/relation_tables.h"
 
 namespace slam::apps {
 namespace {
@@ -49,21 +49,21 @@ int evaluateByRelations(const Context& context, const Arguments& arguments) {
   if (!arguments.truth.empty() || !arguments.plan.empty())
     throw core::InputError("--relations: is a truth of its own, expected no --truth and no --plan beside it");
   const auto relations = logs::readRelations(arguments.relations);
-  std::vector<run::RelationScore> scores;
+  std::vector<score::RelationScore> scores;
   if (std::filesystem::is_directory(arguments.folder))
-    scores = run::scoreByRelations(run::loadRun(arguments.folder), relations);
+    scores = score::scoreByRelations(run::loadRun(arguments.folder), relations);
   else
     scores = {{std::filesystem::path(arguments.folder).filename().string(),
                metrics::relationError(relations, logs::readTrajectory(arguments.folder))}};
   if (scores[0].error.scored == 0)
     throw core::InputError(arguments.relations + ": no stamp in common with " + arguments.folder +
                            ", expected the relations of the same log");
-  const auto gate = checkGate(context, arguments.gate, run::scoresOf(scores));
-  writeGate(context, arguments.gate, run::scoresOf(scores));
-  const auto detail = context.json ? run::Detail::kFull : run::Detail::kShort;
+  const auto gate = checkGate(context, arguments.gate, score::scoresOf(scores));
+  writeGate(context, arguments.gate, score::scoresOf(scores));
+  const auto detail = context.json ? score::Detail::kFull : score::Detail::kShort;
   print(context,
-        {{"relations", run::relationTable(scores, detail)},
-         {"worst", run::worstRelationsTable(relations, scores, detail)}},
+        {{"relations", score::relationTable(scores, detail)},
+         {"worst", score::worstRelationsTable(relations, scores, detail)}},
         gate);
   return gate.exit_code;
 }
@@ -74,14 +74,14 @@ const std::vector<std::pair<std::string, metrics::Align>>& alignments() {
   return all;
 }
 
-run::Alignment alignmentOf(const Arguments& arguments, const core::Manifest& manifest) {
-  run::Alignment alignment = run::alignmentOf(manifest);
+score::Alignment alignmentOf(const Arguments& arguments, const core::Manifest& manifest) {
+  score::Alignment alignment = score::alignmentOf(manifest);
   for (const auto& [name, how] : alignments())
     if (arguments.align == name) alignment.how = how;
   if (arguments.map_truth.empty()) return alignment;
   if (alignment.how != metrics::Align::kNone)
     throw core::InputError("--map-truth: places a known map, expected --align none beside it");
-  alignment.T_truth_map = run::mapFrame(manifest, arguments.map_truth);
+  alignment.T_truth_map = score::mapFrame(manifest, arguments.map_truth);
   return alignment;
 }
 
@@ -98,8 +98,8 @@ run::RunFolder loadRunOrPath(const std::string& path) {
 /// A truth of another drive with the same stamps gives figures, too; simulations all begin at the same time.
 void warnOfOtherTruth(const core::Trajectory& truth, const core::Trajectory& estimate,
                       const std::string& truth_path) {
-  const double agreement = run::motionAgreement(truth, estimate);
-  if (agreement < run::kLeastMotionAgreement)
+  const double agreement = score::motionAgreement(truth, estimate);
+  if (agreement < score::kLeastMotionAgreement)
     std::fprintf(stderr,
                  "rasterslam: warning: %s: is it of another run? The poses do not move when it does "
                  "(correlation %.2f)\n",
@@ -114,12 +114,13 @@ int evaluatePath(const Context& context, const Arguments& arguments, const run::
     throw core::InputError("--plan scores a map, and " + arguments.folder + " is a path alone");
   if (!arguments.gate.gate.empty() || !arguments.gate.write_gate.empty())
     throw core::InputError("--gate and --write-gate hold runs, and " + arguments.folder + " is a path alone");
-  const auto truth = run::loadTruth(arguments.truth, "", path).trajectory;
+  const auto truth = score::loadTruth(arguments.truth, "", path).trajectory;
   const auto alignment = alignmentOf(arguments, core::Manifest());
   std::vector<std::pair<std::string, report::Table>> tables = {
-      {"scores", run::pathTable(arguments.folder, truth, path.estimate, alignment)},
-      {"rpe", run::rpeTable(truth, path.estimate,
-                            run::parseRpeSteps(arguments.rpe.empty() ? "1m,1s" : arguments.rpe, "--rpe"))}};
+      {"scores", score::pathTable(arguments.folder, truth, path.estimate, alignment)},
+      {"rpe",
+       score::rpeTable(truth, path.estimate,
+                       score::parseRpeSteps(arguments.rpe.empty() ? "1m,1s" : arguments.rpe, "--rpe"))}};
   print(context, tables, {});
   warnOfOtherTruth(truth, path.estimate, arguments.truth);
   return 0;
@@ -130,36 +131,36 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
   const auto run_folder = loadRunOrPath(arguments.folder);
   if (run_folder.path == arguments.folder && !std::filesystem::is_directory(arguments.folder))
     return evaluatePath(context, arguments, run_folder);
-  const std::string plan_path = arguments.plan.empty() ? "" : run::resolvePlan(arguments.plan);
+  const std::string plan_path = arguments.plan.empty() ? "" : core::resolvePlan(arguments.plan);
   if (arguments.truth.empty() && !plan_path.empty())
     throw core::InputError("--plan needs --truth: without the true path the map cannot be laid on the plan");
-  std::optional<run::Truth> truth;
-  if (!arguments.truth.empty()) truth = run::loadTruth(arguments.truth, plan_path, run_folder);
+  std::optional<score::Truth> truth;
+  if (!arguments.truth.empty()) truth = score::loadTruth(arguments.truth, plan_path, run_folder);
   if (!truth && !arguments.rpe.empty()) throw core::InputError("--rpe needs --truth");
-  if (!arguments.rpe.empty()) run::parseRpeSteps(arguments.rpe, "--rpe");
+  if (!arguments.rpe.empty()) score::parseRpeSteps(arguments.rpe, "--rpe");
   if (!truth && !(arguments.align.empty() && arguments.map_truth.empty()))
     throw core::InputError("--align and --map-truth need --truth");
-  const auto evaluation = run::evaluate(run_folder, truth, alignmentOf(arguments, run_folder.manifest));
+  const auto evaluation = score::evaluate(run_folder, truth, alignmentOf(arguments, run_folder.manifest));
   if (truth && evaluation.trajectory.position_m.count == 0 && evaluation.trajectory.unmatched > 0)
     throw core::InputError(arguments.truth + ": no stamp in common with " + arguments.folder +
                            "/trajectory.tum, expected the truth of the same log");
-  const auto gate = checkGate(context, arguments.gate, run::scoresOf(evaluation));
-  writeGate(context, arguments.gate, run::scoresOf(evaluation));
-  const auto detail = context.json ? run::Detail::kFull : run::Detail::kShort;
-  const auto table =
-      truth ? run::accuracyTable({evaluation}, *truth, detail) : run::agreementTable({evaluation}, detail);
+  const auto gate = checkGate(context, arguments.gate, score::scoresOf(evaluation));
+  writeGate(context, arguments.gate, score::scoresOf(evaluation));
+  const auto detail = context.json ? score::Detail::kFull : score::Detail::kShort;
+  const auto table = truth ? score::accuracyTable({evaluation}, *truth, detail)
+                           : score::agreementTable({evaluation}, detail);
   std::vector<std::pair<std::string, report::Table>> tables = {{"scores", table},
-                                                               {"cost", run::costTable({evaluation})}};
+                                                               {"cost", score::costTable({evaluation})}};
   if (truth) {
-    const auto failure = run::explainFailure(
+    const auto failure = score::explainFailure(
         run_folder, *truth,
-        run::readEvidence(run_folder, arguments.truth, run::logInput(run_folder.manifest)));
+        score::readEvidence(run_folder, arguments.truth, run::logInput(run_folder.manifest)));
     if (failure.divergence || !evaluation.failure.empty())
-      tables.emplace_back("failure", run::failureTable(failure, evaluation.method));
+      tables.emplace_back("failure", score::failureTable(failure, evaluation.method));
   }
   if (truth && !arguments.rpe.empty())
-    tables.emplace_back("rpe", run::rpeTable(truth->trajectory, run_folder.estimate,
-                                             run::parseRpeSteps(arguments.rpe, "--rpe")));
+    tables.emplace_back("rpe", score::rpeTable(truth->trajectory, run_folder.estimate,
+                                               score::parseRpeSteps(arguments.rpe, "--rpe")));
   print(context, tables, gate);
   if (truth) warnOfOtherTruth(truth->trajectory, run_folder.estimate, arguments.truth);
   if (truth && evaluation.trajectory.unmatched > 0)

@@ -9,8 +9,8 @@
 #include "apps/plan_warnings.h"
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
-#include "libslam/run/explore.h"
-#include "libslam/run/resources.h"
+#include "libslam/core/resources.h"
+#include "libslam/explore/explore.h"
 
 namespace slam::apps {
 namespace {
@@ -32,31 +32,31 @@ std::vector<std::string> splitAtCommas(const std::string& text) {
 }
 
 /// One configuration per strategy; they are the same but for its name.
-std::vector<run::ExploreConfig> configsOf(const Context& context, const Arguments& arguments) {
+std::vector<explore::ExploreConfig> configsOf(const Context& context, const Arguments& arguments) {
   SimulationFlags flags = arguments.flags;
   auto names = splitAtCommas(flags.strategy);
   if (names.empty()) names.emplace_back();  // the configuration's own
-  std::vector<run::ExploreConfig> configs;
+  std::vector<explore::ExploreConfig> configs;
   for (const auto& name : names) {
     flags.strategy = name;
     auto ini = withCarries(simulationConfig(context, flags), arguments.carries);
     if (arguments.return_to_start) ini.set("exploration", "return_to_start", "true", "--return");
-    configs.push_back(run::readExploreConfig(ini));
+    configs.push_back(explore::readExploreConfig(ini));
   }
   return configs;
 }
 
 int explorePlan(const Context& context, const Arguments& arguments) {
-  run::ExploreRequest request;
+  explore::ExploreRequest request;
   request.strategies = configsOf(context, arguments);
   if (context.print_config) {
     printParameters(request.strategies.front().record.parameters, context.json);
     return 0;
   }
-  request.plan_path = run::resolvePlan(arguments.plan);
+  request.plan_path = core::resolvePlan(arguments.plan);
   warnOfPlan(context, request.plan_path);
   request.slam = arguments.slam;
-  request.methods_folder = run::configsFolder() + "/methods";
+  request.methods_folder = core::configsFolder() + "/methods";
   request.output = context.output.empty() ? "exploration" : context.output;
   request.seed = context.seed;
   request.seeds = arguments.seeds;
@@ -64,7 +64,7 @@ int explorePlan(const Context& context, const Arguments& arguments) {
   request.tables_only = arguments.tables_only;
   request.overwrite = context.overwrite;
   ConsoleProgress progress(context.quiet);
-  const auto result = run::explore(request, context.manifest(), progress);
+  const auto result = explore::explore(request, context.manifest(), progress);
   if (context.json)
     std::cout << nlohmann::ordered_json{{"folder", request.output},
                                         {"scores",

@@ -10,10 +10,10 @@ namespace slam::apps {
 namespace {
 
 /// What is in the file of --write-gate; nothing when there is none yet.
-run::Gate readOldGate(const Context& context, const std::string& path,
-                      const std::vector<run::Score>& scores) {
+score::Gate readOldGate(const Context& context, const std::string& path,
+                        const std::vector<score::Score>& scores) {
   if (!std::filesystem::exists(path)) return {};
-  auto old = run::readGate(path);
+  auto old = score::readGate(path);
   std::set<std::string> cells;
   for (const auto& score : scores) cells.insert(score.cell);
   for (const auto& row : old.rows)
@@ -37,24 +37,26 @@ void addGateFlags(CLI::App* command, GateFlags& flags) {
       ->excludes(gate);
 }
 
-GateResult checkGate(const Context& context, const GateFlags& flags, const std::vector<run::Score>& scores) {
+GateResult checkGate(const Context& context, const GateFlags& flags,
+                     const std::vector<score::Score>& scores) {
   if (flags.gate.empty()) return {};
-  const auto gate = run::rowsOfMeasured(run::readGate(flags.gate), scores, flags.gate);
-  const auto findings = run::checkGate(gate, scores);
-  const auto detail = context.json ? run::Detail::kFull : run::Detail::kShort;
-  const auto code = run::gateIsShut(findings) ? core::ExitCode::kGotWorse : core::ExitCode::kOk;
-  return {run::gateTable(findings, flags.gate, detail), static_cast<int>(code)};
+  const auto gate = score::rowsOfMeasured(score::readGate(flags.gate), scores, flags.gate);
+  const auto findings = score::checkGate(gate, scores);
+  const auto detail = context.json ? score::Detail::kFull : score::Detail::kShort;
+  const auto code = score::gateIsShut(findings) ? core::ExitCode::kGotWorse : core::ExitCode::kOk;
+  return {score::gateTable(findings, flags.gate, detail), static_cast<int>(code)};
 }
 
 void requireUsableGate(const Context& context, const GateFlags& flags,
-                       const std::vector<run::Score>& scores) {
-  if (!flags.gate.empty()) run::rowsOfMeasured(run::readGate(flags.gate), scores, flags.gate);
+                       const std::vector<score::Score>& scores) {
+  if (!flags.gate.empty()) score::rowsOfMeasured(score::readGate(flags.gate), scores, flags.gate);
   if (!flags.write_gate.empty()) readOldGate(context, flags.write_gate, scores);
 }
 
-void writeGate(const Context& context, const GateFlags& flags, const std::vector<run::Score>& scores) {
+void writeGate(const Context& context, const GateFlags& flags, const std::vector<score::Score>& scores) {
   if (flags.write_gate.empty()) return;
-  run::writeGate(run::updatedGate(readOldGate(context, flags.write_gate, scores), scores), flags.write_gate);
+  score::writeGate(score::updatedGate(readOldGate(context, flags.write_gate, scores), scores),
+                   flags.write_gate);
 }
 
 std::string gateText(const report::Table& table) {

@@ -6,7 +6,7 @@
 
 #include "apps/commands.h"
 #include "libslam/report/table.h"
-#include "libslam/run/gate.h"
+#include "libslam/score/gate.h"
 
 namespace slam::apps {
 
@@ -21,15 +21,16 @@ struct GateResult {
   std::optional<report::Table> table;
   int exit_code = 0;  ///< of kOk and kGotWorse
 };
-GateResult checkGate(const Context& context, const GateFlags& flags, const std::vector<run::Score>& scores);
+GateResult checkGate(const Context& context, const GateFlags& flags, const std::vector<score::Score>& scores);
 
 /// The same errors that checkGate() and writeGate() will have, before anything is measured: of `scores` only the names
 /// count.
-void requireUsableGate(const Context& context, const GateFlags& flags, const std::vector<run::Score>& scores);
+void requireUsableGate(const Context& context, const GateFlags& flags,
+                       const std::vector<score::Score>& scores);
 
 /// Into --write-gate, where it is given. Rows of other cells stay, so that one file can hold several runs. Errors:
 /// InputError when it holds rows of these cells already, unless --overwrite is given.
-void writeGate(const Context& context, const GateFlags& flags, const std::vector<run::Score>& scores);
+void writeGate(const Context& context, const GateFlags& flags, const std::vector<score::Score>& scores);
 
 /// For people: the table, or where no row is worth one its notes.
 std::string gateText(const report::Table& table);

@@ -7,7 +7,8 @@
 #include "apps/console.h"
 #include "libslam/doctor/log_check.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/run/compare.h"
+#include "libslam/record/truth_files.h"
+#include "libslam/score/compare.h"
 
 namespace slam::apps {
 namespace {
@@ -29,7 +30,7 @@ nlohmann::ordered_json toJson(const std::vector<doctor::StreamFigures>& streams)
 int showInfo(const Context& context, const std::string& path) {
   const auto info = logs::inspectLog(path);
   const auto streams = doctor::streamsOf(path);
-  const std::string truth = run::findTruth(path);
+  const std::string truth = record::findTruth(path);
   if (context.json) {
     std::cout << nlohmann::ordered_json{{"path", info.path},
                                         {"form", info.form},

@@ -6,12 +6,12 @@
 
 #include "apps/commands.h"
 #include "libslam/core/files.h"
+#include "libslam/core/resources.h"
+#include "libslam/explore/explore.h"
+#include "libslam/explore/goal_methods.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/navigate/strategy.h"
-#include "libslam/run/evaluate.h"
-#include "libslam/run/explore.h"
-#include "libslam/run/goal_methods.h"
-#include "libslam/run/resources.h"
+#include "libslam/score/evaluate.h"
 #include "libslam/world/generator.h"
 
 namespace slam::apps {
@@ -50,27 +50,28 @@ std::string folded(const std::string& text, size_t indent, size_t width) {
 std::vector<Entry> entriesOf(const std::string& what) {
   std::vector<Entry> entries;
   if (what == "methods" || what == "lidars") {
-    const std::string folder = run::configsFolder() + "/" + what;
-    for (const auto& name : run::namesInFolder(folder, ".ini"))
+    const std::string folder = core::configsFolder() + "/" + what;
+    for (const auto& name : core::namesInFolder(folder, ".ini"))
       entries.emplace_back(name, firstSentence(folder + "/" + name + ".ini"));
   } else if (what == "strategies") {
     for (const auto& name : navigate::strategyNames())
       entries.emplace_back(name, navigate::strategyMeaning(name));
   } else if (what == "navigators") {
-    for (const auto& name : run::goalMethodNames()) entries.emplace_back(name, run::goalMethodMeaning(name));
+    for (const auto& name : explore::goalMethodNames())
+      entries.emplace_back(name, explore::goalMethodMeaning(name));
   } else if (what == "buildings") {
     for (const auto& kind : world::buildingKinds()) entries.emplace_back(kind.name, kind.meaning);
   } else if (what == "worlds") {
-    for (const auto& name : run::namesInFolder(run::worldsFolder(), ".yaml")) {
-      const auto plan = world::loadPlan(run::worldsFolder() + "/" + name + ".yaml");
+    for (const auto& name : core::namesInFolder(core::worldsFolder(), ".yaml")) {
+      const auto plan = world::loadPlan(core::worldsFolder() + "/" + name + ".yaml");
       char size[64];
       std::snprintf(size, sizeof size, "%.1f x %.1f m, %g m a cell", plan.columns * plan.resolution_m,
                     plan.rows * plan.resolution_m, plan.resolution_m);
       entries.emplace_back(name, size);
     }
   } else {
-    for (const auto& metric : run::metricInfos()) entries.emplace_back(metric.key, metric.meaning);
-    for (const auto& figure : run::explorationFigureInfos()) entries.push_back(figure);
+    for (const auto& metric : score::metricInfos()) entries.emplace_back(metric.key, metric.meaning);
+    for (const auto& figure : explore::explorationFigureInfos()) entries.push_back(figure);
   }
   return entries;
 }

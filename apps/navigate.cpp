@@ -6,9 +6,9 @@
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/run/reach_goal.h"
-#include "libslam/run/record.h"
-#include "libslam/run/resources.h"
+#include "libslam/core/resources.h"
+#include "libslam/explore/reach_goal.h"
+#include "libslam/record/record.h"
 
 namespace slam::apps {
 namespace {
@@ -22,27 +22,27 @@ struct Arguments {
 };
 
 int navigateTo(const Context& context, const Arguments& arguments) {
-  run::ReachGoalRequest request;
-  request.config =
-      run::readReachGoalConfig(withCarries(simulationConfig(context, arguments.flags), arguments.carries));
+  explore::ReachGoalRequest request;
+  request.config = explore::readReachGoalConfig(
+      withCarries(simulationConfig(context, arguments.flags), arguments.carries));
   if (context.print_config) {
     printParameters(request.config.parameters, context.json);
     return 0;
   }
-  request.p_world_goal = run::parsePlace(arguments.goal, "--goal");
-  const std::string plan_path = run::resolvePlan(arguments.plan);
-  request.plan = run::planOfVisit(world::loadPlan(plan_path), request.config.living, context.seed);
-  request.T_world_start = run::goalStart(request.plan, request.config, arguments.start);
+  request.p_world_goal = explore::parsePlace(arguments.goal, "--goal");
+  const std::string plan_path = core::resolvePlan(arguments.plan);
+  request.plan = record::planOfVisit(world::loadPlan(plan_path), request.config.living, context.seed);
+  request.T_world_start = explore::goalStart(request.plan, request.config, arguments.start);
   request.methods = arguments.methods;
   request.slam = arguments.slam == "odometry" ? "" : arguments.slam;
-  request.methods_folder = run::configsFolder() + "/methods";
+  request.methods_folder = core::configsFolder() + "/methods";
   request.output = context.output.empty() ? "navigation" : context.output;
   request.seed = context.seed;
   request.overwrite = context.overwrite;
   auto manifest = context.manifest();
   manifest.inputs[plan_path] = core::fileSha256(plan_path);
   ConsoleProgress progress(context.quiet);
-  const auto comparison = run::reachGoal(request, manifest, progress);
+  const auto comparison = explore::reachGoal(request, manifest, progress);
   if (context.json)
     std::cout << report::toJson(comparison.table) << "\n";
   else

@@ -9,13 +9,13 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
+#include "libslam/core/resources.h"
+#include "libslam/explore/turn_away.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/report/journal_picture.h"
 #include "libslam/report/picture.h"
-#include "libslam/run/compare.h"
 #include "libslam/run/journal_file.h"
-#include "libslam/run/resources.h"
-#include "libslam/run/turn_away.h"
+#include "libslam/score/compare.h"
 #include "libslam/world/plan.h"
 
 namespace slam::apps {
@@ -140,14 +140,14 @@ int plotObstacles(const Context& context, const std::string& sensor, const Paper
   if (!context.config.empty()) ini = core::IniFile::load(context.config);
   for (const auto& setting : context.settings) ini.setFromArgument(setting, "--set");
   if (!sensor.empty()) ini.set("turn_away", "sensor", sensor, "--sensor");
-  const auto config = run::readTurnAwayConfig(ini);
+  const auto config = explore::readTurnAwayConfig(ini);
   if (context.print_config) {
     printParameters(config.parameters, context.json);
     return 0;
   }
   const auto [path, paper] = picturePlace(context, how, "obstacles.png");
-  const auto moments = run::turnAway(config);
-  run::drawTurnAway(moments, config, path, paper);
+  const auto moments = explore::turnAway(config);
+  explore::drawTurnAway(moments, config, path, paper);
   auto list = nlohmann::ordered_json::array();
   for (const auto& moment : moments)
     list.push_back(
@@ -181,7 +181,7 @@ int plotPlans(const Context& context, const std::vector<std::string>& plans, con
   auto list = nlohmann::ordered_json::array();
   for (const auto& name : plans) {
     report::Panel panel;
-    panel.map = world::loadPlan(run::resolvePlan(name));
+    panel.map = world::loadPlan(core::resolvePlan(name));
     panel.T_world_map =
         core::inverse(panel.map.T_world_plan);  // beside one another, each from its own corner
     panel.title = panel.map.name;

@@ -7,11 +7,12 @@
 #include "apps/operation_files.h"
 #include "apps/plot.h"
 #include "libslam/core/error.h"
+#include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/record/truth_files.h"
 #include "libslam/report/picture.h"
-#include "libslam/run/compare.h"
-#include "libslam/run/resources.h"
+#include "libslam/score/compare.h"
 #include "libslam/world/plan.h"
 
 namespace slam::apps {
@@ -68,10 +69,11 @@ std::vector<core::Point2> naiveDots(const std::string& log_path,
 OperationsArguments completed(OperationsArguments arguments) {
   const std::string log = logBeside(arguments.file);
   const bool truth_given = !arguments.truth.empty();
-  if (!truth_given && !log.empty()) arguments.truth = run::findTruth(log);
+  if (!truth_given && !log.empty()) arguments.truth = record::findTruth(log);
   // MRPT's own form of the truth begins at the origin, as the replay does: nothing to lay it on.
   if (!truth_given && std::filesystem::path(arguments.truth).extension() != ".tum") arguments.truth.clear();
-  if (arguments.plan.empty() && !log.empty() && !arguments.truth.empty()) arguments.plan = run::findPlan(log);
+  if (arguments.plan.empty() && !log.empty() && !arguments.truth.empty())
+    arguments.plan = record::findPlan(log);
   if (!arguments.plan.empty() && arguments.truth.empty())
     throw core::InputError("--plan needs --truth: the operation log does not say where the robot began");
   if (arguments.log.empty() && std::filesystem::exists(log)) arguments.log = log;
@@ -94,7 +96,7 @@ int plotOperations(const Context& context, const OperationsArguments& given, con
     for (auto& stamped : replayed) stamped.pose = truth.front().pose * stamped.pose;
     paths.push_back({truth, "truth", true});
   }
-  if (!arguments.plan.empty()) plan = world::loadPlan(run::resolvePlan(arguments.plan));
+  if (!arguments.plan.empty()) plan = world::loadPlan(core::resolvePlan(arguments.plan));
   paths.push_back({replayed, "operations replayed", false});
   report::DrawnMarks dots{{}, "returns after moves: the naive map", true};
   if (!arguments.log.empty()) dots.places = naiveDots(arguments.log, operations, replayed);

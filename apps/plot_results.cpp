@@ -6,9 +6,11 @@
 #include "apps/plot.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/pages/figures.h"
+#include "libslam/pages/report_data.h"
+#include "libslam/report/axis_title.h"
 #include "libslam/report/picture.h"
-#include "libslam/run/figures.h"
-#include "libslam/run/report_data.h"
+#include "libslam/study/stress_charts.h"
 
 namespace slam::apps {
 namespace {
@@ -17,7 +19,7 @@ struct Arguments {
   std::vector<std::string> inputs;
   std::string methods, title;
   bool is_linear = false, is_overlaid = false;
-  run::SeedSelection seeds;
+  pages::SeedSelection seeds;
   std::shared_ptr<PaperArguments> how;
 };
 
@@ -34,7 +36,7 @@ std::vector<std::string> namesIn(const std::string& list) {
 report::ReportPage pageOf(const Context& context, const Arguments& arguments) {
   const auto& folder = arguments.inputs.front();
   ConsoleProgress progress(context.quiet);
-  auto page = run::gatherReport(folder, progress);
+  auto page = pages::gatherReport(folder, progress);
   const auto wanted = namesIn(arguments.methods);
   if (wanted.empty()) return page;
   std::vector<std::string> known;
@@ -53,7 +55,7 @@ report::ReportPage pageOf(const Context& context, const Arguments& arguments) {
 int plotMap(const Context& context, const Arguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "map.png");
   const auto page = pageOf(context, arguments);
-  const auto panels = run::mapPanels(page, arguments.inputs.front());
+  const auto panels = pages::mapPanels(page, arguments.inputs.front());
   if (panels.size() == 1) {
     auto map = panels.front().map;
     map.T_world_plan = panels.front().T_world_map * map.T_world_plan;
@@ -70,7 +72,7 @@ int plotMap(const Context& context, const Arguments& arguments) {
 int plotPaths(const Context& context, const Arguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "paths.png");
   const auto page = pageOf(context, arguments);
-  const auto paths = run::allPaths(page);
+  const auto paths = pages::allPaths(page);
   if (paths.empty())
     throw core::InputError(arguments.inputs.front() + ": holds no path, expected a run that has one");
   const auto plan = page.replays.empty() ? world::Plan{} : page.replays.front().plan.value_or(world::Plan{});
@@ -89,7 +91,7 @@ int plotPaths(const Context& context, const Arguments& arguments) {
 int plotErrors(const Context& context, const Arguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "errors.png");
   const auto page = pageOf(context, arguments);
-  const auto chart = run::errorChart(page, arguments.inputs.front(), !arguments.is_linear);
+  const auto chart = pages::errorChart(page, arguments.inputs.front(), !arguments.is_linear);
   report::drawCharts({chart}, arguments.title, file, paper);
   auto methods = nlohmann::ordered_json::array();
   for (const auto& curve : chart.curves) methods.push_back(curve.label);
@@ -106,8 +108,9 @@ int plotSeeds(const Context& context, Arguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "seeds.png");
   const auto path = tableIn(arguments.inputs.front(), "results.csv");
   arguments.seeds.methods = namesIn(arguments.methods);
-  const auto charts = run::seedBoxes(report::fromCsv(core::readTextFile(path), path), arguments.seeds, path);
-  report::drawBoxes(charts, run::axisTitle(arguments.seeds.metric), !arguments.is_linear, arguments.title,
+  const auto charts =
+      pages::seedBoxes(report::fromCsv(core::readTextFile(path), path), arguments.seeds, path);
+  report::drawBoxes(charts, report::axisTitle(arguments.seeds.metric), !arguments.is_linear, arguments.title,
                     file, paper);
   auto list = nlohmann::ordered_json::array();
   for (const auto& chart : charts)
@@ -123,7 +126,7 @@ int plotSeeds(const Context& context, Arguments& arguments) {
 int plotStress(const Context& context, const Arguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "stress.png");
   const auto path = tableIn(arguments.inputs.front(), "stress.csv");
-  const auto charts = run::stressCharts(report::fromCsv(core::readTextFile(path), path), path);
+  const auto charts = study::stressCharts(report::fromCsv(core::readTextFile(path), path), path);
   report::drawCharts(charts, arguments.title, file, paper);
   sayPicture(context, {{"file", file}, {"varied", charts.front().x_title}}, file);
   return 0;
@@ -131,7 +134,7 @@ int plotStress(const Context& context, const Arguments& arguments) {
 
 int plotExploration(const Context& context, const Arguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "exploration.png");
-  const auto charts = run::explorationCharts(arguments.inputs);
+  const auto charts = pages::explorationCharts(arguments.inputs);
   report::drawCharts(charts, arguments.title, file, paper);
   sayPicture(context, {{"file", file}, {"runs", charts.front().curves.size()}}, file);
   return 0;

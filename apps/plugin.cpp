@@ -8,9 +8,9 @@
 #include "apps/console.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/resources.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/run/external_method.h"
-#include "libslam/run/resources.h"
 
 namespace slam::apps {
 namespace {
@@ -32,7 +32,7 @@ void printCheck(const run::ExternalRun& run, const std::string& name, std::size_
 }
 
 int checkPlugin(const Context& context, const Arguments& arguments) {
-  auto config = mapping::loadMethodConfig(run::configsFolder() + "/plugins", arguments.method);
+  auto config = mapping::loadMethodConfig(core::configsFolder() + "/plugins", arguments.method);
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   const std::string name = std::filesystem::path(arguments.method).stem().string();
   if (!run::isExternal(config))

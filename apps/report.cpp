@@ -7,8 +7,8 @@
 #include "apps/console.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/pages/report_data.h"
 #include "libslam/report/html_report.h"
-#include "libslam/run/report_data.h"
 
 namespace slam::apps {
 namespace {
@@ -22,7 +22,7 @@ int writeReport(const Context& context, const std::string& folder) {
                            "HTML page; 'rasterslam plot' writes figures as PDF");
   core::refuseToOverwrite(path, context.overwrite);
   ConsoleProgress progress(context.quiet);
-  const auto page = run::gatherReport(folder, progress);
+  const auto page = pages::gatherReport(folder, progress);
   const auto html = report::toHtml(page);
   core::writeFileAtomically(path, html);
   if (context.json)

@@ -8,11 +8,11 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "libslam/core/error.h"
+#include "libslam/core/resources.h"
+#include "libslam/explore/reach_goal.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
-#include "libslam/run/reach_goal.h"
-#include "libslam/run/resources.h"
 #include "libslam/run/told_commands.h"
 
 namespace slam::apps {
@@ -32,15 +32,15 @@ run::Continuation continuationOf(const Arguments& arguments) {
   if (continuation.folder.empty())
     throw core::InputError(
         "--start belongs to --continue or --localise: a map of its own begins at the robot");
-  continuation.T_map_robot = run::parsePose(arguments.start, "--start");
+  continuation.T_map_robot = explore::parsePose(arguments.start, "--start");
   return continuation;
 }
 
 /// Says once that a robot is not found in a map, while there is time to take another.
-class NotFoundYet : public run::StepObserver {
+class NotFoundYet : public record::StepObserver {
  public:
   explicit NotFoundYet(std::string map) : map_(std::move(map)) {}
-  void onStep(const run::Step& step) override {
+  void onStep(const record::Step& step) override {
     constexpr double kPatience_s = 60;
     if (has_looked_ || step.time_s < kPatience_s || step.method == nullptr) return;
     has_looked_ = true;
@@ -107,7 +107,7 @@ std::string stoppedText(const run::Stop& stop) {
 }
 
 int runMethod(const Context& context, const Arguments& arguments) {
-  auto config = mapping::loadMethodConfig(run::configsFolder() + "/methods", arguments.method);
+  auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", arguments.method);
   if (!context.config.empty()) config.overrideWith(core::IniFile::load(context.config));
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   if (!arguments.lidars.empty()) config.set("method", "lidars", arguments.lidars, "--lidars");

@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "libslam/explore/goal_methods.h"
 #include "libslam/live/stage.h"
 #include "libslam/live/window.h"
 #include "libslam/robot/drive.h"
-#include "libslam/run/goal_methods.h"
 #include "libslam/viewer/live_scene.h"
 #include "libslam/world/plan.h"
 
@@ -34,13 +34,13 @@ struct Show {
   std::vector<std::pair<int, viewer::Connection>> loops;
   std::optional<core::Point2> goal;  ///< of a drive to a goal, map frame
   live::Hands hands = live::Hands::kWatch;
-  std::optional<run::StrategicOverlay> strategic;  ///< of the original goal navigation
+  std::optional<explore::StrategicOverlay> strategic;  ///< of the original goal navigation
   /// With Hands::kDrive: why the robot cannot stand there; "" when it can.
   std::function<std::string(const core::Pose2&)> refusal;
 };
 
 /// What is shown while it works. It ends by core::Interrupted when it is no longer looked at; with Hands::kDrive it asks the stage.
-using Loop = std::function<void(run::StepObserver& observer, live::Stage* stage)>;
+using Loop = std::function<void(record::StepObserver& observer, live::Stage* stage)>;
 
 enum class Shown {
   kWhole,   ///< the loop came to its end

@@ -10,9 +10,9 @@
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/run/record.h"
-#include "libslam/run/resources.h"
-#include "libslam/run/user_drive.h"
+#include "libslam/core/resources.h"
+#include "libslam/record/record.h"
+#include "libslam/record/user_drive.h"
 
 namespace slam::apps {
 namespace {
@@ -23,7 +23,7 @@ struct Arguments {
   std::vector<std::string> carries;
 };
 
-nlohmann::ordered_json toJson(const run::UserDrive& drive, std::size_t commands) {
+nlohmann::ordered_json toJson(const record::UserDrive& drive, std::size_t commands) {
   const auto& recording = drive.recording;
   nlohmann::ordered_json json = {{"files", recording.files},
                                  {"scans", recording.scans},
@@ -42,13 +42,13 @@ nlohmann::ordered_json toJson(const run::UserDrive& drive, std::size_t commands)
   return json;
 }
 
-void printResult(const run::UserDrive& drive, const std::vector<robot::UserCommand>& commands) {
+void printResult(const record::UserDrive& drive, const std::vector<robot::UserCommand>& commands) {
   const auto& recording = drive.recording;
   std::printf("%zu scans in %.1f s over %.1f m, %zu collisions\n", recording.scans, recording.duration_s,
               recording.path_length_m, recording.collisions.size());
   std::fputs(eventLines(recording).c_str(), stdout);
   for (const auto& outcome : drive.outcomes)
-    if (const auto text = run::outcomeText(outcome); !text.empty()) std::printf("  %s\n", text.c_str());
+    if (const auto text = record::outcomeText(outcome); !text.empty()) std::printf("  %s\n", text.c_str());
   if (drive.outcomes.size() < commands.size())
     std::printf("  line %d: the time was over, %zu commands are left: see --duration\n",
                 commands[drive.outcomes.size()].line, commands.size() - drive.outcomes.size());
@@ -57,15 +57,15 @@ void printResult(const run::UserDrive& drive, const std::vector<robot::UserComma
 
 int simulate(const Context& context, const Arguments& arguments) {
   const auto config =
-      run::readRecordConfig(withCarries(simulationConfig(context, arguments.flags), arguments.carries));
+      record::readRecordConfig(withCarries(simulationConfig(context, arguments.flags), arguments.carries));
   if (context.print_config) {
     printParameters(config.parameters, context.json);
     return 0;
   }
-  const std::string plan_path = run::resolvePlan(arguments.plan);
+  const std::string plan_path = core::resolvePlan(arguments.plan);
   const auto commands = readUserCommands(arguments.commands);
   const std::string log_path = context.output.empty() ? "run.rawlog" : context.output;
-  for (const auto& path : {log_path, run::logStem(log_path) + ".gt.tum"})
+  for (const auto& path : {log_path, record::logStem(log_path) + ".gt.tum"})
     core::refuseToOverwrite(path, context.overwrite);
   const auto plan = world::loadPlan(plan_path);
   warnOfPlan(context, plan_path);
@@ -73,12 +73,12 @@ int simulate(const Context& context, const Arguments& arguments) {
   manifest.inputs[plan_path] = core::fileSha256(plan_path);
   noteCommands(arguments.commands, manifest);
   ConsoleProgress progress(context.quiet);
-  run::UserDrive drive;
+  record::UserDrive drive;
   if (commands.empty())
-    drive.recording = run::record(plan, config, context.seed, log_path, manifest, progress);
+    drive.recording = record::record(plan, config, context.seed, log_path, manifest, progress);
   else
-    drive = run::recordUserCommands(plan, config, context.seed, log_path, commands, std::move(manifest),
-                                    progress);
+    drive = record::recordUserCommands(plan, config, context.seed, log_path, commands, std::move(manifest),
+                                       progress);
   if (context.json) {
     std::cout << toJson(drive, commands.size()).dump(2) << "\n";
     return 0;

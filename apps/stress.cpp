@@ -7,23 +7,23 @@
 #include "apps/console.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/run/resources.h"
-#include "libslam/run/stress.h"
-#include "libslam/run/sweep.h"
-#include "libslam/run/sweep_merge.h"
+#include "libslam/core/resources.h"
+#include "libslam/study/stress.h"
+#include "libslam/study/sweep_merge.h"
+#include "libslam/sweep/sweep.h"
 
 namespace slam::apps {
 namespace {
 
 struct Arguments {
-  run::StressRequest request;
-  run::StressLimits limits;
+  study::StressRequest request;
+  study::StressLimits limits;
   SimulationFlags flags;
   int seeds = 0, jobs = 1;
   bool resume = false;
 };
 
-void writeResult(const run::StressResult& result, const std::string& key, const std::string& folder) {
+void writeResult(const study::StressResult& result, const std::string& key, const std::string& folder) {
   const auto write = [&](const std::string& suffix, const std::string& text) {
     core::writeFileAtomically(folder + "/stress." + suffix, text);
   };
@@ -43,9 +43,9 @@ int stressMethods(const Context& context, Arguments& arguments) {
   auto& request = arguments.request;
   request.settings = simulationConfig(context, arguments.flags);
   if (arguments.seeds > 0) request.seeds = "1.." + std::to_string(arguments.seeds);
-  auto suite = run::stressSuite(request);
-  const auto sweep = run::planSweep(suite.suite);
-  run::SweepRequest how;
+  auto suite = study::stressSuite(request);
+  const auto sweep = sweep::planSweep(suite.suite);
+  sweep::SweepRequest how;
   how.output = context.output;
   how.program = context.programPath();
   how.jobs = arguments.jobs;
@@ -53,13 +53,13 @@ int stressMethods(const Context& context, Arguments& arguments) {
   how.overwrite = context.overwrite;
   ConsoleProgress progress(context.quiet), cell_progress(true);
   how.cell_progress = &cell_progress;
-  const auto outcome = run::sweep(sweep, how, context.manifest(), progress);
+  const auto outcome = sweep::sweep(sweep, how, context.manifest(), progress);
   for (const auto& line : outcome.lost) std::cerr << "rasterslam: " << line << "\n";
-  run::MergeRequest whole;
+  study::MergeRequest whole;
   whole.folders = {context.output};
   whole.output = context.output;
-  const auto merged = run::mergeSweep(whole, context.manifest(), core::silentProgress());
-  const auto result = run::stress(suite, merged.plan, merged.results, arguments.limits);
+  const auto merged = study::mergeSweep(whole, context.manifest(), core::silentProgress());
+  const auto result = study::stress(suite, merged.plan, merged.results, arguments.limits);
   writeResult(result, suite.key, context.output);
   if (context.json)
     std::cout << report::toJson(result.all);

@@ -5,19 +5,19 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "libslam/core/error.h"
-#include "libslam/run/tune.h"
+#include "libslam/study/tune.h"
 
 namespace slam::apps {
 namespace {
 
-int tuneMethod(const Context& context, run::TuneRequest& request) {
+int tuneMethod(const Context& context, study::TuneRequest& request) {
   request.seed = context.seed;
   request.output = context.output;
   request.program = context.programPath();
   request.overwrite = context.overwrite;
   ConsoleProgress progress(context.quiet), cell_progress(true);
   request.cell_progress = &cell_progress;
-  const auto result = run::tune(request, context.manifest(), progress);
+  const auto result = study::tune(request, context.manifest(), progress);
   for (const auto& line : result.lost) std::cerr << "rasterslam: " << line << "\n";
   if (context.json) {
     const auto parsed = [](const report::Table& table) {
@@ -44,7 +44,7 @@ int tuneMethod(const Context& context, run::TuneRequest& request) {
 void addTune(CLI::App& app, Context& context) {
   auto* command =
       app.add_subcommand("tune", "search a method's parameters, and judge them on held-out worlds");
-  auto request = std::make_shared<run::TuneRequest>();
+  auto request = std::make_shared<study::TuneRequest>();
   command->add_option("method", request->method, "a method by name, or an .ini file")->required();
   command->add_option("suite", request->suite_path, "a suite with a section [tune]: configs/suites/tune.ini")
       ->required();

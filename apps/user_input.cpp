@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "libslam/core/files.h"
-#include "libslam/run/carry_file.h"
+#include "libslam/record/carry_file.h"
 
 namespace slam::apps {
 namespace {
@@ -49,10 +49,10 @@ void noteCommands(const std::string& path, core::Manifest& manifest) {
   if (path != kStandardInput) manifest.inputs[path] = core::fileSha256(path);
 }
 
-std::string eventLines(const run::Recording& recording) {
+std::string eventLines(const record::Recording& recording) {
   std::string lines;
   for (const auto& carry : recording.carries)
-    lines += "  " + run::carryText(carry, sim::Simulator::kStartTime_s) + "\n";
+    lines += "  " + record::carryText(carry, sim::Simulator::kStartTime_s) + "\n";
   if (recording.carries_left > 0)
     lines += "  " + std::to_string(recording.carries_left) + " of the carries came after the end\n";
   return lines;

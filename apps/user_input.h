@@ -5,8 +5,8 @@
 
 #include "libslam/core/ini.h"
 #include "libslam/core/manifest.h"
+#include "libslam/record/record.h"
 #include "libslam/robot/user_command.h"
-#include "libslam/run/record.h"
 
 namespace slam::apps {
 
@@ -26,6 +26,6 @@ std::vector<robot::UserCommand> readUserCommands(const std::string& path);
 void noteCommands(const std::string& path, core::Manifest& manifest);
 
 /// A line for every time that the robot was kidnapped, and one for the orders that the end came before.
-std::string eventLines(const run::Recording& recording);
+std::string eventLines(const record::Recording& recording);
 
 }  // namespace slam::apps

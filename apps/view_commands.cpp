@@ -12,6 +12,10 @@
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/resources.h"
+#include "libslam/explore/explore.h"
+#include "libslam/explore/goal_methods.h"
+#include "libslam/explore/reach_goal.h"
 #include "libslam/live/drive_seat.h"
 #include "libslam/live/mapped_loop.h"
 #include "libslam/live/replay.h"
@@ -19,13 +23,10 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/trajectory_error.h"
+#include "libslam/record/truth_files.h"
 #include "libslam/run/build_map.h"
-#include "libslam/run/compare.h"
-#include "libslam/run/explore.h"
 #include "libslam/run/external_method.h"
-#include "libslam/run/goal_methods.h"
-#include "libslam/run/reach_goal.h"
-#include "libslam/run/resources.h"
+#include "libslam/score/compare.h"
 #include "libslam/sim/standing_room.h"
 
 namespace slam::apps {
@@ -72,27 +73,27 @@ struct Start {
 
 Start startIn(const Context& context, const std::string& input) {
   Start start;
-  start.plan_path = run::resolvePlan(input);
+  start.plan_path = core::resolvePlan(input);
   start.plan = world::loadPlan(start.plan_path);
   start.manifest = context.manifest();
   start.manifest.inputs[start.plan_path] = core::fileSha256(start.plan_path);
   return start;
 }
 
-Show showOf(const Start& start, const run::RecordConfig& config, std::uint64_t seed) {
+Show showOf(const Start& start, const record::RecordConfig& config, std::uint64_t seed) {
   Show what;
-  what.plan = run::planOfVisit(start.plan, config.living, seed);
+  what.plan = record::planOfVisit(start.plan, config.living, seed);
   what.robot_side_m = config.robot.side_m;
-  what.T_scene_map = run::startPose(*what.plan, config);
+  what.T_scene_map = record::startPose(*what.plan, config);
   return what;
 }
 
 void refuseToOverwriteLog(const Context& context, const std::string& log_path) {
-  for (const auto& path : {log_path, run::logStem(log_path) + ".gt.tum"})
+  for (const auto& path : {log_path, record::logStem(log_path) + ".gt.tum"})
     core::refuseToOverwrite(path, context.overwrite);
 }
 
-std::string writtenText(const run::Recording& recording) {
+std::string writtenText(const record::Recording& recording) {
   char text[200];
   std::snprintf(text, sizeof text, "%zu scans in %.1f s over %.1f m, %zu collisions", recording.scans,
                 recording.duration_s, recording.path_length_m, recording.collisions.size());
@@ -104,7 +105,7 @@ std::string writtenText(const run::Recording& recording) {
 
 int viewSimulate(const Context& context, const ViewArguments& arguments) {
   requireSensible(arguments.show);
-  const auto config = run::readRecordConfig(configOf(context, arguments));
+  const auto config = record::readRecordConfig(configOf(context, arguments));
   if (context.print_config) return printParameters(config.parameters, context.json), 0;
   const auto start = startIn(context, arguments.input);
   if (!context.output.empty()) refuseToOverwriteLog(context, context.output);
@@ -115,9 +116,9 @@ int viewSimulate(const Context& context, const ViewArguments& arguments) {
   what.method = config.strategy.name + ", wheel odometry";
   ConsoleProgress progress(context.quiet);
   std::string written;
-  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, live::Stage*) {
+  const auto shown = show(what, arguments.show, [&](record::StepObserver& observer, live::Stage*) {
     const auto recording =
-        run::record(start.plan, config, context.seed, log_path, start.manifest, progress, &observer);
+        record::record(start.plan, config, context.seed, log_path, start.manifest, progress, &observer);
     if (!context.output.empty()) written = writtenText(recording);
   });
   return report(shown, arguments.show, written);
@@ -126,14 +127,14 @@ int viewSimulate(const Context& context, const ViewArguments& arguments) {
 /// The method that maps along while somebody drives; nothing for "odometry".
 std::optional<mapping::MapBuilder> mapperOf(const std::string& slam, std::uint64_t seed) {
   if (slam == kWheelsOnly) return std::nullopt;
-  return mapping::makeMapBuilder(mapping::loadMethodConfig(run::configsFolder() + "/methods", slam),
+  return mapping::makeMapBuilder(mapping::loadMethodConfig(core::configsFolder() + "/methods", slam),
                                  nameOf(slam), seed);
 }
 
 int viewDrive(const Context& context, const ViewArguments& arguments) {
   requireSensible(arguments.show);
   const bool is_picture = !arguments.show.screenshot.empty();
-  const auto config = run::readRecordConfig(configOf(context, arguments));
+  const auto config = record::readRecordConfig(configOf(context, arguments));
   if (context.print_config) return printParameters(config.parameters, context.json), 0;
   if (is_picture && arguments.commands.empty())
     throw core::InputError("--screenshot: nobody drives without a window, expected --commands");
@@ -156,15 +157,15 @@ int viewDrive(const Context& context, const ViewArguments& arguments) {
   noteCommands(arguments.commands, manifest);
   ConsoleProgress progress(true);
   std::string written;
-  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, live::Stage* stage) {
+  const auto shown = show(what, arguments.show, [&](record::StepObserver& observer, live::Stage* stage) {
     live::DriveSeat seat(config.robot, 1 / config.lidar.rate_hz, commands, stage,
                          arguments.show.close && !commands.empty());
     const auto commander = [&](const sim::Sensed& sensed) { return seat.next(sensed.collided); };
     std::optional<live::MappedLoop> mapped;
     if (mapper) mapped.emplace(std::move(*mapper), observer);
     const auto recording =
-        run::recordCommands(start.plan, config, context.seed, log_path, manifest, progress, commander,
-                            mapped ? static_cast<run::StepObserver*>(&*mapped) : &observer);
+        record::recordCommands(start.plan, config, context.seed, log_path, manifest, progress, commander,
+                               mapped ? static_cast<record::StepObserver*>(&*mapped) : &observer);
     written = writtenText(recording);
   });
   if (shown == Shown::kPicture) return report(shown, arguments.show, "");
@@ -174,15 +175,15 @@ int viewDrive(const Context& context, const ViewArguments& arguments) {
 
 int viewExplore(const Context& context, const ViewArguments& arguments) {
   requireSensible(arguments.show);
-  run::ExploreRequest request;
-  request.strategies = {run::readExploreConfig(configOf(context, arguments))};
+  explore::ExploreRequest request;
+  request.strategies = {explore::readExploreConfig(configOf(context, arguments))};
   const auto& config = request.strategies.front().record;
   if (context.print_config) return printParameters(config.parameters, context.json), 0;
   const auto start = startIn(context, arguments.input);
   const core::ScratchFolder scratch;
   request.plan_path = start.plan_path;
   request.slam = arguments.slam;
-  request.methods_folder = run::configsFolder() + "/methods";
+  request.methods_folder = core::configsFolder() + "/methods";
   request.output = context.output.empty() ? scratch / "exploration" : context.output;
   request.seed = context.seed;
   request.overwrite = context.overwrite;
@@ -192,9 +193,9 @@ int viewExplore(const Context& context, const ViewArguments& arguments) {
   what.method = config.strategy.name + " on " + nameOf(arguments.slam);
   ConsoleProgress progress(context.quiet);
   std::string written;
-  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, live::Stage*) {
+  const auto shown = show(what, arguments.show, [&](record::StepObserver& observer, live::Stage*) {
     request.observer = &observer;
-    const auto result = run::explore(request, context.manifest(), progress);
+    const auto result = explore::explore(request, context.manifest(), progress);
     written = report::toText(result.scores);
     if (!context.output.empty()) written += "\npictures, maps, tables: " + context.output;
   });
@@ -203,16 +204,16 @@ int viewExplore(const Context& context, const ViewArguments& arguments) {
 
 int viewNavigate(const Context& context, const ViewArguments& arguments) {
   requireSensible(arguments.show);
-  run::ReachGoalRequest request;
-  request.config = run::readReachGoalConfig(configOf(context, arguments));
+  explore::ReachGoalRequest request;
+  request.config = explore::readReachGoalConfig(configOf(context, arguments));
   if (context.print_config) return printParameters(request.config.parameters, context.json), 0;
-  request.p_world_goal = run::parsePlace(arguments.goal, "--goal");
+  request.p_world_goal = explore::parsePlace(arguments.goal, "--goal");
   const auto start = startIn(context, arguments.input);
-  request.plan = run::planOfVisit(start.plan, request.config.living, context.seed);
-  request.T_world_start = run::goalStart(request.plan, request.config, arguments.start);
+  request.plan = record::planOfVisit(start.plan, request.config.living, context.seed);
+  request.T_world_start = explore::goalStart(request.plan, request.config, arguments.start);
   request.methods = {arguments.method};
   request.slam = arguments.slam == "odometry" ? "" : arguments.slam;
-  request.methods_folder = run::configsFolder() + "/methods";
+  request.methods_folder = core::configsFolder() + "/methods";
   const core::ScratchFolder scratch;
   request.output = context.output.empty() ? scratch / "navigation" : context.output;
   request.seed = context.seed;
@@ -224,13 +225,13 @@ int viewNavigate(const Context& context, const ViewArguments& arguments) {
   what.goal = core::inverse(what.T_scene_map) * request.p_world_goal;
   what.title = "navigate " + start.plan.name;
   what.method = arguments.method + " on " + nameOf(arguments.slam);
-  what.strategic = run::strategicOverlay(arguments.method, request.config.navigate, request.config.robot,
-                                         request.config.lidar);
+  what.strategic = explore::strategicOverlay(arguments.method, request.config.navigate, request.config.robot,
+                                             request.config.lidar);
   ConsoleProgress progress(context.quiet);
   std::string written;
-  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, live::Stage*) {
+  const auto shown = show(what, arguments.show, [&](record::StepObserver& observer, live::Stage*) {
     request.observer = &observer;
-    const auto comparison = run::reachGoal(request, start.manifest, progress);
+    const auto comparison = explore::reachGoal(request, start.manifest, progress);
     written = report::toText(comparison.table);
     if (!context.output.empty()) written += "\npaths, states, pictures: " + context.output;
   });
@@ -239,7 +240,7 @@ int viewNavigate(const Context& context, const ViewArguments& arguments) {
 
 /// What is known to be true of a log, laid under what is shown. `path` in the map frame, nothing for a method that is to begin.
 void addTruth(const std::string& log_path, const std::string& given_plan, Show& what) {
-  const auto truth = run::truthFiles(log_path, "", given_plan);
+  const auto truth = record::truthFiles(log_path, "", given_plan);
   if (!truth.trajectory.empty()) {
     what.truth = logs::readTrajectory(truth.trajectory);
     const auto first = logs::LogReader(log_path).next();
@@ -250,7 +251,7 @@ void addTruth(const std::string& log_path, const std::string& given_plan, Show& 
 
 int viewRun(const Context& context, const ViewArguments& arguments) {
   requireSensible(arguments.show);
-  auto config = mapping::loadMethodConfig(run::configsFolder() + "/methods", arguments.method);
+  auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", arguments.method);
   if (!context.config.empty()) config.overrideWith(core::IniFile::load(context.config));
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   const std::string name = nameOf(arguments.method);
@@ -263,7 +264,7 @@ int viewRun(const Context& context, const ViewArguments& arguments) {
   addTruth(arguments.input, arguments.plan, what);
   ConsoleProgress progress(context.quiet);
   std::string written;
-  const auto shown = show(what, arguments.show, [&](run::StepObserver& observer, live::Stage*) {
+  const auto shown = show(what, arguments.show, [&](record::StepObserver& observer, live::Stage*) {
     run::buildMap(arguments.input, config, name, context.seed, folder, context.overwrite, context.manifest(),
                   progress, true, {}, &observer);
     if (!context.output.empty()) written = "map, path, journal: " + folder;
@@ -279,8 +280,9 @@ int viewReplay(const Context&, const ViewArguments& arguments) {
   what.method = replay.method;
   addTruth(replay.log_path, arguments.plan, what);
   what.loops = replay.loops;
-  const auto shown = show(what, arguments.show,
-                          [&](run::StepObserver& observer, live::Stage*) { live::play(replay, observer); });
+  const auto shown = show(what, arguments.show, [&](record::StepObserver& observer, live::Stage*) {
+    live::play(replay, observer);
+  });
   return report(shown, arguments.show, "");
 }
 

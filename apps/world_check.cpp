@@ -8,9 +8,9 @@
 #include "apps/console.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/resources.h"
 #include "libslam/report/plan_changes.h"
 #include "libslam/robot/drive.h"
-#include "libslam/run/resources.h"
 #include "libslam/world/plan_check.h"
 
 namespace slam::apps {
@@ -134,7 +134,7 @@ void requireLittleHidden(const world::PlanCheck& check, const std::string& plan_
 }
 
 int checkWorld(const Context& context, const Arguments& arguments) {
-  const std::string plan_path = run::resolvePlan(arguments.plan);
+  const std::string plan_path = core::resolvePlan(arguments.plan);
   world::PlanCheckOptions options;
   options.robot_side_m = robot::RobotOptions().side_m;
   core::IniFile flags;

@@ -8,8 +8,8 @@
 #include "apps/commands.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/record/generated_world.h"
 #include "libslam/report/picture.h"
-#include "libslam/run/generated_world.h"
 
 namespace slam::apps {
 namespace {
@@ -65,7 +65,7 @@ int makeWorld(const Context& context, const Arguments& arguments) {
   if (!arguments.preview.empty()) files.push_back(arguments.preview);
   for (const auto& file : files) core::refuseToOverwrite(file, context.overwrite);
 
-  auto building = run::generateWorld(arguments.kind, config, context.seed);
+  auto building = record::generateWorld(arguments.kind, config, context.seed);
   world::Plan& plan = building.plan;
   plan.name = std::filesystem::path(path).stem().string();
   world::savePlan(plan, path);

@@ -6,11 +6,11 @@
 
 #include <memory>
 
+#include "libslam/core/resources.h"
 #include "libslam/logs/trajectory_io.h"
-#include "libslam/run/evaluate.h"
-#include "libslam/run/record.h"
-#include "libslam/run/resources.h"
-#include "libslam/run/worker.h"
+#include "libslam/process/worker.h"
+#include "libslam/record/record.h"
+#include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"
 #include "libslam/world/generator.h"
 #include "libslam/world/ray_caster.h"
@@ -22,7 +22,7 @@ constexpr int kBeams = 541;
 const double kFov_rad = core::degToRad(270), kMaxRange_m = 30;
 
 const world::Plan& plan() {
-  static const world::Plan office = world::loadPlan(run::resolvePlan("office_loop"));
+  static const world::Plan office = world::loadPlan(core::resolvePlan("office_loop"));
   return office;
 }
 
@@ -33,7 +33,8 @@ const std::vector<core::Pose2>& poses() {
     core::IniFile ini;
     ini.set("simulation", "duration_s", "300", "benchmark");
     std::vector<core::Pose2> result;
-    run::record(plan(), run::readRecordConfig(ini), 1, folder / "run.rawlog", {}, core::silentProgress());
+    record::record(plan(), record::readRecordConfig(ini), 1, folder / "run.rawlog", {},
+                   core::silentProgress());
     const auto truth = logs::readTum(folder / "run.gt.tum");
     for (size_t i = 0; i < truth.size(); i += 10) result.push_back(truth[i].pose);
     return result;
@@ -96,14 +97,14 @@ void simulateAnHour(benchmark::State& state) {
   for (const auto& [key, value] : {std::pair{"rate_hz", "10"}, std::pair{"beams", "361"}})
     ini.set("lidar", key, value, "benchmark");
   ini.set("simulation", "duration_s", "3600", "benchmark");
-  const auto config = run::readRecordConfig(ini);
+  const auto config = record::readRecordConfig(ini);
   world::BuildingOptions options;
   options.width_m = options.height_m = 100;
   const world::Plan building = world::generateBuilding("office", options, 1).plan;
   double scans = 0;
   for (auto _ : state)
     scans +=
-        double(run::record(building, config, 1, folder / "run.rawlog", {}, core::silentProgress()).scans);
+        double(record::record(building, config, 1, folder / "run.rawlog", {}, core::silentProgress()).scans);
   state.counters["scans/s"] = benchmark::Counter(scans, benchmark::Counter::kIsRate);
 }
 BENCHMARK(simulateAnHour)
@@ -115,10 +116,11 @@ void simulate(benchmark::State& state) {
   const testing::TempFolder folder;
   core::IniFile ini;
   ini.set("simulation", "duration_s", "120", "benchmark");
-  const auto config = run::readRecordConfig(ini);
+  const auto config = record::readRecordConfig(ini);
   double simulated_s = 0, scans = 0;
   for (auto _ : state) {
-    const auto recording = run::record(plan(), config, 1, folder / "run.rawlog", {}, core::silentProgress());
+    const auto recording =
+        record::record(plan(), config, 1, folder / "run.rawlog", {}, core::silentProgress());
     simulated_s += recording.duration_s;
     scans += double(recording.scans);
   }
@@ -131,10 +133,10 @@ void mapWith(benchmark::State& state, const std::string& method) {
   const testing::TempFolder folder;
   core::IniFile ini;
   ini.set("simulation", "duration_s", "60", "benchmark");
-  run::record(plan(), run::readRecordConfig(ini), 1, folder / "run.rawlog", {}, core::silentProgress());
+  record::record(plan(), record::readRecordConfig(ini), 1, folder / "run.rawlog", {}, core::silentProgress());
   // A process of its own, so that the memory is the method's alone.
   for (auto _ : state)
-    run::runWorker(
+    process::runWorker(
         {RASTERSLAM_PROGRAM, "run", method, folder / "run.rawlog", "-o", folder / "out", "--overwrite", "-q"},
         core::silentProgress());
   const run::Cost cost = run::loadRun(folder / "out").cost;
@@ -147,7 +149,7 @@ void mapWith(benchmark::State& state, const std::string& method) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  for (const auto& method : run::namesInFolder(run::configsFolder() + "/methods", ".ini"))
+  for (const auto& method : core::namesInFolder(core::configsFolder() + "/methods", ".ini"))
     benchmark::RegisterBenchmark(("map/" + method).c_str(), mapWith, method)
         ->Iterations(1)
         ->Unit(benchmark::kMillisecond);

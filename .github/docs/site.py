@@ -36,7 +36,7 @@ def main():
     (folder / "pictures").mkdir(parents=True)
     for page in sorted((ROOT / "docs").glob("*.md")):
         (folder / page.name).write_text(rewritten(page.read_text(encoding="utf-8"), page), encoding="utf-8")
-    for picture in (ROOT / ".github" / "pictures").glob("*.png"):
+    for picture in [*(ROOT / ".github" / "pictures").glob("*.png"), *(ROOT / ".github" / "pictures").glob("*.svg")]:
         shutil.copy(picture, folder / "pictures")
 
 

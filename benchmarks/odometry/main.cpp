@@ -14,13 +14,13 @@
 #include "benchmarks/odometry/mrpt_icp.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/navigate/strategy.h"
+#include "libslam/record/record.h"
 #include "libslam/report/table.h"
-#include "libslam/run/record.h"
-#include "libslam/run/resources.h"
 #include "libslam/sim/simulator.h"
 
 namespace {
@@ -49,8 +49,8 @@ core::IniFile scannerAhead() {
 
 /// A robot that explores a committed world by quadrants.
 BenchLog simulate(const std::string& world_name, const core::IniFile& lidar, size_t most_scans) {
-  const world::Plan plan = world::loadPlan(run::resolvePlan(world_name));
-  const run::RecordConfig config = run::readRecordConfig(lidar);
+  const world::Plan plan = world::loadPlan(core::resolvePlan(world_name));
+  const record::RecordConfig config = record::readRecordConfig(lidar);
   constexpr std::uint64_t kSeed = 1;
   const auto start = world::findStartPose(plan, 0.5);
   if (!start) throw core::InputError(world_name + ": no free place for the robot");
@@ -125,7 +125,7 @@ std::vector<NamedLog> logs(const Arguments& a) {
   for (const char* world : {"flat", "office_loop"})
     all.push_back({std::string("sim ") + world + ", thesis_360", "", [=] {
                      return simulate(world,
-                                     core::IniFile::load(run::configsFolder() + "/lidars/thesis_360.ini"),
+                                     core::IniFile::load(core::configsFolder() + "/lidars/thesis_360.ini"),
                                      a.scans);
                    }});
   for (const char* ring : {"ring_A", "ring_B"})

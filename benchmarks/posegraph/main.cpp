@@ -17,8 +17,8 @@
 #include "libslam/posegraph/g2o_io.h"
 #include "libslam/posegraph/marginals.h"
 #include "libslam/posegraph/optimize.h"
+#include "libslam/process/cpu_time.h"
 #include "libslam/report/table.h"
-#include "libslam/run/cpu_time.h"
 #include "libslam/testing/pose_graphs.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -53,9 +53,9 @@ double sum(const std::vector<double>& values) {
 }
 
 double milliseconds(const std::function<void()>& work) {
-  const double start = run::threadCpuSeconds();
+  const double start = process::threadCpuSeconds();
   work();
-  return 1e3 * (run::threadCpuSeconds() - start);
+  return 1e3 * (process::threadCpuSeconds() - start);
 }
 
 double medianMilliseconds(const std::function<void()>& work) {

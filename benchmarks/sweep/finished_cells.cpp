@@ -6,30 +6,29 @@
 
 #include "libslam/core/files.h"
 #include "libslam/core/random.h"
-#include "libslam/run/cell.h"
-#include "libslam/run/evaluate.h"
-#include "libslam/run/sweep.h"
+#include "libslam/score/evaluate.h"
+#include "libslam/sweep/cell.h"
+#include "libslam/sweep/sweep.h"
 
 namespace {
-namespace run = slam::run;
-namespace core = slam::core;
+using namespace slam;
 
 void finish(const std::string& folder, const std::string& id, const std::string& spec, bool is_run) {
   const std::string cell = folder + "/cells/" + id;
   std::filesystem::create_directories(cell + "/run");
   core::writeFileAtomically(cell + "/cell.json", spec);
-  run::CellResult result;
+  sweep::CellResult result;
   result.id = id;
   core::RandomStream random(1, id);
   // As many figures and files as a real run has.
-  for (const auto& info : run::metricInfos())
+  for (const auto& info : score::metricInfos())
     if (is_run) result.figures.emplace_back(info.key, random.uniform());
   for (const char* name : {"run/trajectory.tum", "run/map.png", "run/map.yaml", "run/journal.csv"}) {
     const std::string text(1000, 'x');
     core::writeFileAtomically(cell + "/" + name, text);
     result.files[name] = {text.size(), core::sha256(text)};
   }
-  run::writeCellResult(cell, result, {});
+  sweep::writeCellResult(cell, result, {});
 }
 
 }  // namespace
@@ -40,10 +39,10 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    const auto sweep = run::planSweep(std::string(argv[1]));
-    run::SweepRequest request;
+    const auto sweep = sweep::planSweep(std::string(argv[1]));
+    sweep::SweepRequest request;
     request.output = argv[2];
-    run::prepareSweepFolder(sweep, request, {});
+    sweep::prepareSweepFolder(sweep, request, {});
     for (std::size_t i = 0; i < sweep.plan.logs.size(); ++i)
       finish(argv[2], sweep.plan.logs[i].id, sweep.log_specs[i], false);
     for (std::size_t i = 0; i < sweep.plan.runs.size(); ++i)

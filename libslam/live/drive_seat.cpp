@@ -10,7 +10,7 @@ DriveSeat::DriveSeat(const robot::RobotOptions& robot, double period_s,
       stage_(stage),
       ends_(ends || stage == nullptr) {}
 
-std::optional<run::Order> DriveSeat::next(bool collided) {
+std::optional<record::Order> DriveSeat::next(bool collided) {
   const bool is_closed = stage_ && stage_->isClosed();
   const auto T_world_carried = stage_ ? stage_->takeCarry() : std::nullopt;
   std::optional<robot::UserCommand> command;
@@ -24,8 +24,8 @@ std::optional<run::Order> DriveSeat::next(bool collided) {
   if (!command && !T_world_carried && is_over) return std::nullopt;
   HeldKeys keys;
   if (stage_ && !is_over) keys = stage_->keys();
-  run::Order order(command ? robot::toCommand(*command, robot_) : hand_.next(keys, collided),
-                   command.has_value());
+  record::Order order(command ? robot::toCommand(*command, robot_) : hand_.next(keys, collided),
+                      command.has_value());
   order.T_world_carried = T_world_carried;
   return order;
 }

@@ -5,8 +5,8 @@
 
 #include "libslam/live/hand_drive.h"
 #include "libslam/live/stage.h"
+#include "libslam/record/record.h"
 #include "libslam/robot/user_command.h"
-#include "libslam/run/record.h"
 
 namespace slam::live {
 
@@ -20,7 +20,7 @@ class DriveSeat {
             const std::vector<robot::UserCommand>& commands, Stage* stage, bool ends);
 
   /// nullopt ends the drive; what was typed or dragged before the window was closed is done first. `collided`: the last command ended at an obstacle.
-  std::optional<run::Order> next(bool collided);
+  std::optional<record::Order> next(bool collided);
 
  private:
   robot::RobotOptions robot_;

@@ -5,7 +5,7 @@
 
 namespace slam::live {
 
-void MappedLoop::onStep(const run::Step& step) {
+void MappedLoop::onStep(const record::Step& step) {
   if (failure_.empty()) {
     try {
       if (step.sensed != nullptr) run::tellSensors(method_, *step.sensed);
@@ -14,7 +14,7 @@ void MappedLoop::onStep(const run::Step& step) {
       failure_ = method_.name + " failed: " + error.what();
     }
   }
-  run::Step mapped = step;
+  record::Step mapped = step;
   if (failure_.empty()) {
     mapped.method = &method_;
   } else {

@@ -7,11 +7,11 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
+#include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/run/evaluate.h"
 #include "libslam/run/journal_file.h"
-#include "libslam/run/resources.h"
+#include "libslam/score/evaluate.h"
 
 namespace slam::live {
 namespace fs = std::filesystem;
@@ -51,8 +51,8 @@ Replay loadReplay(const std::string& folder, const std::string& given_log) {
   return replay;
 }
 
-void play(const Replay& replay, run::StepObserver& observer) {
-  auto config = mapping::loadMethodConfig(run::configsFolder() + "/methods", "naive_wheel");
+void play(const Replay& replay, record::StepObserver& observer) {
+  auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel");
   auto method = mapping::makeMapBuilder(config, "naive_wheel", 1);
   logs::LogReader log(replay.log_path);
   core::Pose2 T_map_previous = replay.path.front().pose;

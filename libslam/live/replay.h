@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/run/step_observer.h"
+#include "libslam/record/step_observer.h"
 #include "libslam/viewer/layers.h"
 
 namespace slam::live {
@@ -17,13 +17,13 @@ struct Replay {
   std::vector<std::pair<int, viewer::Connection>> loops;
 };
 
-/// Reads a folder that run::buildMap() or run::explore() wrote. given_log: "" = the one in the folder or, by the manifest, the one that
+/// Reads a folder that run::buildMap() or explore::explore() wrote. given_log: "" = the one in the folder or, by the manifest, the one that
 /// the run was made from, by its path. Errors: InputError (no such folder, no log, another log than the run's).
 Replay loadReplay(const std::string& folder, const std::string& given_log);
 
 /// Goes through the log once more; the observer's method draws the map at the path's poses, in the frame of
 /// its first one, as the observer is given the poses. What it throws ends it.
 /// Errors: InputError when a scan has no pose within a microsecond.
-void play(const Replay& replay, run::StepObserver& observer);
+void play(const Replay& replay, record::StepObserver& observer);
 
 }  // namespace slam::live

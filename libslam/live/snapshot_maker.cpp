@@ -40,7 +40,7 @@ SnapshotMaker::SnapshotMaker(std::string title, std::string method, const core::
   now_.T_scene_map = T_scene_map;
 }
 
-void SnapshotMaker::add(const run::Step& step) {
+void SnapshotMaker::add(const record::Step& step) {
   now_.time_s = step.time_s;
   ++now_.scans;
   now_.scan = step.scan;
@@ -58,7 +58,7 @@ void SnapshotMaker::add(const run::Step& step) {
   if (step.time_s - carried_at_s_ < kEventShown_s) now_.note = "the robot was kidnapped";
 }
 
-void SnapshotMaker::takeTruth(const run::Step& step) {
+void SnapshotMaker::takeTruth(const record::Step& step) {
   if (step.simulator) {
     const auto& simulator = *step.simulator;
     now_.T_scene_truth = simulator.truth();
@@ -79,7 +79,7 @@ void SnapshotMaker::takeTruth(const run::Step& step) {
   if (now_.T_scene_truth) now_.truth.push_back({step.scan.time_s, *now_.T_scene_truth});
 }
 
-void SnapshotMaker::lookAround(const run::Step& step) {
+void SnapshotMaker::lookAround(const record::Step& step) {
   const obstacles::LidarView view(step.scan, sector_);
   around_.update(step.T_previous_robot, view, view.obstacles());
   const auto& points = around_.points();
@@ -117,7 +117,7 @@ void SnapshotMaker::lookStrategically(const robot::Scan& scan) {
   }
 }
 
-void SnapshotMaker::followDecision(const run::Step& step) {
+void SnapshotMaker::followDecision(const record::Step& step) {
   if (!step.decision) return;
   const auto& decision = *step.decision;
   if (!decision_ || !isSame(*decision_, decision)) {

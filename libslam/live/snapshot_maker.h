@@ -7,7 +7,7 @@
 
 #include "libslam/obstacles/lidar_view.h"
 #include "libslam/obstacles/local_obstacle_map.h"
-#include "libslam/run/step_observer.h"
+#include "libslam/record/step_observer.h"
 #include "libslam/viewer/snapshot.h"
 
 namespace slam::live {
@@ -30,7 +30,7 @@ class SnapshotMaker {
   /// What the original goal navigation looks at: shown with every scan's readings, robot frame.
   void setStrategicView(double stop_radius_m, std::vector<double> directions_rad);
 
-  void add(const run::Step& step);
+  void add(const record::Step& step);
   /// Of the step that was added last. `method`: the step's. with_map: its map, path and graph as they are now, else as
   /// they were when they were last asked for.
   viewer::Snapshot snapshot(const mapping::MapBuilder* method, bool with_map);
@@ -39,9 +39,9 @@ class SnapshotMaker {
   void setNote(const std::string& note) { note_ = note; }
 
  private:
-  void lookAround(const run::Step& step);
-  void followDecision(const run::Step& step);
-  void takeTruth(const run::Step& step);
+  void lookAround(const record::Step& step);
+  void followDecision(const record::Step& step);
+  void takeTruth(const record::Step& step);
   void lookStrategically(const robot::Scan& scan);
 
   viewer::Snapshot now_;  ///< all but what snapshot() asks the method for

@@ -136,7 +136,7 @@ void StagedLoop::publish(const mapping::MapBuilder* method, bool with_map) {
   map_cost_s_ = map_at_s_ - before_s;
 }
 
-void StagedLoop::onStep(const run::Step& step) {
+void StagedLoop::onStep(const record::Step& step) {
   maker_.add(step);
   if (stage_.isWanted()) {
     const double since_s = clock_s() - map_at_s_;
@@ -150,7 +150,7 @@ void StagedLoop::onFinished(const mapping::MapBuilder& method) {
   publish(&method, true);
 }
 
-void MomentAt::onStep(const run::Step& step) {
+void MomentAt::onStep(const record::Step& step) {
   maker_.add(step);
   if (step.time_s < time_s_ - 1e-6) return;
   moment_ = maker_.snapshot(step.method, true);

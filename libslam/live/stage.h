@@ -8,8 +8,8 @@
 #include "libslam/live/hand_drive.h"
 #include "libslam/live/playback.h"
 #include "libslam/live/snapshot_maker.h"
+#include "libslam/record/step_observer.h"
 #include "libslam/robot/user_command.h"
-#include "libslam/run/step_observer.h"
 #include "libslam/viewer/snapshot.h"
 
 namespace slam::live {
@@ -60,12 +60,12 @@ class Stage {
 };
 
 /// Puts what a loop does on a stage, at the stage's pace.
-class StagedLoop : public run::StepObserver {
+class StagedLoop : public record::StepObserver {
  public:
   /// closing_interrupts: a closed window ends the loop by core::Interrupted; else the loop has to ask isClosed() itself.
   StagedLoop(Stage& stage, SnapshotMaker& maker, bool closing_interrupts)
       : stage_(stage), maker_(maker), closing_interrupts_(closing_interrupts) {}
-  void onStep(const run::Step& step) override;
+  void onStep(const record::Step& step) override;
   void onFinished(const mapping::MapBuilder& method) override;
 
  private:
@@ -78,11 +78,11 @@ class StagedLoop : public run::StepObserver {
 };
 
 /// Stops a loop at a time of the robot's and keeps that moment.
-class MomentAt : public run::StepObserver {
+class MomentAt : public record::StepObserver {
  public:
   MomentAt(SnapshotMaker& maker, double time_s) : maker_(maker), time_s_(time_s) {}
   /// Throws core::Interrupted once the moment is there.
-  void onStep(const run::Step& step) override;
+  void onStep(const record::Step& step) override;
   const std::optional<viewer::Snapshot>& moment() const { return moment_; }
 
  private:

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "libslam/core/error.h"
+#include "libslam/core/resources.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/run/log_feed.h"
-#include "libslam/run/resources.h"
 #include "libslam/sim/simulator.h"
 
 namespace slam::plugin {
@@ -30,8 +30,8 @@ core::ParameterTable<Options> tableFor(const std::string& section) {
 core::IniFile lidarPreset(const std::string& lidar, const std::string& origin) {
   if (lidar.empty()) return {};
   if (lidar.find_first_of("/.") != std::string::npos) return core::IniFile::load(lidar);
-  const std::string folder = run::configsFolder() + "/lidars";
-  const auto names = run::namesInFolder(folder, ".ini");
+  const std::string folder = core::configsFolder() + "/lidars";
+  const auto names = core::namesInFolder(folder, ".ini");
   if (std::find(names.begin(), names.end(), lidar) == names.end())
     throw core::InputError(origin + ", key 'lidar': found '" + lidar + "', expected a lidar of " + folder +
                            core::didYouMean(lidar, names));
@@ -64,18 +64,19 @@ Options readExploringRobotOptions(const core::IniFile& ini, const std::string& s
   record.set("simulation", "start", options.start, origin);
   if (!options.strategy.empty()) record.set("strategy", "name", options.strategy, origin);
   record.overrideWith(dotted);
-  options.record = run::readRecordConfig(record);
+  options.record = record::readRecordConfig(record);
   if (navigate::strategyNeedsMap(options.record.strategy.name))
-    mapping::loadMethodConfig(run::configsFolder() + "/methods", options.slam);  // an unknown one is told now
+    mapping::loadMethodConfig(core::configsFolder() + "/methods",
+                              options.slam);  // an unknown one is told now
   return options;
 }
 
 struct ExploringRobot::State {
   explicit State(const Options& options)
-      : plan(run::planOfVisit(world::loadPlan(run::resolvePlan(options.plan)), options.record.living,
-                              seedOf(options))),
+      : plan(record::planOfVisit(world::loadPlan(core::resolvePlan(options.plan)), options.record.living,
+                                 seedOf(options))),
         simulator(plan, options.record.robot, options.record.lidar, options.record.odometry,
-                  run::startPose(plan, options.record), seedOf(options), sim::Simulator::kStartTime_s,
+                  record::startPose(plan, options.record), seedOf(options), sim::Simulator::kStartTime_s,
                   options.record.living, options.record.camera),
         driver(navigate::makeStrategy(options.record.strategy, {seedOf(options), "strategy"}),
                options.record.strategy, options.record.robot, 1 / options.record.lidar.rate_hz,
@@ -83,7 +84,7 @@ struct ExploringRobot::State {
         scans_left(options.scans > 0 ? options.scans : -1) {
     for (const auto& lidar : options.record.other_lidars) simulator.mount(lidar, seedOf(options));
     if (!navigate::strategyNeedsMap(options.record.strategy.name)) return;
-    const auto config = mapping::loadMethodConfig(run::configsFolder() + "/methods", options.slam);
+    const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", options.slam);
     slam = mapping::makeMapBuilder(config, options.slam, seedOf(options));
   }
 

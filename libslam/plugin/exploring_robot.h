@@ -5,7 +5,7 @@
 #include <string>
 
 #include "libslam/core/ini.h"
-#include "libslam/run/record.h"
+#include "libslam/record/record.h"
 
 namespace slam::plugin {
 
@@ -21,17 +21,17 @@ struct ExploringRobotOptions {
   double real_time_factor;  ///< simulated seconds per second; 0 = one scan per call at MRPT's process_rate
   std::string done_file;    ///< gets one line (a named pipe too) when the last scan was taken; empty: none
 
-  run::RecordConfig record;  ///< all else
+  record::RecordConfig record;  ///< all else
 };
 
 /// Reads section `section` of `ini`. A key with a dot goes through to the simulation: `robot.side_m = 0.3` is
 /// key side_m of its section [robot]; such keys win over the preset and the short ones. Strict: errors as
-/// core::readParameters and run::readRecordConfig (InputError).
+/// core::readParameters and record::readRecordConfig (InputError).
 ExploringRobotOptions readExploringRobotOptions(const core::IniFile& ini, const std::string& section);
 
-/// A robot that explores a plan on its own in simulated time: what run::record() does, one scan at a time, so
+/// A robot that explores a plan on its own in simulated time: what record::record() does, one scan at a time, so
 /// that the same plan, options and seed give the same scans and odometry as a rawlog of `rasterslam simulate`.
-/// A strategy that needs a map gets that of `slam`, made of the robot's own scans and odometry as in run::explore(), with
+/// A strategy that needs a map gets that of `slam`, made of the robot's own scans and odometry as in explore::explore(), with
 /// the pose in it; the truth only moves the robot and draws its scans.
 class ExploringRobot {
  public:

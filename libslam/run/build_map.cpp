@@ -17,12 +17,12 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/map_score.h"
-#include "libslam/run/cpu_time.h"
+#include "libslam/process/cpu_time.h"
+#include "libslam/process/process_memory.h"
 #include "libslam/run/external_method.h"
 #include "libslam/run/known_map.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/run/map_plan.h"
-#include "libslam/run/process_memory.h"
 #include "libslam/run/scene_file.h"
 #include "libslam/run/self_score.h"
 #include "libslam/run/told_commands.h"
@@ -37,12 +37,12 @@ class MemoryMeter {
  public:
   MemoryMeter() {
     std::ofstream("/proc/self/clear_refs") << "5";
-    before_mb_ = processMemoryMb("VmRSS");
-    files_before_mb_ = processMemoryMb("RssFile");
+    before_mb_ = process::processMemoryMb("VmRSS");
+    files_before_mb_ = process::processMemoryMb("RssFile");
   }
   double peakMb() const {
-    return std::max(0.0,
-                    processMemoryMb("VmHWM") - before_mb_ - (processMemoryMb("RssFile") - files_before_mb_));
+    return std::max(0.0, process::processMemoryMb("VmHWM") - before_mb_ -
+                             (process::processMemoryMb("RssFile") - files_before_mb_));
   }
 
  private:
@@ -219,7 +219,7 @@ void stoppable(MapRun& run, const Taken& taken, bool keep_partial, const std::fu
 /// All scans of the log through the method.
 void takeIn(const std::string& log_path, mapping::MapBuilder& method,
             const std::optional<ExternalRun>& external, MapRun& run, Taken& taken, core::Manifest& manifest,
-            core::Progress& progress, StepObserver* observer) {
+            core::Progress& progress, record::StepObserver* observer) {
   // An external program reads the log by itself; its poses are those of the main lidar's scans.
   logs::LogReader log(log_path, external ? "" : method.lidars);
   OdometryGaps gaps;
@@ -233,12 +233,12 @@ void takeIn(const std::string& log_path, mapping::MapBuilder& method,
     core::Pose2 T_map_robot;
     std::optional<Eigen::Matrix3d> covariance;
     double after_s = 0;
-    const double before_s = threadCpuSeconds();
+    const double before_s = process::threadCpuSeconds();
     tellSensors(method, *entry);
     insideMethod([&] {
       T_map_robot =
           mapping::processScan(method, entry->scan, T_previous_robot, entry->has_odometry || external);
-      after_s = threadCpuSeconds();
+      after_s = process::threadCpuSeconds();
       covariance = mapping::poseCovariance(method);
     });
     if (!core::isFinite(T_map_robot))
@@ -301,7 +301,7 @@ core::Pose2 endOfRun(const std::string& folder) {
 MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
                 core::Manifest manifest, core::Progress& progress, bool measure_memory,
-                const Continuation& continuation, StepObserver* observer, bool keep_partial) {
+                const Continuation& continuation, record::StepObserver* observer, bool keep_partial) {
   core::PendingFolder output(folder, overwrite);
   std::optional<ExternalRun> external;
   core::IniFile builder_config = method_config;
@@ -324,12 +324,12 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   progress.end();
   if (run.estimate.empty()) throw core::InputError(log_path + ": holds 0 laser scans, expected at least 1");
 
-  const double finish_begin_s = threadCpuSeconds();
+  const double finish_begin_s = process::threadCpuSeconds();
   const auto ask = [&](const std::function<void()>& work) {
     stoppable(run, taken, keep_partial, [&] { insideMethod(work); });
   };
   if (!run.stopped) ask([&] { mapping::finishMap(method); });
-  const double finish_s = threadCpuSeconds() - finish_begin_s;
+  const double finish_s = process::threadCpuSeconds() - finish_begin_s;
   run.path_length_m = core::pathLength(run.estimate);
   run.end = run.estimate.back().pose;
   // Before anything else takes memory.

@@ -9,21 +9,14 @@
 #include "libslam/core/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
+#include "libslam/record/step_observer.h"
 #include "libslam/robot/scan.h"
+#include "libslam/run/cost.h"
 #include "libslam/run/journal_file.h"
 #include "libslam/run/pose_covariances.h"
-#include "libslam/run/step_observer.h"
 #include "libslam/run/stopped_run.h"
 
 namespace slam::run {
-
-/// What a method cost.
-struct Cost {
-  double mean_ms_per_scan = 0,  ///< with what the method does after the last scan, spread over all
-      p99_ms_per_scan = 0;      ///< both: CPU time of the calling thread, without reading the log
-  double peak_memory_mb = 0;  ///< growth of the process over its size before the run; NaN when not measurable
-  double real_time_factor = 0;  ///< robot's seconds per second of computing
-};
 
 struct MapRun {
   core::Trajectory
@@ -75,7 +68,7 @@ struct Continuation {
 MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
                 core::Manifest manifest, core::Progress& progress, bool measure_memory = true,
-                const Continuation& continuation = {}, StepObserver* observer = nullptr,
+                const Continuation& continuation = {}, record::StepObserver* observer = nullptr,
                 bool keep_partial = false);
 
 /// T_map_robot at the last scan of a run, as it is in the end. Errors: InputError.

@@ -15,8 +15,8 @@
 #include "libslam/logs/convert.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/run/command_files.h"
-#include "libslam/run/measured_process.h"
+#include "libslam/process/command_files.h"
+#include "libslam/process/measured_process.h"
 
 namespace slam::run {
 namespace fs = std::filesystem;
@@ -349,7 +349,7 @@ core::IniFile withFixedFolder(core::IniFile config) {
 std::map<std::string, std::string> programFiles(const core::IniFile& config) {
   const auto fixed = withFixedFolder(config);
   const auto* command = fixed.find("method", "command");
-  return command == nullptr ? std::map<std::string, std::string>() : filesOfCommand(command->value);
+  return command == nullptr ? std::map<std::string, std::string>() : process::filesOfCommand(command->value);
 }
 
 std::vector<core::ParameterReport> methodParameters(const core::IniFile& config, const std::string& name,
@@ -396,8 +396,9 @@ ExternalRun runExternalMethod(const ExternalMethod& method, const std::string& l
   core::writeFileAtomically(files.scans, scansText(scans));
 
   progress.begin("running " + method.options.command.substr(0, method.options.command.find(' ')));
-  const auto outcome = runMeasured(commandLine(method, files, seed), files.folder, files.printed,
-                                   {method.options.time_limit_s, method.options.memory_limit_mb}, progress);
+  const auto outcome =
+      process::runMeasured(commandLine(method, files, seed), files.folder, files.printed,
+                           {method.options.time_limit_s, method.options.memory_limit_mb}, progress);
   progress.end();
 
   ExternalRun run;

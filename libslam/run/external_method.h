@@ -8,7 +8,7 @@
 #include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
-#include "libslam/run/build_map.h"
+#include "libslam/run/cost.h"
 
 namespace slam::run {
 

@@ -5,13 +5,13 @@
 
 #include "libslam/core/files.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/run/record.h"
+#include "libslam/record/record.h"
 #include "libslam/sim/operation_log.h"
 
 namespace slam::run {
 
 std::optional<std::vector<robot::Commanded>> commandsOfLog(const std::string& log_path) {
-  const std::string path = logStem(log_path) + ".operations.txt";
+  const std::string path = record::logStem(log_path) + ".operations.txt";
   if (!std::filesystem::exists(path)) return std::nullopt;
   const auto operations = sim::parseOperations(core::readTextFile(path), path);
   return sim::commandsOfScans(operations, logs::inspectLog(log_path).scans, path);

@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "libslam/core/files.h"
-#include "libslam/run/sweep.h"
-#include "libslam/run/worker.h"
+#include "libslam/process/worker.h"
+#include "libslam/sweep/sweep.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -259,18 +259,18 @@ TEST_F(Bench, ASuiteInYamlIsTheSameSweep) {
 }
 
 TEST_F(Bench, CopiesOfTheRunnerAndProcessesOfTheirOwnGiveTheSameBytes) {
-  const auto sweep = run::planSweep(folder / "tiny.ini");
-  run::SweepRequest request;
+  const auto sweep = sweep::planSweep(folder / "tiny.ini");
+  sweep::SweepRequest request;
   request.program = RASTERSLAM_PROGRAM;
   request.output = folder / "copies";
-  ASSERT_TRUE(run::hasOneThread());
-  EXPECT_EQ(run::sweep(sweep, request, {}, core::silentProgress()).done, 6U);
+  ASSERT_TRUE(process::hasOneThread());
+  EXPECT_EQ(sweep::sweep(sweep, request, {}, core::silentProgress()).done, 6U);
   // With a second thread a copy of the process would not be sound.
   request.output = folder / "programs";
   std::promise<void> end;
   std::thread other([&] { end.get_future().wait(); });
-  EXPECT_FALSE(run::hasOneThread());
-  EXPECT_EQ(run::sweep(sweep, request, {}, core::silentProgress()).done, 6U);
+  EXPECT_FALSE(process::hasOneThread());
+  EXPECT_EQ(sweep::sweep(sweep, request, {}, core::silentProgress()).done, 6U);
   end.set_value();
   other.join();
   EXPECT_EQ(contents(folder / "copies"), contents(folder / "programs"));

@@ -14,7 +14,7 @@ class DriveSeatTest : public ::testing::Test {
   DriveSeat seat(const std::vector<robot::UserCommand>& commands, Stage* stage, bool ends = false) {
     return {robot_, 0.2, commands, stage, ends};
   }
-  double distanceOf(const std::optional<run::Order>& order) const {
+  double distanceOf(const std::optional<record::Order>& order) const {
     return order->command.speed_mps * order->command.duration_s;
   }
   robot::RobotOptions robot_;

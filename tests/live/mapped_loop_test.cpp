@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "libslam/run/resources.h"
+#include "libslam/core/resources.h"
 
 namespace slam::live {
 namespace {
@@ -17,9 +17,9 @@ robot::Scan scanAt(double time_s) {
   return scan;
 }
 
-class Watcher : public run::StepObserver {
+class Watcher : public record::StepObserver {
  public:
-  void onStep(const run::Step& step) override {
+  void onStep(const record::Step& step) override {
     pose = step.T_map_robot, note = step.note;
     occupied = 0;
     if (!step.method) return void(has_method = false);
@@ -33,7 +33,7 @@ class Watcher : public run::StepObserver {
 };
 
 mapping::MapBuilder naiveByWheels() {
-  return mapping::makeMapBuilder(mapping::loadMethodConfig(run::configsFolder() + "/methods", "naive_wheel"),
+  return mapping::makeMapBuilder(mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel"),
                                  "naive_wheel", 1);
 }
 

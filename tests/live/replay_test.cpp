@@ -7,9 +7,9 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/resources.h"
+#include "libslam/record/record.h"
 #include "libslam/run/build_map.h"
-#include "libslam/run/record.h"
-#include "libslam/run/resources.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -24,9 +24,9 @@ class ReplayTest : public ::testing::Test {
     core::IniFile ini;
     ini.set("simulation", "duration_s", "8", "test");
     ini.set("lidar", "beams", "181", "test");
-    run::record(world::loadPlan(run::resolvePlan("flat")), run::readRecordConfig(ini), 2, log_, {},
-                core::silentProgress());
-    run_ = run::buildMap(log_, mapping::loadMethodConfig(run::configsFolder() + "/methods", "icp"), "icp", 1,
+    record::record(world::loadPlan(core::resolvePlan("flat")), record::readRecordConfig(ini), 2, log_, {},
+                   core::silentProgress());
+    run_ = run::buildMap(log_, mapping::loadMethodConfig(core::configsFolder() + "/methods", "icp"), "icp", 1,
                          out_, false, {}, core::silentProgress());
   }
   const testing::TempFolder folder_;
@@ -34,8 +34,8 @@ class ReplayTest : public ::testing::Test {
   run::MapRun run_;
 };
 
-struct Poses : run::StepObserver {
-  void onStep(const run::Step& step) override {
+struct Poses : record::StepObserver {
+  void onStep(const record::Step& step) override {
     poses.push_back({step.scan.time_s, step.T_map_robot});
     const auto map = mapping::currentMap(*step.method);
     map_width_m = map.columns * map.resolution_m;

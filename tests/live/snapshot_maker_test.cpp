@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "libslam/run/record.h"
-#include "libslam/run/resources.h"
+#include "libslam/core/resources.h"
+#include "libslam/record/record.h"
 
 namespace slam::live {
 namespace {
@@ -86,7 +86,7 @@ TEST(SnapshotMaker, KeepsAGoalThatNoStrategyChose) {
   SnapshotMaker maker("", "", {});
   maker.setGoal({3, 4});
   const auto scan = scanAt(100);
-  run::Step step{0, scan, {}, {}};
+  record::Step step{0, scan, {}, {}};
   step.note = "to the goal";
   maker.add(step);
   const auto snapshot = maker.snapshot(nullptr, false);
@@ -111,7 +111,7 @@ TEST(SnapshotMaker, ShowsTheStrategicDirectionsUpToTheirReadings) {
 }
 
 TEST(SnapshotMaker, ACarryBreaksTheTruePathAndIsSaid) {
-  const auto plan = world::loadPlan(run::resolvePlan("flat"));
+  const auto plan = world::loadPlan(core::resolvePlan("flat"));
   robot::LidarOptions lidar;
   lidar.beams = 21;
   sim::Simulator simulator(plan, {}, lidar, {}, {3, 3, 0}, 1);
@@ -141,7 +141,7 @@ TEST(SnapshotMaker, ShowsALoopOnlyOnceItWasClosed) {
 
 TEST(SnapshotMaker, AsksAMethodForItsMapOnlyWhenToldTo) {
   auto method = mapping::makeMapBuilder(
-      mapping::loadMethodConfig(run::configsFolder() + "/methods", "naive_wheel"), "naive_wheel", 1);
+      mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel"), "naive_wheel", 1);
   SnapshotMaker maker("", "", {});
   const auto step = [&](double time_s) {
     const auto scan = scanAt(100 + time_s);

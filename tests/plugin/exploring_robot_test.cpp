@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "libslam/core/error.h"
+#include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/run/resources.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/plugin/readings.h"
 
@@ -29,8 +29,8 @@ TEST(ExploringRobot, SensesWhatARecordingOfTheSameSeedHolds) {
   const std::string same = "plan = flat\nlidar = rplidar_a1\nstrategy = longest_ray\nseed = 7\n";
   auto options = read(same + "scans = 60\n");
   options.record.simulation.duration_s = 60 / options.record.lidar.rate_hz;
-  const auto plan = world::loadPlan(run::resolvePlan("flat"));
-  run::record(plan, options.record, 7, folder / "run.rawlog", {}, core::silentProgress());
+  const auto plan = world::loadPlan(core::resolvePlan("flat"));
+  record::record(plan, options.record, 7, folder / "run.rawlog", {}, core::silentProgress());
 
   logs::LogReader log(folder / "run.rawlog");
   ExploringRobot robot(options);

@@ -8,14 +8,14 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
+#include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/record/record.h"
 #include "libslam/run/build_map.h"
-#include "libslam/run/compare.h"
-#include "libslam/run/evaluate.h"
-#include "libslam/run/record.h"
-#include "libslam/run/resources.h"
+#include "libslam/score/compare.h"
+#include "libslam/score/evaluate.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -33,7 +33,8 @@ class TwoHalves : public ::testing::Test {
     ini.set("simulation", "duration_s", "40", "test");
     ini.set("lidar", "beams", "181", "test");
     const std::string whole = *folder_ / "whole.rawlog";
-    record(world::loadPlan(resolvePlan("flat")), readRecordConfig(ini), 1, whole, {}, core::silentProgress());
+    record::record(world::loadPlan(core::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole, {},
+                   core::silentProgress());
     logs::LogReader log(whole);
     logs::LogWriter first(*folder_ / "first.rawlog", logs::RawlogForm::kActionFrame);
     logs::LogWriter second(*folder_ / "second.rawlog", logs::RawlogForm::kActionFrame);
@@ -49,7 +50,7 @@ class TwoHalves : public ::testing::Test {
   }
   static core::Pose2 build(const std::string& method, const std::string& log,
                            const Continuation& continuation, const std::string& output = "") {
-    const auto config = mapping::loadMethodConfig(configsFolder() + "/methods", method);
+    const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", method);
     const std::string folder = *folder_ / (output.empty() ? log : output);
     buildMap(*folder_ / (log + ".rawlog"), config, method, 1, folder, true, {}, core::silentProgress(), false,
              continuation);
@@ -123,23 +124,23 @@ TEST_F(TwoHalves, MethodsThatCannotSaySo) {
 // Intel's stamps run back, so that the path through trajectory.tum, which is in the order of stamps, goes back and forth.
 TEST_F(TwoHalves, LengthAndEndAreThoseOfTheLogsOrder) {
   auto run = loadRun(*folder_ / "whole");
-  const auto as_run = evaluate(run, {});
+  const auto as_run = score::evaluate(run, {});
   std::swap(run.estimate[20].pose, run.estimate[90].pose);
   std::swap(run.estimate.front().pose, run.estimate.back().pose);
-  const auto shuffled = evaluate(run, {});
+  const auto shuffled = score::evaluate(run, {});
   EXPECT_EQ(shuffled.path_length_m, as_run.path_length_m);
   EXPECT_EQ(shuffled.end_pose.x, as_run.end_pose.x);
   EXPECT_NEAR(as_run.end_pose.x, whole_.x, 0.05);
   for (const char* key : {"path_length_m", "end.x_m"}) run.manifest.results.erase(key);
-  EXPECT_GT(evaluate(run, {}).path_length_m, as_run.path_length_m + 1);
+  EXPECT_GT(score::evaluate(run, {}).path_length_m, as_run.path_length_m + 1);
 }
 
 TEST_F(TwoHalves, ARunThatEndsLostHasItsFiguresAndANote) {
   auto run = loadRun(*folder_ / "whole");
   run.manifest.results["lost"] = "lost at scan 90 (18.0 s)";
-  const auto evaluation = evaluate(run, {});
+  const auto evaluation = score::evaluate(run, {});
   EXPECT_GT(evaluation.path_length_m, 1);
-  EXPECT_THAT(agreementTable({evaluation}, Detail::kShort).notes[1],
+  EXPECT_THAT(score::agreementTable({evaluation}, score::Detail::kShort).notes[1],
               HasSubstr("graph failed: lost at scan 90 (18.0 s)"));
 }
 
@@ -155,13 +156,13 @@ TEST_F(TwoHalves, AComparisonShowsTheFiguresOfARunThatEndsLost) {
                                 R"(echo '{"lost": "lost at scan 90"}')"
                                 "\nexit 4\n");
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);
-  CompareRequest request;
+  score::CompareRequest request;
   request.log_path = *folder_ / "whole.rawlog";
-  request.methods_folder = configsFolder() + "/methods";
+  request.methods_folder = core::configsFolder() + "/methods";
   request.methods = {"graph"};
   request.output = *folder_ / "compared";
   request.program = program;
-  const auto comparison = compare(request, {}, core::silentProgress());
+  const auto comparison = score::compare(request, {}, core::silentProgress());
   EXPECT_EQ(comparison.failed, 1);
   EXPECT_EQ(comparison.evaluations[0].failure, "lost at scan 90");
   EXPECT_LT(comparison.evaluations[0].trajectory.position_m.rmse, 0.1);

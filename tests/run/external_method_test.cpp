@@ -10,13 +10,14 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/manifest.h"
+#include "libslam/core/resources.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/trajectory_error.h"
-#include "libslam/run/compare.h"
-#include "libslam/run/record.h"
-#include "libslam/run/resources.h"
-#include "libslam/run/sweep_plan.h"
+#include "libslam/record/record.h"
+#include "libslam/run/build_map.h"
+#include "libslam/score/compare.h"
+#include "libslam/sweep/sweep_plan.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -115,7 +116,8 @@ class External : public ::testing::Test {
     core::IniFile ini;
     ini.set("simulation", "duration_s", "8", "test");
     ini.set("lidar", "beams", "181", "test");
-    record(world::loadPlan(resolvePlan("flat")), readRecordConfig(ini), 1, log(), {}, core::silentProgress());
+    record::record(world::loadPlan(core::resolvePlan("flat")), record::readRecordConfig(ini), 1, log(), {},
+                   core::silentProgress());
   }
   static void TearDownTestSuite() {
     delete folder_;
@@ -150,8 +152,9 @@ const std::string kWheels =
 TEST_F(External, AProgramIsAMethodWithARunFolderOfItsOwn) {
   const auto config = core::IniFile::load(method(kWheels, "[mapping]\nresolution_m = 0.1\n"));
   const auto run = buildMap(log(), config, "mine", 1, here_ / "out", false, {}, core::silentProgress());
-  const auto ours = buildMap(log(), mapping::loadMethodConfig(configsFolder() + "/methods", "naive_wheel"),
-                             "naive_wheel", 1, here_ / "wheels", false, {}, core::silentProgress());
+  const auto ours =
+      buildMap(log(), mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel"),
+               "naive_wheel", 1, here_ / "wheels", false, {}, core::silentProgress());
   ASSERT_EQ(run.estimate.size(), ours.estimate.size());
   EXPECT_NEAR(run.end.x, ours.end.x, 1e-6);
   EXPECT_NEAR(run.end.phi, ours.end.phi, 1e-6);
@@ -167,17 +170,17 @@ TEST_F(External, AProgramIsAMethodWithARunFolderOfItsOwn) {
 }
 
 TEST_F(External, IsARowOfAComparison) {
-  CompareRequest request;
+  score::CompareRequest request;
   request.log_path = log();
-  request.methods_folder = configsFolder() + "/methods";
+  request.methods_folder = core::configsFolder() + "/methods";
   request.methods = {method(kWheels), "naive_wheel"};
   request.output = here_ / "out";
-  const auto comparison = compare(request, {}, core::silentProgress());
+  const auto comparison = score::compare(request, {}, core::silentProgress());
   ASSERT_EQ(comparison.evaluations.size(), 2U);
   EXPECT_NEAR(comparison.evaluations[0].trajectory.position_m.rmse,
               comparison.evaluations[1].trajectory.position_m.rmse, 1e-5);
   request.resume = true;
-  EXPECT_EQ(compare(request, {}, core::silentProgress()).reused, 2);
+  EXPECT_EQ(score::compare(request, {}, core::silentProgress()).reused, 2);
 }
 
 TEST_F(External, ItsFilesAreAPartOfIt) {
@@ -204,20 +207,20 @@ TEST_F(External, ChangedFilesAreAnotherMethod) {
                               "awk '{ print $1, $2, $3, 0, 0, 0, sin($4 / 2), cos($4 / 2) }' $1 > $2" + end);
   };
   write("");
-  CompareRequest request;
+  score::CompareRequest request;
   request.log_path = log();
-  request.methods_folder = configsFolder() + "/methods";
+  request.methods_folder = core::configsFolder() + "/methods";
   request.methods = {method("sh {here}/slam.sh {scans} {output}")};
   request.output = here_ / "out";
   core::writeFileAtomically(here_ / "suite.ini", "[suite]\nworlds = flat\nmethods = mine.ini\nseeds = 1\n");
-  compare(request, {}, core::silentProgress());
-  const auto id = planSweep(here_ / "suite.ini").plan.runs.at(0).id;
+  score::compare(request, {}, core::silentProgress());
+  const auto id = sweep::planSweep(here_ / "suite.ini").plan.runs.at(0).id;
   request.resume = true;
-  EXPECT_EQ(compare(request, {}, core::silentProgress()).reused, 1);
-  EXPECT_EQ(planSweep(here_ / "suite.ini").plan.runs.at(0).id, id);
+  EXPECT_EQ(score::compare(request, {}, core::silentProgress()).reused, 1);
+  EXPECT_EQ(sweep::planSweep(here_ / "suite.ini").plan.runs.at(0).id, id);
   write("\n# mended\n");
-  EXPECT_EQ(compare(request, {}, core::silentProgress()).reused, 0);
-  EXPECT_NE(planSweep(here_ / "suite.ini").plan.runs.at(0).id, id);
+  EXPECT_EQ(score::compare(request, {}, core::silentProgress()).reused, 0);
+  EXPECT_NE(sweep::planSweep(here_ / "suite.ini").plan.runs.at(0).id, id);
 }
 
 TEST_F(External, SeesNoTruthAndWorksInAnEmptyFolder) {
@@ -290,8 +293,8 @@ TEST_F(External, AMisspeltConfigurationIsOneClearLine) {
 }
 
 TEST_F(External, EveryShippedOneIsSound) {
-  const std::string folder = configsFolder() + "/plugins";
-  const auto names = namesInFolder(folder, ".ini");
+  const std::string folder = core::configsFolder() + "/plugins";
+  const auto names = core::namesInFolder(folder, ".ini");
   EXPECT_GE(names.size(), 3U);
   for (const auto& name : names)
     EXPECT_EQ(readExternalMethod(core::IniFile::load(folder + "/" + name + ".ini"), name).folder, folder);
@@ -304,7 +307,9 @@ class Shipped : public External {
     return buildMap(log(), core::IniFile::load(config), name, 1, here_ / name, false, {},
                     core::silentProgress());
   }
-  static std::string plugin(const std::string& name) { return configsFolder() + "/plugins/" + name + ".ini"; }
+  static std::string plugin(const std::string& name) {
+    return core::configsFolder() + "/plugins/" + name + ".ini";
+  }
   static double error(const MapRun& run) {
     return metrics::trajectoryError(logs::readTum(*folder_ / "run.gt.tum"), run.estimate).position_m.rmse;
   }
@@ -314,7 +319,7 @@ TEST_F(Shipped, IcpSlamGivesThePathOfOurIcp) {
   if (!testing::programExists("icp-slam"))
     GTEST_SKIP() << "icp-slam (Debian package mrpt-apps) is not installed";
   const auto theirs = build(plugin("icp-slam"), "theirs");
-  const auto ours = build(configsFolder() + "/methods/icp.ini", "ours");
+  const auto ours = build(core::configsFolder() + "/methods/icp.ini", "ours");
   ASSERT_EQ(theirs.estimate.size(), ours.estimate.size());
   EXPECT_EQ(theirs.filled_poses, 0);
   // The program writes 4 decimals; the log's odometry is in single precision.

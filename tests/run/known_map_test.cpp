@@ -9,13 +9,13 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/resources.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/record/record.h"
 #include "libslam/run/build_map.h"
-#include "libslam/run/evaluate.h"
 #include "libslam/run/lost_time.h"
-#include "libslam/run/record.h"
-#include "libslam/run/resources.h"
+#include "libslam/score/evaluate.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 #include "libslam/world/ray_caster.h"
@@ -107,14 +107,14 @@ class InAGrid : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new testing::TempFolder;
-    const world::Plan plan = world::loadPlan(resolvePlan("flat"));
+    const world::Plan plan = world::loadPlan(core::resolvePlan("flat"));
     world::savePlan(plan, *folder_ / "flat.yaml");
     core::IniFile ini;
     ini.set("simulation", "duration_s", "30", "test");
     ini.set("lidar", "beams", "181", "test");
     for (const int seed : {1, 2})
-      record(plan, readRecordConfig(ini), static_cast<std::uint64_t>(seed),
-             *folder_ / ("drive" + std::to_string(seed) + ".rawlog"), {}, core::silentProgress());
+      record::record(plan, record::readRecordConfig(ini), static_cast<std::uint64_t>(seed),
+                     *folder_ / ("drive" + std::to_string(seed) + ".rawlog"), {}, core::silentProgress());
     build("drive1", {}, "map");
   }
   static void TearDownTestSuite() {
@@ -123,7 +123,7 @@ class InAGrid : public ::testing::Test {
   }
   static MapRun build(const std::string& log, const Continuation& continuation, const std::string& output) {
     return buildMap(*folder_ / (log + ".rawlog"),
-                    mapping::loadMethodConfig(configsFolder() + "/methods", "graph"), "graph", 1,
+                    mapping::loadMethodConfig(core::configsFolder() + "/methods", "graph"), "graph", 1,
                     *folder_ / output, true, {}, core::silentProgress(), false, continuation);
   }
   static core::Trajectory truthOf(const std::string& log) {
@@ -138,7 +138,7 @@ TEST_F(InAGrid, ThePosesAreThoseOfTheRosMapsFrame) {
   const auto run = build("drive2", {*folder_ / "flat.yaml", true, truth.front().pose}, "in_plan");
   ASSERT_TRUE(run.lost_share);
   EXPECT_EQ(*run.lost_share, 0);
-  const auto evaluation = evaluate(loadRun(*folder_ / "in_plan"), Truth{truth, {}, {}});
+  const auto evaluation = score::evaluate(loadRun(*folder_ / "in_plan"), score::Truth{truth, {}, {}});
   EXPECT_EQ(evaluation.align, metrics::Align::kNone);
   EXPECT_LT(evaluation.trajectory.position_m.max, 0.05);  // a cell of the plan
   EXPECT_EQ(evaluation.lost_share, 0);
@@ -153,9 +153,10 @@ TEST_F(InAGrid, SoInMrptsGrid) {
   build("drive2", {map, true, core::between(T_world_map, truth.front().pose)}, "in_grid");
   EXPECT_EQ(core::fileSha256(*folder_ / "in_grid/map.gridmap.gz"), core::fileSha256(map));
   const auto run = loadRun(*folder_ / "in_grid");
-  const Alignment alignment{metrics::Align::kNone, mapFrame(run.manifest, *folder_ / "drive1.gt.tum")};
+  const score::Alignment alignment{metrics::Align::kNone,
+                                   score::mapFrame(run.manifest, *folder_ / "drive1.gt.tum")};
   EXPECT_LT(core::distance(alignment.T_truth_map, T_world_map), 1e-9);
-  EXPECT_LT(evaluate(run, Truth{truth, {}, {}}, alignment).trajectory.position_m.rmse, 0.05);
+  EXPECT_LT(score::evaluate(run, score::Truth{truth, {}, {}}, alignment).trajectory.position_m.rmse, 0.05);
 }
 
 std::vector<JournalLine> journalOf(const std::vector<std::pair<double, std::string>>& events) {

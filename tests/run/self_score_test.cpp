@@ -8,14 +8,14 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
+#include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/record/record.h"
 #include "libslam/run/build_map.h"
-#include "libslam/run/evaluate.h"
-#include "libslam/run/record.h"
-#include "libslam/run/resources.h"
+#include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::run {
@@ -28,7 +28,7 @@ class SelfScoring : public ::testing::Test {
     core::IniFile ini;
     ini.set("simulation", "duration_s", "60", "test");
     ini.set("lidar", "beams", "181", "test");
-    record(plan_, readRecordConfig(ini), 1, log_, {}, core::silentProgress());
+    record::record(plan_, record::readRecordConfig(ini), 1, log_, {}, core::silentProgress());
     truth_ = logs::readTum(folder_ / "run.gt.tum");
   }
   SelfScore scoreOf(const core::Trajectory& path) const {
@@ -36,7 +36,7 @@ class SelfScoring : public ::testing::Test {
   }
 
   testing::TempFolder folder_;
-  world::Plan plan_ = world::loadPlan(resolvePlan("flat"));
+  world::Plan plan_ = world::loadPlan(core::resolvePlan("flat"));
   std::string log_ = folder_ / "run.rawlog";
   core::Trajectory truth_;
 };
@@ -67,29 +67,29 @@ TEST_F(SelfScoring, WantsOnePoseForEveryScan) {
 }
 
 TEST_F(SelfScoring, StandsInEveryRunAndInItsTable) {
-  const auto config = mapping::loadMethodConfig(configsFolder() + "/methods", "rbpf_exact");
+  const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "rbpf_exact");
   const auto run =
       buildMap(log_, config, "rbpf_exact", 1, folder_ / "out", false, {}, core::silentProgress());
   ASSERT_TRUE(run.final_estimate.has_value());
   const auto loaded = loadRun(folder_ / "out");
   ASSERT_TRUE(loaded.final_estimate.has_value());
   EXPECT_EQ(loaded.final_estimate->size(), loaded.estimate.size());
-  const auto evaluation = evaluate(loaded, std::nullopt);
+  const auto evaluation = score::evaluate(loaded, std::nullopt);
   EXPECT_GT(evaluation.on_wall_share, 0.8);
   EXPECT_GT(evaluation.wall_thickness_m, 0);
   EXPECT_LT(evaluation.wall_thickness_m, 0.1);
   EXPECT_GT(evaluation.structure.corners, 4U);
-  const auto table = agreementTable({evaluation}, Detail::kShort);
+  const auto table = score::agreementTable({evaluation}, score::Detail::kShort);
   for (size_t i = 1; i < table.columns.size(); ++i)
     EXPECT_EQ(std::isfinite(std::get<double>(table.rows[0][i])),
               table.columns[i].key != "agreement_m")  // nobody to agree with
         << table.columns[i].key;
-  EXPECT_GT(agreementTable({evaluation}, Detail::kFull).columns.size(), table.columns.size());
+  EXPECT_GT(score::agreementTable({evaluation}, score::Detail::kFull).columns.size(), table.columns.size());
 }
 
 // A run of another version, or an exploration, has no such figures: the table says so and the rest stands.
 TEST_F(SelfScoring, IsNotMissedWhereARunDoesNotHaveIt) {
-  const auto config = mapping::loadMethodConfig(configsFolder() + "/methods", "naive_wheel");
+  const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel");
   buildMap(log_, config, "naive_wheel", 1, folder_ / "out", false, {}, core::silentProgress());
   auto loaded = loadRun(folder_ / "out");
   EXPECT_FALSE(loaded.final_estimate.has_value());
@@ -97,7 +97,7 @@ TEST_F(SelfScoring, IsNotMissedWhereARunDoesNotHaveIt) {
   auto& results = loaded.manifest.results;
   for (auto it = results.begin(); it != results.end();)
     it = it->first.rfind("self.", 0) == 0 ? results.erase(it) : std::next(it);
-  const auto evaluation = evaluate(loaded, std::nullopt);
+  const auto evaluation = score::evaluate(loaded, std::nullopt);
   EXPECT_TRUE(std::isnan(evaluation.on_wall_share));
   EXPECT_TRUE(std::isnan(evaluation.mean_map_entropy));
   EXPECT_TRUE(std::isfinite(evaluation.path_length_m));
@@ -114,7 +114,7 @@ TEST_F(SelfScoring, ALogWhoseStampsRunBackGivesAPathInTheOrderOfTheStamps) {
     writer.write(*entry);
   }
   writer.close();
-  const auto config = mapping::loadMethodConfig(configsFolder() + "/methods", "naive_wheel");
+  const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel");
   const auto run =
       buildMap(shuffled, config, "naive_wheel", 1, folder_ / "out", false, {}, core::silentProgress());
   const auto byStamp = [](const auto& a, const auto& b) { return a.time_s < b.time_s; };

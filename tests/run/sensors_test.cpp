@@ -6,14 +6,15 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/record/record.h"
+#include "libslam/record/truth_files.h"
 #include "libslam/run/build_map.h"
-#include "libslam/run/compare.h"
-#include "libslam/run/evaluate.h"
 #include "libslam/run/log_feed.h"
-#include "libslam/run/record.h"
-#include "libslam/run/resources.h"
+#include "libslam/score/compare.h"
+#include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::run {
@@ -28,8 +29,8 @@ core::IniFile configOf(const std::vector<std::string>& settings) {
 }
 
 void simulate(const std::vector<std::string>& settings, const std::string& log) {
-  record(world::loadPlan(resolvePlan("flat")), readRecordConfig(configOf(settings)), 1, log, {},
-         core::silentProgress());
+  record::record(world::loadPlan(core::resolvePlan("flat")), record::readRecordConfig(configOf(settings)), 1,
+                 log, {}, core::silentProgress());
 }
 
 struct Run {
@@ -40,13 +41,14 @@ struct Run {
 
 Run runOf(const std::string& method, const std::string& log, const std::string& folder,
           const std::vector<std::string>& settings = {}) {
-  auto config = mapping::loadMethodConfig(configsFolder() + "/methods", method);
+  auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", method);
   for (const auto& setting : settings) config.setFromArgument(setting, "test");
   Run run;
   run.map = buildMap(log, config, method, 1, folder, true, {}, core::silentProgress(), false);
   const auto loaded = loadRun(folder);
   run.results = loaded.manifest.results;
-  run.ate_m = evaluate(loaded, loadTruth(findTruth(log), "", loaded)).final_trajectory.position_m.rmse;
+  run.ate_m = score::evaluate(loaded, score::loadTruth(record::findTruth(log), "", loaded))
+                  .final_trajectory.position_m.rmse;
   return run;
 }
 
@@ -139,7 +141,7 @@ TEST_F(TwoLidars, EveryMethodTakesThem) {
 TEST_F(TwoLidars, BadMountingsAreRefused) {
   const auto refusal = [](const std::vector<std::string>& settings) -> std::string {
     try {
-      readRecordConfig(configOf(settings));
+      record::readRecordConfig(configOf(settings));
     } catch (const core::InputError& error) {
       return error.what();
     }

@@ -7,15 +7,15 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/record/record.h"
 #include "libslam/run/build_map.h"
-#include "libslam/run/compare.h"
-#include "libslam/run/evaluate.h"
-#include "libslam/run/record.h"
-#include "libslam/run/resources.h"
+#include "libslam/score/compare.h"
+#include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::run {
@@ -35,7 +35,8 @@ class BrokenOdometry : public ::testing::Test {
     ini.set("simulation", "duration_s", "20", "test");
     ini.set("lidar", "beams", "181", "test");
     const std::string whole = *folder_ / "whole.rawlog";
-    record(world::loadPlan(resolvePlan("flat")), readRecordConfig(ini), 1, whole, {}, core::silentProgress());
+    record::record(world::loadPlan(core::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole, {},
+                   core::silentProgress());
     logs::LogReader log(whole);
     logs::LogWriter bad(*folder_ / "bad.rawlog", logs::RawlogForm::kActionFrame);
     logs::LogWriter first(*folder_ / "first.rawlog", logs::RawlogForm::kActionFrame);
@@ -53,7 +54,7 @@ class BrokenOdometry : public ::testing::Test {
   }
   static MapRun build(const std::string& method, const std::string& log, const std::string& output,
                       core::Progress& progress = core::silentProgress(), bool keep_partial = false) {
-    const auto config = mapping::loadMethodConfig(configsFolder() + "/methods", method);
+    const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", method);
     return buildMap(*folder_ / (log + ".rawlog"), config, method, 1, *folder_ / output, true, {}, progress,
                     false, {}, nullptr, keep_partial);
   }
@@ -87,12 +88,12 @@ TEST_F(BrokenOdometry, WhatWasMappedBeforeIsKept) {
 }
 
 TEST_F(BrokenOdometry, AComparisonHasARowThatSaysWhereAndKeepsTheFolder) {
-  CompareRequest request;
+  score::CompareRequest request;
   request.log_path = *folder_ / "bad.rawlog";
-  request.methods_folder = configsFolder() + "/methods";
+  request.methods_folder = core::configsFolder() + "/methods";
   request.methods = {"naive_wheel", "icp"};
   request.output = *folder_ / "compared";
-  const auto comparison = compare(request, {}, core::silentProgress());
+  const auto comparison = score::compare(request, {}, core::silentProgress());
   EXPECT_EQ(comparison.failed, 2);
   EXPECT_THAT(comparison.evaluations[1].failure, HasSubstr("at scan 60 (12.0 s): "));
   EXPECT_TRUE(std::isnan(comparison.evaluations[1].path_length_m));
@@ -101,7 +102,7 @@ TEST_F(BrokenOdometry, AComparisonHasARowThatSaysWhereAndKeepsTheFolder) {
 }
 
 TEST_F(BrokenOdometry, AMapThatCannotBeDrawnLeavesItsPathAndKeyFrames) {
-  auto config = mapping::loadMethodConfig(configsFolder() + "/methods", "graph");
+  auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "graph");
   config.setFromArgument("mapping.max_map_cells=10000", "test");
   const auto run = buildMap(*folder_ / "first.rawlog", config, "graph", 1, *folder_ / "undrawn", true, {},
                             core::silentProgress(), false);

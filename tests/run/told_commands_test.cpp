@@ -7,10 +7,10 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/resources.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/record/record.h"
 #include "libslam/run/build_map.h"
-#include "libslam/run/record.h"
-#include "libslam/run/resources.h"
 #include "libslam/sim/operation_log.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -19,8 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-RecordConfig originalRobot(double duration_s) {
-  auto config = readRecordConfig(core::IniFile::load(configsFolder() + "/lidars/thesis_360.ini"));
+record::RecordConfig originalRobot(double duration_s) {
+  auto config =
+      record::readRecordConfig(core::IniFile::load(core::configsFolder() + "/lidars/thesis_360.ini"));
   config.simulation.duration_s = duration_s;
   return config;
 }
@@ -28,10 +29,11 @@ RecordConfig originalRobot(double duration_s) {
 class ToldCommands : public ::testing::Test {
  protected:
   void SetUp() override {
-    record(world::loadPlan(resolvePlan("flat")), originalRobot(60), 7, log_, {}, core::silentProgress());
+    record::record(world::loadPlan(core::resolvePlan("flat")), originalRobot(60), 7, log_, {},
+                   core::silentProgress());
   }
   MapRun run(const std::string& method, const std::string& name) {
-    return buildMap(log_, mapping::loadMethodConfig(configsFolder() + "/methods", method), method, 7,
+    return buildMap(log_, mapping::loadMethodConfig(core::configsFolder() + "/methods", method), method, 7,
                     folder_ / name, false, {}, core::silentProgress());
   }
   /// Root mean square of the distances, from the true start.
@@ -89,16 +91,16 @@ TEST_F(ToldCommands, RefuseTheOperationLogOfALongerLog) {
 /// The operations that a drive by hand leaves: standing, both keys held, ahead, and two commands of the same kind.
 TEST(OperationsOfADrive, HoldMovesTurnsAndArcsAndNoRest) {
   const testing::TempFolder folder;
-  const std::vector<Order> orders = {
-      robot::Command{0, 0, 0.2},  robot::Command{0.2, 0.4, 0.2}, robot::Command{0.2, 0.4, 0.2},
-      robot::Command{0, 0, 0.2},  robot::Command{0.3, 0, 0.2},   robot::Command{0.3, 0, 0.2},
-      Order({0.3, 0, 0.2}, true), Order({0.3, 0, 0.2}, true),    robot::Command{0, -0.5, 0.2}};
+  const std::vector<record::Order> orders = {
+      robot::Command{0, 0, 0.2},          robot::Command{0.2, 0.4, 0.2},      robot::Command{0.2, 0.4, 0.2},
+      robot::Command{0, 0, 0.2},          robot::Command{0.3, 0, 0.2},        robot::Command{0.3, 0, 0.2},
+      record::Order({0.3, 0, 0.2}, true), record::Order({0.3, 0, 0.2}, true), robot::Command{0, -0.5, 0.2}};
   size_t next = 0;
   const auto commander = [&](const sim::Sensed&) {
-    return next < orders.size() ? std::optional<Order>(orders[next++]) : std::nullopt;
+    return next < orders.size() ? std::optional<record::Order>(orders[next++]) : std::nullopt;
   };
-  recordCommands(world::loadPlan(resolvePlan("flat")), originalRobot(60), 1, folder / "run.rawlog", {},
-                 core::silentProgress(), commander);
+  record::recordCommands(world::loadPlan(core::resolvePlan("flat")), originalRobot(60), 1,
+                         folder / "run.rawlog", {}, core::silentProgress(), commander);
   const auto operations =
       sim::parseOperations(core::readTextFile(folder / "run.operations.txt"), "run.operations.txt");
   const std::vector<std::tuple<char, int, int>> expected = {

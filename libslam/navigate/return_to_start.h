@@ -1,0 +1,28 @@
+#pragma once
+#include <optional>
+
+#include "libslam/navigate/free_space.h"
+#include "libslam/navigate/strategy.h"
+
+namespace slam::navigate {
+
+/// Drives to the origin of the map, where the first scan was taken, along the shortest way through what the
+/// map calls free; finished there, or when the map knows no way. Knows no more than any other strategy.
+class ReturnToStart : public navigate::Strategy {
+ public:
+  ReturnToStart(const navigate::StrategyOptions& options, const robot::RobotOptions& robot)
+      : options_(options), robot_(robot) {}
+  navigate::Decision decide(const robot::Scan& scan, const core::Pose2& T_map_robot) override;
+  bool needsMap() const override { return true; }
+  void seeMap(const gridmap::OccupancyRaster& map) override { space_ = navigate::readFreeSpace(map); }
+  bool drivesByDisc() const override { return true; }
+
+ private:
+  navigate::StrategyOptions options_;
+  robot::RobotOptions robot_;
+  std::optional<navigate::FreeSpace> space_;
+};
+/// This near it is back.
+inline constexpr double kBackAtStart_m = 0.3;
+
+}  // namespace slam::navigate

@@ -1,0 +1,35 @@
+#include "libslam/record/collision_file.h"
+
+#include <cstdio>
+
+#include "libslam/record/number_rows.h"
+
+namespace slam::record {
+namespace {
+
+constexpr const char* kCollisionsHeader = "time_s,x_m,y_m,heading_rad";
+
+}  // namespace
+
+std::string collisionsCsv(const std::vector<sim::Collision>& collisions) {
+  std::string text = std::string(kCollisionsHeader) + "\n";
+  for (const auto& [time_s, pose] : collisions) {
+    char line[200];
+    std::snprintf(line, sizeof line, "%.3f,%.3f,%.3f,%.4f\n", time_s, pose.x, pose.y, pose.phi);
+    text += line;
+  }
+  return text;
+}
+
+std::string collisionsPath(const std::string& log_or_truth_path) {
+  return besideLog(log_or_truth_path, ".collisions.csv");
+}
+
+std::vector<sim::Collision> readCollisions(const std::string& path) {
+  std::vector<sim::Collision> collisions;
+  for (const auto& row : readNumberRows(path, kCollisionsHeader))
+    collisions.push_back({row[0], {row[1], row[2], row[3]}});
+  return collisions;
+}
+
+}  // namespace slam::record

@@ -1,0 +1,181 @@
+#include "libslam/record/recorder.h"
+
+#include <chrono>
+#include <filesystem>
+#include <optional>
+
+#include "libslam/core/files.h"
+#include "libslam/logs/log_writer.h"
+#include "libslam/logs/trajectory_io.h"
+#include "libslam/odometry/scan_odometry.h"
+#include "libslam/record/carry_file.h"
+#include "libslam/record/collision_file.h"
+#include "libslam/record/movers_log.h"
+#include "libslam/sim/operation_log.h"
+
+namespace slam::record {
+namespace {
+
+logs::LogEntry toLogEntry(const sim::Sensed& sensed) {
+  logs::LogEntry entry{sensed.scan, sensed.T_odom_robot, sensed.T_previous_robot, true};
+  entry.sweep = sensed.sweep;
+  for (const auto& other : sensed.others) entry.others.push_back({other.label, other.scan, other.sweep});
+  return entry;
+}
+
+sim::Operation toOperation(robot::MotionKind kind, const odometry::ScanMotion& motion) {
+  if (kind == robot::MotionKind::kTurn) return {'t', motion.turn_reading_rad};
+  const bool is_arc = kind == robot::MotionKind::kArc;
+  return {is_arc ? 'a' : 'm', motion.rear_reading_m, motion.front_reading_m,
+          is_arc ? motion.turn_reading_rad : 0};
+}
+
+std::unique_ptr<odometry::ScanOdometry> originalOdometry() {
+  odometry::ScanOdometryOptions original;
+  original.method = "argmax";
+  return odometry::makeScanOdometry(original);
+}
+
+}  // namespace
+
+struct Recorder::State {
+  State(const std::string& path, const RecordConfig& record_config)
+      : log_path(path),
+        config(record_config),
+        log(path, record_config.simulation.log_form == "action" ? logs::RawlogForm::kActionFrame
+                                                                : logs::RawlogForm::kObservationOnly),
+        tum(logStem(path) + ".gt.tum", logs::TrajectoryWriter::Format::kTum),
+        mrpt_truth(path + ".GT.txt", logs::TrajectoryWriter::Format::kMrptGroundTruth),
+        operations(logStem(path) + ".operations.txt") {}
+
+  void addTruth(const sim::Simulator& simulator) {
+    const core::StampedPose pose{simulator.time_s(), simulator.truth()};
+    tum.write(pose);
+    mrpt_truth.write(pose);
+    if (scans++ == 0) first_time_s = pose.time_s;
+    driven.add(pose.pose, simulator.carries());
+  }
+
+  /// The command that led to the newest scan, which is not counted yet.
+  void addOperation(const robot::Commanded& commanded, const robot::Scan& scan) {
+    const auto motion = scan_odometry->update(scan, commanded);
+    if (!commanded.continues) endOperation();
+    if (commanded.kind == robot::MotionKind::kRest) return;
+    const auto scan_before = operation ? operation->scan_before : scans - 1;
+    operation = toOperation(commanded.kind, motion);
+    operation->scan_before = scan_before;
+    operation->scan_after = scans;
+  }
+
+  void endOperation() {
+    if (operation) operations.append(sim::formatOperation(*operation));
+    operation.reset();
+  }
+
+  std::string log_path;
+  RecordConfig config;
+  logs::LogWriter log;
+  std::unique_ptr<odometry::ScanOdometry> scan_odometry = originalOdometry();
+  logs::TrajectoryWriter tum, mrpt_truth;
+  core::GrowingFile operations;
+  robot::CommandSeries commands;
+  std::optional<sim::Operation> operation;  ///< the command that is under way
+  size_t scans = 0;
+  double first_time_s = 0;
+  sim::DrivenPath driven;
+  std::optional<MoversLog> movers;
+  std::chrono::steady_clock::time_point wall_start = std::chrono::steady_clock::now();
+};
+
+Recorder::Recorder(const std::string& log_path, const RecordConfig& config)
+    : state_(std::make_unique<State>(log_path, config)) {}
+
+Recorder::~Recorder() = default;
+
+void Recorder::begin(const sim::Simulator& simulator, const sim::Sensed& sensed) {
+  state_->scan_odometry->update(sensed.scan);
+  state_->log.write(toLogEntry(sensed));
+  state_->addTruth(simulator);
+  if (!simulator.scene().isAlive()) return;
+  state_->movers.emplace(logStem(state_->log_path) + ".movers.csv");
+  state_->movers->add(simulator);
+}
+
+void Recorder::add(const robot::Command& command, const sim::Simulator& simulator, const sim::Sensed& sensed,
+                   bool is_whole) {
+  state_->addOperation(state_->commands.next(command, is_whole), sensed.scan);
+  state_->log.write(toLogEntry(sensed));
+  state_->addTruth(simulator);
+  if (state_->movers) state_->movers->add(simulator);
+}
+
+Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, core::Manifest manifest) {
+  State& state = *state_;
+  Recording recording;
+  const std::string stem = logStem(state.log_path);
+  state.log.close();
+  state.tum.close();
+  state.mrpt_truth.close();
+  state.endOperation();
+  state.operations.commit();
+  recording.collisions = simulator.collisions();
+  recording.scans = state.scans;
+  recording.duration_s = simulator.time_s() - state.first_time_s;
+  recording.path_length_m = state.driven.length_m();
+  recording.files = {state.log_path, state.log_path + ".GT.txt", stem + ".gt.tum", stem + ".operations.txt",
+                     stem + ".manifest.json"};
+  if (state.movers) state.movers->commit(), recording.files.push_back(stem + ".movers.csv");
+  const std::string collisions_path = collisionsPath(state.log_path);
+  if (!recording.collisions.empty()) {
+    core::writeFileAtomically(collisions_path, collisionsCsv(recording.collisions));
+    recording.files.push_back(collisions_path);
+  } else {
+    std::filesystem::remove(collisions_path);  // of the recording that this one replaces
+  }
+  recording.carries = simulator.carries();
+  recording.carries_left = simulator.waitingCarries();
+  const std::string carries_path = carriesPath(state.log_path);
+  if (!recording.carries.empty()) {
+    core::writeFileAtomically(carries_path, carriesCsv(recording.carries));
+    recording.files.push_back(carries_path);
+  } else {
+    std::filesystem::remove(carries_path);
+  }
+  const bool is_later_visit = state.config.living.visit > 1;
+  if (is_later_visit) {
+    world::savePlan(simulator.scene().planWithDoorsOpen(), stem + ".plan.yaml");
+    recording.files.push_back(stem + ".plan.yaml");
+  }
+
+  manifest.seed = seed;
+  for (const auto& line : state.config.parameters)
+    manifest.config[line.section + "." + line.info.key] = line.value;
+  const auto name = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
+  manifest.files[name(state.log_path)] = "MRPT rawlog: RawLogViewer, rawlog-edit, icp-slam, rasterslam run";
+  manifest.files[name(state.log_path) + ".GT.txt"] =
+      "truth, MRPT's text form, relative to the start: graphslam-engine -g";
+  manifest.files[name(stem) + ".gt.tum"] = "truth, TUM form, world frame: rasterslam eval --truth, evo";
+  manifest.files[name(stem) + ".operations.txt"] =
+      "operation log: m rear front (metres), t angle (radians) or a rear front angle; scans before and after";
+  if (state.movers)
+    manifest.files[name(stem) + ".movers.csv"] =
+        "truth: where people and doors that move were at every scan (time, kind, id, place, heading, state)";
+  if (!recording.collisions.empty())
+    manifest.files[name(collisions_path)] = "truth: when and where a wall or a person cut a command short";
+  if (!recording.carries.empty())
+    manifest.files[name(carries_path)] = "truth: when the robot was kidnapped, from where and where to";
+  if (is_later_visit)
+    manifest.files[name(stem) + ".plan.yaml"] =
+        "true plan of this visit, furniture moved: rasterslam eval --plan";
+  manifest.results["scans"] = std::to_string(recording.scans);
+  manifest.results["duration_s"] = core::formatNumber(recording.duration_s);
+  manifest.results["path_length_m"] = core::formatNumber(recording.path_length_m);
+  manifest.results["collisions"] = std::to_string(recording.collisions.size());
+  if (!recording.carries.empty()) manifest.results["carries"] = std::to_string(recording.carries.size());
+  manifest.times_s["simulation"] =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - state.wall_start).count();
+  core::writeManifest(manifest, stem + ".manifest.json");
+  return recording;
+}
+
+}  // namespace slam::record

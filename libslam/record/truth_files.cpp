@@ -1,0 +1,40 @@
+#include "libslam/record/truth_files.h"
+
+#include <filesystem>
+
+#include "libslam/core/files.h"
+#include "libslam/core/manifest.h"
+#include "libslam/logs/convert.h"
+#include "libslam/record/record.h"
+
+namespace slam::record {
+namespace fs = std::filesystem;
+
+std::string findTruth(const std::string& log_path) {
+  for (const auto& path :
+       {logStem(log_path) + ".gt.tum", logs::logStem(log_path) + ".truth.tum", log_path + ".GT.txt"})
+    if (fs::exists(path)) return path;
+  return "";
+}
+
+std::string findPlan(const std::string& log_path) {
+  const std::string path = logStem(log_path) + ".manifest.json";
+  if (!fs::exists(path)) return "";
+  const auto manifest = core::readManifest(path);
+  std::string own = logStem(log_path) + ".plan.yaml";
+  if (manifest.files.count(fs::path(own).filename().string()) > 0 && fs::exists(own)) return own;
+  for (const auto& [input, hash] : manifest.inputs)
+    if (fs::exists(input) && core::fileSha256(input) == hash) return input;
+  return "";
+}
+
+TruthFiles truthFiles(const std::string& log_path, const std::string& given_trajectory,
+                      const std::string& given_plan) {
+  TruthFiles files{given_trajectory.empty() ? findTruth(log_path) : given_trajectory,
+                   given_plan.empty() ? findPlan(log_path) : given_plan};
+  // MRPT's own form of the truth starts at the origin: it cannot be laid on the plan.
+  if (fs::path(files.trajectory).extension() != ".tum") files.plan.clear();
+  return files;
+}
+
+}  // namespace slam::record

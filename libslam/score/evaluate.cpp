@@ -1,0 +1,384 @@
+#include "libslam/score/evaluate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+
+#include "libslam/core/error.h"
+#include "libslam/core/parameters.h"
+#include "libslam/core/resources.h"
+#include "libslam/logs/trajectory_io.h"
+#include "libslam/run/lost_time.h"
+#include "libslam/stats/consistency.h"
+
+namespace slam::score {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr metrics::ErrorStatistics kNoStatistics{0, kNan, kNan, kNan, kNan, kNan};
+
+/// Median over the other methods of the ATE between two estimates: small when a method tells the same story.
+double agreementWithOthers(const std::vector<run::RunFolder>& runs, size_t index) {
+  std::vector<double> errors;
+  for (size_t i = 0; i < runs.size(); ++i)
+    if (i != index && !runs[i].estimate.empty() && !runs[index].estimate.empty())
+      errors.push_back(metrics::trajectoryError(runs[i].estimate, runs[index].estimate).position_m.rmse);
+  if (errors.empty()) return kNan;
+  std::sort(errors.begin(), errors.end());
+  const size_t half = errors.size() / 2;
+  return errors.size() % 2 ? errors[half] : (errors[half - 1] + errors[half]) / 2;
+}
+
+}  // namespace
+
+Truth loadTruth(const std::string& truth_path, const std::string& plan_path, const run::RunFolder& lidar_of) {
+  Truth truth;
+  truth.trajectory = logs::readTrajectory(truth_path);
+  if (plan_path.empty()) return truth;
+  truth.plan = world::loadPlan(plan_path);
+  const auto lidar = [&](const std::string& key) {
+    return run::resultOf(lidar_of.manifest, "lidar." + key, lidar_of.path);
+  };
+  truth.seen = metrics::seenCells(
+      *truth.plan, truth.trajectory, {lidar("mount_x_m"), lidar("mount_y_m"), lidar("mount_yaw_rad")},
+      lidar("first_angle_rad"), lidar("step_rad"), static_cast<int>(lidar("beams")), lidar("max_range_m"));
+  return truth;
+}
+
+Evaluation failedEvaluation(const std::string& method, const std::string& why) {
+  Evaluation e;
+  e.method = method;
+  e.failure = why;
+  e.trajectory = e.final_trajectory = {kNoStatistics, kNoStatistics, {}, 0};
+  e.per_metre = e.per_second = {kNoStatistics, kNoStatistics};
+  e.map = {kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
+  e.anees = e.within_50_share = e.within_95_share = kNan;
+  e.anees_final = e.within_50_share_final = e.within_95_share_final = kNan;
+  e.cost = {kNan, kNan, kNan, kNan};
+  e.path_length_m = e.map_mean_entropy_bits = e.agreement_m = e.lost_share = kNan;
+  e.structure = {kNan, 0, 0};
+  e.mean_map_entropy = e.wall_thickness_m = e.on_wall_share = e.through_wall_share = kNan;
+  e.end_pose = {kNan, kNan, kNan};
+  return e;
+}
+
+namespace {
+
+void judgeCovariances(const run::RunFolder& run, const Truth& truth, const Alignment& alignment,
+                      Evaluation& e) {
+  std::optional<core::Pose2> T_world_map;
+  if (alignment.how == metrics::Align::kNone) T_world_map = alignment.T_truth_map;
+  constexpr int kPoseDegreesOfFreedom = 3;
+  if (!run.covariances.empty())
+    if (const auto online =
+            stats::consistency({run::poseNees(truth.trajectory, run.estimate, run.covariances, T_world_map)},
+                               kPoseDegreesOfFreedom)) {
+      e.anees = online->anees.value;
+      e.within_50_share = online->coverage50.value;
+      e.within_95_share = online->coverage95.value;
+    }
+  if (!run.final_covariances.empty())
+    if (const auto in_the_end = stats::consistency(
+            {run::poseNees(truth.trajectory, *run.final_estimate, run.final_covariances, T_world_map)},
+            kPoseDegreesOfFreedom)) {
+      e.anees_final = in_the_end->anees.value;
+      e.within_50_share_final = in_the_end->coverage50.value;
+      e.within_95_share_final = in_the_end->coverage95.value;
+    }
+}
+
+}  // namespace
+
+Alignment alignmentOf(const core::Manifest& manifest) {
+  Alignment alignment;
+  if (manifest.results.count("localised_in") > 0) alignment.how = metrics::Align::kNone;
+  return alignment;
+}
+
+core::Pose2 mapFrame(const core::Manifest& manifest, const std::string& map_truth_path) {
+  const auto map = manifest.results.find("localised_in");
+  if (map == manifest.results.end())
+    throw core::InputError(
+        "--map-truth: the run was not localised in a map, expected one of 'run --localise'");
+  // The map may be a file of the run that made it.
+  const std::filesystem::path place(map->second);
+  const std::string folder =
+      std::filesystem::is_directory(place) ? map->second : place.parent_path().string();
+  const auto estimate = logs::readTum(folder + "/trajectory.tum");
+  const auto error =
+      metrics::trajectoryError(logs::readTrajectory(map_truth_path), estimate, metrics::Align::kFirst);
+  if (error.position_m.count == 0)
+    throw core::InputError(map_truth_path + ": no stamp in common with " + folder +
+                           "/trajectory.tum, expected the truth of the log that the map was made of");
+  return error.T_truth_estimate;
+}
+
+Evaluation evaluate(const run::RunFolder& run, const std::optional<Truth>& truth,
+                    const std::optional<Alignment>& given) {
+  const Alignment alignment = given.value_or(alignmentOf(run.manifest));
+  Evaluation e = failedEvaluation(run.method, "");
+  // The gravest last.
+  for (const char* event : {"lost", "interrupted", "failed"}) {
+    const auto found = run.manifest.results.find(event);
+    if (found != run.manifest.results.end()) e.failure = found->second;
+  }
+  e.cost = run.cost;
+  e.align = alignment.how;
+  e.lost_share = run::resultIfThere(run.manifest, "lost_share");
+  e.path_length_m = run::resultIfThere(run.manifest, "path_length_m");
+  e.end_pose = {run::resultIfThere(run.manifest, "end.x_m"), run::resultIfThere(run.manifest, "end.y_m"),
+                run::resultIfThere(run.manifest, "end.yaw_rad")};
+  // A run that was not made by buildMap() does not say them.
+  if (std::isnan(e.path_length_m)) e.path_length_m = core::pathLength(run.estimate);
+  if (!core::isFinite(e.end_pose) && !run.estimate.empty()) e.end_pose = run.estimate.back().pose;
+  e.map_mean_entropy_bits = run::resultOf(run.manifest, "map_mean_entropy_bits", run.path);
+  e.structure = metrics::mapStructure(run.map);
+  e.mean_map_entropy = run::resultIfThere(run.manifest, "self.mean_map_entropy");
+  e.wall_thickness_m = run::resultIfThere(run.manifest, "self.wall_thickness_m");
+  e.on_wall_share = run::resultIfThere(run.manifest, "self.on_wall_share");
+  e.through_wall_share = run::resultIfThere(run.manifest, "self.through_wall_share");
+  if (!truth) return e;
+  std::vector<run::LostSpan> lost;
+  if (run.manifest.results.count("localised_in") && std::filesystem::exists(run.path + "/journal.csv") &&
+      !run.estimate.empty())
+    lost = run::lostSpans(run::readJournal(run.path + "/journal.csv"),
+                          run.estimate.back().time_s - run.estimate.front().time_s);
+  const auto errorOf = [&](const core::Trajectory& estimate) {
+    return metrics::trajectoryError(truth->trajectory, run::whileNotLost(estimate, lost), alignment.how,
+                                    alignment.T_truth_map);
+  };
+  e.trajectory = errorOf(run.estimate);
+  e.final_trajectory = run.final_estimate ? errorOf(*run.final_estimate) : e.trajectory;
+  e.per_metre = metrics::relativeErrorOverDistance(truth->trajectory, run.estimate, 1.0);
+  e.per_second = metrics::relativeErrorOverTime(truth->trajectory, run.estimate, 1.0);
+  judgeCovariances(run, *truth, alignment, e);
+  if (truth->plan && truth->seen)
+    e.map = metrics::scoreMap(*truth->plan, *truth->seen, run.map, e.final_trajectory.T_truth_estimate,
+                              kWallTolerance_m);
+  return e;
+}
+
+namespace {
+
+/// A count of a map that has cells; a failed method has none.
+double countOf(const Evaluation& e, std::size_t count) {
+  return std::isnan(e.structure.occupied_share) ? kNan : static_cast<double>(count);
+}
+
+}  // namespace
+
+const std::vector<MetricInfo>& metricInfos() {
+  using E = Evaluation;
+  constexpr auto kSmaller = stats::Better::kSmaller, kLarger = stats::Better::kLarger;
+  constexpr auto kNeither = std::nullopt;
+  static const std::vector<MetricInfo> infos = {
+      {"ate_rmse_m", "ATE online m",
+       "absolute trajectory error of the path given online: position after SE(2) least-squares alignment, no "
+       "scale; a run localised in a known map is not aligned",
+       3, [](const E& e) { return e.trajectory.position_m.rmse; }},
+      {"ate_final_m", "ATE final m", "the same for the final path; equal where the method corrects nothing",
+       3, [](const E& e) { return e.final_trajectory.position_m.rmse; }},
+      {"ate_max_m", "max m", "largest such error", 3, [](const E& e) { return e.trajectory.position_m.max; }},
+      {"heading_rmse_deg", "head. deg", "root mean square heading error after the same alignment", 2,
+       [](const E& e) { return core::radToDeg(e.trajectory.heading_rad.rmse); }},
+      {"rpe_1m_m", "RPE m/m", "relative pose error over 1 m of true path, translation, rmse", 3,
+       [](const E& e) { return e.per_metre.translation_m.rmse; }},
+      {"rpe_1m_deg", "RPE deg/m", "relative pose error over 1 m of true path, rotation, rmse", 2,
+       [](const E& e) { return core::radToDeg(e.per_metre.rotation_rad.rmse); }},
+      {"rpe_1s_m", "RPE m/s", "relative pose error over 1 s, translation, rmse", 3,
+       [](const E& e) { return e.per_second.translation_m.rmse; }},
+      {"rpe_1s_deg", "RPE deg/s", "relative pose error over 1 s, rotation, rmse", 2,
+       [](const E& e) { return core::radToDeg(e.per_second.rotation_rad.rmse); }},
+      {"wall_f1", "wall F1",
+       "estimated against true walls within 0.10 m: harmonic mean of precision and recall", 3,
+       [](const E& e) { return e.map.occupied_f1; }, kLarger},
+      {"wall_precision", "wall prec.", "share of the estimated walls within 0.10 m of a true one", 3,
+       [](const E& e) { return e.map.occupied_precision; }, kLarger},
+      {"wall_recall", "wall rec.",
+       "share of the true walls that could be seen within 0.10 m of an estimated one", 3,
+       [](const E& e) { return e.map.occupied_recall; }, kLarger},
+      {"free_iou", "free IoU",
+       "free space: intersection over union with the true free space that could be seen", 3,
+       [](const E& e) { return e.map.free_iou; }, kLarger},
+      {"wall_p50_m", "wall p50 m", "median distance from estimated walls to the nearest true wall", 3,
+       [](const E& e) { return e.map.wall_to_truth_p50_m; }},
+      {"wall_p95_m", "wall p95 m", "95th percentile of the same", 3,
+       [](const E& e) { return e.map.wall_to_truth_p95_m; }},
+      {"missed_p50_m", "missed p50 m",
+       "median distance from true walls that could be seen to the nearest estimated one", 3,
+       [](const E& e) { return e.map.truth_to_wall_p50_m; }},
+      {"missed_p95_m", "missed p95 m", "95th percentile of the same", 3,
+       [](const E& e) { return e.map.truth_to_wall_p95_m; }},
+      {"known_share", "known", "share of the region that could be seen of which the map claims to know", 3,
+       [](const E& e) { return e.map.known_share; }, kLarger},
+      {"anees", "ANEES",
+       "error of the pose given online (no alignment: the start is known) against the method's own "
+       "covariance, squared, over 3 and averaged: 1 is consistent, above 1 overconfident, below 1 "
+       "conservative",
+       2, [](const E& e) { return e.anees; }, kNeither},
+      {"within_50_share", "in 50 %", "share of the poses within the ellipsoid that should hold half of them",
+       3, [](const E& e) { return e.within_50_share; }, kNeither},
+      {"within_95_share", "in 95 %", "the same for 95 %", 3, [](const E& e) { return e.within_95_share; },
+       kNeither},
+      {"anees_final", "ANEES final", "the same of the final poses, where the method states their covariances",
+       2, [](const E& e) { return e.anees_final; }, kNeither},
+      {"within_50_share_final", "in 50 % final", "share of those within their ellipsoid of 50 %", 3,
+       [](const E& e) { return e.within_50_share_final; }, kNeither},
+      {"within_95_share_final", "in 95 % final", "share of those within their ellipsoid of 95 %", 3,
+       [](const E& e) { return e.within_95_share_final; }, kNeither},
+      {"path_length_m", "path m", "length of the estimated path", 2,
+       [](const E& e) { return e.path_length_m; }, kNeither},
+      {"end_x_m", "end x m", "last estimated pose, map frame", 2, [](const E& e) { return e.end_pose.x; },
+       kNeither},
+      {"end_y_m", "end y m", "last estimated pose, map frame", 2, [](const E& e) { return e.end_pose.y; },
+       kNeither},
+      {"end_yaw_deg", "end yaw deg", "last estimated pose, map frame", 1,
+       [](const E& e) { return core::radToDeg(e.end_pose.phi); }, kNeither},
+      {"agreement_m", "agree m", "median over the other methods of the ATE between their path and this one",
+       3, [](const E& e) { return e.agreement_m; }},
+      {"wall_thickness_m", "walls m",
+       "without truth: how far the scans' points lie from the line through those around them, median: "
+       "double walls raise it, a global distortion does not",
+       4, [](const E& e) { return e.wall_thickness_m; }},
+      {"mean_map_entropy", "point entropy",
+       "without truth: mean map entropy of the placed points, nats (Droeschel and Behnke 2018): small is "
+       "sharp; a global distortion does not lower it",
+       3, [](const E& e) { return e.mean_map_entropy; }},
+      {"on_wall_share", "on wall",
+       "without truth: share of the scans' returns that end within 0.10 m of a wall of the map", 3,
+       [](const E& e) { return e.on_wall_share; }, kLarger},
+      {"through_wall_share", "thro. wall",
+       "without truth: share of the returns whose beam comes out of a wall of the map again before it ends",
+       3, [](const E& e) { return e.through_wall_share; }},
+      {"map_entropy_bits", "cell entropy",
+       "without truth: mean entropy of the map's known cells: small is sharp", 4,
+       [](const E& e) { return e.map_mean_entropy_bits; }},
+      {"occupied_share", "occu- pied",
+       "without truth: share of occupied among the known cells (Filatov et al. 2017): double walls raise it; "
+       "compare maps of one rasteriser only",
+       4, [](const E& e) { return e.structure.occupied_share; }, kNeither},
+      {"corners", "cor- ners", "without truth: corners, crossings and ends of walls (same source): as above",
+       0, [](const E& e) { return countOf(e, e.structure.corners); }, kNeither},
+      {"enclosed_areas", "areas",
+       "without truth: free areas cut off from the largest one (same source): as above", 0,
+       [](const E& e) { return countOf(e, e.structure.enclosed_areas); }, kNeither},
+      {"lost_share", "lost", "share of the time that the method called itself lost, by its journal", 3,
+       [](const E& e) { return e.lost_share; }},
+      {"ms_per_scan", "ms/scan", "CPU time per scan, one thread, without reading the log", 3,
+       [](const E& e) { return e.cost.mean_ms_per_scan; }, kSmaller, true},
+      {"p99_ms", "p99 ms", "99th percentile of the same", 3,
+       [](const E& e) { return e.cost.p99_ms_per_scan; }, kSmaller, true},
+      {"real_time_factor", "x real time", "robot's time over computing time", 0,
+       [](const E& e) { return e.cost.real_time_factor; }, kLarger, true},
+      {"peak_memory_mb", "MB", "peak memory over the process's size before the run", 1,
+       [](const E& e) { return e.cost.peak_memory_mb; }, kSmaller, true},
+  };
+  return infos;
+}
+
+const std::vector<std::string>& costKeys() {
+  static const std::vector<std::string> keys = {"ms_per_scan", "p99_ms", "real_time_factor",
+                                                "peak_memory_mb"};
+  return keys;
+}
+
+namespace {
+
+report::Table tableOf(const std::string& caption, const std::vector<std::string>& keys,
+                      const std::vector<Evaluation>& evaluations) {
+  report::Table table;
+  table.caption = caption;
+  table.columns = {{"method", "method", 0}};
+  for (const auto& e : evaluations) table.rows.push_back({e.method});
+  for (const auto& key : keys) {
+    const auto& infos = metricInfos();
+    const auto info =
+        std::find_if(infos.begin(), infos.end(), [&](const MetricInfo& i) { return i.key == key; });
+    if (info == infos.end()) throw core::ContractError("no metric '" + key + "'");
+    table.columns.push_back({key, info->title, info->decimals});
+    for (size_t i = 0; i < evaluations.size(); ++i) table.rows[i].emplace_back(info->of(evaluations[i]));
+  }
+  return table;
+}
+
+/// What every table of results owes its reader.
+report::Table withNotes(report::Table table, const std::vector<Evaluation>& evaluations) {
+  table.notes.emplace_back("One run with one seed: small differences between rows may be chance.");
+  for (const auto& e : evaluations)
+    if (!e.failure.empty()) table.notes.push_back(e.method + " failed: " + e.failure);
+  return table;
+}
+
+}  // namespace
+
+namespace {
+
+/// What is not the usual alignment has to be said.
+void sayAlignment(const std::vector<Evaluation>& evaluations, report::Table& table) {
+  for (const auto& e : evaluations)
+    if (e.align == metrics::Align::kNone)
+      table.notes.push_back(e.method +
+                            ": not aligned (align none): errors in the frame of the known map, "
+                            "while the robot was not lost.");
+    else if (e.align == metrics::Align::kFirst)
+      table.notes.push_back(e.method + ": aligned at the first pose (align first).");
+}
+
+bool isLocalised(const Evaluation& e) {
+  return e.align == metrics::Align::kNone;
+}
+
+}  // namespace
+
+report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Truth& truth, Detail detail) {
+  std::vector<std::string> keys = {"ate_rmse_m", "ate_final_m", "heading_rmse_deg", "rpe_1m_m", "rpe_1m_deg"};
+  const auto add = [&](std::initializer_list<const char*> more) {
+    keys.insert(keys.end(), more.begin(), more.end());
+  };
+  if (detail == Detail::kFull)
+    add({"ate_max_m", "rpe_1s_m", "rpe_1s_deg", "anees", "within_50_share", "within_95_share", "anees_final",
+         "within_50_share_final", "within_95_share_final", "path_length_m"});
+  if (detail == Detail::kFull || std::any_of(evaluations.begin(), evaluations.end(), isLocalised))
+    add({"lost_share"});
+  if (truth.plan) add({"wall_f1", "free_iou", "wall_p95_m"});
+  if (truth.plan && detail == Detail::kFull)
+    add({"wall_p50_m", "wall_precision", "wall_recall", "missed_p50_m", "missed_p95_m", "known_share"});
+  if (detail == Detail::kFull)
+    add({"wall_thickness_m", "mean_map_entropy", "on_wall_share", "through_wall_share", "map_entropy_bits",
+         "occupied_share", "corners", "enclosed_areas"});
+  auto table = withNotes(tableOf("Accuracy against the truth", keys, evaluations), evaluations);
+  sayAlignment(evaluations, table);
+  return table;
+}
+
+report::Table agreementTable(const std::vector<Evaluation>& evaluations, Detail detail) {
+  std::vector<std::string> keys = {"path_length_m", "agreement_m",        "wall_thickness_m",
+                                   "on_wall_share", "through_wall_share", "occupied_share",
+                                   "corners",       "enclosed_areas"};
+  if (detail == Detail::kFull)
+    for (const char* key : {"mean_map_entropy", "map_entropy_bits", "end_x_m", "end_y_m", "end_yaw_deg"})
+      keys.emplace_back(key);
+  auto table = withNotes(
+      tableOf("No truth is known for this log: what can be said without it", keys, evaluations), evaluations);
+  table.notes.emplace_back(
+      "Drawing walls twice makes walls thicker and puts fewer returns on them, more beams through them, and "
+      "more "
+      "occupied cells, corners and areas into the map. None of these shows a global distortion of the map; "
+      "the "
+      "last three compare maps of one rasteriser only. 'rasterslam list metrics' defines them.");
+  return table;
+}
+
+report::Table costTable(const std::vector<Evaluation>& evaluations) {
+  return tableOf("Cost on this machine", costKeys(), evaluations);
+}
+
+void setAgreement(const std::vector<run::RunFolder>& runs, std::vector<Evaluation>& evaluations) {
+  for (auto& e : evaluations)
+    for (size_t i = 0; i < runs.size(); ++i)
+      if (runs[i].method == e.method) e.agreement_m = agreementWithOthers(runs, i);
+}
+
+}  // namespace slam::score

@@ -1,0 +1,493 @@
+#include "libslam/study/tune.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <numeric>
+#include <sstream>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/core/ini_text.h"
+#include "libslam/core/resources.h"
+#include "libslam/mapping/map_builder.h"
+#include "libslam/stats/explained_variance.h"
+#include "libslam/stats/multiple_tests.h"
+#include "libslam/stats/paired.h"
+#include "libslam/stats/ranking.h"
+#include "libslam/study/sweep_merge.h"
+#include "libslam/study/sweep_tables.h"
+#include "libslam/sweep/cell.h"
+#include "libslam/sweep/sweep.h"
+
+namespace slam::study {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kFewestCandidates = 3;
+constexpr std::uint64_t kFirstHeldOutSeed = 1001;
+constexpr double kAlpha = 0.05;
+constexpr const char* kParameters = "tune.parameters";
+constexpr const char* kDefault = "default";
+
+std::vector<std::string> entriesOf(const std::string& list) {
+  std::vector<std::string> entries;
+  std::istringstream in(list);
+  for (std::string entry; std::getline(in, entry, ',');) entries.push_back(core::trimmed(entry));
+  return entries;
+}
+
+std::string seedsText(std::uint64_t first, std::uint64_t count) {
+  return std::to_string(first) + ".." + std::to_string(first + count - 1);
+}
+
+struct Candidate {
+  std::string name;
+  std::vector<std::string> values;  ///< of the parameters, in their order; none: the default
+  std::vector<double> mean_ranks;   ///< by rung, as far as it came
+};
+
+class Tuner {
+ public:
+  Tuner(const TuneRequest& request, const core::Manifest& manifest, core::Progress& progress)
+      : request_(request), manifest_(manifest), progress_(progress) {
+    ini_ = core::IniFile::load(request.suite_path);
+    core::readParameters(ini_, TuneOptions::table(), options_);
+    train_ = worldsOf("train", options_.train);
+    hold_out_ = worldsOf("hold_out", options_.hold_out);
+    for (const auto& world : train_)
+      if (std::count(hold_out_.begin(), hold_out_.end(), world))
+        throw core::InputError(placeOf("hold_out") + ": '" + world +
+                               "' is among the training worlds too, expected others");
+    folder_ = fs::absolute(request.suite_path).parent_path().string();
+    const bool is_path = request.method.find_first_of("/.") != std::string::npos;
+    method_ = is_path ? fs::absolute(request.method).string() : request.method;
+    readParameterRanges();
+  }
+
+  TuneResult run() {
+    const auto probe = planOf({{kDefault, {}, {}}}, train_, seedsText(1, 1));
+    const auto schedule =
+        tuneSchedule(request_.budget, probe.plan.logs.size(), static_cast<std::size_t>(options_.reduction));
+    metric_ = probe.plan.metric;
+    draw(schedule.front().candidates);
+    std::vector<std::size_t> alive(candidates_.size());
+    std::iota(alive.begin(), alive.end(), 0);
+    for (std::size_t r = 0; r < schedule.size(); ++r) {
+      alive.resize(std::min(alive.size(), schedule[r].candidates));
+      std::sort(alive.begin(), alive.end());
+      climb(alive, schedule[r].seeds, r == 0);
+    }
+    TuneResult result;
+    result.candidates = candidatesTable(schedule);
+    result.sensitivity = sensitivityTable();
+    judge(alive, result);
+    result.lost = lost_;
+    write(result);
+    return result;
+  }
+
+ private:
+  std::string placeOf(const std::string& key) const {
+    const auto* entry = ini_.find("tune", key);
+    return (entry ? entry->origin : request_.suite_path) + ": section [tune], key '" + key + "'";
+  }
+
+  std::vector<std::string> worldsOf(const std::string& key, const std::string& list) const {
+    auto worlds = entriesOf(list);
+    const auto* all = ini_.find("suite", "worlds");
+    const auto known = all ? entriesOf(all->value) : std::vector<std::string>();
+    if (worlds.empty())
+      throw core::InputError(placeOf(key) + ": names no world, expected some of [suite] worlds");
+    for (const auto& world : worlds)
+      if (!std::count(known.begin(), known.end(), world))
+        throw core::InputError(placeOf(key) + ": found '" + world + "', expected one of [suite] worlds" +
+                               core::didYouMean(world, known));
+    return worlds;
+  }
+
+  void readParameterRanges() {
+    core::IniFile source = ini_;
+    if (!ini_.hasSection(kParameters)) {
+      const std::string shipped =
+          core::configsFolder() + "/tune/" + fs::path(request_.method).stem().string() + ".ini";
+      if (!fs::exists(shipped))
+        throw core::InputError(request_.suite_path + ": has no section [" + kParameters +
+                               "], and no ranges come with the program for " + request_.method);
+      source = core::IniFile::load(shipped);
+      core::rejectUnknownSections(source, {kParameters});
+    }
+    const auto section = source.sections().find(kParameters);
+    if (section == source.sections().end() || section->second.empty())
+      throw core::InputError(request_.suite_path + ": section [" + kParameters +
+                             "] names none, expected section.key = LOW..HIGH or a list");
+    for (const auto& [key, entry] : section->second) {
+      const auto dot = key.find('.');
+      if (dot == std::string::npos || dot == 0 || dot + 1 == key.size())
+        throw core::InputError(entry.origin + ": found key '" + key + "', expected section.key");
+      keys_.push_back(key);
+      ranges_.push_back(
+          readValueRange(entry.value, entry.origin + ": section [" + kParameters + "], key '" + key + "'"));
+    }
+  }
+
+  void draw(std::size_t count) {
+    core::RandomStream random(request_.seed, "tune");
+    candidates_ = {{kDefault, {}, {}}};
+    while (candidates_.size() < count) {
+      Candidate candidate{"candidate_" + std::to_string(candidates_.size()), {}, {}};
+      for (const auto& range : ranges_) candidate.values.push_back(drawValue(range, random));
+      candidates_.push_back(std::move(candidate));
+    }
+  }
+
+  /// The suite with these candidates as its methods.
+  sweep::Sweep planOf(const std::vector<Candidate>& candidates, const std::vector<std::string>& worlds,
+                      const std::string& seeds) const {
+    core::IniFile ini;
+    for (const auto& [section, entries] : ini_.sections()) {
+      const auto blank = section.find(' ');
+      const std::string kind = section.substr(0, blank);
+      if (kind == "tune" || kind == kParameters || kind == "log" || kind == "method" || kind == "parameters")
+        continue;
+      if (kind == "world" && !std::count(worlds.begin(), worlds.end(), section.substr(blank + 1))) continue;
+      // A section without keys is a setting, too: wheels as they are built in.
+      if (entries.empty()) ini.overrideWith(core::IniFile::parse("[" + section + "]\n", request_.suite_path));
+      for (const auto& [key, entry] : entries) ini.set(section, key, entry.value, entry.origin);
+    }
+    const auto set = [&](const char* key, const std::string& value) {
+      const auto* entry = ini_.find("suite", key);
+      ini.set("suite", key, value, entry ? entry->origin : request_.suite_path);
+    };
+    const auto joined = [](const std::vector<std::string>& names) {
+      std::string list;
+      for (const auto& name : names) list += (list.empty() ? "" : ", ") + name;
+      return list;
+    };
+    std::vector<std::string> names;
+    for (const auto& candidate : candidates) {
+      names.push_back(candidate.name);
+      ini.set("method " + candidate.name, "base", method_, "METHOD");
+      for (std::size_t k = 0; k < candidate.values.size(); ++k)
+        ini.set("method " + candidate.name, keys_[k], candidate.values[k], "tune: " + candidate.name);
+    }
+    set("worlds", joined(worlds));
+    set("logs", "");
+    set("methods", joined(names));
+    set("seeds", seeds);
+    set("baseline", names.front());
+    return sweep::planSweep(sweep::readSuite(ini, request_.suite_path, folder_));
+  }
+
+  sweep::SweepOutcome work(const sweep::Sweep& plan, const std::string& name, bool is_first) {
+    sweep::SweepRequest sweep_request;
+    sweep_request.output = request_.output + "/" + name;
+    sweep_request.program = request_.program;
+    sweep_request.jobs = request_.jobs;
+    sweep_request.cell_progress = request_.cell_progress;
+    sweep_request.resume = request_.resume || !is_first;
+    sweep_request.overwrite = request_.overwrite && is_first;
+    auto outcome = sweep::sweep(plan, sweep_request, manifest_, progress_);
+    lost_.insert(lost_.end(), outcome.lost.begin(), outcome.lost.end());
+    return outcome;
+  }
+
+  /// By method, one per log and seed. What is missing counts as failed.
+  static std::vector<std::vector<double>> valuesOf(const sweep::SweepPlan& plan,
+                                                   const SweepResults& results) {
+    const auto names = methodNames(plan);
+    std::vector<std::vector<double>> values(names.size());
+    for (std::size_t i = 0; i < plan.runs.size(); ++i) {
+      const double value = rankedValue(plan, results[i]);
+      const auto m = std::find(names.begin(), names.end(), fullName(plan.runs[i])) - names.begin();
+      values[static_cast<std::size_t>(m)].push_back(
+          std::isnan(value) ? stats::failedValue(betterOf(plan.metric)) : value);
+    }
+    return values;
+  }
+
+  SweepResults resultsOf(const sweep::SweepPlan& plan, const std::string& name) const {
+    SweepResults results;
+    for (const auto& run : plan.runs) {
+      auto cell = sweep::readCell(request_.output + "/" + name + "/cells/" + run.id, run.id);
+      if (cell.kind == sweep::CellState::kComplete)
+        results.emplace_back(std::move(cell.result));
+      else
+        results.emplace_back();
+    }
+    return results;
+  }
+
+  /// Ranks those alive; afterwards the best stands first.
+  void climb(std::vector<std::size_t>& alive, std::size_t seeds, bool is_first) {
+    std::vector<Candidate> here;
+    here.reserve(alive.size());
+    for (const auto c : alive) here.push_back(candidates_[c]);
+    const auto plan = planOf(here, train_, seedsText(1, seeds));
+    work(plan, "training", is_first);
+    const auto values = valuesOf(plan.plan, resultsOf(plan.plan, "training"));
+    const auto ranks = stats::meanRanks(values, betterOf(metric_));
+    for (std::size_t i = 0; i < alive.size(); ++i) candidates_[alive[i]].mean_ranks.push_back(ranks[i]);
+    // Of equals the default, then the one drawn first.
+    std::stable_sort(alive.begin(), alive.end(), [&](std::size_t a, std::size_t b) {
+      return candidates_[a].mean_ranks.back() < candidates_[b].mean_ranks.back();
+    });
+  }
+
+  report::Table candidatesTable(const std::vector<TuneRung>& schedule) const {
+    report::Table table;
+    table.caption = "Candidates of " + request_.method + ", mean rank on each rung (1 is best)";
+    table.columns = {{"candidate", "candidate", 0}};
+    for (std::size_t r = 0; r < schedule.size(); ++r)
+      table.columns.push_back(
+          {"rank_" + std::to_string(r + 1),
+           std::to_string(schedule[r].seeds) + (schedule[r].seeds == 1 ? " seed" : " seeds"), 2});
+    for (const auto& key : keys_) table.columns.push_back({key, key, 0});
+    for (const auto& candidate : candidates_) {
+      std::vector<report::CellValue> row = {candidate.name};
+      for (std::size_t r = 0; r < schedule.size(); ++r)
+        row.emplace_back(r < candidate.mean_ranks.size() ? candidate.mean_ranks[r] : kNan);
+      for (std::size_t k = 0; k < keys_.size(); ++k)
+        row.emplace_back(candidate.values.empty() ? "as it is" : candidate.values[k]);
+      table.rows.push_back(std::move(row));
+    }
+    return table;
+  }
+
+  report::Table sensitivityTable() const {
+    std::vector<std::vector<std::string>> settings;
+    std::vector<double> scores;
+    for (const auto& candidate : candidates_)
+      if (!candidate.values.empty()) {
+        settings.push_back(candidate.values);
+        scores.push_back(candidate.mean_ranks.front());
+      }
+    report::Table table;
+    table.caption = "Which parameters of " + request_.method + " matter, by " + metric_;
+    table.columns = {{"parameter", "parameter", 0},
+                     {"explained_share", "explained", 2},
+                     {"p_holm", "p", 3, true},
+                     {"best", "best", 0}};
+    auto list = sensitivities(keys_, ranges_, settings, scores);
+    std::stable_sort(list.begin(), list.end(),
+                     [](const Sensitivity& a, const Sensitivity& b) { return a.share > b.share; });
+    for (const auto& of : list) table.rows.push_back({of.key, of.share, of.p, of.best});
+    table.notes.push_back("Explained: share of the variance of the " + std::to_string(scores.size()) +
+                          " candidates' mean ranks on the first rung that lies between thirds of the values, "
+                          "less chance; p: by permutation, Holm's method. Best: the third that ranks best.");
+    return table;
+  }
+
+  std::string textOf(const Candidate& candidate) const {
+    core::IniFile config = mapping::loadMethodConfig(core::configsFolder() + "/methods", method_);
+    for (std::size_t k = 0; k < candidate.values.size(); ++k) {
+      const auto dot = keys_[k].find('.');
+      config.set(keys_[k].substr(0, dot), keys_[k].substr(dot + 1), candidate.values[k], "tune");
+    }
+    return core::toText(config);
+  }
+
+  /// finalists: the best in training first.
+  void judge(const std::vector<std::size_t>& finalists, TuneResult& result) {
+    tuned_text_ = textOf(candidates_[finalists.front()]);
+    if (candidates_[finalists.front()].values.empty()) {
+      result.verdict = "No candidate beat the default of " + request_.method + " in training: keep it.";
+      result.held_out.caption = result.verdict;
+      result.held_out.columns = {{"method", "method", 0}};
+      return;
+    }
+    std::vector<Candidate> judged = {{kDefault, {}, {}}};
+    for (const auto c : finalists)
+      if (!candidates_[c].values.empty()) judged.push_back(candidates_[c]);
+    const auto seeds = seedsText(kFirstHeldOutSeed, static_cast<std::uint64_t>(options_.hold_out_seeds));
+    const auto plan = planOf(judged, hold_out_, seeds);
+    work(plan, "held_out", true);
+    const std::string folder = request_.output + "/held_out";
+    MergeRequest whole;
+    whole.folders = {folder};
+    whole.output = folder;
+    const auto merged = mergeSweep(whole, manifest_, core::silentProgress());
+    result.held_out = merged.summary;
+    const auto values = valuesOf(merged.plan, merged.results);
+    const auto verdict = heldOutVerdict(values, betterOf(metric_), settingsOfLogs(merged.plan));
+    const Candidate& chosen = judged[verdict.method];
+    tuned_text_ = textOf(chosen);
+    result.is_better = verdict.is_better;
+    result.verdict =
+        chosen.name + " is " +
+        (verdict.is_better  ? "better than the default"
+         : verdict.is_worse ? "worse than the default: keep the default"
+                            : "not to be told from the default: keep the default") +
+        " on the held-out worlds (" + metric_ + ", better on " +
+        core::formatNumber(std::round(verdict.share * 1000) / 10) + " % of " +
+        std::to_string(values[0].size()) +
+        " logs, signed-rank p = " + core::formatNumber(std::round(verdict.p * 1e4) / 1e4) +
+        (judged.size() > 2 ? " by Holm's method, best of " + std::to_string(judged.size() - 1) : "") + ").";
+  }
+
+  /// Of the logs in the order of valuesOf().
+  static std::vector<std::size_t> settingsOfLogs(const sweep::SweepPlan& plan) {
+    std::vector<std::size_t> runs;
+    for (std::size_t i = 0; i < plan.runs.size(); ++i)
+      if (fullName(plan.runs[i]) == fullName(plan.runs.front())) runs.push_back(i);
+    return settingsOf(plan, runs);
+  }
+
+  void write(TuneResult& result) const {
+    const auto writeTable = [&](const report::Table& table, const std::string& name) {
+      const std::string stem = request_.output + "/" + name;
+      core::writeFileAtomically(stem + ".txt", report::toText(table));
+      core::writeFileAtomically(stem + ".csv", report::toCsv(table));
+      core::writeFileAtomically(stem + ".json", report::toJson(table));
+    };
+    writeTable(result.candidates, "candidates");
+    writeTable(result.sensitivity, "sensitivity");
+    core::writeFileAtomically(request_.output + "/verdict.txt", result.verdict + "\n");
+    result.tuned_path = request_.output + "/" + fs::path(request_.method).stem().string() + "_tuned.ini";
+    core::writeFileAtomically(
+        result.tuned_path,
+        "# " + request_.method + " tuned on " + fs::path(request_.suite_path).filename().string() +
+            " (worlds " + options_.train + "), budget " + std::to_string(request_.budget) + " runs, seed " +
+            std::to_string(request_.seed) + ".\n# " + result.verdict + "\n" + tuned_text_);
+  }
+
+  const TuneRequest& request_;
+  const core::Manifest& manifest_;
+  core::Progress& progress_;
+  core::IniFile ini_;
+  TuneOptions options_;
+  std::vector<std::string> train_, hold_out_, keys_, lost_;
+  std::vector<ValueRange> ranges_;
+  std::string folder_, method_, metric_, tuned_text_;
+  std::vector<Candidate> candidates_;
+};
+
+std::vector<TuneRung> rungsFrom(std::size_t candidates, std::size_t reduction) {
+  std::vector<TuneRung> rungs = {{candidates, 1}};
+  while (rungs.back().candidates > kFewestCandidates)
+    rungs.push_back({(rungs.back().candidates + reduction - 1) / reduction, rungs.back().seeds * reduction});
+  return rungs;
+}
+
+std::size_t costOf(const std::vector<TuneRung>& rungs, std::size_t logs_per_seed) {
+  std::size_t runs = 0, seeds = 0;
+  for (const auto& rung : rungs) {
+    runs += rung.candidates * (rung.seeds - seeds) * logs_per_seed;
+    seeds = rung.seeds;
+  }
+  return runs;
+}
+
+/// Thirds by rank of the numbers; equal numbers stay together.
+std::vector<std::size_t> thirdsOf(const std::vector<double>& values) {
+  std::vector<double> sorted = values;
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<std::size_t> groups;
+  for (const double value : values) {
+    const auto rank = std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin();
+    groups.push_back(static_cast<std::size_t>(rank) * 3 / values.size());
+  }
+  return groups;
+}
+
+}  // namespace
+
+const core::ParameterTable<TuneOptions>& TuneOptions::table() {
+  using O = TuneOptions;
+  static const core::ParameterTable<O> rows(
+      "tune", {{"train", &O::train, "", {}, "worlds of [suite] to tune on"},
+               {"hold_out", &O::hold_out, "", {}, "worlds of [suite] to judge the result on"},
+               {"hold_out_seeds", &O::hold_out_seeds, 10, 2, 10000, "seeds there"},
+               {"reduction", &O::reduction, 3, 2, 10,
+                "on every rung so many times the seeds, for so many times fewer candidates"}});
+  return rows;
+}
+
+TuneOptions::TuneOptions() {
+  table().setDefaults(*this);
+}
+
+HeldOutVerdict heldOutVerdict(const std::vector<std::vector<double>>& values, stats::Better better,
+                              const std::vector<std::size_t>& settings) {
+  if (values.size() < 2) throw core::ContractError("heldOutVerdict: no candidate beside the default");
+  std::vector<double> p_values;
+  for (std::size_t m = 1; m < values.size(); ++m)
+    p_values.push_back(stats::wilcoxonSignedRank(values[m], values[0], settings).p);
+  const auto adjusted = stats::holm(p_values);
+  HeldOutVerdict chosen;
+  for (std::size_t m = values.size() - 1; m > 0; --m) {
+    const double share = stats::probabilityOfImprovement(values[m], values[0], better).value;
+    const bool is_clear = adjusted[m - 1] <= kAlpha;
+    const HeldOutVerdict verdict{m, adjusted[m - 1], share, is_clear && share > 0.5, is_clear && share < 0.5};
+    // The first in training, unless only others have proven better.
+    if (verdict.is_better || (m == 1 && !chosen.is_better)) chosen = verdict;
+  }
+  return chosen;
+}
+
+std::vector<TuneRung> tuneSchedule(std::size_t budget, std::size_t logs_per_seed, std::size_t reduction) {
+  const std::size_t least = costOf(rungsFrom(kFewestCandidates, reduction), logs_per_seed);
+  if (budget < least)
+    throw core::InputError("--budget: found " + std::to_string(budget) + ", expected at least " +
+                           std::to_string(least) + " runs");
+  // More candidates can end in a longer, dearer ladder, never in a cheaper one.
+  std::size_t low = kFewestCandidates, high = budget + 1;
+  while (high - low > 1) {
+    const std::size_t middle = low + (high - low) / 2;
+    (costOf(rungsFrom(middle, reduction), logs_per_seed) <= budget ? low : high) = middle;
+  }
+  return rungsFrom(low, reduction);
+}
+
+std::vector<Sensitivity> sensitivities(const std::vector<std::string>& keys,
+                                       const std::vector<ValueRange>& ranges,
+                                       const std::vector<std::vector<std::string>>& settings,
+                                       const std::vector<double>& scores) {
+  constexpr std::size_t kFewest = 6;
+  std::vector<Sensitivity> result;
+  std::vector<double> p_values;
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    Sensitivity of{keys[k], 0, 1, "-"};
+    p_values.push_back(1);
+    if (scores.size() >= kFewest) {
+      std::vector<std::size_t> groups;
+      std::vector<double> numbers;
+      for (const auto& setting : settings) {
+        const auto& list = ranges[k].list;
+        groups.push_back(
+            static_cast<std::size_t>(std::find(list.begin(), list.end(), setting[k]) - list.begin()));
+        double number = 0;
+        core::parseNumber(setting[k], number);
+        numbers.push_back(number);
+      }
+      if (ranges[k].list.empty()) groups = thirdsOf(numbers);
+      const auto explained = stats::explainedVariance(scores, groups);
+      of.share = explained.adjusted_share;
+      p_values.back() = explained.p;
+      double best = std::numeric_limits<double>::infinity();
+      for (const auto group : groups) {
+        double sum = 0, low = std::numeric_limits<double>::infinity(), high = -low;
+        int count = 0;
+        for (std::size_t c = 0; c < groups.size(); ++c)
+          if (groups[c] == group)
+            sum += scores[c], ++count, low = std::min(low, numbers[c]), high = std::max(high, numbers[c]);
+        if (sum / count >= best) continue;
+        best = sum / count;
+        of.best = ranges[k].list.empty() ? core::formatNumber(low) + ".." + core::formatNumber(high)
+                                         : ranges[k].list[group];
+      }
+    }
+    result.push_back(of);
+  }
+  const auto adjusted = stats::holm(p_values);
+  for (std::size_t k = 0; k < result.size(); ++k) result[k].p = adjusted[k];
+  return result;
+}
+
+TuneResult tune(const TuneRequest& request, const core::Manifest& manifest, core::Progress& progress) {
+  return Tuner(request, manifest, progress).run();
+}
+
+}  // namespace slam::study

@@ -1,0 +1,361 @@
+#include "libslam/explore/explore.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "libslam/core/error.h"
+#include "libslam/core/files.h"
+#include "libslam/core/resources.h"
+#include "libslam/logs/trajectory_io.h"
+#include "libslam/run/journal_file.h"
+#include "libslam/score/evaluate.h"
+#include "libslam/testing/temp_folder.h"
+
+namespace slam::explore {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+/// A flat of two rooms, 6 x 4 m at 5 cm, joined by a door of 1 m; cells as drawn by the caller's lambda.
+world::Plan twoRooms() {
+  world::Plan plan;
+  plan.name = "two_rooms";
+  plan.columns = 120;
+  plan.rows = 80;
+  plan.cells.assign(120 * 80, world::Cell::kFree);
+  const auto wall = [&plan](int c0, int r0, int c1, int r1) {
+    for (int row = r0; row < r1; ++row)
+      for (int column = c0; column < c1; ++column)
+        plan.cells[static_cast<size_t>(row * plan.columns + column)] = world::Cell::kOccupied;
+  };
+  wall(0, 0, 120, 2), wall(0, 78, 120, 80), wall(0, 0, 2, 80), wall(118, 0, 120, 80);
+  wall(60, 0, 63, 30), wall(60, 50, 63, 80);
+  return plan;
+}
+
+std::string saved(const testing::TempFolder& folder, const world::Plan& plan) {
+  const std::string path = folder / (plan.name + ".yaml");
+  world::savePlan(plan, path);
+  return path;
+}
+
+/// A full circle of 2 degree beams: quick.
+ExploreConfig quickConfig(const std::string& strategy, double duration_s,
+                          const std::vector<std::string>& settings = {}) {
+  core::IniFile ini;
+  for (const auto& [key, value] : std::map<std::string, std::string>{
+           {"lidar.beams", "180"}, {"lidar.fov_deg", "360"}, {"lidar.max_range_m", "8"}})
+    ini.setFromArgument(key + "=" + value, "test");
+  ini.set("strategy", "name", strategy, "test");
+  ini.set("simulation", "duration_s", core::formatNumber(duration_s), "test");
+  for (const auto& setting : settings) ini.setFromArgument(setting, "test");
+  return readExploreConfig(ini);
+}
+
+ExploreRequest request(const testing::TempFolder& folder, const world::Plan& plan,
+                       std::vector<ExploreConfig> configs, const std::string& slam) {
+  ExploreRequest request;
+  request.plan_path = saved(folder, plan);
+  request.strategies = std::move(configs);
+  request.slam = slam;
+  request.methods_folder = core::configsFolder() + "/methods";
+  request.output = folder / "out";
+  return request;
+}
+
+ExplorationReport run(const ExploreRequest& request) {
+  return explore(request, {}, core::silentProgress());
+}
+
+std::map<std::string, std::string> contents(const std::string& folder) {
+  std::map<std::string, std::string> hashes;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    const bool holds_times =
+        name == "cost.csv" || name == "cost.json" || name.find("manifest.json") != std::string::npos;
+    if (entry.is_regular_file() && !holds_times)
+      hashes[fs::relative(entry.path(), folder).string()] = core::fileSha256(entry.path().string());
+  }
+  return hashes;
+}
+
+TEST(Explore, FindsEverythingInASmallFlatAndComesBack) {
+  for (const std::string slam : {"truth", "icp"}) {
+    const testing::TempFolder folder;
+    const auto result =
+        run(request(folder, twoRooms(),
+                    {quickConfig("nearest_frontier", 300, {"exploration.return_to_start=true"})}, slam));
+    ASSERT_EQ(result.runs.size(), 1U);
+    const auto& e = result.runs.front();
+    EXPECT_EQ(e.end, ExplorationEnd::kFinished) << slam << ": " << endName(e.end);
+    EXPECT_GT(e.figures.coverage, 0.99) << slam;
+    EXPECT_LE(e.figures.coverage, 1.0) << slam;
+    EXPECT_EQ(e.collisions, 0) << slam;
+    // Half a metre: it stops 0.3 m from the map's origin, and ICP in two small rooms errs by centimetres.
+    EXPECT_LT(e.return_distance_m, 0.5) << slam;
+    EXPECT_LE(e.figures.t90_s, e.figures.t99_s);
+    // Nearly all of the free floor: only corners behind the door's posts may be out of sight.
+    EXPECT_GT(e.explorable_share, 0.98);
+    for (const char* file :
+         {"run.rawlog",     "run.rawlog.GT.txt", "run.gt.tum",     "run.operations.txt", "run.manifest.json",
+          "map.png",        "map.yaml",          "map.gridmap.gz", "map.simplemap",      "map.3Dscene",
+          "trajectory.tum", "exploration.csv",   "decisions.csv",  "path.png",           "scores.txt",
+          "scores.md",      "scores.tex",        "scores.csv",     "scores.json",        "runs.csv",
+          "cost.csv",       "coverage.png",      "manifest.json"})
+      EXPECT_TRUE(fs::exists(folder / ("out/" + std::string(file)))) << file;
+    if (slam == "truth") {
+      // Perfect wheels: what the reference believes is the truth, seen from the start.
+      EXPECT_LT(e.evaluation.trajectory.position_m.max, 1e-6);
+      EXPECT_THAT(core::readTextFile(folder / "out/scores.txt"), HasSubstr("true pose (reference)"));
+    } else {
+      EXPECT_GT(e.evaluation.trajectory.position_m.max, 1e-4);
+    }
+  }
+}
+
+/// Runs with a lidar of three quarters of a circle in a world that comes with the program.
+std::vector<Exploration> inWorld(const std::string& world, const std::vector<std::string>& strategies,
+                                 std::uint64_t seed) {
+  const testing::TempFolder folder;
+  std::vector<ExploreConfig> configs;
+  for (const auto& strategy : strategies)
+    configs.push_back(
+        quickConfig(strategy, 1000, {"lidar.beams=181", "lidar.fov_deg=270", "lidar.max_range_m=30"}));
+  auto wanted = request(folder, twoRooms(), configs, "truth");
+  wanted.plan_path = core::resolvePlan(world);
+  wanted.seed = seed;
+  wanted.tables_only = true;
+  return run(wanted).runs;
+}
+
+// Between chairs the map of noisy readings closed in on the robot, which then saw no way out and said that it
+// had finished, with half of the flat or less explored.
+TEST(Explore, DoesNotFinishBecauseItStandsInATightPlace) {
+  for (const std::uint64_t seed : {2, 3}) {
+    const auto e = inWorld("flat", {"nearest_frontier"}, seed).front();
+    EXPECT_EQ(e.end, ExplorationEnd::kFinished) << endName(e.end);
+    EXPECT_GT(e.figures.coverage, 0.99) << e.end_detail;
+    EXPECT_EQ(e.collisions, 0);
+  }
+}
+
+// A wall on the line between two rows of cells never settles in the map; its gaps promised a lot of unknown
+// behind them for ever, and the robot drove up and down the corridor until the referee ended it.
+TEST(Explore, NoticesThatNothingIsLeft) {
+  for (const auto& e : inWorld("corridor", {"nearest_frontier", "information_gain", "next_best_view"}, 3)) {
+    EXPECT_EQ(e.end, ExplorationEnd::kFinished) << e.strategy << ": " << endName(e.end);
+    EXPECT_THAT(e.end_detail, ::testing::StartsWith("explored: ")) << e.strategy;
+    EXPECT_GT(e.figures.coverage, 0.99) << e.strategy;
+  }
+}
+
+TEST(Explore, GivesTheSameBytesWithOneAndTwoThreads) {
+  const testing::TempFolder folder;
+  auto wanted =
+      request(folder, twoRooms(), {quickConfig("quadrant", 20), quickConfig("next_best_view", 20)}, "icp");
+  wanted.seeds = 2;
+  wanted.output = folder / "one";
+  run(wanted);
+  wanted.output = folder / "two";
+  wanted.threads = 2;
+  run(wanted);
+  const auto one = contents(folder / "one");
+  EXPECT_GT(one.size(), 50U);
+  EXPECT_EQ(one, contents(folder / "two"));
+  EXPECT_NE(one.at("quadrant/seed_1/run.rawlog"), one.at("quadrant/seed_2/run.rawlog"));
+}
+
+TEST(Explore, TablesAloneAreTheSameTables) {
+  const testing::TempFolder folder;
+  auto wanted = request(folder, twoRooms(), {quickConfig("quadrant", 15)}, "naive_wheel");
+  run(wanted);
+  wanted.output = folder / "tables";
+  wanted.tables_only = true;
+  run(wanted);
+  EXPECT_FALSE(fs::exists(folder / "tables/run.rawlog"));
+  for (const char* file : {"scores.csv", "runs.csv", "scores.txt", "coverage.png"})
+    EXPECT_EQ(core::fileSha256(folder / ("out/" + std::string(file))),
+              core::fileSha256(folder / ("tables/" + std::string(file))))
+        << file;
+}
+
+TEST(Explore, AFolderOfOneRunIsScoredAgainByEvaluate) {
+  const testing::TempFolder folder;
+  const auto result = run(request(folder, twoRooms(), {quickConfig("quadrant", 20)}, "icp"));
+  const auto again = run::loadRun(folder / "out");
+  const auto truth = score::loadTruth(folder / "out/run.gt.tum", folder / "two_rooms.yaml", again);
+  const auto evaluation = score::evaluate(again, truth);
+  // TUM files keep nine decimals of a metre.
+  EXPECT_NEAR(evaluation.trajectory.position_m.rmse, result.runs[0].evaluation.trajectory.position_m.rmse,
+              1e-6);
+  // A score leaves out poses close to each other, so it knows of a few seen cells less.
+  EXPECT_NEAR(evaluation.map.occupied_f1, result.runs[0].evaluation.map.occupied_f1, 0.02);
+}
+
+TEST(Explore, ARobotThatSeesNothingIsStuckAndSaysSo) {
+  const testing::TempFolder folder;
+  const std::vector<std::string> blind = {"lidar.drop_out=1", "exploration.stuck_s=20"};
+  std::vector<ExploreConfig> configs;
+  for (const auto& strategy : navigate::strategyNames()) configs.push_back(quickConfig(strategy, 200, blind));
+  auto wanted = request(folder, twoRooms(), configs, "icp");
+  wanted.tables_only = true;
+  const auto result = run(wanted);
+  ASSERT_EQ(result.runs.size(), configs.size());
+  for (const auto& e : result.runs) {
+    EXPECT_THAT(endName(e.end), ::testing::AnyOf("stuck", "finished")) << e.strategy;
+    EXPECT_LT(e.figures.time_s, 60) << e.strategy;
+    EXPECT_EQ(e.collisions, 0) << e.strategy;
+  }
+  EXPECT_THAT(result.scores.notes, ::testing::Contains(HasSubstr("No scan had a single return")));
+}
+
+// A lidar that reaches no farther than the robot's own body: every beam is sure that nothing is there.
+TEST(Explore, ALidarTooShortToSeeAnythingEndsTheRunToo) {
+  const testing::TempFolder folder;
+  std::vector<ExploreConfig> configs;
+  for (const auto& strategy : navigate::strategyNames())
+    configs.push_back(quickConfig(strategy, 60, {"lidar.max_range_m=0.25", "exploration.stuck_s=20"}));
+  auto wanted = request(folder, twoRooms(), configs, "truth");
+  wanted.tables_only = true;
+  for (const auto& e : run(wanted).runs) EXPECT_LE(e.figures.time_s, 60) << e.strategy;
+}
+
+TEST(Explore, TheRefereeEndsARunThatShowsNothingNew) {
+  const testing::TempFolder folder;
+  // From the middle of the flat a short while shows everything; this strategy never knows that.
+  const auto result = run(request(
+      folder, twoRooms(), {quickConfig("random_heading", 2000, {"exploration.give_up_s=30"})}, "truth"));
+  EXPECT_EQ(result.runs[0].end, ExplorationEnd::kGaveUp);
+  EXPECT_LT(result.runs[0].figures.time_s, 600);
+}
+
+TEST(Explore, AStartThatIsCutOffAndAnOpenPlanAreSaid) {
+  auto plan = twoRooms();
+  for (int row = 30; row < 50; ++row)
+    for (int column = 60; column < 63; ++column)
+      plan.cells[static_cast<size_t>(row * plan.columns + column)] = world::Cell::kOccupied;
+  for (int row = 10; row < 70; ++row)  // the right room's outer wall is gone
+    for (int column = 118; column < 120; ++column)
+      plan.cells[static_cast<size_t>(row * plan.columns + column)] = world::Cell::kFree;
+  const testing::TempFolder folder;
+  auto wanted = request(folder, plan,
+                        {quickConfig("nearest_frontier", 120, {"simulation.start=1.5 2 0"}),
+                         quickConfig("quadrant", 30, {"simulation.start=1.5 2 0"})},
+                        "truth");
+  const auto left = run(wanted);
+  EXPECT_THAT(left.scores.notes, ::testing::Contains(HasSubstr("From the start only 5")));
+  EXPECT_THAT(left.scores.notes, ::testing::Not(::testing::Contains(HasSubstr("open"))));
+  EXPECT_GT(left.runs[0].figures.coverage, 0.99);
+  wanted.strategies = {quickConfig("nearest_frontier", 120, {"simulation.start=4.5 2 0"}),
+                       quickConfig("longest_ray", 60, {"simulation.start=4.5 2 0"})};
+  wanted.overwrite = true;
+  const auto right = run(wanted);
+  EXPECT_THAT(right.scores.notes, ::testing::Contains(HasSubstr("The plan is open")));
+  EXPECT_GT(right.runs[0].figures.coverage, 0.9);
+}
+
+TEST(Explore, AMethodThatFailsIsARowOrAnErrorAndLeavesNoFolder) {
+  const testing::TempFolder folder;
+  const std::string icp = core::readTextFile(core::configsFolder() + "/methods/icp.ini");
+  // A limit that the first map breaks stands for a method that fails.
+  const std::string resolution = "resolution_m = 0.05";
+  core::writeFileAtomically(folder / "cramped.ini",
+                            std::string(icp).replace(icp.find(resolution), resolution.size(),
+                                                     "resolution_m = 0.02\nmax_map_cells = 10000"));
+  auto wanted = request(folder, twoRooms(), {quickConfig("quadrant", 20)}, folder / "cramped.ini");
+  EXPECT_THROW(run(wanted), core::MethodError);
+  EXPECT_FALSE(fs::exists(folder / "out"));
+  EXPECT_FALSE(fs::exists(folder / "out.tmp"));
+}
+
+/// Stands for a method that fails when it has taken in so many scans.
+class FailsAfter : public record::StepObserver {
+ public:
+  explicit FailsAfter(int scans) : left_(scans) {}
+  void onStep(const record::Step&) override {
+    if (--left_ == 0) throw core::MethodError("broken on purpose");
+  }
+
+ private:
+  int left_;
+};
+
+TEST(Explore, AMethodThatFailsOnTheWayKeepsWhatItHadMapped) {
+  const testing::TempFolder folder;
+  FailsAfter observer(20);
+  auto wanted = request(folder, twoRooms(), {quickConfig("quadrant", 20)}, "icp");
+  wanted.observer = &observer;
+  const auto result = run(wanted);
+  EXPECT_EQ(result.failed, 1);
+  ASSERT_EQ(result.runs.size(), 1U);
+  EXPECT_THAT(result.runs[0].end_detail, HasSubstr("at scan 20 (3.8 s): broken on purpose"));
+  EXPECT_THAT(result.scores.notes, ::testing::Contains(HasSubstr("failed: at scan 20")));
+  const auto partial = run::loadRun(folder / "out");
+  EXPECT_EQ(partial.manifest.results.at("status"), "incomplete");
+  EXPECT_EQ(partial.estimate.size(), 20U);
+  EXPECT_EQ(run::readJournal(folder / "out/journal.csv").back().event, "failed");
+  EXPECT_TRUE(fs::exists(folder / "out/run.rawlog"));
+  EXPECT_TRUE(fs::exists(folder / "out/map.simplemap"));
+}
+
+TEST(Explore, RefusesWhatCannotBe) {
+  const testing::TempFolder folder;
+  const auto refusal = [&](ExploreRequest wanted) {
+    try {
+      run(wanted);
+    } catch (const core::InputError& error) {
+      EXPECT_FALSE(fs::exists(wanted.output)) << error.what();
+      EXPECT_FALSE(fs::exists(wanted.output + ".tmp")) << error.what();
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  const auto with = [&](const std::vector<std::string>& settings, const std::string& slam = "icp") {
+    return request(folder, twoRooms(), {quickConfig("quadrant", 5, settings)}, slam);
+  };
+  EXPECT_THAT(refusal(with({"simulation.start=0.05 0.05 0"})), HasSubstr("start"));
+  EXPECT_THAT(refusal(with({"simulation.start=-3 2 0"})), HasSubstr("start"));
+  EXPECT_THAT(refusal(with({"simulation.start=nowhere"})), HasSubstr("expected auto or x_m,y_m,yaw_deg"));
+  EXPECT_THAT(refusal(with({"robot.side_m=4"})), HasSubstr("no free place for a robot of side 4 m"));
+  EXPECT_THAT(refusal(with({}, "icq")), HasSubstr("did you mean 'icp'?"));
+  auto twice = with({});
+  twice.strategies.push_back(twice.strategies.front());
+  EXPECT_THAT(refusal(twice), HasSubstr("strategy 'quadrant' is named twice"));
+  EXPECT_THROW(quickConfig("quadrant", 5, {"exploration.stuk_s=4"}), core::InputError);
+}
+
+TEST(Record, AStrategyThatNeedsAMapIsSentToExplore) {
+  const testing::TempFolder folder;
+  const auto config = quickConfig("nearest_frontier", 5).record;
+  EXPECT_THROW(record::record(twoRooms(), config, 1, folder / "run.rawlog", {}, core::silentProgress()),
+               core::InputError);
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(Explore, ACarriedRobotIsKnownToTheTruthAlone) {
+  const testing::TempFolder folder;
+  const auto result = explore(
+      request(folder, twoRooms(),
+              {quickConfig("longest_ray", 8, {"simulation.start=1.5 2 0", "events.carry=4:4.5,2,180"})},
+              "naive_wheel"),
+      {}, core::silentProgress());
+  EXPECT_THAT(report::toText(result.scores), HasSubstr("longest_ray: kidnapped at 4.0 s from"));
+  const auto truth = logs::readTum(folder / "out/run.gt.tum");
+  const auto estimate = logs::readTum(folder / "out/trajectory.tum");
+  double longest_true_m = 0, longest_believed_m = 0;
+  for (size_t i = 1; i < truth.size(); ++i) {
+    longest_true_m = std::max(longest_true_m, core::distance(truth[i - 1].pose, truth[i].pose));
+    longest_believed_m = std::max(longest_believed_m, core::distance(estimate[i - 1].pose, estimate[i].pose));
+  }
+  EXPECT_GT(longest_true_m, 0.5);
+  EXPECT_LT(longest_believed_m, 0.2);
+  EXPECT_LT(result.runs.at(0).figures.path_m, core::pathLength(truth) - 0.5);
+  EXPECT_TRUE(fs::exists(folder / "out/run.carries.csv"));
+}
+
+}  // namespace
+}  // namespace slam::explore
