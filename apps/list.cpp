@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "apps/commands.h"
+#include "libslam/buildings/generator.h"
 #include "libslam/core/files.h"
 #include "libslam/core/resources.h"
 #include "libslam/explore/explore.h"
@@ -12,7 +13,6 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/navigate/strategy.h"
 #include "libslam/score/evaluate.h"
-#include "libslam/world/generator.h"
 
 namespace slam::apps {
 namespace {
@@ -60,7 +60,7 @@ std::vector<Entry> entriesOf(const std::string& what) {
     for (const auto& name : explore::goalMethodNames())
       entries.emplace_back(name, explore::goalMethodMeaning(name));
   } else if (what == "buildings") {
-    for (const auto& kind : world::buildingKinds()) entries.emplace_back(kind.name, kind.meaning);
+    for (const auto& kind : buildings::buildingKinds()) entries.emplace_back(kind.name, kind.meaning);
   } else if (what == "worlds") {
     for (const auto& name : core::namesInFolder(core::worldsFolder(), ".yaml")) {
       const auto plan = world::loadPlan(core::worldsFolder() + "/" + name + ".yaml");

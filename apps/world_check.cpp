@@ -6,12 +6,12 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "libslam/check/plan_check.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/resources.h"
 #include "libslam/report/plan_changes.h"
 #include "libslam/robot/drive.h"
-#include "libslam/world/plan_check.h"
 
 namespace slam::apps {
 namespace {
@@ -25,16 +25,16 @@ struct Arguments {
   bool fix = false, yes = false;
 };
 
-void printFindings(const world::PlanCheck& check, bool fixed) {
+void printFindings(const check::PlanCheck& check, bool fixed) {
   for (const auto& finding : check.findings) {
-    printWrapped(padded(world::severityName(finding.severity), 8) + padded(finding.key, 11) + " ",
+    printWrapped(padded(check::severityName(finding.severity), 8) + padded(finding.key, 11) + " ",
                  finding.text + ".");
     const std::string does = finding.is_mendable ? (fixed ? "mended: " : "--fix ") : "";
     printWrapped(std::string(20, ' '), does + finding.remedy + ".");
   }
 }
 
-void printFigures(const world::PlanCheck& check) {
+void printFigures(const check::PlanCheck& check) {
   const auto& f = check.figures;
   const auto& plan = check.after;
   std::printf("size        %d x %d pixels of %s m: %.1f x %.1f m, walls %.1f x %.1f m\n", plan.columns,
@@ -50,14 +50,14 @@ void printFigures(const world::PlanCheck& check) {
   std::printf("\n");
 }
 
-ordered_json toJson(const world::PlanCheck& check) {
+ordered_json toJson(const check::PlanCheck& check) {
   auto findings = ordered_json::array();
   for (const auto& f : check.findings) {
     auto places = ordered_json::array();
     for (const auto& place : f.places)
       places.push_back({{"pixel", {place.x, place.y}}, {"world_m", {place.p_world.x, place.p_world.y}}});
     findings.push_back({{"key", f.key},
-                        {"severity", world::severityName(f.severity)},
+                        {"severity", check::severityName(f.severity)},
                         {"text", f.text},
                         {"fix", f.remedy},
                         {"fixable", f.is_mendable},
@@ -87,9 +87,9 @@ ordered_json toJson(const world::PlanCheck& check) {
 }
 
 /// What a second look at the mended plan finds.
-world::PlanCheck checkAgain(const std::string& yaml_path, world::PlanCheckOptions options) {
+check::PlanCheck checkAgain(const std::string& yaml_path, check::PlanCheckOptions options) {
   options.resolution_m.reset();  // stands in the yaml now
-  return world::checkPlan(yaml_path, options);
+  return check::checkPlan(yaml_path, options);
 }
 
 std::string pictureOf(const std::string& yaml_path) {
@@ -119,7 +119,7 @@ void requireWritable(const std::string& yaml_path, const std::vector<std::string
 /// Beyond this share of the free space mending has taken rooms for the outside, until somebody says otherwise.
 constexpr double kMostHidden = 0.2;
 
-std::string hiddenText(const world::PlanCheck& check) {
+std::string hiddenText(const check::PlanCheck& check) {
   char text[96];
   std::snprintf(text, sizeof text, "%.1f m2, %.0f %% of the free space amid the walls", check.hidden_m2,
                 100 * check.hidden_share);
@@ -127,7 +127,7 @@ std::string hiddenText(const world::PlanCheck& check) {
 }
 
 /// A copy that lacks much of the plan is not written unasked.
-void requireLittleHidden(const world::PlanCheck& check, const std::string& plan_path, bool yes) {
+void requireLittleHidden(const check::PlanCheck& check, const std::string& plan_path, bool yes) {
   if (yes || check.hidden_share <= kMostHidden) return;
   throw core::InputError(plan_path + ": mending would make unknown " + hiddenText(check) +
                          "; close the outline in the drawing or by --close-gaps METRES, or say --yes");
@@ -135,7 +135,7 @@ void requireLittleHidden(const world::PlanCheck& check, const std::string& plan_
 
 int checkWorld(const Context& context, const Arguments& arguments) {
   const std::string plan_path = core::resolvePlan(arguments.plan);
-  world::PlanCheckOptions options;
+  check::PlanCheckOptions options;
   options.robot_side_m = robot::RobotOptions().side_m;
   core::IniFile flags;
   const auto give = [&](const char* key, double value, const char* flag) {
@@ -143,7 +143,7 @@ int checkWorld(const Context& context, const Arguments& arguments) {
   };
   if (arguments.robot_side_m != 0) give("robot_side_m", arguments.robot_side_m, "--robot-side");
   if (arguments.widest_gap_m >= 0) give("widest_gap_m", arguments.widest_gap_m, "--close-gaps");
-  core::readParameters(flags, world::PlanCheckOptions::table(), options);
+  core::readParameters(flags, check::PlanCheckOptions::table(), options);
   if (arguments.resolution_m != 0) options.resolution_m = arguments.resolution_m;
   options.only = arguments.only;
   options.skip = arguments.skip;
@@ -151,7 +151,7 @@ int checkWorld(const Context& context, const Arguments& arguments) {
   std::string fixed_path = context.output;
   if (fixed_path.empty())
     fixed_path = (fs::path(plan_path).parent_path() / fs::path(plan_path).stem()).string() + ".fixed.yaml";
-  const auto check = world::checkPlan(plan_path, options);
+  const auto check = check::checkPlan(plan_path, options);
   if (arguments.fix) requireWritable(fixed_path, check.files, context.overwrite);
   if (!context.json) {
     std::printf("plan        %s, read as a %s\n", plan_path.c_str(), check.is_map ? "map" : "drawing");
@@ -191,7 +191,7 @@ int checkWorld(const Context& context, const Arguments& arguments) {
 
 std::string footer() {
   std::string text = "What is looked for, in this order (--only and --skip take these keys):\n";
-  for (const auto& [key, meaning] : world::planCheckKeys()) text += "  " + padded(key, 12) + meaning + "\n";
+  for (const auto& [key, meaning] : check::planCheckKeys()) text += "  " + padded(key, 12) + meaning + "\n";
   return text +
          "Exit code: 0 the plan can be used (also with warnings), 3 it cannot as it is; with --fix of the "
          "result.\n"
@@ -222,7 +222,7 @@ void addWorldCheck(CLI::App& world, Context& context) {
   command
       ->add_option("--close-gaps", arguments->widest_gap_m,
                    "widest gap in a drawing's outline that is closed, metres (default " +
-                       core::formatNumber(world::PlanCheckOptions().widest_gap_m) + ")")
+                       core::formatNumber(check::PlanCheckOptions().widest_gap_m) + ")")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--only", arguments->only, "look for these keys only")->delimiter(',');
   command->add_option("--skip", arguments->skip, "do not look for these keys")->delimiter(',');

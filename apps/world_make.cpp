@@ -43,10 +43,10 @@ core::IniFile configOf(const Context& context, const Arguments& arguments) {
 }
 
 int makeWorld(const Context& context, const Arguments& arguments) {
-  world::BuildingOptions options;
+  buildings::BuildingOptions options;
   std::vector<core::ParameterReport> parameters;
   const core::IniFile config = configOf(context, arguments);
-  core::readParameters(config, world::BuildingOptions::table(), options, &parameters);
+  core::readParameters(config, buildings::BuildingOptions::table(), options, &parameters);
   if (context.print_config) {
     printParameters(parameters, context.json);
     return 0;
@@ -112,7 +112,7 @@ void addWorldMake(CLI::App& world, Context& context) {
   command->add_option("--size", arguments->size, "width x height in metres, each 5 to 200, such as 80x50");
   command->add_option(
       "--resolution", arguments->resolution_m,
-      "metres a cell (default " + core::formatNumber(world::BuildingOptions().resolution_m) + ")");
+      "metres a cell (default " + core::formatNumber(buildings::BuildingOptions().resolution_m) + ")");
   command->add_option("--preview", arguments->preview, "also draw the plan into this png, with a scale");
   addSeed(command, context);
   addConfig(command, context);

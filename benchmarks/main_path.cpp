@@ -6,13 +6,13 @@
 
 #include <memory>
 
+#include "libslam/buildings/generator.h"
 #include "libslam/core/resources.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/process/worker.h"
 #include "libslam/record/record.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"
-#include "libslam/world/generator.h"
 #include "libslam/world/ray_caster.h"
 
 namespace {
@@ -98,9 +98,9 @@ void simulateAnHour(benchmark::State& state) {
     ini.set("lidar", key, value, "benchmark");
   ini.set("simulation", "duration_s", "3600", "benchmark");
   const auto config = record::readRecordConfig(ini);
-  world::BuildingOptions options;
+  buildings::BuildingOptions options;
   options.width_m = options.height_m = 100;
-  const world::Plan building = world::generateBuilding("office", options, 1).plan;
+  const world::Plan building = buildings::generateBuilding("office", options, 1).plan;
   double scans = 0;
   for (auto _ : state)
     scans +=

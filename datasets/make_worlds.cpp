@@ -5,8 +5,8 @@
 #include <iostream>
 #include <string>
 
+#include "libslam/buildings/building.h"
 #include "libslam/core/error.h"
-#include "libslam/world/building.h"
 #include "libslam/world/plan.h"
 
 /// make_worlds [FOLDER] [SEED]: writes NAME.png and NAME.yaml of every building into FOLDER (default: the
@@ -16,9 +16,9 @@ int main(int argc, char** argv) {
   try {
     const std::string folder = argc > 1 ? argv[1] : ".";
     const std::uint64_t seed = argc > 2 ? std::stoull(argv[2]) : 1;
-    for (const auto& name : slam::world::buildingNames()) {
+    for (const auto& name : slam::buildings::buildingNames()) {
       const auto yaml = std::filesystem::path(folder) / (name + ".yaml");
-      slam::world::savePlan(slam::world::makeBuilding(name, seed), yaml.string());
+      slam::world::savePlan(slam::buildings::makeBuilding(name, seed), yaml.string());
     }
     return static_cast<int>(ExitCode::kOk);
   } catch (const std::exception& e) {

@@ -21,11 +21,11 @@
 #include <string>
 #include <vector>
 
+#include "libslam/buildings/generator.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/random.h"
 #include "libslam/report/table.h"
-#include "libslam/world/generator.h"
 #include "libslam/world/plan.h"
 #include "libslam/world/ray_caster.h"
 #include "libslam/world/sector_caster.h"
@@ -258,11 +258,11 @@ int benchmark(const Arguments& arguments) {
                    {"two_threads", "2 threads", 2}};
   for (const auto& path : plans) addRows(world::loadPlan(path), arguments, table);
   if (arguments.plans.empty())
-    for (const auto& kind : world::buildingKinds()) {
-      world::BuildingOptions options;
+    for (const auto& kind : buildings::buildingKinds()) {
+      buildings::BuildingOptions options;
       options.width_m = 100;
       options.height_m = 80;
-      world::Plan plan = world::generateBuilding(kind.name, options, 1).plan;
+      world::Plan plan = buildings::generateBuilding(kind.name, options, 1).plan;
       plan.name = kind.name + " 100 x 80 m";
       addRows(plan, arguments, table);
     }

@@ -2,23 +2,23 @@
 
 #include <algorithm>
 
+#include "libslam/buildings/building.h"
 #include "libslam/core/error.h"
-#include "libslam/world/building.h"
 
 namespace slam::record {
 
-world::GeneratedBuilding generateWorld(const std::string& kind, const core::IniFile& config,
-                                       std::uint64_t seed) {
-  world::BuildingOptions options;
-  core::readParameters(config, world::BuildingOptions::table(), options);
-  const auto& kinds = world::buildingKinds();
+buildings::GeneratedBuilding generateWorld(const std::string& kind, const core::IniFile& config,
+                                           std::uint64_t seed) {
+  buildings::BuildingOptions options;
+  core::readParameters(config, buildings::BuildingOptions::table(), options);
+  const auto& kinds = buildings::buildingKinds();
   const bool is_kind = std::any_of(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == kind; });
-  const auto fixed = world::buildingNames();
+  const auto fixed = buildings::buildingNames();
   if (is_kind || std::find(fixed.begin(), fixed.end(), kind) == fixed.end())
-    return world::generateBuilding(kind, options, seed);
+    return buildings::generateBuilding(kind, options, seed);
   if (config.hasSection("building"))
     throw core::InputError("'" + kind + "' has one size and no options, expected only a seed");
-  return {world::makeBuilding(kind, seed), 0};
+  return {buildings::makeBuilding(kind, seed), 0};
 }
 
 }  // namespace slam::record

@@ -2,15 +2,15 @@
 #include <cstdint>
 #include <string>
 
+#include "libslam/buildings/generator.h"
 #include "libslam/core/ini.h"
-#include "libslam/world/generator.h"
 
 namespace slam::record {
 
-/// Draws what `rasterslam world make KIND` draws: one of world::buildingKinds() with section [building] of the
-/// configuration, or one of world::buildingNames(), whose size is fixed, which takes only a seed. Errors: InputError
+/// Draws what `rasterslam world make KIND` draws: one of buildings::buildingKinds() with section [building] of the
+/// configuration, or one of buildings::buildingNames(), whose size is fixed, which takes only a seed. Errors: InputError
 /// (unknown kind or key, impossible size, options for a fixed one).
-world::GeneratedBuilding generateWorld(const std::string& kind, const core::IniFile& config,
-                                       std::uint64_t seed);
+buildings::GeneratedBuilding generateWorld(const std::string& kind, const core::IniFile& config,
+                                           std::uint64_t seed);
 
 }  // namespace slam::record

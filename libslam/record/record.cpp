@@ -2,12 +2,12 @@
 
 #include <filesystem>
 
+#include "libslam/buildings/furniture.h"
 #include "libslam/core/error.h"
 #include "libslam/core/number_list.h"
 #include "libslam/navigate/safe_motion.h"
 #include "libslam/record/recorder.h"
 #include "libslam/record/sensor.h"
-#include "libslam/world/furniture.h"
 
 namespace slam::record {
 
@@ -76,7 +76,7 @@ world::Plan planOfVisit(const world::Plan& plan, const sim::LivingOptions& livin
   world::Plan found = plan;
   for (int visit = 2; visit <= living.visit; ++visit) {
     core::RandomStream random(seed, "visit " + std::to_string(visit));
-    found = world::moveFurniture(found, random.bits(), living.furniture_share).plan;
+    found = buildings::moveFurniture(found, random.bits(), living.furniture_share).plan;
   }
   return found;
 }

@@ -9,8 +9,8 @@
 
 namespace slam::report {
 namespace {
+using check::Change;
 using world::Cell;
-using world::Change;
 
 constexpr double kMargin = 20, kHeadSize = 20, kHeadHeight = 32;
 constexpr double kMostWidth = 1960, kMostHeight = 1700, kLeastMapWidth = 600;

@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
+#include "libslam/check/plan_check.h"
 #include "libslam/report/canvas.h"
 #include "libslam/world/plan.h"
-#include "libslam/world/plan_check.h"
 
 namespace slam::report {
 
@@ -13,7 +13,7 @@ namespace slam::report {
 /// legend names only the changes that occur, with their cells. The picture's size, bytes and errors as in
 /// picture.h. REQUIRES rasters and changes of one size (ContractError).
 void drawPlanChanges(const world::Plan& before, const world::Plan& after,
-                     const std::vector<world::Change>& changes, const std::string& title,
+                     const std::vector<check::Change>& changes, const std::string& title,
                      const std::string& file, const Paper& paper = {});
 
 }  // namespace slam::report

@@ -6,13 +6,13 @@
 #include <limits>
 #include <sstream>
 
+#include "libslam/buildings/generator.h"
 #include "libslam/core/error.h"
 #include "libslam/core/resources.h"
 #include "libslam/stats/bootstrap.h"
 #include "libslam/stats/proportion.h"
 #include "libslam/study/stress_charts.h"
 #include "libslam/study/value_range.h"
-#include "libslam/world/generator.h"
 
 namespace slam::study {
 namespace fs = std::filesystem;
@@ -67,7 +67,7 @@ bool takesWholeNumbers(const std::string& key) {
 
 void requireBuildingKey(const std::string& key) {
   std::vector<std::string> known;
-  for (const auto& row : world::BuildingOptions::table().rows()) known.push_back(row.info.key);
+  for (const auto& row : buildings::BuildingOptions::table().rows()) known.push_back(row.info.key);
   if (std::find(known.begin(), known.end(), key) == known.end())
     throw core::InputError(std::string(kVary) + ": found 'world." + key + "', expected a key of [building]" +
                            core::didYouMean(key, known));
@@ -93,7 +93,7 @@ std::map<std::string, core::IniFile::Entry> generatedWorld(const core::IniFile& 
     }
   }
   std::vector<std::string> kinds;
-  for (const auto& kind : world::buildingKinds()) kinds.push_back(kind.name);
+  for (const auto& kind : buildings::buildingKinds()) kinds.push_back(kind.name);
   const auto kind = keys.find("kind");
   if (kind == keys.end() || std::find(kinds.begin(), kinds.end(), kind->second.value) == kinds.end())
     throw core::InputError(std::string(kVary) + ": world '" + entry +

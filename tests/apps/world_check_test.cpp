@@ -8,7 +8,7 @@
 
 #include "libslam/core/files.h"
 #include "tests/apps/program.h"
-#include "tests/world/architect_plan.h"
+#include "tests/check/architect_plan.h"
 
 namespace slam::apps {
 namespace {
@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 void drawPlan(const testing::TempFolder& folder) {
-  cv::imwrite(folder / "plan.png", world::ArchitectPlan(world::ArchitectStyle{}).sheet());
+  cv::imwrite(folder / "plan.png", check::ArchitectPlan(check::ArchitectStyle{}).sheet());
 }
 
 TEST(WorldCheck, SaysThatACommittedWorldHasNothingToMend) {

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "libslam/buildings/building.h"
+#include "libslam/buildings/generator.h"
 #include "libslam/core/files.h"
-#include "libslam/world/building.h"
-#include "libslam/world/generator.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
@@ -20,10 +20,10 @@ TEST(WorldMake, WritesAPlanThatARobotCanExplore) {
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(made.out, HasSubstr("20 x 14 m, 400 x 280 cells of 0.05 m, "));
   EXPECT_THAT(made.out, HasSubstr("next: rasterslam simulate here.yaml\n"));
-  world::BuildingOptions options;
+  buildings::BuildingOptions options;
   options.width_m = 20, options.height_m = 14;
   const auto plan = world::loadPlan(folder / "here.yaml");
-  EXPECT_TRUE(plan.cells == world::generateBuilding("office", options, 7).plan.cells);
+  EXPECT_TRUE(plan.cells == buildings::generateBuilding("office", options, 7).plan.cells);
   const auto run = rasterslam("simulate here.yaml --duration 5 -q", folder.path());
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr(" 0 collisions"));
@@ -55,14 +55,14 @@ TEST(WorldMake, DrawsTheWorldsOfFixedSizeToo) {
   const testing::TempFolder folder;
   const auto made = rasterslam("world make maze --seed 3", folder.path());
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_TRUE(world::loadPlan(folder / "maze.yaml").cells == world::makeBuilding("maze", 3).cells);
+  EXPECT_TRUE(world::loadPlan(folder / "maze.yaml").cells == buildings::makeBuilding("maze", 3).cells);
 }
 
 TEST(WorldMake, IsListedAndDrawnSideBySide) {
   const testing::TempFolder folder;
   const auto list = rasterslam("list buildings --json");
   const auto kinds = nlohmann::json::parse(list.out);
-  ASSERT_EQ(kinds.size(), world::buildingKinds().size());
+  ASSERT_EQ(kinds.size(), buildings::buildingKinds().size());
   std::string plans;
   for (const auto& kind : kinds) {
     const std::string name = kind["name"];

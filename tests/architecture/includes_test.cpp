@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Who may include whom. The truth wall: nothing on the robot's side (navigate, odometry, mapping) may name a room that
-// knows the truth (world, sim, metrics, report); only the rooms from `record` to `pages`, and those above, see both.
+// knows the truth (world, buildings, check, sim, metrics, report); only the rooms from `record` to `pages`, and those above, see both.
 const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"core", {}},
     {"robot", {"core"}},
@@ -20,10 +20,12 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"stats", {"core"}},
     // the truth's side
     {"world", {"core"}},
+    {"buildings", {"core", "world"}},
+    {"check", {"core", "world"}},
     {"sim", {"core", "robot", "world"}},
     {"mrptworld", {"core", "world"}},
     {"metrics", {"core", "world"}},
-    {"report", {"core", "robot", "world", "metrics"}},
+    {"report", {"core", "robot", "world", "check", "metrics"}},
     {"viewer", {"core", "robot", "gridmap", "world", "report"}},
     // the robot's side
     {"gridmap", {"core", "robot"}},
@@ -38,7 +40,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"doctor", {"core", "robot", "logs", "odometry"}},
     // both: from the floor up; each may include those that stand above it here and nothing below
     {"process", {"core"}},
-    {"record", {"core", "robot", "world", "logs", "sim", "odometry", "mapping", "navigate"}},
+    {"record", {"core", "robot", "world", "buildings", "logs", "sim", "odometry", "mapping", "navigate"}},
     {"run",
      {"core", "stats", "robot", "gridmap", "world", "logs", "sim", "odometry", "mapping", "metrics", "report",
       "viewer", "process", "record"}},
@@ -48,7 +50,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
      {"core", "robot", "world", "logs", "sim", "mapping", "obstacles", "navigate", "mrptnav", "metrics",
       "report", "process", "record", "run", "score"}},
     {"sweep", {"core", "logs", "mapping", "report", "process", "record", "run", "score"}},
-    {"study", {"core", "stats", "world", "mapping", "report", "score", "sweep"}},
+    {"study", {"core", "stats", "buildings", "mapping", "report", "score", "sweep"}},
     {"pages", {"core", "world", "logs", "sim", "metrics", "report", "record", "run", "score", "study"}},
     {"live",
      {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "obstacles", "navigate", "mapping",
@@ -94,8 +96,9 @@ TEST(Includes, EveryRoomKeepsToTheTable) {
 TEST(Includes, TheTableHoldsTheTruthWall) {
   for (const std::string robot_side :
        {"gridmap", "scanmatch", "posegraph", "obstacles", "navigate", "mrptnav", "odometry", "mapping"})
-    for (const std::string truth_side : {"world", "sim", "metrics", "report", "process", "record", "run",
-                                         "score", "explore", "sweep", "study", "pages", "logs"})
+    for (const std::string truth_side :
+         {"world", "buildings", "check", "sim", "metrics", "report", "process", "record", "run", "score",
+          "explore", "sweep", "study", "pages", "logs"})
       EXPECT_FALSE(kMayInclude.at(robot_side).count(truth_side)) << robot_side << " reaches " << truth_side;
 }
 

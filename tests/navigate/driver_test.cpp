@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "libslam/buildings/building.h"
 #include "libslam/core/error.h"
 #include "libslam/navigate/strategy.h"
-#include "libslam/world/building.h"
 #include "tests/navigate/scenes.h"
 
 namespace slam::navigate {
@@ -191,8 +191,8 @@ TEST(Exploration, TheLongestRayShuttlesAlongTheDiagonalWhereQuadrantsGoRoundTheB
 TEST(Exploration, NeverCollidesInAnyWorldWithNoiseOn) {
   auto lidar = scenes::circleLidar();
   lidar.beams = 180;  // coarse on purpose: more slips between two beams
-  for (const auto& world : world::buildingNames()) {
-    const auto plan = world::makeBuilding(world, 1);
+  for (const auto& world : buildings::buildingNames()) {
+    const auto plan = buildings::makeBuilding(world, 1);
     const auto start = world::findStartPose(plan, 0.35);
     ASSERT_TRUE(start) << world;
     for (const auto& name : scenes::maplessStrategies())

@@ -8,8 +8,8 @@
 #include <limits>
 #include <map>
 
+#include "libslam/buildings/building.h"
 #include "libslam/core/error.h"
-#include "libslam/world/building.h"
 #include "tests/navigate/goal_scenes.h"
 #include "tests/navigate/scenes.h"
 
@@ -118,9 +118,9 @@ TEST_P(EveryNavigator, RepeatsItself) {
 
 // The lidar of 270 degrees with its noise, wheels with theirs, every committed world.
 TEST_P(EveryNavigator, NeverCollidesInACommittedWorldWithNoise) {
-  for (const auto& name : world::buildingNames()) {
+  for (const auto& name : buildings::buildingNames()) {
     GoalScene scene;
-    scene.plan = world::makeBuilding(name, 1);
+    scene.plan = buildings::makeBuilding(name, 1);
     const auto start = world::findStartPose(scene.plan, robot::circumscribedRadius(robot::RobotOptions()));
     ASSERT_TRUE(start.has_value());
     scene.start = *start;
@@ -190,7 +190,7 @@ TEST_P(TextbookBug, TurnsTheOtherWayWhenAsked) {
 
 GoalScene mazeScene(std::uint64_t seed) {
   GoalScene scene;
-  scene.plan = world::makeBuilding("maze", seed);
+  scene.plan = buildings::makeBuilding("maze", seed);
   int low = scene.plan.columns, high = 0;
   for (int row = 0; row < scene.plan.rows; ++row)
     for (int column = 0; column < scene.plan.columns; ++column)

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "libslam/buildings/building.h"
 #include "libslam/core/error.h"
-#include "libslam/world/building.h"
 #include "tests/navigate/drawn_map.h"
 #include "tests/navigate/scenes.h"
 
@@ -211,7 +211,7 @@ TEST(MapStrategies, DoNotFinishBeforeTheBareDiscHasNoWayLeft) {
 /// The whole loop with the simulator: noise on the lidar, walls to keep away from, doors to pass.
 TEST(MapExploration, SeesTheFlatAndTheMazeWholeWithoutACollision) {
   for (const std::string world : {"flat", "maze"}) {
-    const auto plan = world::makeBuilding(world, 1);
+    const auto plan = buildings::makeBuilding(world, 1);
     const auto start = world::findStartPose(plan, 0.35);
     for (const auto& name : mapStrategies()) {
       const auto run = scenes::exploreOnMap(plan, *start, named(name), scenes::circleLidar(), 1, 1500);

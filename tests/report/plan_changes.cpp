@@ -11,8 +11,8 @@
 
 namespace slam::report {
 namespace {
+using check::Change;
 using world::Cell;
-using world::Change;
 
 world::Plan blank(int columns, int rows) {
   world::Plan plan;

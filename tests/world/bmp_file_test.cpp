@@ -6,11 +6,11 @@
 #include <fstream>
 #include <vector>
 
+#include "libslam/check/plan_check.h"
 #include "libslam/core/error.h"
 #include "libslam/testing/temp_folder.h"
 #include "libslam/world/picture_file.h"
 #include "libslam/world/plan.h"
-#include "libslam/world/plan_check.h"
 
 namespace slam::world {
 namespace {
@@ -181,7 +181,7 @@ TEST_F(Bmps, WithMasksThatMakeNoChannelsAreRefusedInOneLine) {
 }
 
 TEST_F(Bmps, CheckedSayThatTransparencyIsReadAndNotBrightness) {
-  const auto check = checkPlan(write(kBottomUp.bytes()), {});
+  const auto check = check::checkPlan(write(kBottomUp.bytes()), {});
   for (const auto& finding : check.findings)
     if (finding.key == "colours") {
       EXPECT_EQ(finding.text,

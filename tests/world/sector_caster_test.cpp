@@ -11,11 +11,11 @@
 #include <string>
 
 #include "drawn_plan.h"
+#include "libslam/buildings/building.h"
+#include "libslam/buildings/generator.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "libslam/testing/temp_folder.h"
-#include "libslam/world/building.h"
-#include "libslam/world/generator.h"
 #include "libslam/world/ray_caster.h"
 
 namespace slam::world {
@@ -115,14 +115,14 @@ std::optional<Plan> planNamed(const std::string& name) {
   const auto is = [&](const auto& names) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
-  if (is(buildingNames()))
+  if (is(buildings::buildingNames()))
     return loadPlan(std::string(RASTERSLAM_SOURCE_DIR "/datasets/worlds/") + name + ".yaml");
   const std::string kind = name.substr(name.find('_') + 1);
   if (name.rfind("generated_", 0) == 0) {
-    BuildingOptions options;
+    buildings::BuildingOptions options;
     options.width_m = 40;
     options.height_m = 30;
-    return generateBuilding(kind, options, 1).plan;
+    return buildings::generateBuilding(kind, options, 1).plan;
   }
   const std::string file = name == "willow"  ? "willow/willow-full"
                            : name == "depot" ? "nav2/depot"
