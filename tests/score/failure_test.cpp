@@ -74,6 +74,16 @@ TEST(Failure, AWrongTurnIsAJumpThoughThePositionIsStillTrue) {
   EXPECT_DOUBLE_EQ(divergence->time_s, 8);
 }
 
+TEST(Failure, ATurnWeighsAsMuchAsTheJumpThatItIsHeldAgainst) {
+  // 0.45 m at 12 s, nine tenths of a jump; then 0.27 rad at 14 s, more than one.
+  const auto estimate = estimateWith([](double t) {
+    return core::Pose2{0, t >= 12 ? 0.45 : 0, t >= 14 ? 0.27 : 0};
+  });
+  const auto divergence = firstDivergence(straightTruth(), estimate);
+  ASSERT_TRUE(divergence);
+  EXPECT_DOUBLE_EQ(divergence->time_s, 14);
+}
+
 TEST(Failure, SlowDriftIsNotAJump) {
   const auto estimate = estimateWith([](double t) { return core::Pose2{0, 0.05 * t, 0}; });
   const auto divergence = firstDivergence(straightTruth(), estimate);
@@ -98,7 +108,9 @@ TEST(Failure, ALoopBetweenPlacesFarApartIsWrong) {
   right.place = {20, 0}, right.other_place = {19.5, 0};
   auto beyond = wrong;
   beyond.other_scan = 500;
-  const auto loops = wrongLoops(straightTruth(), {right, wrong, unused, beyond}, stamps_s);
+  auto across = wrong;  // as far apart in the map as in truth: its places saw each other
+  across.place = {20, 0}, across.other_place = {2, 0};
+  const auto loops = wrongLoops(straightTruth(), {right, wrong, unused, beyond, across}, stamps_s);
   ASSERT_EQ(loops.size(), 1U);
   EXPECT_EQ(loops[0].scan, 40);
   EXPECT_EQ(loops[0].other_scan, 4);

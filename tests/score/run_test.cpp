@@ -145,6 +145,21 @@ TEST(Compare, AMethodThatFailsDoesNotTakeTheOthersWithIt) {
   EXPECT_TRUE(fs::exists(folder / "out/maps.png"));
 }
 
+TEST(Compare, ResumeReusesTheRunsOfTheSameSeedOnly) {
+  const testing::TempFolder folder;
+  record::record(flat(), shortRecording(4), 1, folder / "run.rawlog", {}, core::silentProgress());
+  CompareRequest request;
+  request.log_path = folder / "run.rawlog";
+  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods = {"naive_wheel"};
+  request.output = folder / "out";
+  EXPECT_EQ(compare(request, {}, core::silentProgress()).reused, 0);
+  request.resume = true;
+  EXPECT_EQ(compare(request, {}, core::silentProgress()).reused, 1);
+  request.seed = 2;
+  EXPECT_EQ(compare(request, {}, core::silentProgress()).reused, 0);
+}
+
 TEST(Resources, NamesAreNotPathsAndPathsAreNotNames) {
   EXPECT_THAT(core::resolvePlan("maze"), HasSubstr("maze.yaml"));
   EXPECT_EQ(errorOf([] { core::resolvePlan("./maze"); }), "./maze: no such file");
