@@ -29,7 +29,7 @@ packages=(
   libmrpt-dev mrpt-apps mrpt-common
   libopencv-dev libeigen3-dev libboost-dev libcli11-dev nlohmann-json3-dev libssl-dev zlib1g-dev libbz2-dev liblzma-dev
   liblz4-dev libzstd-dev libsqlite3-dev libyaml-cpp-dev libcairo2-dev fonts-liberation
-  libgtest-dev libgmock-dev bzip2 xz-utils python3 xvfb xauth xdotool
+  libgtest-dev libgmock-dev bzip2 xz-utils procps python3 xvfb xauth xdotool
 )
 # Debian 12's; where there is another one the test of the formatting is left out.
 format_packages=(clang-format-14)

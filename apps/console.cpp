@@ -64,6 +64,10 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
 void catchInterrupts() {
   std::signal(SIGINT, onInterrupt);
   std::signal(SIGTERM, onInterrupt);
+  // Unless nohup has it ignored.
+  if (std::signal(SIGHUP, onInterrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+  // A file that grows beyond `ulimit -f` is an error of writing, and said so.
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 bool interruptAsked() {

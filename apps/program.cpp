@@ -1,7 +1,14 @@
 #include "apps/program.h"
 
+#include <sys/prctl.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -14,6 +21,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/exit_code.h"
 #include "libslam/core/manifest.h"
+#include "libslam/process/worker.h"
 
 namespace slam::apps {
 namespace {
@@ -24,13 +32,15 @@ int code(ExitCode exit_code) {
   return static_cast<int>(exit_code);
 }
 
-/// One line on standard error; with --json also an object on standard output, for the program that called us.
-int report(const Context& context, const char* message, ExitCode exit_code) {
+/// One line on standard error; with --json also an object on standard output, for the program that called us. `is_machine`:
+/// a file could not be written, which no method is to blame for.
+int report(const Context& context, const char* message, ExitCode exit_code, bool is_machine = false) {
   std::fprintf(stderr, "rasterslam: %s\n", message);
-  if (context.json)
-    std::cout << nlohmann::json{{"error", message}, {"exit_code", code(exit_code)}}.dump(
-                     -1, ' ', false, nlohmann::json::error_handler_t::replace)
-              << "\n";
+  if (context.json) {
+    nlohmann::json said{{"error", message}, {"exit_code", code(exit_code)}};
+    if (is_machine) said["machine"] = true;
+    std::cout << said.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+  }
   return code(exit_code);
 }
 
@@ -101,28 +111,52 @@ std::string resumeText(const CLI::App& app, const std::vector<std::string>& comm
   return "; go on with: " + core::shellQuoted(words);
 }
 
-}  // namespace
+/// What was printed has to arrive: a full disk behind standard output is a failure like any other.
+int flushed(int exit_code) {
+  std::cout.flush();
+  if (std::cout.good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
+  std::fprintf(stderr, "rasterslam: standard output: cannot be written: %s\n", std::strerror(errno));
+  return exit_code == 0 ? code(ExitCode::kFailed) : exit_code;
+}
 
-int runProgram(CLI::App& app, Context& context) {
-  const auto command_line = withoutHelpWord(context.command_line);
-  std::vector<const char*> argv;
-  for (const auto& word : command_line) argv.push_back(word.c_str());
-  try {
-    app.parse(static_cast<int>(argv.size()), argv.data());
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    return report(context, usageError(app, command_line, error.what()).c_str(), ExitCode::kUsage);
-  }
-  catchInterrupts();
+/// A process that another of ours started, and that measures this one, ends with it, whatever ends that.
+void endWithParent() {
+  const char* parent = std::getenv(process::kParentVariable);
+  if (parent == nullptr) return;
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (std::to_string(getppid()) != parent) std::_Exit(code(ExitCode::kInterrupted));
+  unsetenv(process::kParentVariable);
+}
+
+int doCommand(CLI::App& app, Context& context, const std::vector<std::string>& command_line) {
   try {
     return context.action();
   } catch (const std::bad_alloc&) {
     return report(context, "out of memory", ExitCode::kFailed);
   } catch (const core::Interrupted& error) {
     return report(context, (error.what() + resumeText(app, command_line)).c_str(), ExitCode::kInterrupted);
+  } catch (const core::IoError& error) {
+    return report(context, error.what(), ExitCode::kFailed, true);
   } catch (const std::exception& error) {
     return report(context, error.what(), core::exitCodeOf(error));
   }
+}
+
+}  // namespace
+
+int runProgram(CLI::App& app, Context& context) {
+  const auto command_line = withoutHelpWord(context.command_line);
+  std::vector<const char*> argv;
+  for (const auto& word : command_line) argv.push_back(word.c_str());
+  catchInterrupts();
+  endWithParent();
+  try {
+    app.parse(static_cast<int>(argv.size()), argv.data());
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return flushed(app.exit(error));  // --help, --version
+    return report(context, usageError(app, command_line, error.what()).c_str(), ExitCode::kUsage);
+  }
+  return flushed(doCommand(app, context, command_line));
 }
 
 }  // namespace slam::apps

@@ -1,17 +1,24 @@
 #include "libslam/core/files.h"
 
+#include <fcntl.h>
 #include <openssl/evp.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <random>
 #include <sstream>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "libslam/core/error.h"
 
@@ -29,10 +36,52 @@ std::ifstream openForReading(const std::string& path) {
   return in;
 }
 
-std::string beside(const std::string& path, bool keep_suffix) {
-  if (!keep_suffix) return path + ".tmp";
+constexpr const char* kBeside = ".rasterslam-";
+
+/// A name beside a path that ends by `suffix`, made by `make` (0, or -1 with errno) under a name that was not there before.
+template <class Make>
+std::string madeBeside(const std::string& path, const std::string& suffix, const Make& make) {
+  static const char* const kLetters = "abcdefghijklmnopqrstuvwxyz0123456789";
+  std::random_device draw;
+  while (true) {
+    std::string name = path.substr(0, path.size() - suffix.size()) + kBeside;
+    for (int i = 0; i < 6; ++i) name += kLetters[draw() % 36];
+    name += suffix;
+    if (make(name.c_str()) == 0) return name;
+    if (errno != EEXIST) throw IoError(path + ": cannot be written: " + std::strerror(errno));
+  }
+}
+
+/// Throws for what --overwrite must not replace, as root could: a device, a pipe, a socket.
+void requireReplaceable(const std::string& path) {
+  std::error_code error;
+  const auto status = fs::status(path, error);
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
+    throw InputError(path + ": is a device or a pipe, expected a file or folder that can be replaced");
+}
+
+/// A new file beside; nobody else has its name.
+std::string makeBeside(const std::string& path, bool keep_suffix) {
+  requireReplaceable(path);
+  if (fs::is_directory(path)) throw InputError(path + ": is a folder, expected a file");
   const fs::path p(path);
-  return (p.parent_path() / (p.stem().string() + ".tmp" + p.extension().string())).string();
+  const std::string suffix = keep_suffix ? p.extension().string() : "";
+  return madeBeside(path, suffix, [](const char* name) {
+    const int file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    return file < 0 ? -1 : close(file);
+  });
+}
+
+/// Removes what processes of ours that were killed have left beside a folder. REQUIRES its lock.
+void removeLeftovers(const std::string& folder) {
+  const fs::path path = fs::absolute(folder);
+  const std::string begin = path.filename().string() + kBeside;
+  std::vector<fs::path> leftovers;
+  std::error_code error;
+  for (fs::directory_iterator it(path.parent_path(), error), end; !error && it != end; it.increment(error))
+    if (it->path().filename().string().compare(0, begin.size(), begin) == 0 && it->is_directory(error))
+      leftovers.push_back(it->path());
+  for (const auto& leftover : leftovers) fs::remove_all(leftover, error);
 }
 
 std::string withoutTrailingSlash(std::string path) {
@@ -96,8 +145,42 @@ void GrowingFile::commit() {
   file_.commit();
 }
 
+OutputLock::OutputLock(const std::string& output) : path_(withoutTrailingSlash(output) + ".lock") {
+  while (true) {
+    file_ = open(path_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0666);
+    if (file_ < 0) throw IoError(path_ + ": cannot be made: " + std::strerror(errno));
+    struct stat held {};
+    struct stat named {};
+    fstat(file_, &held);
+    if (!S_ISREG(held.st_mode) || held.st_size > 0) {
+      close(file_);
+      throw InputError(path_ + ": is not a lock of ours; remove it, or choose another output");
+    }
+    if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
+      const bool is_held = errno == EWOULDBLOCK;
+      const std::string why = std::strerror(errno);
+      close(file_);
+      if (is_held) throw InputError(output + ": another run is writing it");
+      throw IoError(path_ + ": cannot be locked: " + why);
+    }
+    // Whoever held it before may have removed it meanwhile.
+    if (stat(path_.c_str(), &named) == 0 && named.st_ino == held.st_ino && named.st_dev == held.st_dev)
+      return;
+    close(file_);
+  }
+}
+
+OutputLock::OutputLock(OutputLock&& other) noexcept
+    : path_(std::move(other.path_)), file_(std::exchange(other.file_, -1)) {}
+
+OutputLock::~OutputLock() {
+  if (file_ < 0) return;
+  unlink(path_.c_str());
+  close(file_);
+}
+
 PendingFile::PendingFile(std::string final_path, bool keep_suffix)
-    : final_path_(std::move(final_path)), temporary_path_(beside(final_path_, keep_suffix)) {}
+    : final_path_(std::move(final_path)), temporary_path_(makeBeside(final_path_, keep_suffix)) {}
 
 PendingFile::~PendingFile() {
   if (committed_) return;
@@ -113,9 +196,7 @@ void PendingFile::commit() {
 }
 
 PendingFolder::PendingFolder(std::string final_path, bool overwrite)
-    : final_path_(withoutTrailingSlash(std::move(final_path))),
-      temporary_path_(final_path_ + ".tmp"),
-      overwrite_(overwrite) {
+    : final_path_(withoutTrailingSlash(std::move(final_path))), overwrite_(overwrite) {
   refuseToOverwrite(final_path_, overwrite_);
   std::error_code error;
   if (fs::exists(final_path_) && !fs::is_directory(final_path_))
@@ -123,9 +204,11 @@ PendingFolder::PendingFolder(std::string final_path, bool overwrite)
   if (fs::exists(final_path_) && !fs::is_empty(final_path_) && !fs::exists(final_path_ + "/manifest.json"))
     throw InputError(final_path_ +
                      ": holds other files and no manifest.json, so it is not replaced; remove it first");
-  fs::remove_all(temporary_path_, error);
-  fs::create_directories(temporary_path_, error);
+  fs::create_directories(fs::absolute(final_path_).parent_path(), error);
   if (error) throw IoError(final_path_ + ": cannot be made: " + error.message());
+  lock_.emplace(final_path_);
+  removeLeftovers(final_path_);
+  temporary_path_ = madeBeside(final_path_, "", [](const char* name) { return mkdir(name, 0777); });
 }
 
 PendingFolder::~PendingFolder() {
@@ -136,6 +219,15 @@ PendingFolder::~PendingFolder() {
 
 void PendingFolder::commit() {
   std::error_code error;
+  // What was there before is removed when the new one is in its place.
+  const bool is_exchanged = overwrite_ && renameat2(AT_FDCWD, temporary_path_.c_str(), AT_FDCWD,
+                                                    final_path_.c_str(), RENAME_EXCHANGE) == 0;
+  if (is_exchanged) {
+    fs::remove_all(temporary_path_, error);
+    committed_ = true;
+    return;
+  }
+  // It was not there, or this disk cannot exchange.
   if (overwrite_) fs::remove_all(final_path_, error);
   fs::rename(temporary_path_, final_path_, error);
   if (error) throw IoError(final_path_ + ": cannot be written: " + error.message());
@@ -167,6 +259,7 @@ std::string findProgram(const std::string& name) {
 }
 
 void refuseToOverwrite(const std::string& path, bool overwrite) {
+  requireReplaceable(path);
   if (!overwrite && fs::exists(path)) throw InputError(path + ": exists; give --overwrite to replace it");
 }
 

@@ -90,13 +90,6 @@ std::uint64_t estimateEntries(const std::string& path) {
 
 constexpr size_t kLongestHeader = 4 + 127;
 
-std::string requireNoFolder(const std::string& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored))
-    throw core::IoError(path + ": cannot be written: " + std::strerror(EISDIR));
-  return path;
-}
-
 bool isLogEntry(const mrpt::rtti::TRuntimeClassId& id) {
   using namespace mrpt::obs;
   return id.derivedFrom(CLASS_ID(CActionCollection)) || id.derivedFrom(CLASS_ID(CSensoryFrame)) ||
@@ -251,8 +244,7 @@ std::uint64_t PackingStream::Seek(std::int64_t, TSeekOrigin) {
   notOffered("seeking");
 }
 
-RawlogSink::RawlogSink(const std::string& path)
-    : pending_(requireNoFolder(path)), stream_(pending_.path(), path) {}
+RawlogSink::RawlogSink(const std::string& path) : pending_(path), stream_(pending_.path(), path) {}
 
 void RawlogSink::write(const mrpt::serialization::CSerializable& object) {
   if (closed_) throw core::ContractError("rawlog: write() after close()");

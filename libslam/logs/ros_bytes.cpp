@@ -124,13 +124,6 @@ std::string packZstd(std::string_view bytes) {
   return packed;
 }
 
-std::string requireNoFolder(const std::string& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored))
-    throw core::IoError(path + ": cannot be written: " + std::strerror(EISDIR));
-  return path;
-}
-
 }  // namespace
 
 FileBytes::FileBytes(const std::string& path) {
@@ -166,7 +159,7 @@ void FileBytes::seek(std::uint64_t position) {
 }
 
 NewFile::NewFile(const std::string& final_path)
-    : final_path_(requireNoFolder(final_path)),
+    : final_path_(final_path),
       pending_(final_path),
       out_(pending_.path(), std::ios::binary | std::ios::trunc) {
   requireGood();

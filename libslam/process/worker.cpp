@@ -48,7 +48,12 @@ int spawn(const std::vector<std::string>& command, int stdout_fd, const std::str
   if (!error_path.empty())
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, error_path.c_str(),
                                      O_WRONLY | O_CREAT | O_TRUNC, 0666);
-  const int error = posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), environ);
+  std::string parent = std::string(kParentVariable) + "=" + std::to_string(getpid());
+  std::vector<char*> environment;
+  for (char** variable = environ; *variable != nullptr; ++variable) environment.push_back(*variable);
+  environment.push_back(parent.data());
+  environment.push_back(nullptr);
+  const int error = posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), environment.data());
   posix_spawn_file_actions_destroy(&actions);
   return error;
 }

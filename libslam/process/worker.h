@@ -9,6 +9,10 @@
 
 namespace slam::process {
 
+/// In the environment of a program that a Worker started: the process that started it. A program of ours that finds it ends
+/// with that process (apps/program.cpp), whatever ends that.
+inline constexpr const char* kParentVariable = "RASTERSLAM_PARENT";
+
 /// How a child process ended.
 struct WorkerResult {
   int exit_code = -1;   ///< 128 + signal when a signal ended it
@@ -24,7 +28,7 @@ bool hasOneThread();
 /// and exits. Errors: IoError when it cannot be started.
 class Worker {
  public:
-  /// A program: command[0] is its path, no shell. error_path: where its standard error goes; "" shares ours.
+  /// A program: command[0] is its path, no shell; kParentVariable is in its environment. error_path: where its standard error goes; "" shares ours.
   explicit Worker(const std::vector<std::string>& command, const std::string& error_path = "");
   /// A copy of this process that does `work` and ends with the exit code that this returns, without the start of a program
   /// (0.15 s of linking for ours). It has this process's memory but none of the files that exec(2) would close, and it ends

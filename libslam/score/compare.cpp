@@ -126,6 +126,8 @@ void runInProcess(const Method& method, const std::string& log_path, const Compa
   if (json.is_object() && json.contains("lost")) return;
   if (json.is_object() && json.contains("error")) why = json["error"].get<std::string>();
   if (result.exit_code == static_cast<int>(core::ExitCode::kBadInput)) throw core::InputError(why);
+  // A full disk is not the method's fault.
+  if (json.is_object() && json.contains("machine")) throw core::IoError(why);
   throw core::MethodError(why);
 }
 
@@ -216,7 +218,7 @@ void drawPictures(const std::vector<run::RunFolder>& runs, const std::vector<Eva
 }
 
 /// An output folder is new, or ours to replace, or ours to go on with.
-void prepareOutput(const CompareRequest& request) {
+core::OutputLock prepareOutput(const CompareRequest& request) {
   const std::string manifest = request.output + "/manifest.json";
   std::error_code error;
   if (fs::exists(request.output) && !fs::is_directory(request.output))
@@ -227,9 +229,13 @@ void prepareOutput(const CompareRequest& request) {
         request.output + ": holds other files and no manifest.json, so it is not replaced; remove it first");
   if (!empty && !request.overwrite && !request.resume)
     throw core::InputError(request.output + ": exists; give --overwrite to replace it or --resume to go on");
+  fs::create_directories(fs::absolute(request.output).parent_path(), error);
+  if (error) throw core::IoError(request.output + ": cannot be made: " + error.message());
+  core::OutputLock lock(request.output);
   if (!empty && request.overwrite) fs::remove_all(request.output, error);
   fs::create_directories(request.output, error);
   if (error) throw core::IoError(request.output + ": cannot be made: " + error.message());
+  return lock;
 }
 
 /// The relations that were asked for. That they belong to another log must not show after an hour.
@@ -287,7 +293,7 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
     logs::requireUsable(log);
     relations = loadRelations(request, log);
   }
-  prepareOutput(request);
+  const auto lock = prepareOutput(request);
   manifest.seed = request.seed;
   manifest.results["status"] = "incomplete";
   core::writeManifest(manifest, request.output + "/manifest.json");

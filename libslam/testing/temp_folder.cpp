@@ -15,6 +15,16 @@ TempFolder::~TempFolder() {
   fs::permissions(path(), fs::perms::owner_all, ignored);
 }
 
+std::vector<std::string> leftoversIn(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().filename();
+    if (name.find(".rasterslam-") != std::string::npos || entry.path().extension() == ".lock")
+      names.push_back(name);
+  }
+  return names;
+}
+
 CommandResult runCommand(const std::string& shell_line) {
   const TempFolder folder;
   const std::string out = folder / "out", err = folder / "err";

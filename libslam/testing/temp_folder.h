@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "libslam/core/files.h"
 
@@ -13,6 +14,9 @@ class TempFolder : public core::ScratchFolder {
   TempFolder(const TempFolder&) = delete;
   TempFolder& operator=(const TempFolder&) = delete;
 };
+
+/// What a folder, and all below it, holds of outputs that were not finished: names of core::PendingFile and core::OutputLock.
+std::vector<std::string> leftoversIn(const std::string& folder);
 
 /// What a program printed and how it ended. The command is a shell line; standard input is /dev/null.
 struct CommandResult {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -15,7 +16,17 @@ namespace slam::core {
 namespace {
 namespace fs = std::filesystem;
 using slam::testing::errorOf;
+using ::testing::AllOf;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
+using ::testing::UnorderedElementsAre;
+
+std::vector<std::string> namesIn(const std::string& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.push_back(entry.path().filename());
+  return names;
+}
 
 TEST(Files, SaysWhyAFileCannotBeRead) {
   const testing::TempFolder folder;
@@ -31,17 +42,62 @@ TEST(Files, AtomicWriteReplacesWholeOrLeavesTheOld) {
   writeFileAtomically(path, "two");
   EXPECT_EQ(readTextFile(path), "two");
   EXPECT_THROW(writeFileAtomically(folder / "no/such/folder/a.txt", "x"), IoError);
-  EXPECT_FALSE(fs::exists(path + ".tmp"));
+  EXPECT_EQ(namesIn(folder.path()), std::vector<std::string>{"a.txt"});
 }
 
 TEST(PendingFile, LeavesNothingWithoutCommit) {
   const testing::TempFolder folder;
   {
     const PendingFile pending(folder / "map.png", true);
-    EXPECT_EQ(pending.path(), folder / "map.tmp.png");
+    EXPECT_THAT(pending.path(), AllOf(StartsWith(folder / "map.rasterslam-"), EndsWith(".png")));
     std::ofstream(pending.path()) << "half";
   }
   EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(PendingFile, TouchesNothingOfOthersAndIsReadableAsUsual) {
+  const testing::TempFolder folder;
+  const std::string path = folder / "a";
+  std::ofstream(path + ".tmp") << "thesis";
+  const PendingFile one(path), other(path);
+  EXPECT_NE(one.path(), other.path());
+  EXPECT_EQ(readTextFile(path + ".tmp"), "thesis");
+  std::ofstream(folder / "usual") << "x";
+  EXPECT_EQ(fs::status(one.path()).permissions(), fs::status(folder / "usual").permissions());
+}
+
+TEST(PendingFile, RefusesWhatIsNoFile) {
+  const testing::TempFolder folder;
+  EXPECT_EQ(errorOf([&] { PendingFile(folder.path()); }), folder.path() + ": is a folder, expected a file");
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_EQ(errorOf([&] { PendingFile(folder / "pipe"); }),
+            folder / "pipe" + ": is a device or a pipe, expected a file or folder that can be replaced");
+  EXPECT_EQ(errorOf([&] { refuseToOverwrite(folder / "pipe", true); }),
+            folder / "pipe" + ": is a device or a pipe, expected a file or folder that can be replaced");
+  EXPECT_EQ(namesIn(folder.path()), std::vector<std::string>{"pipe"});
+}
+
+TEST(OutputLock, ExcludesEveryOtherWhileItLives) {
+  const testing::TempFolder folder;
+  const std::string output = folder / "out";
+  {
+    const OutputLock lock(output + "/");
+    EXPECT_EQ(errorOf([&] { OutputLock{output}; }), output + ": another run is writing it");
+    EXPECT_EQ(errorOf([&] { PendingFolder(output, true); }), output + ": another run is writing it");
+    EXPECT_NO_THROW(OutputLock(folder / "other"));
+  }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+  EXPECT_NO_THROW(OutputLock{output});
+}
+
+TEST(OutputLock, IsNoOtherFile) {
+  const testing::TempFolder folder;
+  std::ofstream(folder / "out.lock") << "dear diary";
+  EXPECT_THAT(errorOf([&] { OutputLock(folder / "out"); }), HasSubstr("out.lock: is not a lock of ours"));
+  EXPECT_EQ(readTextFile(folder / "out.lock"), "dear diary");
+  fs::create_symlink(folder / "target", folder / "b.lock");
+  EXPECT_THROW(OutputLock(folder / "b"), IoError);
+  EXPECT_FALSE(fs::exists(folder / "target"));
 }
 
 TEST(FindProgram, FindsWhatTheShellWouldStart) {
@@ -71,8 +127,7 @@ TEST(PendingFolder, LeavesNothingWithoutCommitAndReplacesOnlyResults) {
     const PendingFolder pending(path, false);
     std::ofstream(pending.path() + "/half") << "x";
   }
-  EXPECT_FALSE(fs::exists(path));
-  EXPECT_FALSE(fs::exists(path + ".tmp"));
+  EXPECT_TRUE(fs::is_empty(folder / "out"));
   {
     PendingFolder pending(path + "/", false);  // a trailing slash names the same folder
     std::ofstream(pending.path() + "/manifest.json") << "{}";
@@ -88,6 +143,20 @@ TEST(PendingFolder, LeavesNothingWithoutCommitAndReplacesOnlyResults) {
   std::ofstream(path + "/precious") << "x";
   EXPECT_THAT(errorOf([&] { PendingFolder(path, true); }), HasSubstr("holds other files"));
   EXPECT_TRUE(fs::exists(path + "/precious"));
+}
+
+TEST(PendingFolder, LeavesOthersFoldersAloneAndCleansUpItsOwn) {
+  const testing::TempFolder folder;
+  const std::string path = folder / "out";
+  for (const char* name : {"out.tmp", "out.rasterslam-killed", "outer.rasterslam-abcdef"})
+    writeFileAtomically((fs::create_directories(folder / name), folder / name + "/thesis.txt"), "p");
+  {
+    PendingFolder pending(path, false);
+    writeFileAtomically(pending.path() + "/manifest.json", "{}");
+    pending.commit();
+  }
+  EXPECT_THAT(namesIn(folder.path()), UnorderedElementsAre("out", "out.tmp", "outer.rasterslam-abcdef"));
+  EXPECT_EQ(readTextFile(folder / "out.tmp/thesis.txt"), "p");
 }
 
 TEST(Sha256, EqualsThePublishedExample) {

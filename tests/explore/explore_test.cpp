@@ -269,7 +269,7 @@ TEST(Explore, AMethodThatFailsIsARowOrAnErrorAndLeavesNoFolder) {
   auto wanted = request(folder, twoRooms(), {quickConfig("quadrant", 20)}, folder / "cramped.ini");
   EXPECT_THROW(run(wanted), core::MethodError);
   EXPECT_FALSE(fs::exists(folder / "out"));
-  EXPECT_FALSE(fs::exists(folder / "out.tmp"));
+  EXPECT_THAT(testing::leftoversIn(folder.path()), ::testing::IsEmpty());
 }
 
 /// Stands for a method that fails when it has taken in so many scans.
@@ -309,7 +309,7 @@ TEST(Explore, RefusesWhatCannotBe) {
       run(wanted);
     } catch (const core::InputError& error) {
       EXPECT_FALSE(fs::exists(wanted.output)) << error.what();
-      EXPECT_FALSE(fs::exists(wanted.output + ".tmp")) << error.what();
+      EXPECT_THAT(testing::leftoversIn(folder.path()), ::testing::IsEmpty()) << error.what();
       return std::string(error.what());
     }
     return std::string("no error");

@@ -159,7 +159,7 @@ TEST(CutLog, SalvagesWhatComesBeforeDamage) {
               }),
               HasSubstr("truncated"));
   EXPECT_FALSE(std::filesystem::exists(folder / "b.rawlog"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "b.rawlog.tmp"));
+  EXPECT_THAT(testing::leftoversIn(folder.path()), ::testing::IsEmpty());
   const auto counts = cut(path, folder / "b.rawlog", {std::nullopt, std::nullopt, true});
   EXPECT_EQ(counts.unchanged, 59U);
   EXPECT_THAT(counts.damage, HasSubstr("truncated"));
@@ -173,7 +173,7 @@ TEST(CutLog, RefusesToWriteNothing) {
               cut(path, folder / "b.rawlog", {LogMoment{100, false}, std::nullopt});
             }),
             (folder / "b.rawlog") + ": nothing would be left of 6 objects, expected at least one");
-  EXPECT_FALSE(std::filesystem::exists(folder / "b.rawlog.tmp"));
+  EXPECT_THAT(testing::leftoversIn(folder.path()), ::testing::IsEmpty());
 }
 
 TEST(CutLog, AnInterruptLeavesNothing) {
@@ -185,7 +185,7 @@ TEST(CutLog, AnInterruptLeavesNothing) {
   EXPECT_THROW(cutLog(path, folder / "b.rawlog", {LogMoment{0, false}, std::nullopt}, impatient),
                core::Interrupted);
   EXPECT_FALSE(std::filesystem::exists(folder / "b.rawlog"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "b.rawlog.tmp"));
+  EXPECT_THAT(testing::leftoversIn(folder.path()), ::testing::IsEmpty());
 }
 
 TEST(CutLog, ReadsOtherFormats) {

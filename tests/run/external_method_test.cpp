@@ -278,7 +278,7 @@ TEST_F(External, AViolationIsAMethodThatFailedAndLeavesNothing) {
     EXPECT_THAT(error.what(), HasSubstr("(and 1 more: rasterslam plugin check)"));
   }
   EXPECT_FALSE(fs::exists(here_ / "out"));
-  EXPECT_FALSE(fs::exists(here_ / "out.tmp"));
+  EXPECT_THAT(testing::leftoversIn(here_.path()), ::testing::IsEmpty());
 }
 
 TEST_F(External, AMisspeltConfigurationIsOneClearLine) {

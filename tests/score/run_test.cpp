@@ -109,7 +109,7 @@ TEST(BuildMap, AnInterruptLeavesNothing) {
   EXPECT_THROW(run::buildMap(folder / "run.rawlog", config, "naive", 1, folder / "out", false, {}, progress),
                core::Interrupted);
   EXPECT_FALSE(fs::exists(folder / "out"));
-  EXPECT_FALSE(fs::exists(folder / "out.tmp"));
+  EXPECT_THAT(testing::leftoversIn(folder.path()), ::testing::IsEmpty());
 }
 
 TEST(Evaluate, AFailedMethodHasARowOfNothing) {

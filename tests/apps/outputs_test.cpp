@@ -1,0 +1,107 @@
+/// What becomes of outputs when the machine, a user or another program gets in the way.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "libslam/core/files.h"
+#include "tests/apps/program.h"
+
+namespace slam::apps {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+long linesOf(const std::string& text) {
+  return std::count(text.begin(), text.end(), '\n');
+}
+
+class Outputs : public CommandsInAFolder {
+ protected:
+  static void SetUpTestSuite() { fill({"simulate flat -o run.rawlog --duration 20 --seed 2 -q"}); }
+  /// A line of bash in the folder; $R is the program.
+  static testing::CommandResult shell(const std::string& line) {
+    return testing::runCommand("cd '" + folder_->path() + "' && R='" RASTERSLAM_PROGRAM "' bash -c '" + line +
+                               "'");
+  }
+  static testing::TempFolder& folder() { return *folder_; }
+};
+
+TEST_F(Outputs, LeaveOthersTemporaryFilesAlone) {
+  fs::create_directories(folder() / "mine.tmp");
+  core::writeFileAtomically(folder() / "mine.tmp/thesis.txt", "p");
+  EXPECT_EQ(run("run naive_wheel run.rawlog -o mine -q").exit_code, 0);
+  EXPECT_EQ(run("run naive_wheel none.rawlog -o mine2 -q").exit_code, 3);
+  EXPECT_EQ(core::readTextFile(folder() / "mine.tmp/thesis.txt"), "p");
+  core::writeFileAtomically(folder() / "target", "q");
+  fs::create_symlink("target", folder() / "copy.rawlog.tmp");
+  EXPECT_EQ(run("convert run.rawlog copy.rawlog").exit_code, 0);
+  EXPECT_EQ(core::readTextFile(folder() / "target"), "q");
+  EXPECT_TRUE(fs::is_symlink(folder() / "copy.rawlog.tmp"));
+}
+
+TEST_F(Outputs, ReplaceNoDevice) {
+  ASSERT_EQ(shell("mkfifo pipe").exit_code, 0);
+  for (const std::string command : {"simulate flat --duration 5 -o pipe", "convert run.rawlog pipe",
+                                    "run naive_wheel run.rawlog -o pipe", "plot map run.rawlog -o pipe"}) {
+    const auto refused = run(command + " --overwrite");
+    EXPECT_NE(refused.exit_code, 0) << command;
+    EXPECT_EQ(linesOf(refused.err), 1) << command << ": " << refused.err;
+    EXPECT_TRUE(fs::is_fifo(folder() / "pipe")) << command;
+  }
+}
+
+TEST_F(Outputs, AreNotLostInSilenceWhenStandardOutputIsFull) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this system";
+  for (const std::string command : {"info run.rawlog", "info run.rawlog --json", "list methods",
+                                    "check run.rawlog -q", "--help", "--version", "simulate --help"}) {
+    const auto lost = shell("\"$R\" " + command + " >/dev/full");
+    EXPECT_EQ(lost.exit_code, 1) << command;
+    EXPECT_EQ(lost.err, "rasterslam: standard output: cannot be written: No space left on device\n")
+        << command;
+  }
+}
+
+TEST_F(Outputs, BlameNoMethodForAFullDisk) {
+  const auto full =
+      shell("ulimit -f 4; \"$R\" compare run.rawlog -o full --methods naive_wheel,naive_correlation -q");
+  EXPECT_EQ(full.exit_code, 1);
+  EXPECT_EQ(linesOf(full.err.substr(full.err.rfind("rasterslam:"))), 1) << full.err;
+  EXPECT_THAT(full.err, HasSubstr("File too large"));
+  EXPECT_THAT(testing::leftoversIn(folder().path()), IsEmpty());
+  const auto simulated = shell("ulimit -f 1; \"$R\" simulate flat -o big.rawlog --duration 20 -q");
+  EXPECT_EQ(simulated.exit_code, 1);
+  EXPECT_EQ(linesOf(simulated.err), 1) << simulated.err;
+  EXPECT_FALSE(fs::exists(folder() / "big.rawlog"));
+  EXPECT_THAT(testing::leftoversIn(folder().path()), IsEmpty());
+}
+
+TEST_F(Outputs, HaveOneWriter) {
+  if (!testing::programExists("flock")) GTEST_SKIP() << "no flock(1) on this system";
+  for (const std::string command :
+       {"run naive_wheel run.rawlog -o shared", "compare run.rawlog -o shared --methods naive_wheel",
+        "explore flat -o shared --duration 5"}) {
+    const auto second = shell("touch shared.lock; flock shared.lock \"$R\" " + command);
+    EXPECT_EQ(second.exit_code, 3) << command;
+    EXPECT_EQ(second.err, "rasterslam: shared: another run is writing it\n") << command;
+    EXPECT_FALSE(fs::exists(folder() / "shared")) << command;
+  }
+}
+
+TEST_F(Outputs, AreWrittenByNobodyWhenCompareWasKilled) {
+  // The method's process is long; it has to end when that which measures it is killed, and the next can go on at once.
+  const auto killed = shell(
+      "\"$R\" simulate office_loop -o long.rawlog --duration 600 --seed 3 -q >/dev/null && "
+      "{ \"$R\" compare long.rawlog -o killed --methods rbpf_exact -q & compare=$!; "
+      "until child=$(pgrep -P $compare); do kill -0 $compare || exit 9; done; "
+      "kill -KILL $compare; timeout 100 tail --pid=$child -f /dev/null; echo $?; }");
+  EXPECT_EQ(killed.out, "0\n") << killed.err;
+  const auto resumed = run("compare long.rawlog -o killed --methods naive_wheel --resume -q");
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+}
+
+}  // namespace
+}  // namespace slam::apps
