@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets rasterslam up on Debian 12 and does one job. See ./bootstrap.sh --help.
+# Sets rasterslam up on Debian 12 or 13 and does one job. See ./bootstrap.sh --help.
 set -euo pipefail
 cd "$(dirname "$0")"
 

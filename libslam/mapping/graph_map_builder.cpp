@@ -41,11 +41,8 @@ void GraphMapBuilder::initialize(const mrpt::maps::CSimpleMap& initialMap, const
   last_ = {};
   maps_.maps.clear();
   grid_.reset();
-  mrpt::maps::CSimpleMap map = initialMap;
-  for (size_t i = 0; i < map.size(); ++i) {
-    mrpt::poses::CPose3DPDF::Ptr pose;
-    mrpt::obs::CSensoryFrame::Ptr frame;
-    map.get(i, pose, frame);
+  for (size_t i = 0; i < initialMap.size(); ++i) {
+    const auto [pose, frame] = compat::frameOf(initialMap, i);
     const auto observation = frame->getObservationByClass<mrpt::obs::CObservation2DRangeScan>();
     if (!observation) continue;
     const auto mean = pose->getMeanVal();
@@ -92,7 +89,7 @@ void GraphMapBuilder::getCurrentlyBuiltMap(mrpt::maps::CSimpleMap& out_map) cons
     observation->timestamp = mrpt::Clock::fromDouble(scan.time_s);
     mrpt::obs::CSensoryFrame frame;
     frame.insert(observation);
-    out_map.insert(gaussian(graph_.keyframePose(k), Eigen::Matrix3d::Zero()), frame);
+    compat::insertFrame(out_map, gaussian(graph_.keyframePose(k), Eigen::Matrix3d::Zero()), frame);
   }
 }
 

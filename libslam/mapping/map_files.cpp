@@ -127,7 +127,7 @@ void writeKeyFrames(const std::vector<KeyFrame>& key_frames, const std::string& 
     frame.insert(observation);
     mrpt::poses::CPose3DPDFGaussian pose;
     pose.mean = mrpt::poses::CPose3D(mrpt::poses::CPose2D(robot::toMrpt(key_frame.T_map_robot)));
-    map.insert(pose, frame);
+    compat::insertFrame(map, pose, frame);
   }
   writeObject(map, path);
 }

@@ -7,6 +7,9 @@
 #include <mrpt/version.h>
 #endif
 #include <mrpt/maps/CMultiMetricMap.h>
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/poses/CPose3DPDFGaussian.h>
 
 #include <memory>
 #include <string>
@@ -55,5 +58,26 @@ T* owned(T* object) {
   return object;
 }
 #endif
+
+// 2.14.5: a simplemap hands out its key frames as Keyframe instead of pairs.
+struct SimpleMapFrame {
+  mrpt::poses::CPose3DPDF::ConstPtr pose;
+  mrpt::obs::CSensoryFrame::ConstPtr observations;
+};
+inline SimpleMapFrame frameOf(const mrpt::maps::CSimpleMap& map, size_t index) {
+#if MRPT_VERSION >= 0x020E05
+  const auto& frame = map.get(index);
+#else
+  const auto frame = map.getAsPair(index);
+#endif
+  return {frame.pose, frame.sf};
+}
+
+/// A copy of both goes into the map; of the observations only the pointers. Every version has the insert() of pointers.
+inline void insertFrame(mrpt::maps::CSimpleMap& map, const mrpt::poses::CPose3DPDFGaussian& pose,
+                        const mrpt::obs::CSensoryFrame& observations) {
+  map.insert(mrpt::poses::CPose3DPDF::Ptr(std::make_shared<mrpt::poses::CPose3DPDFGaussian>(pose)),
+             std::make_shared<mrpt::obs::CSensoryFrame>(observations));
+}
 
 }  // namespace slam::mapping::compat

@@ -71,7 +71,7 @@ void NaiveMapBuilder::processActionObservation(mrpt::obs::CActionCollection& act
   if ((!is_drawn && !key_frames_.empty()) || !isKeyFrame()) return;
   mrpt::poses::CPose3DPDFGaussian pose;
   pose.mean = mrpt::poses::CPose3D(T_map_robot_);
-  key_frames_.insert(pose, observations);
+  compat::insertFrame(key_frames_, pose, observations);
   T_map_key_frame_ = T_map_robot_;
 }
 

@@ -94,9 +94,7 @@ void ParticleMapBuilder::initialize(const mrpt::maps::CSimpleMap& initialMap,
   filter_ = std::make_unique<ParticleFilter>(filter_options_, seed_);
   std::vector<std::pair<gridmap::ScanRays, core::Pose2>> known;
   for (size_t i = 0; i < initial_map_.size(); ++i) {
-    mrpt::poses::CPose3DPDF::Ptr pose;
-    mrpt::obs::CSensoryFrame::Ptr frame;
-    initial_map_.get(i, pose, frame);
+    const auto [pose, frame] = compat::frameOf(initial_map_, i);
     if (!frame || !pose) continue;
     const auto mean = pose->getMeanVal();
     for (const auto& scan : scansOf(*frame)) {
@@ -159,7 +157,7 @@ void ParticleMapBuilder::getCurrentlyBuiltMap(mrpt::maps::CSimpleMap& out_map) c
   for (const KeyFrame& key_frame : key_frames_) {
     mrpt::poses::CPose3DPDFGaussian pose;
     pose.mean = mrpt::poses::CPose3D(mrpt::poses::CPose2D(robot::toMrpt(path[key_frame.scan].pose)));
-    out_map.insert(pose, *key_frame.frame);
+    compat::insertFrame(out_map, pose, *key_frame.frame);
   }
 }
 

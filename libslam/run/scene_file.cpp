@@ -178,13 +178,14 @@ void stackLayers(COpenGLScene& scene, const report::Window& window) {
   auto& viewport = *scene.getViewport("main");
   std::vector<viewer::Layer> layers(viewport.begin(), viewport.end());
   for (const auto& layer : layers) {
-    viewer::place(layer, {layer->getPoseX(), layer->getPoseY(), layer->getPoseYawRad()});
     auto pose = layer->getPose();
+    viewer::place(layer, {pose.x, pose.y, pose.yaw});
+    pose = layer->getPose();
     pose.z *= stretch;
     layer->setPose(pose);
   }
   std::stable_sort(layers.begin(), layers.end(),
-                   [](const auto& a, const auto& b) { return a->getPoseZ() < b->getPoseZ(); });
+                   [](const auto& a, const auto& b) { return a->getPose().z < b->getPose().z; });
   viewport.clear();
   for (const auto& layer : layers) scene.insert(layer);
 }

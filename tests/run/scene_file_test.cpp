@@ -88,7 +88,7 @@ TEST(SceneFile, TheTruthGoesUnderneathAndTakesThePlaceOfAnEarlierOne) {
   EXPECT_EQ(core::fileSha256(file), once);
   COpenGLScene scene;
   ASSERT_TRUE(scene.loadFromFile(file));
-  EXPECT_NEAR(scene.getByName("plan")->getPoseX(), -1, 1e-6);  // in the map frame
+  EXPECT_NEAR(scene.getByName("plan")->getPose().x, -1, 1e-6);  // in the map frame
 }
 
 TEST(SceneFile, HasTheSameBytesAgain) {
