@@ -13,6 +13,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/logs/convert.h"
+#include "libslam/logs/log_format.h"
 
 namespace slam::apps {
 namespace {

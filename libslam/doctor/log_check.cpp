@@ -14,10 +14,11 @@
 #include "libslam/core/error.h"
 #include "libslam/doctor/log_visitor.h"
 #include "libslam/doctor/motion_series.h"
+#include "libslam/logs/log_format.h"
 #include "libslam/logs/log_motion.h"
-#include "libslam/logs/mrpt_time.h"
-#include "libslam/logs/object_stream.h"
-#include "libslam/logs/sweep_note.h"
+#include "libslam/objects/mrpt_time.h"
+#include "libslam/objects/object_stream.h"
+#include "libslam/objects/sweep_note.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::doctor {
@@ -33,8 +34,8 @@ constexpr double kReadingsPerScan = 8;  // odometry that comes oftener is thinne
 
 std::optional<double> stampOf(const mrpt::Clock::time_point& stamp) {
   const auto ticks = stamp.time_since_epoch().count();
-  if (ticks == logs::kNoStamp) return std::nullopt;
-  return logs::secondsFromMrptTicks(ticks);
+  if (ticks == objects::kNoStamp) return std::nullopt;
+  return objects::secondsFromMrptTicks(ticks);
 }
 
 std::string className(const mrpt::rtti::CObject& object) {
@@ -167,7 +168,7 @@ class Survey : public LogVisitor {
     (is_in_frame ? figures_.has_frames : figures_.has_bare_observations) = true;
     const auto time_s = streams_.takeObservation(observation);
     takeStamp(time_s);
-    figures_.has_truth |= observation.sensorLabel == logs::kTruthLabel;
+    figures_.has_truth |= observation.sensorLabel == objects::kTruthLabel;
     const auto reading = odometry_.take(observation, is_in_frame);
     if (reading && (odometry_tallies_.size() < kMostOdometers || odometry_tallies_.count(reading->stream))) {
       odometry_tallies_[reading->stream].add(reading->time_s, reading->T_odom_robot);
@@ -178,7 +179,7 @@ class Survey : public LogVisitor {
     } else if (const auto* comment = dynamic_cast<const mrpt::obs::CObservationComment*>(&observation)) {
       has_resolution_ |= comment->text.find("laser_front_laser_resolution") != std::string::npos ||
                          comment->text.find("laser_rear_laser_resolution") != std::string::npos;
-      if (const auto note = logs::parseSweepNote(comment->text)) sweeps_[note->label] = note->sweep;
+      if (const auto note = objects::parseSweepNote(comment->text)) sweeps_[note->label] = note->sweep;
     }
   }
   void takeActions(const CActionCollection& actions) override {
@@ -363,7 +364,7 @@ class Matching : public LogVisitor {
 };
 
 /// Visits all objects up to the end or the damage; the reader's words for it, or "".
-std::string visitAll(logs::ObjectSource& source, LogVisitor& visitor, core::Progress& progress,
+std::string visitAll(objects::ObjectSource& source, LogVisitor& visitor, core::Progress& progress,
                      const LogFigures& figures) {
   constexpr std::uint64_t kBetweenReports = 256;
   try {

@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "libslam/core/pose2.h"
-#include "libslam/logs/object_stream.h"
 #include "libslam/logs/unpacking_stream.h"
+#include "libslam/objects/object_stream.h"
 
 namespace slam::logs {
 
@@ -127,7 +127,7 @@ bool looksLikeCarmen(std::string_view start);
 /// line of more than 1 MiB; truncated (packed data that end too early, or a last line that has no newline and is
 /// not whole); damaged. What comes before is given first; the reader does not go on after an error, for a line that
 /// is none of its message's may be the first of many. Messages of unknown kinds it passes over, counted.
-class CarmenObjects : public ObjectSource {
+class CarmenObjects : public objects::ObjectSource {
  public:
   explicit CarmenObjects(const std::string& path);
   std::shared_ptr<mrpt::serialization::CSerializable> next() override;
@@ -153,6 +153,6 @@ class CarmenObjects : public ObjectSource {
 /// maximum; odometry becomes ODOM; a comment becomes remarks; a scan or reading without a stamp gets the newest
 /// one. Actions and frames are for a step before; they and all other objects are counted and dropped. Plain
 /// text whatever the name.
-std::unique_ptr<ObjectSink> createCarmenLog(const std::string& path);
+std::unique_ptr<objects::ObjectSink> createCarmenLog(const std::string& path);
 
 }  // namespace slam::logs

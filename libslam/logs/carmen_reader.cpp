@@ -12,8 +12,8 @@
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
 #include "libslam/logs/carmen_log.h"
-#include "libslam/logs/mrpt_objects.h"
-#include "libslam/logs/mrpt_time.h"
+#include "libslam/objects/mrpt_objects.h"
+#include "libslam/objects/mrpt_time.h"
 
 namespace slam::logs {
 namespace {
@@ -221,7 +221,7 @@ struct CarmenParser::Sweep {
                                                              double accuracy_m, double time_s,
                                                              const std::string& label) const {
     auto scan = std::make_shared<mrpt::obs::CObservation2DRangeScan>();
-    scan->timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(mrptTicks(time_s)));
+    scan->timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(objects::mrptTicks(time_s)));
     scan->sensorLabel = label;
     scan->rightToLeft = true;
     const double aperture_rad = static_cast<double>(ranges_m.size() - 1) * geometry.step_rad;
@@ -257,7 +257,8 @@ void CarmenParser::note(const std::string& key, const std::string& value, double
   std::string& known = notes_[key];
   if (known == value) return;
   known = value;
-  objects.push_back(makeComment(std::string(kCarmenNote) + key + " " + value, mrptTicks(time_s)));
+  objects.push_back(
+      objects::makeComment(std::string(kCarmenNote) + key + " " + value, objects::mrptTicks(time_s)));
 }
 
 void CarmenParser::takeOdometry(Words& words, Objects& objects) {
@@ -270,7 +271,7 @@ void CarmenParser::takeOdometry(Words& words, Objects& objects) {
   const double time_s = words.stamp();
   begin(time_s, words.tail(), objects);
   if (ignored != 0 || notes_.count("ODOM accel")) note("ODOM accel", acceleration, time_s, objects);
-  auto odometry = makeOdometry(pose, mrptTicks(time_s), kOdometryLabel);
+  auto odometry = objects::makeOdometry(pose, objects::mrptTicks(time_s), objects::kOdometryLabel);
   odometry->hasVelocities = true;
   odometry->velocityLocal = {tv_mps, 0, rv_radps};
   objects.push_back(std::move(odometry));
@@ -281,8 +282,9 @@ void CarmenParser::takeTruth(Words& words, Objects& objects) {
   const auto T_odom_robot = words.pose("odom_x odom_y odom_theta");
   const double time_s = words.stamp();
   begin(time_s, words.tail(), objects);
-  objects.push_back(makeOdometry(T_odom_robot, mrptTicks(time_s), std::string("TRUEPOS") + kOdometrySuffix));
-  objects.push_back(makeRobotPose(T_world_robot, mrptTicks(time_s), kTruthLabel));
+  objects.push_back(objects::makeOdometry(T_odom_robot, objects::mrptTicks(time_s),
+                                          std::string("TRUEPOS") + kOdometrySuffix));
+  objects.push_back(objects::makeRobotPose(T_world_robot, objects::mrptTicks(time_s), objects::kTruthLabel));
 }
 
 void CarmenParser::takeOldLaser(const std::string& kind, Words& words, Objects& objects) {
@@ -294,8 +296,8 @@ void CarmenParser::takeOldLaser(const std::string& kind, Words& words, Objects& 
   const bool is_rear = kind == "RLASER";
   const auto geometry = settings_.geometry(sweep.ranges_m.size(), is_rear, T_odom_robot, T_odom_laser);
   if (!isClose(T_odom_robot * geometry.T_robot_lidar, T_odom_laser, kRounding))
-    objects.push_back(makeRobotPose(T_odom_laser, mrptTicks(time_s), kind + kPoseSuffix));
-  objects.push_back(makeOdometry(T_odom_robot, mrptTicks(time_s), kind + kOdometrySuffix));
+    objects.push_back(objects::makeRobotPose(T_odom_laser, objects::mrptTicks(time_s), kind + kPoseSuffix));
+  objects.push_back(objects::makeOdometry(T_odom_robot, objects::mrptTicks(time_s), kind + kOdometrySuffix));
   objects.push_back(sweep.toScan(geometry, kDefaultAccuracy_m, time_s, kind));
 }
 
@@ -350,7 +352,7 @@ void CarmenParser::takeNewLaser(const std::string& kind, Words& words, Objects& 
   if (!isClose(mount, shown, kMountChange))
     mount = {roundTo(shown.x, kMountStep), roundTo(shown.y, kMountStep), roundTo(shown.phi, kMountStep)};
   geometry.T_robot_lidar = mount;
-  auto odometry = makeOdometry(T_odom_robot, mrptTicks(time_s), kind + kOdometrySuffix);
+  auto odometry = objects::makeOdometry(T_odom_robot, objects::mrptTicks(time_s), kind + kOdometrySuffix);
   odometry->hasVelocities = true;
   odometry->velocityLocal = {tv_mps, 0, rv_radps};
   objects.push_back(std::move(odometry));
@@ -360,17 +362,17 @@ void CarmenParser::takeNewLaser(const std::string& kind, Words& words, Objects& 
 void CarmenParser::takeText(std::string_view line, Objects& objects) {
   settings_.takeLine(line);
   waiting_.push_back(std::string(kCarmenLine) + std::string(line));
-  if (newest_ticks_ != kNoStamp || waiting_.size() > kMostWaitingLines) finish(objects);
+  if (newest_ticks_ != objects::kNoStamp || waiting_.size() > kMostWaitingLines) finish(objects);
 }
 
 void CarmenParser::finish(Objects& objects) {
-  for (auto& text : waiting_) objects.push_back(makeComment(std::move(text), newest_ticks_));
+  for (auto& text : waiting_) objects.push_back(objects::makeComment(std::move(text), newest_ticks_));
   waiting_.clear();
 }
 
 /// Of the objects of a message.
 void CarmenParser::begin(double time_s, const std::string& host, Objects& objects) {
-  newest_ticks_ = mrptTicks(time_s);
+  newest_ticks_ = objects::mrptTicks(time_s);
   finish(objects);
   note("host", host, time_s, objects);
 }

@@ -12,8 +12,8 @@
 #include "libslam/core/files.h"
 #include "libslam/logs/carmen_log.h"
 #include "libslam/logs/fixed_number.h"
-#include "libslam/logs/mrpt_objects.h"
-#include "libslam/logs/mrpt_time.h"
+#include "libslam/objects/mrpt_objects.h"
+#include "libslam/objects/mrpt_time.h"
 
 namespace slam::logs {
 namespace {
@@ -100,7 +100,7 @@ Sweep sweepOf(const CObservation2DRangeScan& scan, const core::Pose2& mount, dou
   return sweep;
 }
 
-class CarmenSink : public ObjectSink {
+class CarmenSink : public objects::ObjectSink {
  public:
   explicit CarmenSink(const std::string& path) : file_(path) {}
 
@@ -122,11 +122,11 @@ class CarmenSink : public ObjectSink {
  private:
   /// The stamp in seconds, or the newest one before; false without any.
   bool stampOf(const mrpt::obs::CObservation& observation, double& time_s) {
-    if (ticksOf(observation) != kNoStamp)
-      newest_ticks_ = ticksOf(observation);
-    else if (newest_ticks_ == kNoStamp)
+    if (objects::ticksOf(observation) != objects::kNoStamp)
+      newest_ticks_ = objects::ticksOf(observation);
+    else if (newest_ticks_ == objects::kNoStamp)
       return false;
-    time_s = secondsFromMrptTicks(newest_ticks_);
+    time_s = objects::secondsFromMrptTicks(newest_ticks_);
     if (!has_start_) start_s_ = time_s, has_start_ = true;
     return true;
   }
@@ -171,7 +171,7 @@ class CarmenSink : public ObjectSink {
   }
 
   void takeOdometry(const CObservationOdometry& odometry) {
-    odometry_ = fromMrpt(odometry.odometry);
+    odometry_ = objects::fromMrpt(odometry.odometry);
     if (odometry.hasVelocities)
       tv_mps_ = odometry.velocityLocal.vx, rv_radps_ = odometry.velocityLocal.omega;
     else
@@ -188,14 +188,14 @@ class CarmenSink : public ObjectSink {
 
   void takePose(const mrpt::obs::CObservationRobotPose& pose) {
     if (endsWith(pose.sensorLabel, kPoseSuffix)) {
-      laser_pose_ = fromMrpt(pose.pose.mean);
+      laser_pose_ = objects::fromMrpt(pose.pose.mean);
       laser_pose_of_ = pose.sensorLabel;
       return;
     }
     double time_s = 0;
-    if (pose.sensorLabel != kTruthLabel || !stampOf(pose, time_s)) return drop("robot poses");
+    if (pose.sensorLabel != objects::kTruthLabel || !stampOf(pose, time_s)) return drop("robot poses");
     std::string line = "TRUEPOS";
-    appendPose(line, fromMrpt(pose.pose.mean));
+    appendPose(line, objects::fromMrpt(pose.pose.mean));
     appendPose(line, odometry_);
     writeLine(line, time_s);
   }
@@ -214,7 +214,7 @@ class CarmenSink : public ObjectSink {
   bool writeOldScan(const CObservation2DRangeScan& scan, double time_s) {
     const std::string& kind = scan.sensorLabel;
     if (kind != "FLASER" && kind != "RLASER") return false;
-    const auto pose = fromMrpt(scan.sensorPose);
+    const auto pose = objects::fromMrpt(scan.sensorPose);
     const bool is_rear = kind == "RLASER";
     auto T_odom_laser = laserPose(odometry_, {pose.x, pose.y, is_rear ? core::kPi : 0});
     if (laser_pose_of_ == kind + kPoseSuffix) T_odom_laser = laser_pose_;
@@ -251,7 +251,7 @@ class CarmenSink : public ObjectSink {
   }
 
   void writeNewScan(const CObservation2DRangeScan& scan, const std::string& kind, double time_s) {
-    const auto pose = fromMrpt(scan.sensorPose);
+    const auto pose = objects::fromMrpt(scan.sensorPose);
     const double half_rad = static_cast<double>(scan.aperture) / 2;
     double first_angle_rad = -half_rad;
     const std::string config = configOf(scan, kind, first_angle_rad);
@@ -313,12 +313,12 @@ class CarmenSink : public ObjectSink {
   std::string laser_pose_of_;  ///< label of the laser pose that waits for its scan
   double tv_mps_ = 0, rv_radps_ = 0, start_s_ = 0;
   bool has_start_ = false;
-  std::int64_t newest_ticks_ = kNoStamp;
+  std::int64_t newest_ticks_ = objects::kNoStamp;
 };
 
 }  // namespace
 
-std::unique_ptr<ObjectSink> createCarmenLog(const std::string& path) {
+std::unique_ptr<objects::ObjectSink> createCarmenLog(const std::string& path) {
   return std::make_unique<CarmenSink>(path);
 }
 

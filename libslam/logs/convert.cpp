@@ -15,10 +15,11 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/logs/log_format.h"
 #include "libslam/logs/log_motion.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/logs/mrpt_objects.h"
-#include "libslam/logs/mrpt_time.h"
+#include "libslam/objects/mrpt_objects.h"
+#include "libslam/objects/mrpt_time.h"
 
 namespace slam::logs {
 namespace {
@@ -40,9 +41,9 @@ bool removeSuffix(std::string& path, std::string_view suffix) {
 }
 
 /// Takes true poses out of the stream, and scans of other lidars.
-class Sieve : public ObjectSource {
+class Sieve : public objects::ObjectSource {
  public:
-  Sieve(std::unique_ptr<ObjectSource> source, std::string label)
+  Sieve(std::unique_ptr<objects::ObjectSource> source, std::string label)
       : source_(std::move(source)), label_(std::move(label)) {}
 
   Object next() override {
@@ -67,8 +68,9 @@ class Sieve : public ObjectSource {
  private:
   bool passes(const CObservation& observation) {
     if (const auto* pose = dynamic_cast<const CObservationRobotPose*>(&observation)) {
-      if (pose->sensorLabel != kTruthLabel) return true;
-      truth.push_back({secondsFromMrptTicks(ticksOf(*pose)), fromMrpt(pose->pose.mean)});
+      if (pose->sensorLabel != objects::kTruthLabel) return true;
+      truth.push_back(
+          {objects::secondsFromMrptTicks(objects::ticksOf(*pose)), objects::fromMrpt(pose->pose.mean)});
       return false;
     }
     if (label_.empty() || observation.sensorLabel == label_ ||
@@ -78,7 +80,7 @@ class Sieve : public ObjectSource {
     return false;
   }
 
-  std::unique_ptr<ObjectSource> source_;
+  std::unique_ptr<objects::ObjectSource> source_;
   std::string label_;
 };
 
@@ -109,8 +111,8 @@ class Counter {
       ++report_.comments;
       return;
     }
-    if (ticksOf(observation) != kNoStamp) {
-      newest_s_ = secondsFromMrptTicks(ticksOf(observation));
+    if (objects::ticksOf(observation) != objects::kNoStamp) {
+      newest_s_ = objects::secondsFromMrptTicks(objects::ticksOf(observation));
       if (std::exchange(is_first_, false)) first_s_ = newest_s_;
     }
     if (dynamic_cast<const CObservation2DRangeScan*>(&observation))
@@ -155,7 +157,7 @@ ConversionReport convertLog(const std::string& in, const std::string& out, const
   report.from = detectLogFormat(in);
   auto sieve = std::make_unique<Sieve>(openLog(in), conversion.label);
   auto& sieved = *sieve;
-  std::unique_ptr<ObjectSource> source = std::move(sieve);
+  std::unique_ptr<objects::ObjectSource> source = std::move(sieve);
   const bool is_rawlog = conversion.to == LogFormat::kRawlog;
   if (!is_rawlog || conversion.form)
     source = inForm(std::move(source), is_rawlog ? *conversion.form : RawlogForm::kObservationOnly, in);

@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "libslam/core/progress.h"
-#include "libslam/logs/object_stream.h"
+#include "libslam/logs/log_format.h"
 #include "libslam/logs/rawlog_form.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/objects/object_stream.h"
 
 namespace slam::logs {
 

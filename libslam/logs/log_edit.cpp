@@ -18,9 +18,10 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
-#include "libslam/logs/mrpt_time.h"
-#include "libslam/logs/object_stream.h"
+#include "libslam/logs/log_format.h"
 #include "libslam/logs/rawlog_stream.h"
+#include "libslam/objects/mrpt_time.h"
+#include "libslam/objects/object_stream.h"
 
 namespace slam::logs {
 namespace {
@@ -44,7 +45,7 @@ struct Object {
 struct Step {
   std::vector<Object> actions;
   std::optional<Object> rest;  ///< none: actions at the end of the log
-  std::int64_t ticks = kNoStamp;
+  std::int64_t ticks = objects::kNoStamp;
 
   std::uint64_t objects() const { return actions.size() + (rest ? 1 : 0); }
   bool isFrame() const { return rest && dynamic_cast<const CSensoryFrame*>(rest->content.get()); }
@@ -60,12 +61,12 @@ std::int64_t ticksOf(const CSerializable& object) {
   if (const auto* observation = dynamic_cast<const CObservation*>(&object)) return ticks(*observation);
   if (const auto* frame = dynamic_cast<const CSensoryFrame*>(&object)) {
     for (const auto& observation : *frame)
-      if (ticks(*observation) != kNoStamp) return ticks(*observation);
+      if (ticks(*observation) != objects::kNoStamp) return ticks(*observation);
   } else if (const auto* actions = dynamic_cast<const CActionCollection*>(&object)) {
     for (const auto& action : *actions)
-      if (ticks(*action) != kNoStamp) return ticks(*action);
+      if (ticks(*action) != objects::kNoStamp) return ticks(*action);
   }
-  return kNoStamp;
+  return objects::kNoStamp;
 }
 
 class StepReader {
@@ -108,10 +109,10 @@ class StepReader {
   static void setTime(Step& step) {
     if (step.rest) step.ticks = ticksOf(*step.rest->content);
     for (const auto& action : step.actions)
-      if (step.ticks == kNoStamp) step.ticks = ticksOf(*action.content);
+      if (step.ticks == objects::kNoStamp) step.ticks = ticksOf(*action.content);
   }
 
-  std::unique_ptr<ObjectSource> source_;
+  std::unique_ptr<objects::ObjectSource> source_;
   const RawlogObjects* rawlog_ = nullptr;
   std::vector<Object> waiting_;  ///< actions before their frame
 };
@@ -255,18 +256,19 @@ class Reports {
     progress_.begin(stage);
   }
   void step(double fraction, std::int64_t ticks) {
-    if (ticks != kNoStamp && first_ticks_ == kNoStamp) first_ticks_ = ticks;
-    if (ticks != kNoStamp) last_ticks_ = ticks;
+    if (ticks != objects::kNoStamp && first_ticks_ == objects::kNoStamp) first_ticks_ = ticks;
+    if (ticks != objects::kNoStamp) last_ticks_ = ticks;
     constexpr std::uint64_t kBetweenReports = 64;
     if (++steps_ % kBetweenReports == 0)
-      progress_.update(fraction, secondsFromMrptTicks(last_ticks_) - secondsFromMrptTicks(first_ticks_));
+      progress_.update(
+          fraction, objects::secondsFromMrptTicks(last_ticks_) - objects::secondsFromMrptTicks(first_ticks_));
   }
   void end() { progress_.end(); }
 
  private:
   core::Progress& progress_;
   std::uint64_t steps_ = 0;
-  std::int64_t first_ticks_ = kNoStamp, last_ticks_ = kNoStamp;
+  std::int64_t first_ticks_ = objects::kNoStamp, last_ticks_ = objects::kNoStamp;
 };
 
 /// What a filter makes of one observation after the other.
@@ -282,7 +284,7 @@ class ObservationFilter {
       return std::find(labels.begin(), labels.end(), label) != labels.end();
     };
     if (!options_.keep_labels.empty() && !names(options_.keep_labels)) return nullptr;
-    if (names(options_.drop_labels) || (options_.drop_truth && label == kTruthLabel)) return nullptr;
+    if (names(options_.drop_labels) || (options_.drop_truth && label == objects::kTruthLabel)) return nullptr;
     const bool mends_scans = options_.no_return_m || options_.step_rad || options_.mount;
     const bool is_scan = dynamic_cast<const CObservation2DRangeScan*>(observation.get()) != nullptr;
     const auto shift = options_.shift_s.find(label);
@@ -308,10 +310,10 @@ class ObservationFilter {
  private:
   static void move(CObservation& observation, double shift_s) {
     const auto ticks = observation.timestamp.time_since_epoch().count();
-    if (ticks == kNoStamp) return;
+    if (ticks == objects::kNoStamp) return;
     // Around zero, where a double tells every tick; the sum stays whole.
     const auto moved = mrpt::Clock::duration(ticks + std::llround(shift_s * kTicksPerSecond));
-    mrptTicks(secondsFromMrptTicks(moved.count()));
+    objects::mrptTicks(objects::secondsFromMrptTicks(moved.count()));
     observation.timestamp = mrpt::Clock::time_point(moved);
   }
 
@@ -392,8 +394,8 @@ EditCounts cutLog(const std::string& path, const std::string& output, const CutO
   try {
     while (const auto step = reader.next()) {
       reports.step(reader.fractionRead(), step->ticks);
-      if (step->ticks != kNoStamp) {
-        const double time_s = secondsFromMrptTicks(step->ticks);
+      if (step->ticks != objects::kNoStamp) {
+        const double time_s = objects::secondsFromMrptTicks(step->ticks);
         if (!start_s) start_s = time_s;
         is_kept = (!options.from || time_s >= secondsAt(*options.from)) &&
                   (!options.to || time_s < secondsAt(*options.to));
@@ -415,11 +417,11 @@ EditCounts mergeLogs(const std::string& first, const std::string& second, const 
   StepWriter writer(output);
   Reports reports(progress, "merging " + first);
   std::optional<Step> heads[2];
-  std::int64_t ticks[2] = {kNoStamp,
-                           kNoStamp};  // of the newest step with a stamp; the epoch sorts before all
+  std::int64_t ticks[2] = {objects::kNoStamp,
+                           objects::kNoStamp};  // of the newest step with a stamp; the epoch sorts before all
   const auto advance = [&](size_t side) {
     heads[side] = readers[side].next();
-    if (heads[side] && heads[side]->ticks != kNoStamp) ticks[side] = heads[side]->ticks;
+    if (heads[side] && heads[side]->ticks != objects::kNoStamp) ticks[side] = heads[side]->ticks;
   };
   advance(0);
   advance(1);

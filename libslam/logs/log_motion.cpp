@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "libslam/logs/mrpt_objects.h"
+#include "libslam/objects/mrpt_objects.h"
 
 namespace slam::logs {
 namespace {
@@ -24,10 +24,10 @@ std::optional<core::Pose2> incrementOf(const mrpt::obs::CActionCollection& actio
   for (const auto& action : actions) {
     if (const auto* planar = dynamic_cast<const CActionRobotMovement2D*>(action.get())) {
       if (planar->estimationMethod == CActionRobotMovement2D::emOdometry)
-        return fromMrpt(planar->rawOdometryIncrementReading);
-      if (!matched && planar->poseChange) matched = fromMrpt(planar->poseChange->getMeanVal());
+        return objects::fromMrpt(planar->rawOdometryIncrementReading);
+      if (!matched && planar->poseChange) matched = objects::fromMrpt(planar->poseChange->getMeanVal());
     } else if (const auto* full = dynamic_cast<const mrpt::obs::CActionRobotMovement3D*>(action.get())) {
-      if (!spatial) spatial = fromMrpt(full->poseChange.mean);
+      if (!spatial) spatial = objects::fromMrpt(full->poseChange.mean);
     }
   }
   return matched ? matched : spatial;

@@ -14,11 +14,12 @@
 
 #include "libslam/core/error.h"
 #include "libslam/logs/lidar_choice.h"
+#include "libslam/logs/log_format.h"
 #include "libslam/logs/log_motion.h"
-#include "libslam/logs/mrpt_objects.h"
-#include "libslam/logs/mrpt_time.h"
-#include "libslam/logs/object_stream.h"
-#include "libslam/logs/sweep_note.h"
+#include "libslam/objects/mrpt_objects.h"
+#include "libslam/objects/mrpt_time.h"
+#include "libslam/objects/object_stream.h"
+#include "libslam/objects/sweep_note.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::logs {
@@ -112,7 +113,7 @@ class StepReader {
   void takeComment(const mrpt::obs::CObservationComment& comment) {
     ++counts_.other_observations;
     try {
-      if (const auto note = parseSweepNote(comment.text)) sweeps_[note->label] = note->sweep;
+      if (const auto note = objects::parseSweepNote(comment.text)) sweeps_[note->label] = note->sweep;
     } catch (const core::InputError& error) {
       fail(error.what());
     }
@@ -120,18 +121,18 @@ class StepReader {
 
   void takeReading(const CObservationOdometry& odometry) {
     noteStamp(odometry.timestamp);
-    const auto pose = fromMrpt(odometry.odometry);
+    const auto pose = objects::fromMrpt(odometry.odometry);
     requireFinite(pose);
     ++counts_.odometry_readings;
     if (has_actions_) return;
-    bare_odometry_.add(ticksOf(odometry), pose);
+    bare_odometry_.add(objects::ticksOf(odometry), pose);
   }
 
   void takeScan(const CObservation2DRangeScan& observation) {
     ++counts_.scans_by_label[observation.sensorLabel];
-    std::int64_t ticks = ticksOf(observation);
-    if (ticks == kNoStamp) ticks = newest_ticks_;
-    if (ticks == kNoStamp)
+    std::int64_t ticks = objects::ticksOf(observation);
+    if (ticks == objects::kNoStamp) ticks = newest_ticks_;
+    if (ticks == objects::kNoStamp)
       fail("laser scan without a time stamp, and no action or odometry before it has one");
     if (!has_actions_) motion_.add(bare_odometry_.takeUntil(ticks));
     Step step;
@@ -141,7 +142,7 @@ class StepReader {
     } catch (const core::InputError& error) {
       fail(error.what());
     }
-    step.seen.scan.time_s = secondsFromMrptTicks(ticks);
+    step.seen.scan.time_s = objects::secondsFromMrptTicks(ticks);
     if (const auto sweep = sweeps_.find(observation.sensorLabel); sweep != sweeps_.end())
       step.seen.sweep = sweep->second;
     step.frame = frame_;
@@ -151,7 +152,8 @@ class StepReader {
   }
 
   void noteStamp(const mrpt::Clock::time_point& stamp) {
-    if (stamp.time_since_epoch().count() != kNoStamp) newest_ticks_ = stamp.time_since_epoch().count();
+    if (stamp.time_since_epoch().count() != objects::kNoStamp)
+      newest_ticks_ = stamp.time_since_epoch().count();
   }
 
   void requireFinite(const core::Pose2& odometry) const {
@@ -163,14 +165,14 @@ class StepReader {
   }
 
   std::string path_;
-  std::unique_ptr<ObjectSource> objects_;
+  std::unique_ptr<objects::ObjectSource> objects_;
   LogCounts counts_;
   Motion motion_;
   bool has_actions_ = false;  ///< an action with an increment was met: bare readings count no more
   BareOdometry bare_odometry_;
-  std::map<std::string, robot::Sweep> sweeps_;  ///< by label, as stated so far
-  std::uint64_t frames_ = 0, frame_ = 0;        ///< how many; the one at work
-  std::int64_t newest_ticks_ = kNoStamp;        ///< of an action or odometry reading
+  std::map<std::string, robot::Sweep> sweeps_;     ///< by label, as stated so far
+  std::uint64_t frames_ = 0, frame_ = 0;           ///< how many; the one at work
+  std::int64_t newest_ticks_ = objects::kNoStamp;  ///< of an action or odometry reading
   std::deque<Step> ready_;
 };
 

@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/logs/mrpt_objects.h"
-#include "libslam/logs/mrpt_time.h"
 #include "libslam/logs/rawlog_stream.h"
-#include "libslam/logs/sweep_note.h"
+#include "libslam/objects/mrpt_objects.h"
+#include "libslam/objects/mrpt_time.h"
+#include "libslam/objects/sweep_note.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::logs {
@@ -26,17 +26,17 @@ namespace {
 std::vector<mrpt::obs::CObservation::Ptr> observationsOf(const LogEntry& entry,
                                                          std::map<std::string, std::string>& notes) {
   std::vector<mrpt::obs::CObservation::Ptr> scans, news;
-  const auto ticks = mrptTicks(entry.scan.time_s);
+  const auto ticks = objects::mrptTicks(entry.scan.time_s);
   const auto add = [&](const std::string& lidar, const robot::Scan& scan,
                        const std::optional<robot::Sweep>& sweep) {
     auto observation = robot::toMrpt(scan);
-    observation->timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(mrptTicks(scan.time_s)));
+    observation->timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(objects::mrptTicks(scan.time_s)));
     if (!lidar.empty()) observation->sensorLabel = lidar;
     scans.push_back(observation);
     if (!sweep) return;
-    const std::string text = formatSweepNote({observation->sensorLabel, *sweep});
+    const std::string text = objects::formatSweepNote({observation->sensorLabel, *sweep});
     if (std::exchange(notes[observation->sensorLabel], text) != text)
-      news.push_back(makeComment(text, ticks));
+      news.push_back(objects::makeComment(text, ticks));
   };
   add(entry.lidar, entry.scan, entry.sweep);
   for (const auto& other : entry.others) add(other.lidar, other.scan, other.sweep);
@@ -44,20 +44,24 @@ std::vector<mrpt::obs::CObservation::Ptr> observationsOf(const LogEntry& entry,
   return scans;
 }
 
-void writeActionAndFrame(const LogEntry& entry, std::map<std::string, std::string>& notes, ObjectSink& sink) {
+void writeActionAndFrame(const LogEntry& entry, std::map<std::string, std::string>& notes,
+                         objects::ObjectSink& sink) {
   // The form knows no frame without an action before it; an empty collection says that nothing was measured.
   mrpt::obs::CActionCollection actions;
-  if (entry.has_odometry) actions.insert(wheelAction(entry.T_previous_robot, mrptTicks(entry.scan.time_s)));
+  if (entry.has_odometry)
+    actions.insert(objects::wheelAction(entry.T_previous_robot, objects::mrptTicks(entry.scan.time_s)));
   mrpt::obs::CSensoryFrame frame;
   for (const auto& observation : observationsOf(entry, notes)) frame.insert(observation);
   sink.write(actions);
   sink.write(frame);
 }
 
-void writeObservations(const LogEntry& entry, std::map<std::string, std::string>& notes, ObjectSink& sink) {
+void writeObservations(const LogEntry& entry, std::map<std::string, std::string>& notes,
+                       objects::ObjectSink& sink) {
   auto observations = observationsOf(entry, notes);
   if (entry.has_odometry)
-    sink.write(*makeOdometry(entry.T_odom_robot, mrptTicks(entry.scan.time_s), kOdometryLabel));
+    sink.write(*objects::makeOdometry(entry.T_odom_robot, objects::mrptTicks(entry.scan.time_s),
+                                      objects::kOdometryLabel));
   // A note stands before the scan that it is true of.
   std::stable_partition(observations.begin(), observations.end(), [](const auto& observation) {
     return dynamic_cast<const mrpt::obs::CObservationComment*>(observation.get()) != nullptr;

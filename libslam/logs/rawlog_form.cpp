@@ -13,8 +13,8 @@
 
 #include "libslam/core/error.h"
 #include "libslam/logs/log_motion.h"
-#include "libslam/logs/mrpt_objects.h"
-#include "libslam/logs/mrpt_time.h"
+#include "libslam/objects/mrpt_objects.h"
+#include "libslam/objects/mrpt_time.h"
 
 namespace slam::logs {
 namespace {
@@ -27,9 +27,9 @@ using mrpt::obs::CSensoryFrame;
 using Object = std::shared_ptr<mrpt::serialization::CSerializable>;
 
 /// A step between a source and whoever reads it.
-class Step : public ObjectSource {
+class Step : public objects::ObjectSource {
  public:
-  Step(std::unique_ptr<ObjectSource> source, std::string path)
+  Step(std::unique_ptr<objects::ObjectSource> source, std::string path)
       : source_(std::move(source)), path_(std::move(path)) {}
 
   Object next() override {
@@ -73,7 +73,7 @@ class Step : public ObjectSource {
   void countNoObservation() { ++no_observations_; }
 
  private:
-  std::unique_ptr<ObjectSource> source_;
+  std::unique_ptr<objects::ObjectSource> source_;
   std::string path_;
   std::deque<Object> ready_;
   std::uint64_t count_ = 0, other_readings_ = 0, no_observations_ = 0;
@@ -105,17 +105,17 @@ class ToFrames : public Step {
 
   void takeReading(const CObservationOdometry& odometry) {
     if (has_actions_) return countOtherReading();
-    requireFinite(fromMrpt(odometry.odometry));
-    const auto ticks = ticksOf(odometry);
-    if (ticks != kNoStamp) newest_ticks_ = ticks;
-    odometry_.add(ticks, fromMrpt(odometry.odometry));
+    requireFinite(objects::fromMrpt(odometry.odometry));
+    const auto ticks = objects::ticksOf(odometry);
+    if (ticks != objects::kNoStamp) newest_ticks_ = ticks;
+    odometry_.add(ticks, objects::fromMrpt(odometry.odometry));
   }
 
   void takeObservation(const CObservation::Ptr& observation) {
     const bool is_scan = std::dynamic_pointer_cast<CObservation2DRangeScan>(observation) != nullptr;
     others_.push_back(observation);
     // icp-slam stops at a frame whose first observation has no stamp.
-    if (is_scan && ticksOf(*others_.front()) == kNoStamp)
+    if (is_scan && objects::ticksOf(*others_.front()) == objects::kNoStamp)
       std::rotate(others_.begin(), others_.end() - 1, others_.end());
     if (is_scan)
       giveFrame(actionsOf(*observation));
@@ -125,12 +125,12 @@ class ToFrames : public Step {
 
   CActionCollection::Ptr actionsOf(const CObservation& scan) {
     auto actions = std::make_shared<CActionCollection>();
-    const auto stamp = ticksOf(scan) == kNoStamp ? newest_ticks_ : ticksOf(scan);
+    const auto stamp = objects::ticksOf(scan) == objects::kNoStamp ? newest_ticks_ : objects::ticksOf(scan);
     const Motion motion = odometry_.takeUntil(stamp);
     const bool is_first = std::exchange(is_first_, false);
     if (has_actions_ || !(is_first ? motion.has_reading : motion.has_increment)) return actions;
     const auto increment = is_first ? core::Pose2{} : motion.T_previous_robot;
-    actions->insert(wheelAction(increment, stamp));
+    actions->insert(objects::wheelAction(increment, stamp));
     return actions;
   }
 
@@ -147,7 +147,7 @@ class ToFrames : public Step {
 
   BareOdometry odometry_;
   std::vector<CObservation::Ptr> others_;  ///< that stand before the next scan
-  std::int64_t newest_ticks_ = kNoStamp;
+  std::int64_t newest_ticks_ = objects::kNoStamp;
   bool has_actions_ = false, is_first_ = true;
 };
 
@@ -171,7 +171,7 @@ class ToObservations : public Step {
 
   void takeActions(const CActionCollection& actions) {
     for (const auto& action : actions)
-      if (ticksOf(*action) != kNoStamp) action_ticks_ = ticksOf(*action);
+      if (objects::ticksOf(*action) != objects::kNoStamp) action_ticks_ = objects::ticksOf(*action);
     const auto increment = incrementOf(actions);
     if (!increment) return;
     requireFinite(*increment);
@@ -180,17 +180,19 @@ class ToObservations : public Step {
   }
 
   std::int64_t stampOf(const CSensoryFrame& frame) const {
-    std::int64_t ticks = kNoStamp;
+    std::int64_t ticks = objects::kNoStamp;
     for (const auto& observation : frame) {
       const bool is_scan = dynamic_cast<const CObservation2DRangeScan*>(observation.get()) != nullptr;
-      if (is_scan && ticksOf(*observation) != kNoStamp) return ticksOf(*observation);
-      if (ticks == kNoStamp) ticks = ticksOf(*observation);
+      if (is_scan && objects::ticksOf(*observation) != objects::kNoStamp)
+        return objects::ticksOf(*observation);
+      if (ticks == objects::kNoStamp) ticks = objects::ticksOf(*observation);
     }
-    return ticks == kNoStamp ? action_ticks_ : ticks;
+    return ticks == objects::kNoStamp ? action_ticks_ : ticks;
   }
 
   void giveOdometry(std::int64_t ticks) {
-    if (std::exchange(has_news_, false)) give(makeOdometry(T_odom_robot_, ticks, kOdometryLabel));
+    if (std::exchange(has_news_, false))
+      give(objects::makeOdometry(T_odom_robot_, ticks, objects::kOdometryLabel));
   }
 
   void giveObservation(const CObservation::Ptr& observation) {
@@ -203,14 +205,14 @@ class ToObservations : public Step {
   void finish() override { giveOdometry(action_ticks_); }
 
   core::Pose2 T_odom_robot_;
-  std::int64_t action_ticks_ = kNoStamp;
+  std::int64_t action_ticks_ = objects::kNoStamp;
   bool has_actions_ = false, has_news_ = false;
 };
 
 }  // namespace
 
-std::unique_ptr<ObjectSource> inForm(std::unique_ptr<ObjectSource> source, RawlogForm form,
-                                     const std::string& path) {
+std::unique_ptr<objects::ObjectSource> inForm(std::unique_ptr<objects::ObjectSource> source, RawlogForm form,
+                                              const std::string& path) {
   if (form == RawlogForm::kActionFrame) return std::make_unique<ToFrames>(std::move(source), path);
   return std::make_unique<ToObservations>(std::move(source), path);
 }

@@ -2,7 +2,7 @@
 #include <memory>
 #include <string>
 
-#include "libslam/logs/object_stream.h"
+#include "libslam/objects/object_stream.h"
 
 namespace slam::logs {
 
@@ -28,7 +28,7 @@ enum class RawlogForm { kActionFrame, kObservationOnly };
 ///
 /// What an object cannot hold is counted: skipped(). Errors: the source's; odometry that is not finite
 /// (InputError).
-std::unique_ptr<ObjectSource> inForm(std::unique_ptr<ObjectSource> source, RawlogForm form,
-                                     const std::string& path);
+std::unique_ptr<objects::ObjectSource> inForm(std::unique_ptr<objects::ObjectSource> source, RawlogForm form,
+                                              const std::string& path);
 
 }  // namespace slam::logs

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "libslam/core/files.h"
-#include "libslam/logs/object_stream.h"
 #include "libslam/logs/unpacking_stream.h"
+#include "libslam/objects/object_stream.h"
 
 namespace slam::logs {
 
@@ -23,7 +23,7 @@ void requireUndamaged(const std::string& path);
 /// The objects of a rawlog, one after the other. A packed file is unpacked once before, for its checksum.
 /// Errors (InputError with the path): empty file, not a rawlog, truncated, damaged; with byte offset and
 /// number of objects read before.
-class RawlogObjects : public ObjectSource {
+class RawlogObjects : public objects::ObjectSource {
  public:
   explicit RawlogObjects(const std::string& path);
   /// Objects that MRPT stores as null pointers are passed over.
@@ -75,7 +75,7 @@ class PackingStream : public mrpt::io::CStream {
 };
 
 /// Objects as they come, packed by gzip, into a file written beside and renamed by close().
-class RawlogSink : public ObjectSink {
+class RawlogSink : public objects::ObjectSink {
  public:
   /// Errors: IoError when the path is a folder or cannot be written.
   explicit RawlogSink(const std::string& path);

@@ -11,7 +11,7 @@
 #include <set>
 
 #include "libslam/core/error.h"
-#include "libslam/logs/mrpt_time.h"
+#include "libslam/objects/mrpt_time.h"
 #include "libslam/plugin/exploring_robot.h"
 #include "libslam/robot/mrpt_types.h"
 
@@ -81,7 +81,7 @@ class SimulatedLidar : public mrpt::hwdrivers::CGenericSensor {
 
  private:
   static mrpt::Clock::time_point stampOf(const sim::Sensed& sensed) {
-    return mrpt::Clock::time_point(mrpt::Clock::duration(logs::mrptTicks(sensed.scan.time_s)));
+    return mrpt::Clock::time_point(mrpt::Clock::duration(objects::mrptTicks(sensed.scan.time_s)));
   }
 
   static mrpt::obs::CObservationOdometry::Ptr odometryOf(const sim::Sensed& sensed) {

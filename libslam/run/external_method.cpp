@@ -13,6 +13,7 @@
 #include "libslam/core/files.h"
 #include "libslam/core/manifest.h"
 #include "libslam/logs/convert.h"
+#include "libslam/logs/log_format.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/process/command_files.h"

@@ -11,10 +11,11 @@
 #include <utility>
 
 #include "libslam/core/error.h"
+#include "libslam/logs/log_format.h"
 #include "libslam/logs/log_motion.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/logs/mrpt_time.h"
-#include "libslam/logs/object_stream.h"
+#include "libslam/objects/mrpt_time.h"
+#include "libslam/objects/object_stream.h"
 #include "libslam/odometry/mrpt_action.h"
 #include "libslam/robot/mrpt_types.h"
 
@@ -181,14 +182,14 @@ class ScanOdometryLog {
 
   void noteTime(const mrpt::Clock::time_point& stamp) {
     const auto ticks = stamp.time_since_epoch().count();
-    if (ticks == logs::kNoStamp) return;
+    if (ticks == objects::kNoStamp) return;
     newest_ = stamp;
-    newest_s_ = logs::secondsFromMrptTicks(ticks);
+    newest_s_ = objects::secondsFromMrptTicks(ticks);
     if (!first_s_) first_s_ = newest_s_;
   }
 
   mrpt::Clock::time_point stampOf(const CObservation2DRangeScan* scan) const {
-    if (scan && scan->timestamp.time_since_epoch().count() != logs::kNoStamp) return scan->timestamp;
+    if (scan && scan->timestamp.time_since_epoch().count() != objects::kNoStamp) return scan->timestamp;
     if (first_s_) return newest_;
     throw core::InputError(path_ + ": " + source_->place() +
                            ": no stamp so far, expected one by the first scan");
@@ -204,7 +205,7 @@ class ScanOdometryLog {
   std::string path_;
   const ScanOdometryLogOptions& options_;
   std::unique_ptr<odometry::ScanOdometry> odometry_;
-  std::unique_ptr<logs::ObjectSource> source_;
+  std::unique_ptr<objects::ObjectSource> source_;
   ScanOdometryLogReport report_;
   std::deque<Object> ready_;
   std::vector<mrpt::obs::CAction::Ptr> others_;  ///< no movements; they wait for their frame

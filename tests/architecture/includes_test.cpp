@@ -16,7 +16,9 @@ namespace fs = std::filesystem;
 const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"core", {}},
     {"robot", {"core"}},
-    {"logs", {"core", "robot"}},
+    {"objects", {"core", "robot"}},
+    {"bags", {"core", "robot", "objects"}},
+    {"logs", {"core", "robot", "objects", "bags"}},
     {"stats", {"core"}},
     // the truth's side
     {"world", {"core"}},
@@ -37,13 +39,13 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"odometry", {"core", "robot"}},
     {"mapping", {"core", "robot", "gridmap", "odometry", "posegraph", "scanmatch"}},
     // reads logs and matches their scans; nobody's estimate
-    {"doctor", {"core", "robot", "logs", "odometry"}},
+    {"doctor", {"core", "robot", "objects", "logs", "odometry"}},
     // both: from the floor up; each may include those that stand above it here and nothing below
     {"process", {"core"}},
     {"record", {"core", "robot", "world", "buildings", "logs", "sim", "odometry", "mapping", "navigate"}},
     {"run",
-     {"core", "stats", "robot", "gridmap", "world", "logs", "sim", "odometry", "mapping", "metrics", "report",
-      "viewer", "process", "record"}},
+     {"core", "stats", "robot", "gridmap", "world", "objects", "logs", "sim", "odometry", "mapping",
+      "metrics", "report", "viewer", "process", "record"}},
     {"score",
      {"core", "stats", "world", "logs", "sim", "mapping", "metrics", "report", "process", "record", "run"}},
     {"explore",
@@ -55,7 +57,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"live",
      {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "obstacles", "navigate", "mapping",
       "record", "run", "score", "viewer"}},
-    {"plugin", {"core", "robot", "logs", "world", "sim", "navigate", "mapping", "record", "run"}},
+    {"plugin", {"core", "robot", "objects", "logs", "world", "sim", "navigate", "mapping", "record", "run"}},
     {"testing", {"core", "robot", "posegraph", "world"}},
 };
 
@@ -98,7 +100,7 @@ TEST(Includes, TheTableHoldsTheTruthWall) {
        {"gridmap", "scanmatch", "posegraph", "obstacles", "navigate", "mrptnav", "odometry", "mapping"})
     for (const std::string truth_side :
          {"world", "buildings", "check", "sim", "metrics", "report", "process", "record", "run", "score",
-          "explore", "sweep", "study", "pages", "logs"})
+          "explore", "sweep", "study", "pages", "objects", "bags", "logs"})
       EXPECT_FALSE(kMayInclude.at(robot_side).count(truth_side)) << robot_side << " reaches " << truth_side;
 }
 

@@ -5,7 +5,7 @@
 
 #include "libslam/core/random.h"
 #include "libslam/doctor/log_check.h"
-#include "libslam/logs/object_stream.h"
+#include "libslam/objects/object_stream.h"
 #include "libslam/robot/mrpt_types.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"

@@ -387,7 +387,7 @@ TEST(LogCheck, TellsThatALogCarriesItsTruth) {
   {
     logs::RawObjects log(path);
     mrpt::obs::CObservationRobotPose truth;
-    truth.sensorLabel = logs::kTruthLabel;
+    truth.sensorLabel = objects::kTruthLabel;
     truth.timestamp = logs::mrptTime(logs::kStart_s);
     log << truth << logs::rawScan(logs::kStart_s, "L") << logs::rawScan(logs::kStart_s + 1, "L");
   }

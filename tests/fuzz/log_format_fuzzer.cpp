@@ -1,4 +1,5 @@
-#include "libslam/logs/object_stream.h"
+#include "libslam/logs/log_format.h"
+#include "libslam/objects/object_stream.h"
 #include "tests/fuzz/fuzz_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

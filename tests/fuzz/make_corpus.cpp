@@ -14,9 +14,10 @@
 #include <memory>
 #include <vector>
 
+#include "libslam/bags/ros_logs.h"
 #include "libslam/core/files.h"
-#include "libslam/logs/object_stream.h"
-#include "libslam/logs/ros_logs.h"
+#include "libslam/logs/log_format.h"
+#include "libslam/objects/object_stream.h"
 
 namespace {
 
@@ -68,7 +69,7 @@ Objects frames() {
   return objects;
 }
 
-void write(const Objects& objects, std::unique_ptr<slam::logs::ObjectSink> sink) {
+void write(const Objects& objects, std::unique_ptr<slam::objects::ObjectSink> sink) {
   for (const auto& object : objects) sink->write(*object);
   sink->close();
 }
@@ -95,22 +96,22 @@ int main(int argc, char** argv) {
     std::cerr << "usage: make_corpus FOLDER\n";
     return 2;
   }
-  using namespace slam::logs;
+  using namespace slam;
   const std::string corpus = argv[1];
   const std::string rawlog = folderOf(corpus, "rawlog"), format = folderOf(corpus, "log_format");
   const std::string packed = format + "frames.rawlog";
-  write(frames(), createLog(packed, LogFormat::kRawlog));
+  write(frames(), logs::createLog(packed, logs::LogFormat::kRawlog));
   unpack(packed, rawlog + "frames.rawlog");
   const std::string bare = format + "observations.rawlog";
-  write(observations(), createLog(bare, LogFormat::kRawlog));
+  write(observations(), logs::createLog(bare, logs::LogFormat::kRawlog));
   unpack(bare, rawlog + "observations.rawlog");
-  write(observations(), createRos1Bag(folderOf(corpus, "ros1_bag") + "a.bag"));
-  write(observations(), createRos2Db3(folderOf(corpus, "ros2_db3") + "a.db3"));
+  write(observations(), bags::createRos1Bag(folderOf(corpus, "ros1_bag") + "a.bag"));
+  write(observations(), bags::createRos2Db3(folderOf(corpus, "ros2_db3") + "a.db3"));
   for (const char* compression : {"none", "lz4", "zstd"}) {
-    McapWriteOptions options;
+    bags::McapWriteOptions options;
     options.compression = compression;
     options.ros1 = std::string(compression) == "lz4";
-    write(observations(), createMcap(folderOf(corpus, "mcap") + compression + ".mcap", options));
+    write(observations(), bags::createMcap(folderOf(corpus, "mcap") + compression + ".mcap", options));
   }
   return 0;
 }

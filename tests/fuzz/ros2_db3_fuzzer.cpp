@@ -2,13 +2,13 @@
 
 #include <memory>
 
-#include "libslam/logs/ros_logs.h"
+#include "libslam/bags/ros_logs.h"
 #include "tests/fuzz/fuzz_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto& path = slam::fuzz::fileHolding(data, size, ".db3");
   return slam::fuzz::refuseOrRead([&] {
-    const auto log = slam::logs::openRos2Db3(path);
+    const auto log = slam::bags::openRos2Db3(path);
     while (log->next()) {
     }
     log->skipped();

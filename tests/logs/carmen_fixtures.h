@@ -14,7 +14,8 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/logs/object_stream.h"
+#include "libslam/logs/log_format.h"
+#include "libslam/objects/object_stream.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::logs {

@@ -3,8 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "libslam/logs/convert.h"
+#include "libslam/logs/log_format.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/logs/mrpt_time.h"
+#include "libslam/objects/mrpt_time.h"
 #include "tests/logs/carmen_fixtures.h"
 
 namespace slam::logs {
@@ -37,7 +38,7 @@ double angleDeg(const CObservation2DRangeScan& scan, size_t beam) {
 }
 
 double seconds(const mrpt::obs::CObservation& observation) {
-  return secondsFromMrptTicks(observation.timestamp.time_since_epoch().count());
+  return objects::secondsFromMrptTicks(observation.timestamp.time_since_epoch().count());
 }
 
 constexpr double kFloatAngle_deg = 1e-4;  // MRPT keeps the aperture in a float
@@ -192,7 +193,8 @@ TEST(CarmenReader, ReadsRawLaserLines) {
 
 TEST(CarmenReader, LabelsTheTruthAsTruth) {
   const auto objects = objectsOfText("TRUEPOS 1 2 0.5 1.1 2.1 0.6" + kTail);
-  EXPECT_THAT(outline(objects), ElementsAre("CARMEN note: host host", "TRUEPOS_ODOMETRY", kTruthLabel));
+  EXPECT_THAT(outline(objects),
+              ElementsAre("CARMEN note: host host", "TRUEPOS_ODOMETRY", objects::kTruthLabel));
   EXPECT_EQ(all<CObservationRobotPose>(objects)[0]->pose.mean.y(), 2);
   EXPECT_EQ(all<CObservationOdometry>(objects)[0]->odometry.y(), 2.1);
 }
@@ -342,7 +344,7 @@ TEST(CarmenWriter, KeepsScansAndStampsThroughTheActionForm) {
 TEST(CarmenWriter, WritesScansOfOtherLogsAsNewLinesThatReadBackTheSame) {
   const testing::TempFolder folder;
   CObservation2DRangeScan scan;
-  scan.timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(mrptTicks(1000.25)));
+  scan.timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(objects::mrptTicks(1000.25)));
   scan.sensorLabel = "HOKUYO";
   scan.aperture = 2.0F;
   scan.maxRange = 5.0F;

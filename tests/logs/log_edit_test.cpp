@@ -7,7 +7,8 @@
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/poses/CPosePDFGaussian.h>
 
-#include "libslam/logs/object_stream.h"
+#include "libslam/logs/log_format.h"
+#include "libslam/objects/object_stream.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/logs/log_fixtures.h"
@@ -42,10 +43,10 @@ std::vector<std::string> outline(const std::string& path) {
   std::vector<std::string> lines;
   const auto describe = [](const CObservation& observation) {
     const auto ticks = observation.timestamp.time_since_epoch().count();
-    if (ticks == kNoStamp) return observation.sensorLabel;
+    if (ticks == objects::kNoStamp) return observation.sensorLabel;
     char text[64];
     std::snprintf(text, sizeof(text), "%s %.1f", observation.sensorLabel.c_str(),
-                  secondsFromMrptTicks(ticks) - kStart_s);
+                  objects::secondsFromMrptTicks(ticks) - kStart_s);
     return std::string(text);
   };
   for (const auto& object : objectsOf(path)) {
@@ -405,7 +406,7 @@ TEST(FilterLog, DropsTheTruth) {
   {
     RawObjects log(folder / "a.rawlog");
     mrpt::obs::CObservationRobotPose truth;
-    truth.sensorLabel = kTruthLabel;
+    truth.sensorLabel = objects::kTruthLabel;
     truth.timestamp = mrptTime(kStart_s);
     log << truth << rawOdometry(kStart_s, 0) << rawScan(kStart_s, "LASER");
   }

@@ -18,7 +18,7 @@
 #include "libslam/core/files.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
-#include "libslam/logs/mrpt_time.h"
+#include "libslam/objects/mrpt_time.h"
 
 namespace slam::logs {
 
@@ -103,7 +103,7 @@ inline std::string unpacked(const std::string& path) {
 }
 
 inline mrpt::Clock::time_point mrptTime(double time_s) {
-  return mrpt::Clock::time_point(mrpt::Clock::duration(mrptTicks(time_s)));
+  return mrpt::Clock::time_point(mrpt::Clock::duration(objects::mrptTicks(time_s)));
 }
 
 /// Writes any MRPT objects, for logs that our writer would never write.

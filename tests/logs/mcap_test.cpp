@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "libslam/logs/ros_bytes.h"
+#include "libslam/bags/ros_bytes.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/logs/ros_fixtures.h"
@@ -23,13 +23,13 @@ constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
 
 std::string text(const std::string& content) {
   std::string bytes;
-  appendSized<std::uint32_t>(bytes, content);
+  bags::appendSized<std::uint32_t>(bytes, content);
   return bytes;
 }
 template <class... Numbers>
 std::string numbers(Numbers... values) {
   std::string bytes;
-  (appendNumberBytes(bytes, values), ...);
+  (bags::appendNumberBytes(bytes, values), ...);
   return bytes;
 }
 std::string record(std::uint8_t op, const std::string& content) {
@@ -45,13 +45,13 @@ std::string channel(const std::string& encoding = "cdr") {
 std::string message(std::uint16_t channel_id = 5) {
   const std::uint64_t time = kRosStart_ns;
   return record(5, numbers(channel_id, std::uint32_t{0}, time, time) +
-                       encodeRos(RosEncoding::kCdr, laserScan("laser", {1, 2, 3})));
+                       bags::encodeRos(bags::RosEncoding::kCdr, laserScan("laser", {1, 2, 3})));
 }
 std::string chunk(const std::string& records, const std::string& compression = "", std::uint32_t crc = 0,
                   std::uint64_t size_error = 0) {
   std::string content = numbers(std::uint64_t{0}, std::uint64_t{0}, records.size() + size_error, crc);
   content += text(compression);
-  appendSized<std::uint64_t>(content, pack(compression, records));
+  bags::appendSized<std::uint64_t>(content, bags::pack(compression, records));
   return record(6, content);
 }
 std::string whole(const std::string& data) {
@@ -69,7 +69,7 @@ Reading readBytesAsMcap(const std::string& bytes) {
   writeBytes(bytes, path);
   Reading reading;
   reading.error = testing::errorOf([&] {
-    const auto source = openMcap(path);
+    const auto source = bags::openMcap(path);
     while (source->next()) ++reading.objects;
   });
   const auto at = reading.error.find(path + ": ");
@@ -120,9 +120,9 @@ TEST(Mcap, ChecksTheSumOfAChunk) {
 
 TEST(Mcap, ChecksTheSumsOfDataAndSummary) {
   const testing::TempFolder folder;
-  McapWriteOptions options;
+  bags::McapWriteOptions options;
   options.compression = "none";
-  writeAll(drive(20), *createMcap(folder / "log.mcap", options));
+  writeAll(drive(20), *bags::createMcap(folder / "log.mcap", options));
   const auto bytes = readBytes(folder / "log.mcap");
   auto in_data = bytes, in_summary = bytes;
   in_data[8 + 9 + 4] = 'R';  // the profile in the header, which nothing else covers
@@ -191,11 +191,11 @@ class McapNpm : public ::testing::Test {
 TEST_F(McapNpm, FindsEverythingInOurFiles) {
   for (const char* compression : {"none", "lz4", "zstd"}) {
     for (const bool ros1 : {false, true}) {
-      McapWriteOptions options;
+      bags::McapWriteOptions options;
       options.compression = compression;
       options.ros1 = ros1;
       const auto path = folder_ / "log.mcap";
-      writeAll(drive(3000), *createMcap(path, options));
+      writeAll(drive(3000), *bags::createMcap(path, options));
       const auto found = nlohmann::json::parse(run("read " + path));
       EXPECT_EQ(found["header"]["profile"], ros1 ? "ros1" : "ros2");
       EXPECT_EQ(found["messageCount"], "12001");
@@ -230,7 +230,7 @@ TEST_F(McapNpm, WritesFilesThatWeRead) {
   for (const char* mode : {"unchunked", "chunks", "zstd", "ros1"}) {
     const auto path = folder_ / "npm.mcap";
     run("write " + path + " " + mode);
-    const auto source = openMcap(path);
+    const auto source = bags::openMcap(path);
     const auto objects = readAll(*source);
     const auto scans = only<CObservation2DRangeScan>(objects);
     const auto truth = only<CObservationRobotPose>(objects);

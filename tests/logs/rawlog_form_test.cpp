@@ -1,4 +1,5 @@
 #include "libslam/logs/rawlog_form.h"
+#include "libslam/logs/log_format.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

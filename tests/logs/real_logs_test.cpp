@@ -12,8 +12,9 @@
 #include <sstream>
 
 #include "libslam/logs/convert.h"
+#include "libslam/logs/log_format.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/logs/mrpt_time.h"
+#include "libslam/objects/mrpt_time.h"
 #include "tests/logs/carmen_fixtures.h"
 
 namespace slam::logs {
@@ -116,7 +117,7 @@ class MrptReader {
 };
 
 double secondsOf(const mrpt::obs::CObservation& observation) {
-  return secondsFromMrptTicks(observation.timestamp.time_since_epoch().count());
+  return objects::secondsFromMrptTicks(observation.timestamp.time_since_epoch().count());
 }
 
 // MRPT counts in steps of 1e-7 s, which is coarser than a double for fr079's clock, that started with the computer.

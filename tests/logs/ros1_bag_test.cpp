@@ -28,14 +28,14 @@ TEST(Ros1Bag, NamesTheVersionOfAnOlderBag) {
   const testing::TempFolder folder;
   writeBytes("#ROSBAG V1.2\nversion=1.2\n", folder / "old.bag");
   EXPECT_EQ(
-      testing::errorOf([&] { openRos1Bag(folder / "old.bag"); }),
+      testing::errorOf([&] { bags::openRos1Bag(folder / "old.bag"); }),
       (folder / "old.bag") + ": a ROS bag of version 1.2, expected 2.0 (`rosbag migrate` turns it into one)");
 }
 
 TEST(Ros1Bag, ReadsABagThatItsRecorderDidNotCloseThenSaysSo) {
   const testing::TempFolder folder;
   const auto path = folder / "log.bag";
-  writeAll(drive(5), *createRos1Bag(path));
+  writeAll(drive(5), *bags::createRos1Bag(path));
   auto bytes = readBytes(path);
   // As a recorder leaves it: without the index, whose place the bag's header does not know yet.
   const auto index_pos = bytes.find("index_pos=") + 10;
@@ -44,7 +44,7 @@ TEST(Ros1Bag, ReadsABagThatItsRecorderDidNotCloseThenSaysSo) {
   bytes.resize(position);
   std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(index_pos), 8, '\0');
   writeBytes(bytes, path);
-  const auto source = openRos1Bag(path);
+  const auto source = bags::openRos1Bag(path);
   const auto error = testing::errorOf([&] { readAll(*source); });
   EXPECT_EQ(source->count(), 15U);
   EXPECT_THAT(error,
@@ -56,7 +56,7 @@ TEST(Ros1Bag, ReadsABagThatItsRecorderDidNotCloseThenSaysSo) {
 TEST(Ros1Bag, IsReadByRosbag) {
   const testing::TempFolder folder;
   const auto path = folder / "log.bag";
-  writeAll(drive(3000), *createRos1Bag(path));
+  writeAll(drive(3000), *bags::createRos1Bag(path));
 
   rosbag::Bag bag(path, rosbag::bagmode::Read);
   EXPECT_EQ(bag.getMajorVersion(), 2U);
@@ -100,11 +100,12 @@ TEST(Ros1Bag, IsReadByRosbag) {
 }
 
 TEST(Ros1Bag, HasTheDefinitionsAndSumsOfRos) {
-  EXPECT_EQ(rosMd5(kLaserScanType), ros::message_traits::md5sum<sensor_msgs::LaserScan>());
-  EXPECT_EQ(rosMd5(kMultiEchoType), ros::message_traits::md5sum<sensor_msgs::MultiEchoLaserScan>());
-  EXPECT_EQ(rosMd5(kOdometryType), ros::message_traits::md5sum<nav_msgs::Odometry>());
-  EXPECT_EQ(rosMd5(kPoseStampedType), ros::message_traits::md5sum<geometry_msgs::PoseStamped>());
-  EXPECT_EQ(rosMd5(kTransformsType), ros::message_traits::md5sum<tf2_msgs::TFMessage>());
+  EXPECT_EQ(bags::rosMd5(bags::kLaserScanType), ros::message_traits::md5sum<sensor_msgs::LaserScan>());
+  EXPECT_EQ(bags::rosMd5(bags::kMultiEchoType),
+            ros::message_traits::md5sum<sensor_msgs::MultiEchoLaserScan>());
+  EXPECT_EQ(bags::rosMd5(bags::kOdometryType), ros::message_traits::md5sum<nav_msgs::Odometry>());
+  EXPECT_EQ(bags::rosMd5(bags::kPoseStampedType), ros::message_traits::md5sum<geometry_msgs::PoseStamped>());
+  EXPECT_EQ(bags::rosMd5(bags::kTransformsType), ros::message_traits::md5sum<tf2_msgs::TFMessage>());
 }
 
 class RosbagCompression : public ::testing::TestWithParam<rosbag::compression::CompressionType> {};
@@ -141,7 +142,7 @@ TEST_P(RosbagCompression, IsReadByUs) {
     }
     bag.close();
   }
-  const auto source = openRos1Bag(path);
+  const auto source = bags::openRos1Bag(path);
   const auto objects = readAll(*source);
   const auto scans = only<CObservation2DRangeScan>(objects);
   const auto odometry = only<CObservationOdometry>(objects);
@@ -160,12 +161,12 @@ TEST_P(RosbagCompression, IsReadByUs) {
 TEST(Ros1Bag, OfAnotherDefinitionIsRefused) {
   const testing::TempFolder folder;
   const auto path = folder / "log.bag";
-  writeAll(drive(1), *createRos1Bag(path));
+  writeAll(drive(1), *bags::createRos1Bag(path));
   auto bytes = readBytes(path);
-  const std::string sum = rosMd5(kOdometryType);
+  const std::string sum = bags::rosMd5(bags::kOdometryType);
   for (size_t at = bytes.find(sum); at != std::string::npos; at = bytes.find(sum, at + 1)) bytes[at] = '0';
   writeBytes(bytes, path);
-  EXPECT_THAT(testing::errorOf([&] { readAll(*openRos1Bag(path)); }),
+  EXPECT_THAT(testing::errorOf([&] { readAll(*bags::openRos1Bag(path)); }),
               HasSubstr("(/odom): nav_msgs/Odometry: a definition with the MD5 sum 0"));
 }
 

@@ -61,7 +61,7 @@ Number at(const std::string& bytes, size_t offset) {
 
 TEST(Ros2Db3, HasTheTablesOfRosbag2) {
   const testing::TempFolder folder;
-  writeAll(drive(3), *createRos2Db3(folder / "log.db3"));
+  writeAll(drive(3), *bags::createRos2Db3(folder / "log.db3"));
   Sql sql(folder / "log.db3");
   EXPECT_THAT(sql.rows("SELECT name, type, serialization_format FROM topics ORDER BY id"),
               ElementsAre(ElementsAre("/odom", "nav_msgs/msg/Odometry", "cdr"),
@@ -79,7 +79,7 @@ TEST(Ros2Db3, HasTheTablesOfRosbag2) {
 
 TEST(Ros2Db3, HasScansInCdr) {
   const testing::TempFolder folder;
-  writeAll(drive(2), *createRos2Db3(folder / "log.db3"));
+  writeAll(drive(2), *bags::createRos2Db3(folder / "log.db3"));
   Sql sql(folder / "log.db3");
   const auto rows = sql.rows(
       "SELECT data FROM messages JOIN topics ON topics.id = topic_id WHERE name = '/scan' ORDER BY "
@@ -108,7 +108,7 @@ TEST(Ros2Db3, HasScansInCdr) {
 
 TEST(Ros2Db3, HasOdometryInCdr) {
   const testing::TempFolder folder;
-  writeAll({odometryObject(kRosStart_ns, 2.5, 0.5)}, *createRos2Db3(folder / "log.db3"));
+  writeAll({odometryObject(kRosStart_ns, 2.5, 0.5)}, *bags::createRos2Db3(folder / "log.db3"));
   Sql sql(folder / "log.db3");
   const auto bytes =
       sql.rows("SELECT data FROM messages JOIN topics ON topics.id = topic_id WHERE name = '/odom'")
@@ -127,39 +127,39 @@ TEST(Ros2Db3, HasOdometryInCdr) {
 
 TEST(Ros2Db3, InAFolderComesWithItsMetadata) {
   const testing::TempFolder folder;
-  writeAll(drive(2), *createRos2Db3(folder / "bag"));
-  EXPECT_TRUE(looksLikeRos2Folder(folder / "bag"));
-  EXPECT_FALSE(looksLikeRos2Folder(folder.path()));
+  writeAll(drive(2), *bags::createRos2Db3(folder / "bag"));
+  EXPECT_TRUE(bags::looksLikeRos2Folder(folder / "bag"));
+  EXPECT_FALSE(bags::looksLikeRos2Folder(folder.path()));
   const auto yaml = readBytes(folder / "bag/metadata.yaml");
   EXPECT_THAT(yaml, HasSubstr("storage_identifier: sqlite3\n"));
   EXPECT_THAT(yaml, HasSubstr("nanoseconds_since_epoch: 1700000000123456700\n"));
   EXPECT_THAT(yaml, HasSubstr("  message_count: 9\n"));
   EXPECT_THAT(yaml, HasSubstr("relative_file_paths:\n    - bag_0.db3\n"));
-  EXPECT_THAT(testing::errorOf([&] { createRos2Db3(folder / "bag"); }), HasSubstr("bag: exists"));
+  EXPECT_THAT(testing::errorOf([&] { bags::createRos2Db3(folder / "bag"); }), HasSubstr("bag: exists"));
 }
 
 TEST(Ros2Db3, OfSeveralFilesIsReadAsOne) {
   const testing::TempFolder folder;
   auto objects = drive(4);
-  writeAll({objects.begin(), objects.begin() + 6}, *createRos2Db3(folder / "a.db3"));
-  writeAll({objects.begin() + 6, objects.end()}, *createRos2Db3(folder / "b.db3"));
+  writeAll({objects.begin(), objects.begin() + 6}, *bags::createRos2Db3(folder / "a.db3"));
+  writeAll({objects.begin() + 6, objects.end()}, *bags::createRos2Db3(folder / "b.db3"));
   writeBytes(
       "rosbag2_bagfile_information:\n  version: 4\n  storage_identifier: sqlite3\n  relative_file_paths:\n"
       "    - a.db3\n    - \"b.db3\"\n  duration:\n    nanoseconds: 0\n  compression_mode: \"\"\n",
       folder / "metadata.yaml");
-  const auto source = openRos2Folder(folder.path());
+  const auto source = bags::openRos2Folder(folder.path());
   EXPECT_EQ(readAll(*source).size(), 12U);
 
-  writeAll({objects.begin(), objects.begin() + 6}, *createMcap(folder / "a.mcap"));
+  writeAll({objects.begin(), objects.begin() + 6}, *bags::createMcap(folder / "a.mcap"));
   writeBytes("  storage_identifier: mcap\n  relative_file_paths:\n    - a.mcap\n", folder / "metadata.yaml");
-  EXPECT_EQ(readAll(*openRos2Folder(folder.path())).size(), 6U);
+  EXPECT_EQ(readAll(*bags::openRos2Folder(folder.path())).size(), 6U);
 }
 
 TEST(Ros2Db3, SaysWhatItCannotReadOfAFolder) {
   const testing::TempFolder folder;
   const auto errorWith = [&folder](const std::string& yaml) {
     writeBytes(yaml, folder / "metadata.yaml");
-    return testing::errorOf([&] { openRos2Folder(folder.path()); });
+    return testing::errorOf([&] { bags::openRos2Folder(folder.path()); });
   };
   EXPECT_THAT(errorWith("storage_identifier: sqlite3\ncompression_mode: FILE\n"),
               HasSubstr("metadata.yaml: compression_mode: found 'FILE', expected none"));
@@ -174,10 +174,10 @@ TEST(Ros2Db3, InOrderOfReceiveTimeWhateverTheRows) {
   const testing::TempFolder folder;
   const auto path = folder / "log.db3";
   writeAll({scanObject(kRosStart_ns, "scan", 1), scanObject(kRosStart_ns + 1000, "scan", 2)},
-           *createRos2Db3(path));
+           *bags::createRos2Db3(path));
   Sql(path).run(
       "UPDATE messages SET timestamp = timestamp - 1000000000 WHERE id = 3; DROP INDEX timestamp_idx");
-  const auto scans = only<CObservation2DRangeScan>(readAll(*openRos2Db3(path)));
+  const auto scans = only<CObservation2DRangeScan>(readAll(*bags::openRos2Db3(path)));
   ASSERT_EQ(scans.size(), 2U);
   EXPECT_EQ(scans[0]->getScanRange(0), 2);
 }
@@ -185,9 +185,9 @@ TEST(Ros2Db3, InOrderOfReceiveTimeWhateverTheRows) {
 TEST(Ros2Db3, WithAnUnfinishedJournalBesideItSaysSo) {
   const testing::TempFolder folder;
   const auto path = folder / "log 100% #1?.db3";
-  writeAll(drive(2), *createRos2Db3(path));
+  writeAll(drive(2), *bags::createRos2Db3(path));
   writeBytes("something", path + "-wal");
-  const auto source = openRos2Db3(path);
+  const auto source = bags::openRos2Db3(path);
   EXPECT_EQ(readAll(*source).size(), 6U);
   EXPECT_EQ(source->skipped(),
             "what is still in " + path + "-wal (its recorder did not close the bag) is not read");
@@ -198,19 +198,19 @@ TEST(Ros2Db3, WithAnUnfinishedJournalBesideItSaysSo) {
 TEST(Ros2Db3, IsNotAnyDatabase) {
   const testing::TempFolder folder;
   Sql(folder / "other.db3").run("CREATE TABLE people(name); CREATE VIEW topics AS SELECT * FROM people");
-  EXPECT_EQ(testing::errorOf([&] { openRos2Db3(folder / "other.db3"); }),
+  EXPECT_EQ(testing::errorOf([&] { bags::openRos2Db3(folder / "other.db3"); }),
             (folder / "other.db3") + ": not a ROS 2 bag: an SQLite database without a table 'topics'");
   Sql(folder / "columns.db3").run("CREATE TABLE topics(id); CREATE TABLE messages(id)");
-  EXPECT_THAT(testing::errorOf([&] { openRos2Db3(folder / "columns.db3"); }),
+  EXPECT_THAT(testing::errorOf([&] { bags::openRos2Db3(folder / "columns.db3"); }),
               HasSubstr("no such column: name"));
 }
 
 TEST(Ros2Db3, OfAnotherSerializationIsPassedOver) {
   const testing::TempFolder folder;
   const auto path = folder / "log.db3";
-  writeAll({scanObject(kRosStart_ns, "scan")}, *createRos2Db3(path));
+  writeAll({scanObject(kRosStart_ns, "scan")}, *bags::createRos2Db3(path));
   Sql(path).run("UPDATE topics SET serialization_format = 'rosbag_v2' WHERE name = '/scan'");
-  const auto source = openRos2Db3(path);
+  const auto source = bags::openRos2Db3(path);
   EXPECT_EQ(source->next(), nullptr);
   EXPECT_EQ(source->skipped(), "1 message of 1 topic (/scan sensor_msgs/LaserScan serialized as rosbag_v2)");
 }

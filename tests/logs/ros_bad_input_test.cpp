@@ -107,10 +107,10 @@ TEST_P(DamagedBag, OfNothingOrOtherThingsIsRefused) {
 TEST_P(DamagedBag, IsToldApartByItsFirstBytes) {
   const auto start = wholeBag(1).substr(0, 16);
   const std::string name = GetParam().name;
-  EXPECT_EQ(looksLikeRos1Bag(start), name == "Ros1Bag");
-  EXPECT_EQ(looksLikeRos2Db3(start), name == "Ros2Db3");
-  EXPECT_EQ(looksLikeMcap(start), name.substr(0, 4) == "Mcap");
-  EXPECT_FALSE(looksLikeRos1Bag("") || looksLikeRos2Db3("") || looksLikeMcap(""));
+  EXPECT_EQ(bags::looksLikeRos1Bag(start), name == "Ros1Bag");
+  EXPECT_EQ(bags::looksLikeRos2Db3(start), name == "Ros2Db3");
+  EXPECT_EQ(bags::looksLikeMcap(start), name.substr(0, 4) == "Mcap");
+  EXPECT_FALSE(bags::looksLikeRos1Bag("") || bags::looksLikeRos2Db3("") || bags::looksLikeMcap(""));
 }
 
 }  // namespace

@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
+#include "libslam/bags/ros_logs.h"
+#include "libslam/bags/ros_objects.h"
 #include "libslam/core/pose2.h"
-#include "libslam/logs/mrpt_time.h"
-#include "libslam/logs/ros_logs.h"
-#include "libslam/logs/ros_objects.h"
+#include "libslam/objects/mrpt_time.h"
 #include "tests/logs/log_fixtures.h"
 
 namespace slam::logs {
@@ -27,10 +27,10 @@ inline constexpr float kInf = std::numeric_limits<float>::infinity();
 inline constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 inline mrpt::Clock::time_point rosStamp(std::int64_t time_ns) {
-  return mrpt::Clock::time_point(mrpt::Clock::duration(mrptTicksFromUnixNanoseconds(time_ns)));
+  return mrpt::Clock::time_point(mrpt::Clock::duration(objects::mrptTicksFromUnixNanoseconds(time_ns)));
 }
 inline std::int64_t stampNs(const mrpt::obs::CObservation& observation) {
-  return unixNanosecondsFromMrptTicks(observation.timestamp.time_since_epoch().count());
+  return objects::unixNanosecondsFromMrptTicks(observation.timestamp.time_since_epoch().count());
 }
 
 /// Seven beams over 180 deg of a lidar mounted left and turned: returns, a no-return, a lost one.
@@ -65,7 +65,7 @@ inline std::shared_ptr<mrpt::obs::CObservationOdometry> odometryObject(std::int6
 inline std::shared_ptr<mrpt::obs::CObservationRobotPose> truthObject(std::int64_t time_ns, double x_m) {
   auto truth = mrpt::obs::CObservationRobotPose::Create();
   truth->timestamp = rosStamp(time_ns);
-  truth->sensorLabel = kTruthLabel;
+  truth->sensorLabel = objects::kTruthLabel;
   truth->pose.mean = mrpt::poses::CPose3D(x_m, 2, 0, -2.5, 0, 0);
   return truth;
 }
@@ -82,13 +82,13 @@ inline std::vector<Object> drive(int count) {
   return objects;
 }
 
-inline std::vector<Object> readAll(ObjectSource& source) {
+inline std::vector<Object> readAll(objects::ObjectSource& source) {
   std::vector<Object> objects;
   while (auto object = source.next()) objects.push_back(object);
   return objects;
 }
 
-inline void writeAll(const std::vector<Object>& objects, ObjectSink& sink) {
+inline void writeAll(const std::vector<Object>& objects, objects::ObjectSink& sink) {
   for (const auto& object : objects) sink.write(*object);
   sink.close();
 }
@@ -106,29 +106,29 @@ class FakeBag {
  public:
   template <class Message>
   FakeBag& add(const std::string& topic, const std::string& type, std::int64_t received_ns,
-               const Message& message, RosEncoding encoding = RosEncoding::kCdr) {
-    return addBytes({topic, type, encoding, "", ""}, received_ns, encodeRos(encoding, message));
+               const Message& message, bags::RosEncoding encoding = bags::RosEncoding::kCdr) {
+    return addBytes({topic, type, encoding, "", ""}, received_ns, bags::encodeRos(encoding, message));
   }
-  FakeBag& addBytes(RosChannel channel, std::int64_t received_ns, std::string bytes) {
+  FakeBag& addBytes(bags::RosChannel channel, std::int64_t received_ns, std::string bytes) {
     records_->push_back({std::move(channel), received_ns, std::move(bytes)});
     return *this;
   }
-  std::unique_ptr<ObjectSource> open(const RosReadOptions& options = {}) const {
-    return makeRosSource(
+  std::unique_ptr<objects::ObjectSource> open(const bags::RosReadOptions& options = {}) const {
+    return bags::makeRosSource(
         "fake.bag", [records = records_] { return std::make_unique<Messages>(records); }, options);
   }
 
  private:
   struct Record {
-    RosChannel channel;
+    bags::RosChannel channel;
     std::int64_t received_ns;
     std::string bytes;
   };
   using Records = std::shared_ptr<std::deque<Record>>;
-  class Messages : public RosMessages {
+  class Messages : public bags::RosMessages {
    public:
     explicit Messages(Records records) : records_(std::move(records)) {}
-    bool next(RosMessage& message) override {
+    bool next(bags::RosMessage& message) override {
       if (at_ == records_->size()) return false;
       const auto& record = (*records_)[at_++];
       message = {&record.channel, record.received_ns, record.bytes};
@@ -143,15 +143,15 @@ class FakeBag {
   Records records_ = std::make_shared<std::deque<Record>>();
 };
 
-inline RosQuaternion turned(double yaw_rad) {
+inline bags::RosQuaternion turned(double yaw_rad) {
   return {0, 0, std::sin(yaw_rad / 2), std::cos(yaw_rad / 2)};
 }
-inline RosTransform transform(const std::string& parent, const std::string& child, RosVector3 translation,
-                              RosQuaternion rotation = {}) {
+inline bags::RosTransform transform(const std::string& parent, const std::string& child,
+                                    bags::RosVector3 translation, bags::RosQuaternion rotation = {}) {
   return {{kRosStart_ns, parent}, child, translation, rotation};
 }
-inline RosLaserScan laserScan(const std::string& frame, std::vector<float> ranges) {
-  RosLaserScan scan;
+inline bags::RosLaserScan laserScan(const std::string& frame, std::vector<float> ranges) {
+  bags::RosLaserScan scan;
   scan.header = {kRosStart_ns, frame};
   scan.angle_min = -0.5F;
   scan.angle_max = 0.5F;
@@ -161,8 +161,9 @@ inline RosLaserScan laserScan(const std::string& frame, std::vector<float> range
   scan.ranges = std::move(ranges);
   return scan;
 }
-inline RosOdometry rosOdometry(std::int64_t time_ns, double x_m, const std::string& child = "base_link") {
-  RosOdometry odometry;
+inline bags::RosOdometry rosOdometry(std::int64_t time_ns, double x_m,
+                                     const std::string& child = "base_link") {
+  bags::RosOdometry odometry;
   odometry.header = {time_ns, "odom"};
   odometry.child_frame_id = child;
   odometry.pose = {{x_m, 0, 0}, turned(0.5)};
@@ -173,23 +174,26 @@ inline RosOdometry rosOdometry(std::int64_t time_ns, double x_m, const std::stri
 struct Container {
   const char* name;
   const char* file;
-  std::function<std::unique_ptr<ObjectSink>(const std::string&)> create;
-  std::function<std::unique_ptr<ObjectSource>(const std::string&)> open;
+  std::function<std::unique_ptr<objects::ObjectSink>(const std::string&)> create;
+  std::function<std::unique_ptr<objects::ObjectSource>(const std::string&)> open;
 };
 inline std::vector<Container> containers() {
   const auto mcap = [](const char* compression, bool ros1) {
     return [=](const std::string& path) {
-      McapWriteOptions options;
+      bags::McapWriteOptions options;
       options.compression = compression;
       options.ros1 = ros1;
-      return createMcap(path, options);
+      return bags::createMcap(path, options);
     };
   };
-  const auto open_mcap = [](const std::string& path) { return openMcap(path); };
+  const auto open_mcap = [](const std::string& path) { return bags::openMcap(path); };
   return {
-      {"Ros1Bag", "log.bag", createRos1Bag, [](const std::string& path) { return openRos1Bag(path); }},
-      {"Ros2Db3", "log.db3", createRos2Db3, [](const std::string& path) { return openRos2Db3(path); }},
-      {"Ros2Folder", "log", createRos2Db3, [](const std::string& path) { return openRos2Folder(path); }},
+      {"Ros1Bag", "log.bag", bags::createRos1Bag,
+       [](const std::string& path) { return bags::openRos1Bag(path); }},
+      {"Ros2Db3", "log.db3", bags::createRos2Db3,
+       [](const std::string& path) { return bags::openRos2Db3(path); }},
+      {"Ros2Folder", "log", bags::createRos2Db3,
+       [](const std::string& path) { return bags::openRos2Folder(path); }},
       {"Mcap", "log.mcap", mcap("none", false), open_mcap},
       {"McapLz4", "log.mcap", mcap("lz4", false), open_mcap},
       {"McapZstd", "log.mcap", mcap("zstd", false), open_mcap},

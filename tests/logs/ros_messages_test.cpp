@@ -1,4 +1,4 @@
-#include "libslam/logs/ros_messages.h"
+#include "libslam/bags/ros_messages.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,8 +20,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-RosLaserScan sampleScan() {
-  RosLaserScan scan;
+bags::RosLaserScan sampleScan() {
+  bags::RosLaserScan scan;
   scan.header = {1'700'000'000'987'654'321, "base_laser"};
   scan.angle_min = -1.5F;
   scan.angle_max = 1.5F;
@@ -35,8 +35,8 @@ RosLaserScan sampleScan() {
   return scan;
 }
 
-RosOdometry sampleOdometry() {
-  RosOdometry odometry;
+bags::RosOdometry sampleOdometry() {
+  bags::RosOdometry odometry;
   odometry.header = {-1'500'000'000, "odom"};
   odometry.child_frame_id = "base";
   odometry.pose = {{1.5, -2.5, 3.5}, {0.1, 0.2, 0.3, 0.9}};
@@ -47,11 +47,11 @@ RosOdometry sampleOdometry() {
   return odometry;
 }
 
-RosTransforms sampleTransforms() {
+bags::RosTransforms sampleTransforms() {
   return {{{{1, "a"}, "bcd", {1, 2, 3}, {0, 0, 0, 1}}, {{2, "efghi"}, "", {4, 5, 6}, {0, 0, 1, 0}}}};
 }
 
-void expectSame(const RosLaserScan& a, const RosLaserScan& b) {
+void expectSame(const bags::RosLaserScan& a, const bags::RosLaserScan& b) {
   EXPECT_EQ(a.header.stamp_ns, b.header.stamp_ns);
   EXPECT_EQ(a.header.frame_id, b.header.frame_id);
   EXPECT_EQ(a.angle_increment, b.angle_increment);
@@ -61,20 +61,22 @@ void expectSame(const RosLaserScan& a, const RosLaserScan& b) {
 }
 
 TEST(RosMessages, ComeBackFromBothForms) {
-  for (const auto form : {RosEncoding::kRos1, RosEncoding::kCdr}) {
-    expectSame(decodeRos<RosLaserScan>(form, encodeRos(form, sampleScan())), sampleScan());
-    const auto transforms = decodeRos<RosTransforms>(form, encodeRos(form, sampleTransforms()));
+  for (const auto form : {bags::RosEncoding::kRos1, bags::RosEncoding::kCdr}) {
+    expectSame(bags::decodeRos<bags::RosLaserScan>(form, bags::encodeRos(form, sampleScan())), sampleScan());
+    const auto transforms =
+        bags::decodeRos<bags::RosTransforms>(form, bags::encodeRos(form, sampleTransforms()));
     ASSERT_EQ(transforms.transforms.size(), 2U);
     EXPECT_EQ(transforms.transforms[1].header.frame_id, "efghi");
     EXPECT_EQ(transforms.transforms[1].child_frame_id, "");
     EXPECT_EQ(transforms.transforms[1].translation.z, 6);
     EXPECT_EQ(transforms.transforms[1].rotation.z, 1);
-    RosMultiEchoLaserScan echoes;
+    bags::RosMultiEchoLaserScan echoes;
     echoes.ranges = {{1, 2}, {}, {3}};
-    EXPECT_EQ(decodeRos<RosMultiEchoLaserScan>(form, encodeRos(form, echoes)).ranges, echoes.ranges);
+    EXPECT_EQ(bags::decodeRos<bags::RosMultiEchoLaserScan>(form, bags::encodeRos(form, echoes)).ranges,
+              echoes.ranges);
   }
-  const auto odometry =
-      decodeRos<RosOdometry>(RosEncoding::kCdr, encodeRos(RosEncoding::kCdr, sampleOdometry()));
+  const auto odometry = bags::decodeRos<bags::RosOdometry>(
+      bags::RosEncoding::kCdr, bags::encodeRos(bags::RosEncoding::kCdr, sampleOdometry()));
   EXPECT_EQ(odometry.header.stamp_ns, -1'500'000'000);
   EXPECT_EQ(odometry.twist_covariance, sampleOdometry().twist_covariance);
 }
@@ -93,7 +95,7 @@ TEST(RosMessages, AreReadBigEndian) {
       "\0\0\0\0\0\0\0\0"                  // qz
       "\x3F\xF0\0\0\0\0\0\0",             // qw 1
       4 + 16 + 56);
-  const auto pose = decodeRos<RosPoseStamped>(RosEncoding::kCdr, bytes);
+  const auto pose = bags::decodeRos<bags::RosPoseStamped>(bags::RosEncoding::kCdr, bytes);
   EXPECT_EQ(pose.header.stamp_ns, 5'000'000'007);
   EXPECT_EQ(pose.header.frame_id, "map");
   EXPECT_EQ(pose.pose.position.x, 1.5);
@@ -102,47 +104,51 @@ TEST(RosMessages, AreReadBigEndian) {
 }
 
 TEST(RosMessages, OfEveryCutLengthAreRefused) {
-  for (const auto form : {RosEncoding::kRos1, RosEncoding::kCdr}) {
-    const auto bytes = encodeRos(form, sampleScan());
+  for (const auto form : {bags::RosEncoding::kRos1, bags::RosEncoding::kCdr}) {
+    const auto bytes = bags::encodeRos(form, sampleScan());
     for (size_t length = 0; length < bytes.size(); ++length)
-      EXPECT_THROW(decodeRos<RosLaserScan>(form, std::string_view(bytes).substr(0, length)), core::InputError)
+      EXPECT_THROW(bags::decodeRos<bags::RosLaserScan>(form, std::string_view(bytes).substr(0, length)),
+                   core::InputError)
           << length;
-    EXPECT_THROW(decodeRos<RosLaserScan>(form, bytes + "12345"), core::InputError);
+    EXPECT_THROW(bags::decodeRos<bags::RosLaserScan>(form, bytes + "12345"), core::InputError);
   }
   // Some middleware pads a message to four bytes.
-  EXPECT_NO_THROW(
-      decodeRos<RosLaserScan>(RosEncoding::kCdr, encodeRos(RosEncoding::kCdr, sampleScan()) + "123"));
+  EXPECT_NO_THROW(bags::decodeRos<bags::RosLaserScan>(
+      bags::RosEncoding::kCdr, bags::encodeRos(bags::RosEncoding::kCdr, sampleScan()) + "123"));
 }
 
 TEST(RosMessages, TakeNoMemoryForALengthThatCannotBe) {
   auto scan = sampleScan();
   scan.header.frame_id = "";
-  auto bytes = encodeRos(RosEncoding::kRos1, scan);
+  auto bytes = bags::encodeRos(bags::RosEncoding::kRos1, scan);
   const size_t at = 4 + 8 + 4 + 7 * 4;  // sequence, stamp, length of the frame, seven numbers
   bytes.replace(at, 4, "\xFF\xFF\xFF\xFF");
-  EXPECT_EQ(testing::errorOf([&] { decodeRos<RosLaserScan>(RosEncoding::kRos1, bytes); }),
+  EXPECT_EQ(testing::errorOf([&] { bags::decodeRos<bags::RosLaserScan>(bags::RosEncoding::kRos1, bytes); }),
             "a list of numbers of length 4294967295 does not fit into the 36 bytes left");
   EXPECT_THAT(testing::errorOf([] {
-                decodeRos<RosTransforms>(RosEncoding::kRos1, std::string("\xFF\xFF\xFF\x00zzzzzzzz", 12));
+                bags::decodeRos<bags::RosTransforms>(bags::RosEncoding::kRos1,
+                                                     std::string("\xFF\xFF\xFF\x00zzzzzzzz", 12));
               }),
               HasSubstr("a list of length 16777215 does not fit into the 8 bytes left"));
 }
 
 TEST(RosMessages, SayThatCdrIsCompressedOrNone) {
-  EXPECT_EQ(testing::errorOf(
-                [] { decodeRos<RosLaserScan>(RosEncoding::kCdr, std::string("\x28\xB5\x2F\xFD....", 8)); }),
+  EXPECT_EQ(testing::errorOf([] {
+              bags::decodeRos<bags::RosLaserScan>(bags::RosEncoding::kCdr,
+                                                  std::string("\x28\xB5\x2F\xFD....", 8));
+            }),
             "its first two bytes are 40 181, expected 0 0 or 0 1 (plain CDR, not compressed)");
 }
 
 TEST(RosMessages, HoldTheStampsThatTheirNumbersReach) {
-  EXPECT_TRUE(rosCanHold(RosEncoding::kRos1, 4'294'967'295'999'999'999));
-  EXPECT_FALSE(rosCanHold(RosEncoding::kRos1, 4'294'967'296'000'000'000));
-  EXPECT_FALSE(rosCanHold(RosEncoding::kRos1, -1));
-  EXPECT_TRUE(rosCanHold(RosEncoding::kCdr, -1));
-  EXPECT_FALSE(rosCanHold(RosEncoding::kCdr, 2'147'483'648'000'000'000));
+  EXPECT_TRUE(bags::rosCanHold(bags::RosEncoding::kRos1, 4'294'967'295'999'999'999));
+  EXPECT_FALSE(bags::rosCanHold(bags::RosEncoding::kRos1, 4'294'967'296'000'000'000));
+  EXPECT_FALSE(bags::rosCanHold(bags::RosEncoding::kRos1, -1));
+  EXPECT_TRUE(bags::rosCanHold(bags::RosEncoding::kCdr, -1));
+  EXPECT_FALSE(bags::rosCanHold(bags::RosEncoding::kCdr, 2'147'483'648'000'000'000));
   auto scan = sampleScan();
   scan.header.stamp_ns = -1;
-  EXPECT_THROW(encodeRos(RosEncoding::kRos1, scan), core::ContractError);
+  EXPECT_THROW(bags::encodeRos(bags::RosEncoding::kRos1, scan), core::ContractError);
 }
 
 std::string md5(const std::string& text) {
@@ -175,11 +181,11 @@ std::string sumOf(const std::string& type, const std::map<std::string, std::stri
 }
 
 TEST(RosMessages, HaveTheSumsThatTheirDefinitionsGive) {
-  for (const char* type : {kLaserScanType, kMultiEchoType, kOdometryType, kPoseStampedType, kTransformsType,
-                           kOldTransformsType}) {
+  for (const char* type : {bags::kLaserScanType, bags::kMultiEchoType, bags::kOdometryType,
+                           bags::kPoseStampedType, bags::kTransformsType, bags::kOldTransformsType}) {
     std::map<std::string, std::string> definitions;
     std::string name = type;
-    std::istringstream lines(rosDefinition(RosEncoding::kRos1, type));
+    std::istringstream lines(bags::rosDefinition(bags::RosEncoding::kRos1, type));
     std::string line;
     while (std::getline(lines, line)) {
       if (line.front() == '=') continue;
@@ -188,15 +194,15 @@ TEST(RosMessages, HaveTheSumsThatTheirDefinitionsGive) {
       else
         definitions[name] += line + "\n";
     }
-    EXPECT_EQ(rosMd5(type), sumOf(type, definitions)) << type;
+    EXPECT_EQ(bags::rosMd5(type), sumOf(type, definitions)) << type;
   }
-  EXPECT_EQ(rosMd5("sensor_msgs/Image"), "");
+  EXPECT_EQ(bags::rosMd5("sensor_msgs/Image"), "");
 }
 
 TEST(RosMessages, ChangeBetweenBothWaysToNameAType) {
-  EXPECT_EQ(withMsg("nav_msgs/Odometry"), "nav_msgs/msg/Odometry");
-  EXPECT_EQ(withoutMsg("nav_msgs/msg/Odometry"), "nav_msgs/Odometry");
-  EXPECT_EQ(withoutMsg("nav_msgs/Odometry"), "nav_msgs/Odometry");
+  EXPECT_EQ(bags::withMsg("nav_msgs/Odometry"), "nav_msgs/msg/Odometry");
+  EXPECT_EQ(bags::withoutMsg("nav_msgs/msg/Odometry"), "nav_msgs/Odometry");
+  EXPECT_EQ(bags::withoutMsg("nav_msgs/Odometry"), "nav_msgs/Odometry");
 }
 
 #ifdef RASTERSLAM_HAS_FASTCDR
@@ -206,7 +212,7 @@ using eprosima::fastcdr::FastBuffer;
 
 /// Fast-CDR, ROS 2's own serializer, as the other side.
 TEST(RosMessages, AreReadByFastCdr) {
-  auto bytes = encodeRos(RosEncoding::kCdr, sampleScan());
+  auto bytes = bags::encodeRos(bags::RosEncoding::kCdr, sampleScan());
   FastBuffer buffer(bytes.data(), bytes.size());
   Cdr cdr(buffer, Cdr::DEFAULT_ENDIAN, Cdr::DDS_CDR);
   cdr.read_encapsulation();
@@ -240,7 +246,7 @@ TEST(RosMessages, OfFastCdrAreReadInBothByteOrders) {
     cdr << odometry.linear.x << odometry.linear.y << odometry.linear.z;
     cdr << odometry.angular.x << odometry.angular.y << odometry.angular.z << odometry.twist_covariance;
     const std::string_view bytes(buffer.getBuffer(), cdr.getSerializedDataLength());
-    const auto found = decodeRos<RosOdometry>(RosEncoding::kCdr, bytes);
+    const auto found = bags::decodeRos<bags::RosOdometry>(bags::RosEncoding::kCdr, bytes);
     EXPECT_EQ(found.header.stamp_ns, odometry.header.stamp_ns);
     EXPECT_EQ(found.child_frame_id, "base");
     EXPECT_EQ(found.pose.orientation.w, 0.9);
@@ -255,11 +261,11 @@ TEST(RosMessages, OfFastCdrAreReadInBothByteOrders) {
     scan_cdr << std::int32_t{1'700'000'000} << std::uint32_t{987'654'321} << scan.header.frame_id
              << scan.angle_min << scan.angle_max << scan.angle_increment << scan.time_increment
              << scan.scan_time << scan.range_min << scan.range_max << scan.ranges << scan.intensities;
-    expectSame(decodeRos<RosLaserScan>(RosEncoding::kCdr,
-                                       {scan_buffer.getBuffer(), scan_cdr.getSerializedDataLength()}),
+    expectSame(bags::decodeRos<bags::RosLaserScan>(
+                   bags::RosEncoding::kCdr, {scan_buffer.getBuffer(), scan_cdr.getSerializedDataLength()}),
                scan);
     // Fast-CDR leaves what it pads with to chance, so only the size must agree.
-    EXPECT_EQ(encodeRos(RosEncoding::kCdr, odometry).size(), bytes.size());
+    EXPECT_EQ(bags::encodeRos(bags::RosEncoding::kCdr, odometry).size(), bytes.size());
   }
 }
 

@@ -72,7 +72,7 @@ TEST_P(RosContainer, GivesBackWhatWasWritten) {
     const auto& truth = dynamic_cast<const CObservationRobotPose&>(*found[i + 1]);
     const auto& truth_written = dynamic_cast<const CObservationRobotPose&>(*written[i + 1]);
     EXPECT_EQ(truth.timestamp, truth_written.timestamp);
-    EXPECT_EQ(truth.sensorLabel, kTruthLabel);
+    EXPECT_EQ(truth.sensorLabel, objects::kTruthLabel);
     EXPECT_EQ(truth.pose.mean.x(), truth_written.pose.mean.x());
     EXPECT_NEAR(truth.pose.mean.yaw(), truth_written.pose.mean.yaw(), 1e-15);
     expectSameScan(dynamic_cast<const CObservation2DRangeScan&>(*found[i + 2]),

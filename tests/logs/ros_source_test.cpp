@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <mrpt/obs/CObservationComment.h>
 
-#include "libslam/logs/sweep_note.h"
+#include "libslam/objects/sweep_note.h"
 #include "libslam/robot/mrpt_types.h"
 #include "libslam/testing/error_of.h"
 #include "tests/logs/ros_fixtures.h"
@@ -15,7 +15,7 @@ using mrpt::obs::CObservationOdometry;
 using mrpt::obs::CObservationRobotPose;
 using ::testing::HasSubstr;
 
-RosTransforms transforms(std::vector<RosTransform> list) {
+bags::RosTransforms transforms(std::vector<bags::RosTransform> list) {
   return {std::move(list)};
 }
 
@@ -41,7 +41,7 @@ std::vector<core::Pose2> beamEnds(const CObservation2DRangeScan& observation) {
 
 TEST(RosSource, ReadsRangesByRep117) {
   FakeBag bag;
-  bag.add("/front/scan", kLaserScanType, kRosStart_ns,
+  bag.add("/front/scan", bags::kLaserScanType, kRosStart_ns,
           laserScan("laser", {1.5F, kInf, -kInf, kNan, 0.05F, 10.5F, 10.0F, 9.75F, 0.0F}));
   const auto scan = onlyScan(bag);
   EXPECT_EQ(scan->sensorLabel, "front/scan");
@@ -63,7 +63,7 @@ TEST(RosSource, TakesTheFieldOfViewFromTheIncrementWhereTheStatedEndDisagrees) {
   auto scan = laserScan("laser", {1, 2, 3, 4, 5});
   scan.angle_max = scan.angle_min + 5 * scan.angle_increment;  // a driver that counts one step too many
   FakeBag bag;
-  bag.add("/scan", kLaserScanType, kRosStart_ns, scan);
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns, scan);
   const auto observation = onlyScan(bag);
   EXPECT_FLOAT_EQ(observation->aperture, 1.0F);
   EXPECT_NEAR(observation->sensorPose.yaw(), 0, 1e-7);
@@ -74,7 +74,7 @@ TEST(RosSource, TurnsASensorWhoseSweepIsNotCentred) {
   scan.angle_min = 0;
   scan.angle_max = 1;
   FakeBag bag;
-  bag.add("/scan", kLaserScanType, kRosStart_ns, scan);
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns, scan);
   const auto ends = beamEnds(*onlyScan(bag));
   EXPECT_NEAR(ends[0].x, 1, 1e-6);
   EXPECT_NEAR(ends[0].y, 0, 1e-6);
@@ -88,7 +88,7 @@ TEST(RosSource, TurnsAClockwiseSweepRound) {
   scan.angle_increment = -0.5F;
   scan.angle_max = -0.75F;
   FakeBag bag;
-  bag.add("/scan", kLaserScanType, kRosStart_ns, scan);
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns, scan);
   const auto observation = onlyScan(bag);
   const auto ends = beamEnds(*observation);
   ASSERT_EQ(ends.size(), 3U);
@@ -102,11 +102,11 @@ TEST(RosSource, TurnsAClockwiseSweepRound) {
 
 TEST(RosSource, FindsTheMountingThroughAChainOfFrames) {
   FakeBag bag;
-  bag.add("/tf_static", kTransformsType, kRosStart_ns,
+  bag.add("/tf_static", bags::kTransformsType, kRosStart_ns,
           transforms({transform("/base_link", "/deck", {1, 0, 0.5}, turned(core::kPi / 2))}));
-  bag.add("/tf", kTransformsType, kRosStart_ns, transforms({transform("deck", "laser", {0.25, 0, 0})}));
-  bag.add("/odom", kOdometryType, kRosStart_ns, rosOdometry(kRosStart_ns, 0));
-  bag.add("/scan", kLaserScanType, kRosStart_ns, laserScan("/laser", {1, 2, 3}));
+  bag.add("/tf", bags::kTransformsType, kRosStart_ns, transforms({transform("deck", "laser", {0.25, 0, 0})}));
+  bag.add("/odom", bags::kOdometryType, kRosStart_ns, rosOdometry(kRosStart_ns, 0));
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns, laserScan("/laser", {1, 2, 3}));
   const auto mount = onlyScan(bag)->sensorPose;
   EXPECT_NEAR(mount.x(), 1, 1e-12);
   EXPECT_NEAR(mount.y(), 0.25, 1e-12);
@@ -116,27 +116,27 @@ TEST(RosSource, FindsTheMountingThroughAChainOfFrames) {
 
 TEST(RosSource, FindsTheMountingThatComesAfterTheFirstScan) {
   FakeBag bag;
-  bag.add("/scan", kLaserScanType, kRosStart_ns, laserScan("laser", {1, 2, 3}));
-  bag.add("/tf_static", kTransformsType, kRosStart_ns + 1,
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns, laserScan("laser", {1, 2, 3}));
+  bag.add("/tf_static", bags::kTransformsType, kRosStart_ns + 1,
           transforms({transform("base_link", "laser", {0.3, 0, 0})}));
   EXPECT_EQ(onlyScan(bag)->sensorPose.x(), 0.3);
 }
 
 TEST(RosSource, MeasuresTheMountingFromTheFrameWhosePoseTheOdometryGives) {
   FakeBag bag;
-  bag.add("/tf_static", kTransformsType, kRosStart_ns,
+  bag.add("/tf_static", bags::kTransformsType, kRosStart_ns,
           transforms({transform("base_footprint", "base_link", {0.5, 0, 0.1}),
                       transform("base_link", "laser", {0.25, 0, 0})}));
-  bag.add("/odom", kOdometryType, kRosStart_ns, rosOdometry(kRosStart_ns, 0, "base_footprint"));
-  bag.add("/scan", kLaserScanType, kRosStart_ns, laserScan("laser", {1, 2, 3}));
+  bag.add("/odom", bags::kOdometryType, kRosStart_ns, rosOdometry(kRosStart_ns, 0, "base_footprint"));
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns, laserScan("laser", {1, 2, 3}));
   EXPECT_NEAR(onlyScan(bag)->sensorPose.x(), 0.75, 1e-12);
 }
 
 TEST(RosSource, NeverLooksForTheMountingThroughTheFrameInWhichTheRobotMoves) {
   FakeBag bag;
-  bag.add("/tf", kTransformsType, kRosStart_ns,
+  bag.add("/tf", bags::kTransformsType, kRosStart_ns,
           transforms({transform("odom", "base_link", {5, 0, 0}), transform("odom", "laser", {6, 0, 0})}));
-  bag.add("/scan", kLaserScanType, kRosStart_ns, laserScan("laser", {1, 2, 3}));
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns, laserScan("laser", {1, 2, 3}));
   const auto source = bag.open();
   const auto scans = only<CObservation2DRangeScan>(readAll(*source));
   EXPECT_EQ(scans.at(0)->sensorPose.x(), 0);
@@ -146,9 +146,9 @@ TEST(RosSource, NeverLooksForTheMountingThroughTheFrameInWhichTheRobotMoves) {
 TEST(RosSource, FollowsAMountingThatChanges) {
   FakeBag bag;
   for (const double x_m : {0.1, 0.2}) {
-    bag.add("/tf_static", kTransformsType, kRosStart_ns,
+    bag.add("/tf_static", bags::kTransformsType, kRosStart_ns,
             transforms({transform("base_link", "laser", {x_m, 0, 0})}));
-    bag.add("/scan", kLaserScanType, kRosStart_ns, laserScan("laser", {1, 2, 3}));
+    bag.add("/scan", bags::kLaserScanType, kRosStart_ns, laserScan("laser", {1, 2, 3}));
   }
   const auto source = bag.open();
   const auto scans = only<CObservation2DRangeScan>(readAll(*source));
@@ -158,9 +158,9 @@ TEST(RosSource, FollowsAMountingThatChanges) {
 
 TEST(RosSource, SurvivesALoopOfFrames) {
   FakeBag bag;
-  bag.add("/tf_static", kTransformsType, kRosStart_ns,
+  bag.add("/tf_static", bags::kTransformsType, kRosStart_ns,
           transforms({transform("a", "laser", {1, 0, 0}), transform("laser", "a", {1, 0, 0})}));
-  bag.add("/scan", kLaserScanType, kRosStart_ns, laserScan("laser", {1, 2, 3}));
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns, laserScan("laser", {1, 2, 3}));
   EXPECT_EQ(onlyScan(bag)->sensorPose.x(), 0);
 }
 
@@ -176,9 +176,9 @@ TEST(RosSource, TurnsALidarThatHangsUpsideDownUpright) {
   scan.angle_increment = 0.5F;
   scan.angle_max = 1.2F;
   FakeBag bag;
-  bag.add("/tf_static", kTransformsType, kRosStart_ns,
+  bag.add("/tf_static", bags::kTransformsType, kRosStart_ns,
           transforms({transform("base_link", "laser", {0.2, -0.1, 0.15}, {q.x(), q.y(), q.z(), q.r()})}));
-  bag.add("/scan", kLaserScanType, kRosStart_ns, scan);
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns, scan);
   const auto observation = onlyScan(bag);
   EXPECT_NEAR(observation->sensorPose.roll(), 0, 1e-9);
   const auto ends = beamEnds(*observation);
@@ -196,12 +196,12 @@ TEST(RosSource, TakesOdometryFromTfWhereNothingElseHasIt) {
   for (int i = 0; i < 3; ++i) {
     auto moved = transform("robot1/odom", "base_footprint", {0.5 * i, 0, 0}, turned(0.1 * i));
     moved.header.stamp_ns = kRosStart_ns + std::int64_t{1000} * i;
-    bag.add("/tf", kOldTransformsType, kRosStart_ns, transforms({transform("a", "b", {}), moved}),
-            RosEncoding::kRos1);
+    bag.add("/tf", bags::kOldTransformsType, kRosStart_ns, transforms({transform("a", "b", {}), moved}),
+            bags::RosEncoding::kRos1);
   }
-  bag.add("/tf_static", kTransformsType, kRosStart_ns,
+  bag.add("/tf_static", bags::kTransformsType, kRosStart_ns,
           transforms({transform("base_footprint", "laser", {0.2, 0, 0})}));
-  bag.add("/scan", kLaserScanType, kRosStart_ns, laserScan("laser", {1, 2, 3}));
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns, laserScan("laser", {1, 2, 3}));
   const auto source = bag.open();
   const auto objects = readAll(*source);
   const auto odometry = only<CObservationOdometry>(objects);
@@ -214,16 +214,17 @@ TEST(RosSource, TakesOdometryFromTfWhereNothingElseHasIt) {
 
 TEST(RosSource, PrefersTheOdometryTopicToTfAndOneTopicToTheOthers) {
   FakeBag bag;
-  bag.add("/tf", kTransformsType, kRosStart_ns, transforms({transform("odom", "base_link", {7, 0, 0})}));
-  bag.add("/filtered", kOdometryType, kRosStart_ns, rosOdometry(kRosStart_ns, 1));
-  bag.add("/odom", kOdometryType, kRosStart_ns, rosOdometry(kRosStart_ns, 2));
+  bag.add("/tf", bags::kTransformsType, kRosStart_ns,
+          transforms({transform("odom", "base_link", {7, 0, 0})}));
+  bag.add("/filtered", bags::kOdometryType, kRosStart_ns, rosOdometry(kRosStart_ns, 1));
+  bag.add("/odom", bags::kOdometryType, kRosStart_ns, rosOdometry(kRosStart_ns, 2));
   const auto source = bag.open();
   const auto odometry = only<CObservationOdometry>(readAll(*source));
   ASSERT_EQ(odometry.size(), 1U);
   EXPECT_EQ(odometry[0]->odometry.x(), 2);
   EXPECT_EQ(source->skipped(), "1 message of 1 topic (/filtered nav_msgs/Odometry)");
 
-  RosReadOptions options;
+  bags::RosReadOptions options;
   options.odometry_topic = "/filtered";
   const auto chosen = bag.open(options);
   EXPECT_EQ(only<CObservationOdometry>(readAll(*chosen)).at(0)->odometry.x(), 1);
@@ -231,15 +232,15 @@ TEST(RosSource, PrefersTheOdometryTopicToTfAndOneTopicToTheOthers) {
 
 TEST(RosSource, KeepsTheTruthApartFromTheOdometry) {
   FakeBag bag;
-  bag.add("/base_pose_ground_truth", kOdometryType, kRosStart_ns, rosOdometry(kRosStart_ns, 4));
-  bag.add("/mocap", kPoseStampedType, kRosStart_ns,
-          RosPoseStamped{{kRosStart_ns, "world"}, {{8, 0, 0}, turned(1)}});
-  RosReadOptions options;
+  bag.add("/base_pose_ground_truth", bags::kOdometryType, kRosStart_ns, rosOdometry(kRosStart_ns, 4));
+  bag.add("/mocap", bags::kPoseStampedType, kRosStart_ns,
+          bags::RosPoseStamped{{kRosStart_ns, "world"}, {{8, 0, 0}, turned(1)}});
+  bags::RosReadOptions options;
   const auto source = bag.open(options);
   const auto objects = readAll(*source);
   EXPECT_EQ(only<CObservationOdometry>(objects).size(), 0U);
   ASSERT_EQ(only<CObservationRobotPose>(objects).size(), 1U);
-  EXPECT_EQ(only<CObservationRobotPose>(objects)[0]->sensorLabel, kTruthLabel);
+  EXPECT_EQ(only<CObservationRobotPose>(objects)[0]->sensorLabel, objects::kTruthLabel);
   EXPECT_EQ(only<CObservationRobotPose>(objects)[0]->pose.mean.x(), 4);
 
   options.truth_topics = {"/mocap"};
@@ -251,7 +252,7 @@ TEST(RosSource, KeepsTheTruthApartFromTheOdometry) {
 }
 
 TEST(RosSource, TakesTheFirstEchoOfEachBeam) {
-  RosMultiEchoLaserScan scan;
+  bags::RosMultiEchoLaserScan scan;
   scan.header = {kRosStart_ns, "laser"};
   scan.angle_min = -0.5F;
   scan.angle_max = 0.5F;
@@ -260,7 +261,7 @@ TEST(RosSource, TakesTheFirstEchoOfEachBeam) {
   scan.ranges = {{1.5F, 3}, {}, {2.5F}};
   scan.intensities = {{7, 8}, {}, {9}};
   FakeBag bag;
-  bag.add("/horizontal", kMultiEchoType, kRosStart_ns, scan);
+  bag.add("/horizontal", bags::kMultiEchoType, kRosStart_ns, scan);
   const auto observation = onlyScan(bag);
   ASSERT_EQ(observation->getScanSize(), 3U);
   EXPECT_EQ(observation->getScanRange(0), 1.5F);
@@ -274,7 +275,7 @@ TEST(RosSource, GivesAHeaderWithoutStampTheRecordersTime) {
   auto scan = laserScan("laser", {1, 2, 3});
   scan.header.stamp_ns = 0;
   FakeBag bag;
-  bag.add("/scan", kLaserScanType, kRosStart_ns + 700, scan);
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns + 700, scan);
   const auto source = bag.open();
   EXPECT_EQ(stampNs(*only<CObservation2DRangeScan>(readAll(*source)).at(0)), kRosStart_ns + 700);
   EXPECT_THAT(source->skipped(), HasSubstr("1 header without a stamp took the recorder's time"));
@@ -282,9 +283,9 @@ TEST(RosSource, GivesAHeaderWithoutStampTheRecordersTime) {
 
 TEST(RosSource, NamesTheMessageThatCannotBeDecoded) {
   FakeBag bag;
-  bag.add("/scan", kLaserScanType, kRosStart_ns, laserScan("laser", {1, 2, 3}));
-  bag.addBytes({"/scan", kLaserScanType, RosEncoding::kCdr, "", ""}, kRosStart_ns,
-               encodeRos(RosEncoding::kCdr, rosOdometry(kRosStart_ns, 1)));
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns, laserScan("laser", {1, 2, 3}));
+  bag.addBytes({"/scan", bags::kLaserScanType, bags::RosEncoding::kCdr, "", ""}, kRosStart_ns,
+               bags::encodeRos(bags::RosEncoding::kCdr, rosOdometry(kRosStart_ns, 1)));
   const auto source = bag.open();
   EXPECT_NE(source->next(), nullptr);
   EXPECT_THAT(testing::errorOf([&] { source->next(); }),
@@ -293,8 +294,8 @@ TEST(RosSource, NamesTheMessageThatCannotBeDecoded) {
 
 TEST(RosSource, RefusesAnotherDefinitionOfTheSameType) {
   FakeBag bag;
-  bag.addBytes({"/scan", kLaserScanType, RosEncoding::kRos1, "", "0123"}, kRosStart_ns,
-               encodeRos(RosEncoding::kRos1, laserScan("laser", {1, 2, 3})));
+  bag.addBytes({"/scan", bags::kLaserScanType, bags::RosEncoding::kRos1, "", "0123"}, kRosStart_ns,
+               bags::encodeRos(bags::RosEncoding::kRos1, laserScan("laser", {1, 2, 3})));
   const auto source = bag.open();
   EXPECT_EQ(
       testing::errorOf([&] { source->next(); }),
@@ -309,8 +310,8 @@ TEST(RosSource, SaysWhatABagHasThatHoldsNothingToRead) {
             "fake.bag: holds no messages, expected laser scans (sensor_msgs/LaserScan) or odometry "
             "(nav_msgs/Odometry)");
   FakeBag bag;
-  bag.addBytes({"/camera", "sensor_msgs/Image", RosEncoding::kCdr, "", ""}, kRosStart_ns, "xyz");
-  bag.addBytes({"/chat", "chat", RosEncoding::kCdr, "encoded as json", ""}, kRosStart_ns, "{}");
+  bag.addBytes({"/camera", "sensor_msgs/Image", bags::RosEncoding::kCdr, "", ""}, kRosStart_ns, "xyz");
+  bag.addBytes({"/chat", "chat", bags::RosEncoding::kCdr, "encoded as json", ""}, kRosStart_ns, "{}");
   const auto source = bag.open();
   EXPECT_EQ(
       testing::errorOf([&] { source->next(); }),
@@ -322,7 +323,7 @@ TEST(RosSource, RefusesAPoseWithoutOrientation) {
   auto odometry = rosOdometry(kRosStart_ns, 1);
   odometry.pose.orientation = {0, 0, 0, 0};
   FakeBag bag;
-  bag.add("/odom", kOdometryType, kRosStart_ns, odometry);
+  bag.add("/odom", bags::kOdometryType, kRosStart_ns, odometry);
   const auto source = bag.open();
   EXPECT_EQ(testing::errorOf([&] { source->next(); }),
             "fake.bag: message 1 (/odom): a pose that is not finite, or with a quaternion of length 0");
@@ -337,15 +338,15 @@ TEST(RosSource, NotesTheTimesOfTheBeams) {
   auto back = laserScan("laser", {1, 2, 3, 4, 5});
   back.time_increment = -0.01F;  // from the last beam to the first, which is the stamp's
   FakeBag bag;
-  bag.add("/scan", kLaserScanType, kRosStart_ns, scan);
-  bag.add("/scan", kLaserScanType, kRosStart_ns + 1000, scan);
-  bag.add("/scan", kLaserScanType, kRosStart_ns + 2000, back);
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns, scan);
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns + 1000, scan);
+  bag.add("/scan", bags::kLaserScanType, kRosStart_ns + 2000, back);
   const auto source = bag.open();
   const auto objects = readAll(*source);
   ASSERT_EQ(objects.size(), 5U);  // the second scan is swept as the first
   const auto noteAt = [&](size_t i) {
     const auto comment = std::dynamic_pointer_cast<mrpt::obs::CObservationComment>(objects[i]);
-    return comment ? parseSweepNote(comment->text) : std::nullopt;
+    return comment ? objects::parseSweepNote(comment->text) : std::nullopt;
   };
   ASSERT_TRUE(noteAt(0) && noteAt(3));
   EXPECT_EQ(noteAt(0)->label, "scan");

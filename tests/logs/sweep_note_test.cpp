@@ -1,4 +1,4 @@
-#include "libslam/logs/sweep_note.h"
+#include "libslam/objects/sweep_note.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@ namespace slam::logs {
 namespace {
 
 TEST(SweepNote, ReadsBackWhatItWrote) {
-  const SweepNote note{"front/scan", {0.0497, true, 0.25}};
-  const auto read = parseSweepNote(formatSweepNote(note));
+  const objects::SweepNote note{"front/scan", {0.0497, true, 0.25}};
+  const auto read = objects::parseSweepNote(objects::formatSweepNote(note));
   ASSERT_TRUE(read);
   EXPECT_EQ(read->label, note.label);
   EXPECT_EQ(read->sweep.duration_s, note.sweep.duration_s);
@@ -19,13 +19,13 @@ TEST(SweepNote, ReadsBackWhatItWrote) {
 
 TEST(SweepNote, OtherCommentsAreNone) {
   for (const char* text : {"", "turned the corner", "[sweep", "label = LASER\n"})
-    EXPECT_FALSE(parseSweepNote(text)) << text;
+    EXPECT_FALSE(objects::parseSweepNote(text)) << text;
 }
 
 TEST(SweepNote, ABrokenOneSaysWhatIsWrong) {
   const auto refusal = [](const std::string& text) -> std::string {
     try {
-      parseSweepNote(text);
+      objects::parseSweepNote(text);
     } catch (const core::InputError& error) {
       return error.what();
     }

@@ -28,11 +28,12 @@ mkdir -p "$work/tree" && work=$(cd "$work" && pwd) || exit 2
 # Changed files only, so that what was built stays.
 files() { (cd "$root" && git ls-files -co --exclude-standard | while IFS= read -r file; do [ -e "$file" ] && echo "$file"; done | sort); }
 files | tar c -C "$root" -T - | tar x --keep-newer-files -C "$work/tree" 2> /dev/null
-(cd "$work/tree" && find . -type f -printf '%P\n' | sort | comm -23 - <(files) | xargs -r -d '\n' rm -f)
-cmake -S "$work/tree" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release > "$work/configure.txt" 2>&1 || { cat "$work/configure.txt"; exit 2; }
+(cd "$work/tree" && find . -path ./build -prune -o -type f -printf '%P\n' | sort | comm -23 - <(files) | xargs -r -d '\n' rm -f)
+build=$work/tree/build/release  # where the presets build, so that a compiler cache knows what it has compiled
+cmake -S "$work/tree" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release > "$work/configure.txt" 2>&1 || { cat "$work/configure.txt"; exit 2; }
 
-builds() { cmake --build "$work/build" -j "$jobs" --target "test_$1" > "$work/build.txt" 2>&1; }
-passes() { (cd "$work/build" && timeout 600 "tests/test_$1" --gtest_brief=1 > "$work/tests.txt" 2>&1); }
+builds() { cmake --build "$build" -j "$jobs" --target "test_$1" > "$work/build.txt" 2>&1; }
+passes() { (cd "$build" && timeout 600 "tests/test_$1" --gtest_brief=1 > "$work/tests.txt" 2>&1); }
 
 declare -A all noticed ready
 broken=0 number=0

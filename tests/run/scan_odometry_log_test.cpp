@@ -13,9 +13,10 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/logs/log_format.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
-#include "libslam/logs/object_stream.h"
+#include "libslam/objects/object_stream.h"
 #include "libslam/robot/mrpt_types.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/mapping/small_room.h"

@@ -5,15 +5,15 @@
 #include <utility>
 #include <vector>
 
+#include "libslam/bags/ros_bytes.h"
+#include "libslam/bags/ros_logs.h"
+#include "libslam/bags/ros_objects.h"
 #include "libslam/core/error.h"
-#include "libslam/logs/ros_bytes.h"
-#include "libslam/logs/ros_logs.h"
-#include "libslam/logs/ros_objects.h"
 
 // The format: wiki.ros.org/Bags/Format/2.0. A record is a header of "name=value" fields and data, both with
 // their length before them.
 
-namespace slam::logs {
+namespace slam::bags {
 namespace {
 
 constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
@@ -355,13 +355,13 @@ bool looksLikeRos1Bag(std::string_view first_bytes) {
   return first_bytes.substr(0, kAnyVersion.size()) == kAnyVersion;
 }
 
-std::unique_ptr<ObjectSource> openRos1Bag(const std::string& path, const RosReadOptions& options) {
+std::unique_ptr<objects::ObjectSource> openRos1Bag(const std::string& path, const RosReadOptions& options) {
   return makeRosSource(
       path, [path] { return std::make_unique<Ros1Messages>(path); }, options);
 }
 
-std::unique_ptr<ObjectSink> createRos1Bag(const std::string& path) {
+std::unique_ptr<objects::ObjectSink> createRos1Bag(const std::string& path) {
   return makeRosSink(std::make_unique<Ros1Writer>(path));
 }
 
-}  // namespace slam::logs
+}  // namespace slam::bags

@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
-#include "libslam/logs/ros_messages.h"
+#include "libslam/bags/ros_messages.h"
 
-namespace slam::logs {
+namespace slam::bags {
 
 /// "/base_link" -> "base_link": ROS 1 once wrote frames with a slash.
 std::string frameName(std::string_view frame_id);
@@ -47,4 +47,4 @@ class FrameTree {
   std::map<std::string, Edge> parents_;  ///< by child
 };
 
-}  // namespace slam::logs
+}  // namespace slam::bags

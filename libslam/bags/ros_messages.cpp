@@ -1,4 +1,4 @@
-#include "libslam/logs/ros_messages.h"
+#include "libslam/bags/ros_messages.h"
 
 #include <algorithm>
 #include <cstring>
@@ -7,7 +7,7 @@
 
 #include "libslam/core/error.h"
 
-namespace slam::logs {
+namespace slam::bags {
 namespace {
 
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
@@ -379,4 +379,4 @@ std::string withMsg(std::string_view type) {
   return name;
 }
 
-}  // namespace slam::logs
+}  // namespace slam::bags

@@ -11,16 +11,16 @@
 #include <set>
 #include <utility>
 
+#include "libslam/bags/ros_frames.h"
+#include "libslam/bags/ros_objects.h"
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
-#include "libslam/logs/mrpt_objects.h"
-#include "libslam/logs/mrpt_time.h"
-#include "libslam/logs/ros_frames.h"
-#include "libslam/logs/ros_objects.h"
-#include "libslam/logs/sweep_note.h"
+#include "libslam/objects/mrpt_objects.h"
+#include "libslam/objects/mrpt_time.h"
+#include "libslam/objects/sweep_note.h"
 
-namespace slam::logs {
+namespace slam::bags {
 namespace {
 
 using mrpt::obs::CObservation2DRangeScan;
@@ -108,7 +108,7 @@ struct Survey {
   std::string tf_odometry_frame, base;  ///< the parent of `base` in tf, when there is no odometry topic
 };
 
-class RosObjects : public ObjectSource {
+class RosObjects : public objects::ObjectSource {
  public:
   RosObjects(std::string path, OpenRosMessages open, RosReadOptions options)
       : path_(std::move(path)), options_(std::move(options)), open_(std::move(open)), messages_(open_()) {}
@@ -262,7 +262,7 @@ class RosObjects : public ObjectSource {
       ++without_stamp_;
       stamp_ns = message.received_ns;
     }
-    return mrpt::Clock::time_point(mrpt::Clock::duration(mrptTicksFromUnixNanoseconds(stamp_ns)));
+    return mrpt::Clock::time_point(mrpt::Clock::duration(objects::mrptTicksFromUnixNanoseconds(stamp_ns)));
   }
 
   void takeScan(const RosMessage& message, const RosLaserScan& scan) {
@@ -297,15 +297,15 @@ class RosObjects : public ObjectSource {
     observation->sensorPose = *T_base_lidar;
     const bool is_reversed = angles.reversed != is_upside_down;
     setReadings(scan, is_reversed, *observation);
-    noteSweep(observation->sensorLabel, timesOf(scan, is_reversed), ticksOf(*observation));
+    noteSweep(observation->sensorLabel, timesOf(scan, is_reversed), objects::ticksOf(*observation));
     ready_.push_back(std::move(observation));
   }
 
   /// Before the scan that it is true of. A time_increment that is no number says as little as none.
   void noteSweep(const std::string& label, const robot::Sweep& sweep, std::int64_t ticks) {
     if (!std::isfinite(sweep.duration_s) || (sweep.duration_s == 0 && sweeps_.count(label) == 0)) return;
-    const std::string text = formatSweepNote({label, sweep});
-    if (std::exchange(sweeps_[label], text) != text) ready_.push_back(makeComment(text, ticks));
+    const std::string text = objects::formatSweepNote({label, sweep});
+    if (std::exchange(sweeps_[label], text) != text) ready_.push_back(objects::makeComment(text, ticks));
   }
 
   void takeTransforms(const RosMessage& message, const RosTransforms& transforms) {
@@ -339,7 +339,7 @@ class RosObjects : public ObjectSource {
   void takeTruth(const RosMessage& message, const Message& truth) {
     auto observation = mrpt::obs::CObservationRobotPose::Create();
     observation->timestamp = stampOf(message, truth.header);
-    observation->sensorLabel = kTruthLabel;
+    observation->sensorLabel = objects::kTruthLabel;
     observation->pose.mean = requirePose(truth.pose);
     ready_.push_back(std::move(observation));
   }
@@ -398,8 +398,8 @@ class RosObjects : public ObjectSource {
 
 }  // namespace
 
-std::unique_ptr<ObjectSource> makeRosSource(const std::string& path, OpenRosMessages open,
-                                            const RosReadOptions& options) {
+std::unique_ptr<objects::ObjectSource> makeRosSource(const std::string& path, OpenRosMessages open,
+                                                     const RosReadOptions& options) {
   return std::make_unique<RosObjects>(path, std::move(open), options);
 }
 
@@ -415,4 +415,4 @@ std::string counted(std::uint64_t count, const char* singular) {
   return std::to_string(count) + " " + singular + (count == 1 ? "" : "s");
 }
 
-}  // namespace slam::logs
+}  // namespace slam::bags

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace slam::logs {
+namespace slam::bags {
 
 /// The ROS messages that a 2D-lidar log needs, one struct each, and their two wire forms. Fields as in ROS's
 /// own definitions (wiki.ros.org/msg, docs.ros.org), SI units and radians; what we never use is not kept.
@@ -106,4 +106,4 @@ std::string rosDefinition(RosEncoding encoding, std::string_view type);
 std::string withoutMsg(std::string_view type);
 std::string withMsg(std::string_view type);
 
-}  // namespace slam::logs
+}  // namespace slam::bags

@@ -7,16 +7,16 @@
 #include <utility>
 #include <vector>
 
+#include "libslam/bags/ros2_bags.h"
+#include "libslam/bags/ros_bytes.h"
+#include "libslam/bags/ros_logs.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/logs/ros2_bags.h"
-#include "libslam/logs/ros_bytes.h"
-#include "libslam/logs/ros_logs.h"
 
 // The tables: github.com/ros2/rosbag2, rosbag2_storage_sqlite3, sqlite_storage.cpp. What is written is its
 // schema of version 2 (no table "schema"), which every release since 2020 reads.
 
-namespace slam::logs {
+namespace slam::bags {
 namespace fs = std::filesystem;
 namespace {
 
@@ -430,19 +430,20 @@ bool looksLikeRos2Folder(const std::string& path) {
   return fs::is_regular_file(fs::path(path) / kMetadataName, ignored);
 }
 
-std::unique_ptr<ObjectSource> openRos2Db3(const std::string& path, const RosReadOptions& options) {
+std::unique_ptr<objects::ObjectSource> openRos2Db3(const std::string& path, const RosReadOptions& options) {
   return makeRosSource(
       path, [path] { return openDb3Messages(path); }, options);
 }
 
-std::unique_ptr<ObjectSource> openRos2Folder(const std::string& path, const RosReadOptions& options) {
+std::unique_ptr<objects::ObjectSource> openRos2Folder(const std::string& path,
+                                                      const RosReadOptions& options) {
   const auto content = readMetadata(path);
   return makeRosSource(
       path, [content] { return std::make_unique<ChainedMessages>(content.paths, content.is_mcap); }, options);
 }
 
-std::unique_ptr<ObjectSink> createRos2Db3(const std::string& path) {
+std::unique_ptr<objects::ObjectSink> createRos2Db3(const std::string& path) {
   return makeRosSink(std::make_unique<Db3Writer>(path));
 }
 
-}  // namespace slam::logs
+}  // namespace slam::bags

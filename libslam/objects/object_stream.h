@@ -8,7 +8,7 @@ namespace mrpt::serialization {
 class CSerializable;
 }
 
-namespace slam::logs {
+namespace slam::objects {
 
 /// A log of any format as a stream of MRPT objects, in the order of the file: CActionCollection and
 /// CSensoryFrame, or bare observations. A format that is not MRPT's gives
@@ -35,18 +35,6 @@ class ObjectSource {
 
 inline constexpr const char* kTruthLabel = "TRUTH";
 
-enum class LogFormat { kRawlog, kCarmen, kRos1Bag, kRos2Db3, kMcap };
-
-/// "MRPT rawlog", "CARMEN log", ...
-const char* formatName(LogFormat format);
-
-/// By the first bytes of the (unpacked) content, never by the name. Errors (InputError with the path): missing,
-/// a folder, empty, none of the formats.
-LogFormat detectLogFormat(const std::string& path);
-
-/// Errors: as detectLogFormat(), and those of each format's reader.
-std::unique_ptr<ObjectSource> openLog(const std::string& path);
-
 /// Streams objects into a file, written beside (path + ".tmp") and renamed by close(). Without close() nothing
 /// is left behind. Same objects, same bytes.
 class ObjectSink {
@@ -65,7 +53,4 @@ class ObjectSink {
   std::map<std::string, std::uint64_t> dropped_;
 };
 
-/// kRawlog writes objects as they come; turning one of MRPT's two forms into the other is a step before.
-std::unique_ptr<ObjectSink> createLog(const std::string& path, LogFormat format);
-
-}  // namespace slam::logs
+}  // namespace slam::objects

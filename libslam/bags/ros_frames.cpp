@@ -1,11 +1,11 @@
-#include "libslam/logs/ros_frames.h"
+#include "libslam/bags/ros_frames.h"
 
 #include <mrpt/math/CQuaternion.h>
 
 #include <array>
 #include <cmath>
 
-namespace slam::logs {
+namespace slam::bags {
 namespace {
 
 /// Longer chains than this are loops.
@@ -89,4 +89,4 @@ std::optional<mrpt::poses::CPose3D> FrameTree::between(const std::string& base,
   return std::nullopt;
 }
 
-}  // namespace slam::logs
+}  // namespace slam::bags

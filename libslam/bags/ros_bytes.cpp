@@ -1,4 +1,4 @@
-#include "libslam/logs/ros_bytes.h"
+#include "libslam/bags/ros_bytes.h"
 
 #include <bzlib.h>
 #include <lz4frame.h>
@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <memory>
 
-namespace slam::logs {
+namespace slam::bags {
 namespace {
 
 constexpr size_t kPiece = size_t{1} << 18;
@@ -208,4 +208,4 @@ std::string pack(std::string_view compression, std::string_view bytes) {
   return std::string(bytes);
 }
 
-}  // namespace slam::logs
+}  // namespace slam::bags

@@ -11,11 +11,11 @@
 #include <set>
 #include <utility>
 
+#include "libslam/bags/ros_objects.h"
 #include "libslam/core/error.h"
-#include "libslam/logs/mrpt_time.h"
-#include "libslam/logs/ros_objects.h"
+#include "libslam/objects/mrpt_time.h"
 
-namespace slam::logs {
+namespace slam::bags {
 namespace {
 
 using mrpt::obs::CObservation;
@@ -66,7 +66,7 @@ RosLaserScan toRos(const CObservation2DRangeScan& observation) {
   return scan;
 }
 
-class RosObjectSink : public ObjectSink {
+class RosObjectSink : public objects::ObjectSink {
  public:
   explicit RosObjectSink(std::unique_ptr<RosBagWriter> writer) : writer_(std::move(writer)) {}
 
@@ -84,7 +84,7 @@ class RosObjectSink : public ObjectSink {
     const auto* scan = dynamic_cast<const CObservation2DRangeScan*>(&observation);
     const auto* odometry = dynamic_cast<const mrpt::obs::CObservationOdometry*>(&observation);
     const auto* truth = dynamic_cast<const mrpt::obs::CObservationRobotPose*>(&observation);
-    if (truth != nullptr && truth->sensorLabel != kTruthLabel) truth = nullptr;
+    if (truth != nullptr && truth->sensorLabel != objects::kTruthLabel) truth = nullptr;
     if (scan == nullptr && odometry == nullptr && truth == nullptr)
       return drop(observation.GetRuntimeClass()->className);
     const auto stamp_ns = stampOf(observation.timestamp);
@@ -96,9 +96,9 @@ class RosObjectSink : public ObjectSink {
 
   std::optional<std::int64_t> stampOf(const mrpt::Clock::time_point& time) {
     const std::int64_t ticks = time.time_since_epoch().count();
-    if (ticks == kNoStamp) return newest_stamp_ns_;
+    if (ticks == objects::kNoStamp) return newest_stamp_ns_;
     try {
-      const std::int64_t stamp_ns = unixNanosecondsFromMrptTicks(ticks);
+      const std::int64_t stamp_ns = objects::unixNanosecondsFromMrptTicks(ticks);
       if (!rosCanHold(writer_->encoding(), stamp_ns)) return std::nullopt;
       // Receive times stay within an unsigned count of seconds in every container.
       if (stamp_ns < 0) return std::nullopt;
@@ -205,8 +205,8 @@ class RosObjectSink : public ObjectSink {
 
 }  // namespace
 
-std::unique_ptr<ObjectSink> makeRosSink(std::unique_ptr<RosBagWriter> writer) {
+std::unique_ptr<objects::ObjectSink> makeRosSink(std::unique_ptr<RosBagWriter> writer) {
   return std::make_unique<RosObjectSink>(std::move(writer));
 }
 
-}  // namespace slam::logs
+}  // namespace slam::bags

@@ -6,14 +6,14 @@
 #include <utility>
 #include <vector>
 
+#include "libslam/bags/ros2_bags.h"
+#include "libslam/bags/ros_bytes.h"
+#include "libslam/bags/ros_logs.h"
 #include "libslam/core/error.h"
-#include "libslam/logs/ros2_bags.h"
-#include "libslam/logs/ros_bytes.h"
-#include "libslam/logs/ros_logs.h"
 
 // The format: mcap.dev/spec. A record is one byte of kind, 8 bytes of length, content; all little-endian.
 
-namespace slam::logs {
+namespace slam::bags {
 namespace {
 
 constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
@@ -462,13 +462,13 @@ bool looksLikeMcap(std::string_view first_bytes) {
   return first_bytes.substr(0, kMagic.size()) == kMagic;
 }
 
-std::unique_ptr<ObjectSource> openMcap(const std::string& path, const RosReadOptions& options) {
+std::unique_ptr<objects::ObjectSource> openMcap(const std::string& path, const RosReadOptions& options) {
   return makeRosSource(
       path, [path] { return openMcapMessages(path); }, options);
 }
 
-std::unique_ptr<ObjectSink> createMcap(const std::string& path, const McapWriteOptions& options) {
+std::unique_ptr<objects::ObjectSink> createMcap(const std::string& path, const McapWriteOptions& options) {
   return makeRosSink(std::make_unique<McapWriter>(path, options));
 }
 
-}  // namespace slam::logs
+}  // namespace slam::bags

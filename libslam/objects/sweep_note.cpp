@@ -1,10 +1,10 @@
-#include "libslam/logs/sweep_note.h"
+#include "libslam/objects/sweep_note.h"
 
 #include "libslam/core/error.h"
 #include "libslam/core/ini.h"
 #include "libslam/core/parameters.h"
 
-namespace slam::logs {
+namespace slam::objects {
 namespace {
 
 constexpr const char* kSection = "sweep";
@@ -46,4 +46,4 @@ std::optional<SweepNote> parseSweepNote(const std::string& text) {
   return SweepNote{fields.label, {fields.duration_s, fields.clockwise, fields.stamped_share}};
 }
 
-}  // namespace slam::logs
+}  // namespace slam::objects

@@ -1,4 +1,4 @@
-#include "libslam/logs/mrpt_time.h"
+#include "libslam/objects/mrpt_time.h"
 
 #include <cmath>
 #include <limits>
@@ -6,7 +6,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
 
-namespace slam::logs {
+namespace slam::objects {
 namespace {
 
 constexpr std::int64_t kTicksPerSecond = 10'000'000;
@@ -48,4 +48,4 @@ std::int64_t unixNanosecondsFromMrptTicks(std::int64_t ticks) {
   return (ticks - kUnixEpochTicks) * kNanosecondsPerTick;
 }
 
-}  // namespace slam::logs
+}  // namespace slam::objects

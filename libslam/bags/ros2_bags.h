@@ -3,9 +3,9 @@
 #include <memory>
 #include <string>
 
-#include "libslam/logs/ros_objects.h"
+#include "libslam/bags/ros_objects.h"
 
-namespace slam::logs {
+namespace slam::bags {
 
 std::unique_ptr<RosMessages> openDb3Messages(const std::string& path);
 std::unique_ptr<RosMessages> openMcapMessages(const std::string& path);
@@ -20,4 +20,4 @@ inline constexpr const char* kLatchedQos =
     "  liveliness_lease_duration:\n    sec: 9223372036\n    nsec: 854775807\n"
     "  avoid_ros_namespace_conventions: false";
 
-}  // namespace slam::logs
+}  // namespace slam::bags

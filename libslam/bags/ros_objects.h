@@ -6,11 +6,11 @@
 #include <string>
 #include <string_view>
 
-#include "libslam/logs/object_stream.h"
-#include "libslam/logs/ros_logs.h"
-#include "libslam/logs/ros_messages.h"
+#include "libslam/bags/ros_logs.h"
+#include "libslam/bags/ros_messages.h"
+#include "libslam/objects/object_stream.h"
 
-namespace slam::logs {
+namespace slam::bags {
 
 /// A topic of a bag.
 struct RosChannel {
@@ -45,8 +45,8 @@ class RosMessages {
 using OpenRosMessages = std::function<std::unique_ptr<RosMessages>()>;
 
 /// The objects in the messages, by the rules of ros_logs.h.
-std::unique_ptr<ObjectSource> makeRosSource(const std::string& path, OpenRosMessages open,
-                                            const RosReadOptions& options);
+std::unique_ptr<objects::ObjectSource> makeRosSource(const std::string& path, OpenRosMessages open,
+                                                     const RosReadOptions& options);
 
 /// A bag being written. Channels come in with their first message.
 class RosBagWriter {
@@ -59,7 +59,7 @@ class RosBagWriter {
   virtual void close() = 0;
 };
 
-std::unique_ptr<ObjectSink> makeRosSink(std::unique_ptr<RosBagWriter> writer);
+std::unique_ptr<objects::ObjectSink> makeRosSink(std::unique_ptr<RosBagWriter> writer);
 
 /// A name from a file as one line can hold it: control characters become '?', the end of a long one "...".
 std::string printable(std::string_view name);
@@ -67,4 +67,4 @@ std::string printable(std::string_view name);
 /// "1 message", "3 messages"
 std::string counted(std::uint64_t count, const char* singular);
 
-}  // namespace slam::logs
+}  // namespace slam::bags

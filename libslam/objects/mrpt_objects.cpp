@@ -1,4 +1,4 @@
-#include "libslam/logs/mrpt_objects.h"
+#include "libslam/objects/mrpt_objects.h"
 
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CObservationComment.h>
@@ -7,7 +7,7 @@
 
 #include <utility>
 
-namespace slam::logs {
+namespace slam::objects {
 namespace {
 
 mrpt::Clock::time_point timeOf(std::int64_t ticks) {
@@ -66,4 +66,4 @@ mrpt::obs::CActionRobotMovement2D wheelAction(const core::Pose2& T_previous_robo
   return movement;
 }
 
-}  // namespace slam::logs
+}  // namespace slam::objects

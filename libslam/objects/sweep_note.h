@@ -4,7 +4,7 @@
 
 #include "libslam/robot/deskew.h"
 
-namespace slam::logs {
+namespace slam::objects {
 
 /// What a log says of how one of its lidars turns. MRPT's 2D scans have no field for it, so a rawlog holds it as the text of
 /// a CObservationComment, before or in the same frame as the first scan that it is true of; it is so until the next note of the
@@ -24,4 +24,4 @@ std::string formatSweepNote(const SweepNote& note);
 /// it): a missing or malformed key, a duration below 0 or not finite, a share outside 0 to 1.
 std::optional<SweepNote> parseSweepNote(const std::string& text);
 
-}  // namespace slam::logs
+}  // namespace slam::objects

@@ -11,7 +11,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 
-namespace slam::logs {
+namespace slam::bags {
 
 /// Little-endian fields taken from the front of bytes in memory, never beyond their end.
 /// Errors: InputError without a place; the caller adds it.
@@ -112,4 +112,4 @@ Unpacked unpack(std::string_view compression, std::string_view packed, std::uint
 /// "none", "lz4" or "zstd".
 std::string pack(std::string_view compression, std::string_view bytes);
 
-}  // namespace slam::logs
+}  // namespace slam::bags

@@ -4,9 +4,9 @@
 #include <string_view>
 #include <vector>
 
-#include "libslam/logs/object_stream.h"
+#include "libslam/objects/object_stream.h"
 
-namespace slam::logs {
+namespace slam::bags {
 
 /// ROS bags as streams of MRPT objects: ROS 1 (.bag, format 2.0), ROS 2 in SQLite (.db3) and in MCAP.
 ///
@@ -59,18 +59,21 @@ bool looksLikeRos2Folder(const std::string& path);
 
 /// Chunks as they are, bz2 or lz4; the chunks are read in file order, no index is needed. A bag that its recorder did not
 /// close (no index), or that is cut, gives its good objects, then the error.
-std::unique_ptr<ObjectSource> openRos1Bag(const std::string& path, const RosReadOptions& options = {});
+std::unique_ptr<objects::ObjectSource> openRos1Bag(const std::string& path,
+                                                   const RosReadOptions& options = {});
 
 /// The file is opened read-only and never written to. Messages that still are in a -wal file beside it are not read, and
 /// skipped() says so.
-std::unique_ptr<ObjectSource> openRos2Db3(const std::string& path, const RosReadOptions& options = {});
+std::unique_ptr<objects::ObjectSource> openRos2Db3(const std::string& path,
+                                                   const RosReadOptions& options = {});
 
 /// Chunks as they are, lz4 or zstd; message encodings cdr and ros1; check sums of chunks, data and summary
 /// are checked where the file has them. A file without its end (an unfinished recording) gives what is there, then the error.
-std::unique_ptr<ObjectSource> openMcap(const std::string& path, const RosReadOptions& options = {});
+std::unique_ptr<objects::ObjectSource> openMcap(const std::string& path, const RosReadOptions& options = {});
 
 /// A folder by its metadata.yaml: .db3 or .mcap, one file or several that follow one another.
-std::unique_ptr<ObjectSource> openRos2Folder(const std::string& path, const RosReadOptions& options = {});
+std::unique_ptr<objects::ObjectSource> openRos2Folder(const std::string& path,
+                                                      const RosReadOptions& options = {});
 
 /// What is written
 ///   CObservation2DRangeScan   sensor_msgs/LaserScan; no-return +inf, lost NaN; the mounting on /tf_static
@@ -86,17 +89,18 @@ std::unique_ptr<ObjectSource> openRos2Folder(const std::string& path, const RosR
 /// Memory: the index, some 300 bytes per MB. Same objects, same bytes.
 ///
 /// ROS 1 bag, not compressed, chunks of 768 KiB, indexed.
-std::unique_ptr<ObjectSink> createRos1Bag(const std::string& path);
+std::unique_ptr<objects::ObjectSink> createRos1Bag(const std::string& path);
 
 /// A path that ends in .db3 becomes that file alone; any other a folder with PATH/metadata.yaml and
 /// PATH/NAME_0.db3, as `ros2 bag` expects it. Such a folder must not exist.
-std::unique_ptr<ObjectSink> createRos2Db3(const std::string& path);
+std::unique_ptr<objects::ObjectSink> createRos2Db3(const std::string& path);
 
 struct McapWriteOptions {
   std::string compression = "zstd";  ///< "none", "lz4", "zstd"
   bool ros1 = false;                 ///< ROS 1 messages and schemas instead of ROS 2's
 };
 /// Chunks of 1 MiB, with check sums, message indices and a whole summary.
-std::unique_ptr<ObjectSink> createMcap(const std::string& path, const McapWriteOptions& options = {});
+std::unique_ptr<objects::ObjectSink> createMcap(const std::string& path,
+                                                const McapWriteOptions& options = {});
 
-}  // namespace slam::logs
+}  // namespace slam::bags

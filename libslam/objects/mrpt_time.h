@@ -1,7 +1,7 @@
 #pragma once
 #include <cstdint>
 
-namespace slam::logs {
+namespace slam::objects {
 
 /// MRPT counts time in ticks of 100 ns since 1601-01-01 (mrpt::Clock::time_point); 0 stands for "no stamp".
 /// We use seconds since the Unix epoch in a double.
@@ -21,4 +21,4 @@ std::int64_t mrptTicksFromUnixNanoseconds(std::int64_t time_ns);
 /// Exact. REQUIRES a year from 1678 to 2262 (ContractError).
 std::int64_t unixNanosecondsFromMrptTicks(std::int64_t ticks);
 
-}  // namespace slam::logs
+}  // namespace slam::objects

@@ -1,11 +1,11 @@
-#include "libslam/logs/object_stream.h"
+#include "libslam/logs/log_format.h"
 
 #include <string_view>
 
+#include "libslam/bags/ros_logs.h"
 #include "libslam/core/error.h"
 #include "libslam/logs/carmen_log.h"
 #include "libslam/logs/rawlog_stream.h"
-#include "libslam/logs/ros_logs.h"
 
 namespace slam::logs {
 
@@ -23,13 +23,6 @@ const char* formatName(LogFormat format) {
       return "MCAP";
   }
   return "";
-}
-
-std::string ObjectSink::dropped() const {
-  std::string text;
-  for (const auto& [what, count] : dropped_)
-    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
-  return text;
 }
 
 LogFormat detectLogFormat(const std::string& path) {
@@ -51,8 +44,8 @@ LogFormat detectLogFormat(const std::string& path) {
                          ", expected an MRPT rawlog, a CARMEN log, a ROS 1 bag, a ROS 2 bag (.db3) or MCAP");
 }
 
-std::unique_ptr<ObjectSource> openLog(const std::string& path) {
-  if (looksLikeRos2Folder(path)) return openRos2Folder(path);
+std::unique_ptr<objects::ObjectSource> openLog(const std::string& path) {
+  if (bags::looksLikeRos2Folder(path)) return bags::openRos2Folder(path);
   const LogFormat format = detectLogFormat(path);
   switch (format) {
     case LogFormat::kRawlog:
@@ -60,27 +53,27 @@ std::unique_ptr<ObjectSource> openLog(const std::string& path) {
     case LogFormat::kCarmen:
       return std::make_unique<CarmenObjects>(path);
     case LogFormat::kRos1Bag:
-      return openRos1Bag(path);
+      return bags::openRos1Bag(path);
     case LogFormat::kRos2Db3:
-      return openRos2Db3(path);
+      return bags::openRos2Db3(path);
     case LogFormat::kMcap:
-      return openMcap(path);
+      return bags::openMcap(path);
   }
   throw core::ContractError("openLog: unknown format");
 }
 
-std::unique_ptr<ObjectSink> createLog(const std::string& path, LogFormat format) {
+std::unique_ptr<objects::ObjectSink> createLog(const std::string& path, LogFormat format) {
   switch (format) {
     case LogFormat::kRawlog:
       return std::make_unique<RawlogSink>(path);
     case LogFormat::kCarmen:
       return createCarmenLog(path);
     case LogFormat::kRos1Bag:
-      return createRos1Bag(path);
+      return bags::createRos1Bag(path);
     case LogFormat::kRos2Db3:
-      return createRos2Db3(path);
+      return bags::createRos2Db3(path);
     case LogFormat::kMcap:
-      return createMcap(path);
+      return bags::createMcap(path);
   }
   throw core::ContractError("createLog: unknown format");
 }

@@ -19,7 +19,7 @@ class CPose2D;
 class CPose3D;
 }  // namespace mrpt::poses
 
-namespace slam::logs {
+namespace slam::objects {
 
 inline constexpr const char* kOdometryLabel = "ODOMETRY";
 
@@ -41,4 +41,4 @@ std::shared_ptr<mrpt::obs::CObservationComment> makeComment(std::string text, st
 /// Wheel odometry with MRPT's Gaussian model and its default noise.
 mrpt::obs::CActionRobotMovement2D wheelAction(const core::Pose2& T_previous_robot, std::int64_t ticks);
 
-}  // namespace slam::logs
+}  // namespace slam::objects
