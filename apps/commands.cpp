@@ -1,6 +1,8 @@
 #include "apps/commands.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -31,7 +33,21 @@ const std::vector<std::string>& defaultMethods() {
 }
 
 void addSeed(CLI::App* command, Context& context) {
-  command->add_option("--seed", context.seed, "seed of every random stream")->capture_default_str();
+  command->add_option("--seed", context.seed, "seed of every random stream")
+      ->check([](const std::string& word) {
+        std::uint64_t seed = 0;
+        const auto end = word.data() + word.size();
+        const auto read = std::from_chars(word.data(), end, seed);
+        const bool is_whole = read.ec == std::errc() && read.ptr == end;
+        return is_whole ? "" : "found '" + word + "', expected a whole number from 0 to 2^64 - 1";
+      })
+      ->capture_default_str();
+}
+
+std::string isDuration(const std::string& word) {
+  double seconds = 0;
+  const bool is_one = core::parseNumber(word, seconds) && seconds >= 0;
+  return is_one ? "" : "found '" + word + "', expected a number of seconds from 0 on";
 }
 
 void addOutput(CLI::App* command, Context& context, const std::string& what) {
@@ -69,7 +85,8 @@ void addSimulationFlags(CLI::App* command, SimulationFlags& flags) {
       ->take_all()
       ->expected(1);
   addSensorFlag(command, flags);
-  command->add_option("--duration", flags.duration_s, "longest recording, seconds of the robot's time");
+  command->add_option("--duration", flags.duration_s, "longest recording, seconds of the robot's time")
+      ->check(isDuration);
   command->add_option("--form", flags.form, "form of the rawlog: action or observation");
 }
 

@@ -52,6 +52,9 @@ void addWorldMake(CLI::App& world, Context& context);
 void addWorldCheck(CLI::App& world, Context& context);
 void addList(CLI::App& app, Context& context);
 
+/// For CLI11: what is wrong with the word of a duration, which is a finite number of seconds from 0 on; "" when nothing is.
+std::string isDuration(const std::string& word);
+
 // Options that mean the same wherever they appear.
 void addSeed(CLI::App* command, Context& context);
 void addOutput(CLI::App* command, Context& context, const std::string& what);

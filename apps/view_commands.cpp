@@ -351,7 +351,8 @@ void addViewCommands(CLI::App& app, Context& context) {
       ->capture_default_str();
   addCommands(drive, driving->commands);
   addCarry(drive, driving->carries);
-  drive->add_option("--duration", driving->simulation.duration_s, "longest recording, seconds");
+  drive->add_option("--duration", driving->simulation.duration_s, "longest recording, seconds")
+      ->check(isDuration);
   drive->add_option("--form", driving->simulation.form, "form of the rawlog: action or observation");
   addConfig(drive, context);
   driving->show.speed = 1;

@@ -31,6 +31,8 @@ std::ifstream openForReading(const std::string& path) {
   const auto status = fs::status(path, error);
   if (!fs::exists(status)) throw InputError(path + ": no such file");
   if (fs::is_directory(status)) throw InputError(path + ": is a folder, expected a file");
+  // One without an end would be read for ever, one without a writer waited for.
+  if (!fs::is_regular_file(status)) throw InputError(path + ": is a device or a pipe, expected a file");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(path + ": cannot be read: " + std::strerror(errno));
   return in;

@@ -4,8 +4,18 @@
 #include <limits>
 
 #include "libslam/core/error.h"
+#include "libslam/core/files.h"
 
 namespace slam::core {
+
+nlohmann::json readJsonFile(const std::string& path) {
+  constexpr int kDeepest = 64;
+  const auto limitDepth = [&](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
+    if (depth > kDeepest) throw InputError(path + ": values are nested more than 64 deep");
+    return true;
+  };
+  return nlohmann::json::parse(readTextFile(path), limitDepth, false);
+}
 
 JsonEntry::JsonEntry(nlohmann::json json, std::string where)
     : json_(std::move(json)), where_(std::move(where)) {

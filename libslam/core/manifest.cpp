@@ -4,6 +4,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/json_entry.h"
 
 namespace slam::core {
 
@@ -45,10 +46,9 @@ void writeManifest(const Manifest& manifest, const std::string& path) {
 }
 
 Manifest readManifest(const std::string& path) {
-  const std::string text = readTextFile(path);
   Manifest manifest;
   try {
-    const auto json = nlohmann::json::parse(text);
+    const auto json = readJsonFile(path);
     json.at("version").get_to(manifest.version);
     json.at("command_line").get_to(manifest.command_line);
     json.at("seed").get_to(manifest.seed);

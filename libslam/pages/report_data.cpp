@@ -11,6 +11,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/json_entry.h"
 #include "libslam/core/parameters.h"
 #include "libslam/pages/report_parts.h"
 #include "libslam/record/truth_files.h"
@@ -56,7 +57,7 @@ std::vector<Asked> methodsOfComparison(const std::string& folder, report::Report
         "--resume' goes on with it.");
     return methods;
   }
-  const auto scores = nlohmann::json::parse(core::readTextFile(path), nullptr, false);
+  const auto scores = core::readJsonFile(path);
   if (!scores.is_object() || !scores.contains("rows") || !scores["rows"].is_array())
     throw core::InputError(path + ": is not a table that rasterslam wrote, expected an object with 'rows'");
   for (const auto& row : scores["rows"]) {

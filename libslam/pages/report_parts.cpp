@@ -8,6 +8,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/json_entry.h"
 #include "libslam/core/parameters.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/record/carry_file.h"
@@ -99,7 +100,7 @@ report::Table readMarkdownTable(const std::string& path) {
 }
 
 report::Table readJsonTable(const std::string& path) {
-  const auto json = nlohmann::json::parse(core::readTextFile(path), nullptr, false);
+  const auto json = core::readJsonFile(path);
   const auto isList = [&](const char* key) {
     return json.is_object() && json.contains(key) && json[key].is_array() &&
            std::all_of(json[key].begin(), json[key].end(), [](const auto& one) { return one.is_object(); });

@@ -184,7 +184,7 @@ std::string countsNote(const std::vector<GateFinding>& findings, const std::stri
 }  // namespace
 
 Gate readGate(const std::string& path) {
-  const auto json = nlohmann::json::parse(core::readTextFile(path), nullptr, false);
+  const auto json = core::readJsonFile(path);
   if (json.is_discarded()) throw core::InputError(path + ": is not JSON, expected what --write-gate writes");
   core::JsonEntry entry(json, path);
   Gate gate;

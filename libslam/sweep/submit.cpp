@@ -1,6 +1,8 @@
 #include "libslam/sweep/submit.h"
 
 #include <algorithm>
+#include <cctype>
+#include <cstring>
 #include <filesystem>
 
 #include "libslam/core/error.h"
@@ -42,8 +44,22 @@ std::string writeParallel(const SweepRequest& request, const SubmitRequest& subm
          core::shellQuoted({paths.submit + "/tasks.txt"}) + "\nexec " + mergeLine(request, paths) + "\n";
 }
 
+/// As Slurm's job names are, whatever the suite is called.
+std::string jobName(std::string name) {
+  for (char& c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && std::strchr("._-", c) == nullptr) c = '_';
+  return name.substr(0, 100);
+}
+
+/// `#SBATCH` lines cannot quote everything, and what follows a line break would be a line of the shell.
+void requireOneLine(const std::string& what, const std::string& text, const char* refused) {
+  if (text.find_first_of(refused) != std::string::npos)
+    throw core::InputError(what +
+                           ": holds a line break, a quote or a backslash, which a Slurm script cannot hold");
+}
+
 std::string sbatchHead(const std::string& name, const std::string& log, const SubmitRequest& submit) {
-  std::string text = "#!/bin/sh\n#SBATCH --job-name=" + name + "\n#SBATCH --output=\"" + log +
+  std::string text = "#!/bin/sh\n#SBATCH --job-name=" + jobName(name) + "\n#SBATCH --output=\"" + log +
                      "\"\n#SBATCH --open-mode=append\n#SBATCH --requeue\n";
   for (const auto& option : submit.options) text += "#SBATCH " + option + "\n";
   return text;
@@ -94,10 +110,14 @@ std::string writeSubmission(const Sweep& sweep, const SweepRequest& sweep_reques
   if (std::find(engines.begin(), engines.end(), request.engine) == engines.end())
     throw core::InputError("--engine: found '" + request.engine + "', expected parallel or slurm" +
                            core::didYouMean(request.engine, engines));
-  prepareSweepFolder(sweep, sweep_request, std::move(manifest));
   Paths paths;
   paths.folder = fs::absolute(sweep_request.output).lexically_normal().string();
   paths.submit = paths.folder + "/submit";
+  if (request.engine == "slurm") {
+    requireOneLine("-o", paths.folder, "\n\r\"\\");
+    for (const auto& option : request.options) requireOneLine("--option", option, "\n\r");
+  }
+  prepareSweepFolder(sweep, sweep_request, std::move(manifest));
   std::error_code error;
   fs::create_directories(paths.submit, error);
   if (error) throw core::IoError(paths.submit + ": cannot be made: " + error.message());

@@ -103,5 +103,39 @@ TEST_F(Outputs, AreWrittenByNobodyWhenCompareWasKilled) {
   EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
 }
 
+TEST(SlurmScripts, HoldNoLineOfOthers) {
+  const testing::TempFolder folder;
+  core::writeFileAtomically(
+      folder / "a b;echo $(id).ini",
+      "[suite]\nworlds = flat\nmethods = naive_wheel\nseeds = 1\n[simulation]\nduration_s = 5\n");
+  const std::string submit = "bench submit \"a b;echo \\$(id).ini\" --engine slurm --tasks 2 -q -o ";
+  const auto made = rasterslam(submit + "out", folder.path());
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(core::readTextFile(folder / "out/submit/sweep.sbatch"),
+              HasSubstr("--job-name=a_b_echo___id_\n"));
+  for (const std::string refused : {"$'b\nreboot'", "'c\"d'"}) {
+    const auto no = testing::runCommand(
+        "cd '" + folder.path() +
+        "' && bash -c '\"$0\" "
+        "bench submit *.ini --engine slurm --tasks 2 -q -o \"$1\"' '" RASTERSLAM_PROGRAM "' " +
+        refused);
+    EXPECT_EQ(no.exit_code, 3) << no.err;
+    EXPECT_THAT(no.err, HasSubstr("which a Slurm script cannot hold"));
+  }
+}
+
+TEST(Flags, TakeNoDurationOrSeedThatIsNone) {
+  for (const std::string flag : {"--duration -5", "--duration nan", "--duration inf", "--duration 5s",
+                                 "--seed -1", "--seed 1.5", "--seed 99999999999999999999999"}) {
+    const testing::TempFolder folder;
+    for (const std::string command : {"simulate flat -o a.rawlog ", "explore flat -o a "}) {
+      const auto refused = rasterslam(command + flag, folder.path());
+      EXPECT_EQ(refused.exit_code, 2) << command << flag;
+      EXPECT_EQ(linesOf(refused.err), 1) << command << flag << ": " << refused.err;
+      EXPECT_TRUE(fs::is_empty(folder.path())) << command << flag;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace slam::apps

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "libslam/core/error.h"
+#include "libslam/core/json_entry.h"
 #include "libslam/core/manifest.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
@@ -33,6 +34,10 @@ TEST(Files, SaysWhyAFileCannotBeRead) {
   EXPECT_EQ(errorOf([&] { readTextFile(folder / "none"); }), folder / "none" + ": no such file");
   EXPECT_EQ(errorOf([&] { requireReadableFile(folder.path()); }),
             folder.path() + ": is a folder, expected a file");
+  EXPECT_EQ(errorOf([&] { readTextFile("/dev/zero"); }), "/dev/zero: is a device or a pipe, expected a file");
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  EXPECT_EQ(errorOf([&] { fileSha256(folder / "pipe"); }),
+            folder / "pipe" + ": is a device or a pipe, expected a file");
 }
 
 TEST(Files, AtomicWriteReplacesWholeOrLeavesTheOld) {
@@ -184,6 +189,18 @@ TEST(Manifest, ReadsBackWhatWasWritten) {
   EXPECT_EQ(back.times_s, manifest.times_s);
   writeFileAtomically(folder / "other.json", "{\"a\": 1}");
   EXPECT_THAT(errorOf([&] { readManifest(folder / "other.json"); }), HasSubstr("not a manifest"));
+}
+
+TEST(ReadJsonFile, RefusesWhatIsNestedWithoutEnd) {
+  const testing::TempFolder folder;
+  const std::string path = folder / "deep.json";
+  writeFileAtomically(path, std::string(150000, '[') + std::string(150000, ']'));
+  EXPECT_EQ(errorOf([&] { readJsonFile(path); }), path + ": values are nested more than 64 deep");
+  EXPECT_EQ(errorOf([&] { readManifest(path); }), path + ": values are nested more than 64 deep");
+  writeFileAtomically(path, std::string(64, '[') + std::string(64, ']'));
+  EXPECT_TRUE(readJsonFile(path).is_array());
+  writeFileAtomically(path, "{\"a\":");
+  EXPECT_TRUE(readJsonFile(path).is_discarded());
 }
 
 TEST(ShellQuoted, SurvivesTheShell) {
