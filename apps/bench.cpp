@@ -12,8 +12,10 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "apps/gate_flags.h"
+#include "apps/quiet.h"
 #include "libslam/core/error.h"
 #include "libslam/process/worker.h"
+#include "libslam/study/sweep_brief.h"
 #include "libslam/study/sweep_gate.h"
 #include "libslam/study/sweep_merge.h"
 #include "libslam/sweep/cell.h"
@@ -65,18 +67,14 @@ sweep::SweepRequest requestOf(const Context& context, const Arguments& arguments
   return request;
 }
 
-void say(const std::vector<std::string>& lines, const char* prefix) {
-  for (const auto& line : lines) std::fprintf(stderr, "rasterslam: %s%s\n", prefix, line.c_str());
-}
-
 int exitCode(const sweep::SweepOutcome& outcome) {
   const bool whole = outcome.failed == 0 && outcome.lost.empty();
   return static_cast<int>(whole ? core::ExitCode::kOk : core::ExitCode::kCellsFailed);
 }
 
-void describe(const sweep::SweepOutcome& outcome) {
-  say(outcome.repaired, "done again: ");
-  say(outcome.lost, "");
+void describe(const Context& context, const sweep::SweepOutcome& outcome) {
+  for (const auto& line : outcome.repaired) note(context, "done again: " + line);
+  for (const auto& line : outcome.lost) std::fprintf(stderr, "rasterslam: %s\n", line.c_str());
 }
 
 int execute(const Context& context, const Arguments& arguments) {
@@ -85,7 +83,7 @@ int execute(const Context& context, const Arguments& arguments) {
   ConsoleProgress progress(context.quiet), cell_progress(true);
   request.cell_progress = &cell_progress;
   const auto outcome = sweep::sweep(sweep::planSweep(arguments.suite), request, context.manifest(), progress);
-  describe(outcome);
+  describe(context, outcome);
   if (context.json)
     std::cout << nlohmann::ordered_json{{"folder", request.output},
                                         {"done", outcome.done},
@@ -140,9 +138,13 @@ int reportMerged(const Context& context, const GateFlags& flags, const study::Me
     if (gate.table) json["gate"] = parsed(*gate.table);
     std::cout << json.dump(2) << "\n";
   } else {
-    std::cout << tableText(merged.summary) << "\n" << tableText(merged.costs) << "\n";
+    const auto brief = study::briefOf(merged.plan, {merged.summary, merged.full_summary});
+    std::cout << tableText(brief.overall) << "\n";
+    if (!brief.worst.rows.empty()) std::cout << tableText(brief.worst) << "\n";
+    std::cout << tableText(merged.costs) << "\n";
     if (gate.table) std::cout << gateText(*gate.table) << "\n";
-    std::cout << "every run, tables, index: " << folder << "\n";
+    std::cout << "every setting: " << folder << "/summary.txt; every run: " << folder
+              << "/results.csv; failures, consistency, costs beside them\n";
   }
   return exitCode(merged, gate);
 }
@@ -186,10 +188,10 @@ int bench(const Context& context, const Arguments& arguments) {
   whole.folders = {request.output};
   whole.output = request.output;
   try {
-    describe(sweep::sweep(sweep, request, context.manifest(), progress));
+    describe(context, sweep::sweep(sweep, request, context.manifest(), progress));
   } catch (const core::Interrupted&) {
     study::mergeSweep(whole, context.manifest(), core::silentProgress());
-    std::fprintf(stderr, "rasterslam: the tables in %s hold what is done\n", request.output.c_str());
+    note(context, "the tables in " + request.output + " hold what is done");
     throw;
   }
   const auto merged = study::mergeSweep(whole, context.manifest(), core::silentProgress());

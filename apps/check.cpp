@@ -5,6 +5,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/quiet.h"
 #include "libslam/core/error.h"
 #include "libslam/doctor/log_check.h"
 
@@ -185,7 +186,7 @@ void addCheck(CLI::App& app, Context& context) {
   command->add_option("log", arguments->log, "a log of any format that is read here")->required();
   command->add_option("--label", arguments->lidar,
                       "the lidar to look at (default: the one with the most scans)");
-  command->add_flag("-q,--quiet", context.quiet, "no progress on standard error");
+  addQuiet(command, context);
   addJson(command, context);
   command->footer(footer());
   command->callback([&context, arguments] {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "apps/quiet.h"
 #include "libslam/core/error.h"
 #include "libslam/core/resources.h"
 
@@ -53,7 +54,7 @@ std::string isDuration(const std::string& word) {
 void addOutput(CLI::App* command, Context& context, const std::string& what) {
   command->add_option("-o,--output", context.output, what);
   command->add_flag("--overwrite", context.overwrite, "replace what is there");
-  command->add_flag("-q,--quiet", context.quiet, "no progress on standard error");
+  addQuiet(command, context);
 }
 
 void addConfig(CLI::App* command, Context& context) {

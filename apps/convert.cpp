@@ -10,6 +10,7 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "apps/operation_files.h"
+#include "apps/quiet.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/logs/convert.h"
@@ -143,8 +144,8 @@ int convertOperations(const Context& context, const Arguments& arguments, const 
   const auto arcs = std::count_if(operations.begin(), operations.end(),
                                   [](const sim::Operation& operation) { return operation.kind == 'a'; });
   if (arcs > 0 && to == "original")
-    std::fprintf(stderr, "rasterslam: %s: %ld arcs written as turns and moves, the original robot has none\n",
-                 arguments.in.c_str(), static_cast<long>(arcs));
+    note(context, arguments.in + ": " + std::to_string(arcs) +
+                      " arcs written as turns and moves, the original robot has none");
   if (context.json)
     print({{"from", is_original ? "original" : "operations"},
            {"files", {arguments.out}},
@@ -212,7 +213,7 @@ void addConvert(CLI::App& app, Context& context) {
       ->capture_default_str();
   const auto units = addOriginalUnits(command);
   command->add_flag("--overwrite", context.overwrite, "replace what is there");
-  command->add_flag("-q,--quiet", context.quiet, "no progress on standard error");
+  addQuiet(command, context);
   addJson(command, context);
   command->footer(
       "True poses of a log go beside it: STEM.truth.tum and OUT.GT.txt.\n"

@@ -7,6 +7,7 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "apps/gate_flags.h"
+#include "apps/quiet.h"
 #include "libslam/core/error.h"
 #include "libslam/core/resources.h"
 #include "libslam/logs/relations_io.h"
@@ -96,14 +97,13 @@ run::RunFolder loadRunOrPath(const std::string& path) {
 }
 
 /// A truth of another drive with the same stamps gives figures, too; simulations all begin at the same time.
-void warnOfOtherTruth(const core::Trajectory& truth, const core::Trajectory& estimate,
+void warnOfOtherTruth(const Context& context, const core::Trajectory& truth, const core::Trajectory& estimate,
                       const std::string& truth_path) {
   const double agreement = score::motionAgreement(truth, estimate);
   if (agreement < score::kLeastMotionAgreement)
-    std::fprintf(stderr,
-                 "rasterslam: warning: %s: is it of another run? The poses do not move when it does "
-                 "(correlation %.2f)\n",
-                 truth_path.c_str(), agreement);
+    note(context, "warning: " + truth_path +
+                      ": is it of another run? The poses do not move when it does (correlation " +
+                      core::formatNumber(std::round(100 * agreement) / 100) + ")");
 }
 
 int evaluatePath(const Context& context, const Arguments& arguments, const run::RunFolder& path) {
@@ -122,7 +122,7 @@ int evaluatePath(const Context& context, const Arguments& arguments, const run::
        score::rpeTable(truth, path.estimate,
                        score::parseRpeSteps(arguments.rpe.empty() ? "1m,1s" : arguments.rpe, "--rpe"))}};
   print(context, tables, {});
-  warnOfOtherTruth(truth, path.estimate, arguments.truth);
+  warnOfOtherTruth(context, truth, path.estimate, arguments.truth);
   return 0;
 }
 
@@ -162,11 +162,11 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
     tables.emplace_back("rpe", score::rpeTable(truth->trajectory, run_folder.estimate,
                                                score::parseRpeSteps(arguments.rpe, "--rpe")));
   print(context, tables, gate);
-  if (truth) warnOfOtherTruth(truth->trajectory, run_folder.estimate, arguments.truth);
+  if (truth) warnOfOtherTruth(context, truth->trajectory, run_folder.estimate, arguments.truth);
   if (truth && evaluation.trajectory.unmatched > 0)
-    std::fprintf(stderr,
-                 "rasterslam: %zu of %zu poses lie outside the truth's time span and are not scored\n",
-                 evaluation.trajectory.unmatched, run_folder.estimate.size());
+    note(context, std::to_string(evaluation.trajectory.unmatched) + " of " +
+                      std::to_string(run_folder.estimate.size()) +
+                      " poses lie outside the truth's time span and are not scored");
   return gate.exit_code;
 }
 
@@ -202,6 +202,7 @@ void addEval(CLI::App& app, Context& context) {
   addGateFlags(command, arguments->gate);
   command->add_flag("--overwrite", context.overwrite,
                     "with --write-gate: replace this method's values; its tolerances stay");
+  addQuiet(command, context);
   addJson(command, context);
   command->footer(
       "Examples:\n"

@@ -1,8 +1,7 @@
 #include "apps/plan_warnings.h"
 
-#include <cstdio>
-
 #include "apps/commands.h"
+#include "apps/quiet.h"
 #include "libslam/check/plan_check.h"
 #include "libslam/core/error.h"
 #include "libslam/robot/drive.h"
@@ -17,12 +16,10 @@ void warnOfPlan(const Context& context, const std::string& plan_path) {
   bool has_warned = false;
   for (const auto& finding : check::checkPlan(plan_path, options).findings) {
     if (finding.severity == check::Severity::kNote) continue;
-    std::fprintf(stderr, "rasterslam: warning: %s: %s\n", plan_path.c_str(), finding.text.c_str());
+    note(context, "warning: " + plan_path + ": " + finding.text);
     has_warned = true;
   }
-  if (has_warned)
-    std::fprintf(stderr, "rasterslam: 'rasterslam world check %s' says more, and --fix mends\n",
-                 plan_path.c_str());
+  if (has_warned) note(context, "'rasterslam world check " + plan_path + "' says more, and --fix mends");
 }
 
 }  // namespace slam::apps

@@ -6,6 +6,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/quiet.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/resources.h"
@@ -102,7 +103,7 @@ void addPlugin(CLI::App& app, Context& context) {
       ->expected(1);
   check->add_flag("--print-config", context.print_config,
                   "print every value and where it came from, and stop");
-  check->add_flag("-q,--quiet", context.quiet, "no progress on standard error");
+  addQuiet(check, context);
   addSeed(check, context);
   addJson(check, context);
   check->footer(

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "apps/console.h"
+#include "apps/quiet.h"
 #include "libslam/core/error.h"
 #include "libslam/core/exit_code.h"
 #include "libslam/core/manifest.h"
@@ -156,6 +157,7 @@ int runProgram(CLI::App& app, Context& context) {
     if (error.get_exit_code() == 0) return flushed(app.exit(error));  // --help, --version
     return report(context, usageError(app, command_line, error.what()).c_str(), ExitCode::kUsage);
   }
+  muteOutput(context);
   return flushed(doCommand(app, context, command_line));
 }
 

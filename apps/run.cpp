@@ -7,6 +7,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/quiet.h"
 #include "libslam/core/error.h"
 #include "libslam/core/resources.h"
 #include "libslam/explore/reach_goal.h"
@@ -39,7 +40,7 @@ run::Continuation continuationOf(const Arguments& arguments) {
 /// Says once that a robot is not found in a map, while there is time to take another.
 class NotFoundYet : public record::StepObserver {
  public:
-  explicit NotFoundYet(std::string map) : map_(std::move(map)) {}
+  NotFoundYet(const Context& context, std::string map) : context_(context), map_(std::move(map)) {}
   void onStep(const record::Step& step) override {
     constexpr double kPatience_s = 60;
     if (has_looked_ || step.time_s < kPatience_s || step.method == nullptr) return;
@@ -50,13 +51,12 @@ class NotFoundYet : public record::StepObserver {
       was_lost = was_lost || (entry.event == "lost" && entry.scan <= 0);
     }
     if (was_lost && !was_found)
-      std::fprintf(stderr,
-                   "rasterslam: %s: the robot is not found in it after %.0f s of the log: is it the map of "
-                   "another place?\n",
-                   map_.c_str(), kPatience_s);
+      note(context_, map_ + ": the robot is not found in it after " + core::formatNumber(kPatience_s) +
+                         " s of the log: is it the map of another place?");
   }
 
  private:
+  const Context& context_;
   std::string map_;
   bool has_looked_ = false;
 };
@@ -118,7 +118,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
   }
   const std::string folder = context.output.empty() ? name : context.output;
   ConsoleProgress progress(context.quiet);
-  NotFoundYet not_found(arguments.localised);
+  NotFoundYet not_found(context, arguments.localised);
   const auto result =
       run::buildMap(arguments.log, config, name, context.seed, folder, context.overwrite, context.manifest(),
                     progress, true, continuationOf(arguments),
@@ -131,14 +131,13 @@ int runMethod(const Context& context, const Arguments& arguments) {
     std::fprintf(stderr, "rasterslam: %s: %s and not found again\n", name.c_str(),
                  run::lostText(*lost).c_str());
   if (result.steps_without_odometry > 0)
-    std::fprintf(stderr,
-                 "rasterslam: %s: %d of %zu steps come without odometry, estimated from the scans instead\n",
-                 arguments.log.c_str(), result.steps_without_odometry, result.estimate.size() - 1);
-  if (const auto note = run::commandsNote(name, result.commands_from); !note.empty())
-    std::fprintf(stderr, "rasterslam: %s\n", note.c_str());
-  for (const auto& remark : result.remarks)
-    std::fprintf(stderr, "rasterslam: %s: %s\n", arguments.log.c_str(), remark.c_str());
-  if (!result.skew_note.empty()) std::fprintf(stderr, "rasterslam: %s\n", result.skew_note.c_str());
+    note(context, arguments.log + ": " + std::to_string(result.steps_without_odometry) + " of " +
+                      std::to_string(result.estimate.size() - 1) +
+                      " steps come without odometry, estimated from the scans instead");
+  if (const auto commands = run::commandsNote(name, result.commands_from); !commands.empty())
+    note(context, commands);
+  for (const auto& remark : result.remarks) note(context, arguments.log + ": " + remark);
+  if (!result.skew_note.empty()) note(context, result.skew_note);
   const auto& end = result.end;
   if (context.json) {
     std::cout << resultJson(name, folder, result, arguments.journal).dump(2) << "\n";

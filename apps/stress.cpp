@@ -8,6 +8,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/resources.h"
+#include "libslam/report/table_latex.h"
 #include "libslam/study/stress.h"
 #include "libslam/study/sweep_merge.h"
 #include "libslam/sweep/sweep.h"
@@ -31,7 +32,7 @@ void writeResult(const study::StressResult& result, const std::string& key, cons
   write("json", report::toJson(result.all));
   write("txt", report::toText(result.main));
   write("md", report::toMarkdown(result.main));
-  write("tex", report::toLatex(result.main));
+  write("tex", report::toLatex(result.main, {"tab:stress", {}}));
   report::drawCharts(result.charts, "Stress: " + key, folder + "/stress.png");
   auto manifest = core::readManifest(folder + "/manifest.json");
   manifest.files["stress.txt"] = "where methods break; also .md, .tex, .csv, .json";

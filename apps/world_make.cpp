@@ -72,7 +72,7 @@ int makeWorld(const Context& context, const Arguments& arguments) {
   if (!arguments.preview.empty())
     report::drawPlan(plan, {}, plan.name + ", seed " + std::to_string(context.seed), arguments.preview);
   const auto isMissing = [](const std::string& file) { return !std::filesystem::exists(file); };
-  files.erase(std::remove_if(files.begin(), files.end(), isMissing), files.end());  // no glass in the end
+  files.erase(std::remove_if(files.begin(), files.end(), isMissing), files.end());  // no glass after all
   size_t free = 0, glass = 0;
   for (const world::Cell cell : plan.cells) free += cell == world::Cell::kFree;
   for (const world::Material material : plan.materials) glass += material == world::Material::kGlass;

@@ -4,7 +4,7 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
-build/release/apps/rasterslam demo --quiet -o "$out/demo" >"$out/tables.txt"
+build/release/apps/rasterslam demo --quiet -o "$out/demo"
 cp "$out/demo/simulated/maps.png" .github/pictures/maps.png
 build/release/apps/rasterslam plot errors "$out/demo/simulated" --methods graph,particles,icp,rbpf_exact -o .github/pictures/errors.png --width 170mm --overwrite
 build/release/apps/rasterslam view explore office_loop --strategy next_best_view --screenshot .github/pictures/view.png --at 120 --overwrite
@@ -20,7 +20,7 @@ build/release/apps/rasterslam plot plans "$out"/{flat,office,hall,hospital,cave}
 # Killian Court, where the log is at hand: rasterslam data mit-killian
 killian=../shared/data/logs/mit-killian/mit-killian.reconstructed.clf.xz
 if [ -f "$killian" ]; then
-  build/release/apps/rasterslam compare "$killian" --methods graph,particles -o "$out/killian" -q >"$out/killian.txt"
+  build/release/apps/rasterslam compare "$killian" --methods graph,particles -o "$out/killian" -q
   cp "$out/killian/maps.png" .github/pictures/killian.png
 fi
 for part in simulated original real; do

@@ -17,6 +17,7 @@
 #include "libslam/explore/exploration_loop.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/report/curves.h"
+#include "libslam/report/table_latex.h"
 
 namespace slam::explore {
 namespace fs = std::filesystem;
@@ -136,13 +137,13 @@ const std::vector<Figure>& figures() {
       {{"path90_m", "90 % m", 1}, [](E e) { return e.figures.path90_m; }, true, true},
       {{"path99_m", "99 % m", 1}, [](E e) { return e.figures.path99_m; }, true, true},
       {{"path_m", "path m", 1}, [](E e) { return e.figures.path_m; }, true, false},
-      {{"redundant_percent", "redun. %", 0},
+      {{"redundant_percent", "redundant %", 0},
        [](E e) { return 100 * e.figures.redundant_share; },
        true,
        false},
-      {{"collisions", "coll.", 0}, [](E e) { return e.collisions; }, true, false},
+      {{"collisions", "collisions", 0}, [](E e) { return e.collisions; }, true, false},
       {{"near_misses", "near", 0}, [](E e) { return e.near_misses; }, true, false},
-      {{"decisions", "dec.", 0}, [](E e) { return e.decisions; }, true, false},
+      {{"decisions", "decisions", 0}, [](E e) { return e.decisions; }, true, false},
       {{"ate_rmse_m", "ATE m", 3}, [](E e) { return e.evaluation.trajectory.position_m.rmse; }, true, false},
       {{"wall_f1", "wall F1", 3}, [](E e) { return e.evaluation.map.occupied_f1; }, true, false},
       {{"free_iou", "free IoU", 3}, [](E e) { return e.evaluation.map.free_iou; }, false, false},
@@ -153,6 +154,16 @@ const std::vector<Figure>& figures() {
       {{"explorable_m2", "explorable m2", 1}, [](E e) { return e.explorable_m2; }, false, false},
       {{"explorable_share", "of free", 3}, [](E e) { return e.explorable_share; }, false, false}};
   return all;
+}
+
+/// Which end of a figure is good, for those where one is.
+std::map<std::string, report::Best> bestFigures() {
+  std::map<std::string, report::Best> best;
+  for (const char* key : {"t90_s", "t99_s", "path90_m", "path99_m", "redundant_percent", "collisions",
+                          "near_misses", "ate_rmse_m"})
+    best[key] = report::Best::kSmallest;
+  for (const char* key : {"coverage_percent", "wall_f1"}) best[key] = report::Best::kLargest;
+  return best;
 }
 
 using Runs = std::vector<const Exploration*>;
@@ -510,7 +521,8 @@ ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest
   const std::string folder = output.path();
   core::writeFileAtomically(folder + "/scores.txt", report::toText(result.scores));
   core::writeFileAtomically(folder + "/scores.md", report::toMarkdown(result.scores));
-  core::writeFileAtomically(folder + "/scores.tex", report::toLatex(result.scores));
+  core::writeFileAtomically(folder + "/scores.tex",
+                            report::toLatex(result.scores, {"tab:scores", bestFigures()}));
   core::writeFileAtomically(folder + "/scores.csv", report::toCsv(statistics));
   core::writeFileAtomically(folder + "/scores.json", report::toJson(statistics));
   core::writeFileAtomically(folder + "/runs.csv", report::toCsv(runsTable(result.runs, plan.name)));

@@ -19,6 +19,7 @@
 #include "libslam/record/carry_file.h"
 #include "libslam/record/recorder.h"
 #include "libslam/record/sensor.h"
+#include "libslam/report/table_latex.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/world/shortest_path.h"
@@ -333,7 +334,9 @@ GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifes
   const std::string scores = output.path() + "/scores";
   core::writeFileAtomically(scores + ".txt", report::toText(comparison.table));
   core::writeFileAtomically(scores + ".md", report::toMarkdown(comparison.table));
-  core::writeFileAtomically(scores + ".tex", report::toLatex(comparison.table));
+  core::writeFileAtomically(
+      scores + ".tex",
+      report::toLatex(comparison.table, {"tab:scores", {{"ratio", report::Best::kSmallest}}}));
   core::writeFileAtomically(scores + ".csv", report::toCsv(comparison.table));
   core::writeFileAtomically(scores + ".json", report::toJson(comparison.table));
 

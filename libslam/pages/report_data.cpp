@@ -13,6 +13,7 @@
 #include "libslam/core/files.h"
 #include "libslam/core/json_entry.h"
 #include "libslam/core/parameters.h"
+#include "libslam/pages/report_meanings.h"
 #include "libslam/pages/report_parts.h"
 #include "libslam/record/truth_files.h"
 #include "libslam/run/journal_file.h"
@@ -355,9 +356,7 @@ report::ReportPage tuningPage(const std::string& folder) {
   return page;
 }
 
-}  // namespace
-
-report::ReportPage gatherReport(const std::string& folder, core::Progress& progress) {
+report::ReportPage pageOf(const std::string& folder, core::Progress& progress) {
   if (!fs::is_directory(folder))
     throw core::InputError(folder + ": is not a folder, expected one that rasterslam wrote");
   if (isTuning(folder)) return tuningPage(folder);
@@ -397,6 +396,14 @@ report::ReportPage gatherReport(const std::string& folder, core::Progress& progr
   }
   page.title = pageTitle(folder, "Comparison");
   fill(methods, folder, manifest, progress, page);
+  return page;
+}
+
+}  // namespace
+
+report::ReportPage gatherReport(const std::string& folder, core::Progress& progress) {
+  auto page = pageOf(folder, progress);
+  addMeanings(page);
   return page;
 }
 

@@ -113,7 +113,7 @@ std::string verdictOf(const report::Table& table, const std::string& path) {
   if (!std::isnan(report::numberOf((*earliest)[t90])))
     return textIn((*earliest)[report::columnOf(table, "strategy", path)]) +
            " was the first to see 90 % of what can be explored, after " + number((*earliest)[t90], 0) +
-           " s and " + number((*earliest)[path90], 1) + " m of way; in the end it had seen " +
+           " s and " + number((*earliest)[path90], 1) + " m of way; at the end it had seen " +
            number((*earliest)[coverage], 1) + " %.";
   const auto most = std::max_element(table.rows.begin(), table.rows.end(), [&](const auto& a, const auto& b) {
     return report::numberOf(a[coverage]) < report::numberOf(b[coverage]);

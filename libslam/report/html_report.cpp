@@ -1,7 +1,6 @@
 #include "libslam/report/html_report.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -11,6 +10,7 @@
 #include "libslam/report/page_bundle.h"
 #include "libslam/report/page_plot.h"
 #include "libslam/report/page_replay.h"
+#include "libslam/report/page_table.h"
 #include "libslam/report/page_text.h"
 
 namespace slam::report {
@@ -28,66 +28,6 @@ std::string tag(const std::string& name, const std::string& text) {
 
 std::string paragraph(const std::string& text) {
   return tag("p", text) + "\n";
-}
-
-// --- tables
-
-/// What sorts: the number itself, not its rounded text; of "0.5 [0.4, 0.6]" the first, of "<0.001" less than that.
-std::string sortValue(const CellValue& cell) {
-  double number = kNan;
-  if (const auto* value = std::get_if<double>(&cell)) {
-    number = *value;
-  } else {
-    const auto& text = std::get<std::string>(cell);
-    const bool is_bound = !text.empty() && text.front() == '<';
-    if (text != "-" && !core::parseNumber(text.substr(is_bound ? 1 : 0, text.find(" [")), number)) return "";
-    if (is_bound) number /= 2;
-  }
-  if (std::isfinite(number)) return nlohmann::json(number).dump();
-  return std::isnan(number) ? "NaN" : number > 0 ? "Infinity" : "-Infinity";
-}
-
-std::string cellElement(const CellValue& cell, const Column& column, bool is_head) {
-  const auto text = htmlText(shownText(cell, column));
-  if (is_head) return "<th scope=\"row\">" + text + "</th>";
-  const auto value = sortValue(cell);
-  if (value.empty()) return "<td>" + text + "</td>";
-  return "<td class=\"number\" data-value=\"" + value + "\">" + text + "</td>";
-}
-
-/// "occu- pied", which a text table may break, in one word.
-std::string unbroken(std::string title) {
-  for (auto at = title.find("- "); at != std::string::npos; at = title.find("- ", at + 1))
-    if (at > 0 && std::islower(static_cast<unsigned char>(title[at - 1])) != 0 && at + 2 < title.size() &&
-        std::islower(static_cast<unsigned char>(title[at + 2])) != 0)
-      title.erase(at, 2);
-  return title;
-}
-
-std::string tableElement(const Table& table) {
-  std::string html = "<section class=\"wide\" tabindex=\"0\" aria-label=\"" + htmlText(table.caption) +
-                     "\">\n<table class=\"sortable\">\n" + "<caption>" + tag("span", table.caption) +
-                     "</caption>" + "\n<thead><tr>";
-  for (size_t i = 0; i < table.columns.size(); ++i) {
-    const bool numeric = std::any_of(table.rows.begin(), table.rows.end(),
-                                     [i](const auto& row) { return !sortValue(row[i]).empty(); });
-    html += std::string("<th scope=\"col\"") + (numeric ? " class=\"number\">" : ">") +
-            htmlText(unbroken(table.columns[i].title)) + "</th>";
-  }
-  html += "</tr></thead>\n<tbody>\n";
-  const size_t rows = std::min(table.rows.size(), kMostTableRows);
-  for (size_t r = 0; r < rows; ++r) {
-    const auto& row = table.rows[r];
-    html += "<tr>";
-    for (size_t i = 0; i < row.size(); ++i) html += cellElement(row[i], table.columns[i], i == 0);
-    html += "</tr>\n";
-  }
-  html += "</tbody></table></section>\n";
-  if (rows < table.rows.size())
-    html += "<p class=\"note\">The first " + std::to_string(rows) + " of " +
-            std::to_string(table.rows.size()) + " rows.</p>\n";
-  for (const auto& note : table.notes) html += "<p class=\"note\">" + htmlText(note) + "</p>\n";
-  return html;
 }
 
 // --- maps
@@ -247,7 +187,7 @@ std::string costChart(const ReportPage& page) {
   return figure.empty() ? "" : "<section id=\"cost\"><h2>Computing time</h2>\n" + figure + "</section>\n";
 }
 
-std::string eventsElement(const std::vector<PlacedEvent>& events) {
+std::string eventsElement(const std::vector<PlacedEvent>& events, const Meanings& meanings) {
   if (events.empty()) return "";
   const auto chosen = listed(events);
   Table table{"Events",
@@ -262,7 +202,7 @@ std::string eventsElement(const std::vector<PlacedEvent>& events) {
   for (const auto& e : chosen.events)
     table.rows.push_back({e.time_s, static_cast<double>(e.scan), e.event, e.value, e.place.x, e.place.y});
   return "<details class=\"events\"><summary>What it said of its own work: " + htmlText(chosen.note) +
-         "</summary>\n" + tableElement(table) + "</details>\n";
+         "</summary>\n" + tableElement(table, meanings) + "</details>\n";
 }
 
 std::string runSection(const ReportPage& page, size_t index, const Grounds& grounds) {
@@ -309,7 +249,7 @@ std::string runSection(const ReportPage& page, size_t index, const Grounds& grou
                      "The difference from the true plan." + barText(ground), legendElement(legend, true));
     }
   }
-  return html + "</div>\n" + eventsElement(run.events) + "</section>\n";
+  return html + "</div>\n" + eventsElement(run.events, page.column_meanings) + "</section>\n";
 }
 
 // --- the rest
@@ -347,12 +287,12 @@ std::string chartsSection(const std::vector<PageChart>& charts) {
 
 std::string picturesSection(const std::vector<ReportPicture>& pictures) {
   if (pictures.empty()) return "";
-  std::string html = "<section id=\"pictures\"><h2>Pictures</h2>\n<div class=\"maps\">\n";
+  std::string html = "<section id=\"pictures\"><h2>Pictures</h2>\n";
   for (const auto& picture : pictures)
     html += figure(
         "<img alt=\"" + htmlText(picture.caption) + "\" src=\"" + dataUri("image/png", picture.png) + "\">",
         picture.caption);
-  return html + "</div></section>\n";
+  return html + "</section>\n";
 }
 
 std::string factsSection(const ReportPage& page) {
@@ -400,7 +340,7 @@ std::string toHtml(const ReportPage& page) {
   html += chartsSection(page.charts);
   if (!page.tables.empty()) {
     html += "<section id=\"tables\"><h2>Figures</h2>\n";
-    for (const auto& table : page.tables) html += tableElement(table);
+    for (const auto& table : page.tables) html += tableElement(table, page.column_meanings);
     html += "</section>\n";
   }
   if (!page.replays.empty()) html += sharedPictures(page, grounds);

@@ -10,6 +10,7 @@
 #include "libslam/report/canvas.h"
 #include "libslam/report/journal_picture.h"
 #include "libslam/report/page_chart.h"
+#include "libslam/report/page_table.h"
 #include "libslam/report/table.h"
 #include "libslam/robot/scan.h"
 #include "libslam/world/plan.h"
@@ -82,6 +83,8 @@ struct ReportPage {
   std::vector<ReportPicture> pictures;
   std::vector<ReportDownload> downloads;
   std::vector<std::pair<std::string, std::string>> facts;  ///< how to make it again: name, value
+  Meanings column_meanings;  ///< of the tables, by key or title; what is not in it has no tooltip
+  Meanings event_meanings;   ///< of events and moments
 };
 inline constexpr std::size_t kMostReplayed = 2000;      ///< scans
 inline constexpr std::size_t kMostTableRows = 300;      ///< the first ones of a table

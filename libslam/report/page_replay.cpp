@@ -257,14 +257,36 @@ Listed<ReportMoment> listed(const std::vector<ReportMoment>& moments) {
   return thinned(moments, &ReportMoment::what);
 }
 
+namespace {
+
+/// What happens on the page and has a meaning, in the order of its first time there.
+std::string eventLegend(const ReportPage& page) {
+  std::vector<std::pair<std::string, std::string>> legend;
+  const auto add = [&](const std::string& event) {
+    const auto meaning = page.event_meanings.find(event);
+    const bool is_new =
+        std::none_of(legend.begin(), legend.end(), [&](const auto& e) { return e.first == event; });
+    if (meaning != page.event_meanings.end() && is_new) legend.emplace_back(*meaning);
+  };
+  for (const auto& replay : page.replays)
+    for (const auto& moment : replay.moments) add(moment.what);
+  for (const auto& run : page.runs)
+    for (const auto& event : run.events) add(event.event);
+  return meaningsElement("event-meanings", "What the events mean", legend, true);
+}
+
+}  // namespace
+
 ReplayParts replayParts(const ReportPage& page, const Grounds& grounds) {
   Json json = Json::array();
   for (size_t i = 0; i < page.replays.size(); ++i)
     if (!stampsOf(page, i).empty()) json.push_back(replayJson(page, grounds, i));
   if (json.empty()) return {};
-  std::string section =
-      "<section id=\"replay\"><h2>Replay</h2>\n<noscript><p>The replay needs JavaScript; all else on this "
-      "page does not.</p></noscript>\n<div id=\"player\"></div>\n";
+  std::string section = std::string(
+                            "<section id=\"replay\"><h2>Replay</h2>\n<noscript><p>The replay needs "
+                            "JavaScript; all else on this "
+                            "page does not.</p></noscript>\n<div id=\"player\"></div>\n") +
+                        eventLegend(page);
   if (const auto note = thinnedNote(page); !note.empty())
     section += "<p class=\"note\">" + htmlText(note) + "</p>\n";
   return {section + "</section>\n",

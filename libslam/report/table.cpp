@@ -39,9 +39,7 @@ bool isNumeric(const Table& table, size_t column) {
                      [column](const auto& row) { return std::holds_alternative<double>(row[column]); });
 }
 
-namespace {
-
-std::string fixed(double value, int decimals) {
+std::string fixedText(double value, int decimals) {
   if (std::isnan(value)) return "-";
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
   std::array<char, 400> digits{};  // the largest double has 309 digits before the point
@@ -54,12 +52,13 @@ std::string fixed(double value, int decimals) {
   return text;
 }
 
-/// Without its sign.
 std::string shownNumber(double number, const Column& column) {
-  const auto text = fixed(std::abs(number), column.decimals);
+  const auto text = fixedText(std::abs(number), column.decimals);
   const bool is_bound = column.shows_bound && number > 0 && text.find_first_not_of("0.") == std::string::npos;
-  return is_bound ? "<" + fixed(std::pow(10, -column.decimals), column.decimals) : text;
+  return is_bound ? "<" + fixedText(std::pow(10, -column.decimals), column.decimals) : text;
 }
+
+namespace {
 
 std::string markdownCell(const std::string& text) {
   std::string escaped;
@@ -68,43 +67,6 @@ std::string markdownCell(const std::string& text) {
     escaped += c;
   }
   return escaped;
-}
-
-std::string latexText(const std::string& text) {
-  // Also what only a place makes special: "[" and "*" after a line's end, two hyphens in a row.
-  static const std::map<char, std::string> replacements = {{'\\', "\\textbackslash{}"},
-                                                           {'{', "\\{"},
-                                                           {'}', "\\}"},
-                                                           {'$', "\\$"},
-                                                           {'&', "\\&"},
-                                                           {'%', "\\%"},
-                                                           {'#', "\\#"},
-                                                           {'_', "\\_"},
-                                                           {'~', "\\textasciitilde{}"},
-                                                           {'^', "\\textasciicircum{}"},
-                                                           {'<', "\\textless{}"},
-                                                           {'>', "\\textgreater{}"},
-                                                           {'|', "\\textbar{}"},
-                                                           {'"', "''"},
-                                                           {'[', "{[}"},
-                                                           {']', "{]}"},
-                                                           {'*', "{*}"}};
-  std::string escaped;
-  for (const char c : text) {
-    const auto replacement = replacements.find(c);
-    if (c == '-' && !escaped.empty() && escaped.back() == '-') escaped += "{}";
-    escaped += replacement == replacements.end() ? std::string(1, c) : replacement->second;
-  }
-  return escaped;
-}
-
-std::string latexCell(const CellValue& cell, const Column& column) {
-  const auto* number = std::get_if<double>(&cell);
-  if (number == nullptr) return latexText(shownText(cell, column));
-  if (std::isnan(*number)) return "--";
-  std::string text = std::isinf(*number) ? "$\\infty$" : latexText(shownNumber(*number, column));
-  // A value that rounds to zero has no sign.
-  return fixed(*number, column.decimals).front() == '-' ? "$-$" + text : text;
 }
 
 std::string csvField(const std::string& text) {
@@ -128,7 +90,7 @@ std::string csvCell(const CellValue& cell) {
 
 std::string shownText(const CellValue& cell, const Column& column) {
   if (const auto* number = std::get_if<double>(&cell))
-    return *number > 0 ? shownNumber(*number, column) : fixed(*number, column.decimals);
+    return *number > 0 ? shownNumber(*number, column) : fixedText(*number, column.decimals);
   return onOneLine(std::get<std::string>(cell));
 }
 
@@ -195,24 +157,6 @@ Table fromMarkdown(const std::string& markdown) {
     }
   }
   return table;
-}
-
-std::string toLatex(const Table& table) {
-  checkTable(table);
-  std::string text = "\\begin{table}\n\\centering\n";
-  if (!table.caption.empty()) text += "\\caption{" + latexText(onOneLine(table.caption)) + "}\n";
-  text += "\\begin{tabular}{";
-  for (size_t i = 0; i < table.columns.size(); ++i) text += isNumeric(table, i) ? 'r' : 'l';
-  text += "}\n\\toprule\n";
-  const auto endCell = [&](size_t i) { text += i + 1 < table.columns.size() ? " & " : " \\\\\n"; };
-  for (size_t i = 0; i < table.columns.size(); ++i)
-    text += latexText(onOneLine(table.columns[i].title)), endCell(i);
-  text += "\\midrule\n";
-  for (const auto& row : table.rows)
-    for (size_t i = 0; i < row.size(); ++i) text += latexCell(row[i], table.columns[i]), endCell(i);
-  text += "\\bottomrule\n\\end{tabular}\n";
-  for (const auto& note : table.notes) text += "\\par\\footnotesize " + latexText(onOneLine(note)) + "\n";
-  return text + "\\end{table}\n";
 }
 
 std::string toCsv(const Table& table) {

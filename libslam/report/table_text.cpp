@@ -5,21 +5,9 @@
 #include "libslam/report/table_parts.h"
 
 namespace slam::report {
-namespace {
-
-constexpr size_t kTextWidth = 80;
-constexpr size_t kGap = 2;
-constexpr size_t kLongText = 28;  // letters of a cell that may be broken over lines
-
-/// Letters, not bytes: every byte of UTF-8 that does not continue a code point begins one.
 size_t letters(const std::string& utf8) {
   return static_cast<size_t>(
       std::count_if(utf8.begin(), utf8.end(), [](char c) { return (c & 0xC0) != 0x80; }));
-}
-
-std::string padded(const std::string& text, size_t to_width, bool right) {
-  const std::string blanks(to_width - std::min(to_width, letters(text)), ' ');
-  return right ? blanks + text : text + blanks;
 }
 
 std::vector<std::string> words(const std::string& text) {
@@ -34,7 +22,6 @@ std::vector<std::string> words(const std::string& text) {
   return result;
 }
 
-/// Lines of at most `limit` letters, broken at blanks; a longer word stands alone.
 std::vector<std::string> wrapped(const std::string& text, size_t limit) {
   std::vector<std::string> lines;
   for (const auto& word : words(text)) {
@@ -50,6 +37,17 @@ size_t longest(const std::vector<std::string>& lines) {
   size_t most = 0;
   for (const auto& line : lines) most = std::max(most, letters(line));
   return most;
+}
+
+namespace {
+
+constexpr size_t kTextWidth = 80;
+constexpr size_t kGap = 2;
+constexpr size_t kLongText = 28;  // letters of a cell that may be broken over lines
+
+std::string padded(const std::string& text, size_t to_width, bool right) {
+  const std::string blanks(to_width - std::min(to_width, letters(text)), ' ');
+  return right ? blanks + text : text + blanks;
 }
 
 /// A column laid out for a fixed pitch.

@@ -19,6 +19,7 @@
 #include "libslam/process/worker.h"
 #include "libslam/record/truth_files.h"
 #include "libslam/report/picture.h"
+#include "libslam/report/table_latex.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
 #include "libslam/run/log_feed.h"
@@ -78,6 +79,16 @@ std::vector<Method> loadMethods(const CompareRequest& request) {
   return methods;
 }
 
+/// Which end of a metric is good, for those where one is.
+std::map<std::string, report::Best> bestMetrics() {
+  std::map<std::string, report::Best> best;
+  for (const auto& info : metricInfos())
+    if (info.better)
+      best[info.key] =
+          *info.better == stats::Better::kSmaller ? report::Best::kSmallest : report::Best::kLargest;
+  return best;
+}
+
 /// True when the folder holds a finished run of the same method on the same log with the same seed and
 /// program.
 bool isSameRun(const Method& method, const std::string& log_path, std::uint64_t seed) {
@@ -122,7 +133,7 @@ void runInProcess(const Method& method, const std::string& log_path, const Compa
                                   : "exit code " + std::to_string(result.exit_code);
   const auto json = nlohmann::json::parse(result.out, nullptr, false);
   if (json.is_object() && json.contains("failed")) throw core::MethodError(keptText(json["failed"]));
-  // Lost in the end: all is written, and the row says so.
+  // Lost at the end: all is written, and the row says so.
   if (json.is_object() && json.contains("lost")) return;
   if (json.is_object() && json.contains("error")) why = json["error"].get<std::string>();
   if (result.exit_code == static_cast<int>(core::ExitCode::kBadInput)) throw core::InputError(why);
@@ -359,7 +370,8 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   const std::string scores = request.output + "/scores";
   core::writeFileAtomically(scores + ".txt", report::toText(comparison.accuracy));
   core::writeFileAtomically(scores + ".md", report::toMarkdown(comparison.accuracy));
-  core::writeFileAtomically(scores + ".tex", report::toLatex(comparison.accuracy));
+  core::writeFileAtomically(scores + ".tex",
+                            report::toLatex(comparison.accuracy, {"tab:scores", bestMetrics()}));
   core::writeFileAtomically(scores + ".csv", report::toCsv(comparison.full_accuracy));
   core::writeFileAtomically(scores + ".json", report::toJson(comparison.full_accuracy));
   core::writeFileAtomically(request.output + "/cost.csv", report::toCsv(comparison.cost));

@@ -80,12 +80,12 @@ void judgeCovariances(const run::RunFolder& run, const Truth& truth, const Align
       e.within_95_share = online->coverage95.value;
     }
   if (!run.final_covariances.empty())
-    if (const auto in_the_end = stats::consistency(
+    if (const auto final_poses = stats::consistency(
             {run::poseNees(truth.trajectory, *run.final_estimate, run.final_covariances, T_world_map)},
             kPoseDegreesOfFreedom)) {
-      e.anees_final = in_the_end->anees.value;
-      e.within_50_share_final = in_the_end->coverage50.value;
-      e.within_95_share_final = in_the_end->coverage95.value;
+      e.anees_final = final_poses->anees.value;
+      e.within_50_share_final = final_poses->coverage50.value;
+      e.within_95_share_final = final_poses->coverage95.value;
     }
 }
 
@@ -181,7 +181,7 @@ const std::vector<MetricInfo>& metricInfos() {
       {"ate_final_m", "ATE final m", "the same for the final path; equal where the method corrects nothing",
        3, [](const E& e) { return e.final_trajectory.position_m.rmse; }},
       {"ate_max_m", "max m", "largest such error", 3, [](const E& e) { return e.trajectory.position_m.max; }},
-      {"heading_rmse_deg", "head. deg", "root mean square heading error after the same alignment", 2,
+      {"heading_rmse_deg", "heading deg", "root mean square heading error after the same alignment", 2,
        [](const E& e) { return core::radToDeg(e.trajectory.heading_rad.rmse); }},
       {"rpe_1m_m", "RPE m/m", "relative pose error over 1 m of true path, translation, rmse", 3,
        [](const E& e) { return e.per_metre.translation_m.rmse; }},
@@ -241,7 +241,7 @@ const std::vector<MetricInfo>& metricInfos() {
       {"wall_thickness_m", "walls m",
        "without truth: how far the scans' points lie from the line through those around them, median: "
        "double walls raise it, a global distortion does not",
-       4, [](const E& e) { return e.wall_thickness_m; }},
+       3, [](const E& e) { return e.wall_thickness_m; }},
       {"mean_map_entropy", "point entropy",
        "without truth: mean map entropy of the placed points, nats (Droeschel and Behnke 2018): small is "
        "sharp; a global distortion does not lower it",
@@ -249,18 +249,18 @@ const std::vector<MetricInfo>& metricInfos() {
       {"on_wall_share", "on wall",
        "without truth: share of the scans' returns that end within 0.10 m of a wall of the map", 3,
        [](const E& e) { return e.on_wall_share; }, kLarger},
-      {"through_wall_share", "thro. wall",
+      {"through_wall_share", "cross wall",
        "without truth: share of the returns whose beam comes out of a wall of the map again before it ends",
        3, [](const E& e) { return e.through_wall_share; }},
       {"map_entropy_bits", "cell entropy",
        "without truth: mean entropy of the map's known cells: small is sharp", 4,
        [](const E& e) { return e.map_mean_entropy_bits; }},
-      {"occupied_share", "occu- pied",
+      {"occupied_share", "occupied",
        "without truth: share of occupied among the known cells (Filatov et al. 2017): double walls raise it; "
        "compare maps of one rasteriser only",
        4, [](const E& e) { return e.structure.occupied_share; }, kNeither},
-      {"corners", "cor- ners", "without truth: corners, crossings and ends of walls (same source): as above",
-       0, [](const E& e) { return countOf(e, e.structure.corners); }, kNeither},
+      {"corners", "corners", "without truth: corners, crossings and ends of walls (same source): as above", 0,
+       [](const E& e) { return countOf(e, e.structure.corners); }, kNeither},
       {"enclosed_areas", "areas",
        "without truth: free areas cut off from the largest one (same source): as above", 0,
        [](const E& e) { return countOf(e, e.structure.enclosed_areas); }, kNeither},

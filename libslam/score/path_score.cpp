@@ -77,7 +77,7 @@ report::Table pathTable(const std::string& name, const core::Trajectory& truth,
                    {"poses", "poses", 0},
                    {"ate_rmse_m", "ATE rmse m", 4},
                    {"ate_max_m", "ATE max m", 4},
-                   {"heading_rmse_deg", "head. deg", 3}};
+                   {"heading_rmse_deg", "heading deg", 3}};
   table.rows.push_back({name, static_cast<double>(error.position_m.count), error.position_m.rmse,
                         error.position_m.max, core::radToDeg(error.heading_rad.rmse)});
   return table;

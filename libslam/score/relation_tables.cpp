@@ -43,11 +43,11 @@ const std::vector<Column>& figures() {
       {{"rotation_square_deviation_deg2", "deg2 +-", 4},
        true,
        [](const E& e) { return e.rotation_rad.square_deviation * kDeg * kDeg; }},
-      {{"scored", "sco- red", 0}, false, [](const E& e) { return static_cast<double>(e.scored); }},
-      {{"interpolated", "inter- pol.", 0},
+      {{"scored", "scored", 0}, false, [](const E& e) { return static_cast<double>(e.scored); }},
+      {{"interpolated", "between stamps", 0},
        false,
        [](const E& e) { return static_cast<double>(e.interpolated); }},
-      {{"unmatched", "un- matched", 0}, true, [](const E& e) { return static_cast<double>(e.unmatched); }},
+      {{"unmatched", "unmatched", 0}, true, [](const E& e) { return static_cast<double>(e.unmatched); }},
   };
   return columns;
 }

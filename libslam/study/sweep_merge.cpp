@@ -6,6 +6,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/report/table_latex.h"
 #include "libslam/study/sweep_consistency.h"
 #include "libslam/study/sweep_failures.h"
 #include "libslam/study/sweep_index.h"
@@ -103,13 +104,13 @@ void writeTables(const sweep::SweepPlan& plan, const SweepResults& results, cons
   merged.full_summary = std::move(summary.all);
   write("summary.txt", report::toText(merged.summary));
   write("summary.md", report::toMarkdown(merged.summary));
-  write("summary.tex", report::toLatex(merged.summary));
+  write("summary.tex", report::toLatex(merged.summary, {"tab:summary", {}}));
   write("summary.csv", report::toCsv(merged.full_summary));
   write("summary.json", report::toJson(merged.full_summary));
   auto consistency = sweepConsistency(plan, results);
   write("consistency.txt", report::toText(consistency.main));
   write("consistency.md", report::toMarkdown(consistency.main));
-  write("consistency.tex", report::toLatex(consistency.main));
+  write("consistency.tex", report::toLatex(consistency.main, {"tab:consistency", {}}));
   write("consistency.csv", report::toCsv(consistency.all));
   write("consistency.json", report::toJson(consistency.all));
   merged.consistency = std::move(consistency.all);

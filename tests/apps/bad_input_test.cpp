@@ -239,7 +239,7 @@ TEST(Help, StandsBeforeACommandToo) {
 TEST(BadInput, ALogWithoutOdometryIsMappedFromScansAndSaysSo) {
   const testing::TempFolder folder;
   writeLog(folder / "bare.rawlog", 20, false);
-  const auto result = rasterslam("run icp bare.rawlog -q -o out", folder.path());
+  const auto result = rasterslam("run icp bare.rawlog -o out", folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.err, HasSubstr("bare.rawlog: 19 of 19 steps come without odometry"));
   EXPECT_TRUE(fs::exists(folder / "out/map.png"));

@@ -164,10 +164,10 @@ TEST(AnOperationLog, BecomesNothingElse) {
 TEST(ACarmenLog, IsMappedAndComparedDirectly) {
   const testing::TempFolder folder;
   core::writeFileAtomically(folder / "a.clf", smallLog());
-  const auto run = rasterslam("run naive_wheel a.clf -o out -q", folder.path());
+  const auto run = rasterslam("run naive_wheel a.clf -o out", folder.path());
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("6 scans, path 2.50 m"));
-  const auto compared = rasterslam("compare a.clf --methods naive_wheel -o both -q", folder.path());
+  const auto compared = rasterslam("compare a.clf --methods naive_wheel -o both", folder.path());
   ASSERT_EQ(compared.exit_code, 0) << compared.err;
   EXPECT_THAT(compared.out, HasSubstr("naive_wheel"));
 }
@@ -178,7 +178,7 @@ TEST(ACarmenLog, WhoseStampsRunBackGivesATrajectoryInTheOrderOfStamps) {
   // The third scan is stamped before the second.
   for (size_t at; (at = text.find("1000.750000")) != std::string::npos;) text.replace(at, 11, "1000.400000");
   core::writeFileAtomically(folder / "a.clf", text);
-  const auto run = rasterslam("run naive_wheel a.clf -o out -q", folder.path());
+  const auto run = rasterslam("run naive_wheel a.clf -o out", folder.path());
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("path 2.50 m, end at x 2.50 m")) << "as the robot drove";
   const auto path = logs::readTum(folder / "out/trajectory.tum");

@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 TEST(ExploreCommand, PrintsOneRowPerStrategyAndWritesWhatItSays) {
   const testing::TempFolder folder;
   const std::string common =
-      "explore flat --strategy quadrant,nearest_frontier --slam naive_wheel --duration 10 -q "
+      "explore flat --strategy quadrant,nearest_frontier --slam naive_wheel --duration 10 "
       "--set lidar.beams=91 ";
   const auto text = rasterslam(common + "-o text", folder.path());
   ASSERT_EQ(text.exit_code, 0) << text.err;

@@ -24,7 +24,7 @@ class InAPlan : public CommandsInAFolder {
 };
 
 TEST_F(InAPlan, ARobotIsFoundWithoutAStart) {
-  const auto found = run("run graph visit.rawlog -o found --localise plan.yaml -q");
+  const auto found = run("run graph visit.rawlog -o found --localise plan.yaml");
   ASSERT_EQ(found.exit_code, 0) << found.err;
   EXPECT_THAT(found.out, HasSubstr("% of the time\n"));
   const auto scored = run("eval found --truth visit.gt.tum");
@@ -37,7 +37,7 @@ TEST_F(InAPlan, ARobotIsFoundWithoutAStart) {
 }
 
 TEST_F(InAPlan, AnotherBuildingIsSaidAfterAMinute) {
-  const auto lost = run("run graph visit.rawlog -o astray --localise other.yaml -q");
+  const auto lost = run("run graph visit.rawlog -o astray --localise other.yaml");
   EXPECT_EQ(lost.exit_code, 4);
   EXPECT_THAT(
       lost.err,

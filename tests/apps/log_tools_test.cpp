@@ -40,7 +40,7 @@ std::string writeLog(const testing::TempFolder& folder, const std::string& name,
 TEST(CheckCommand, SaysWhatALogIsLikeInLinesOf80Columns) {
   const testing::TempFolder folder;
   writeLog(folder, "a.rawlog", 30);
-  const auto result = rasterslam("check a.rawlog -q", folder.path());
+  const auto result = rasterslam("check a.rawlog", folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "");
   EXPECT_THAT(result.out, HasSubstr("stream  CObservation2DRangeScan    'LASER'"));
@@ -71,7 +71,7 @@ TEST(CheckCommand, ItsExitCodeTellsALogThatCannotBeUsed) {
   const std::string path = writeLog(folder, "a.rawlog", 30);
   const std::string bytes = core::readTextFile(path);
   core::writeFileAtomically(folder / "half.rawlog", std::string_view(bytes).substr(0, bytes.size() / 2));
-  const auto half = rasterslam("check half.rawlog -q", folder.path());
+  const auto half = rasterslam("check half.rawlog", folder.path());
   EXPECT_EQ(half.exit_code, 3);
   EXPECT_THAT(half.out, HasSubstr("error   damage     half.rawlog: truncated"));
   EXPECT_THAT(half.out, EndsWith("\nnot usable as it is\n"));
@@ -84,15 +84,15 @@ TEST(CheckCommand, ItsExitCodeTellsALogThatCannotBeUsed) {
 TEST(EditCommands, CutSalvageMergeAndFilterWorkTogether) {
   const testing::TempFolder folder;
   writeLog(folder, "a.rawlog", 30);
-  const auto first = rasterslam("cut a.rawlog --to 3 -o b.rawlog -q", folder.path());
+  const auto first = rasterslam("cut a.rawlog --to 3 -o b.rawlog", folder.path());
   EXPECT_EQ(first.exit_code, 0) << first.err;
   EXPECT_EQ(first.out, "60 objects: 30 as they were, 0 changed, 30 dropped\n  b.rawlog\n");
   const auto second = rasterslam("cut a.rawlog --from @1700000003 -o c.rawlog -q --json", folder.path());
   EXPECT_EQ(json::parse(second.out)["unchanged"], 30);
-  const auto whole = rasterslam("merge b.rawlog c.rawlog -o d.rawlog -q", folder.path());
+  const auto whole = rasterslam("merge b.rawlog c.rawlog -o d.rawlog", folder.path());
   EXPECT_EQ(whole.exit_code, 0) << whole.err;
   EXPECT_EQ(core::readTextFile(folder / "d.rawlog"), core::readTextFile(folder / "a.rawlog"));
-  const auto thin = rasterslam("filter a.rawlog --every 10 --mount 0.1,0,90 -o e.rawlog -q", folder.path());
+  const auto thin = rasterslam("filter a.rawlog --every 10 --mount 0.1,0,90 -o e.rawlog", folder.path());
   EXPECT_THAT(thin.out, HasSubstr("60 objects: 1 as they were, 5 changed, 54 dropped\n"
                                   "2 actions took up the motion of dropped steps\n"));
   const auto info = json::parse(rasterslam("info e.rawlog --json", folder.path()).out);
@@ -125,7 +125,7 @@ TEST(EditCommands, ArgmaxIsToldTheCommandsByTheOperationLogAsLongAsAllScansAreTh
 TEST(EditCommands, FilterPutsOdometryFromTheScansInPlaceOfTheLogs) {
   const testing::TempFolder folder;
   writeLog(folder, "a.rawlog", 30);
-  const auto plain = rasterslam("filter a.rawlog --odometry correlation -o b.rawlog -q", folder.path());
+  const auto plain = rasterslam("filter a.rawlog --odometry correlation -o b.rawlog", folder.path());
   EXPECT_EQ(plain.exit_code, 0) << plain.err;
   EXPECT_THAT(plain.out, HasSubstr("correlation odometry of 30 scans of 'LASER', "));
   EXPECT_THAT(plain.out, HasSubstr("30 movements of the log's own odometry left out, 60 objects written"));
@@ -194,7 +194,7 @@ TEST(Cut, KeepsTruthAndPlan) {
   const testing::TempFolder folder;
   const auto run = [&](const std::string& arguments) { return rasterslam(arguments, folder.path()); };
   ASSERT_EQ(run("simulate flat -o whole.rawlog --duration 12 -q --set lidar.beams=91").exit_code, 0);
-  const auto cut = run("cut whole.rawlog --from 4 --to 9 -o part.rawlog -q");
+  const auto cut = run("cut whole.rawlog --from 4 --to 9 -o part.rawlog");
   ASSERT_EQ(cut.exit_code, 0) << cut.err;
   EXPECT_THAT(cut.out, HasSubstr("part.gt.tum"));
   const auto scored =

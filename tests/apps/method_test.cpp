@@ -28,7 +28,7 @@ class AroundMethods : public CommandsInAFolder {
 };
 
 TEST_F(AroundMethods, TheJournalIsPrintedAndDrawn) {
-  const auto printed = run("run graph run.rawlog -o graph --journal -q");
+  const auto printed = run("run graph run.rawlog -o graph --journal");
   ASSERT_EQ(printed.exit_code, 0) << printed.err;
   EXPECT_THAT(printed.out, StartsWith("   scan    time s  event"));
   EXPECT_THAT(printed.out, HasSubstr("degenerate"));
@@ -43,7 +43,7 @@ TEST_F(AroundMethods, TheJournalIsPrintedAndDrawn) {
 
 TEST_F(AroundMethods, AJournalWithNothingToTellIsOneToo) {
   ASSERT_EQ(run("simulate flat -o still.rawlog --duration 1 -q").exit_code, 0);
-  const auto printed = run("run graph still.rawlog -o still --journal -q");
+  const auto printed = run("run graph still.rawlog -o still --journal");
   EXPECT_EQ(printed.exit_code, 0) << printed.err;
   EXPECT_THAT(printed.out, StartsWith("method graph has nothing to tell\n"));
   const auto drawn = run("plot journal still -o still.png");
@@ -52,7 +52,7 @@ TEST_F(AroundMethods, AJournalWithNothingToTellIsOneToo) {
 }
 
 TEST_F(AroundMethods, AMethodWithoutAJournalSaysSo) {
-  const auto printed = run("run naive_wheel run.rawlog -o naive --journal -q");
+  const auto printed = run("run naive_wheel run.rawlog -o naive --journal");
   EXPECT_EQ(printed.exit_code, 0);
   EXPECT_THAT(printed.out, StartsWith("method naive_wheel wrote no journal\n"));
   const auto drawn = run("plot journal naive -o x.png");
@@ -78,19 +78,19 @@ TEST_F(AroundMethods, ARunGoesOnOrOnlyLocalises) {
 TEST_F(AroundMethods, APluginIsCheckedAndCompared) {
   write("wheels.sh", "awk '{ print $1, $2, $3, 0, 0, 0, sin($4 / 2), cos($4 / 2) }' \"$1\" > \"$2\"\n");
   write("wheels.ini", "[method]\ntype = external\ncommand = sh {here}/wheels.sh {scans} {output}\n");
-  const auto good = run("plugin check wheels.ini run.rawlog -q");
+  const auto good = run("plugin check wheels.ini run.rawlog");
   EXPECT_EQ(good.exit_code, 0) << good.err;
   EXPECT_THAT(good.out, EndsWith("wheels keeps the contract: 101 of 101 scans have a pose\n"));
 
   write("bad.ini", "[method]\ntype = external\ncommand = echo 1 0 0 0 0 0 0 1 > {output}\n");
-  const auto bad = run("plugin check bad.ini run.rawlog -q");
+  const auto bad = run("plugin check bad.ini run.rawlog");
   EXPECT_EQ(bad.exit_code, 4);
   EXPECT_THAT(bad.out,
               StartsWith("violation: {output}:1: found the stamp 1.000000, which is no scan's of the log"));
   EXPECT_FALSE(
       nlohmann::json::parse(run("plugin check bad.ini run.rawlog -q --json").out)["violations"].empty());
 
-  const auto compared = run("compare run.rawlog --methods wheels.ini,naive_wheel,bad.ini -o out -q");
+  const auto compared = run("compare run.rawlog --methods wheels.ini,naive_wheel,bad.ini -o out");
   EXPECT_EQ(compared.exit_code, 4);
   EXPECT_THAT(compared.out, HasSubstr("bad failed: method bad: {output}:1: found the stamp"));
   EXPECT_THAT(core::readTextFile(*folder_ / "out/scores.csv"), HasSubstr("\nwheels,"));

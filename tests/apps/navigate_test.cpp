@@ -44,7 +44,7 @@ TEST(Navigate, DrivesToTheGoalAndWritesAFolder) {
 TEST(Navigate, IsDoneAtOnceWhereTheGoalIsTheStart) {
   const testing::TempFolder folder;
   writeRoom(folder / "room.png");
-  const auto result = rasterslam("navigate room.png --start '1 1 0' --goal '1 1' -q -o out", folder.path());
+  const auto result = rasterslam("navigate room.png --start '1 1 0' --goal '1 1' -o out", folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("reached"));
 }
@@ -53,7 +53,7 @@ TEST(Navigate, AnswersWithFourWhenTheGoalIsNotReached) {
   const testing::TempFolder folder;
   writeRoom(folder / "room.png");
   const auto result = rasterslam(
-      "navigate room.png --start '0.6 1 0' --goal '2.3 1.2' --method bug2 --set navigate.time_limit_s=1 -q "
+      "navigate room.png --start '0.6 1 0' --goal '2.3 1.2' --method bug2 --set navigate.time_limit_s=1 "
       "-o out",
       folder.path());
   EXPECT_EQ(result.exit_code, 4);
@@ -66,13 +66,12 @@ TEST(Navigate, EndsWhereThePlanIsOpenAndWhereNothingReturns) {
   cv::Mat open(60, 60, CV_8UC1, cv::Scalar(255));
   open.at<unsigned char>(59, 0) = 0;  // a plan needs a wall somewhere
   cv::imwrite(folder / "open.png", open);
-  const auto reached =
-      rasterslam("navigate open.png --start '1 1.5 0' --goal '2.4 2.4' --method bug1,bug2,tangent -q -o a",
-                 folder.path());
+  const auto reached = rasterslam(
+      "navigate open.png --start '1 1.5 0' --goal '2.4 2.4' --method bug1,bug2,tangent -o a", folder.path());
   EXPECT_EQ(reached.exit_code, 0) << reached.out;
   // Readings that are all lost, whatever stands there.
   const auto blind = rasterslam(
-      "navigate open.png --start '1 1.5 0' --goal '2.4 2.4' --set lidar.drop_out=1 -q -o b", folder.path());
+      "navigate open.png --start '1 1.5 0' --goal '2.4 2.4' --set lidar.drop_out=1 -o b", folder.path());
   EXPECT_EQ(blind.exit_code, 4);
   EXPECT_THAT(blind.out, HasSubstr("no valid reading"));
 }

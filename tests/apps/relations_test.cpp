@@ -75,7 +75,7 @@ TEST(Relations, OfATruePathScoreItWithoutError) {
   EXPECT_EQ(rasterslam("relations run.gt.tum --step 0", folder.path()).exit_code, 2);
 }
 
-TEST(CompareByRelations, ScoresEveryPathOnlineAndInTheEnd) {
+TEST(CompareByRelations, ScoresEveryPathOnlineAndFinal) {
   const testing::TempFolder folder;
   ASSERT_EQ(rasterslam("simulate flat -o run.rawlog --duration 40 --seed 2 -q", folder.path()).exit_code, 0);
   ASSERT_EQ(rasterslam("relations run.gt.tum -o run.relations", folder.path()).exit_code, 0);

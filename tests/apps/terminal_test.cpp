@@ -74,6 +74,26 @@ TEST_F(Terminal, HasNoLineThatItWouldBreak) {
   }
 }
 
+TEST_F(Terminal, GetsNothingButErrorsFromAQuietCommand) {
+  for (const std::string command : {"simulate flat -o run.rawlog --duration 2 -q", "check run.rawlog -q",
+                                    "run naive_wheel run.rawlog -o out -q", "eval out --truth run.gt.tum -q",
+                                    "compare run.rawlog --methods naive_wheel -o cmp --quiet",
+                                    "report cmp -o cmp.html -q", "plot paths cmp -o paths.svg -q"}) {
+    const auto done = rasterslam(command, folder_.path());
+    EXPECT_EQ(done.exit_code, 0) << command;
+    EXPECT_EQ(done.out + done.err, "") << command;
+  }
+  const auto refused = rasterslam("run naive_wheel none.rawlog -o none -q", folder_.path());
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_EQ(refused.out, "");
+  EXPECT_THAT(refused.err, HasSubstr("none.rawlog"));
+  // What --json and --print-config print was asked for.
+  EXPECT_THAT(rasterslam("eval out --truth run.gt.tum -q --json", folder_.path()).out,
+              HasSubstr("ate_rmse_m"));
+  EXPECT_THAT(rasterslam("run naive_wheel run.rawlog -q --print-config", folder_.path()).out,
+              HasSubstr("resolution_m"));
+}
+
 TEST_F(Terminal, ThatCanDoNothingGetsLines) {
   const auto said = onTerminal("env TERM=dumb " + program_ + " simulate flat --duration 2 -o run.rawlog", 80,
                                folder_.path());
@@ -90,7 +110,7 @@ TEST_F(Terminal, ThatDoesNotKnowItsWidthIsAskedThroughTheEnvironment) {
 
 TEST_F(Terminal, IsNoMatterToAPipeOrAFile) {
   const std::string compare =
-      " compare flat --methods naive_wheel,icp --duration 2 -q --overwrite -o out | sed -n 1,9p";
+      " compare flat --methods naive_wheel,icp --duration 2 --overwrite -o out 2>/dev/null | sed -n 1,9p";
   const auto wide = testing::runCommand("cd '" + folder_.path() + "' && COLUMNS=200 " + program_ + compare);
   const auto narrow = testing::runCommand("cd '" + folder_.path() + "' && COLUMNS=50 " + program_ + compare);
   EXPECT_EQ(wide.out, narrow.out);

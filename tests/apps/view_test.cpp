@@ -47,7 +47,7 @@ TEST(ViewCommand, AScreenshotShowsTheRobotWhereItStarts) {
   const testing::TempFolder folder;
   const auto result = withoutDisplay(
       "view simulate flat --set 'simulation.start=4 3 0' --set robot.side_m=0.6 --set lidar.max_range_m=0.2 "
-      "--set lidar.min_range_m=0.05 --duration 2 --screenshot out.png --at 0 --size 1000x700 -q",
+      "--set lidar.min_range_m=0.05 --duration 2 --screenshot out.png --at 0 --size 1000x700",
       folder.path());
   if (result.exit_code == 1 && result.err.find("EGL") != std::string::npos) GTEST_SKIP() << result.err;
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -145,7 +145,7 @@ TEST(ViewCommand, ADriveByCommandsShowsTheMapThatGrows) {
   const testing::TempFolder folder;
   core::writeFileAtomically(folder / "drive.txt", "move 1\nturn 90\nmove 1\nturn 90\nmove 1\n");
   const std::string command =
-      "view drive flat --set 'simulation.start=4 3 0' --commands drive.txt -q --screenshot ";
+      "view drive flat --set 'simulation.start=4 3 0' --commands drive.txt --screenshot ";
   int walls = 0;
   for (const std::string slam : {"naive_wheel", "odometry"}) {
     const auto result = withoutDisplay(command + slam + ".png --at 6 --slam " + slam, folder.path());

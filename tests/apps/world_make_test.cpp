@@ -24,7 +24,7 @@ TEST(WorldMake, WritesAPlanThatARobotCanExplore) {
   options.width_m = 20, options.height_m = 14;
   const auto plan = world::loadPlan(folder / "here.yaml");
   EXPECT_TRUE(plan.cells == buildings::generateBuilding("office", options, 7).plan.cells);
-  const auto run = rasterslam("simulate here.yaml --duration 5 -q", folder.path());
+  const auto run = rasterslam("simulate here.yaml --duration 5", folder.path());
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr(" 0 collisions"));
 }

@@ -153,10 +153,18 @@ TEST(HtmlReport, OfAMethodThatGotLostTheReasonAndTheLastMapAreShown) {
   EXPECT_THAT(html, HasSubstr("<use href=\"#map-0\"/>"));
 }
 
-TEST(HtmlReport, WordsThatTextTablesBreakAreWhole) {
+TEST(HtmlReport, ColumnsAndEventsSayWhatTheyMean) {
   auto page = smallPage();
-  page.tables[0].columns[1].title = "occu- pied";
-  EXPECT_THAT(toHtml(page), HasSubstr(">occupied</th>"));
+  EXPECT_THAT(toHtml(page), Not(HasSubstr("class=\"meanings\"")));
+  page.column_meanings[page.tables[0].columns[1].key] = "how far <it> is off";
+  page.event_meanings = {{"lost", "knows no more"}, {"accepted", "a loop"}, {"never", "does not happen"}};
+  page.runs[0].events = {{1, 0.2, "lost", 0.1, {0, 0}, {0, 0}}, {2, 0.4, "lost", 0.1, {0, 0}, {0, 0}}};
+  page.replays[0].moments = {{0.1, "collision", "", {0, 0}}};
+  const auto html = toHtml(page);
+  EXPECT_THAT(html, HasSubstr("title=\"how far &lt;it&gt; is off\">" + page.tables[0].columns[1].title));
+  EXPECT_THAT(html, HasSubstr("<dd>how far &lt;it&gt; is off</dd>"));
+  // Of the events those that happen, each once.
+  EXPECT_THAT(html, HasSubstr("<dl><dt>lost</dt><dd>knows no more</dd>\n</dl>"));
 }
 
 TEST(HtmlReport, APageWithoutRunsIsAPage) {

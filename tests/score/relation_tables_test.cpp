@@ -28,7 +28,7 @@ run::RunFolder runWith(const core::Trajectory& online) {
 const core::Relations kTwo = {{1, 2, {1, 0, 0}}, {1, 3, {1.9, 0, 0.1}}};
 const core::Trajectory kPath = {{1, {0, 0, 0}}, {2, {1, 0, 0}}, {3, {2, 0, 0}}};
 
-TEST(RelationTables, HaveARowForWhatWasGivenOnlineAndOneForThePathInTheEnd) {
+TEST(RelationTables, HaveARowForWhatWasGivenOnlineAndOneForTheFinalPath) {
   auto run = runWith(kPath);
   ASSERT_EQ(scoreByRelations(run, kTwo).size(), 1U);
   EXPECT_EQ(scoreByRelations(run, kTwo)[0].path, "rbpf");

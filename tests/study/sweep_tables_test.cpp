@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "libslam/core/files.h"
+#include "libslam/study/sweep_brief.h"
 #include "libslam/study/sweep_consistency.h"
 #include "libslam/study/sweep_index.h"
 #include "libslam/testing/temp_folder.h"
@@ -75,9 +76,9 @@ TEST(SweepTables, AmongMoreMethodsMoreSeedsAreNeeded) {
   EXPECT_GT(seedsAmong(6), seedsAmong(2) + 10);
 }
 
-TEST(SweepConsistency, SaysWhoIsTooSureAndWhoSaysNothing) {
+TEST(SweepConsistency, SaysWhoIsOverconfidentAndWhoSaysNothing) {
   TwoMethods sweep;
-  // `good` is overconfident online (ANEES 1.5, 2, ..., 6) and in the end neither (0.5 and 1.5 in turn); `bad` states nothing.
+  // `good` is overconfident online (ANEES 1.5, 2, ..., 6) and of the final poses neither (0.5 and 1.5 in turn); `bad` states nothing.
   for (std::size_t i = 0; i < sweep.results.size(); i += 2) {
     const double seed = static_cast<double>(i / 2 + 1);
     auto& figures = sweep.results[i]->figures;
@@ -207,6 +208,40 @@ TEST(SweepTables, AllTogetherIsDrawnAndRankedWithinEachSetting) {
   EXPECT_DOUBLE_EQ(numberIn(summary.all, 0, "p"), 0.375);
   EXPECT_EQ(textIn(summary.all, 0, "more_seeds"), "-");
   EXPECT_THAT(summary.main.notes, ::testing::Contains(HasSubstr("drawing within each setting")));
+}
+
+TEST(SweepBrief, HasAllSettingsTogetherAndTheWorstOfEachMethod) {
+  TwoMethods sweep;
+  for (std::size_t i = 3; i < 10; ++i) sweep.plan.logs[i].world = i < 6 ? "office" : "cave";
+  // `good` grows with the seed, so the cave is its worst; `bad` fails once, in the office.
+  sweep.results[2 * 4 + 1]->status = "timeout";
+  const auto brief = briefOf(sweep.plan, summarize(sweep.plan, sweep.results));
+  ASSERT_EQ(brief.overall.rows.size(), 2U);
+  EXPECT_EQ(brief.overall.columns.front().key, "method");
+  EXPECT_EQ(numberIn(brief.overall, 0, "runs"), 10);
+  EXPECT_EQ(brief.worst.caption, "The worst of 3 settings, by method");
+  ASSERT_EQ(brief.worst.rows.size(), 2U);
+  EXPECT_EQ(textIn(brief.worst, 0, "method"), "good");
+  EXPECT_EQ(textIn(brief.worst, 0, "setting"), "cave");
+  EXPECT_EQ(textIn(brief.worst, 1, "setting"), "office");
+  EXPECT_THAT(textIn(brief.worst, 1, "failed"), HasSubstr("0.33"));
+}
+
+TEST(SweepBrief, OfASingleSettingIsTheWholeSummary) {
+  const TwoMethods sweep;
+  const auto summary = summarize(sweep.plan, sweep.results);
+  const auto brief = briefOf(sweep.plan, summary);
+  EXPECT_EQ(report::toText(brief.overall), report::toText(summary.main));
+  EXPECT_TRUE(brief.worst.rows.empty());
+}
+
+TEST(SweepBrief, CountsNoSettingWithoutRuns) {
+  TwoMethods sweep;
+  for (std::size_t i = 5; i < 10; ++i) sweep.plan.logs[i].world = "office";
+  for (std::size_t i = 10; i < 20; ++i) sweep.results[i].reset();
+  const auto brief = briefOf(sweep.plan, summarize(sweep.plan, sweep.results));
+  EXPECT_EQ(textIn(brief.worst, 0, "setting"), "hall");
+  EXPECT_EQ(textIn(brief.worst, 1, "setting"), "hall");
 }
 
 TEST(SweepTables, SettingsThatRanOnceAreDrawnThemselves) {

@@ -93,6 +93,26 @@ const checks = {
     near(x, Number(left) + ((right - left) * time) / duration, "cursor");
   },
 
+  async "the scan's views are as high as the map beside them, and below it on a narrow screen"() {
+    const page = await open();
+    const box = (selector) => page.locator(selector).boundingBox();
+    const map = await box(".replay-map");
+    const scans = await box(".scans");
+    assert.ok(Math.abs(map.height - scans.height) < 12, `found ${map.height} and ${scans.height} px`);
+    assert.ok(scans.x > map.x + map.width);
+    const narrow = await open("", { viewport: { width: 390, height: 800 } });
+    const below = await narrow.locator(".scans").boundingBox();
+    assert.ok(below.x < 40 && below.y > 0);
+  },
+
+  async "columns and events say what they mean"() {
+    const page = await open();
+    const heads = page.locator("table.sortable").first().locator("thead th");
+    for (const head of await heads.all()) assert.ok(await head.getAttribute("title"), await head.textContent());
+    const events = await open("", {}, "exploration");
+    assert.match(await events.locator("#event-meanings").textContent(), /decision\s*the strategy chose/);
+  },
+
   async "sorting sorts by number, both ways"() {
     const page = await open();
     const table = page.locator("table.sortable").first();

@@ -15,15 +15,12 @@ fi
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
-"$1" compare flat -o comparison --methods naive_wheel,naive_flow,graph,particles,icp --set simulation.duration_s=20 \
-  --quiet >table.txt
-"$1" explore flat -o explorations --strategy nearest_frontier,wall_follow --slam truth --duration 15 --set lidar.beams=181 \
-  --quiet >table.txt
-"$1" explore flat -o exploration --strategy nearest_frontier --slam graph --duration 15 --quiet >table.txt
-"$1" stress flat -o stress --vary lidar.fov_deg=60..360:3 --methods naive_wheel,naive_flow --seeds 2 --duration 10 \
-  --quiet >table.txt
-"$1" navigate flat -o drives --goal "7 2" --method bug2,tangent --quiet >table.txt || [ $? = 4 ]
+"$1" compare flat -o comparison --methods naive_wheel,naive_flow,graph,particles,icp --set simulation.duration_s=20 --quiet
+"$1" explore flat -o explorations --strategy nearest_frontier,wall_follow --slam truth --duration 15 --set lidar.beams=181 --quiet
+"$1" explore flat -o exploration --strategy nearest_frontier --slam graph --duration 15 --quiet
+"$1" stress flat -o stress --vary lidar.fov_deg=60..360:3 --methods naive_wheel,naive_flow --seeds 2 --duration 10 --quiet
+"$1" navigate flat -o drives --goal "7 2" --method bug2,tangent --quiet || [ $? = 4 ]
 for name in comparison explorations exploration stress drives; do
-  "$1" report "$name" -o "$name.html" --quiet >table.txt
+  "$1" report "$name" -o "$name.html" --quiet
 done
 node "$here/browser.mjs" "$folder" "$chromium"

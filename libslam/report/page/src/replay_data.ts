@@ -39,7 +39,7 @@ export interface Run {
   name: string;
   colour: string;
   map: string;
-  /** As it is in the end. */
+  /** The final one. */
   path: Path;
   /** As it was given at the time, where that differs. */
   online: Path | null;

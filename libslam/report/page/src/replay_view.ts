@@ -1,10 +1,11 @@
 import { button, make, makeSvg } from "./dom";
 import { LongList } from "./lists";
 import type { Happening, Pose, Replay } from "./replay_data";
-import { ScanViews } from "./scan_views";
+import { kScansAspect, ScanViews } from "./scan_views";
 import { Stage, groundsOf, isWeighty, kTruth, type Ground, type Shown } from "./stage";
 import { Timeline } from "./timeline";
 
+const kLowMap = 0.45; // height over width
 const kSpeeds = [1, 2, 5, 10, 20, 50];
 
 /** "t 0.21" of the operation log in words. */
@@ -35,6 +36,12 @@ function swatch(colour: string): SVGSVGElement {
   return picture;
 }
 
+/** What the page says of its events. */
+function readMeanings(): Map<string, string> {
+  const names = Array.from(document.querySelectorAll("#event-meanings dt"));
+  return new Map(names.map((name) => [name.textContent ?? "", name.nextElementSibling?.textContent ?? ""]));
+}
+
 /** One replay: its controls, views and lists. */
 export class ReplayView {
   private playing = false;
@@ -51,6 +58,7 @@ export class ReplayView {
   private readonly operations: LongList;
   private readonly events: LongList;
   private listed: Happening[];
+  private readonly meanings = readMeanings();
   private readonly slider = make("input", { type: "range", min: "0", step: "1", "aria-label": "Scan" });
   private readonly output = make("output", { "aria-live": "off" });
   private readonly poses = make("p", { class: "note poses" });
@@ -117,7 +125,8 @@ export class ReplayView {
       this.output,
     );
     const views = make("div", { class: "views" }, this.stage.canvas, ...(this.scanViews ? [this.scanViews.root] : []));
-    if (!this.scanViews) views.classList.add("one");
+    if (this.scanViews) this.layOut(views);
+    else views.classList.add("one");
     this.root.append(transport, this.timeline.canvas, this.choices(), views, this.poses, this.lists());
     this.root.append(
       make(
@@ -126,6 +135,14 @@ export class ReplayView {
         "Keys: space plays, the arrows step (with shift by ten), Home and End. The page's address keeps the moment, as in #t=83.2.",
       ),
     );
+  }
+
+  /** The scan's views beside the map, as high as it is; under a map that is low, beside each other. */
+  private layOut(views: HTMLElement): void {
+    const { x0, y0, x1, y1 } = this.replay.window;
+    const aspect = (y1 - y0) / (x1 - x0);
+    if (aspect < kLowMap) views.classList.add("low");
+    else views.style.setProperty("--columns", `${kScansAspect}fr ${aspect.toFixed(3)}fr`);
   }
 
   private choices(): HTMLElement {
@@ -225,7 +242,7 @@ export class ReplayView {
     row.append(make("span", { class: "time" }, `${time_s.toFixed(1)} s`));
     if (run) row.append(swatch(run.colour));
     row.append(make("span", { class: "words" }, `${run && this.replay.runs.length > 1 ? `${run.name}: ` : ""}${what}${detail ? ` — ${detail}` : ""}`));
-    row.title = `${what} ${detail}`;
+    row.title = [what, this.meanings.get(what) ?? "", detail].filter(Boolean).join(" — ");
   }
 
   private listen(): void {

@@ -2,6 +2,11 @@ import { make } from "./dom";
 import type { Scans } from "./replay_data";
 import { prepare, themeColour } from "./stage";
 
+const kChartAspect = 0.6;
+const kPolarAspect = 1;
+/** Of both, one above the other: height over width. */
+export const kScansAspect = kChartAspect + kPolarAspect + 0.03;
+
 /** One scan, as a chart over the angle and from above. */
 export class ScanViews {
   private readonly chart = make("canvas", {
@@ -25,7 +30,7 @@ export class ScanViews {
 
   private drawChart(index: number, dark: boolean): void {
     const { scans } = this;
-    const aspect = 0.6;
+    const aspect = kChartAspect;
     const context = prepare(this.chart, aspect);
     const width = this.chart.clientWidth;
     const height = width * aspect;
@@ -75,7 +80,7 @@ export class ScanViews {
 
   private drawPolar(index: number, dark: boolean): void {
     const { scans } = this;
-    const context = prepare(this.polar, 1);
+    const context = prepare(this.polar, kPolarAspect);
     const half = this.polar.clientWidth / 2;
     const scale = (half - 10) / scans.usual;
     context.strokeStyle = themeColour("line");

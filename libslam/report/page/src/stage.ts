@@ -62,7 +62,7 @@ export function groundsOf(replay: Replay): Ground[] {
   if (replay.scans) {
     for (const run of replay.runs) {
       if (run.online) grounds.push({ label: `the map so far, placed as ${run.name} had it then`, grows: run.online });
-      const how = run.online ? "has it in the end" : "has it";
+      const how = run.online ? "has it finally" : "has it";
       grounds.push({ label: `the map so far, placed as ${run.name} ${how}`, grows: run.path });
     }
     if (replay.truth) grounds.push({ label: "the map so far, placed by the truth", grows: replay.truth });

@@ -1,0 +1,127 @@
+#include "libslam/pages/report_meanings.h"
+
+#include "libslam/score/evaluate.h"
+
+namespace slam::pages {
+namespace {
+
+using report::Meanings;
+
+/// By key or by title, as the tables have them.
+const Meanings kColumns = {
+    {"method", "a SLAM method: rasterslam list methods"},
+    // Sweeps.
+    {"runs", "how many runs the row speaks of"},
+    {"failed",
+     "share of the runs that ended otherwise than ok, or farther off than the suite allows, with its 95 % "
+     "interval"},
+    {"group", "methods that share a letter cannot be told apart on these seeds"},
+    {"better", "share of the seeds on which the method beats the baseline, with its 95 % interval"},
+    {"p",
+     "how likely a difference like this one is by chance alone, after Holm's method; below 0.05 it counts"},
+    {"more_seeds", "how many more seeds would settle the difference from the baseline, by those seen so far"},
+    {"more seeds", "how many more seeds would settle the difference from the baseline, by those seen so far"},
+    {"verdict", "of the poses given online: consistent where the interval of the ANEES holds 1"},
+    {"verdict final", "of the final poses: consistent where the interval of the ANEES holds 1"},
+    {"broken", "whether more runs fail at this value than the limit allows"},
+    {"cpu_s", "CPU time of the whole process"},
+    {"wall_s", "time by the clock of the whole process"},
+    // Tuning.
+    {"explained_share", "share of the variance of the ranks that this parameter explains, less chance"},
+    {"best", "the third of the parameter's range that ranks best"},
+    // Relations.
+    {"translation_mean_m", "mean distance between what the path and the relation say"},
+    {"translation_deviation_m", "standard deviation of these distances"},
+    {"translation_max_m", "the largest of these distances"},
+    {"rotation_mean_deg", "mean angle between what the path and the relation say"},
+    {"rotation_deviation_deg", "standard deviation of these angles"},
+    {"rotation_max_deg", "the largest of these angles"},
+    {"scored", "relations whose stamps lie within the path's time"},
+    {"interpolated", "of these, how many needed a pose between two stamps of the path"},
+    {"unmatched", "relations whose stamps lie outside the path's time"},
+    // Exploration.
+    {"explored %",
+     "share of what can be explored that was: free cells that the robot's disc can reach or see"},
+    {"90 % s", "robot's time until 90 % were explored"},
+    {"99 % s", "robot's time until 99 % were explored"},
+    {"end s", "robot's time at the end of the run"},
+    {"90 % m", "true path until 90 % were explored"},
+    {"99 % m", "true path until 99 % were explored"},
+    {"path m", "length of the path"},
+    {"redundant %", "share of the path that adds no new area: pieces of 1 m that show less than 0.1 m2"},
+    {"collisions", "commands that a wall cut short"},
+    {"near", "episodes with less than 0.05 m between the robot's disc and a wall"},
+    {"decisions", "how often the strategy chose a goal"},
+    {"ATE m", "absolute trajectory error of the pose given online: root mean square after SE(2) alignment"},
+    {"coverage_percent",
+     "share of what can be explored that was: free cells that the robot's disc can reach or see"},
+    {"t90_s", "robot's time until 90 % were explored"},
+    {"t99_s", "robot's time until 99 % were explored"},
+    {"path90_m", "true path until 90 % were explored"},
+    {"path99_m", "true path until 99 % were explored"},
+    {"end", "why the run ended"},
+    // Drives to a goal.
+    {"result", "how the drive ended, and whether that was right"},
+    {"time (s)", "robot's time until the drive ended, or of the event"},
+    {"path (m)", "true path driven"},
+    {"shortest (m)", "the shortest way of the disc around the robot in the true plan"},
+    {"ratio", "the path driven over the shortest one"},
+    {"to the goal (m)", "true distance to the goal at the end"},
+    {"state changes", "how often the navigator changed its state"},
+    // Events.
+    {"scan", "number of the scan, from 0"},
+    {"value", "what it means depends on the event"},
+    {"x (m)", "place, in the frame of the maps"},
+    {"y (m)", "place, in the frame of the maps"},
+};
+
+const Meanings kEvents = {
+    // Of a robot.
+    {"collision", "a wall cut a command short"},
+    {"kidnapped", "the robot was carried to another place"},
+    {"decision", "the strategy chose a new goal"},
+    {"to goal", "the navigator drives straight to the goal"},
+    {"along the boundary", "the navigator follows the boundary of an obstacle"},
+    {"round the obstacle",
+     "the navigator drives once round the obstacle and remembers its point nearest to the goal"},
+    {"to the leave point", "the navigator goes back to the point from which it will leave the obstacle"},
+    {"to the leave node", "the navigator goes to the point from which it will leave the obstacle"},
+    {"reached", "the robot is at the goal"},
+    {"unreachable", "the navigator found that no way leads to the goal"},
+    // Of a method.
+    {"distrusted", "the scans contradicted the odometry, whose motion was not used; value: gain in score"},
+    {"rematched", "the scan fitted only after a search around its place; value: score"},
+    {"poor", "the map explains less of the scan than it should; value: score"},
+    {"lost", "the method no longer knows where the robot is; value: score"},
+    {"recovered", "the method knows again where the robot is; value: score"},
+    {"found again", "the method knows again where the robot is"},
+    {"restarted", "the map goes on from the odometry's pose; value: scans lost"},
+    {"joined", "two parts of the map, neither the newest, became one; value: metres of way"},
+    {"apart", "a part of the map that was joined to nothing; value: its first keyframe"},
+    {"outside", "the robot left the finished map; value: score"},
+    {"inside", "the robot is back in the finished map; value: score"},
+    {"degenerate",
+     "the scan leaves a direction open, as along a corridor; value: share of information along it"},
+    {"searched", "a loop closure was searched for; value: best score"},
+    {"found", "a place that may close a loop; value: score"},
+    {"confirmed", "the keyframes that followed fit that place, too"},
+    {"dropped", "the keyframes that followed did not fit that place"},
+    {"accepted", "a loop closure; value: metres of path that the loop closes"},
+    {"rejected", "a loop closure that the graph as a whole contradicts; value: the chi2 it would cost"},
+    {"optimised", "all poses were refined jointly; value: chi2"},
+    {"resampled",
+     "likely particles took the place of unlikely ones; value: effective share of the particles"},
+};
+
+}  // namespace
+
+void addMeanings(report::ReportPage& page) {
+  page.column_meanings = kColumns;
+  page.event_meanings = kEvents;
+  for (const auto& info : score::metricInfos()) {
+    page.column_meanings[info.key] = info.meaning;
+    page.column_meanings.emplace(info.title, info.meaning);
+  }
+}
+
+}  // namespace slam::pages
