@@ -223,8 +223,19 @@ class LiveWindow {
         shows_keys_ = !shows_keys_;
         return true;
       default:
-        return false;
+        return toggleLayers(symbol);
     }
+  }
+
+  bool toggleLayers(char key) {
+    const auto& switches = viewer::layerSwitches();
+    if (std::none_of(switches.begin(), switches.end(), [key](const auto& one) { return one.key == key; }))
+      return false;
+    if (const auto at = hidden_.find(key); at != std::string::npos)
+      hidden_.erase(at, 1);
+    else
+      hidden_ += key;
+    return true;
   }
 
   bool holdKey(int key, bool is_down) {
@@ -268,6 +279,8 @@ class LiveWindow {
     viewer::PanelState panel;
     panel.playback = playbackText();
     if (shows_keys_) panel.keys = keysOf(hands_);
+    panel.hidden = hidden_;
+    if (hidden_ != shown_.hidden) scene_.hide(hidden_);
     auto snapshot = stage_.take();
     if (hands_ == Hands::kDrive) {
       if (snapshot) last_ = snapshot;
@@ -298,6 +311,7 @@ class LiveWindow {
   std::optional<viewer::Snapshot> last_;  ///< shown, while driving
   bool must_show_ = false;                ///< again, though there is no newer one
   bool shows_keys_ = false;
+  std::string hidden_;      ///< keys of the layers that are off
   bool has_title_ = false;  ///< its own, once there is something to see
   viewer::PanelState shown_;
 };
@@ -316,6 +330,7 @@ std::vector<viewer::KeyHelp> keysOf(Hands hands) {
   keys.insert(keys.begin(), {"space", "pause, go on"});
   for (const viewer::KeyHelp& key : {viewer::KeyHelp{"f", "follow the robot"},
                                      {"a", "show all, from above"},
+                                     {"0 to 9", "layers on and off: see the colours"},
                                      {"h", "keys or colours"},
                                      {"q  Esc", hands == Hands::kDrive ? "save and end" : "end"},
                                      {"wheel", "zoom"},

@@ -98,6 +98,20 @@ Texel lookOf(world::Material material) {
 
 }  // namespace
 
+const std::vector<LayerSwitch>& layerSwitches() {
+  static const std::vector<LayerSwitch> switches = {{'1', {kPlanLayer}},
+                                                    {'2', {kMapLayer}},
+                                                    {'3', {kTruthLayer}},
+                                                    {'4', {kPathLayer}},
+                                                    {'5', {kGraphLayer, kLoopsLayer}},
+                                                    {'6', {kObstaclesLayer}},
+                                                    {'7', {kScanLayer}},
+                                                    {'8', {kCandidatesLayer, kStrategicLayer}},
+                                                    {'9', {kParticlesLayer}},
+                                                    {'0', {kPeopleLayer}}};
+  return switches;
+}
+
 double heightOf(const char* name) {
   for (size_t i = 0; i < kOrder.size(); ++i)
     if (std::strcmp(kOrder[i], name) == 0) return 2 * kSheet_m * static_cast<double>(i);

@@ -26,6 +26,14 @@ inline constexpr const char *kPlanLayer = "plan", *kMapLayer = "map", *kTruthLay
                             *kCandidatesLayer = "candidates", *kRobotLayer = "robot",
                             *kParticlesLayer = "particles";
 
+/// A key that switches layers on and off together.
+struct LayerSwitch {
+  char key;
+  std::vector<const char*> layers;
+};
+/// For all but the robot.
+const std::vector<LayerSwitch>& layerSwitches();
+
 /// How high above the floor a layer lies, metres.
 double heightOf(const char* name);
 

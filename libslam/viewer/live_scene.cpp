@@ -14,9 +14,11 @@
 namespace slam::viewer {
 namespace {
 
-constexpr const char *kMainViewport = "main", *kPanelViewport = "panel";
+constexpr const char *kMainViewport = "main", *kPanelViewport = "panel", *kScaleViewport = "scale";
 constexpr double kAir = 0.05;          // around what is looked at, as a share of it
 constexpr double kLinePixels = 2.2;    // width of lines when the whole area is looked at
+constexpr double kScalePixels = 110;   // about so long is the bar of the scale
+constexpr double kScaleMargin = 10;    // from the corner
 constexpr double kSmallestArea_m = 8;  // a map that has only begun
 // Of the camera's distance. Some depth buffers have 16 bits, and the sheets of a scene lie close together.
 constexpr double kNearest = 0.01, kFarthest = 3;
@@ -82,6 +84,7 @@ LiveScene::LiveScene(const world::Plan* plan, double robot_side_m, const WindowS
   scene_->createViewport(kPanelViewport)->setCustomBackgroundColor({0.97F, 0.97F, 0.97F});
   auto main = scene_->getViewport(kMainViewport);
   main->setCustomBackgroundColor({0.8F, 0.81F, 0.82F});
+  scene_->createViewport(kScaleViewport);
   panel_.robot_side_m = robot_side_m;
   if (plan) {
     plan_area_ = areaOf(*plan);
@@ -115,7 +118,9 @@ core::Point2 LiveScene::robotPlace() const {
 void LiveScene::setLayer(const char* name, const Layer& layer) {
   auto main = scene_->getViewport(kMainViewport);
   if (const auto old = main->getByName(name)) main->removeObject(old);
-  if (layer) main->insert(layer);
+  if (!layer) return;
+  layer->setVisibility(!isHidden(name));
+  main->insert(layer);
 }
 
 void LiveScene::show(const Snapshot& snapshot, const PanelState& panel) {
@@ -158,7 +163,24 @@ void LiveScene::show(const Snapshot& snapshot, const PanelState& panel) {
 void LiveScene::setPanel(const PanelState& state) {
   panel_ = state;
   panel_.robot_side_m = robot_side_m_;
+  panel_.hidden = hidden_;
   drawPanel();
+}
+
+void LiveScene::hide(const std::string& keys) {
+  hidden_ = keys;
+  auto main = scene_->getViewport(kMainViewport);
+  for (const auto& one : layerSwitches())
+    for (const char* name : one.layers)
+      if (const auto layer = main->getByName(name)) layer->setVisibility(!isHidden(name));
+  setPanel(panel_);
+}
+
+bool LiveScene::isHidden(const std::string& layer) const {
+  for (const auto& one : layerSwitches())
+    for (const char* name : one.layers)
+      if (layer == name) return hidden_.find(one.key) != std::string::npos;
+  return false;
 }
 
 void LiveScene::resize(const WindowSize& size) {
@@ -171,12 +193,29 @@ void LiveScene::setDepth(double zoom_m) {
   scene_->getViewport(kMainViewport)
       ->setViewportClipDistances(static_cast<float>(kNearest * zoom_m),
                                  static_cast<float>(kFarthest * zoom_m));
+  zoom_m_ = zoom_m;
+  drawScale();
 }
 
 void LiveScene::layOut() {
   const double scene_width = std::max(2, size_.sceneWidth()), height = std::max(2, size_.height);
   scene_->getViewport(kMainViewport)->setViewportPosition(0, 0, scene_width, height);
   scene_->getViewport(kPanelViewport)->setViewportPosition(scene_width, 0, kPanelWidth, height);
+}
+
+void LiveScene::drawScale() {
+  if (!(zoom_m_ > 0)) return;
+  const double pixels_per_m = 2.0 * std::min(std::max(2, size_.sceneWidth()), size_.height) / zoom_m_;
+  const double scale_m = report::niceStep(kScalePixels / pixels_per_m);
+  const double pixels = scale_m * pixels_per_m;
+  if (scale_m == scale_m_ && pixels == scale_pixels_) return;
+  scale_m_ = scale_m, scale_pixels_ = pixels;
+  const std::string png = scaleBar(scale_m, pixels);
+  const auto image = imageOf(png);
+  auto viewport = scene_->getViewport(kScaleViewport);
+  viewport->setViewportPosition(kScaleMargin, kScaleMargin, static_cast<double>(image.getWidth()),
+                                static_cast<double>(image.getHeight()));
+  viewport->setImageView(image);
 }
 
 void LiveScene::drawPanel() {

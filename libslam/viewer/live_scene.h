@@ -36,7 +36,8 @@ report::Pixel pixelOf(const core::Point2& p_scene, const Camera& camera, const W
 std::optional<core::Point2> placeAt(const report::Pixel& pixel, const Camera& camera, const WindowSize& size,
                                     double height_m = 0);
 
-/// The scene of a live window: the layers in the viewport "main", the side panel in "panel". Nothing here needs a display.
+/// The scene of a live window: the layers in the viewport "main", over its lower left corner the bar of the scale in "scale",
+/// the side panel in "panel". Nothing here needs a display.
 /// Not to be changed while another thread renders it.
 class LiveScene {
  public:
@@ -46,8 +47,10 @@ class LiveScene {
   /// Shows a moment. Layers that are the same as before stay (the map by its pointer); what the moment has not is taken out.
   void show(const Snapshot& snapshot, const PanelState& panel);
   void setPanel(const PanelState& state);
+  /// Which layers are not drawn: keys of layerSwitches(), in any order. What is not shown is still there.
+  void hide(const std::string& keys);
   void resize(const WindowSize& size);
-  /// Fits the depth buffer to a camera; owed before the scene is rendered by it.
+  /// Fits the depth buffer and the bar of the scale to a camera; owed before the scene is rendered by it.
   void setDepth(double zoom_m);
 
   const WindowSize& size() const { return size_; }
@@ -60,6 +63,8 @@ class LiveScene {
  private:
   void setLayer(const char* name, const Layer& layer);
   void drawPanel();
+  void drawScale();
+  bool isHidden(const std::string& layer) const;
   void layOut();
 
   mrpt::opengl::COpenGLScene::Ptr scene_;
@@ -67,6 +72,8 @@ class LiveScene {
   double robot_side_m_;
   report::Window plan_area_;
   double line_m_ = 0.05;
+  double zoom_m_ = 0, scale_m_ = 0, scale_pixels_ = 0;
+  std::string hidden_;  ///< keys of layerSwitches()
   PanelState panel_;
   Snapshot shown_;
 };

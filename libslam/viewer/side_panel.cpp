@@ -19,9 +19,11 @@ using report::PixelBox;
 
 constexpr double kMargin = 14, kInner = kPanelWidth - 2 * kMargin;
 constexpr double kTitleSize = 18, kTextSize = 15, kTickSize = 13;
-constexpr double kLinePitch = 21, kGap = 13;
-constexpr size_t kMostLines = 2;  // of a line of the status
-constexpr double kChartHeight = 108, kZoneHeight = 152;
+constexpr double kGap = 13, kHeadingHeight = 24, kAxisHeight = 20;
+constexpr size_t kMostLines = 2;    // of a line of the status
+constexpr size_t kStatusLines = 8;  // room for the longest status, so that what stands below does not jump
+constexpr double kChartHeight = 108, kZoneHeight = 152, kLeastChartHeight = 38, kLeastZoneHeight = 52;
+constexpr double kHelpHeight = 22;
 constexpr Colour kInk = report::kInk, kGrey = report::kGrey, kRule{226, 226, 226}, kZone{214, 214, 214},
                  kWhite{255, 255, 255}, kSeen = report::kVermillion, kRemembered = report::kBlue;
 
@@ -58,9 +60,9 @@ double heading(Canvas& canvas, double top, const std::string& text) {
 }
 
 /// Range over angle: the original chart. Returns where it ends.
-double drawChart(Canvas& canvas, double top, const robot::Scan& scan) {
+double drawChart(Canvas& canvas, double top, double height, const robot::Scan& scan) {
   top = heading(canvas, top, "Scan: range (m), angle (deg)");
-  const PixelBox box{kMargin + 26, top, kInner - 30, kChartHeight};
+  const PixelBox box{kMargin + 26, top, kInner - 30, height};
   double farthest_m = 1;
   for (const float range_m : scan.ranges_m)
     if (robot::isReturn(range_m)) farthest_m = std::max(farthest_m, static_cast<double>(range_m));
@@ -97,14 +99,15 @@ double drawChart(Canvas& canvas, double top, const robot::Scan& scan) {
   canvas.polyline(line, kSeen, 1.2);
   for (const auto& place : line) canvas.disc(place, 1, kSeen);
   canvas.liftClip();
-  return box.top + box.height + 20 + kGap;
+  return box.top + box.height + kAxisHeight + kGap;
 }
 
 /// The original picture of the local obstacle map: ahead is up. Returns where it ends.
-double drawZone(Canvas& canvas, double top, const LocalObstacles& obstacles, double robot_side_m) {
+double drawZone(Canvas& canvas, double top, double height, const LocalObstacles& obstacles,
+                double robot_side_m) {
   top = heading(canvas, top, "Obstacles around the robot");
   const double depth_m = obstacles.front_m + obstacles.rear_m;
-  const double scale = std::min(kInner * 0.62 / obstacles.width_m, kZoneHeight / depth_m);
+  const double scale = std::min(kInner * 0.62 / obstacles.width_m, height / depth_m);
   const PixelBox box{kMargin, top, obstacles.width_m * scale, depth_m * scale};
   const auto at = [&](const core::Point2& p) {
     return Pixel{box.left + box.width / 2 - scale * p.y, box.top + scale * (obstacles.front_m - p.x)};
@@ -122,7 +125,8 @@ double drawZone(Canvas& canvas, double top, const LocalObstacles& obstacles, dou
   canvas.liftClip();
   canvas.frame(box, report::kFrame, 1);
   const double left = box.left + box.width + 12;
-  double y = box.top + 16;
+  const double pitch = std::min(21.0, (height - 4) / 4);
+  double y = box.top + std::min(16.0, pitch);
   const auto row = [&](Colour colour, bool is_dot, const char* text) {
     if (is_dot) {
       canvas.disc({left + 6, y - 5}, 3.5, colour);
@@ -131,7 +135,7 @@ double drawZone(Canvas& canvas, double top, const LocalObstacles& obstacles, dou
       canvas.frame({left, y - 11, 12, 12}, report::kFrame, 1);
     }
     canvas.text({left + 19, y}, text, kTickSize, kInk);
-    y += 21;
+    y += pitch;
   };
   row(kWhite, false, "in view");
   row(kZone, false, "out of view");
@@ -141,50 +145,125 @@ double drawZone(Canvas& canvas, double top, const LocalObstacles& obstacles, dou
 }
 
 struct LegendRow {
+  char key;  ///< that switches it; 0: none
   Colour colour;
   const char* text;
 };
 
 std::vector<LegendRow> legendRows(const Snapshot& snapshot) {
-  std::vector<LegendRow> rows = {{report::kVermillion, "robot with its circle; scan"}};
-  if (!snapshot.path.empty()) rows.push_back({report::kBlue, "estimated path"});
-  if (!snapshot.truth.empty()) rows.push_back({{170, 170, 170}, "true path"});
-  if (snapshot.map) rows.push_back({kInk, "walls of the estimated map"});
-  if (snapshot.T_scene_truth) rows.push_back({{150, 150, 155}, "true walls"});
-  if (!snapshot.particles.empty()) rows.push_back({report::kPurple, "particles"});
-  if (!snapshot.nodes.empty()) rows.push_back({report::kGreen, "graph"});
-  if (!snapshot.nodes.empty() || !snapshot.loops.empty()) rows.push_back({report::kOrange, "loops closed"});
-  if (snapshot.candidates) {
-    rows.push_back({report::kYellow, "goal, way to it, candidates"});
-  }
-  if (snapshot.strategic) rows.push_back({report::kGreen, "strategic directions, stop radius"});
-  if (!snapshot.people.empty()) rows.push_back({kInk, "people"});
+  std::vector<LegendRow> rows = {{0, report::kVermillion, "robot"}};
+  const auto add = [&](bool is_there, char key, Colour colour, const char* text) {
+    if (is_there) rows.push_back({key, colour, text});
+  };
+  add(snapshot.T_scene_truth.has_value(), '1', {150, 150, 155}, "true walls");
+  add(snapshot.map != nullptr, '2', kInk, "map");
+  add(!snapshot.truth.empty(), '3', {170, 170, 170}, "true path");
+  add(!snapshot.path.empty(), '4', report::kBlue, "estimated path");
+  add(!snapshot.nodes.empty(), '5', report::kGreen, "graph");
+  add(!snapshot.nodes.empty() || !snapshot.loops.empty(), '5', report::kOrange, "loops closed");
+  add(snapshot.obstacles.has_value(), '6', kRemembered, "obstacles");
+  add(true, '7', kSeen, "scan");
+  add(snapshot.candidates.has_value(), '8', report::kYellow, "goal, way, choices");
+  add(snapshot.strategic.has_value(), '8', report::kGreen, "directions");
+  add(!snapshot.particles.empty(), '9', report::kPurple, "particles");
+  add(!snapshot.people.empty(), '0', kInk, "people");
   return rows;
 }
 
-void drawLegend(Canvas& canvas, double top, double bottom, const Snapshot& snapshot) {
-  double y = heading(canvas, top, "Colours") + 12;
-  for (const auto& row : legendRows(snapshot)) {
-    if (y + 4 > bottom) return;
-    canvas.box({kMargin, y - 11, 12, 12}, row.colour);
-    canvas.frame({kMargin, y - 11, 12, 12}, report::kFrame, 1);
-    canvas.text({kMargin + 22, y}, row.text, kTickSize + 1, kInk);
-    y += 20;
+/// How the panel is laid out in its height.
+struct PanelLayout {
+  double text_size, line_pitch;
+  size_t legend_columns;
+  double row_pitch;
+  double chart_height = 0, zone_height = 0;  ///< 0: left out
+};
+
+double statusHeight(const PanelLayout& layout, size_t lines) {
+  return kMargin + kTitleSize + layout.line_pitch * static_cast<double>(std::max(lines, kStatusLines) - 1) +
+         kGap;
+}
+
+double legendHeight(const PanelLayout& layout, size_t rows) {
+  return kHeadingHeight + 12 +
+         layout.row_pitch * std::ceil(static_cast<double>(rows) / static_cast<double>(layout.legend_columns));
+}
+
+/// The first layout that holds everything, else the smallest with what finds room. `rows` and `lines` as they will be drawn.
+PanelLayout layOut(const Snapshot& snapshot, const PanelState& state, size_t lines, double height) {
+  const bool has_keys = !state.keys.empty();
+  const size_t rows = has_keys ? state.keys.size() : legendRows(snapshot).size();
+  PanelLayout layout{};
+  for (PanelLayout tried : {PanelLayout{kTextSize, 21, 1, 20}, PanelLayout{kTextSize, 21, 2, 20},
+                            PanelLayout{kTickSize, 17, 2, 17}}) {
+    if (has_keys) tried.legend_columns = 1;
+    const double room = height - statusHeight(tried, lines) - legendHeight(tried, rows) - kHelpHeight;
+    const double around_chart = kHeadingHeight + kAxisHeight + kGap, around_zone = kHeadingHeight + kGap;
+    const bool has_zone = snapshot.obstacles.has_value();
+    layout = tried;
+    layout.chart_height = kChartHeight;
+    layout.zone_height = has_zone ? kZoneHeight : 0;
+    const double wanted = around_chart + kChartHeight + (has_zone ? around_zone + kZoneHeight : 0);
+    if (wanted <= room) return layout;
+    // Both shrink by the same share; what would be too small to be read is left out, the obstacles first.
+    const double share = std::max(0.0, room - around_chart - (has_zone ? around_zone : 0)) /
+                         (kChartHeight + (has_zone ? kZoneHeight : 0));
+    layout.chart_height = share * kChartHeight;
+    layout.zone_height = has_zone ? share * kZoneHeight : 0;
+    if (layout.chart_height >= kLeastChartHeight && (!has_zone || layout.zone_height >= kLeastZoneHeight))
+      continue;
+    layout.zone_height = 0;
+    layout.chart_height = std::min(kChartHeight, room - around_chart);
+    if (layout.chart_height < kLeastChartHeight) layout.chart_height = 0;
+  }
+  return layout;
+}
+
+void drawLegend(Canvas& canvas, double top, const PanelLayout& layout, const Snapshot& snapshot,
+                const std::string& hidden) {
+  const double first = heading(canvas, top, "Colours; a digit switches its layer") + 12;
+  const auto rows = legendRows(snapshot);
+  const size_t per_column = (rows.size() + layout.legend_columns - 1) / layout.legend_columns;
+  const double width = kInner / static_cast<double>(layout.legend_columns);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const auto& row = rows[i];
+    const double left = kMargin + width * static_cast<double>(i / per_column);
+    const double y = first + layout.row_pitch * static_cast<double>(i % per_column);
+    const bool is_off = row.key != 0 && hidden.find(row.key) != std::string::npos;
+    if (row.key != 0) canvas.text({left, y}, std::string(1, row.key), kTickSize, kInk, Align::kLeft, true);
+    canvas.box({left + 14, y - 11, 12, 12}, is_off ? kWhite : row.colour);
+    canvas.frame({left + 14, y - 11, 12, 12}, report::kFrame, 1);
+    const auto text = Canvas::fitText(row.text + std::string(is_off ? " (off)" : ""), kTickSize, width - 36);
+    canvas.text({left + 33, y}, text, kTickSize, is_off ? kGrey : kInk);
   }
 }
 
-void drawKeys(Canvas& canvas, double top, double bottom, const std::vector<KeyHelp>& keys) {
+void drawKeys(Canvas& canvas, double top, double bottom, const PanelLayout& layout,
+              const std::vector<KeyHelp>& keys) {
   double y = heading(canvas, top, "Keys and mouse") + 12;
+  const double pitch = std::min(layout.row_pitch, 19.0);
   for (const auto& key : keys) {
     if (y + 4 > bottom) return;
     canvas.text({kMargin, y}, key.key, kTickSize + 1, kInk, Align::kLeft, true);
     canvas.text({kMargin + 92, y}, Canvas::fitText(key.meaning, kTickSize + 1, kInner - 92), kTickSize + 1,
                 kInk);
-    y += 19;
+    y += pitch;
   }
 }
 
 }  // namespace
+
+std::string scaleBar(double length_m, double pixels) {
+  constexpr double kPad = 10, kHeight = 34;
+  const double width = std::ceil(std::max(pixels, 40.0) + 2 * kPad);
+  Canvas canvas(static_cast<int>(width), static_cast<int>(kHeight));
+  canvas.box({0, 0, width, kHeight}, {247, 247, 247});
+  const double left = (width - pixels) / 2, right = left + pixels, y = kHeight - 8;
+  canvas.line({left, y}, {right, y}, kInk, 2);
+  for (const double x : {left, right}) canvas.line({x, y - 5}, {x, y + 5}, kInk, 2);
+  canvas.text({width / 2, y - 9}, report::stepLabel(length_m) + " m", kTickSize, kInk, Align::kCentre);
+  canvas.frame({0, 0, width, kHeight}, report::kFrame, 1);
+  return canvas.toPng();
+}
 
 std::vector<std::string> statusLines(const Snapshot& snapshot, const PanelState& state) {
   std::vector<std::string> lines = {snapshot.title};
@@ -206,28 +285,31 @@ std::vector<std::string> statusLines(const Snapshot& snapshot, const PanelState&
 std::string sidePanel(const Snapshot& snapshot, const PanelState& state, int height) {
   Canvas canvas(kPanelWidth, height);
   canvas.box({0, 0, static_cast<double>(kPanelWidth), static_cast<double>(height)}, {247, 247, 247});
-  double y = kMargin + kTitleSize;
-  bool is_title = true;
+  std::vector<std::string> lines;
+  size_t title_lines = 0;
   for (const auto& line : statusLines(snapshot, state)) {
-    const double size = is_title ? kTitleSize : kTextSize;
-    for (const auto& piece : wrapped(line, size, is_title)) {
-      canvas.text({kMargin, y}, piece, size, kInk, Align::kLeft, is_title);
-      y += kLinePitch;
-    }
-    is_title = false;
+    const bool is_title = lines.empty();
+    for (auto& piece : wrapped(line, is_title ? kTitleSize : kTextSize, is_title)) lines.push_back(piece);
+    if (is_title) title_lines = lines.size();
   }
-  // Room for the longest status, so that what stands below does not jump.
-  y = std::max(y, kMargin + kTitleSize + 8 * kLinePitch) - kLinePitch + kGap;
-  const double bottom = height - 6;
-  if (y + kChartHeight + 60 < bottom) y = drawChart(canvas, y, snapshot.scan);
-  if (snapshot.obstacles && y + kZoneHeight + 40 < bottom)
-    y = drawZone(canvas, y, *snapshot.obstacles, state.robot_side_m);
-  if (y + 40 < bottom) {
-    if (state.keys.empty())
-      drawLegend(canvas, y, bottom, snapshot);
-    else
-      drawKeys(canvas, y, bottom, state.keys);
+  const auto layout = layOut(snapshot, state, lines.size(), height);
+  for (size_t i = 0; i < lines.size(); ++i) {
+    const bool is_title = i < title_lines;
+    canvas.text({kMargin, kMargin + kTitleSize + layout.line_pitch * static_cast<double>(i)}, lines[i],
+                is_title ? kTitleSize : layout.text_size, kInk, Align::kLeft, is_title);
   }
+  double y = statusHeight(layout, lines.size());
+  if (layout.chart_height > 0) y = drawChart(canvas, y, layout.chart_height, snapshot.scan);
+  if (layout.zone_height > 0 && snapshot.obstacles)
+    y = drawZone(canvas, y, layout.zone_height, *snapshot.obstacles, state.robot_side_m);
+  const double bottom = height - 8;
+  if (state.keys.empty())
+    drawLegend(canvas, y, layout, snapshot, state.hidden);
+  else
+    drawKeys(canvas, y, bottom - kHelpHeight, layout, state.keys);
+  const bool is_help = !state.keys.empty();
+  canvas.text({kMargin, bottom}, is_help ? "h: back to the colours" : "h: help", kTextSize, kInk,
+              Align::kLeft, true);
   canvas.line({0.5, 0}, {0.5, static_cast<double>(height)}, report::kFrame, 1);
   return canvas.toPng();
 }

@@ -145,6 +145,33 @@ TEST(LiveScene, HasALayerForWhatThereIsAndNoneForTheRest) {
   for (const char* name : others) EXPECT_FALSE(isLayer(scene, name)) << name;
 }
 
+TEST(LiveScene, DrawsNoLayerThatIsSwitchedOff) {
+  const auto plan = room();
+  LiveScene scene(&plan, 0.3, {});
+  auto snapshot = robotAt({0, 0, 0});
+  snapshot.map = mapWithAWall();
+  const auto isDrawn = [&](const char* name) {
+    return scene.scene()->getViewport("main")->getByName(name)->isVisible();
+  };
+  scene.show(snapshot, {});
+  EXPECT_TRUE(isDrawn(kMapLayer));
+  scene.hide("72");
+  EXPECT_FALSE(isDrawn(kMapLayer));
+  EXPECT_FALSE(isDrawn(kScanLayer));
+  EXPECT_TRUE(isDrawn(kRobotLayer));
+  snapshot.map = mapWithAWall();  // a new one is off as well
+  scene.show(snapshot, {});
+  EXPECT_FALSE(isDrawn(kMapLayer));
+  scene.hide("");
+  EXPECT_TRUE(isDrawn(kMapLayer));
+  // Every layer but the robot has a key, and no key is there twice.
+  std::string keys;
+  for (const auto& one : layerSwitches()) {
+    EXPECT_EQ(keys.find(one.key), std::string::npos);
+    keys += one.key;
+  }
+}
+
 TEST(LiveScene, LeavesTheMapAloneUntilThereIsANewOne) {
   LiveScene scene(nullptr, 0.4, {});
   auto snapshot = robotAt({});

@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "libslam/report/canvas.h"
+#include "libslam/report/map_view.h"
 
 namespace slam::viewer {
 namespace {
@@ -69,6 +70,74 @@ TEST(SidePanel, HasTheChartAndTheObstaclesWhereThereIsRoom) {
   PanelState keys;
   keys.keys = {{"q", "end"}};
   EXPECT_EQ(shareOf(decoded(sidePanel(snapshot, keys, 260)), report::kVermillion), 0);
+}
+
+/// As much as a scene can have.
+Snapshot withEverything() {
+  auto snapshot = inAWideRoom();
+  snapshot.method = "graph";
+  snapshot.note = "a note that is so long that it takes two lines of the panel, however it is broken";
+  snapshot.T_scene_truth = core::Pose2{1, -2, 0};
+  snapshot.collisions = 1;
+  snapshot.map = std::make_shared<gridmap::OccupancyRaster>();
+  snapshot.path = snapshot.truth = {{0, {0, 0, 0}}};
+  snapshot.nodes = {{0, 0}};
+  snapshot.particles = {{0, 0, 0}};
+  snapshot.people = {{{0, 0}, 0.2}};
+  snapshot.candidates.emplace();
+  LocalObstacles obstacles;
+  obstacles.remembered = {{1, 1}, {-1, 0.5}};
+  obstacles.front_m = 4, obstacles.rear_m = 2, obstacles.width_m = 5;
+  snapshot.obstacles = obstacles;
+  return snapshot;
+}
+
+TEST(SidePanel, CutsNothingOffTheLegendInALowWindow) {
+  PanelState state;
+  state.playback = "paused";
+  for (const int height : {500, 640, 800, 1200}) {
+    const auto picture = decoded(sidePanel(withEverything(), state, height));
+    for (const auto& colour : {report::kOrange, report::kYellow, report::kPurple, report::kGreen})
+      EXPECT_GT(shareOf(picture, colour), 0) << height;
+    // The line of the help stands at the bottom, alone.
+    const auto ink = [&](int top, int bottom) {
+      return shareOf(picture.rowRange(height - top, height - bottom), report::kInk);
+    };
+    EXPECT_GT(ink(22, 6), 0) << height;
+    EXPECT_EQ(ink(5, 0), 0) << height;
+  }
+}
+
+TEST(SidePanel, HasTheObstaclesInALowWindowToo) {
+  auto snapshot = withEverything();
+  snapshot.note.clear();
+  const auto with = shareOf(decoded(sidePanel(snapshot, {}, 500)), report::kVermillion);
+  snapshot.scan.ranges_m.clear();
+  EXPECT_LT(shareOf(decoded(sidePanel(snapshot, {}, 500)), report::kVermillion), with);
+  const auto zone = shareOf(decoded(sidePanel(snapshot, {}, 500)), {214, 214, 214});
+  EXPECT_GT(zone, 0.005);  // not in view
+}
+
+TEST(SidePanel, ALayerThatIsOffLosesItsColour) {
+  PanelState state;
+  const auto on = shareOf(decoded(sidePanel(withEverything(), state, 800)), report::kPurple);
+  state.hidden = "29";
+  const auto off = shareOf(decoded(sidePanel(withEverything(), state, 800)), report::kPurple);
+  EXPECT_GT(on, 0);
+  EXPECT_EQ(off, 0);
+}
+
+TEST(ScaleBar, IsAsLongAsItSays) {
+  const auto picture = decoded(scaleBar(2, 100));
+  EXPECT_EQ(picture.cols, 120);
+  int longest = 0;
+  for (int row = 0; row < picture.rows - 1; ++row) {
+    int length = 0;
+    for (int column = 2; column < picture.cols - 2; ++column)
+      length += picture.at<cv::Vec3b>(row, column)[0] < 100;
+    longest = std::max(longest, length);
+  }
+  EXPECT_NEAR(longest, 100, 3);
 }
 
 TEST(SidePanel, AScanWithoutAnyReturnHasNoCurve) {
