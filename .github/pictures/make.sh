@@ -17,8 +17,8 @@ for kind in flat office hall hospital cave; do
   build/release/apps/rasterslam world make "$kind" --size 60x42 --seed 3 -o "$out/$kind.yaml" >"$out/made.txt"
 done
 build/release/apps/rasterslam plot plans "$out"/{flat,office,hall,hospital,cave}.yaml -o .github/pictures/buildings.png --overwrite
-# Killian Court, where the log is at hand: rasterslam data mit-killian
-killian=../shared/data/logs/mit-killian/mit-killian.reconstructed.clf.xz
+# Killian Court, where KILLIAN names the log: rasterslam data mit-killian
+killian=${KILLIAN:-mit-killian.clf}
 if [ -f "$killian" ]; then
   build/release/apps/rasterslam compare "$killian" --methods graph,particles -o "$out/killian" -q
   cp "$out/killian/maps.png" .github/pictures/killian.png

@@ -57,7 +57,7 @@ TEST_F(Outputs, ReplaceNoDevice) {
 TEST_F(Outputs, AreNotLostInSilenceWhenStandardOutputIsFull) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this system";
   for (const std::string command : {"info run.rawlog", "info run.rawlog --json", "list methods",
-                                    "check run.rawlog -q", "--help", "--version", "simulate --help"}) {
+                                    "check run.rawlog --json -q", "--help", "--version", "simulate --help"}) {
     const auto lost = shell("\"$R\" " + command + " >/dev/full");
     EXPECT_EQ(lost.exit_code, 1) << command;
     EXPECT_EQ(lost.err, "rasterslam: standard output: cannot be written: No space left on device\n")
