@@ -128,7 +128,7 @@ TEST_F(Materials, AreNotWrittenForAPlanWithout) {
 
 TEST_F(Materials, LeaveNothingBehindWhenOneFileCannotBeWritten) {
   fs::create_directory(folder_ / "plan.yaml");  // the last of the three cannot be renamed onto a folder
-  EXPECT_THROW(savePlan(randomPlan(), folder_ / "plan.yaml"), core::IoError);
+  EXPECT_THROW(savePlan(randomPlan(), folder_ / "plan.yaml"), core::InputError);
   EXPECT_FALSE(fs::exists(folder_ / "plan.png"));
   EXPECT_FALSE(fs::exists(folder_ / "plan.materials.png"));
 }

@@ -384,7 +384,7 @@ TEST_F(Plans, RefuseDoorsThatAreNone) {
 
 TEST_F(Plans, LeaveNothingBehindWhereTheyCannotBeWritten) {
   std::filesystem::create_directory(folder_ / "plan.yaml");  // a folder stands where the yaml should go
-  EXPECT_THROW(savePlan(drawnPlan({"#."}), folder_ / "plan.yaml"), core::IoError);
+  EXPECT_THROW(savePlan(drawnPlan({"#."}), folder_ / "plan.yaml"), core::InputError);
   EXPECT_THROW(savePlan(drawnPlan({"#."}), folder_ / "none/plan.yaml"), core::IoError);
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
