@@ -1,7 +1,7 @@
 #pragma once
 #include "libslam/report/table.h"
-#include "libslam/sweep/sweep_plan.h"
 #include "libslam/study/sweep_tables.h"
+#include "libslam/sweep/sweep_plan.h"
 
 namespace slam::study {
 

@@ -145,7 +145,7 @@ TEST(Plot, DrawsAComparisonInEveryFormat) {
   for (const std::string kind : {"map", "paths", "errors"}) {
     for (const std::string extension : {"pdf", "svg", "png"}) {
       const auto file = kind + "." + extension;
-      const auto drawn = rasterslam("plot " + kind + " out -q --width 85mm -o " + file, folder.path());
+      const auto drawn = rasterslam("plot " + kind + " out --width 85mm -o " + file, folder.path());
       ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
       EXPECT_EQ(drawn.out, file + "\n");
     }

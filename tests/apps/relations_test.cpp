@@ -83,7 +83,7 @@ TEST(CompareByRelations, ScoresEveryPathOnlineAndFinal) {
   fs::remove(folder / "run.gt.tum");
   fs::remove(folder / "run.rawlog.GT.txt");
   const std::string command =
-      "compare run.rawlog --relations run.relations --methods naive_wheel,rbpf_exact -q -o ";
+      "compare run.rawlog --relations run.relations --methods naive_wheel,rbpf_exact -o ";
   const auto json = rasterslam(command + "one --json", folder.path());
   ASSERT_EQ(json.exit_code, 0) << json.err;
   const auto result = nlohmann::json::parse(json.out);

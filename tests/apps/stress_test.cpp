@@ -20,7 +20,7 @@ void write(const std::string& path, const std::string& text) {
 /// Wheels that slip more and more under a method that believes them.
 constexpr const char* kSlipping =
     "stress flat --vary odometry.slips_per_m=0.01,30 --set odometry.slip_m=0.1 --methods naive_wheel "
-    "--seeds 2 --duration 40 --set lidar.beams=31 -q";
+    "--seeds 2 --duration 40 --set lidar.beams=31";
 
 TEST(Stress, FindsWhereWheelsThatSlipBreakAMethodAndSaysWhy) {
   const testing::TempFolder folder;

@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-const std::string kStart = "simulate flat -q --set 'simulation.start=3 3 0' --set lidar.beams=181 ";
+const std::string kStart = "simulate flat --set 'simulation.start=3 3 0' --set lidar.beams=181 ";
 
 void write(const std::string& path, const std::string& text) {
   core::writeFileAtomically(path, text);
@@ -62,7 +62,7 @@ TEST(UserCommands, AreRefusedInOneLineBeforeAnythingIsWritten) {
 
 TEST(Carry, HappensInSimulateExploreAndNavigate) {
   const testing::TempFolder folder;
-  const std::string options = " -q --carry 5:11,3,90 --set lidar.beams=181 ";
+  const std::string options = " --carry 5:11,3,90 --set lidar.beams=181 ";
   const auto simulated = rasterslam("simulate flat --duration 10 -o run.rawlog" + options, folder.path());
   ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
   EXPECT_THAT(simulated.out, HasSubstr("kidnapped at 5.0 s from ("));

@@ -127,7 +127,7 @@ TEST(ViewCommand, AWindowShowsARunToItsEndAndKeepsItsFiles) {
   if (!testing::programExists("xvfb-run") || !testing::programExists("xauth"))
     GTEST_SKIP() << "xvfb-run or xauth is missing (Debian: apt install xvfb xauth)";
   const testing::TempFolder folder;
-  const std::string options = " flat --duration 3 --set lidar.beams=91 --seed 4 -q";
+  const std::string options = " flat --duration 3 --set lidar.beams=91 --seed 4";
   const auto shown = testing::runCommand(
       "cd '" + folder.path() +
       "' && LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s '-screen 0 1280x800x24' '" RASTERSLAM_PROGRAM
@@ -173,8 +173,7 @@ TEST(ViewCommand, ADriveByCommandsInAWindowWritesWhatSimulateWrites) {
     GTEST_SKIP() << "xvfb-run or xauth is missing (Debian: apt install xvfb xauth)";
   const testing::TempFolder folder;
   core::writeFileAtomically(folder / "drive.txt", "move 0.5\nturn 90\nmove 0.5\n");
-  const std::string options =
-      " flat --commands drive.txt --carry 1.5:11,3,0 --set lidar.beams=91 --seed 4 -q";
+  const std::string options = " flat --commands drive.txt --carry 1.5:11,3,0 --set lidar.beams=91 --seed 4";
   const auto shown = testing::runCommand(
       "cd '" + folder.path() +
       "' && LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s '-screen 0 1280x800x24' '" RASTERSLAM_PROGRAM

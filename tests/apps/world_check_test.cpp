@@ -84,7 +84,7 @@ TEST(WorldCheck, MendsAPlanInWhichTheRobotThenDrives) {
   for (const std::string file : {"plan.fixed.yaml", "plan.fixed.png", "plan.fixed.before_after.png"})
     EXPECT_TRUE(fs::exists(folder / file)) << file;
   EXPECT_GT(cv::imread(folder / "plan.fixed.before_after.png").cols, 600);
-  const auto drive = rasterslam("simulate plan.fixed.yaml -o run.rawlog --duration 20 -q", folder.path());
+  const auto drive = rasterslam("simulate plan.fixed.yaml -o run.rawlog --duration 20", folder.path());
   EXPECT_EQ(drive.exit_code, 0) << drive.err;
   EXPECT_THAT(drive.out, HasSubstr(" 0 collisions"));
 
