@@ -48,7 +48,8 @@ core::IniFile scannerAhead() {
 }
 
 /// A robot that explores a committed world by quadrants.
-BenchLog simulate(const std::string& world_name, const core::IniFile& lidar, size_t most_scans) {
+BenchLog simulate(const std::string& log_name, const std::string& world_name, const core::IniFile& lidar,
+                  size_t most_scans) {
   const world::Plan plan = world::loadPlan(core::resolvePlan(world_name));
   const record::RecordConfig config = record::readRecordConfig(lidar);
   constexpr std::uint64_t kSeed = 1;
@@ -59,7 +60,7 @@ BenchLog simulate(const std::string& world_name, const core::IniFile& lidar, siz
                           config.strategy, config.robot, 1 / config.lidar.rate_hz,
                           core::RandomStream(kSeed, "driver"));
   BenchLog log;
-  log.name = "sim " + world_name;
+  log.name = log_name;
   robot::CommandSeries commands;
   robot::Commanded commanded = robot::MotionKind::kRest;
   sim::Sensed sensed = simulator.sense();
@@ -119,15 +120,14 @@ struct NamedLog {
 
 std::vector<NamedLog> logs(const Arguments& a) {
   std::vector<NamedLog> all;
+  const auto simulated = [&](const std::string& name, const char* world, const core::IniFile& lidar) {
+    all.push_back({name, "", [=] { return simulate(name, world, lidar, a.scans); }});
+  };
   for (const char* world : {"flat", "office_loop", "pillar_hall", "maze", "corridor"})
-    all.push_back(
-        {std::string("sim ") + world, "", [=] { return simulate(world, scannerAhead(), a.scans); }});
+    simulated(std::string("sim ") + world, world, scannerAhead());
+  const auto original = core::IniFile::load(core::configsFolder() + "/lidars/thesis_360.ini");
   for (const char* world : {"flat", "office_loop"})
-    all.push_back({std::string("sim ") + world + ", thesis_360", "", [=] {
-                     return simulate(world,
-                                     core::IniFile::load(core::configsFolder() + "/lidars/thesis_360.ini"),
-                                     a.scans);
-                   }});
+    simulated(std::string("sim ") + world + ", thesis_360", world, original);
   for (const char* ring : {"ring_A", "ring_B"})
     all.push_back(
         {ring, a.data + "/sim/" + ring + ".clf.xz", [=] { return readRing(a.data, ring, a.scans); }});

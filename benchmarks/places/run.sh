@@ -11,7 +11,7 @@ echo "Made by benchmarks/places/run.sh, $("$program" --version)."
 for name in fhw acapulco freiburg-campus; do
   echo
   echo "## $name"
-  "$program" compare "$logs/$name.clf.xz" --truth "$logs/$name.reference.tum" --methods naive_wheel,graph -q -o "$work/$name" |
+  "$program" compare "$logs/$name.clf.xz" --truth "$logs/$name.reference.tum" --methods naive_wheel,graph -o "$work/$name" |
     sed "s|$work/||"
   echo "lost and recovered (journal): $(cut -d, -f3 "$work/$name/graph/journal.csv" | grep -c -E '^(lost|recovered|apart)$' || true)"
 done

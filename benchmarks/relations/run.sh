@@ -35,7 +35,7 @@ for log in $(echo "$logs" | tr , ' '); do
   file=$(find "$data/logs/$log" -name "$log*.clf*" | head -n 1)
   # Exit code 4: a method failed on this log; the table says which.
   status=0
-  "$program" compare "$file" --relations "$data/logs/$log/$log.relations" --methods "$files" -o "$work/$log" --resume -q \
+  "$program" compare "$file" --relations "$data/logs/$log/$log.relations" --methods "$files" -o "$work/$log" --resume \
     > "$work/$log.txt" || status=$?
   if [ "$status" -ne 0 ] && [ "$status" -ne 4 ]; then exit "$status"; fi
   # One row per path: its method's cost, named by the first word of the path, behind its error.
