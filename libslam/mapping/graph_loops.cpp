@@ -23,12 +23,23 @@ constexpr double kSearchTurn_rad = 0.1, kSearchTurnPerMetre_rad = 0.002, kSearch
 constexpr int kMostPlaces = 2;
 /// Points that are searched with, at most.
 constexpr size_t kMostQueryPoints = 150;
-/// Windows up to this reach are searched on the finest raster; and how much coarser it may become.
-constexpr double kFineReach_m = 16, kCoarsest = 2;
+/// Windows up to this reach, of views of which half lies this near, are searched on the finest raster; and how much coarser
+/// it may become.
+constexpr double kFineReach_m = 16, kFineView_m = 8, kCoarsest = 2;
 /// Travel to the next search, by the last one's window; never so far that two searches share no scan.
 constexpr double kPausePerReach = 0.1;
 constexpr double kDistinctShifts_m[] = {-1.5, -1, -0.6, -0.35, 0.35, 0.6, 1, 1.5};
 constexpr double kDistinctKernel = 3;
+
+/// Half of the points lie within this distance of the robot.
+double viewRadius(const std::vector<Point2>& points) {
+  if (points.empty()) return 0;
+  std::vector<double> distances;
+  for (const auto& p : points) distances.push_back(std::hypot(p.x, p.y));
+  const auto middle = distances.begin() + static_cast<long>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
 
 }  // namespace
 
@@ -123,6 +134,7 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
   const auto search_points = searchPoints(query, kMostQueryPoints);
   const auto match_points = thinned(query, kQueryMatchSpacing_m);
 
+  const double view_m = viewRadius(search_points);
   searched_reach_m_ = 0;
   std::vector<char> is_tried(keyframes_.size(), 0);
   int places = 0;
@@ -137,8 +149,10 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
                                 [&](int a) { return is_local[static_cast<size_t>(a)] != 0; }),
                  around.end());
     around = firstOf(std::move(around), options_.map_keyframes);
-    // A wide window is searched on a coarser raster: it costs as its cube.
-    const double coarser = std::clamp(reachOf(old) / kFineReach_m, 1.0, kCoarsest);
+    // A wide window is searched on a coarser raster: it costs as its cube. So is a wide view: the angle between two beams
+    // leaves it no finer detail, and every turn that it tells apart costs.
+    const double coarser =
+        std::clamp(std::max(reachOf(old) / kFineReach_m, view_m / kFineView_m), 1.0, kCoarsest);
     pyramid_.build(placeAround(around), coarser * kSearchCell_m, coarser * kSearchSigma_m, kSearchLevels);
     const scanmatch::SearchWindow window{
         reachOf(old), std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * way[static_cast<size_t>(old)],

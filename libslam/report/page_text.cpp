@@ -86,7 +86,7 @@ std::string dataUri(const std::string& media_type, std::string_view bytes) {
 std::string gzip(std::string_view bytes) {
   z_stream stream{};
   constexpr int kGzipWindow = 15 + 16;
-  if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, kGzipWindow, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzipWindow, 8, Z_DEFAULT_STRATEGY) != Z_OK)
     throw core::IoError("zlib cannot begin to compress");
   std::string packed(deflateBound(&stream, bytes.size()), '\0');
   std::string input(bytes);
