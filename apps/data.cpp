@@ -9,6 +9,7 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "libslam/core/error.h"
+#include "libslam/core/resources.h"
 #include "libslam/logs/public_data.h"
 #include "libslam/report/table.h"
 
@@ -92,7 +93,7 @@ report::Table overview(const logs::PublicDataTable& table) {
 }
 
 int showData(const Context& context, const std::string& name) {
-  const auto table = logs::readPublicData(logs::publicDataFile());
+  const auto table = logs::readPublicData(core::publicDataFile());
   if (name.empty()) {
     if (context.json) {
       auto list = nlohmann::ordered_json::array();

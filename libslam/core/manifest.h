@@ -27,7 +27,7 @@ Manifest readManifest(const std::string& path);
 /// argv as one line that a POSIX shell reads back as the same words.
 std::string shellQuoted(const std::vector<std::string>& command_line);
 
-/// "0.1.0"
+/// "0.2.0"
 std::string versionText();
 
 }  // namespace slam::core

@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "libslam/core/data_folder.h"
 #include "libslam/core/error.h"
+#include "libslam/core/manifest.h"
 
 namespace slam::core {
 namespace fs = std::filesystem;
 namespace {
 
-std::string firstFolder(const std::string& what, const std::vector<std::string>& candidates) {
-  for (const auto& folder : candidates)
-    if (fs::is_directory(folder)) return folder;
-  throw core::InputError("the folder of " + what + " is missing; looked at " + candidates.front());
+DataFolders ourData() {
+  return findData(dataPlaces(), versionText());
 }
 
 std::string suffixOf(const std::string& path) {
@@ -25,11 +25,15 @@ std::string suffixOf(const std::string& path) {
 }  // namespace
 
 std::string configsFolder() {
-  return firstFolder("configurations", {RASTERSLAM_SOURCE_DIR "/configs", RASTERSLAM_INSTALL_DIR "/configs"});
+  return ourData().configs;
 }
 
 std::string worldsFolder() {
-  return firstFolder("worlds", {RASTERSLAM_SOURCE_DIR "/datasets/worlds", RASTERSLAM_INSTALL_DIR "/worlds"});
+  return ourData().worlds;
+}
+
+std::string publicDataFile() {
+  return ourData().public_data;
 }
 
 std::string mrptDatasetsFolder() {

@@ -4,10 +4,12 @@
 
 namespace slam::core {
 
-/// Folders that come with the program: the installed ones, else the source tree that it was built from.
-/// InputError when neither is there.
+/// Folders and a file that come with the program: those of the folder that the environment variable RASTERSLAM_DATA names,
+/// else share/rasterslam beside the program or library, else the source tree of a program that runs in its build folder
+/// (findData() says the whole). InputError when none is there, or of another version.
 std::string configsFolder();
 std::string worldsFolder();
+std::string publicDataFile();
 /// MRPT's sample logs (Debian package mrpt-common), or "".
 std::string mrptDatasetsFolder();
 

@@ -7,7 +7,6 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/json_entry.h"
-#include "libslam/core/resources.h"
 
 namespace slam::logs {
 namespace {
@@ -58,10 +57,6 @@ PublicDataTable readPublicData(const std::string& path) {
     table.data.push_back(std::move(data));
   }
   return table;
-}
-
-std::string publicDataFile() {
-  return std::filesystem::path(core::worldsFolder()).parent_path().string() + "/public_data.json";
 }
 
 }  // namespace slam::logs

@@ -25,11 +25,8 @@ struct PublicDataTable {
   std::vector<PublicData> data;
 };
 
-/// Reads datasets/public_data.json, which comes with the program, and looks which of `installed` are here. Errors: InputError
+/// Reads datasets/public_data.json, which comes with the program (core::publicDataFile()), and looks which of `installed` are here. Errors: InputError
 /// with the path, and the entry and key that is missing, unknown or of another type; an unknown kind; a name used twice.
 PublicDataTable readPublicData(const std::string& path);
-
-/// The file that comes with the program. InputError when it is missing.
-std::string publicDataFile();
 
 }  // namespace slam::logs

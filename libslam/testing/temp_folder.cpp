@@ -46,7 +46,7 @@ bool programExists(const std::string& name) {
 }
 
 std::string realDataFolder(const std::string& source_dir) {
-  const char* given = std::getenv("RASTERSLAM_DATA");
+  const char* given = std::getenv("RASTERSLAM_REAL_DATA");
   const fs::path folder = given ? fs::path(given) : fs::path(source_dir) / ".." / "shared" / "data";
   return fs::is_directory(folder) ? fs::weakly_canonical(folder).string() : "";
 }

@@ -28,7 +28,7 @@ CommandResult runCommand(const std::string& shell_line);
 /// True when the program is on the PATH.
 bool programExists(const std::string& name);
 
-/// $RASTERSLAM_DATA or ../shared/data beside the source tree: real logs and plans; empty when absent, and
+/// $RASTERSLAM_REAL_DATA or ../shared/data beside the source tree: real logs and plans; empty when absent, and
 /// then a test that needs it skips.
 std::string realDataFolder(const std::string& source_dir);
 

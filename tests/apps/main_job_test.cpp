@@ -198,7 +198,7 @@ TEST(MainJob, ARealLogWithoutTruthSaysWhatCanBeSaid) {
 
 TEST(MainJob, RealPlansGiveALogAndATable) {
   const std::string data = testing::realDataFolder(RASTERSLAM_SOURCE_DIR);
-  if (data.empty()) GTEST_SKIP() << "the folder of real data is not there (RASTERSLAM_DATA)";
+  if (data.empty()) GTEST_SKIP() << "the folder of real data is not there (RASTERSLAM_REAL_DATA)";
   const testing::TempFolder folder;
   for (const std::string plan : {"willow/willow-full.yaml", "turtlebot3/map.yaml", "nav2/depot.yaml"}) {
     const auto result =

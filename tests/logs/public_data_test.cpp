@@ -7,6 +7,7 @@
 #include <set>
 
 #include "libslam/core/files.h"
+#include "libslam/core/resources.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -17,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 TEST(PublicData, TheTableThatComesWithTheProgramIsComplete) {
-  const auto table = readPublicData(publicDataFile());
+  const auto table = readPublicData(core::publicDataFile());
   EXPECT_THAT(table.note, HasSubstr("not stated"));
   std::set<std::string> names;
   for (const auto& data : table.data) {

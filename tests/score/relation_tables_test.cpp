@@ -96,7 +96,7 @@ class ReferenceFigures : public ::testing::TestWithParam<Reference> {
  protected:
   void SetUp() override {
     const std::string data = testing::realDataFolder(RASTERSLAM_SOURCE_DIR);
-    if (data.empty()) GTEST_SKIP() << "the folder of real data is not there (RASTERSLAM_DATA)";
+    if (data.empty()) GTEST_SKIP() << "the folder of real data is not there (RASTERSLAM_REAL_DATA)";
     const std::string log = GetParam().log;
     relations_ = logs::readRelations(data + "/logs/" + log + "/" + log + ".relations");
   }
