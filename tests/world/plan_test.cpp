@@ -500,7 +500,8 @@ class RealPlans : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = testing::realDataFolder(RASTERSLAM_SOURCE_DIR);
-    if (folder_.empty()) GTEST_SKIP() << "no real plans here: set RASTERSLAM_REAL_DATA to a folder with worlds/";
+    if (folder_.empty())
+      GTEST_SKIP() << "no real plans here: set RASTERSLAM_REAL_DATA to a folder with worlds/";
   }
   std::string folder_;
 };

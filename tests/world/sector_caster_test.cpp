@@ -136,7 +136,8 @@ class OfEveryPlan : public ::testing::TestWithParam<const char*> {
  protected:
   void SetUp() override {
     plan_ = planNamed(GetParam());
-    if (!plan_) GTEST_SKIP() << "the real plan is not here: set RASTERSLAM_REAL_DATA to a folder with worlds/";
+    if (!plan_)
+      GTEST_SKIP() << "the real plan is not here: set RASTERSLAM_REAL_DATA to a folder with worlds/";
   }
   std::optional<Plan> plan_;
 };
