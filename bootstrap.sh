@@ -14,6 +14,7 @@ usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
   schedulers   install GNU parallel and Slurm, with which `test` then tries sweeps (without: those tests skip)
   page     install Node.js and Chromium, make the HTML report's bundle; `test` then tries the report in the browser
   page test    check that the bundle that is checked in is current, build, and try the report in the browser
+  package  make the Debian packages rasterslam, librasterslam-dev and rasterslam-doc in build/package/packages, and check them
   docs     make the documentation as an offline site and the reference of the headers, in build/docs
   fuzz     build every reader of files with clang's fuzzer and let each run a minute (ARGUMENTS go to tests/fuzz/run.sh)
 
@@ -43,6 +44,7 @@ page_packages=(chromium)
 # Node.js from elsewhere brings an npm of its own, beside which Debian's cannot be installed.
 command -v npm >/dev/null || page_packages+=(nodejs npm)
 docs_packages=(mkdocs doxygen)
+package_packages=(dpkg-dev file lintian)
 fuzz_packages=(clang-14 libclang-rt-14-dev)
 
 say() { printf 'bootstrap: %s\n' "$*" >&2; }
@@ -146,6 +148,13 @@ case "$verb" in
     install_missing "${packages[@]}" "${bench_packages[@]}"
     build bench 9
     build/release/benchmarks/rasterslam_bench "${arguments[@]}"
+    ;;
+  package)
+    install_missing "${packages[@]}" "${package_packages[@]}"
+    build package 5
+    (cd build/package && cpack >&2)
+    lintian --fail-on error build/package/packages/*.deb
+    say "install them with: apt-get install ./build/package/packages/*.deb"
     ;;
   docs)
     install_missing "${docs_packages[@]}"

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "apps/commands.h"
+#include "apps/shell_words.h"
 #include "libslam/buildings/generator.h"
 #include "libslam/core/files.h"
 #include "libslam/core/resources.h"
@@ -90,6 +91,12 @@ int list(const Context& context, const std::string& what) {
 }
 
 }  // namespace
+
+std::vector<std::string> listedNames(const std::string& what) {
+  std::vector<std::string> names;
+  for (const auto& entry : entriesOf(what)) names.push_back(entry.first);
+  return names;
+}
 
 void addList(CLI::App& app, Context& context) {
   auto* command = app.add_subcommand(

@@ -2,6 +2,7 @@
 
 #include "apps/commands.h"
 #include "apps/program.h"
+#include "apps/shell_words.h"
 #include "libslam/core/manifest.h"
 
 int main(int argc, char** argv) {
@@ -40,5 +41,6 @@ int main(int argc, char** argv) {
   slam::apps::addWorld(app, context);
   slam::apps::addData(app, context);
   slam::apps::addList(app, context);
+  if (const auto answer = slam::apps::answerShell(app, context.command_line)) return *answer;
   return slam::apps::runProgram(app, context);
 }

@@ -12,6 +12,10 @@ if(RASTERSLAM_PROGRAMS)
       install(TARGETS ${plugin} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT programs)
     endif()
   endforeach()
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT programs FILES_MATCHING PATTERN "*.1")
+  install(FILES apps/completion/rasterslam.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+          RENAME rasterslam COMPONENT programs)
+  install(FILES apps/completion/_rasterslam DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT programs)
 endif()
 
 # The data is found beside the program (libslam/core/data_folder.h), wherever the whole is moved.
@@ -72,3 +76,7 @@ install(FILES ${PROJECT_BINARY_DIR}/include/libslam/version.h DESTINATION ${CMAK
 install(FILES ${PROJECT_BINARY_DIR}/rasterslamConfig.cmake ${PROJECT_BINARY_DIR}/rasterslamConfigVersion.cmake
               cmake/dependencies.cmake DESTINATION ${config} COMPONENT development)
 install(DIRECTORY apps/examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT development)
+
+if(RASTERSLAM_PACKAGE)
+  include(cmake/package.cmake)
+endif()

@@ -6,6 +6,7 @@
 #include <mrpt/random/RandomGenerators.h>
 #include <mrpt/slam/CMetricMapBuilderRBPF.h>
 #include "libslam/core/resources.h"
+#include "libslam/mapping/mrpt_compat.h"
 #include "libslam/mrptnav/mrpt_explorer.h"
 #include "libslam/record/record.h"
 #include "libslam/robot/mrpt_types.h"
@@ -29,7 +30,9 @@ int main() {
     mrpt::obs::CSensoryFrame frame;
     frame.insert(scan);
     slam.processActionObservation(actions, frame);
-    const auto map = slam.getCurrentlyBuiltMetricMap()->mapByClass<mrpt::maps::COccupancyGridMap2D>();
+    // A pointer in MRPT 2.5, a reference in 2.14.
+    const auto& maps = slam::mapping::compat::asReference(slam.getCurrentlyBuiltMetricMap());
+    const auto map = maps.mapByClass<mrpt::maps::COccupancyGridMap2D>();
     const mrpt::poses::CPose2D pose(slam.getCurrentPoseEstimation()->getMeanVal());
     if (explorer.wantsMap()) explorer.setMap(*map);
     motion = explorer.next(*scan, pose, sensed.collided);

@@ -145,9 +145,10 @@ std::vector<core::Pose2> particlePoses(const MapBuilder& method);
 const GraphSlam* graphSlamOf(const MapBuilder& method);
 
 /// Writes map.yaml + map.png (ROS map_server, trinary), map.gridmap.gz (a plain COccupancyGridMap2D) and map.simplemap
-/// (stock MRPT classes only) into an existing folder. Same input, same bytes. Errors: IoError with the path.
+/// (stock MRPT classes only) into an existing folder; of type graph that has mapped also graph.g2o, its pose graph, whose node i is
+/// the i-th key frame of map.simplemap. Same input, same bytes. Errors: IoError with the path.
 void saveMaps(const MapBuilder& method, const std::string& folder);
-/// The last of these alone: of a map that is too large to be drawn.
+/// The last two of these alone: of a map that is too large to be drawn.
 void saveKeyFrames(const MapBuilder& method, const std::string& folder);
 
 /// Registers our map classes with MRPT, so that an .ini can name them: mapping::registerMaps(). Also done by

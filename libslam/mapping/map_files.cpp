@@ -17,10 +17,12 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/gridmap/mrpt_grid.h"
+#include "libslam/mapping/graph_slam.h"
 #include "libslam/mapping/key_frames.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/mapping/mrpt_compat.h"
 #include "libslam/mapping/naive_map_builder.h"
+#include "libslam/posegraph/g2o_io.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::mapping {
@@ -148,6 +150,9 @@ void saveKeyFrames(const MapBuilder& method, const std::string& folder) {
   mrpt::maps::CSimpleMap key_frames;
   method.builder->getCurrentlyBuiltMap(key_frames);
   writeObject(key_frames, folder + "/map.simplemap");
+  const GraphSlam* slam = graphSlamOf(method);
+  const bool has_mapped = method.builder->options.enableMapUpdating;
+  if (slam != nullptr && has_mapped) posegraph::writeG2oFile(slam->graph(), {}, folder + "/graph.g2o");
 }
 
 }  // namespace slam::mapping

@@ -73,6 +73,7 @@ const std::map<std::string, std::string>& fileNotes() {
       {"map.png", "the map as a picture"},
       {"map.gridmap.gz", "MRPT occupancy grid: pf-localization, GridmapNavSimul"},
       {"map.simplemap", "MRPT key frames: robot-map-gui, observations2map, pf-localization"},
+      {"graph.g2o", "the pose graph: rasterslam graph, g2o, MRPT's graph-slam"},
       {"map.3Dscene",
        "map, path, last scan, and particles or graph with loops, in 3D: rasterslam view --mrpt"},
       {"journal.csv", "what the method says of its work: matches, loops, corrections, by scan"},
@@ -181,7 +182,8 @@ void keepMap(const std::string& map, const std::string& to) {
     return;
   }
   const std::string from = path.extension() == ".simplemap" ? path.parent_path().string() : map;
-  for (const char* file : {"map.yaml", "map.png", "map.gridmap.gz"}) copy(from + "/" + file, file);
+  for (const char* file : {"map.yaml", "map.png", "map.gridmap.gz", "graph.g2o"})
+    copy(from + "/" + file, file);
   copy(path.extension() == ".simplemap" ? map : from + "/map.simplemap", "map.simplemap");
 }
 

@@ -51,7 +51,7 @@ struct Continuation {
 
 /// Runs a SLAM method over a log and writes a folder:
 ///   trajectory.tum   map.yaml + map.png   map.gridmap.gz   map.simplemap   map.3Dscene   timing.csv
-///   trajectory_final.tum (where mapping::finalPath() has one)   covariances.csv (of the poses given online, where the method
+///   graph.g2o (of type graph)   trajectory_final.tum (where mapping::finalPath() has one)   covariances.csv (of the poses given online, where the method
 ///   gives any: pose_covariances.h; covariances_final.csv: of the others)   journal.csv (where the method keeps one)   manifest.json
 /// An external method (external_method.h) has printed.txt instead of timing.csv, what it printed; this, like its poses, is as repeatable as the program is.
 /// Trajectories are written in the order of their stamps, which in a log may run back. The manifest's results also hold

@@ -56,6 +56,25 @@ TEST(GraphCommand, SolvesAndWritesAFileThatItReadsAgain) {
   EXPECT_EQ(rasterslam("graph optimize a.g2o -o b.g2o", folder.path()).exit_code, 3) << "it is there already";
 }
 
+TEST(GraphCommand, ReadsWhatTheGraphMethodLeaves) {
+  const testing::TempFolder folder;
+  for (const char* command :
+       {"simulate flat -o run.rawlog --seed 7 --duration 20", "run graph run.rawlog -o map"})
+    ASSERT_EQ(rasterslam(command, folder.path()).exit_code, 0) << command;
+  const auto facts = json::parse(rasterslam("graph info map/graph.g2o --json", folder.path()).out);
+  EXPECT_GT(facts["nodes"], 5);
+  EXPECT_GE(facts["odometry_edges"], facts["nodes"].get<int>() - 1);
+  EXPECT_EQ(facts["fixed"], 1);
+  // The method has optimised it already, but for what the joint refinement moved since.
+  const auto solved =
+      json::parse(rasterslam("graph optimise map/graph.g2o -o b.g2o --json", folder.path()).out);
+  EXPECT_NEAR(solved["chi2"], facts["chi2"], 0.1 * facts["chi2"].get<double>());
+  if (!testing::programExists("graph-slam")) GTEST_SKIP() << "MRPT's graph-slam is not here";
+  const auto read = testing::runCommand("graph-slam --2d --info -i '" + folder / "map/graph.g2o" + "'");
+  EXPECT_EQ(read.exit_code, 0) << read.err;
+  EXPECT_THAT(read.out, HasSubstr("entries) : " + std::to_string(facts["nodes"].get<int>()))) << read.out;
+}
+
 TEST(GraphCommand, SwitchesAWrongLoopOffWhenAsked) {
   const testing::TempFolder folder;
   writeSquare(folder / "a.g2o", true);
