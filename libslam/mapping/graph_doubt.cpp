@@ -15,8 +15,8 @@ using scanmatch::PosePrior;
 constexpr double kHold_s = 0.5;
 /// A scan of which less is known than this share says nothing.
 constexpr double kTold = 0.1;
-/// How far a robot may have been kidnapped, and what that counts as driven.
-constexpr double kGap_m = 30, kGap_rad = 3, kGapPath_m = 1000;
+/// How far a robot may have been kidnapped, as far as anybody knows.
+constexpr double kGap_m = 30, kGap_rad = 3;
 /// Keyframes that are all learnt from; then one in so many.
 constexpr int kLearntSoon = 20;
 /// Of what a scan sees the next one sees this share at least, as a rule.

@@ -30,6 +30,9 @@ constexpr double kFineReach_m = 16, kFineView_m = 8, kCoarsest = 2;
 constexpr double kPausePerReach = 0.1;
 constexpr double kDistinctShifts_m[] = {-1.5, -1, -0.6, -0.35, 0.35, 0.6, 1, 1.5};
 constexpr double kDistinctKernel = 3;
+/// A robot that seemed to be kidnapped may have driven on where it was: a place of another part is searched for, too, this
+/// near to where odometry has it, and farther by what drift allows.
+constexpr double kNoGap_m = 0.5;
 
 /// Half of the points lie within this distance of the robot.
 double viewRadius(const std::vector<Point2>& points) {
@@ -106,12 +109,24 @@ double GraphSlam::distinctness(const std::vector<PatchPoint>& points, const Leve
   return here - elsewhere;
 }
 
+/// Parts that begin after keyframe a, up to b.
+int GraphSlam::gapsBetween(int a, int b) const {
+  return static_cast<int>(std::count_if(parts_.begin(), parts_.end(),
+                                        [&](const Part& part) { return part.begin > a && part.begin <= b; }));
+}
+
 /// Looks for a place where the scans of the keyframes [query_first, query_last] around k were seen before.
 std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first, int query_last) {
   const Pose2 T = graph_.pose(k);
-  const auto way = pathTo(k);
+  auto way = pathTo(k);
+  const int component = componentOf(k);
+  for (int old = 0; old < k; ++old)
+    if (componentOf(old) != component)
+      way[static_cast<size_t>(old)] =
+          keyframe(k).path_m - keyframe(old).path_m - gapsBetween(old, k) * kGapPath_m;
   const auto reachOf = [&](int old) {
-    return std::min(options_.loop_reach_m + options_.loop_reach_per_m * way[static_cast<size_t>(old)],
+    const double least_m = componentOf(old) == component ? options_.loop_reach_m : kNoGap_m;
+    return std::min(least_m + options_.loop_reach_per_m * way[static_cast<size_t>(old)],
                     options_.loop_reach_most_m);
   };
   std::vector<char> is_local(keyframes_.size(), 0);
@@ -119,7 +134,7 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
     is_local[static_cast<size_t>(local)] = 1;
   std::vector<std::pair<double, int>> candidates;
   for (int old = 0; old < k; ++old) {
-    if (is_local[static_cast<size_t>(old)] || componentOf(old) != componentOf(k)) continue;
+    if (is_local[static_cast<size_t>(old)]) continue;
     const double away_m = core::distance(graph_.pose(old), T);
     if (away_m < reachOf(old) + 1) candidates.push_back({away_m, old});
   }

@@ -260,6 +260,8 @@ class GraphSlam {
   static constexpr double kMatchCovarianceScale = 0.8;  ///< see graph_covariance.cpp
   /// The local map reaches this far from the robot.
   static constexpr double kMapReach_m = 30;
+  /// What being kidnapped counts as driven.
+  static constexpr double kGapPath_m = 1000;
 
   // graph_slam.cpp: keyframes and their edges
   void addKeyframe(const robot::Scan& scan, std::vector<scanmatch::PatchPoint> points,
@@ -350,6 +352,7 @@ class GraphSlam {
   // graph_loops.cpp: places seen again
   void closeLoops();
   void searchRemainingLoops();
+  int gapsBetween(int a, int b) const;
   std::optional<Hypothesis> findLoop(int keyframe, int query_first, int query_last);
   bool confirm(Hypothesis& hypothesis, int keyframe) const;
   void addLoopEdges(std::vector<posegraph::Edge>& edges, const std::vector<int>& around, int keyframe,
