@@ -12,7 +12,7 @@ void GraphSlam::refine() {
   const auto match_options = matchOptions(10);
   scanmatch::PosePrior flat;
   flat.information.setIdentity();
-  scanmatch::SurfelMap map(options_.cell_m, options_.blur_m);
+  scanmatch::SurfelMap map(options_.cell_m, options_.blur_m, true);
   posegraph::OptimizeOptions solve;
   solve.robust = "none";
   const int n = graph_.nodeCount();

@@ -88,7 +88,7 @@ const core::ParameterTable<GraphOptions>& GraphOptions::table() {
 }
 
 GraphSlam::LevelMaps::LevelMaps(const GraphOptions& o)
-    : fine(o.cell_m, o.blur_m),
+    : fine(o.cell_m, o.blur_m, true),
       middle(2 * o.cell_m, o.blur_m + 0.02),
       coarse(4 * o.cell_m, o.blur_m + 0.07) {}
 

@@ -108,8 +108,9 @@ std::vector<PatchPoint> patchPoints(const robot::Scan& scan, const ScanPointOpti
       const double away2 = squaredDistance(points[other], p);
       if (away2 < shortest2) shortest2 = away2, gap = {points[other].x - p.x, points[other].y - p.y};
     }
-    // Uniform over half of the gap to each side.
-    const double share = 0.5 / std::sqrt(3.0);
+    // Uniform over half of the gap to each side, with the lidar on the left.
+    const bool is_left = gap.x * (eye.y - p.y) - gap.y * (eye.x - p.x) >= 0;
+    const double share = (is_left ? 0.5 : -0.5) / std::sqrt(3.0);
     result.push_back({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(share * gap.x),
                       static_cast<float>(share * gap.y)});
   }

@@ -8,9 +8,17 @@ namespace {
 
 /// A neighbourhood this flat (variance across to along) is a wall.
 constexpr double kFlat = 0.15;
+/// Two faces of a wall have so many points each, at least, and their means are so many standard deviations apart, squared.
+constexpr double kLeastOfFace = 3, kApart2 = 4;
 /// On the mixed term: more than what rounding to float may take off the determinant, so that a surfel's information is
 /// positive semidefinite as it is stored.
 constexpr double kHeldBack = 1 - 2.5e-7;
+
+/// Whether two directions are more than 120 degrees apart: normals of single points err much.
+bool areOpposite(double ax, double ay, double bx, double by) {
+  const double dot = ax * bx + ay * by;
+  return dot < 0 && 4 * dot * dot > (ax * ax + ay * ay) * (bx * bx + by * by);
+}
 
 }  // namespace
 
@@ -49,11 +57,52 @@ void SurfelMap::add(const std::vector<PatchPoint>& points, const core::Pose2& T_
     }
     const double dx = x - (static_cast<double>(column) + 0.5) * cell_m_;
     const double dy = y - (static_cast<double>(row) + 0.5) * cell_m_;
-    Sums& sums = sums_[static_cast<size_t>(index)];
     const double ax = c * point.along_x - s * point.along_y, ay = s * point.along_x + c * point.along_y;
+    Sums& sums = two_sided_ ? faceOf(index, ax, ay) : sums_[static_cast<size_t>(index)];
     sums.n += 1, sums.x += dx, sums.y += dy;
     sums.xx += dx * dx + ax * ax, sums.xy += dx * dy + ax * ay, sums.yy += dy * dy + ay * ay;
   }
+}
+
+/// The sums of a cell for a point whose surface lies along (ax, ay), with the lidar on the left.
+SurfelMap::Sums& SurfelMap::faceOf(std::int32_t index, double ax, double ay) {
+  const double length = std::sqrt(ax * ax + ay * ay);
+  const double nx = length > 0 ? -ay / length : 0, ny = length > 0 ? ax / length : 0;
+  auto face = static_cast<size_t>(index);
+  if (areOpposite(sums_[face].nx, sums_[face].ny, nx, ny)) {
+    if (sums_[face].back < 0) {
+      sums_[face].back = static_cast<std::int32_t>(sums_.size());
+      sums_.emplace_back();
+    }
+    face = static_cast<size_t>(sums_[face].back);
+  }
+  sums_[face].nx += nx, sums_[face].ny += ny;
+  return sums_[face];
+}
+
+/// Whether points seen from opposite sides lie apart, each on its own side: otherwise they are one thin or rough thing.
+bool SurfelMap::areTwoFaces(const Sums& front, const Sums& back) {
+  if (front.n < kLeastOfFace || back.n < kLeastOfFace) return false;
+  // From back to front, of any length: both sides of the comparison grow with its square.
+  const double dx = front.nx / front.n - back.nx / back.n, dy = front.ny / front.n - back.ny / back.n;
+  const double apart =
+      dx * (front.x / front.n - back.x / back.n) + dy * (front.y / front.n - back.y / back.n);
+  const auto variance = [&](const Sums& sums) {
+    const double mx = sums.x / sums.n, my = sums.y / sums.n;
+    return dx * dx * (sums.xx / sums.n - mx * mx) + 2 * dx * dy * (sums.xy / sums.n - mx * my) +
+           dy * dy * (sums.yy / sums.n - my * my);
+  };
+  return apart > 0 && apart * apart > kApart2 * (variance(front) + variance(back));
+}
+
+/// Adds the sums of a neighbour with a weight; its cell lies (ox, oy) off this one.
+void SurfelMap::Sums::add(const Sums& sums, double w, double ox, double oy) {
+  n += w * sums.n;
+  x += w * (sums.x + sums.n * ox), y += w * (sums.y + sums.n * oy);
+  xx += w * (sums.xx + 2 * ox * sums.x + sums.n * ox * ox);
+  xy += w * (sums.xy + ox * sums.y + oy * sums.x + sums.n * ox * oy);
+  yy += w * (sums.yy + 2 * oy * sums.y + sums.n * oy * oy);
+  nx += w * sums.nx, ny += w * sums.ny;
 }
 
 std::int32_t SurfelMap::makeSurfel(std::int64_t cell) const {
@@ -63,21 +112,35 @@ std::int32_t SurfelMap::makeSurfel(std::int64_t cell) const {
   // The rim is empty, and its cells have no neighbours to ask.
   const std::int64_t column = cell % side_, row = cell / side_;
   if (column < 1 || row < 1 || column >= side_ - 1 || row >= side_ - 1) return index;
-  Sums pooled;
-  for (int r = -1; r <= 1; ++r)
-    for (int k = -1; k <= 1; ++k) {
-      const std::int32_t at = sums_of_[static_cast<size_t>(cell + r * side_ + k)];
-      if (at < 0) continue;
+  Sums front, back;
+  double nx = 0, ny = 0;  // of the front
+  const auto add = [&](std::int32_t first, double w, double ox, double oy) {
+    for (std::int32_t at = first; at >= 0; at = sums_[static_cast<size_t>(at)].back) {
       const Sums& sums = sums_[static_cast<size_t>(at)];
-      const double w = (r == 0 ? 1.0 : 0.5) * (k == 0 ? 1.0 : 0.5);
-      const double ox = k * cell_m_, oy = r * cell_m_;
-      pooled.n += w * sums.n;
-      pooled.x += w * (sums.x + sums.n * ox), pooled.y += w * (sums.y + sums.n * oy);
-      pooled.xx += w * (sums.xx + 2 * ox * sums.x + sums.n * ox * ox);
-      pooled.xy += w * (sums.xy + ox * sums.y + oy * sums.x + sums.n * ox * oy);
-      pooled.yy += w * (sums.yy + 2 * oy * sums.y + sums.n * oy * oy);
+      if (nx == 0 && ny == 0) nx = sums.nx, ny = sums.ny;
+      (two_sided_ && areOpposite(nx, ny, sums.nx, sums.ny) ? back : front).add(sums, w, ox, oy);
     }
-  if (pooled.n < 2) return index;
+  };
+  if (const std::int32_t own = sums_of_[static_cast<size_t>(cell)]; own >= 0)
+    nx = sums_[static_cast<size_t>(own)].nx, ny = sums_[static_cast<size_t>(own)].ny;
+  for (int r = -1; r <= 1; ++r)
+    for (int k = -1; k <= 1; ++k)
+      add(sums_of_[static_cast<size_t>(cell + r * side_ + k)], (r == 0 ? 1.0 : 0.5) * (k == 0 ? 1.0 : 0.5),
+          k * cell_m_, r * cell_m_);
+  if (front.n + back.n < 2) return index;
+  index = static_cast<std::int32_t>(surfels_.size());
+  const bool are_two = areTwoFaces(front, back);
+  if (!are_two) front.add(back, 1, 0, 0);
+  pushSurfel(front, column, row);
+  if (are_two) {
+    surfels_.back().back = index + 1;
+    pushSurfel(back, column, row);
+  }
+  return index;
+}
+
+/// The surfel of these points, from the centre of the cell.
+void SurfelMap::pushSurfel(const Sums& pooled, std::int64_t column, std::int64_t row) const {
   const double mx = pooled.x / pooled.n, my = pooled.y / pooled.n;
   const double xx = pooled.xx / pooled.n - mx * mx, yy = pooled.yy / pooled.n - my * my;
   const double xy = pooled.xy / pooled.n - mx * my;
@@ -97,12 +160,11 @@ std::int32_t SurfelMap::makeSurfel(std::int64_t cell) const {
   const double gain = information_along - information_across;
   const double cx = (static_cast<double>(column) + 0.5) * cell_m_;
   const double cy = (static_cast<double>(row) + 0.5) * cell_m_;
-  index = static_cast<std::int32_t>(surfels_.size());
   surfels_.push_back({static_cast<float>(cx + mx), static_cast<float>(cy + my),
                       static_cast<float>(information_across + gain * ux * ux),
                       static_cast<float>(kHeldBack * gain * ux * uy),
-                      static_cast<float>(information_across + gain * uy * uy)});
-  return index;
+                      static_cast<float>(information_across + gain * uy * uy), static_cast<float>(pooled.nx),
+                      static_cast<float>(pooled.ny), -1});
 }
 
 }  // namespace slam::scanmatch

@@ -12,13 +12,19 @@ namespace slam::scanmatch {
 struct Surfel {
   float x, y;        ///< mean, from the map's origin
   float xx, xy, yy;  ///< information matrix (inverse covariance), 1/m^2
+  /// A wall whose two faces were both seen, apart from each other, has a surfel of each: the mean normal of this one, towards
+  /// the lidar, of any length, and the index of the other; -1: one face only.
+  float nx, ny;
+  std::int32_t back;
 };
 
 /// A square window of such cells, in the map frame (m). Points per cell are kept, and surfels made of them on demand.
 class SurfelMap {
  public:
-  /// Cells of `cell_m`; `blur_m` is added to every Gaussian as an isotropic standard deviation.
-  SurfelMap(double cell_m, double blur_m) : cell_m_(cell_m), blur_m_(blur_m) {}
+  /// Cells of `cell_m`; `blur_m` is added to every Gaussian as an isotropic standard deviation. `two_sided`: the faces of a
+  /// thin wall are kept apart; without it they are fused, which a coarse match from far off needs.
+  SurfelMap(double cell_m, double blur_m, bool two_sided = false)
+      : cell_m_(cell_m), blur_m_(blur_m), two_sided_(two_sided) {}
 
   /// Empty, covering [centre - reach, centre + reach] in both directions; points outside are left out.
   void clear(const core::Point2& centre, double reach_m);
@@ -28,8 +34,8 @@ class SurfelMap {
   core::Point2 origin() const { return origin_; }
   /// Whether the map has anything to say there: see clear(). Coordinates from origin().
   bool covers(double x, double y) const { return x >= 0 && y >= 0 && x < extent_m_ && y < extent_m_; }
-  /// nullptr where no surface is near. Coordinates from origin(). A surfel is made when it is first asked for, so that
-  /// two threads must not ask the same map.
+  /// nullptr where no surface is near. Coordinates from origin(). Of a wall with two faces the one that was seen first. A surfel
+  /// is made when it is first asked for, so that two threads must not ask the same map.
   const Surfel* at(double x, double y) const {
     if (!(x >= 0 && y >= 0 && x < extent_m_ && y < extent_m_)) return nullptr;
     const auto column = static_cast<std::int64_t>(x * per_cell_),
@@ -39,15 +45,29 @@ class SurfelMap {
     if (index == kUnknown) index = makeSurfel(cell);
     return index < 0 ? nullptr : &surfels_[static_cast<size_t>(index)];
   }
+  /// The same for a point whose surface has this normal (of any length; towards the lidar): the face on its side.
+  const Surfel* at(double x, double y, double nx, double ny) const {
+    const Surfel* surfel = at(x, y);
+    if (!surfel || surfel->back < 0 || surfel->nx * nx + surfel->ny * ny >= 0) return surfel;
+    return &surfels_[static_cast<size_t>(surfel->back)];
+  }
 
  private:
   struct Sums {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;  ///< from the centre of the cell
+    double nx = 0, ny = 0;                               ///< normals, towards the lidar
+    std::int32_t back = -1;                              ///< of the points seen from the other side
+    void add(const Sums& other, double w, double ox, double oy);
   };
   static constexpr std::int32_t kUnknown = -1, kNone = -2;
   std::int32_t makeSurfel(std::int64_t cell) const;
+  static bool areTwoFaces(const Sums& front, const Sums& back);
+  Sums& faceOf(std::int32_t index, double ax, double ay);
+  void pushSurfel(const Sums& pooled, std::int64_t column, std::int64_t row) const;
 
-  double cell_m_, blur_m_, per_cell_ = 0, extent_m_ = 0;
+  double cell_m_, blur_m_;
+  bool two_sided_;
+  double per_cell_ = 0, extent_m_ = 0;
   core::Point2 origin_;
   std::int64_t side_ = 0;
   std::vector<std::int32_t> sums_of_;            ///< per cell, -1: no point

@@ -30,7 +30,8 @@ System accumulate(const std::vector<PatchPoint>& points, const SurfelMap& map, c
   int outside = 0;
   for (const auto& point : points) {
     const double rx = c * point.x - s * point.y, ry = s * point.x + c * point.y;
-    const Surfel* surfel = map.at(tx + rx, ty + ry);
+    const Surfel* surfel = map.at(tx + rx, ty + ry, -(s * point.along_x + c * point.along_y),
+                                  c * point.along_x - s * point.along_y);
     if (!surfel) {
       outside += !map.covers(tx + rx, ty + ry);
       continue;
@@ -104,7 +105,7 @@ double surfelScore(const std::vector<PatchPoint>& points, const SurfelMap& map,
     ++count;
     const auto& p = points[i];
     const double x = tx + c * p.x - s * p.y, y = ty + s * p.x + c * p.y;
-    const Surfel* surfel = map.at(x, y);
+    const Surfel* surfel = map.at(x, y, -(s * p.along_x + c * p.along_y), c * p.along_x - s * p.along_y);
     if (!surfel) {
       outside += !map.covers(x, y);
       continue;

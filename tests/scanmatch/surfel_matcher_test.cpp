@@ -46,6 +46,71 @@ TEST(SurfelMap, IsEmptyFarFromSurfacesOutsideAndAfterClear) {
   EXPECT_EQ(map.at(1.5 - map.origin().x, 3 - map.origin().y), nullptr);
 }
 
+/// Two rooms with a wall of 12 cm between them, looked at from both, with 1 cm of noise.
+SurfelMap mapOfTwoRooms(bool two_sided) {
+  core::RandomStream chance(1, "map");
+  SurfelMap map(0.1, 0.03, two_sided);
+  map.clear({}, 30);
+  const auto left = rectangle(-4, -3, -0.06, 3), right = rectangle(0.06, -3, 4, 3);
+  for (const auto& pose : aFewPosesAround(-2)) map.add(patchPoints(look(left, pose, {}, chance), {}), pose);
+  for (const auto& pose : aFewPosesAround(2)) map.add(patchPoints(look(right, pose, {}, chance), {}), pose);
+  return map;
+}
+
+TEST(SurfelMap, KeepsTheTwoFacesOfAThinWallApart) {
+  const auto map = mapOfTwoRooms(true);
+  const auto o = map.origin();
+  for (const double x : {-0.06, 0.06}) {
+    const Surfel* face = map.at(x - o.x, 1 - o.y, x, 0);
+    ASSERT_NE(face, nullptr);
+    EXPECT_GE(face->back, 0);
+    EXPECT_NEAR(face->x + o.x, x, 0.005);
+  }
+  // A wall that was seen from one side is the same from both.
+  const Surfel* outer = map.at(-4 - o.x, 1 - o.y, -1, 0);
+  ASSERT_NE(outer, nullptr);
+  EXPECT_EQ(outer, map.at(-4 - o.x, 1 - o.y, 1, 0));
+  EXPECT_LT(outer->back, 0);
+  // Fused, both lie in the middle.
+  const auto fused = mapOfTwoRooms(false);
+  const Surfel* middle = fused.at(-0.06 - o.x, 1 - o.y, -1, 0);
+  ASSERT_NE(middle, nullptr);
+  EXPECT_NEAR(middle->x + o.x, 0, 0.03);
+}
+
+TEST(SurfelMap, ARoughSurfaceSeenFromAllAroundIsOneThing) {
+  // A bush: points all over a disc of 15 cm, with normals to the side from which each was seen, whichever that is.
+  core::RandomStream chance(3, "bush");
+  SurfelMap map(0.1, 0.03, true);
+  map.clear({}, 5);
+  std::vector<PatchPoint> points;
+  for (int i = 0; i < 400; ++i) {
+    const double angle = 2 * core::kPi * chance.uniform();
+    points.push_back({static_cast<float>(0.05 * chance.normal()), static_cast<float>(0.05 * chance.normal()),
+                      static_cast<float>(0.01 * std::cos(angle)),
+                      static_cast<float>(0.01 * std::sin(angle))});
+  }
+  map.add(points, {});
+  const Surfel* surfel = map.at(-map.origin().x, -map.origin().y);
+  ASSERT_NE(surfel, nullptr);
+  EXPECT_LT(surfel->back, 0);
+}
+
+TEST(SurfelMatcher, IsNotPulledIntoAThinWallByItsOtherFace) {
+  // From the narrow end of the left room nothing but the wall between the rooms tells x.
+  core::RandomStream chance(9, "query");
+  const std::vector<Wall> wall{{{-0.06, -3}, {-0.06, 3}}, {{-4, 3}, {-0.06, 3}}, {{-4, -3}, {-0.06, -3}}};
+  const core::Pose2 truth{-1.5, 0.3, 0.2};
+  const auto points = patchPoints(look(wall, truth, {}, chance), {});
+  PosePrior prior;
+  prior.mean = {-1.47, 0.32, 0.21};
+  prior.information.diagonal() << 1, 1, 1;
+  const auto apart = alignToSurfels(points, mapOfTwoRooms(true), prior.mean, prior, {});
+  const auto fused = alignToSurfels(points, mapOfTwoRooms(false), prior.mean, prior, {});
+  EXPECT_NEAR(apart.T_map_robot.x, truth.x, 0.006);
+  EXPECT_GT(std::abs(fused.T_map_robot.x - truth.x), 0.02) << "nothing to tell: the test is void";
+}
+
 TEST(SurfelMap, LeavesOutPointsBeyondItsReachWithoutHarm) {
   SurfelMap map(0.1, 0.03);
   map.clear({100, -50}, 2);
