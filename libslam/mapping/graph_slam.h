@@ -66,8 +66,12 @@ struct GraphOptions {
 /// that map explains the scans again, and goes on; or the evidence decides, and a new part of the map begins where the doubt
 /// began. A part is searched for all over the rest, one place and heading at a time; places that may be right are followed
 /// along the whole part, forth and back, a few steps per scan. It is joined at the best of them, once all of the map was
-/// looked at and no other place is nearly as good. Any number of parts may be open. In a finished map the robot is found
-/// the same way.
+/// looked at and no other place is nearly as good. Or it was no kidnapping: near where odometry has the robot the part is
+/// searched for as loops are, and joined like one. Any number of parts may be open. In a finished map the robot is found
+/// as in any other part.
+///
+/// The two faces of a thin wall are kept apart in the finest map (scanmatch::SurfelMap), so that rooms on both sides do not
+/// pull it into its middle.
 ///
 /// Journal: `distrusted` (odometry; value = gain in score), `rematched` (found on the lattice; value = score), `poor`
 /// (value = score), `lost` (value = score), `recovered` (the new part has been joined, or the robot is found again in a
