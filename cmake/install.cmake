@@ -12,7 +12,7 @@ if(RASTERSLAM_PROGRAMS)
       install(TARGETS ${plugin} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT programs)
     endif()
   endforeach()
-  install(DIRECTORY ${PROJECT_BINARY_DIR}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT programs FILES_MATCHING PATTERN "*.1")
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT programs FILES_MATCHING PATTERN "*.1.gz")
   install(FILES apps/completion/rasterslam.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
           RENAME rasterslam COMPONENT programs)
   install(FILES apps/completion/_rasterslam DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT programs)

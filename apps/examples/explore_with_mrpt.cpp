@@ -30,7 +30,6 @@ int main() {
     mrpt::obs::CSensoryFrame frame;
     frame.insert(scan);
     slam.processActionObservation(actions, frame);
-    // A pointer in MRPT 2.5, a reference in 2.14.
     const auto& maps = slam::mapping::compat::asReference(slam.getCurrentlyBuiltMetricMap());
     const auto map = maps.mapByClass<mrpt::maps::COccupancyGridMap2D>();
     const mrpt::poses::CPose2D pose(slam.getCurrentPoseEstimation()->getMeanVal());
