@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/scanmatch/drawn_rooms.h"
 
 namespace slam::scanmatch {
