@@ -115,9 +115,16 @@ TEST(LogInfo, AgreesWithRawlogEditOnTheMalagaLoop) {
   if (!testing::programExists("rawlog-edit")) GTEST_SKIP() << "rawlog-edit (mrpt-apps) is not installed";
   const auto edit = testing::runCommand("rawlog-edit --info -i '" + kMalaga + "'");
   EXPECT_THAT(edit.out, HasSubstr("Overall number of objects         : 449\n"));
-  EXPECT_THAT(edit.out, HasSubstr("/    224 /3.792"));
+  EXPECT_THAT(edit.out,
+              ::testing::ContainsRegex("/ +224 / *3[.]792"));  // the blanks differ by MRPT's version
   EXPECT_THAT(edit.out, HasSubstr("Latest timestamp                  : 1137834284.788331"));
   EXPECT_NEAR(info.last_time_s, 1137834284.788331, 0.5e-6) << "rawlog-edit prints 6 decimals";
+}
+
+/// MRPT 2.14 no longer reads one file of its own: its rawlog-edit finds one object in it, without a time.
+bool mrptReads(const std::filesystem::path& log) {
+  const auto seen = testing::runCommand("rawlog-edit --info -i '" + log.string() + "'");
+  return seen.out.find("Earliest timestamp                : 0.000000") == std::string::npos;
 }
 
 TEST(LogInfo, ReadsEveryLogThatMrptShips) {
@@ -126,6 +133,7 @@ TEST(LogInfo, ReadsEveryLogThatMrptShips) {
   for (const auto& file : std::filesystem::recursive_directory_iterator(kDatasets)) {
     if (file.path().extension() != ".rawlog") continue;
     SCOPED_TRACE(file.path().string());
+    if (file.path().filename() == "rot_scan_velodyne.rawlog" && !mrptReads(file.path())) continue;
     EXPECT_GT(inspectLog(file.path().string()).entries, 0U);
     ++logs;
   }
