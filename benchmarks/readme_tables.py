@@ -70,18 +70,18 @@ ORIGINAL_LIDAR = "thesis_360"
 NEWER = ("naive", "naive_blind", "graph")  # run anew by the suite `original`, on the same logs and on those of its own lidar
 
 
-def standard_line(name, what, mine, costs):
+def standard_line(name, what, mine, costs, with_cost=True):
     errors = [number(run["ate_final_m"]) for run in mine]
     good = [run for run, error in zip(mine, errors) if run["status"] == "ok" and error is not None and error <= FAILED_M]
     middle = median([error if error is not None and error <= FAILED_M else None for error in errors], float("inf"))
     score = {key: median([number(run[key]) for run in good], float("-inf")) if good else None
              for key in ("wall_f1", "free_iou")}
     cost = {key: statistics.median(float(costs[run["run"]][key]) for run in mine if run["run"] in costs)
-            for key in ("ms_per_scan", "peak_memory_mb")}
+            for key in ("ms_per_scan", "peak_memory_mb")} if with_cost else {}
     return [name, what, f"{100 * (len(mine) - len(good)) / len(mine):.1f}",
             f"{middle:.3f}" if middle < float("inf") else "failed",
             *(f"{value:.3f}" if value is not None else "-" for value in score.values()),
-            f"{cost['ms_per_scan']:.2f}", f"{cost['peak_memory_mb']:.0f}"]
+            *([f"{cost['ms_per_scan']:.2f}", f"{cost['peak_memory_mb']:.0f}"] if cost else [])]
 
 
 def standard():
@@ -101,6 +101,12 @@ def standard():
                 line[column] = f"**{line[column]}**"
     return markdown(["method", "what it is", "failed %:", "final ATE (m):", "wall F1:", "free IoU:", "ms/scan:", "MB:"],
                     lines)
+
+
+def original_lidar():
+    runs = rows("original_lidar.csv.xz")
+    lines = [standard_line(f"`{method}`", "", [run for run in runs if run["method"] == method], {}, False) for method in WHAT]
+    return markdown(["method", "failed %:", "final ATE (m):", "wall F1:", "free IoU:"], [[line[0], *line[2:]] for line in lines])
 
 
 PUBLISHED = {  # Cartographer, tuned per log: Hess et al., ICRA 2016, table I
@@ -167,7 +173,8 @@ def exploration():
 
 TABLES = {"README.md": {"standard": standard, "relations": relations},
           "docs/ray-casting.md": {"casting": casting},
-          "docs/exploration.md": {"exploration": exploration}}
+          "docs/exploration.md": {"exploration": exploration},
+          "docs/origins.md": {"original_lidar": original_lidar}}
 
 
 def stale(page, tables, check):
