@@ -121,7 +121,7 @@ TEST(LogInfo, AgreesWithRawlogEditOnTheMalagaLoop) {
   EXPECT_NEAR(info.last_time_s, 1137834284.788331, 0.5e-6) << "rawlog-edit prints 6 decimals";
 }
 
-/// MRPT 2.14 no longer reads one file of its own: its rawlog-edit finds one object in it, without a time.
+/// MRPT 2.14 no longer reads the rotating scans of its own files: its rawlog-edit finds one object, without a time.
 bool mrptReads(const std::filesystem::path& log) {
   const auto seen = testing::runCommand("rawlog-edit --info -i '" + log.string() + "'");
   return seen.out.find("Earliest timestamp                : 0.000000") == std::string::npos;
@@ -133,7 +133,7 @@ TEST(LogInfo, ReadsEveryLogThatMrptShips) {
   for (const auto& file : std::filesystem::recursive_directory_iterator(kDatasets)) {
     if (file.path().extension() != ".rawlog") continue;
     SCOPED_TRACE(file.path().string());
-    if (file.path().filename() == "rot_scan_velodyne.rawlog" && !mrptReads(file.path())) continue;
+    if (file.path().filename().string().rfind("rot_scan_", 0) == 0 && !mrptReads(file.path())) continue;
     EXPECT_GT(inspectLog(file.path().string()).entries, 0U);
     ++logs;
   }
