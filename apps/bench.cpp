@@ -38,7 +38,7 @@ int plan(const Context& context, const Arguments& arguments) {
   const auto sweep = sweep::planSweep(arguments.suite);
   const auto table = sweep::planTable(sweep.plan);
   if (context.json)
-    std::cout << sweep::toJson(sweep.plan);
+    std::cout << sweep::toJson(sweep.plan, ".");
   else
     std::cout << tableText(table);
   return 0;

@@ -35,8 +35,8 @@ int code(ExitCode exit_code) {
 
 /// One line on standard error; with --json also an object on standard output, for the program that called us. `is_machine`:
 /// a file could not be written, which no method is to blame for.
-int report(const Context& context, const char* message, ExitCode exit_code, bool is_machine = false) {
-  std::fprintf(stderr, "rasterslam: %s\n", message);
+int report(const Context& context, const std::string& message, ExitCode exit_code, bool is_machine = false) {
+  std::fprintf(stderr, "rasterslam: %s\n", message.c_str());
   if (context.json) {
     nlohmann::json said{{"error", message}, {"exit_code", code(exit_code)}};
     if (is_machine) said["machine"] = true;
@@ -135,11 +135,11 @@ int doCommand(CLI::App& app, Context& context, const std::vector<std::string>& c
   } catch (const std::bad_alloc&) {
     return report(context, "out of memory", ExitCode::kFailed);
   } catch (const core::Interrupted& error) {
-    return report(context, (error.what() + resumeText(app, command_line)).c_str(), ExitCode::kInterrupted);
+    return report(context, error.what() + resumeText(app, command_line), ExitCode::kInterrupted);
   } catch (const core::IoError& error) {
-    return report(context, error.what(), ExitCode::kFailed, true);
+    return report(context, core::oneLine(error.what()), ExitCode::kFailed, true);
   } catch (const std::exception& error) {
-    return report(context, error.what(), core::exitCodeOf(error));
+    return report(context, core::oneLine(error.what()), core::exitCodeOf(error));
   }
 }
 
@@ -155,7 +155,7 @@ int runProgram(CLI::App& app, Context& context) {
     app.parse(static_cast<int>(argv.size()), argv.data());
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return flushed(app.exit(error));  // --help, --version
-    return report(context, usageError(app, command_line, error.what()).c_str(), ExitCode::kUsage);
+    return report(context, core::oneLine(usageError(app, command_line, error.what())), ExitCode::kUsage);
   }
   muteOutput(context);
   return flushed(doCommand(app, context, command_line));

@@ -51,6 +51,10 @@ class Interrupted : public std::runtime_error {
   Interrupted() : std::runtime_error("interrupted") {}
 };
 
+/// A message as one line for a terminal, whatever names and bytes of files it quotes: line breaks become blanks, other control
+/// bytes and what is no UTF-8 become \xNN, and what is longer than `most` bytes loses its middle ("...").
+std::string oneLine(std::string_view message, std::size_t most = 300);
+
 /// "; did you mean 'x'?" for the candidate nearest to word by edit distance, or "" when none is near
 /// (more than a third of its letters, rounded up, would have to change).
 std::string didYouMean(std::string_view word, const std::vector<std::string>& candidates);

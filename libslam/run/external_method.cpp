@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <optional>
 #include <sstream>
@@ -26,6 +27,8 @@ namespace {
 constexpr double kStampTolerance_s = 1e-4;
 /// Of a quaternion's length: what four decimals round away.
 constexpr double kUnitTolerance = 1e-3;
+/// No robot of ours drives so far.
+constexpr double kFarthest_m = 1e6;
 constexpr size_t kMostViolations = 20;
 const char* const kPlaceholders[] = {"log", "output", "scans", "workdir", "seed", "here"};
 
@@ -69,6 +72,24 @@ void requireUsableCommand(const core::IniFile::Entry& entry) {
     throw core::InputError(keyText(entry, "command") +
                            "found no {output}, expected it where the program is told "
                            "which trajectory to write");
+}
+
+/// What a program printed, as far as anybody will read it: all, or its beginning and its end.
+std::string readPrinted(const std::string& path) {
+  constexpr std::streamoff kKept = 1 << 18;
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file) throw core::IoError(path + ": cannot be read");
+  const std::streamoff size = file.tellg();
+  const auto read = [&](std::streamoff from, std::streamoff bytes) {
+    std::string text(static_cast<std::size_t>(bytes), '\0');
+    file.seekg(from);
+    file.read(text.data(), bytes);
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    return text;
+  };
+  if (size <= 2 * kKept) return read(0, size);
+  return read(0, kKept) + "\n[" + std::to_string(size - 2 * kKept) + " bytes left out]\n" +
+         read(size - kKept, kKept);
 }
 
 struct Files {
@@ -200,6 +221,8 @@ class PathChecker {
       return violated("found '" + line.substr(0, 60) + "', expected 8 numbers: time x y z qx qy qz qw");
     if (!std::all_of(std::begin(n), std::end(n), [](double value) { return std::isfinite(value); }))
       return violated("found '" + line.substr(0, 60) + "', expected finite numbers");
+    if (std::max(std::abs(n[1]), std::abs(n[2])) > kFarthest_m)
+      return violated("found '" + line.substr(0, 60) + "', expected x and y within 1000 km");
     const double length = std::sqrt(n[4] * n[4] + n[5] * n[5] + n[6] * n[6] + n[7] * n[7]);
     if (std::abs(length - 1) > kUnitTolerance)
       return violated("found a quaternion of length " + core::formatNumber(length) + ", expected 1");
@@ -403,7 +426,7 @@ ExternalRun runExternalMethod(const ExternalMethod& method, const std::string& l
   progress.end();
 
   ExternalRun run;
-  run.printed = core::readTextFile(files.printed);
+  run.printed = readPrinted(files.printed);
   run.cost.mean_ms_per_scan = 1000 * outcome.cpu_s / static_cast<double>(scans.size());
   run.cost.p99_ms_per_scan = std::numeric_limits<double>::quiet_NaN();
   run.cost.peak_memory_mb = outcome.peak_memory_mb;

@@ -72,7 +72,8 @@ struct ExternalRun {
       path;  ///< T_map_robot at every scan, in the log's order, from the first scan's pose; empty with violations
   int filled_poses = 0;  ///< scans that the program gave no pose
   Cost cost;             ///< p99 unknown (NaN)
-  std::string printed;   ///< what the program printed, standard output and error
+  std::string
+      printed;  ///< what the program printed, standard output and error; of more than 512 KiB the beginning and the end
 
   /// From the pose at the scan before to that at the scan; the first scan's is null.
   core::Pose2 increment(size_t scan) const {

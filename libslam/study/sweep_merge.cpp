@@ -22,9 +22,8 @@ sweep::SweepPlan commonPlan(const std::vector<std::string>& folders) {
     if (!fs::exists(pathOf(folder)))
       throw core::InputError(folder + ": is not the folder of a sweep (no plan.json)");
   auto plan = sweep::readSweepPlan(pathOf(folders.front()));
-  const std::string text = core::readTextFile(pathOf(folders.front()));
   for (const auto& folder : folders)
-    if (core::readTextFile(pathOf(folder)) != text)
+    if (!sweep::areSame(sweep::readSweepPlan(pathOf(folder)), plan))
       throw core::InputError(folder + ": is of another sweep than " + folders.front() +
                              " (their plan.json differ)");
   return plan;
@@ -139,12 +138,13 @@ MergedSweep mergeSweep(const MergeRequest& request, core::Manifest manifest, cor
   std::error_code error;
   fs::create_directories(request.output + "/cells", error);
   if (error) throw core::IoError(request.output + ": cannot be made: " + error.message());
-  if (!fs::exists(request.output + "/plan.json"))
-    for (const char* name : {"suite.ini", "plan.json"})
-      core::writeFileAtomically(request.output + "/" + name,
-                                core::readTextFile(request.folders.front() + "/" + name));
-  else
+  if (!fs::exists(request.output + "/plan.json")) {
+    core::writeFileAtomically(request.output + "/suite.ini",
+                              core::readTextFile(request.folders.front() + "/suite.ini"));
+    core::writeFileAtomically(request.output + "/plan.json", sweep::toJson(merged.plan, request.output));
+  } else {
     commonPlan({request.folders.front(), request.output});
+  }
 
   Merger merger(request);
   SweepResults& results = merged.results;

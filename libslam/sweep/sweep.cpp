@@ -59,7 +59,7 @@ void prepare(const Sweep& sweep, const SweepRequest& request) {
   if (there.code != sweep.plan.code)
     throw core::InputError(output + ": was begun by " + there.code + ", this program is " + sweep.plan.code +
                            "; give --overwrite, or another folder");
-  if (request.of > 1 && toJson(there) != toJson(sweep.plan))
+  if (request.of > 1 && !areSame(there, sweep.plan))
     throw core::InputError(output + ": holds another sweep than " + sweep.suite.path +
                            "; its parts must be of one suite");
 }
@@ -67,7 +67,7 @@ void prepare(const Sweep& sweep, const SweepRequest& request) {
 void publishPlan(const Workplace& workplace, const Sweep& sweep, const SweepRequest& request,
                  const core::Manifest& manifest) {
   workplace.publish("suite.ini", sweep.suite.text, request.output);
-  workplace.publish("plan.json", toJson(sweep.plan), request.output);
+  workplace.publish("plan.json", toJson(sweep.plan, request.output), request.output);
   core::writeManifest(manifest, workplace.path() + "/manifest.json");
   fs::rename(workplace.path() + "/manifest.json", request.output + "/manifest.json");
 }

@@ -143,10 +143,18 @@ Sweep planSweep(const std::string& suite_path) {
   return sweep;
 }
 
-std::string toJson(const SweepPlan& plan) {
+bool areSame(const SweepPlan& a, const SweepPlan& b) {
+  SweepPlan moved = b;
+  moved.suite_folder = a.suite_folder;
+  return toJson(a, a.suite_folder) == toJson(moved, a.suite_folder);
+}
+
+std::string toJson(const SweepPlan& plan, const std::string& folder) {
+  const auto absolute = [](const std::string& path) { return (fs::absolute(path) / "").lexically_normal(); };
+  const auto suite_folder = absolute(plan.suite_folder).lexically_relative(absolute(folder));
   auto line = [](const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); };
   std::string text = "{\"suite\": " + line(plan.name) + ",\n \"code\": " + line(plan.code) +
-                     ",\n \"suite_folder\": " + line(plan.suite_folder) +
+                     ",\n \"suite_folder\": " + line(suite_folder.generic_string()) +
                      ",\n \"baseline\": " + line(plan.baseline) + ",\n \"metric\": " + line(plan.metric) +
                      ",\n \"failure_ate_m\": " + line(plan.failure_ate_m) + ",\n \"logs\": [";
   const char* comma = "\n  ";
@@ -182,7 +190,9 @@ SweepPlan readSweepPlan(const std::string& path) {
     const auto json = Json::parse(text);
     json.at("suite").get_to(plan.name);
     json.at("code").get_to(plan.code);
-    json.at("suite_folder").get_to(plan.suite_folder);
+    plan.suite_folder = (fs::absolute(path).parent_path() / json.at("suite_folder").get<std::string>())
+                            .lexically_normal()
+                            .string();
     json.at("baseline").get_to(plan.baseline);
     json.at("metric").get_to(plan.metric);
     json.at("failure_ate_m").get_to(plan.failure_ate_m);

@@ -52,9 +52,12 @@ Sweep planSweep(Suite suite);
 /// relative paths still start from where the suite came from. Errors: as readSuite() and planSweep().
 Sweep planSweep(const std::string& suite_path);
 
-/// plan.json: the same bytes for the same suite and code.
-std::string toJson(const SweepPlan& plan);
-/// Reads it back. Errors: InputError with the path.
+/// plan.json in a folder: the same bytes for the same suite and code. The suite's folder is written as seen from there, so that
+/// both can be moved together, and no path of one machine stands in results.
+std::string toJson(const SweepPlan& plan, const std::string& folder);
+/// Whether two plans have the same cells, wherever their suites lie.
+bool areSame(const SweepPlan& a, const SweepPlan& b);
+/// Reads it back, the suite's folder as an absolute path. Errors: InputError with the path.
 SweepPlan readSweepPlan(const std::string& path);
 
 /// One row per run, for people.

@@ -60,6 +60,17 @@ void writeLog(const std::string& path, int entries, bool has_odometry = true) {
   writer.close();
 }
 
+TEST(BadInput, IsQuotedInOneShortLineThatATerminalCanShow) {
+  const testing::TempFolder folder;
+  core::writeFileAtomically(folder / "plan.yaml",
+                            "image: x.png\nresolution: '\x1b[31m" + std::string(9000, '7') + "'\n");
+  const auto result = rasterslam("simulate plan.yaml", folder.path());
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_LE(result.err.size(), 320U);
+  EXPECT_EQ(result.err.find('\x1b'), std::string::npos);
+}
+
 TEST(BadInput, PlansThatAreNone) {
   const testing::TempFolder folder;
   cv::imwrite(folder / "room.png", roomPicture());

@@ -12,6 +12,7 @@ namespace slam::apps {
 namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 void write(const std::string& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
@@ -33,6 +34,7 @@ TEST(Stress, FindsWhereWheelsThatSlipBreakAMethodAndSaysWhy) {
     EXPECT_TRUE(fs::exists(folder / ("one/" + file))) << meaning;
   EXPECT_TRUE(manifest["files"].contains("stress.png"));
   EXPECT_TRUE(manifest["files"].contains("results.csv"));
+  EXPECT_THAT(core::readTextFile(folder / "one/plan.json"), Not(HasSubstr(folder.path())));
   const auto failures = nlohmann::json::parse(core::readTextFile(folder / "one/failures.json"))["rows"];
   nlohmann::json failure;  // of the wheels that slip much
   int slipped = 0;

@@ -25,9 +25,11 @@ namespace slam::run {
 namespace {
 namespace fs = std::filesystem;
 using slam::testing::errorOf;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::StartsWith;
 
 /// Scans a second apart, a metre of odometry between them.
 const std::vector<ScanPlace> kScans = {
@@ -47,6 +49,14 @@ TEST(CheckPath, TakesEveryScanByItsStamp) {
   EXPECT_NEAR(checked.path[3].pose.y, 1, 1e-12);
   EXPECT_NEAR(checked.path[3].pose.phi, core::kPi / 2, 1e-7);
   EXPECT_EQ(checked.path[1].time_s, 101);
+}
+
+TEST(CheckPath, RefusesPosesThatNoRobotReaches) {
+  const auto checked =
+      checkPath("100 0 0 0 0 0 0 1\n101 1e300 0 0 0 0 0 1\n102 0 -1e7 0 0 0 0 1\n", "p", kScans);
+  EXPECT_THAT(checked.violations,
+              ElementsAre("p:2: found '101 1e300 0 0 0 0 0 1', expected x and y within 1000 km",
+                          "p:3: found '102 0 -1e7 0 0 0 0 1', expected x and y within 1000 km"));
 }
 
 TEST(CheckPath, SaysEveryViolationWithItsLine) {
@@ -249,6 +259,14 @@ TEST_F(External, GetsItsSeedAndTheFolderOfItsIni) {
   const auto result = run("echo seed {seed} in {here} '{ print }' && " + kWheels);
   EXPECT_THAT(result.violations, IsEmpty());
   EXPECT_THAT(result.printed, HasSubstr("seed 7 in " + here_.path() + " { print }"));
+}
+
+TEST_F(External, OfEndlessOutputTheBeginningAndTheEndAreKept) {
+  const auto result = run("echo begin; yes | head -c 3000000; echo the end; " + kWheels);
+  EXPECT_THAT(result.violations, IsEmpty());
+  EXPECT_LT(result.printed.size(), 600000U);
+  EXPECT_THAT(result.printed,
+              AllOf(StartsWith("begin\n"), HasSubstr("bytes left out]\n"), HasSubstr("the end\n")));
 }
 
 TEST_F(External, WhatItOwesIsCheckedOneByOne) {
