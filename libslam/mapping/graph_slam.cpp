@@ -87,12 +87,13 @@ const core::ParameterTable<GraphOptions>& GraphOptions::table() {
   return kTable;
 }
 
-GraphSlam::LevelMaps::LevelMaps(const GraphOptions& o)
-    : fine(o.cell_m, o.blur_m, true),
+GraphSlam::LevelMaps::LevelMaps(const GraphOptions& o, bool two_sided)
+    : fine(o.cell_m, o.blur_m, two_sided),
       middle(2 * o.cell_m, o.blur_m + 0.02),
       coarse(4 * o.cell_m, o.blur_m + 0.07) {}
 
-GraphSlam::GraphSlam(const GraphOptions& options) : options_(options), maps_(options), scratch_(options) {}
+GraphSlam::GraphSlam(const GraphOptions& options)
+    : options_(options), maps_(options, true), scratch_(options, false) {}
 
 void GraphSlam::note(const char* event, double value, int other_keyframe, const std::string& detail) {
   journal_.push_back({static_cast<int>(records_.size()), event, value,

@@ -146,10 +146,11 @@ class GraphSlam {
     int to;
     double length_m;
   };
-  /// Surfels of the same points with cells of one, two and four times cell_m.
+  /// Surfels of the same points with cells of one, two and four times cell_m. `two_sided`: the finest keep the faces of thin walls
+  /// apart; for a robot that is tracked, not for one whose place is looked for.
   struct LevelMaps {
     scanmatch::SurfelMap fine, middle, coarse;
-    explicit LevelMaps(const GraphOptions& options);
+    LevelMaps(const GraphOptions& options, bool two_sided);
   };
   /// A step as odometry has it, or else the motion before, and standard deviations.
   struct Prediction {
