@@ -15,7 +15,7 @@ using scanmatch::PosePrior;
 constexpr double kHold_s = 0.5;
 /// A scan of which less is known than this share says nothing.
 constexpr double kTold = 0.1;
-/// How far a robot may have been kidnapped, as far as anybody knows.
+/// Standard deviations of where a kidnapped robot was put down: anywhere.
 constexpr double kGap_m = 30, kGap_rad = 3;
 /// Keyframes that are all learnt from; then one in so many.
 constexpr int kLearntSoon = 20;
