@@ -29,6 +29,9 @@ constexpr double kLatticeTurn_rad = 0.03, kLatticeStep_m = 0.1, kRecoverGain = 0
 /// Least share of the information along the worst direction of movement; below, a corridor or an open field.
 constexpr double kDegenerate = 0.02;
 
+/// In standard deviations of odometry: a motion that it hardly can have missed.
+constexpr double kFar = 4;
+
 }  // namespace
 
 scanmatch::MatchOptions GraphSlam::matchOptions(int max_iterations) {
@@ -207,8 +210,14 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   const auto isBetter = [&](const MatchResult& other, double least_gain) {
     const double gained = gain(points, other.T_map_robot, result.T_map_robot);
     if (!(gained > least_gain) || other.score >= options_.recover_score) return gained > least_gain;
-    // Wheels are worth more than an explanation of less than half.
-    if (has_odometry && toldScore(points, other.T_map_robot) < options_.lost_score) return false;
+    // Wheels are worth more than an explanation of less than half; and where they would have to be quite wrong, more than
+    // any that is poor.
+    const bool is_far =
+        core::distance(other.T_map_robot, predicted) > kFar * sigma_xy ||
+        std::abs(core::angleDifference(other.T_map_robot.phi, predicted.phi)) > kFar * sigma_turn;
+    if (has_odometry &&
+        toldScore(points, other.T_map_robot) < (is_far ? options_.recover_score : options_.lost_score))
+      return false;
     const double more_broken = brokenBy(points, core::between(T_before, other.T_map_robot)) -
                                brokenBy(points, core::between(T_before, result.T_map_robot));
     return gained - std::max(more_broken, 0.0) > least_gain;
