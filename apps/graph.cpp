@@ -8,8 +8,13 @@
 #include "apps/console.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/random.h"
+#include "libslam/posegraph/chaining.h"
 #include "libslam/posegraph/g2o_io.h"
+#include "libslam/posegraph/global.h"
 #include "libslam/posegraph/optimize.h"
+#include "libslam/posegraph/parts.h"
+#include "libslam/posegraph/relaxation.h"
 
 namespace slam::apps {
 namespace {
@@ -18,7 +23,8 @@ using posegraph::EdgeKind;
 using posegraph::G2oGraph;
 
 struct Arguments {
-  std::string file, robust;
+  std::string file, robust, from = "file";
+  bool local = false;
 };
 
 nlohmann::ordered_json contentOf(const std::string& file, const G2oGraph& g2o) {
@@ -37,6 +43,7 @@ nlohmann::ordered_json contentOf(const std::string& file, const G2oGraph& g2o) {
           {"odometry_edges", graph.edges().size() - loops - priors},
           {"loop_edges", loops},
           {"priors", priors},
+          {"parts", posegraph::partsOf(graph).size()},
           {"chi2", graph.chi2()},
           {"path_length_m", core::pathLength(path)},
           {"passed_over", g2o.passed_over}};
@@ -52,6 +59,7 @@ void print(const Context& context, const nlohmann::ordered_json& facts) {
               count("nodes"), facts["path_length_m"].get<double>(), count("fixed"));
   std::printf("%lu edges of odometry, %lu loops, %lu priors; chi2 %.6g\n", count("odometry_edges"),
               count("loop_edges"), count("priors"), facts["chi2"].get<double>());
+  if (count("parts") > 1) std::printf("%lu parts that no edge ties together\n", count("parts"));
   for (const auto& [tag, lines] : facts["passed_over"].items())
     std::printf("passed over: %lu lines %s\n", lines.get<unsigned long>(), tag.c_str());
 }
@@ -74,6 +82,65 @@ posegraph::OptimizeOptions readOptions(const Context& context, const Arguments& 
   return options;
 }
 
+/// Errors: InputError that names the parts, when something in the graph is held by nothing.
+void requireOnePart(const std::string& file, const G2oGraph& g2o) {
+  constexpr std::size_t kMostNamed = 5;
+  const auto parts = posegraph::partsOf(g2o.graph);
+  if (parts.size() == 1) return;
+  std::string named;
+  for (std::size_t i = 0; i < std::min(parts.size(), kMostNamed); ++i) {
+    const auto id = [&](int node) { return std::to_string(g2o.ids[static_cast<std::size_t>(node)]); };
+    const auto& part = parts[i];
+    named += (i ? ", " : "") + id(part.front()) + (part.size() > 1 ? " to " + id(part.back()) : "") + " (" +
+             std::to_string(part.size()) + (part.size() > 1 ? " vertices)" : " vertex)");
+  }
+  if (parts.size() > kMostNamed) named += " and " + std::to_string(parts.size() - kMostNamed) + " more";
+  throw core::InputError(file + ": found " + std::to_string(parts.size()) +
+                         " parts that no edge ties together: " + named +
+                         "; expected one, or a FIX line or a prior in each");
+}
+
+/// Headings of any kind, positions anywhere in the square that the chained poses span.
+std::vector<core::Pose2> randomPoses(const posegraph::PoseGraph& graph, std::uint64_t seed) {
+  double extent = 1;
+  for (const auto& pose : posegraph::chained(graph))
+    extent = std::max({extent, std::abs(pose.x), std::abs(pose.y)});
+  auto random = core::RandomStream(seed, "start");
+  std::vector<core::Pose2> out;
+  for (int node = 0; node < graph.nodeCount(); ++node) {
+    const double x = random.uniform(-extent, extent), y = random.uniform(-extent, extent);
+    out.push_back({x, y, random.uniform(-core::kPi, core::kPi)});
+  }
+  return out;
+}
+
+void setStart(posegraph::PoseGraph& graph, const Arguments& arguments, std::uint64_t seed) {
+  if (arguments.from == "file") return;
+  const auto poses = arguments.from == "odometry" ? posegraph::chained(graph)
+                     : arguments.from == "random" ? randomPoses(graph, seed)
+                                                  : posegraph::relaxedPoses(graph);
+  for (int node = 0; node < graph.nodeCount(); ++node)
+    if (!graph.isFixed(node)) graph.setPose(node, poses[static_cast<std::size_t>(node)]);
+}
+
+void printSolved(const nlohmann::ordered_json& facts) {
+  std::printf("%s in %d iterations from chi2 %.6g; %zu loops switched off\n",
+              facts["converged"].get<bool>() ? "optimised" : "NOT converged", facts["iterations"].get<int>(),
+              facts["chi2_before"].get<double>(), facts["switched_off"].size());
+  for (const auto& loop : facts["switched_off"])
+    std::printf("  off: %lld - %lld\n", loop[0].get<long long>(), loop[1].get<long long>());
+  if (facts.contains("globally_optimal")) {
+    const char* of_these = facts["switched_off"].empty() ? "" : " with these loops";
+    if (facts["globally_optimal"].get<bool>())
+      std::printf("globally optimal: no poses have a lower chi2%s\n", of_these);
+    else
+      std::printf(
+          "not certified: no poses are known to have a lower chi2%s, but only less than %.6g is excluded\n",
+          of_these, facts["chi2_lower_bound"].get<double>());
+  }
+  std::printf("  %s\n", facts["output"].get<std::string>().c_str());
+}
+
 int optimise(const Context& context, const Arguments& arguments) {
   std::vector<core::ParameterReport> parameters;
   const auto options = readOptions(context, arguments, parameters);
@@ -85,7 +152,14 @@ int optimise(const Context& context, const Arguments& arguments) {
     throw core::InputError("graph optimise: found no --output, expected a .g2o file to write");
   core::refuseToOverwrite(context.output, context.overwrite);
   auto g2o = posegraph::readG2oFile(arguments.file);
-  const auto result = posegraph::optimize(g2o.graph, options);
+  requireOnePart(arguments.file, g2o);
+  setStart(g2o.graph, arguments, context.seed);
+  posegraph::GlobalResult solved;
+  if (arguments.local)
+    solved.optimum = posegraph::optimize(g2o.graph, options);
+  else
+    solved = posegraph::optimizeGlobally(g2o.graph, options);
+  const auto& result = solved.optimum;
   posegraph::writeG2oFile(g2o.graph, g2o.ids, context.output);
 
   auto facts = contentOf(arguments.file, g2o);
@@ -99,16 +173,14 @@ int optimise(const Context& context, const Arguments& arguments) {
   facts["iterations"] = result.iterations;
   facts["converged"] = result.converged;
   facts["switched_off"] = switched_off;
+  if (!arguments.local) {
+    facts["from"] = solved.from_relaxation ? "relaxation" : arguments.from;
+    facts["globally_optimal"] = solved.certificate.is_optimal;
+    facts["chi2_lower_bound"] = solved.certificate.lower_bound;
+  }
   facts["output"] = context.output;
   print(context, facts);
-  if (!context.json) {
-    std::printf("%s in %d iterations from chi2 %.6g; %zu loops switched off\n",
-                result.converged ? "optimised" : "NOT converged", result.iterations, result.initial_chi2,
-                result.switched_off.size());
-    for (const auto& loop : switched_off)
-      std::printf("  off: %lld - %lld\n", loop[0].get<long long>(), loop[1].get<long long>());
-    std::printf("  %s\n", context.output.c_str());
-  }
+  if (!context.json) printSolved(facts);
   return static_cast<int>(result.converged ? core::ExitCode::kOk : core::ExitCode::kMethodFailed);
 }
 
@@ -127,20 +199,31 @@ void addGraph(CLI::App& app, Context& context) {
     context.action = [&context, arguments] { return info(context, *arguments); };
   });
 
-  auto* solve = command->add_subcommand("optimise", "move the nodes to where chi2 is least");
+  auto* solve = command->add_subcommand("optimise", "move the nodes to where chi2 is least, and prove it");
   solve->alias("optimize");
   solve->add_option("file", arguments->file, "a g2o file; edges between consecutive ids are odometry")
       ->required();
   solve->add_option(
       "--robust", arguments->robust,
       "which loops count: none (all do), local (switch off the wrong ones) or global (any start)");
+  solve
+      ->add_option("--from", arguments->from,
+                   "where to start: file, odometry (chained), random (see --seed) or relaxation (all "
+                   "headings at once)")
+      ->check(CLI::IsMember({"file", "odometry", "random", "relaxation"}));
+  solve->add_flag("--local", arguments->local,
+                  "only down from there: no second start from the relaxation, no certificate");
+  addSeed(solve, context);
   addConfig(solve, context);
   addOutput(solve, context, "the g2o file to write; loops that are off are left out");
   addJson(solve, context);
   solve->footer(
+      "Starts where --from says and from the relaxation, keeps the lower end, and says whether it is "
+      "globally optimal.\n"
       "Exit code 4 when it did not converge; what was reached is written all the same.\n"
       "Examples:\n"
       "  rasterslam graph optimise intel.g2o -o solved.g2o\n"
+      "  rasterslam graph optimise intel.g2o --from random --seed 3 -o solved.g2o\n"
       "  rasterslam graph optimise doubtful.g2o --robust global -o solved.g2o\n"
       "  rasterslam graph optimise a.g2o -o b.g2o --set posegraph.switch_off_chi2=20");
   solve->callback([&context, arguments] {

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <charconv>
-#include <deque>
 #include <optional>
 #include <sstream>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
+#include "libslam/posegraph/chaining.h"
 
 namespace slam::posegraph {
 namespace {
@@ -126,58 +126,6 @@ FileContent parse(std::istream& text, const std::string& name) {
   return content;
 }
 
-/// Poses of the vertices that the file only names: along chains of edges from the poses that it gives.
-class Chaining {
- public:
-  Chaining(const std::vector<Edge>& edges, std::vector<std::optional<core::Pose2>> given)
-      : edges_(edges), poses_(given.size()), edges_of_(given.size()) {
-    for (size_t i = 0; i < edges.size(); ++i) {
-      if (edges[i].from == kMap) {
-        if (!given[at(edges[i].to)]) given[at(edges[i].to)] = edges[i].T_from_to;
-        continue;
-      }
-      edges_of_[at(edges[i].from)].push_back(i);
-      edges_of_[at(edges[i].to)].push_back(i);
-    }
-    for (size_t node = 0; node < given.size(); ++node)
-      if (given[node]) set(node, *given[node]);
-    for (size_t node = 0; node < given.size(); ++node) {
-      if (!poses_[node]) {
-        spread();
-        if (!poses_[node]) set(node, core::Pose2());
-      }
-    }
-    spread();
-  }
-  const core::Pose2& pose(size_t node) const { return *poses_[node]; }
-
- private:
-  static size_t at(int node) { return static_cast<size_t>(node); }
-  void set(size_t node, const core::Pose2& pose) {
-    poses_[node] = pose;
-    for (const size_t edge : edges_of_[node])
-      if (edges_[edge].kind == EdgeKind::kOdometry)
-        next_.push_front(edge);
-      else
-        next_.push_back(edge);
-  }
-  void spread() {
-    while (!next_.empty()) {
-      const Edge& edge = edges_[next_.front()];
-      next_.pop_front();
-      const size_t a = at(edge.from), b = at(edge.to);
-      if (!poses_[b])
-        set(b, *poses_[a] * edge.T_from_to);
-      else if (!poses_[a])
-        set(a, *poses_[b] * core::inverse(edge.T_from_to));
-    }
-  }
-  const std::vector<Edge>& edges_;
-  std::vector<std::optional<core::Pose2>> poses_;
-  std::vector<std::vector<size_t>> edges_of_;
-  std::deque<size_t> next_;  // edges with at least one end set
-};
-
 void append(std::string& line, const core::Pose2& pose) {
   for (const double value : {pose.x, pose.y, pose.phi}) line += ' ' + core::formatNumber(value);
 }
@@ -206,8 +154,7 @@ G2oGraph readG2o(std::istream& text, const std::string& name) {
     }
     edges.push_back(edge);
   }
-  const Chaining chaining(edges, std::move(given));
-  for (size_t node = 0; node < out.ids.size(); ++node) out.graph.addNode(chaining.pose(node));
+  for (const core::Pose2& pose : chained(edges, std::move(given))) out.graph.addNode(pose);
   bool is_held = !content.fixed.empty();
   for (const Edge& edge : edges) {
     out.graph.addEdge(edge);

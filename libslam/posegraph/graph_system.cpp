@@ -1,25 +1,12 @@
 #include "libslam/posegraph/graph_system.h"
 
 #include <numeric>
-#include <string>
 
-#include "libslam/core/error.h"
 #include "libslam/posegraph/edge_error.h"
 #include "libslam/posegraph/parts.h"
 
 namespace slam::posegraph {
 namespace {
-
-void requireTiedDown(const PoseGraph& graph, const std::vector<char>& is_used) {
-  Parts parts(graph);
-  for (size_t i = 0; i < graph.edges().size(); ++i)
-    if (is_used[i]) parts.join(graph.edges()[i]);
-  for (int node = 0; node < graph.nodeCount(); ++node)
-    if (!parts.isHeld(node))
-      throw core::InputError("pose graph: node " + std::to_string(node) +
-                             ": found no chain of edges to a fixed node or a prior, expected one (" +
-                             std::to_string(graph.nodeCount()) + " nodes)");
-}
 
 /// Covariance of an edge's error from those of its ends.
 Eigen::Matrix3d propagated(const Edge& edge, const std::vector<core::Pose2>& poses, const Eigen::Matrix3d& aa,
@@ -34,7 +21,7 @@ Eigen::Matrix3d propagated(const Edge& edge, const std::vector<core::Pose2>& pos
 }  // namespace
 
 GraphSystem::GraphSystem(const PoseGraph& graph, const std::vector<char>& is_used) {
-  requireTiedDown(graph, is_used);
+  requireHeld(graph, is_used);
   int variables = 0;
   for (int node = 0; node < graph.nodeCount(); ++node)
     variable_.push_back(graph.isFixed(node) ? -1 : variables++);

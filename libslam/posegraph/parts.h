@@ -16,6 +16,8 @@ class Parts {
   }
   void join(const Edge& edge) { unite(edge.from + 1, edge.to + 1); }
   bool areConnected(const Edge& edge) { return find(edge.from + 1) == find(edge.to + 1); }
+  /// One node of the part, the same for all of its nodes; kMap for what is held.
+  int nameOf(int node) { return isHeld(node) ? kMap : find(node + 1) - 1; }
   /// To a fixed node or the map.
   bool isHeld(int node) { return find(node + 1) == find(0); }
 
@@ -32,5 +34,12 @@ class Parts {
   void unite(int a, int b) { root_[static_cast<size_t>(find(a))] = find(b); }
   std::vector<int> root_;
 };
+
+/// Nodes that chains of edges that are on connect, ascending, the parts by their smallest node. Fixed nodes and those
+/// that have a prior count as connected with one another.
+std::vector<std::vector<int>> partsOf(const PoseGraph& graph);
+
+/// Errors: InputError for a node that no chain of used edges ties to a fixed node or to a prior.
+void requireHeld(const PoseGraph& graph, const std::vector<char>& is_used);
 
 }  // namespace slam::posegraph

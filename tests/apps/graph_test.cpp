@@ -86,17 +86,65 @@ TEST(GraphCommand, SwitchesAWrongLoopOffWhenAsked) {
   EXPECT_EQ(some["switched_off"], json::parse("[[0, 10]]"));
   EXPECT_LT(some["chi2"], all["chi2"].get<double>() / 10);
   const auto text = rasterslam("graph optimise a.g2o --robust global -o some.g2o --overwrite", folder.path());
-  EXPECT_THAT(text.out, HasSubstr("1 loops switched off\n  off: 0 - 10\n  some.g2o\n"));
+  EXPECT_THAT(text.out, HasSubstr("1 loops switched off\n  off: 0 - 10\nglobally optimal: no poses have a "
+                                  "lower chi2 with these loops\n  some.g2o\n"));
   EXPECT_EQ(core::readTextFile(folder / "some.g2o").find("EDGE_SE2 0 10 "), std::string::npos);
+}
+
+TEST(GraphCommand, FindsTheSameOptimumFromAnywhereAndProvesIt) {
+  const testing::TempFolder folder;
+  writeSquare(folder / "a.g2o", false);
+  double chi2 = 0;
+  for (const char* from : {"file", "odometry", "random", "relaxation"}) {
+    const auto solved = json::parse(
+        rasterslam("graph optimise a.g2o -o b.g2o --overwrite --seed 3 --json --from " + std::string(from),
+                   folder.path())
+            .out);
+    EXPECT_EQ(solved["converged"], true) << from;
+    EXPECT_EQ(solved["globally_optimal"], true) << from;
+    EXPECT_NEAR(solved["chi2_lower_bound"], solved["chi2"], 1e-5) << from;
+    if (chi2 == 0) chi2 = solved["chi2"];
+    EXPECT_NEAR(solved["chi2"], chi2, 1e-6 * chi2) << from;
+  }
+  const auto text = rasterslam("graph optimise a.g2o -o b.g2o --overwrite", folder.path());
+  EXPECT_THAT(text.out, HasSubstr("globally optimal: no poses have a lower chi2\n"));
+  const auto local =
+      json::parse(rasterslam("graph optimise a.g2o -o b.g2o --overwrite --local --json", folder.path()).out);
+  EXPECT_FALSE(local.contains("globally_optimal")) << "nobody asked";
+}
+
+TEST(GraphCommand, UnwindsARingThatALocalSearchLeavesWoundUp) {
+  // Eight poses that look the same way by their edges, wound up once: no small step is any better.
+  const testing::TempFolder folder;
+  {
+    std::ofstream text(folder / "ring.g2o");
+    for (int i = 0; i < 8; ++i) text << "VERTEX_SE2 " << i << " 0 0 " << i * M_PI / 4 << "\n";
+    for (int i = 0; i < 8; ++i) text << "EDGE_SE2 " << i << " " << (i + 1) % 8 << " 0 0 0 1 0 0 1 0 1\n";
+  }
+  const auto local =
+      json::parse(rasterslam("graph optimise ring.g2o -o b.g2o --local --json", folder.path()).out);
+  EXPECT_NEAR(local["chi2"], M_PI * M_PI / 2, 1e-6);
+  const auto best =
+      json::parse(rasterslam("graph optimise ring.g2o -o b.g2o --overwrite --json", folder.path()).out);
+  EXPECT_NEAR(best["chi2"], 0, 1e-9);
+  EXPECT_EQ(best["from"], "relaxation");
+  EXPECT_EQ(best["globally_optimal"], true);
 }
 
 TEST(GraphCommand, SaysWhatItCannotUnderstand) {
   const testing::TempFolder folder;
   writeSquare(folder / "a.g2o", false);
+  std::ofstream(folder / "parts.g2o") << "VERTEX_SE2 9 0 0 0\nEDGE_SE2 0 1 1 0 0 1 0 0 1 0 1\n";
+  std::ofstream(folder / "none.g2o") << "EDGE_SE2 0 1 1 0 0 0 0 0 0 0 0\n";
+  std::ofstream(folder / "minus.g2o") << "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 -1\n";
   std::ofstream(folder / "bad.g2o") << "VERTEX_SE2 0 0 zero 0\n";
   for (const auto& [arguments, words] : std::vector<std::pair<std::string, std::string>>{
            {"graph info nothing.g2o", "nothing.g2o"},
            {"graph info bad.g2o", "bad.g2o:1"},
+           {"graph info none.g2o", "none.g2o:1: found an information matrix that is zero"},
+           {"graph info minus.g2o", "minus.g2o:1: found an information matrix that is indefinite"},
+           {"graph optimise parts.g2o -o b.g2o",
+            "parts.g2o: found 2 parts that no edge ties together: 0 to 1 (2 vertices), 9 (1 vertex)"},
            {"graph optimise a.g2o", "found no --output"},
            {"graph optimise a.g2o --robust often -o b.g2o", "expected one of none, local, global"},
            {"graph optimise a.g2o --set posegraph.tolerence=1 -o b.g2o", "did you mean 'tolerance'?"}}) {

@@ -1,0 +1,19 @@
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "libslam/posegraph/pose_graph.h"
+
+namespace slam::posegraph {
+
+/// Poses for the nodes that have none: along chains of edges from those that do, breadth first and odometry before
+/// loops. A prior gives its node the pose that it measures. Where no chain leads, the first node left is put at the
+/// origin, and chaining goes on from there. Edges that are off do not count. REQUIRES edges between nodes below
+/// given.size().
+std::vector<core::Pose2> chained(const std::vector<Edge>& edges,
+                                 std::vector<std::optional<core::Pose2>> given);
+
+/// The same of a graph, of which only the fixed nodes have a pose; node 0 where there is neither such a node nor a prior.
+std::vector<core::Pose2> chained(const PoseGraph& graph);
+
+}  // namespace slam::posegraph

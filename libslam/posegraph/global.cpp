@@ -1,0 +1,54 @@
+#include "libslam/posegraph/global.h"
+
+#include <algorithm>
+#include <string>
+
+#include "libslam/posegraph/relaxation.h"
+
+namespace slam::posegraph {
+namespace {
+
+/// In standard deviations: how near a minimum a certificate is asked for. At a distance d the bound is looser by d^2.
+constexpr double kFine = 1e-6;
+/// An end is lower than another by at least so much of its chi2.
+constexpr double kLower = 1e-9;
+
+void setPoses(PoseGraph& graph, const std::vector<core::Pose2>& poses) {
+  for (int node = 0; node < graph.nodeCount(); ++node)
+    if (!graph.isFixed(node)) graph.setPose(node, poses[static_cast<size_t>(node)]);
+}
+
+}  // namespace
+
+GlobalResult optimizeGlobally(PoseGraph& graph, const OptimizeOptions& options) {
+  GlobalResult out;
+  out.optimum = optimize(graph, options);
+  OptimizeOptions plain = options;
+  plain.robust = "none";
+  plain.tolerance = std::min(options.tolerance, kFine);
+
+  PoseGraph other = graph;
+  setPoses(other, relaxedPoses(graph));
+  const OptimizeResult relaxed = optimize(other, plain);
+  out.optimum.iterations += relaxed.iterations;
+  out.from_relaxation = relaxed.final_chi2 < out.optimum.final_chi2 * (1 - kLower);
+  if (out.from_relaxation) {
+    graph = std::move(other);
+    out.optimum.converged = relaxed.converged;
+    if (options.robust != "none") {
+      OptimizeOptions again = options;
+      again.robust = "local";
+      const OptimizeResult judged = optimize(graph, again);
+      out.optimum.iterations += judged.iterations;
+      out.optimum.switched_off = judged.switched_off;
+    }
+  }
+  const OptimizeResult fine = optimize(graph, plain);
+  out.optimum.iterations += fine.iterations;
+  out.optimum.converged = out.optimum.converged || fine.converged;
+  out.optimum.final_chi2 = fine.final_chi2;
+  out.certificate = certify(graph);
+  return out;
+}
+
+}  // namespace slam::posegraph
