@@ -100,24 +100,10 @@ void requireOnePart(const std::string& file, const G2oGraph& g2o) {
                          "; expected one, or a FIX line or a prior in each");
 }
 
-/// Headings of any kind, positions anywhere in the square that the chained poses span.
-std::vector<core::Pose2> randomPoses(const posegraph::PoseGraph& graph, std::uint64_t seed) {
-  double extent = 1;
-  for (const auto& pose : posegraph::chained(graph))
-    extent = std::max({extent, std::abs(pose.x), std::abs(pose.y)});
-  auto random = core::RandomStream(seed, "start");
-  std::vector<core::Pose2> out;
-  for (int node = 0; node < graph.nodeCount(); ++node) {
-    const double x = random.uniform(-extent, extent), y = random.uniform(-extent, extent);
-    out.push_back({x, y, random.uniform(-core::kPi, core::kPi)});
-  }
-  return out;
-}
-
 void setStart(posegraph::PoseGraph& graph, const Arguments& arguments, std::uint64_t seed) {
   if (arguments.from == "file") return;
   const auto poses = arguments.from == "odometry" ? posegraph::chained(graph)
-                     : arguments.from == "random" ? randomPoses(graph, seed)
+                     : arguments.from == "random" ? posegraph::scattered(graph, {seed, "start"})
                                                   : posegraph::relaxedPoses(graph);
   for (int node = 0; node < graph.nodeCount(); ++node)
     if (!graph.isFixed(node)) graph.setPose(node, poses[static_cast<std::size_t>(node)]);

@@ -1,5 +1,7 @@
 #include "libslam/posegraph/chaining.h"
 
+#include <algorithm>
+#include <cmath>
 #include <deque>
 
 namespace slam::posegraph {
@@ -76,6 +78,18 @@ std::vector<core::Pose2> chained(const PoseGraph& graph) {
   for (const Edge& edge : graph.edges()) is_held = is_held || (edge.on && edge.from == kMap);
   if (!is_held && !given.empty()) given[0] = graph.pose(0);
   return chained(graph.edges(), std::move(given));
+}
+
+std::vector<core::Pose2> scattered(const PoseGraph& graph, core::RandomStream random) {
+  double extent = 1;
+  for (const core::Pose2& pose : chained(graph))
+    extent = std::max({extent, std::abs(pose.x), std::abs(pose.y)});
+  std::vector<core::Pose2> out;
+  for (int node = 0; node < graph.nodeCount(); ++node) {
+    const double x = random.uniform(-extent, extent), y = random.uniform(-extent, extent);
+    out.push_back({x, y, random.uniform(-core::kPi, core::kPi)});
+  }
+  return out;
 }
 
 }  // namespace slam::posegraph

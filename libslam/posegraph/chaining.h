@@ -2,6 +2,7 @@
 #include <optional>
 #include <vector>
 
+#include "libslam/core/random.h"
 #include "libslam/posegraph/pose_graph.h"
 
 namespace slam::posegraph {
@@ -15,5 +16,8 @@ std::vector<core::Pose2> chained(const std::vector<Edge>& edges,
 
 /// The same of a graph, of which only the fixed nodes have a pose; node 0 where there is neither such a node nor a prior.
 std::vector<core::Pose2> chained(const PoseGraph& graph);
+
+/// Poses that know nothing: anywhere in the square round the origin that the chained poses reach into, any heading.
+std::vector<core::Pose2> scattered(const PoseGraph& graph, core::RandomStream random);
 
 }  // namespace slam::posegraph
