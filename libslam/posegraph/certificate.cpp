@@ -90,7 +90,8 @@ class Unknowns {
   int free_ = 0;
 };
 
-/// A Hermitian form as it is summed up, and its product with the unknowns' values, edge by edge so that it keeps its digits.
+/// A Hermitian form as it is summed up, and its product with the unknowns' values: edge by edge, so that it keeps its
+/// digits.
 class Form {
  public:
   explicit Form(Vector values) : values_(std::move(values)), product_(Vector::Zero(values_.size())) {}
@@ -171,12 +172,14 @@ std::optional<double> leastAddition(const Matrix& lagrangian, const Unknowns& un
                                     double most) {
   Eigen::SimplicialLLT<Matrix> factor;
   factor.analyzePattern(lagrangian);
-  for (double addition = first; addition < most; addition *= 10) {
+  double addition = first;
+  while (addition < most) {
     Matrix trial = lagrangian;
     for (int i = 0; i < unknowns.count(); ++i)
       if (unknowns.isHeading(i)) trial.coeffRef(i, i) += addition;
     factor.factorize(trial);
     if (factor.info() == Eigen::Success) return addition;
+    addition *= 10;
   }
   return std::nullopt;
 }

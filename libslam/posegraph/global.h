@@ -11,8 +11,9 @@ struct GlobalResult {
 };
 
 /// As optimize(), and then not at the mercy of the start: a second descent begins at relaxedPoses(), the lower end is
-/// kept, brought to a millionth of a standard deviation, and certify() asked about it. With a robust choice of loops the graph's
-/// own poses decide first which loops are on; where the relaxation of these leads lower, they are judged once more from there.
+/// kept, brought to a millionth of a standard deviation, and certify() asked about it. With a robust choice of loops
+/// the graph's own poses decide first which loops are on; where the relaxation of these leads lower, the loops are
+/// judged once more from there.
 ///
 /// Deterministic. Cost: two to three times that of optimize(), or more where this needs many steps.
 /// Errors: as optimize().

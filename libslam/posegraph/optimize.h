@@ -26,9 +26,10 @@ struct OptimizeResult {
   std::vector<int> switched_off;  ///< loops that are off now, ascending
 };
 
-/// Moves the nodes that are not fixed to where the graph's chi2 is least, starting from where they are: Gauss-Newton
-/// with Levenberg's damping where a step would go up. It finds the minimum that the start leads to: poses chained along
-/// the odometry will do unless the heading drifts by a radian or so between loops.
+/// Moves the nodes that are not fixed to where the graph's chi2 is least, starting from where they are: Gauss-Newton,
+/// with steps shortened and then damped (Levenberg) where they would go up. It finds the minimum that the start leads
+/// to: poses chained along the odometry will do unless the heading drifts by a radian or so between loops;
+/// optimizeGlobally() needs no such luck.
 ///
 /// `robust` says which loops count; edges of kind kOdometry are never switched by it:
 ///   none    every edge that is on.
@@ -37,8 +38,9 @@ struct OptimizeResult {
 ///           nothing is wrong it costs up to twice as much as `none`.
 ///   global  from no loop at all, taking in those that the graph is surest of first; then as `local`; and where that
 ///           leaves out more than one in ten, also from all of them, keeping what is better: the least sum of chi2
-///           and switch_off_chi2 for every loop that is off. The poses are needed as a start all the same. For a whole graph of which nothing is known: it finds its way when every
-///           second loop is wrong, and takes some dozens of `none`.
+///           and switch_off_chi2 for every loop that is off. The poses are needed as a start all the same. For a
+///           whole graph of which nothing is known: it finds its way when every second loop is wrong, and takes some
+///           dozens of `none`.
 /// The graph keeps the switches. What a loop costs is what the whole graph's chi2 would fall by without it: its own chi2
 /// is less, as odometry gives way to a false loop closure. So odometry that claims to be better than it is makes right loops
 /// look wrong; and switch_off_chi2 is not exceeded by one right loop in a million when all information is honest (three
