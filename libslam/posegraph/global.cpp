@@ -22,32 +22,39 @@ void setPoses(PoseGraph& graph, const std::vector<core::Pose2>& poses) {
 
 GlobalResult optimizeGlobally(PoseGraph& graph, const OptimizeOptions& options) {
   GlobalResult out;
-  out.optimum = optimize(graph, options);
   OptimizeOptions plain = options;
   plain.robust = "none";
   plain.tolerance = std::min(options.tolerance, kFine);
+  const auto finish = [&] {
+    const OptimizeResult fine = optimize(graph, plain);
+    out.optimum.iterations += fine.iterations;
+    out.optimum.converged = out.optimum.converged || fine.converged;
+    out.optimum.final_chi2 = fine.final_chi2;
+    out.certificate = certify(graph);
+  };
+  out.optimum = optimize(graph, options);
+  if (out.optimum.converged) finish();
+  if (out.certificate.is_optimal) return out;
 
   PoseGraph other = graph;
   setPoses(other, relaxedPoses(graph));
   const OptimizeResult relaxed = optimize(other, plain);
   out.optimum.iterations += relaxed.iterations;
-  out.from_relaxation = relaxed.final_chi2 < out.optimum.final_chi2 * (1 - kLower);
-  if (out.from_relaxation) {
-    graph = std::move(other);
-    out.optimum.converged = relaxed.converged;
-    if (options.robust != "none") {
-      OptimizeOptions again = options;
-      again.robust = "local";
-      const OptimizeResult judged = optimize(graph, again);
-      out.optimum.iterations += judged.iterations;
-      out.optimum.switched_off = judged.switched_off;
-    }
+  if (!(relaxed.final_chi2 < out.optimum.final_chi2 * (1 - kLower))) {
+    if (!out.optimum.converged) finish();
+    return out;
   }
-  const OptimizeResult fine = optimize(graph, plain);
-  out.optimum.iterations += fine.iterations;
-  out.optimum.converged = out.optimum.converged || fine.converged;
-  out.optimum.final_chi2 = fine.final_chi2;
-  out.certificate = certify(graph);
+  out.from_relaxation = true;
+  graph = std::move(other);
+  out.optimum.converged = relaxed.converged;
+  if (options.robust != "none") {
+    OptimizeOptions again = options;
+    again.robust = "local";
+    const OptimizeResult judged = optimize(graph, again);
+    out.optimum.iterations += judged.iterations;
+    out.optimum.switched_off = judged.switched_off;
+  }
+  finish();
   return out;
 }
 
