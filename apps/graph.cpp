@@ -204,8 +204,7 @@ void addGraph(CLI::App& app, Context& context) {
   addOutput(solve, context, "the g2o file to write; loops that are off are left out");
   addJson(solve, context);
   solve->footer(
-      "Starts where --from says and from the relaxation, keeps the lower end, and says whether it is "
-      "globally optimal.\n"
+      "Starts where --from says; where the end is not certified as globally optimal, at the relaxation too.\n"
       "Exit code 4 when it did not converge; what was reached is written all the same.\n"
       "Examples:\n"
       "  rasterslam graph optimise intel.g2o -o solved.g2o\n"
