@@ -102,11 +102,9 @@ void requireOnePart(const std::string& file, const G2oGraph& g2o) {
 
 void setStart(posegraph::PoseGraph& graph, const Arguments& arguments, std::uint64_t seed) {
   if (arguments.from == "file") return;
-  const auto poses = arguments.from == "odometry" ? posegraph::chained(graph)
-                     : arguments.from == "random" ? posegraph::scattered(graph, {seed, "start"})
-                                                  : posegraph::relaxedPoses(graph);
-  for (int node = 0; node < graph.nodeCount(); ++node)
-    if (!graph.isFixed(node)) graph.setPose(node, poses[static_cast<std::size_t>(node)]);
+  posegraph::startAt(graph, arguments.from == "odometry" ? posegraph::chained(graph)
+                            : arguments.from == "random" ? posegraph::scattered(graph, {seed, "start"})
+                                                         : posegraph::relaxedPoses(graph));
 }
 
 void printSolved(const nlohmann::ordered_json& facts) {

@@ -26,7 +26,7 @@ inline constexpr double kCertified = 1e-6;
 /// diag(s, s, w), e' D e >= 2 e*' D e - e*' D e*, which bends the less the more unlike the axes of the information are.
 /// So a graph may be at its optimum and yet not be certified: that happens when errors are large.
 ///
-/// An edge whose information is singular adds no more than its tangent. Fixed nodes and priors hold the map's frame.
+/// An edge of singular information adds its tangent alone; where that pulls at a heading, nothing is proved. Fixed nodes and priors hold the map's frame.
 /// Deterministic. Cost: one to a few factorisations of a complex matrix of twice as many rows as there are nodes.
 /// Errors: InputError as optimize().
 Certificate certify(const PoseGraph& graph);

@@ -92,4 +92,9 @@ std::vector<core::Pose2> scattered(const PoseGraph& graph, core::RandomStream ra
   return out;
 }
 
+void startAt(PoseGraph& graph, const std::vector<core::Pose2>& T_map_node) {
+  for (int node = 0; node < graph.nodeCount(); ++node)
+    if (!graph.isFixed(node)) graph.setPose(node, T_map_node.at(static_cast<size_t>(node)));
+}
+
 }  // namespace slam::posegraph

@@ -1,8 +1,8 @@
 #include "libslam/posegraph/global.h"
 
 #include <algorithm>
-#include <string>
 
+#include "libslam/posegraph/chaining.h"
 #include "libslam/posegraph/relaxation.h"
 
 namespace slam::posegraph {
@@ -12,11 +12,6 @@ namespace {
 constexpr double kFine = 1e-6;
 /// An end is lower than another by at least so much of its chi2.
 constexpr double kLower = 1e-9;
-
-void setPoses(PoseGraph& graph, const std::vector<core::Pose2>& poses) {
-  for (int node = 0; node < graph.nodeCount(); ++node)
-    if (!graph.isFixed(node)) graph.setPose(node, poses[static_cast<size_t>(node)]);
-}
 
 }  // namespace
 
@@ -37,7 +32,7 @@ GlobalResult optimizeGlobally(PoseGraph& graph, const OptimizeOptions& options) 
   if (out.certificate.is_optimal) return out;
 
   PoseGraph other = graph;
-  setPoses(other, relaxedPoses(graph));
+  startAt(other, relaxedPoses(graph));
   const OptimizeResult relaxed = optimize(other, plain);
   out.optimum.iterations += relaxed.iterations;
   if (!(relaxed.final_chi2 < out.optimum.final_chi2 * (1 - kLower))) {

@@ -5,7 +5,7 @@
 
 namespace slam::posegraph {
 
-/// Poses to start a descent from that owe nothing to the graph's own poses but where its fixed nodes are: first all
+/// Poses, in the map's frame, to start a descent from that owe nothing to the graph's own poses but where its fixed nodes are: first all
 /// headings at once, as complex numbers whose lengths are free (least squares of chords, linear), then all positions
 /// given these headings (linear too). Rotation-first or chordal initialisation: Martinec and Pajdla, CVPR 2007; Carlone
 /// et al., "Initialization techniques for 3D SLAM", ICRA 2015. Where a descent from chained odometry ends in a wrong

@@ -66,8 +66,7 @@ PoseGraph smallGraph(core::RandomStream& random, double noise) {
 }
 
 PoseGraph moved(PoseGraph graph, const std::vector<core::Pose2>& poses) {
-  for (int node = 0; node < graph.nodeCount(); ++node)
-    if (!graph.isFixed(node)) graph.setPose(node, poses[static_cast<size_t>(node)]);
+  startAt(graph, poses);
   return graph;
 }
 
