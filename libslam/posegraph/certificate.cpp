@@ -192,6 +192,8 @@ Certificate certify(const PoseGraph& graph) {
   requireHeld(graph, is_used);
   Certificate out;
   out.chi2 = graph.chi2();
+  const double allowed = kCertified * (1 + out.chi2);
+  out.is_optimal = out.chi2 <= allowed;  // none is below 0
   const Unknowns unknowns(graph);
   Form form(unknowns.values());
   for (const Edge& edge : graph.edges())
@@ -207,13 +209,12 @@ Certificate certify(const PoseGraph& graph) {
       slack += pull;  // 0 at a minimum
     }
   }
-  const double allowed = kCertified * (1 + out.chi2);
   const auto addition =
       leastAddition(lagrangian, unknowns, 1e-3 * allowed / headings, (1 + out.chi2) / headings);
   if (!addition) return out;
   const double gap = std::abs(slack) + headings * *addition;
   out.lower_bound = std::max(0.0, out.chi2 - gap);
-  out.is_optimal = gap <= allowed;
+  out.is_optimal = out.is_optimal || gap <= allowed;
   return out;
 }
 

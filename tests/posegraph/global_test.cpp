@@ -146,6 +146,17 @@ TEST(Certificate, FixedNodesAndPriorsHoldTheMap) {
   EXPECT_NEAR(result.certificate.lower_bound, result.optimum.final_chi2, 2e-6);
 }
 
+TEST(Certificate, NothingIsBelowZeroEvenWhereADirectionIsNotMeasured) {
+  PoseGraph graph;
+  graph.addNode({0, 0, 0});
+  graph.addNode({1, 4, 1});
+  graph.setFixed(0);
+  graph.addEdge(edgeOf(0, 1, {1, 0, 0}, {1, 0, 0}));
+  const Certificate certificate = certify(graph);
+  EXPECT_TRUE(certificate.is_optimal);
+  EXPECT_EQ(certificate.lower_bound, 0);
+}
+
 TEST(Certificate, FalseLoopsAreSwitchedOffBeforeItIsAsked) {
   auto driven = testing::driveOnGrid(300, 4);
   core::RandomStream random(9, "false");
