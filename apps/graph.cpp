@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -82,6 +83,31 @@ posegraph::OptimizeOptions readOptions(const Context& context, const Arguments& 
   return options;
 }
 
+using GraphWriter = void (*)(const posegraph::PoseGraph&, const std::vector<long long>&, const std::string&);
+
+/// By the name of the file. Errors: InputError.
+GraphWriter writerFor(const std::string& path) {
+  const std::string suffix = std::filesystem::path(path).extension().string();
+  if (suffix == ".g2o") return posegraph::writeG2oFile;
+  if (suffix == ".graph") return posegraph::writeMrptGraphFile;
+  throw core::InputError("--output: found '" + path +
+                         "', expected a name that ends in .g2o or .graph (MRPT's)");
+}
+
+int convert(const Context& context, const Arguments& arguments) {
+  if (context.output.empty())
+    throw core::InputError("graph convert: found no --output, expected a .g2o or .graph file to write");
+  const auto write = writerFor(context.output);
+  core::refuseToOverwrite(context.output, context.overwrite);
+  const auto g2o = posegraph::readG2oFile(arguments.file);
+  write(g2o.graph, g2o.ids, context.output);
+  auto facts = contentOf(arguments.file, g2o);
+  facts["output"] = context.output;
+  print(context, facts);
+  if (!context.json) std::printf("  %s\n", context.output.c_str());
+  return 0;
+}
+
 /// Errors: InputError that names the parts, when something in the graph is held by nothing.
 void requireOnePart(const std::string& file, const G2oGraph& g2o) {
   constexpr std::size_t kMostNamed = 5;
@@ -133,7 +159,8 @@ int optimise(const Context& context, const Arguments& arguments) {
     return 0;
   }
   if (context.output.empty())
-    throw core::InputError("graph optimise: found no --output, expected a .g2o file to write");
+    throw core::InputError("graph optimise: found no --output, expected a .g2o or .graph file to write");
+  const auto write = writerFor(context.output);
   core::refuseToOverwrite(context.output, context.overwrite);
   auto g2o = posegraph::readG2oFile(arguments.file);
   requireOnePart(arguments.file, g2o);
@@ -144,7 +171,7 @@ int optimise(const Context& context, const Arguments& arguments) {
   else
     solved = posegraph::optimizeGlobally(g2o.graph, options);
   const auto& result = solved.optimum;
-  posegraph::writeG2oFile(g2o.graph, g2o.ids, context.output);
+  write(g2o.graph, g2o.ids, context.output);
 
   auto facts = contentOf(arguments.file, g2o);
   auto switched_off = nlohmann::ordered_json::array();
@@ -171,21 +198,37 @@ int optimise(const Context& context, const Arguments& arguments) {
 }  // namespace
 
 void addGraph(CLI::App& app, Context& context) {
-  auto* command = app.add_subcommand("graph", "pose graphs as g2o files: what is in one, and solve it");
+  auto* command = app.add_subcommand(
+      "graph", "pose graphs as files of g2o or MRPT: what is in one; solve it; convert it");
   command->require_subcommand(1);
   auto arguments = std::make_shared<Arguments>();
 
-  auto* look = command->add_subcommand("info", "nodes, edges and chi2 of a g2o file");
-  look->add_option("file", arguments->file, "VERTEX_SE2, EDGE_SE2, EDGE_PRIOR_SE2 and FIX lines")->required();
+  auto* look = command->add_subcommand("info", "nodes, edges and chi2 of a .g2o or .graph file");
+  look->add_option("file", arguments->file,
+                   "a graph as g2o, MRPT or TORO write it; what it holds counts, not its name")
+      ->required();
   addJson(look, context);
   look->footer("Example:\n  rasterslam graph info intel.g2o");
   look->callback([&context, arguments] {
     context.action = [&context, arguments] { return info(context, *arguments); };
   });
 
+  auto* change = command->add_subcommand("convert", "write it as g2o or as MRPT's text graph");
+  change->add_option("file", arguments->file, "a graph as g2o, MRPT or TORO write it")->required();
+  addOutput(change, context, "the file to write: g2o's where it ends in .g2o, MRPT's in .graph");
+  addJson(change, context);
+  change->footer(
+      "A graph of MRPT's has one fixed vertex, its root, no priors, and ids of zero and above.\n"
+      "Examples:\n"
+      "  rasterslam graph convert intel.g2o -o intel.graph\n"
+      "  rasterslam graph convert graphslam_results/output_graph.graph -o engine.g2o");
+  change->callback([&context, arguments] {
+    context.action = [&context, arguments] { return convert(context, *arguments); };
+  });
+
   auto* solve = command->add_subcommand("optimise", "move the nodes to where chi2 is least, and prove it");
   solve->alias("optimize");
-  solve->add_option("file", arguments->file, "a g2o file; edges between consecutive ids are odometry")
+  solve->add_option("file", arguments->file, "a graph's file; edges between consecutive ids are odometry")
       ->required();
   solve->add_option(
       "--robust", arguments->robust,
@@ -199,7 +242,7 @@ void addGraph(CLI::App& app, Context& context) {
                   "only down from there: no second start from the relaxation, no certificate");
   addSeed(solve, context);
   addConfig(solve, context);
-  addOutput(solve, context, "the g2o file to write; loops that are off are left out");
+  addOutput(solve, context, "the .g2o or .graph file to write; loops that are off are left out");
   addJson(solve, context);
   solve->footer(
       "Starts where --from says; where the end is not certified as globally optimal, at the relaxation too.\n"

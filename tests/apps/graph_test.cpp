@@ -131,6 +131,30 @@ TEST(GraphCommand, UnwindsARingThatALocalSearchLeavesWoundUp) {
   EXPECT_EQ(best["globally_optimal"], true);
 }
 
+TEST(GraphCommand, ConvertsToMrptsGraphsAndBack) {
+  const testing::TempFolder folder;
+  writeSquare(folder / "a.g2o", true);
+  const auto facts = json::parse(rasterslam("graph convert a.g2o -o a.graph --json", folder.path()).out);
+  EXPECT_EQ(facts["nodes"], 21);
+  const auto back = rasterslam("graph convert a.graph -o b.g2o", folder.path());
+  EXPECT_THAT(back.out, HasSubstr("21 nodes along 20.0 m, 1 fixed")) << back.err;
+  EXPECT_THAT(back.out, ::testing::EndsWith("  b.g2o\n"));
+  EXPECT_EQ(json::parse(rasterslam("graph info b.g2o --json", folder.path()).out)["chi2"], facts["chi2"]);
+  EXPECT_EQ(rasterslam("graph optimise a.graph --robust global -o solved.graph", folder.path()).exit_code, 0);
+  EXPECT_THAT(rasterslam("graph info solved.graph", folder.path()).out, HasSubstr("1 loops"));
+  for (const auto& [command, said] : std::vector<std::pair<std::string, std::string>>{
+           {"graph convert a.g2o -o a.toro",
+            "--output: found 'a.toro', expected a name that ends in .g2o or .graph"},
+           {"graph convert a.g2o", "graph convert: found no --output"},
+           {"graph convert none.g2o -o c.graph", "none.g2o"},
+           {"graph convert a.g2o -o a.graph", "a.graph"}}) {
+    const auto refused = rasterslam(command, folder.path());
+    EXPECT_EQ(refused.exit_code, 3) << command;
+    EXPECT_THAT(refused.err, HasSubstr(said));
+    EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+  }
+}
+
 TEST(GraphCommand, SaysWhatItCannotUnderstand) {
   const testing::TempFolder folder;
   writeSquare(folder / "a.g2o", false);

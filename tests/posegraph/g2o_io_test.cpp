@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mrpt/graphs/CNetworkOfPoses.h>
 
+#include <fstream>
 #include <sstream>
 
 #include "libslam/core/error.h"
@@ -163,6 +165,90 @@ TEST(G2o, AnEdgeThatIsOffStaysOutOfTheFile) {
   ASSERT_EQ(again.graph.edges().size(), 1U);
   EXPECT_THAT(again.ids, ::testing::ElementsAre(5, 6));
   EXPECT_THROW(writeG2oFile(read.graph, {1}, folder / "b.g2o"), core::ContractError);
+}
+
+TEST(MrptGraph, TorosLinesAreReadInTheirOwnOrder) {
+  const G2oGraph read = parsed(
+      "VERTEX2 0 0 0 0\nVERTEX 1 1 2 0.5 | a remark\nVERTEX_SE2 2 3 4 0 |tight\n"
+      "EDGE2 0 1 1 2 0.5 11 12 22 33 13 23\nODOMETRY 1 2 0 0 0 1 0 2 3 0 0\nEDGE 2 0 0 0 0 1 0 2 3 0 0\n");
+  EXPECT_TRUE(read.passed_over.empty());
+  expectPose(read.graph.pose(1), {1, 2, 0.5});
+  Eigen::Matrix3d information;
+  information << 11, 12, 13, 12, 22, 23, 13, 23, 33;
+  ASSERT_EQ(read.graph.edges().size(), 3U);
+  EXPECT_EQ(read.graph.edges()[0].information, information);
+  EXPECT_EQ(read.graph.edges()[1].information, Eigen::Vector3d(1, 2, 3).asDiagonal().toDenseMatrix());
+  EXPECT_EQ(read.graph.edges()[2].kind, EdgeKind::kLoop);
+}
+
+TEST(MrptGraph, EquivalentVerticesBecomeTheSmallest) {
+  const G2oGraph read = parsed(
+      "EQUIV 9 3\nEQUIV 3 1\nVERTEX_SE2 9 5 6 0\nVERTEX_SE2 3 7 8 0\nVERTEX_SE2 4 0 0 0\nEDGE_SE2 9 4 1 0 0" +
+      kUnit + "EDGE_SE2 9 3 0 0 0" + kUnit + "EDGE_SE2 4 1 2 0 0" + kUnit + "FIX 9\n");
+  EXPECT_THAT(read.ids, ::testing::ElementsAre(1, 4));
+  expectPose(read.graph.pose(0), {7, 8, 0});
+  ASSERT_EQ(read.graph.edges().size(), 2U) << "that from a vertex to itself is dropped";
+  EXPECT_EQ(read.graph.edges()[0].from, 0);
+  EXPECT_EQ(read.graph.edges()[1].to, 0);
+  EXPECT_TRUE(read.graph.isFixed(0));
+}
+
+TEST(MrptGraph, MrptReadsWhatWeWriteAndWeWhatItWrites) {
+  const testing::TempFolder folder;
+  const PoseGraph graph = testing::driveOnGrid(60, 3).graph;
+  std::vector<long long> ids;
+  for (int node = 0; node < graph.nodeCount(); ++node) ids.push_back(10 + 3 * node);
+  writeMrptGraphFile(graph, ids, folder / "ours.graph");
+  mrpt::graphs::CNetworkOfPoses2DInf theirs;
+  theirs.loadFromTextFile(folder / "ours.graph");
+  ASSERT_EQ(theirs.nodes.size(), ids.size());
+  ASSERT_EQ(theirs.edgeCount(), graph.edges().size());
+  for (size_t i = 0; i < ids.size(); ++i) {
+    const auto& pose = theirs.nodes.at(static_cast<mrpt::graphs::TNodeID>(ids[i]));
+    EXPECT_EQ(pose.x(), graph.poses()[i].x);
+    EXPECT_NEAR(pose.phi(), graph.poses()[i].phi, 1e-15);
+  }
+  for (const Edge& edge : graph.edges()) {
+    const auto found =
+        theirs.edges.find({static_cast<mrpt::graphs::TNodeID>(ids[static_cast<size_t>(edge.from)]),
+                           static_cast<mrpt::graphs::TNodeID>(ids[static_cast<size_t>(edge.to)])});
+    ASSERT_NE(found, theirs.edges.end());
+    EXPECT_EQ(found->second.mean.y(), edge.T_from_to.y);
+    EXPECT_EQ(found->second.cov_inv.asEigen(), edge.information);
+  }
+
+  theirs.root = 10;
+  theirs.saveToTextFile(folder / "theirs.graph");
+  const G2oGraph read = readG2oFile(folder / "theirs.graph");
+  EXPECT_EQ(read.ids, ids);
+  EXPECT_TRUE(read.graph.isFixed(0));
+  EXPECT_TRUE(read.passed_over.empty());
+  EXPECT_EQ(read.graph.edges().size(), graph.edges().size());
+  for (size_t i = 0; i < ids.size(); ++i)  // it writes six digits
+    EXPECT_NEAR(read.graph.poses()[i].x, graph.poses()[i].x, 1e-4);
+}
+
+TEST(MrptGraph, TheGraphsThatMrptShipsAreRead) {
+  const std::string path = "/usr/share/mrpt/datasets/graph_2d_circle_50nodes.graph";
+  if (!std::ifstream(path)) GTEST_SKIP() << "MRPT's data sets are not here";
+  const G2oGraph read = readG2oFile(path);
+  EXPECT_EQ(read.graph.nodeCount(), 50);
+  EXPECT_EQ(read.graph.edges()[0].information, Eigen::Matrix3d::Identity());
+}
+
+TEST(MrptGraph, WhatMrptHasNoPlaceForIsRefused) {
+  using ::testing::HasSubstr;
+  const testing::TempFolder folder;
+  const auto refused = [&](const std::string& text) {
+    const G2oGraph read = parsed(text);
+    return testing::errorOf([&] { writeMrptGraphFile(read.graph, read.ids, folder / "b.graph"); });
+  };
+  EXPECT_THAT(refused("EDGE_SE2 -1 1 1 0 0" + kUnit),
+              HasSubstr("b.graph: found vertex -1, expected ids of zero and above"));
+  EXPECT_THAT(refused("EDGE_PRIOR_SE2 1 1 0 0" + kUnit), HasSubstr("found 1 priors, expected none"));
+  EXPECT_THAT(refused("EDGE_SE2 0 1 1 0 0" + kUnit + "FIX 0 1\n"),
+              HasSubstr("found 2 fixed vertices, expected one"));
+  EXPECT_FALSE(std::ifstream(folder / "b.graph").is_open());
 }
 
 }  // namespace
