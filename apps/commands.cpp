@@ -151,12 +151,15 @@ void printParameters(const std::vector<core::ParameterReport>& parameters, bool 
     return;
   }
   auto list = nlohmann::ordered_json::array();
-  for (const auto& p : parameters)
+  for (const auto& p : parameters) {
     list.push_back({{"section", p.section},
                     {"key", p.info.key},
                     {"value", p.value},
                     {"origin", p.origin},
                     {"meaning", p.info.doc}});
+    if (std::holds_alternative<bool>(p.info.default_value)) list.back()["choices"] = {"true", "false"};
+    if (!p.info.choices.empty()) list.back()["choices"] = p.info.choices;
+  }
   std::cout << list.dump(2) << "\n";
 }
 

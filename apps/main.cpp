@@ -41,6 +41,6 @@ int main(int argc, char** argv) {
   slam::apps::addWorld(app, context);
   slam::apps::addData(app, context);
   slam::apps::addList(app, context);
-  if (const auto answer = slam::apps::answerShell(app, context.command_line)) return *answer;
+  if (const auto answer = slam::apps::answerShell(app, context)) return *answer;
   return slam::apps::runProgram(app, context);
 }

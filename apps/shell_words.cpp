@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iostream>
 #include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "libslam/core/error.h"
 
@@ -76,8 +79,59 @@ std::vector<std::string> subcommandsOf(const CLI::App& command) {
   return names;
 }
 
+void requireNothing(CLI::App& app) {
+  for (auto* option : app.get_options()) option->required(false);
+  for (auto* command : app.get_subcommands([](const CLI::App*) { return true; })) requireNothing(*command);
+}
+
+/// What the command of these words prints with --print-config; empty when it cannot say.
+nlohmann::json printedConfig(CLI::App& app, Context& context, std::vector<std::string> words) {
+  std::ostringstream printed;
+  auto* const terminal = std::cout.rdbuf(printed.rdbuf());
+  try {
+    words.emplace_back("--print-config");
+    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    context.action = nullptr;
+    app.parse(words);
+    context.json = true;
+    if (context.action) context.action();
+  } catch (const std::exception&) {
+    printed.str("");
+  }
+  std::cout.rdbuf(terminal);
+  const auto config = nlohmann::json::parse(printed.str(), nullptr, false);
+  return config.is_array() ? config : nlohmann::json::array();
+}
+
+/// "section.key=" of all that --set takes behind these words, or "section.key=value" where `begun` has a key whose values
+/// are few.
+std::vector<std::string> settings(CLI::App& app, Context& context, const std::vector<std::string>& before,
+                                  const std::string& begun) {
+  requireNothing(app);
+  std::vector<std::vector<std::string>> commands = {before};
+  if (before.front() == "stress") commands = {{"simulate"}};
+  if (before.front() == "compare") {
+    commands = {{"simulate"}};
+    for (const char* method : {"naive", "icp", "rbpf", "particles", "graph"})
+      commands.push_back({"run", method});
+  }
+  const bool has_key = begun.find('=') != std::string::npos;
+  std::vector<std::string> found;
+  for (const auto& command : commands)
+    for (const auto& row : printedConfig(app, context, command)) {
+      const auto setting = row["section"].get<std::string>() + "." + row["key"].get<std::string>() + "=";
+      if (!has_key) found.push_back(setting);
+      if (has_key && beginsWith(begun, setting))
+        for (const auto& choice : row.value("choices", std::vector<std::string>()))
+          found.push_back(setting + choice);
+    }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
 /// Everything that could stand where `begun` stands.
-std::vector<std::string> possible(const CLI::App& app, const std::vector<std::string>& before,
+std::vector<std::string> possible(CLI::App& app, Context& context, const std::vector<std::string>& before,
                                   const std::string& begun) {
   const CLI::App* command = &app;
   const CLI::Option* waiting = nullptr;  // a flag before that wants a value
@@ -97,6 +151,8 @@ std::vector<std::string> possible(const CLI::App& app, const std::vector<std::st
       ++positionals;
     }
   }
+  if (waiting != nullptr && flag == "--set")
+    return settings(app, context, {before.begin(), before.end() - 1}, begun);
   if (waiting != nullptr) return valuesOf(*command, *waiting, flag, begun);
   if (beginsWith(begun, "-")) return flagsOf(*command);
   auto words = subcommandsOf(*command);
@@ -107,20 +163,21 @@ std::vector<std::string> possible(const CLI::App& app, const std::vector<std::st
 
 }  // namespace
 
-std::vector<std::string> completions(const CLI::App& app, const std::vector<std::string>& words) {
+std::vector<std::string> completions(CLI::App& app, Context& context, const std::vector<std::string>& words) {
   if (words.empty()) return subcommandsOf(app);
   std::vector<std::string> found;
-  for (const auto& word : possible(app, {words.begin(), words.end() - 1}, words.back()))
+  for (const auto& word : possible(app, context, {words.begin(), words.end() - 1}, words.back()))
     if (beginsWith(word, words.back())) found.push_back(word);
   return found;
 }
 
-std::optional<int> answerShell(const CLI::App& app, const std::vector<std::string>& command_line) {
+std::optional<int> answerShell(CLI::App& app, Context& context) {
+  const auto command_line = context.command_line;
   if (command_line.size() < 2) return std::nullopt;
   const std::string& verb = command_line[1];
   try {
     if (verb == "complete") {
-      for (const auto& word : completions(app, {command_line.begin() + 2, command_line.end()}))
+      for (const auto& word : completions(app, context, {command_line.begin() + 2, command_line.end()}))
         std::printf("%s\n", word.c_str());
       return 0;
     }
