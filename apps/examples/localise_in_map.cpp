@@ -20,8 +20,19 @@ int main(int argc, char** argv) try {
   for (; const auto entry = log.next(); ++scans)
     T_map_robot =
         slam::mapping::processScan(method, entry->scan, entry->T_previous_robot, entry->has_odometry);
-  std::printf("after %d scans at x %.2f m, y %.2f m, %.1f degrees in the map\n", scans, T_map_robot.x,
-              T_map_robot.y, slam::core::radToDeg(T_map_robot.phi));
+
+  // Until it is found, its pose is what the wheels make of some start in the map.
+  int found_at = -1;
+  for (const auto& said : slam::mapping::journalOf(method)) {
+    if (said.event == "lost") found_at = -1;
+    if (said.event == "recovered" && found_at < 0) found_at = said.scan;
+  }
+  if (found_at < 0) {
+    std::printf("not found after %d scans\n", scans);
+    return 4;
+  }
+  std::printf("found at scan %d; after %d scans at x %.2f m, y %.2f m, %.1f degrees in the map\n", found_at,
+              scans, T_map_robot.x, T_map_robot.y, slam::core::radToDeg(T_map_robot.phi));
 } catch (const std::exception& error) {
   std::fprintf(stderr, "localise_in_map: %s\n", error.what());
   return 1;

@@ -11,7 +11,7 @@ int main(int argc, char** argv) try {
   const std::string method_name = argc > 1 ? argv[1] : "graph";
   slam::core::IniFile
       settings;  // all else as built in; keys as `rasterslam simulate --print-config` prints them
-  settings.setFromArgument("simulation.duration_s=20", "settings");
+  settings.setFromArgument("simulation.duration_s=90", "settings");
   const auto plan = slam::world::loadPlan(slam::core::resolvePlan("flat"));
   const auto config = slam::record::readRecordConfig(settings);
   const auto recording =

@@ -18,18 +18,25 @@ place=$scratch/place
 cp -r "$source/apps/examples" "$scratch/examples"
 cd "$scratch"
 
-# Every example, by CMake.
+# Every example, by CMake, with the shared libraries, which find the data beside them.
+unset RASTERSLAM_DATA
 quietly cmake -S examples -B by_cmake -G Ninja -DCMAKE_PREFIX_PATH="$place"
 quietly cmake --build by_cmake
-export RASTERSLAM_DATA=$place/share/rasterslam
 PATH="$scratch/by_cmake:$PATH"
+linked() { readelf -d "$1" | grep -c 'NEEDED.*librasterslam-' || true; }
+[ "$(linked by_cmake/optimise_graph)" -gt 0 ] || fail "by_cmake/optimise_graph is not linked with the shared libraries"
 quietly simulate_and_map
+mapped=$(grep -o 'x -*[0-9.]* m, y -*[0-9.]* m' said.log)
 for file in map.yaml map.png map.gridmap.gz map.simplemap; do test -s "$file" || fail "simulate_and_map wrote no $file"; done
 quietly match_scans
 quietly cast_in_grid
 grep -q 'straight ahead 2.000 m' said.log || fail "cast_in_grid: $(cat said.log)"
 quietly cast_in_grid map.gridmap.gz
 quietly localise_in_map map.simplemap run.rawlog
+# Where the map was made the robot ended there, too; each is right to a centimetre.
+found=$(grep -o 'x -*[0-9.]* m, y -*[0-9.]* m' said.log)
+awk -v a="$mapped $found" 'BEGIN { split(a, w, " "); if ((w[2] - w[8])^2 + (w[5] - w[11])^2 > 0.02^2) exit 1 }' ||
+  fail "localise_in_map ends at $found, simulate_and_map at $mapped"
 quietly own_method
 grep -q '^own ' said.log || fail "own_method: $(cat said.log)"
 
@@ -46,6 +53,20 @@ EDGE_SE2 0 3 0 1 -1.5708 100 0 0 100 0 400
 TEXT
 quietly optimise_graph square.g2o by_cmake.g2o
 
+# Two of them with the static libraries: the same results, and nothing of ours to load.
+quietly cmake -S examples -B static -G Ninja -DCMAKE_PREFIX_PATH="$place" -Drasterslam_USE_STATIC_LIBS=ON \
+  -DEXAMPLES="optimise_graph;localise_in_map"
+quietly cmake --build static
+for example in optimise_graph localise_in_map; do
+  [ "$(linked static/$example)" -eq 0 ] || fail "static/$example is linked with shared libraries of ours"
+done
+quietly static/optimise_graph square.g2o static.g2o
+cmp by_cmake.g2o static.g2o
+quietly localise_in_map map.simplemap run.rawlog
+cp said.log shared.log
+RASTERSLAM_DATA=$place/share/rasterslam quietly static/localise_in_map map.simplemap run.rawlog
+cmp shared.log said.log
+
 # Two of them by pkg-config: one that needs Eigen alone, one with MRPT and OpenCV.
 pc=$(dirname "$(find "$place" -name rasterslam-posegraph.pc)")
 for example in optimise_graph:posegraph localise_in_map:"mapping rasterslam-logs"; do
@@ -53,9 +74,22 @@ for example in optimise_graph:posegraph localise_in_map:"mapping rasterslam-logs
   # shellcheck disable=SC2086  # words
   quietly c++ -std=c++17 "examples/${example%%:*}.cpp" -o "pc_${example%%:*}" $flags ${LDFLAGS:-}
 done
+libraries=$(dirname "$(find "$place" -name librasterslam-base.so)")
+export LD_LIBRARY_PATH=$libraries
 quietly ./pc_optimise_graph square.g2o by_pkg_config.g2o
 cmp by_cmake.g2o by_pkg_config.g2o
 quietly ./pc_localise_in_map map.simplemap run.rawlog
+
+# An older library beside a newer program is refused by the loader, in one line.
+mkdir older
+sed 's/RASTERSLAM_[0-9.]*/RASTERSLAM_0.1/' "$build/rasterslam.map" >older.map
+quietly c++ -shared -o older/librasterslam-posegraph.so.0 -Wl,-soname,librasterslam-posegraph.so.0 -Wl,--version-script=older.map \
+  -Wl,--whole-archive "$libraries/librasterslam-posegraph.a" -Wl,--no-whole-archive -L"$libraries" -lrasterslam-base ${LDFLAGS:-}
+! LD_LIBRARY_PATH=$scratch/older:$libraries ./pc_optimise_graph square.g2o older.g2o 2>said.log || fail "an older library was taken"
+if [ "$(wc -l <said.log)" -ne 1 ] || ! grep -q "librasterslam-posegraph.so.0: version .RASTERSLAM_[0-9.]*' not found" said.log; then
+  fail "an older library: found '$(cat said.log)', expected one line that names it and the version"
+fi
+unset LD_LIBRARY_PATH
 
 # Eigen is all that posegraph asks for, installed and as a part of another project.
 others=()
