@@ -1,7 +1,15 @@
 // MRPT's own programs, with our configurations, plugin and files.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mrpt/config/CConfigFile.h>
+#include <mrpt/io/CFileGZInputStream.h>
+#include <mrpt/maps/CMultiMetricMap.h>
+#include <mrpt/maps/COccupancyGridMap2D.h>
+#include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/maps/CSimplePointsMap.h>
+#include <mrpt/serialization/CArchive.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -113,14 +121,65 @@ class SavedRun : public ::testing::Test {
 TEST_F(SavedRun, TheSimpleMapIsReadByObservations2map) {
   if (!testing::programExists("observations2map"))
     GTEST_SKIP() << "observations2map (Debian package mrpt-apps) is not installed";
-  std::ofstream(folder_ / "map.ini") << "[map]\noccupancyGrid_count = 1\n"
-                                        "[map_occupancyGrid_00_creationOpts]\nresolution = 0.05\n";
-  const auto run = runIn(folder_, "observations2map map.ini map.simplemap out -s map");
+  const auto run =
+      runIn(folder_, "observations2map '" + kSource +
+                         "/configs/mrpt/robot-map-gui.ini' map.simplemap out -s MappingApplication");
   ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
   bool found = false;
   for (const auto& file : std::filesystem::directory_iterator(folder_.path()))
     found = found || file.path().filename().string().find("COccupancyGridMap2D") != std::string::npos;
   EXPECT_TRUE(found) << run.out;
+}
+
+TEST_F(SavedRun, RobotMapGuisConfigurationMakesOurMapOfTheKeyFrames) {
+  // As the program does behind File > Open simplemap and File > Load config; its window needs a screen.
+  mrpt::maps::TSetOfMetricMapInitializers list;
+  list.loadFromConfigFile(mrpt::config::CConfigFile(kSource + "/configs/mrpt/robot-map-gui.ini"),
+                          "MappingApplication");
+  mrpt::maps::CMultiMetricMap maps;
+  maps.setListOfMaps(list);
+  mrpt::maps::CSimpleMap frames;
+  ASSERT_TRUE(frames.loadFromFile(folder_ / "map.simplemap"));
+  maps.loadFromSimpleMap(frames);
+  EXPECT_GT(maps.mapByClass<mrpt::maps::CSimplePointsMap>()->size(), 100U);
+  const auto theirs = maps.mapByClass<mrpt::maps::COccupancyGridMap2D>();
+  mrpt::maps::COccupancyGridMap2D ours;
+  mrpt::io::CFileGZInputStream file(folder_ / "map.gridmap.gz");
+  mrpt::serialization::archiveFrom(file) >> ours;
+  int known = 0, same = 0;
+  for (float x = -2; x < 6; x += 0.05f)
+    for (float y = -3; y < 3; y += 0.05f) {
+      const float a = ours.getPos(x, y), b = theirs->getPos(x, y);
+      if (std::abs(a - 0.5f) < 0.2f) continue;
+      ++known;
+      same += (a > 0.5f) == (b > 0.5f);
+    }
+  EXPECT_GT(known, 5000);
+  EXPECT_GT(same, 0.98 * known);
+}
+
+/// The last pose that pf-localization printed: "PDF estimation: (x,y,d.deg)".
+core::Pose2 lastPoseOfPfLocalization(const std::string& printed) {
+  const std::string words = "PDF estimation: (";
+  const auto at = printed.rfind(words);
+  core::Pose2 pose{NAN, NAN, NAN};
+  double degrees = NAN;
+  if (at != std::string::npos &&
+      std::sscanf(printed.c_str() + at + words.size(), "%lf,%lf,%lf", &pose.x, &pose.y, &degrees) == 3)
+    pose.phi = core::degToRad(degrees);
+  return pose;
+}
+
+TEST_F(SavedRun, PfLocalizationFindsTheRobotInOurMap) {
+  if (!testing::programExists("pf-localization"))
+    GTEST_SKIP() << "pf-localization (Debian package mrpt-apps) is not installed";
+  const auto drive = test::driveThroughRoom(30);
+  const auto log = writeLog(folder_, drive);
+  const auto run =
+      runIn(folder_, "pf-localization '" + kSource + "/configs/mrpt/pf-localization.ini' '" + log + "'");
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  // It draws other numbers each time.
+  expectNear(lastPoseOfPfLocalization(run.out), drive.truth.back(), 0.05, 1);
 }
 
 }  // namespace
