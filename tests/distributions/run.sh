@@ -11,7 +11,8 @@ usage: tests/distributions/run.sh RELEASE [VERB...]
   VERB      of ./bootstrap.sh, one after the other; demo and test unless told otherwise
 
 The packages come from where this system's apt has its own. What is printed also goes to
-build/distributions/RELEASE-VERB.log, the seconds that each took to build/distributions/RELEASE-times.txt.
+build/distributions/RELEASE-VERB.log, the seconds that each took to build/distributions/RELEASE-times.txt,
+what `package` makes to build/distributions/RELEASE-packages (see packages.sh).
 TEXT
 }
 
@@ -23,30 +24,21 @@ esac
 shift
 verbs=("$@")
 [ ${#verbs[@]} -gt 0 ] || verbs=(demo test)
-[ "$(id -u)" -eq 0 ] || { echo "tests/distributions/run.sh: debootstrap and chroot need root" >&2; exit 1; }
-command -v debootstrap >/dev/null || { echo "tests/distributions/run.sh: debootstrap is missing; install it" >&2; exit 1; }
 
 root=$(cd "$(dirname "$0")/../.." && pwd)
+# shellcheck source=tests/distributions/tree.sh
+. "$root/tests/distributions/tree.sh"
 logs=$root/build/distributions
 mkdir -p "$logs"
-tree=$(mktemp -d "${TMPDIR:-/var/tmp}/rasterslam-$release-XXXXXX")
-# shellcheck disable=SC2317  # called by trap
-clean() {
-  for place in dev proc; do mountpoint -q "$tree/$place" && umount -l "$tree/$place"; done
-  rm -rf --one-file-system "$tree"
-}
-trap clean EXIT
-
-mirror=$(apt-get indextargets --format '$(REPO_URI)' | grep -v security | head -n 1)
-debootstrap --variant=minbase --include=ca-certificates,git "$release" "$tree" "$mirror"
-cp -r /etc/apt/apt.conf.d/. "$tree/etc/apt/apt.conf.d/"
-cp /etc/resolv.conf /etc/hosts "$tree/etc/"
-mount --bind /proc "$tree/proc"
-mount --bind /dev "$tree/dev"
+make_tree "$release"
 git clone -q "$root" "$tree/root/rasterslam"
 : >"$logs/$release-times.txt"
 for verb in "${verbs[@]}"; do
   begin=$SECONDS
   chroot "$tree" bash -c "cd /root/rasterslam && ./bootstrap.sh $verb" 2>&1 | tee "$logs/$release-$verb.log"
   echo "$verb $((SECONDS - begin)) s" | tee -a "$logs/$release-times.txt"
+  if [ "$verb" = package ]; then
+    rm -rf "$logs/$release-packages"
+    cp -r "$tree/root/rasterslam/build/package/packages" "$logs/$release-packages"
+  fi
 done
