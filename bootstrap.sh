@@ -14,7 +14,8 @@ usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
   schedulers   install GNU parallel and Slurm, with which `test` then tries sweeps (without: those tests skip)
   page     install Node.js and Chromium, make the HTML report's bundle; `test` then tries the report in the browser
   page test    check that the bundle that is checked in is current, build, and try the report in the browser
-  package  make the Debian packages rasterslam, librasterslam-dev and rasterslam-doc in build/package/packages, and check them
+  package  make the Debian packages rasterslam, librasterslam0, librasterslam-dev and rasterslam-doc in build/package/packages,
+           and check them
   docs     make the documentation as an offline site and the reference of the headers, in build/docs
   fuzz     build every reader of files with clang's fuzzer and let each run a minute (ARGUMENTS go to tests/fuzz/run.sh)
 
@@ -35,8 +36,9 @@ packages=(
 # Debian 12's; where there is another one the test of the formatting is left out.
 format_packages=(clang-format-14)
 bench_packages=(libbenchmark-dev)
-# ROS's own libraries, with which tests compare ours; those tests skip where Debian no longer has them.
-oracle_packages=(librosbag-storage-dev libroscpp-core-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev libfastcdr-dev)
+# ROS's own libraries, with which tests compare ours, and a shell that they complete words in; those tests skip where Debian no
+# longer has them.
+oracle_packages=(zsh librosbag-storage-dev libroscpp-core-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev libfastcdr-dev)
 # Schedulers that tests of sweeps start when they are there, and skip otherwise.
 scheduler_packages=(parallel slurmctld slurmd slurm-client munge)
 # What makes the HTML report's bundle, and the browser that tests open it in; without them those tests skip.

@@ -1,8 +1,22 @@
-# What `cmake --install` puts where. Components: programs (what a user runs, with its data), development (headers, libraries
-# and what finds them), documentation.
+# What `cmake --install` puts where. Components: programs (what a user runs, with its data), libraries (the shared ones),
+# development (headers, static libraries and what finds them all), documentation.
 include(GNUInstallDirs)
 include(cmake/pkg_config.cmake)
+set(kinds static)
+if(BUILD_SHARED_LIBS OR RASTERSLAM_BOTH_KINDS)
+  set(kinds static shared)
+  if(NOT RASTERSLAM_BOTH_KINDS)
+    set(kinds shared)
+  endif()
+endif()
 if(RASTERSLAM_PROGRAMS)
+  if(BUILD_SHARED_LIBS AND NOT CMAKE_INSTALL_PREFIX STREQUAL "/usr")
+    foreach(program rasterslam rasterslam_view rasterslam_mrpt_plugin rasterslam_sensor_plugin)
+      if(TARGET ${program})
+        set_target_properties(${program} PROPERTIES INSTALL_RPATH "$ORIGIN;$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+      endif()
+    endforeach()
+  endif()
   install(TARGETS rasterslam RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT programs)
   if(TARGET rasterslam_view)
     install(TARGETS rasterslam_view RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT programs)
@@ -27,14 +41,22 @@ install(FILES datasets/public_data.json ${PROJECT_BINARY_DIR}/VERSION DESTINATIO
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)
 
-# The library: every room but those that only programs of ours and tests link.
-set(exported ${RASTERSLAM_ROOMS})
-list(REMOVE_ITEM exported live plugin testing)
+# The library.
 set(RASTERSLAM_ROOM_TABLE "")
 set(modules "")
-foreach(room IN LISTS exported)
-  install(TARGETS slam_${room} EXPORT rasterslam ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
-          INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+foreach(room IN LISTS RASTERSLAM_EXPORTED)
+  foreach(kind IN LISTS kinds)
+    set(target slam_${room})
+    rasterslam_kind_of(${room} own)
+    string(TOLOWER ${own} own)
+    if(NOT kind STREQUAL own)
+      string(APPEND target _twin)
+    endif()
+    install(TARGETS ${target} EXPORT rasterslam_${kind}
+            ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+            LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libraries NAMELINK_COMPONENT development
+            INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+  endforeach()
   if(NOT room STREQUAL "base")
     file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/libslam/${room}/*.h)
     list(REMOVE_ITEM headers libslam/core/json_entry.h)  # for our own sources: it wants nlohmann_json
@@ -63,11 +85,13 @@ foreach(module IN LISTS modules)
   set_target_properties(${module} PROPERTIES EXPORT_NAME ${name})
   install(TARGETS ${module} EXPORT rasterslam)
 endforeach()
-set(RASTERSLAM_EXPORTED ${exported})
 
 include(CMakePackageConfigHelpers)
 set(config ${CMAKE_INSTALL_LIBDIR}/cmake/rasterslam)
-install(EXPORT rasterslam NAMESPACE rasterslam:: FILE rasterslamTargets.cmake DESTINATION ${config} COMPONENT development)
+foreach(kind IN LISTS kinds)
+  install(EXPORT rasterslam_${kind} NAMESPACE rasterslam:: FILE rasterslam_${kind}.cmake DESTINATION ${config} COMPONENT development)
+endforeach()
+install(EXPORT rasterslam NAMESPACE rasterslam:: FILE rasterslam_packages.cmake DESTINATION ${config} COMPONENT development)
 configure_package_config_file(cmake/rasterslamConfig.cmake.in ${PROJECT_BINARY_DIR}/rasterslamConfig.cmake
   INSTALL_DESTINATION ${config} PATH_VARS CMAKE_INSTALL_INCLUDEDIR CMAKE_INSTALL_DATADIR)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/rasterslamConfigVersion.cmake COMPATIBILITY SameMinorVersion)
