@@ -178,8 +178,8 @@ TEST_F(SavedRun, PfLocalizationFindsTheRobotInOurMap) {
   const auto run =
       runIn(folder_, "pf-localization '" + kSource + "/configs/mrpt/pf-localization.ini' '" + log + "'");
   ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
-  // It draws other numbers each time.
-  expectNear(lastPoseOfPfLocalization(run.out), drive.truth.back(), 0.05, 1);
+  // It draws other numbers each time: mostly 1 cm and 0.5 degrees. Another place would be metres away.
+  expectNear(lastPoseOfPfLocalization(run.out), drive.truth.back(), 0.1, 4);
 }
 
 }  // namespace
