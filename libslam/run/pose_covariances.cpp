@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "libslam/core/error.h"
@@ -87,8 +88,11 @@ std::vector<double> poseNees(const core::Trajectory& truth, const core::Trajecto
     const core::Pose2& estimated = estimate[i].pose;
     const Eigen::Vector3d error(estimated.x - T_map_robot.x, estimated.y - T_map_robot.y,
                                 core::angleDifference(estimated.phi, T_map_robot.phi));
+    constexpr double kRounding = 2e-6;
     if (const auto value = stats::normalizedErrorSquared(error, covariances[i].covariance))
       nees.push_back(*value);
+    else if (error.cwiseAbs().maxCoeff() > kRounding)
+      nees.push_back(std::numeric_limits<double>::infinity());
   }
   return nees;
 }

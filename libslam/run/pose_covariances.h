@@ -22,8 +22,10 @@ std::vector<StampedCovariance> readCovariances(const std::string& path);
 
 /// NEES of every pose (stats::normalizedErrorSquared) with 3 degrees of freedom: the error of (x, y, phi) in the map frame,
 /// which is the true pose at the estimate's first stamp; nothing else is aligned. So the covariances must speak of the
-/// error since the start. T_world_map: where the map frame lies instead, where a map was known from before. covariances[i] belongs to estimate[i]. Left out: poses without a truth at their stamp, and
-/// covariances that are not positive definite (the start is given). Empty when the truth does not know the first stamp.
+/// error since the start. T_world_map: where the map frame lies instead, where a map was known from before. covariances[i]
+/// belongs to estimate[i]. A covariance that is not positive definite claims a certainty: infinite where the pose is off by
+/// more than a file's rounding (a micrometre, a microradian), else left out (the start is given). Left out too: poses
+/// without a truth at their stamp. Empty when the truth does not know the first stamp.
 /// REQUIRES as many covariances as poses (ContractError).
 std::vector<double> poseNees(const core::Trajectory& truth, const core::Trajectory& estimate,
                              const std::vector<StampedCovariance>& covariances,

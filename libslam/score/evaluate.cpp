@@ -54,8 +54,8 @@ Evaluation failedEvaluation(const std::string& method, const std::string& why) {
   e.trajectory = e.final_trajectory = {kNoStatistics, kNoStatistics, {}, 0};
   e.per_metre = e.per_second = {kNoStatistics, kNoStatistics};
   e.map = {kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
-  e.anees = e.within_50_share = e.within_95_share = kNan;
-  e.anees_final = e.within_50_share_final = e.within_95_share_final = kNan;
+  e.anees = e.within_50_share = e.within_95_share = e.singular_share = kNan;
+  e.anees_final = e.within_50_share_final = e.within_95_share_final = e.singular_share_final = kNan;
   e.cost = {kNan, kNan, kNan, kNan};
   e.path_length_m = e.map_mean_entropy_bits = e.agreement_m = e.lost_share = kNan;
   e.structure = {kNan, 0, 0};
@@ -78,6 +78,7 @@ void judgeCovariances(const run::RunFolder& run, const Truth& truth, const Align
       e.anees = online->anees.value;
       e.within_50_share = online->coverage50.value;
       e.within_95_share = online->coverage95.value;
+      e.singular_share = online->singular_share;
     }
   if (!run.final_covariances.empty())
     if (const auto final_poses = stats::consistency(
@@ -86,6 +87,7 @@ void judgeCovariances(const run::RunFolder& run, const Truth& truth, const Align
       e.anees_final = final_poses->anees.value;
       e.within_50_share_final = final_poses->coverage50.value;
       e.within_95_share_final = final_poses->coverage95.value;
+      e.singular_share_final = final_poses->singular_share;
     }
 }
 
@@ -222,12 +224,19 @@ const std::vector<MetricInfo>& metricInfos() {
        3, [](const E& e) { return e.within_50_share; }, kNeither},
       {"within_95_share", "in 95 %", "the same for 95 %", 3, [](const E& e) { return e.within_95_share; },
        kNeither},
+      {"singular_share", "singular",
+       "share of the poses whose covariance is singular and excludes where the robot was: a certainty that "
+       "was "
+       "none; they are in no ellipsoid, and ANEES is of the others",
+       3, [](const E& e) { return e.singular_share; }},
       {"anees_final", "ANEES final", "the same of the final poses, where the method states their covariances",
        2, [](const E& e) { return e.anees_final; }, kNeither},
       {"within_50_share_final", "in 50 % final", "share of those within their ellipsoid of 50 %", 3,
        [](const E& e) { return e.within_50_share_final; }, kNeither},
       {"within_95_share_final", "in 95 % final", "share of those within their ellipsoid of 95 %", 3,
        [](const E& e) { return e.within_95_share_final; }, kNeither},
+      {"singular_share_final", "singular final", "share of those whose covariance is singular", 3,
+       [](const E& e) { return e.singular_share_final; }},
       {"path_length_m", "path m", "length of the estimated path", 2,
        [](const E& e) { return e.path_length_m; }, kNeither},
       {"end_x_m", "end x m", "last estimated pose, map frame", 2, [](const E& e) { return e.end_pose.x; },
@@ -338,8 +347,9 @@ report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Tr
     keys.insert(keys.end(), more.begin(), more.end());
   };
   if (detail == Detail::kFull)
-    add({"ate_max_m", "rpe_1s_m", "rpe_1s_deg", "anees", "within_50_share", "within_95_share", "anees_final",
-         "within_50_share_final", "within_95_share_final", "path_length_m"});
+    add({"ate_max_m", "rpe_1s_m", "rpe_1s_deg", "anees", "within_50_share", "within_95_share",
+         "singular_share", "anees_final", "within_50_share_final", "within_95_share_final",
+         "singular_share_final", "path_length_m"});
   if (detail == Detail::kFull || std::any_of(evaluations.begin(), evaluations.end(), isLocalised))
     add({"lost_share"});
   if (truth.plan) add({"wall_f1", "free_iou", "wall_p95_m"});

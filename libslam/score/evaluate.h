@@ -45,8 +45,8 @@ struct Evaluation {
   metrics::MapScore map;
   /// Whether the covariances of the online poses are consistent (poseNees(), stats::consistency()), and those of the final
   /// poses; NaN where there are none.
-  double anees, within_50_share, within_95_share;
-  double anees_final, within_50_share_final, within_95_share_final;
+  double anees, within_50_share, within_95_share, singular_share;
+  double anees_final, within_50_share_final, within_95_share_final, singular_share_final;
   run::Cost cost;
   double path_length_m = 0;
   core::Pose2 end_pose;  ///< T_map_robot at the last scan

@@ -11,6 +11,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
+#include "libslam/stats/mean_interval.h"
 
 namespace slam::stats {
 namespace {
@@ -21,11 +22,10 @@ void check(const BootstrapOptions& options) {
   if (options.resamples < 100) throw core::ContractError("bootstrapInterval: at least 100 resamples");
 }
 
-void check(const std::vector<double>& values, bool infinite_too) {
-  if (values.empty()) throw core::ContractError("a statistic of no values");
-  for (const double value : values)
-    if (std::isnan(value) || (std::isinf(value) && !infinite_too))
-      throw core::ContractError("a statistic of a value that is not a number");
+void check(const std::vector<double>& values) {
+  if (values.empty()) throw core::ContractError("a median of no values");
+  if (std::any_of(values.begin(), values.end(), [](double value) { return std::isnan(value); }))
+    throw core::ContractError("a median of a value that is not a number");
 }
 
 double valueOf(const IndexStatistic& statistic, const std::vector<std::size_t>& indices) {
@@ -180,30 +180,16 @@ class MedianOfDrawn {
 }  // namespace
 
 double median(std::vector<double> values) {
-  check(values, true);
+  check(values);
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   if (values.size() % 2 == 1) return *middle;
   return between(*std::max_element(values.begin(), middle), *middle);
 }
 
-double mean(const std::vector<double>& values) {
-  check(values, false);
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
-Estimate bootstrapInterval(const std::vector<double>& values, Statistic statistic,
-                           const BootstrapOptions& options) {
-  const bool is_median = statistic == Statistic::kMedian;
-  check(values, is_median);
-  if (is_median) return intervalOf(values.size(), MedianOfDrawn(values), options, false);
-  std::vector<double> drawn;
-  const auto of_indices = [&](const std::vector<std::size_t>& indices) {
-    drawn.resize(indices.size());
-    std::transform(indices.begin(), indices.end(), drawn.begin(), [&](std::size_t i) { return values[i]; });
-    return mean(drawn);
-  };
-  return intervalOf(values.size(), of_indices, options, true);
+Estimate bootstrapMedian(const std::vector<double>& values, const BootstrapOptions& options) {
+  check(values);
+  return intervalOf(values.size(), MedianOfDrawn(values), options, false);
 }
 
 Estimate bootstrapInterval(std::size_t count, const IndexStatistic& statistic,

@@ -3,30 +3,40 @@
 #include <Eigen/Cholesky>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
+#include <limits>
+#include <numeric>
 
 #include "libslam/core/error.h"
+#include "libslam/stats/mean_interval.h"
 
 namespace slam::stats {
 namespace {
 
-/// What a run adds to the three figures.
-struct RunSums {
-  double errors = 0, nees = 0, within50 = 0, within95 = 0;
+/// Of each run, what it adds to the figures.
+struct Sums {
+  std::vector<double> errors, finite, nees, within50, within95;
 };
 
-Estimate pooled(const std::vector<RunSums>& runs, double RunSums::*part, double scale,
-                const BootstrapOptions& options) {
-  return bootstrapInterval(
-      runs.size(),
-      [&](const std::vector<std::size_t>& indices) {
-        double sum = 0, errors = 0;
-        for (const std::size_t i : indices) {
-          sum += runs[i].*part;
-          errors += runs[i].errors;
-        }
-        return sum / (scale * errors);
-      },
-      options);
+Estimate ofRuns(const std::vector<double>& parts, const std::vector<double>& wholes, double highest) {
+  MeanOptions options;
+  options.lowest = 0;
+  options.highest = highest;
+  return ratioInterval(parts, wholes, options);
+}
+
+void add(const std::vector<double>& run, double within50, double within95, Sums& sums) {
+  double finite = 0, nees_sum = 0, within_50 = 0, within_95 = 0;
+  for (const double nees : run) {
+    if (!(nees >= 0)) throw core::ContractError("consistency: a NEES that is negative or no number");
+    if (std::isfinite(nees)) finite += 1, nees_sum += nees;
+    within_50 += nees <= within50 ? 1 : 0;
+    within_95 += nees <= within95 ? 1 : 0;
+  }
+  sums.errors.push_back(static_cast<double>(run.size()));
+  sums.finite.push_back(finite);
+  sums.nees.push_back(nees_sum);
+  sums.within50.push_back(within_50);
+  sums.within95.push_back(within_95);
 }
 
 }  // namespace
@@ -59,30 +69,27 @@ double chiSquaredQuantile(double probability, int degrees_of_freedom) {
 }
 
 std::optional<Consistency> consistency(const std::vector<std::vector<double>>& nees_of_runs,
-                                       int degrees_of_freedom, const BootstrapOptions& options) {
+                                       int degrees_of_freedom) {
   const double within50 = chiSquaredQuantile(0.5, degrees_of_freedom);
   const double within95 = chiSquaredQuantile(0.95, degrees_of_freedom);
-  std::vector<RunSums> runs;
+  Sums sums;
   Consistency result;
   for (const auto& run : nees_of_runs) {
     if (run.empty()) continue;
-    RunSums sums;
-    for (const double nees : run) {
-      if (!(nees >= 0 && std::isfinite(nees)))
-        throw core::ContractError("consistency: a NEES that is negative or not finite");
-      sums.errors += 1;
-      sums.nees += nees;
-      sums.within50 += nees <= within50 ? 1 : 0;
-      sums.within95 += nees <= within95 ? 1 : 0;
-    }
-    runs.push_back(sums);
+    add(run, within50, within95, sums);
     result.samples += run.size();
   }
-  result.runs = runs.size();
-  if (runs.empty()) return std::nullopt;
-  result.anees = pooled(runs, &RunSums::nees, degrees_of_freedom, options);
-  result.coverage50 = pooled(runs, &RunSums::within50, 1, options);
-  result.coverage95 = pooled(runs, &RunSums::within95, 1, options);
+  result.runs = sums.errors.size();
+  if (result.runs == 0) return std::nullopt;
+  const double finite = std::accumulate(sums.finite.begin(), sums.finite.end(), 0.0);
+  result.singular_share = 1 - finite / static_cast<double>(result.samples);
+  result.anees.value = std::numeric_limits<double>::quiet_NaN();
+  if (finite > 0) {
+    for (double& nees : sums.nees) nees /= degrees_of_freedom;
+    result.anees = ofRuns(sums.nees, sums.finite, std::numeric_limits<double>::infinity());
+  }
+  result.coverage50 = ofRuns(sums.within50, sums.errors, 1);
+  result.coverage95 = ofRuns(sums.within95, sums.errors, 1);
   return result;
 }
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "libslam/stats/bootstrap.h"
+#include "libslam/stats/estimate.h"
 
 namespace slam::stats {
 
@@ -19,20 +19,22 @@ std::optional<double> normalizedErrorSquared(const Eigen::VectorXd& error, const
 /// degrees_of_freedom at least 1 (ContractError).
 double chiSquaredQuantile(double probability, int degrees_of_freedom);
 
-/// Whether stated covariances are consistent with the errors. Every figure's interval is over runs.
+/// Whether stated covariances are consistent with the errors. Every figure's interval is over runs (ratioInterval()).
 struct Consistency {
-  /// Mean NEES over degrees of freedom: 1 is consistent, above 1 overconfident, below 1 conservative.
+  /// Mean NEES over degrees of freedom: 1 is consistent, above 1 overconfident, below 1 conservative. Of the errors whose
+  /// NEES is finite; NaN where none is.
   Estimate anees;
-  Estimate coverage50;  ///< share of errors within the ellipse that should hold half of them
+  double singular_share = 0;  ///< of the errors: NEES infinite, a covariance claimed a certainty that was not
+  Estimate coverage50;        ///< share of errors within the ellipse that should hold half of them
   Estimate coverage95;
   std::size_t runs = 0, samples = 0;
 };
 
-/// From the NEES of every error, one list per run. Errors of one run depend on each other, so runs are resampled whole
-/// (cluster bootstrap: Davison and Hinkley, Bootstrap Methods and their Application, 1997, section 3.8); figures pool
-/// the errors of all runs, a long run counts more. Of one run: no intervals. Runs without errors are left out; nullopt
-/// when no run has any. REQUIRES values of 0 or more, finite, and degrees_of_freedom of at least 1 (ContractError).
+/// From the NEES of every error, one list per run. Errors of one run depend on each other, so a run is one unit; figures
+/// pool the errors of all runs, a long run counts more. Of one run: no intervals. Runs without errors are left out; nullopt
+/// when no run has any. An infinite NEES, of an error that a singular covariance excludes, lies outside of both ellipses.
+/// REQUIRES values of 0 or more, no NaN, and degrees_of_freedom of at least 1 (ContractError).
 std::optional<Consistency> consistency(const std::vector<std::vector<double>>& nees_of_runs,
-                                       int degrees_of_freedom, const BootstrapOptions& options = {});
+                                       int degrees_of_freedom);
 
 }  // namespace slam::stats

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "libslam/core/error.h"
+#include "libslam/stats/mean_interval.h"
 #include "libslam/stats/proportion.h"
 
 namespace slam::stats {
@@ -151,17 +152,21 @@ PairedTest signTest(const std::vector<double>& a, const std::vector<double>& b) 
 }
 
 Estimate probabilityOfImprovement(const std::vector<double>& a, const std::vector<double>& b, Better better,
-                                  const BootstrapOptions& options) {
+                                  const std::vector<std::size_t>& strata, double confidence) {
   checkPairs(a, b);
   std::vector<double> preferences;
   preferences.reserve(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) preferences.push_back(preference(a[i], b[i], better));
-  auto result = bootstrapInterval(preferences, Statistic::kMean, options);
+  MeanOptions options;
+  options.confidence = confidence;
+  options.strata = strata;
+  options.lowest = 0, options.highest = 1;
+  auto result = meanInterval(preferences, options);
   const bool all_same = std::equal(preferences.begin() + 1, preferences.end(), preferences.begin());
   if (!all_same) return result;
   result.interval.reset();
   if (result.value != 0.5)
-    result.interval = clopperPearson(result.value == 1 ? a.size() : 0, a.size(), options.confidence);
+    result.interval = clopperPearson(result.value == 1 ? a.size() : 0, a.size(), confidence);
   return result;
 }
 

@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "libslam/stats/bootstrap.h"
+#include "libslam/stats/estimate.h"
 
 namespace slam::stats {
 
@@ -40,11 +40,12 @@ PairedTest wilcoxonSignedRank(const std::vector<double>& a, const std::vector<do
 /// section 3.4). It asks for no symmetry and sees less.
 PairedTest signTest(const std::vector<double>& a, const std::vector<double>& b);
 
-/// The share of pairs in which a is better than b, equal pairs counting half, with bootstrapInterval() over the pairs.
-/// Where every pair says the same (a better in all, or in none) the bootstrap has nothing to vary and the interval is
-/// that of clopperPearson(); where all are equal there is none. Of (b, a) it is one minus this.
+/// The share of pairs in which a is better than b, equal pairs counting half, with meanInterval() over the pairs, which are
+/// drawn within their `strata` (of each pair the one that it was measured in; none: all in one). Where every pair says the
+/// same (a better in all, or in none) nothing varies and the interval is that of clopperPearson(); where all are equal
+/// there is none. Of (b, a) it is one minus this. REQUIRES confidence in (0, 1) (ContractError).
 Estimate probabilityOfImprovement(const std::vector<double>& a, const std::vector<double>& b, Better better,
-                                  const BootstrapOptions& options = {});
+                                  const std::vector<std::size_t>& strata = {}, double confidence = 0.95);
 
 /// For samples that are not paired: the chance that a value of a is better than one of b, ties half (the A measure of
 /// Vargha and Delaney, Journal of Educational and Behavioral Statistics 25(2), 2000). The only function here for which a

@@ -1,7 +1,7 @@
 #pragma once
 #include <cstddef>
 
-#include "libslam/stats/bootstrap.h"
+#include "libslam/stats/estimate.h"
 
 namespace slam::stats {
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "libslam/core/error.h"
+#include "libslam/stats/bootstrap.h"
 #include "libslam/stats/multiple_tests.h"
 
 namespace slam::stats {

@@ -6,6 +6,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/pose2.h"
+#include "libslam/stats/mean_interval.h"
 #include "libslam/stats/paired.h"
 
 namespace slam::stats {
@@ -37,12 +38,17 @@ SeedsNeeded moreSeedsNeeded(const std::vector<double>& differences, double alpha
   const boost::math::normal normal;
   const double deviates = boost::math::quantile(normal, 1 - alpha / 2) + boost::math::quantile(normal, power);
   const double ratio = deviates * standardDeviation(differences, centre) / centre;
-  const double fewest = std::ceil(1 - std::log2(alpha));
+  const auto fewest = static_cast<double>(pairsNeeded(alpha));
   const double needed = std::max(fewest, std::ceil(ratio * ratio / kEfficiency));
   if (!(needed <= kMostSeeds)) return {Answer::kNoFiniteNumber, 0};
   // Unlucky so far: the spread promises enough, the test does not say so yet.
   const double more = std::max(1.0, needed - static_cast<double>(differences.size()));
   return {Answer::kMore, static_cast<std::size_t>(more)};
+}
+
+std::size_t pairsNeeded(double alpha) {
+  if (!(alpha > 0 && alpha < 1)) throw core::ContractError("pairsNeeded: alpha must lie in (0, 1)");
+  return static_cast<std::size_t>(std::ceil(1 - std::log2(alpha)));
 }
 
 }  // namespace slam::stats

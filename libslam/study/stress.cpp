@@ -168,8 +168,7 @@ Point pointOf(const sweep::SweepPlan& plan, const SweepResults& results,
   if (point.runs > 0)
     point.failure_rate = static_cast<double>(point.failed) / static_cast<double>(point.runs);
   if (!errors.empty())
-    point.error = stats::bootstrapInterval(errors, stats::Statistic::kMedian,
-                                           {0.95, 1, kResamples, settingsOf(plan, with_error)});
+    point.error = stats::bootstrapMedian(errors, {0.95, 1, kResamples, settingsOf(plan, with_error)});
   return point;
 }
 

@@ -26,7 +26,7 @@ std::vector<std::string> methodNames(const sweep::SweepPlan& plan);
 
 /// What a log has on all axes: one setting, with any seed.
 std::string settingKey(const sweep::PlannedLog& log);
-/// For BootstrapOptions::strata and its like: of each run (indices) the number of its setting, which is everything but method
+/// For MeanOptions::strata and its like: of each run (indices) the number of its setting, which is everything but method
 /// and seed. None where no setting has two of the runs: then settings are what is drawn.
 std::vector<std::size_t> settingsOf(const sweep::SweepPlan& plan, const std::vector<std::size_t>& runs);
 

@@ -94,7 +94,7 @@ class Summary {
 
   static stats::Estimate medianOf(const Sample& sample) {
     if (sample.values.empty()) return {kNan, std::nullopt};
-    return stats::bootstrapInterval(sample.values, stats::Statistic::kMedian, bootstrap(sample.settings));
+    return stats::bootstrapMedian(sample.values, bootstrap(sample.settings));
   }
 
   Row alone(const std::vector<std::size_t>& runs, const std::vector<std::size_t>& settings) const {
@@ -137,7 +137,7 @@ class Summary {
       if (m == baseline_) continue;
       const auto& mine = values[m];
       const auto& base = values[baseline_];
-      rows[m].better = stats::probabilityOfImprovement(mine, base, better_, bootstrap(settings));
+      rows[m].better = stats::probabilityOfImprovement(mine, base, better_, settings);
       rows[m].p = stats::wilcoxonSignedRank(mine, base, settings).p;
       rows[m].more_seeds = settings.empty() ? moreSeeds(mine, base, values.size() - 1) : "-";
       p_values.push_back(rows[m].p);
@@ -179,6 +179,23 @@ double highOf(const stats::Estimate& estimate) {
   return estimate.interval ? estimate.interval->high : kNan;
 }
 
+/// Says so where there are too few seeds for any difference in one setting to count. `runs_of_group`: of each setting and
+/// method, the number of runs.
+void addSeedNote(const sweep::SweepPlan& plan, const std::map<std::string, std::size_t>& runs_of_group,
+                 report::Table& table) {
+  const std::size_t comparisons = methodNames(plan).size() - 1;
+  if (comparisons == 0) return;
+  std::size_t most = 0;
+  for (const auto& [group, runs] : runs_of_group) most = std::max(most, runs);
+  const std::size_t fewest = stats::pairsNeeded(0.05 / static_cast<double>(comparisons));
+  if (most < 2 || most >= fewest) return;
+  table.notes.push_back(
+      "With " + std::to_string(most) +
+      " seeds no difference in a single setting can be told from chance: " + std::to_string(comparisons) +
+      (comparisons == 1 ? " comparison at 5 % needs" : " comparisons at 5 % need") + " at least " +
+      std::to_string(fewest) + ".");
+}
+
 void addNotes(const sweep::SweepPlan& plan, const SweepResults& results, report::Table& table) {
   const auto missing = std::count(results.begin(), results.end(), std::nullopt);
   if (missing > 0)
@@ -210,6 +227,7 @@ void addNotes(const sweep::SweepPlan& plan, const SweepResults& results, report:
   for (const auto& run : plan.runs) {
     ++runs_of_group[fullName(run) + '\n' + settingKey(plan.logs[run.log])];
   }
+  addSeedNote(plan, runs_of_group, table);
   const bool is_single = std::any_of(runs_of_group.begin(), runs_of_group.end(),
                                      [](const auto& group) { return group.second == 1; });
   const bool is_repeated = std::any_of(runs_of_group.begin(), runs_of_group.end(),

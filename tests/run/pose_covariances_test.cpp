@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
@@ -58,6 +59,15 @@ TEST(PoseNees, IsTheErrorInTheFrameOfTheTrueStart) {
   const core::Trajectory estimate = {{0, {0, 0, 0}}, {1, {2.2, 0.3, -0.1}}};  // off by 0.2, 0.3, -0.1
   const auto nees = poseNees(truth, estimate, {{0, Eigen::Matrix3d::Zero()}, {1, sigmas(0.1, 0.1, 0.1)}});
   EXPECT_THAT(nees, ElementsAre(DoubleNear(4 + 9 + 1, 1e-9)));  // the start claims no error
+}
+
+TEST(PoseNees, AClaimedCertaintyThatIsOffIsInfinite) {
+  const core::Trajectory truth = {{0, {}}, {1, {1, 0, 0}}, {2, {2, 0, 0}}};
+  const core::Trajectory estimate = {{0, {}}, {1, {1, 1e-6, 0}}, {2, {2, 1e-3, 0}}};
+  const Eigen::Matrix3d certain = Eigen::Matrix3d::Zero();
+  // The start is given, and a micrometre is what a file rounds by.
+  EXPECT_THAT(poseNees(truth, estimate, {{0, certain}, {1, certain}, {2, certain}}),
+              ElementsAre(std::numeric_limits<double>::infinity()));
 }
 
 TEST(PoseNees, TakesHeadingsTheShorterWayRound) {

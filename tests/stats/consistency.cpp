@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
@@ -72,7 +73,7 @@ TEST(Consistency, OfTrueCovariancesIsOne) {
   EXPECT_NEAR(result->anees.interval->high - result->anees.interval->low, 0.045, 0.012);
 }
 
-TEST(Consistency, ResamplesRunsAndNotScans) {
+TEST(Consistency, CountsRunsAndNotScans) {
   // All errors of a run are the same: 1000 scans know no more than one of each run does.
   std::vector<std::vector<double>> runs, one_each;
   for (int run = 0; run < 8; ++run) {
@@ -96,6 +97,20 @@ TEST(Consistency, HasNoIntervalForOneRunAndNoFiguresForNone) {
   EXPECT_FALSE(consistency({}, 3));
   EXPECT_THROW(consistency({{-1}}, 3), core::ContractError);
   EXPECT_THROW(consistency({{std::nan("")}}, 3), core::ContractError);
+}
+
+TEST(Consistency, ClaimedCertaintiesLieOutsideOfEveryEllipse) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto half = consistency({{1, kInfinity}, {kInfinity, 5}}, 3);
+  EXPECT_DOUBLE_EQ(half->anees.value, 1);  // of 1 and 5 over 3
+  EXPECT_DOUBLE_EQ(half->singular_share, 0.5);
+  EXPECT_DOUBLE_EQ(half->coverage50.value, 0.25);
+  EXPECT_DOUBLE_EQ(half->coverage95.value, 0.5);
+  const auto all = consistency({{kInfinity}}, 3);
+  EXPECT_TRUE(std::isnan(all->anees.value));
+  EXPECT_EQ(all->singular_share, 1);
+  EXPECT_EQ(all->coverage95.value, 0);
+  EXPECT_EQ(consistency({{1, 2}}, 3)->singular_share, 0);
 }
 
 }  // namespace

@@ -33,6 +33,18 @@ TEST(SeedsNeeded, NeverGoBelowWhatTheTestNeedsAtAll) {
   EXPECT_EQ(moreSeedsNeeded({1, 1, 1, 1, 1, 1}).answer, Answer::kEnough);
 }
 
+TEST(PairsNeeded, AreTheFewestThatReachALevelIfAllAgree) {
+  for (const double alpha : {0.05, 0.01, 0.05 / 7}) {
+    const std::size_t fewest = pairsNeeded(alpha);
+    const auto p = [](std::size_t count) {
+      return wilcoxonSignedRank(std::vector<double>(count, 1), std::vector<double>(count, 0)).p;
+    };
+    EXPECT_LE(p(fewest), alpha);
+    EXPECT_GT(p(fewest - 1), alpha);
+  }
+  EXPECT_THROW(pairsNeeded(0), core::ContractError);
+}
+
 TEST(SeedsNeeded, SayWhenNoNumberIsEnoughOrNothingIsKnown) {
   EXPECT_EQ(moreSeedsNeeded({1, -1}).answer, Answer::kNoFiniteNumber);
   EXPECT_EQ(moreSeedsNeeded({0, 0, 0}).answer, Answer::kNoFiniteNumber);

@@ -102,6 +102,39 @@ TEST(SweepConsistency, SaysWhoIsOverconfidentAndWhoSaysNothing) {
   EXPECT_TRUE(sweepConsistency(sweep.plan, sweep.results).main.rows.empty());
 }
 
+TEST(SweepConsistency, ClaimedCertaintiesAreOverconfidentWhateverTheOthersSay) {
+  TwoMethods sweep;
+  for (std::size_t i = 0; i < sweep.results.size(); i += 2) {
+    auto& figures = sweep.results[i]->figures;
+    figures.emplace_back("anees", i % 4 == 0 ? 0.5 : 1.5);
+    figures.emplace_back("singular_share", 0.04);
+    figures.emplace_back("anees_final", std::nan(""));  // all were singular
+    figures.emplace_back("singular_share_final", 1);
+  }
+  const auto tables = sweepConsistency(sweep.plan, sweep.results);
+  EXPECT_EQ(textIn(tables.all, 0, "verdict"), "consistent");
+  EXPECT_EQ(textIn(tables.all, 0, "verdict_final"), "overconfident");
+  for (std::size_t i = 0; i < sweep.results.size(); i += 2) {
+    auto& figures = sweep.results[i]->figures;
+    for (auto& [key, value] : figures)
+      if (key == "singular_share") value = 0.06;
+  }
+  EXPECT_EQ(textIn(sweepConsistency(sweep.plan, sweep.results).all, 0, "verdict"), "overconfident");
+}
+
+TEST(SweepTables, SayWhenThereAreTooFewSeedsForAnything) {
+  TwoMethods sweep;
+  const auto tooFew = HasSubstr("no difference in a single setting can be told from chance");
+  EXPECT_THAT(summarize(sweep.plan, sweep.results).main.notes, ::testing::Not(::testing::Contains(tooFew)));
+  sweep.plan.logs.resize(5);
+  sweep.plan.runs.resize(10);
+  sweep.results.resize(10);
+  EXPECT_THAT(
+      summarize(sweep.plan, sweep.results).main.notes,
+      ::testing::Contains(HasSubstr("With 5 seeds no difference in a single setting can be told from chance: "
+                                    "1 comparison at 5 % needs at least 6.")));
+}
+
 TEST(SweepConsistency, AllTogetherDrawsWithinEachSetting) {
   TwoMethods sweep;
   // Two buildings, 0.1 in all runs of one and 10.1 in the other's: nothing varies within them.
