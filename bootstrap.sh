@@ -17,6 +17,9 @@ usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
   package  make the Debian packages rasterslam, librasterslam0, librasterslam-dev and rasterslam-doc in build/package/packages,
            and check them
   docs     make the documentation as an offline site and the reference of the headers, in build/docs
+  clang    build everything with clang, and run all tests
+  sanitize build everything with address and undefined-behaviour sanitizers, and run all tests (an hour and more)
+  tidy     clang-tidy over every source file (an hour and more)
   fuzz     build every reader of files with clang's fuzzer and let each run a minute (ARGUMENTS go to tests/fuzz/run.sh)
 
   --no-install   do not install packages (for users without root); says what is missing and goes on
@@ -47,6 +50,8 @@ page_packages=(chromium)
 command -v npm >/dev/null || page_packages+=(nodejs npm)
 docs_packages=(mkdocs doxygen)
 package_packages=(dpkg-dev file lintian)
+clang_packages=(clang-14)
+tidy_packages=(clang-tidy-14)
 fuzz_packages=(clang-14 libclang-rt-14-dev)
 
 say() { printf 'bootstrap: %s\n' "$*" >&2; }
@@ -166,6 +171,20 @@ case "$verb" in
     mkdocs build -q -f .github/docs/mkdocs.yml
     doxygen .github/docs/Doxyfile
     say "open build/docs/site/index.html and build/docs/api/index.html"
+    ;;
+  clang)
+    install_missing "${packages[@]}" "${clang_packages[@]}"
+    build clang 10
+    ctest --preset clang -j "$(nproc)" "${arguments[@]}"
+    ;;
+  sanitize)
+    install_missing "${packages[@]}"
+    build debug 20
+    ctest --preset debug -j "$(nproc)" "${arguments[@]}"
+    ;;
+  tidy)
+    install_missing "${packages[@]}" "${tidy_packages[@]}"
+    build tidy 60
     ;;
   fuzz)
     install_missing "${packages[@]}" "${fuzz_packages[@]}"
