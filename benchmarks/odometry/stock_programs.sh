@@ -1,12 +1,13 @@
 #!/bin/sh
 # What each odometry of ours does to the error of MRPT's own icp-slam and rbpf-slam, beside the log's own wheels.
 #
-#   benchmarks/odometry/stock_programs.sh [-d DATA] [-w WORK] [-p PROGRAM] [-o FOLDER]
+#   benchmarks/odometry/stock_programs.sh [-d DATA] [-w WORK] [-p PROGRAM] [-o FOLDER] [-r "ODOMETRY ..."]
 #
 # Logs: the first 150 s of three simulated worlds (seed 7, built-in lidar and wheels; truth as relations) and the first 400 s
 # of Intel (DATA/logs/intel, its annotated relations). Each log gets odometry by 'rasterslam filter --odometry'; the stock programs run
 # with configs/mrpt/*.ini; their paths are scored by 'rasterslam eval --relations'. Writes FOLDER/stock_programs.csv (a row per log, odometry and program) and .txt
-# (the same for people, command, version, machine). Needs Debian's mrpt-apps. About 6 minutes of one core.
+# (the same for people, command, version, machine). Needs Debian's mrpt-apps. About 6 minutes of one core. With -r only the rows of
+# these odometries are made; the others stay as FOLDER/stock_programs.csv has them.
 set -eu
 
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/../.." && pwd)
@@ -15,8 +16,10 @@ data=$root/../shared/data
 program=$root/build/release/apps/rasterslam
 work=
 folder=$root/benchmarks/results
+rows=
 . "$root/benchmarks/shared.sh"
-read_options "d=data w=work p=program o=folder" "$@"
+read_options "d=data w=work p=program o=folder r=rows" "$@"
+if [ -n "$rows" ]; then command_line="$command_line -r '$rows'"; fi
 make_folders
 csv=$work/stock_programs.csv
 echo 'log,odometry,program,scored,translation_mean_m,translation_max_m,rotation_mean_deg,rotation_max_deg,seconds' > "$csv"
@@ -50,7 +53,7 @@ stock() {
 # all LOG: every odometry of ours and the log's own, alone and under both programs
 all() {
   "$program" convert "$work/$1_wheels.rawlog" "$work/$1.scans.tum" --overwrite -q > /dev/null
-  for odometry in wheels argmax correlation range_flow plicp; do
+  for odometry in ${rows:-wheels argmax correlation range_flow plicp}; do
     [ "$odometry" = wheels ] ||
       "$program" filter "$work/$1_wheels.rawlog" --odometry "$odometry" -o "$work/$1_$odometry.rawlog" --overwrite -q > /dev/null
     "$program" convert "$work/$1_$odometry.rawlog" "$work/alone.tum" --overwrite -q > /dev/null
@@ -70,6 +73,16 @@ if [ -f "$data/logs/intel/intel.clf.bz2" ]; then
   "$program" cut "$data/logs/intel/intel.clf.bz2" --to 400 -o "$work/intel.cut.rawlog" --overwrite -q > /dev/null
   "$program" convert "$work/intel.cut.rawlog" "$work/intel_wheels.rawlog" --form action --overwrite -q > /dev/null
   all intel
+fi
+
+if [ -n "$rows" ]; then
+  python3 - "$csv" "$folder/stock_programs.csv" <<'PYTHON'
+import csv, sys
+made, before = ([*csv.reader(open(path))] for path in sys.argv[1:])
+new = {tuple(row[:3]): row for row in made}
+merged = [new.get(tuple(row[:3]), row) for row in before]
+csv.writer(open(sys.argv[1], "w", newline=""), lineterminator="\n").writerows(merged)
+PYTHON
 fi
 
 {
