@@ -62,5 +62,17 @@ TEST(LidarPresets, HaveTheNoiseOfTheDataSheet) {
   EXPECT_DOUBLE_EQ(sigmaAt("rplidar_a2", 6), 0.06);
 }
 
+TEST(LidarPresets, HaveTheOriginalsLidarToTheLetter) {
+  for (const std::string name : {"thesis_360", "thesis_360_pixels"}) {
+    const auto lidar = load(name);
+    EXPECT_EQ(lidar.beams, 360) << name;
+    EXPECT_NEAR(core::radToDeg(lidar.fov_rad), 360, 1e-9) << name;
+    EXPECT_EQ(lidar.max_range_m, 0) << name << ": no limit";
+    EXPECT_EQ(lidar.min_range_m, 0) << name;
+    EXPECT_EQ(lidar.sigma_m + lidar.sigma_share + lidar.drop_out, 0) << name;
+    EXPECT_EQ(lidar.ray, name == "thesis_360" ? "exact" : "original");
+  }
+}
+
 }  // namespace
 }  // namespace slam::robot
