@@ -1,190 +1,63 @@
 #include "libslam/process/measured_process.h"
 
-#include <dirent.h>
-#include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
-#include <spawn.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
-#include <memory>
-#include <optional>
-#include <thread>
+#include <string_view>
 
 #include "libslam/core/error.h"
-
-extern char** environ;
+#include "libslam/process/keeper.h"
 
 namespace slam::process {
 namespace {
 
-/// The group of a process and its resident pages (proc(5), stat); a process may be gone meanwhile.
-bool readStat(const char* process, long& group, long& pages) {
-  std::ifstream file("/proc/" + std::string(process) + "/stat");
-  std::string text;
-  if (!std::getline(file, text)) return false;
-  // Behind the name in brackets, which may hold anything: fields 3 (state), 5 (group) and 24 (resident pages).
-  const size_t name_end = text.rfind(')');
-  if (name_end == std::string::npos) return false;
-  return std::sscanf(
-             text.c_str() + name_end + 1,
-             " %*c %*s %ld %*s %*s %*s %*s %*s %*s %*s %*s %*s %*s %*s %*s %*s %*s %*s %*s %*s %*s %ld",
-             &group, &pages) == 2;
+using Clock = std::chrono::steady_clock;
+
+double secondsSince(Clock::time_point time) {
+  return std::chrono::duration<double>(Clock::now() - time).count();
 }
 
-double groupMemoryMb(pid_t group) {
-  const std::unique_ptr<DIR, int (*)(DIR*)> folder(opendir("/proc"), closedir);
-  if (!folder) return 0;
-  double total = 0;
-  while (const dirent* entry = readdir(folder.get())) {
-    long its_group = 0, pages = 0;
-    if (entry->d_name[0] >= '0' && entry->d_name[0] <= '9' && readStat(entry->d_name, its_group, pages) &&
-        its_group == group)
-      total += static_cast<double>(pages);
-  }
-  return total * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
-}
-
-/// How a line of the shell is started: in a process group of its own.
-class Shell {
+/// What was printed, in bounded memory: the beginning and the end of it.
+class Printed {
  public:
-  Shell() {
-    posix_spawn_file_actions_init(&actions_);
-    posix_spawnattr_init(&attributes_);
-    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETPGROUP);
-    posix_spawnattr_setpgroup(&attributes_, 0);
+  void add(std::string_view text) {
+    const std::string_view first = text.substr(0, kKept - begin_.size());
+    begin_ += first;
+    text.remove_prefix(first.size());
+    end_ += text;
+    if (end_.size() <= 2 * kKept) return;
+    left_out_ += end_.size() - kKept;
+    end_.erase(0, end_.size() - kKept);
   }
-  ~Shell() {
-    posix_spawnattr_destroy(&attributes_);
-    posix_spawn_file_actions_destroy(&actions_);
-  }
-  Shell(const Shell&) = delete;
-  Shell& operator=(const Shell&) = delete;
-
-  posix_spawn_file_actions_t* actions() { return &actions_; }
-
-  pid_t start(std::string line) {
-    std::string shell = "sh", option = "-c";
-    std::array<char*, 4> argv{shell.data(), option.data(), line.data(), nullptr};
-    pid_t child = -1;
-    const int error = posix_spawn(&child, "/bin/sh", &actions_, &attributes_, argv.data(), environ);
-    if (error != 0) throw core::IoError("/bin/sh: cannot be started: " + std::string(std::strerror(error)));
-    return child;
+  std::string text() {
+    if (end_.size() > kKept) {
+      left_out_ += end_.size() - kKept;
+      end_.erase(0, end_.size() - kKept);
+    }
+    return left_out_ == 0 ? begin_ + end_
+                          : begin_ + "\n[" + std::to_string(left_out_) + " bytes left out]\n" + end_;
   }
 
  private:
-  posix_spawn_file_actions_t actions_;
-  posix_spawnattr_t attributes_;
+  static constexpr std::size_t kKept = 1 << 18;
+  std::string begin_, end_;
+  std::size_t left_out_ = 0;
 };
 
-pid_t spawnGroup(const std::string& shell_line, const std::string& folder, const std::string& printed_path) {
-  Shell shell;
-  posix_spawn_file_actions_addopen(shell.actions(), STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(shell.actions(), STDOUT_FILENO, printed_path.c_str(),
-                                   O_WRONLY | O_CREAT | O_TRUNC, 0666);
-  posix_spawn_file_actions_adddup2(shell.actions(), STDOUT_FILENO, STDERR_FILENO);
-  posix_spawn_file_actions_addchdir_np(shell.actions(), folder.c_str());
-  return shell.start(shell_line);
+/// Takes what there is; false when nothing more will come.
+bool takePrinted(const Keeper& keeper, Printed& printed) {
+  std::array<char, 1 << 16> buffer;
+  const ssize_t size = read(keeper.printedEnd(), buffer.data(), buffer.size());
+  if (size > 0) printed.add({buffer.data(), static_cast<std::size_t>(size)});
+  return size > 0 || (size < 0 && (errno == EAGAIN || errno == EINTR));
 }
-
-/// Kills a process group when this process ends without a word, as by kill -9.
-class Watchdog {
- public:
-  explicit Watchdog(pid_t group) {
-    std::array<int, 2> pipe{};
-    if (pipe2(pipe.data(), O_CLOEXEC) != 0)
-      throw core::IoError("a pipe cannot be made: " + std::string(std::strerror(errno)));
-    our_end_ = pipe[1];
-    try {
-      Shell shell;
-      posix_spawn_file_actions_adddup2(shell.actions(), pipe[0], STDIN_FILENO);
-      watchdog_ = shell.start("read word || kill -s KILL -- -" + std::to_string(group) + " 2>/dev/null");
-    } catch (...) {
-      close(pipe[0]);
-      close(our_end_);
-      throw;
-    }
-    close(pipe[0]);
-  }
-  ~Watchdog() { dismiss(); }
-  Watchdog(const Watchdog&) = delete;
-  Watchdog& operator=(const Watchdog&) = delete;
-
-  void dismiss() {
-    if (watchdog_ < 0) return;
-    kill(watchdog_, SIGKILL);
-    close(our_end_);
-    while (waitpid(watchdog_, nullptr, 0) < 0 && errno == EINTR) {
-    }
-    watchdog_ = -1;
-  }
-
- private:
-  int our_end_ = -1;
-  pid_t watchdog_ = -1;
-};
-
-/// A running group; nothing of it outlives this, or this process.
-class Group {
- public:
-  explicit Group(pid_t leader) : leader_(leader) {
-    try {
-      watchdog_.emplace(leader);
-    } catch (...) {
-      stop();
-      throw;
-    }
-  }
-  ~Group() {
-    if (!buried_) stop();
-  }
-  Group(const Group&) = delete;
-  Group& operator=(const Group&) = delete;
-
-  bool hasEnded() const {
-    siginfo_t info{};
-    // Not yet buried, so that the group's number stays its own until what is left of it is killed.
-    return waitid(P_PID, static_cast<id_t>(leader_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
-           info.si_pid == leader_;
-  }
-  /// Kills what still runs.
-  void stop() {
-    kill(-leader_, SIGKILL);
-    if (watchdog_) watchdog_->dismiss();  // as long as the group's number is its own
-    while (wait4(leader_, &status_, 0, &usage_) < 0 && errno == EINTR) {
-    }
-    buried_ = true;
-  }
-  double memoryMb() const { return groupMemoryMb(leader_); }
-
-  /// REQUIRES stop().
-  ProcessOutcome outcome() const {
-    ProcessOutcome outcome;
-    outcome.killed = WIFSIGNALED(status_);
-    outcome.exit_code = outcome.killed ? 128 + WTERMSIG(status_) : WEXITSTATUS(status_);
-    const auto seconds = [](const timeval& time) {
-      return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-    };
-    outcome.cpu_s = seconds(usage_.ru_utime) + seconds(usage_.ru_stime);
-    outcome.peak_memory_mb = static_cast<double>(usage_.ru_maxrss) / 1024;
-    return outcome;
-  }
-
- private:
-  pid_t leader_;
-  std::optional<Watchdog> watchdog_;
-  int status_ = 0;
-  rusage usage_{};
-  bool buried_ = false;
-};
 
 /// Which limit is broken, or "".
 std::string brokenLimit(const ProcessLimits& limits, double time_s, double memory_mb) {
@@ -196,38 +69,52 @@ std::string brokenLimit(const ProcessLimits& limits, double time_s, double memor
   return text;
 }
 
+/// Until nothing of it is left or a limit is broken, which this gives.
+std::string waitFor(Keeper& keeper, const ProcessLimits& limits, Printed& printed, core::Progress& progress) {
+  const auto start = Clock::now();
+  auto told = start, looked = start;
+  bool is_printing = true;
+  for (;;) {
+    std::array<pollfd, 2> ends{{{keeper.reportEnd(), POLLIN, 0}, {keeper.printedEnd(), POLLIN, 0}}};
+    poll(ends.data(), is_printing ? 2 : 1, 50);
+    if (is_printing && ends[1].revents != 0) is_printing = takePrinted(keeper, printed);
+    if (ends[0].revents != 0) return "";
+    if (secondsSince(told) > 0.05) {
+      progress.update(-1, 0);
+      told = Clock::now();
+    }
+    double memory_mb = 0;
+    if (secondsSince(looked) > 0.2) {
+      memory_mb = keeper.memoryMb();
+      looked = Clock::now();
+    }
+    if (auto limit = brokenLimit(limits, secondsSince(start), memory_mb); !limit.empty()) return limit;
+  }
+}
+
 }  // namespace
 
 ProcessOutcome runMeasured(const std::string& shell_line, const std::string& folder,
-                           const std::string& printed_path, const ProcessLimits& limits,
-                           core::Progress& progress) {
-  using Clock = std::chrono::steady_clock;
-  Group group(spawnGroup(shell_line, folder, printed_path));
-  const auto start = Clock::now();
-  const auto since = [](Clock::time_point time) {
-    return std::chrono::duration<double>(Clock::now() - time).count();
-  };
-  auto looked = start;
-  auto pause = std::chrono::milliseconds(1);
-  while (!group.hasEnded()) {
-    progress.update(-1, 0);
-    double memory_mb = 0;
-    if (since(looked) > 0.2) {
-      memory_mb = group.memoryMb();
-      looked = Clock::now();
-    }
-    const std::string limit = brokenLimit(limits, since(start), memory_mb);
-    if (!limit.empty()) {
-      group.stop();
-      auto outcome = group.outcome();
-      outcome.limit = limit;
-      return outcome;
-    }
-    std::this_thread::sleep_for(pause);
-    pause = std::min(2 * pause, std::chrono::milliseconds(50));
+                           const ProcessLimits& limits, core::Progress& progress) {
+  Keeper keeper(shell_line, folder, static_cast<std::uint64_t>(limits.file_mb * 1024 * 1024));
+  Printed printed;
+  ProcessOutcome outcome;
+  outcome.limit = waitFor(keeper, limits, printed, progress);
+  keeper.stop();
+  const KeptEnd end = keeper.wait();
+  for (int i = 0; i < 64; ++i)  // more than a pipe holds; whoever escaped the keeper may still write
+    if (!takePrinted(keeper, printed)) break;
+  outcome.killed = WIFSIGNALED(end.status);
+  outcome.exit_code = outcome.killed ? 128 + WTERMSIG(end.status) : WEXITSTATUS(end.status);
+  if (outcome.limit.empty() && (outcome.exit_code == 128 + SIGXFSZ)) {
+    char text[96];
+    std::snprintf(text, sizeof text, "it wrote a file of more than %g MB", limits.file_mb);
+    outcome.limit = text;
   }
-  group.stop();
-  return group.outcome();
+  outcome.cpu_s = end.cpu_s;
+  outcome.peak_memory_mb = end.peak_memory_mb;
+  outcome.printed = printed.text();
+  return outcome;
 }
 
 }  // namespace slam::process

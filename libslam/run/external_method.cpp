@@ -30,6 +30,8 @@ constexpr double kUnitTolerance = 1e-3;
 /// No robot of ours drives so far.
 constexpr double kFarthest_m = 1e6;
 constexpr size_t kMostViolations = 20;
+/// Of a trajectory file: remarks, and some lines for each scan.
+constexpr std::uintmax_t kLeastPathBytes = 1 << 20, kPoseBytes = 1000;
 const char* const kPlaceholders[] = {"log", "output", "scans", "workdir", "seed", "here"};
 
 /// "configs/plugins/mine.ini:4" -> "/home/me/configs/plugins".
@@ -74,26 +76,8 @@ void requireUsableCommand(const core::IniFile::Entry& entry) {
                            "which trajectory to write");
 }
 
-/// What a program printed, as far as anybody will read it: all, or its beginning and its end.
-std::string readPrinted(const std::string& path) {
-  constexpr std::streamoff kKept = 1 << 18;
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file) throw core::IoError(path + ": cannot be read");
-  const std::streamoff size = file.tellg();
-  const auto read = [&](std::streamoff from, std::streamoff bytes) {
-    std::string text(static_cast<std::size_t>(bytes), '\0');
-    file.seekg(from);
-    file.read(text.data(), bytes);
-    text.resize(static_cast<std::size_t>(file.gcount()));
-    return text;
-  };
-  if (size <= 2 * kKept) return read(0, size);
-  return read(0, kKept) + "\n[" + std::to_string(size - 2 * kKept) + " bytes left out]\n" +
-         read(size - kKept, kKept);
-}
-
 struct Files {
-  std::string folder, log, output, scans, printed;
+  std::string folder, log, output, scans;
 };
 
 std::string commandLine(const ExternalMethod& method, const Files& files, std::uint64_t seed) {
@@ -328,7 +312,9 @@ const core::ParameterTable<ExternalOptions>& ExternalOptions::table() {
         "the form in which it is given the log"},
        {"time_limit_s", &O::time_limit_s, 3600.0, 0.1, 1e6, "of the clock; then it is killed"},
        {"memory_limit_mb", &O::memory_limit_mb, 4000.0, 1.0, 1e6,
-        "resident, of all its processes; then it is killed"}});
+        "resident, of all its processes; then it is killed"},
+       {"file_limit_mb", &O::file_limit_mb, 1000.0, 0.01, 1e6,
+        "of any file that it writes; then it is killed"}});
   return kTable;
 }
 
@@ -413,20 +399,20 @@ ExternalRun runExternalMethod(const ExternalMethod& method, const std::string& l
   const WorkFolder work(folder);
   const Files files{folder + "/run",
                     folder + "/" + (method.options.log == "carmen" ? "log.clf" : "log.rawlog"),
-                    folder + "/trajectory.tum", folder + "/scans.txt", folder + "/printed.txt"};
+                    folder + "/trajectory.tum", folder + "/scans.txt"};
   std::string label;
   const auto scans = readScans(log_path, label);
   writeLog(method, log_path, label, files, progress);
   core::writeFileAtomically(files.scans, scansText(scans));
 
   progress.begin("running " + method.options.command.substr(0, method.options.command.find(' ')));
-  const auto outcome =
-      process::runMeasured(commandLine(method, files, seed), files.folder, files.printed,
-                           {method.options.time_limit_s, method.options.memory_limit_mb}, progress);
+  const auto outcome = process::runMeasured(
+      commandLine(method, files, seed), files.folder,
+      {method.options.time_limit_s, method.options.memory_limit_mb, method.options.file_limit_mb}, progress);
   progress.end();
 
   ExternalRun run;
-  run.printed = readPrinted(files.printed);
+  run.printed = outcome.printed;
   run.cost.mean_ms_per_scan = 1000 * outcome.cpu_s / static_cast<double>(scans.size());
   run.cost.p99_ms_per_scan = std::numeric_limits<double>::quiet_NaN();
   run.cost.peak_memory_mb = outcome.peak_memory_mb;
@@ -443,6 +429,14 @@ ExternalRun runExternalMethod(const ExternalMethod& method, const std::string& l
                              ", expected 0; " + lastWords(run.printed));
   if (!fs::is_regular_file(files.output)) {
     run.violations.emplace_back("{output}: the program did not write it, expected a trajectory in TUM form");
+    return run;
+  }
+  // A line of eight numbers takes some 80 bytes; what is far longer is no path of these scans, and is not read.
+  const auto bytes = fs::file_size(files.output), most = kLeastPathBytes + kPoseBytes * scans.size();
+  if (bytes > most) {
+    run.violations.push_back("{output}: found " + std::to_string(bytes) + " bytes, expected at most " +
+                             std::to_string(most) + " for the poses of " + std::to_string(scans.size()) +
+                             " scans");
     return run;
   }
   auto checked = checkPath(core::readTextFile(files.output), "{output}", scans);

@@ -3,6 +3,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -155,25 +156,30 @@ TEST(MainJob, SameSeedSameBytesWithOneAndTwoThreads) {
 
 TEST(MainJob, AnInterruptedComparisonResumes) {
   const testing::TempFolder folder;
-  // The program is stopped at its first progress report after the first method's folder has appeared.
+  // The program is stopped at its first progress report after the first method's folder has appeared. The second waits.
+  std::ofstream(folder / "waits.ini")
+      << "[method]\ntype = external\ncommand = until ls {here} | grep -q go; do sleep 0.05; done && "
+         R"(awk '{ printf "%s %s %s 0 0 0 %.9f %.9f\n", $1, $2, $3, sin($4 / 2), cos($4 / 2) }' {scans} > {output})"
+         "\n";
   const auto stopped = testing::runCommand(
       "cd '" + folder.path() +
       "' && { '" RASTERSLAM_PROGRAM
-      "' compare flat --duration 60 -q --methods naive_wheel,rbpf_exact -o out & pid=$!; "
+      "' compare flat --duration 10 -q --methods naive_wheel,waits.ini -o out & pid=$!; "
       "while [ ! -d out/naive_wheel ] && kill -0 $pid; do :; done; kill -INT $pid; wait $pid; }");
   ASSERT_EQ(stopped.exit_code, 130) << stopped.err;
   EXPECT_THAT(stopped.err, HasSubstr("rasterslam: interrupted; go on with: rasterslam compare flat"));
   EXPECT_THAT(stopped.err, HasSubstr("--resume\n"));
-  EXPECT_FALSE(fs::exists(folder / "out/rbpf_exact"));
+  EXPECT_FALSE(fs::exists(folder / "out/waits"));
   EXPECT_THAT(testing::leftoversIn(folder / "out"), ::testing::IsEmpty());
   EXPECT_THAT(rasterslam("compare flat -o out", folder.path()).err, HasSubstr("--resume"));
   const auto before = fs::last_write_time(folder / "out/naive_wheel/trajectory.tum");
+  std::ofstream(folder / "go") << "";
   const auto resumed = rasterslam(
-      "compare flat --duration 60 -q --methods naive_wheel,rbpf_exact -o out --resume", folder.path());
+      "compare flat --duration 10 -q --methods naive_wheel,waits.ini -o out --resume", folder.path());
   ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
   EXPECT_EQ(fs::last_write_time(folder / "out/naive_wheel/trajectory.tum"), before);
   ASSERT_EQ(
-      rasterslam("compare flat --duration 60 -q --methods naive_wheel,rbpf_exact -o whole", folder.path())
+      rasterslam("compare flat --duration 10 -q --methods naive_wheel,waits.ini -o whole", folder.path())
           .exit_code,
       0);
   EXPECT_EQ(contents(folder / "out"), contents(folder / "whole"));

@@ -8,6 +8,7 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <future>
 #include <iostream>
@@ -93,23 +94,92 @@ TEST_F(WorkerCopy, AProcessOfSeveralThreadsIsNotCopied) {
   other.join();
 }
 
+/// What a line of the shell does that says so into the pipe `line_out`, then waits for a minute, and would say that it survived.
+std::string sayAndWait(const std::string& line_out) {
+  return "(echo started; sleep 60; echo survived) > '" + line_out + "'";
+}
+
+/// A pipe with a name, of which this test holds the reading end: it ends when no process is left that could write.
+class Witness {
+ public:
+  explicit Witness(const std::string& path) : path_(path) { EXPECT_EQ(mkfifo(path.c_str(), 0600), 0); }
+  void waitForStart() {
+    in_.open(path_);
+    std::string said;
+    ASSERT_TRUE(std::getline(in_, said));
+  }
+  std::string rest() { return std::string(std::istreambuf_iterator<char>(in_), {}); }
+
+ private:
+  std::string path_;
+  std::ifstream in_;
+};
+
+// A child of the shell's, as scripts have them; a session of its own; a daemon, whose parents are gone.
+const char* const kWaysToLive[] = {"%; true", "setsid sh -c \"%\"; true", "setsid sh -c \"% &\" & sleep 60"};
+
+std::string lived(std::string way, const std::string& line_out) {
+  return way.replace(way.find('%'), 1, sayAndWait(line_out));
+}
+
 TEST_F(WorkerCopy, TheProgramThatItMeasuresEndsWithIt) {
-  const std::string line_out = folder / "line_out";
-  ASSERT_EQ(mkfifo(line_out.c_str(), 0600), 0);
-  // A child of the shell's, as scripts have them, holds the other end.
-  Worker worker(
-      [&] {
-        runMeasured("(echo started; sleep 60; echo survived) > '" + line_out + "'; true", folder.path(),
-                    folder / "printed.txt", {1000, 1000}, core::silentProgress());
-        return 0;
-      },
-      folder / "stderr.txt");
-  std::ifstream in(line_out);
-  std::string said;
-  ASSERT_TRUE(std::getline(in, said));
-  worker.signal(SIGKILL);
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "");
-  EXPECT_TRUE(worker.wait().killed);
+  for (const std::string way : kWaysToLive) {
+    const std::string line_out = folder / ("line_out" + std::to_string(way.size()));
+    Witness witness(line_out);
+    Worker worker(
+        [&] {
+          runMeasured(lived(way, line_out), folder.path(), {1000, 1000}, core::silentProgress());
+          return 0;
+        },
+        folder / "stderr.txt");
+    witness.waitForStart();
+    worker.signal(SIGKILL);
+    EXPECT_EQ(witness.rest(), "") << way;
+    EXPECT_TRUE(worker.wait().killed);
+  }
+}
+
+TEST_F(WorkerCopy, WhatAProgramLeavesBehindEndsWithIt) {
+  const std::string line_out = folder / "line_out", started = folder / "started";
+  Witness witness(line_out);
+  std::thread reader([&] { witness.waitForStart(); });
+  // The shell ends as soon as the daemon runs.
+  mkfifo(started.c_str(), 0600);
+  const auto outcome =
+      runMeasured("setsid sh -c \"(echo started; echo now > '" + started + "'; sleep 60; echo survived) > '" +
+                      line_out + "' &\"; read word < '" + started + "'; echo ended",
+                  folder.path(), {1000, 1000}, core::silentProgress());
+  reader.join();
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.printed, "ended\n");
+  EXPECT_EQ(witness.rest(), "");
+}
+
+TEST_F(WorkerCopy, WhatDetachesItselfIsCounted) {
+  const std::string greedy = "awk 'BEGIN { while (1) a[i++] = i }'";
+  EXPECT_THAT(
+      runMeasured("setsid " + greedy + " & sleep 60", folder.path(), {1000, 60}, core::silentProgress())
+          .limit,
+      HasSubstr("more than 60 MB"));
+  EXPECT_GT(runMeasured("setsid sh -c 'i=0; while [ $i -lt 20000 ]; do i=$((i+1)); done'", folder.path(),
+                        {1000, 1000}, core::silentProgress())
+                .cpu_s,
+            0);
+}
+
+TEST_F(WorkerCopy, NoFileGrowsBeyondItsLimit) {
+  const auto outcome = runMeasured("yes > big", folder.path(), {1000, 1000, 0.5}, core::silentProgress());
+  EXPECT_EQ(outcome.limit, "it wrote a file of more than 0.5 MB");
+  EXPECT_EQ(std::filesystem::file_size(folder / "big"), 1U << 19);
+}
+
+TEST_F(WorkerCopy, WhatIsPrintedWithoutEndTakesNoMemory) {
+  const auto outcome = runMeasured("echo begin; yes | head -c 40000000; echo the end", folder.path(),
+                                   {1000, 1000}, core::silentProgress());
+  EXPECT_EQ(outcome.printed.size(), 2U * (1 << 18) + std::string("\n[39475726 bytes left out]\n").size());
+  EXPECT_THAT(outcome.printed, HasSubstr("\n[39475726 bytes left out]\n"));
+  EXPECT_EQ(outcome.printed.substr(0, 8), "begin\ny\n");
+  EXPECT_EQ(outcome.printed.substr(outcome.printed.size() - 10), "y\nthe end\n");
 }
 
 }  // namespace

@@ -286,6 +286,13 @@ TEST_F(External, ItsLimitsAreKept) {
               ElementsAre(HasSubstr("more than 60 MB")));
 }
 
+TEST_F(External, ItsFilesAreNotReadBeyondWhatAPathCanTake) {
+  EXPECT_THAT(run("yes | head -c 2000000 > {output}").violations,
+              ElementsAre(HasSubstr("{output}: found 2000000 bytes, expected at most ")));
+  EXPECT_THAT(run("yes > {output}", "file_limit_mb = 0.5\n").violations,
+              ElementsAre("the program was stopped: it wrote a file of more than 0.5 MB"));
+}
+
 TEST_F(External, AViolationIsAMethodThatFailedAndLeavesNothing) {
   const auto config = core::IniFile::load(method("exit 9 {output}"));
   try {
