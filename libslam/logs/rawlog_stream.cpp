@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstddef>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <new>
@@ -19,6 +21,7 @@
 #include <utility>
 
 #include "libslam/core/error.h"
+#include "libslam/core/memory_guard.h"
 
 namespace slam::logs {
 namespace {
@@ -96,11 +99,17 @@ bool isLogEntry(const mrpt::rtti::TRuntimeClassId& id) {
          id.derivedFrom(CLASS_ID(CObservation)) || id.derivedFrom(CLASS_ID(CAction));
 }
 
-/// Reads from another stream and keeps what was read.
+/// Of the stack, for objects inside objects: thousands of them.
+constexpr std::ptrdiff_t kDeepestNesting_bytes = 1 << 20;
+
+/// Reads from another stream and keeps what was read. Objects that a file nests without end would end the stack, so
+/// that ends in an exception while there is room.
 class CopyingStream : public mrpt::io::CStream {
  public:
   CopyingStream(UnpackingStream& source, std::string& copy) : source_(source), copy_(copy) {}
   size_t Read(void* buffer, size_t count) override {
+    const char* const here = static_cast<const char*>(__builtin_frame_address(0));
+    if (std::abs(outermost_ - here) > kDeepestNesting_bytes) throw std::runtime_error("nested without end");
     const size_t read = source_.Read(buffer, count);
     copy_.append(static_cast<const char*>(buffer), read);
     return read;
@@ -113,6 +122,7 @@ class CopyingStream : public mrpt::io::CStream {
  private:
   UnpackingStream& source_;
   std::string& copy_;
+  const char* const outermost_ = static_cast<const char*>(__builtin_frame_address(0));
 };
 
 }  // namespace
@@ -189,6 +199,7 @@ std::shared_ptr<mrpt::serialization::CSerializable> RawlogObjects::next() {
     checkHeader();
     std::shared_ptr<mrpt::serialization::CSerializable> object;
     try {
+      const core::MemoryGuard guard(core::kObjectHeadroom_bytes);
       object = archive.ReadObject();
     } catch (const std::bad_alloc&) {
       fail(stream_.failure(), "an entry of impossible size");

@@ -1,0 +1,77 @@
+#include "libslam/core/memory_guard.h"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <mutex>
+
+#if defined(__SANITIZE_ADDRESS__)
+#define RASTERSLAM_OWN_ALLOCATOR 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define RASTERSLAM_OWN_ALLOCATOR 1
+#endif
+#endif
+
+namespace slam::core {
+namespace {
+
+struct Guards {
+  std::mutex mutex;
+  int count = 0;
+  rlimit before{};
+};
+
+Guards& guards() {
+  static Guards all;
+  return all;
+}
+
+/// Address space in use (proc(5), statm); 0 where nobody knows.
+std::uint64_t usedBytes() {
+  const int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+  if (file < 0) return 0;
+  std::array<char, 32> text{};
+  const ssize_t size = read(file, text.data(), text.size() - 1);
+  close(file);
+  return size <= 0
+             ? 0
+             : std::strtoull(text.data(), nullptr, 10) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+}  // namespace
+
+std::uint64_t fileHeadroom_bytes(const std::string& path) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);
+  return kObjectHeadroom_bytes + (error ? 0 : 100 * size);
+}
+
+#ifdef RASTERSLAM_OWN_ALLOCATOR
+MemoryGuard::MemoryGuard(std::uint64_t) {}
+MemoryGuard::~MemoryGuard() = default;
+#else
+MemoryGuard::MemoryGuard(std::uint64_t headroom_bytes) {
+  auto& all = guards();
+  const std::lock_guard lock(all.mutex);
+  if (all.count++ == 0) getrlimit(RLIMIT_AS, &all.before);
+  const std::uint64_t used = usedBytes();
+  if (used == 0) return;
+  rlimit limit = all.before;
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_cur, used + headroom_bytes);
+  setrlimit(RLIMIT_AS, &limit);
+}
+
+MemoryGuard::~MemoryGuard() {
+  auto& all = guards();
+  const std::lock_guard lock(all.mutex);
+  if (--all.count == 0) setrlimit(RLIMIT_AS, &all.before);
+}
+#endif
+
+}  // namespace slam::core
