@@ -1,11 +1,13 @@
 #include "libslam/core/files.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -36,19 +38,63 @@ std::ifstream openForReading(const std::string& path) {
 }
 
 constexpr const char* kBeside = ".rasterslam-";
+constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz0123456789";
+constexpr std::size_t kDrawnLetters = 6;
 
-/// A name beside a path that ends by `suffix`, made by `make` (0, or -1 with errno) under a name that was not there before.
+/// Six digits for where the number of a process means that process: this start of this machine, this namespace (container).
+std::string machineMark() {
+  std::string text;
+  std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), text);
+  std::error_code error;
+  text += fs::read_symlink("/proc/self/ns/pid", error).string();
+  std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+  char digits[8];
+  std::snprintf(digits, sizeof digits, "%06x", static_cast<unsigned>(hash >> 40));
+  return digits;
+}
+
+/// A name beside a path that ends by `suffix`, "NAME.rasterslam-MACHINE-PROCESS-XXXXXX", made by `make` (0, or -1 with errno) under
+/// a name that was not there before.
 template <class Make>
 std::string madeBeside(const std::string& path, const std::string& suffix, const Make& make) {
-  static const char* const kLetters = "abcdefghijklmnopqrstuvwxyz0123456789";
+  const std::string begin = path.substr(0, path.size() - suffix.size()) + kBeside + machineMark() + "-" +
+                            std::to_string(getpid()) + "-";
   std::random_device draw;
   while (true) {
-    std::string name = path.substr(0, path.size() - suffix.size()) + kBeside;
-    for (int i = 0; i < 6; ++i) name += kLetters[draw() % 36];
+    std::string name = begin;
+    for (std::size_t i = 0; i < kDrawnLetters; ++i) name += kLetters[draw() % kLetters.size()];
     name += suffix;
     if (make(name.c_str()) == 0) return name;
     if (errno != EEXIST) throw IoError(path + ": cannot be written: " + std::strerror(errno));
   }
+}
+
+/// Whether a name is one that madeBeside() gave on this machine to a process that does not live any more.
+bool isLeftover(std::string_view name, const std::string& begin, const std::string& suffix) {
+  if (name.size() < begin.size() + suffix.size() || name.substr(0, begin.size()) != begin ||
+      name.substr(name.size() - suffix.size()) != suffix)
+    return false;
+  name = name.substr(begin.size(), name.size() - begin.size() - suffix.size());
+  const std::size_t dash = name.find('-');
+  if (dash == 0 || dash > 9 || name.size() != dash + 1 + kDrawnLetters ||
+      name.substr(0, dash).find_first_not_of("0123456789") != std::string_view::npos ||
+      name.substr(dash + 1).find_first_not_of(kLetters) != std::string_view::npos)
+    return false;
+  const int process = std::atoi(std::string(name.substr(0, dash)).c_str());
+  return process > 0 && kill(process, 0) != 0 && errno == ESRCH;
+}
+
+/// What processes of this machine that were killed have left beside a path.
+std::vector<fs::path> leftoversOf(const std::string& path, const std::string& suffix) {
+  const fs::path whole = fs::absolute(path);
+  const std::string name = whole.filename().string();
+  const std::string begin = name.substr(0, name.size() - suffix.size()) + kBeside + machineMark() + "-";
+  std::vector<fs::path> leftovers;
+  std::error_code error;
+  for (fs::directory_iterator it(whole.parent_path(), error), end; !error && it != end; it.increment(error))
+    if (isLeftover(it->path().filename().string(), begin, suffix)) leftovers.push_back(it->path());
+  return leftovers;
 }
 
 /// Throws for what --overwrite must not replace, as root could: a device, a pipe, a socket.
@@ -65,6 +111,9 @@ std::string makeBeside(const std::string& path, bool keep_suffix) {
   if (fs::is_directory(path)) throw InputError(path + ": is a folder, expected a file");
   const fs::path p(path);
   const std::string suffix = keep_suffix ? p.extension().string() : "";
+  std::error_code error;
+  for (const auto& leftover : leftoversOf(path, suffix))
+    if (fs::is_regular_file(fs::symlink_status(leftover, error))) fs::remove(leftover, error);
   return madeBeside(path, suffix, [](const char* name) {
     const int file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
     return file < 0 ? -1 : close(file);
@@ -73,14 +122,9 @@ std::string makeBeside(const std::string& path, bool keep_suffix) {
 
 /// Removes what processes of ours that were killed have left beside a folder. REQUIRES its lock.
 void removeLeftovers(const std::string& folder) {
-  const fs::path path = fs::absolute(folder);
-  const std::string begin = path.filename().string() + kBeside;
-  std::vector<fs::path> leftovers;
   std::error_code error;
-  for (fs::directory_iterator it(path.parent_path(), error), end; !error && it != end; it.increment(error))
-    if (it->path().filename().string().compare(0, begin.size(), begin) == 0 && it->is_directory(error))
-      leftovers.push_back(it->path());
-  for (const auto& leftover : leftovers) fs::remove_all(leftover, error);
+  for (const auto& leftover : leftoversOf(folder, ""))
+    if (fs::is_directory(fs::symlink_status(leftover, error))) fs::remove_all(leftover, error);
 }
 
 std::string withoutTrailingSlash(std::string path) {

@@ -31,11 +31,11 @@ class OutputLock {
   int file_ = -1;
 };
 
-/// A file being written beside its final name by code that wants a path (MRPT, OpenCV). commit() renames it;
-/// without commit() the destructor removes it. It is made under a name that was not there before,
-/// "NAME.rasterslam-XXXXXX", and no link is followed. keep_suffix: that name ends like the final one
-/// ("map.rasterslam-XXXXXX.png"), for writers that choose the format by suffix. Errors: IoError; InputError when the final
-/// name is a folder, a device or a pipe.
+/// A file being written beside its final name by code that wants a path (MRPT, OpenCV). commit() renames it; without commit() the
+/// destructor removes it. It is made under a name that was not there before, "NAME.rasterslam-MACHINE-PROCESS-XXXXXX", and no link
+/// is followed; files of such names that processes of this machine left when they were killed are removed. keep_suffix: that
+/// name ends like the final one ("map.rasterslam-....png"), for writers that choose the format by suffix. Errors: IoError;
+/// InputError when the final name is a folder, a device or a pipe.
 class PendingFile {
  public:
   explicit PendingFile(std::string final_path, bool keep_suffix = false);

@@ -3,9 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <set>
 
 #include "libslam/core/error.h"
 #include "libslam/core/json_entry.h"
@@ -69,6 +73,43 @@ TEST(PendingFile, TouchesNothingOfOthersAndIsReadableAsUsual) {
   EXPECT_EQ(readTextFile(path + ".tmp"), "thesis");
   std::ofstream(folder / "usual") << "x";
   EXPECT_EQ(fs::status(one.path()).permissions(), fs::status(folder / "usual").permissions());
+}
+
+/// The number of a process that has ended and was waited for.
+pid_t ended(const std::function<void()>& work) {
+  const pid_t child = fork();
+  if (child == 0) {
+    work();
+    _exit(0);  // as by kill -9: nothing is cleaned up
+  }
+  waitpid(child, nullptr, 0);
+  return child;
+}
+
+TEST(PendingFile, CleansUpWhatAKilledProcessHasLeft) {
+  const testing::TempFolder folder;
+  const std::string path = folder / "map.png";
+  const pid_t dead = ended([&] {
+    new PendingFile(path);
+    new PendingFile(path, true);
+  });
+  const auto left = namesIn(folder.path());
+  ASSERT_EQ(left.size(), 2U);
+  // "map.png.rasterslam-MACHINE-" and "map.rasterslam-MACHINE-", in any order.
+  const std::string& long_name = left[left[0].find("map.png.") == 0 ? 0 : 1];
+  const std::string begin = "map.png.rasterslam-",
+                    mark = long_name.substr(long_name.find(".rasterslam-") + 12, 7);
+  const std::string number = std::to_string(dead), end = "-abcdef";
+  const std::set<std::string> others = {begin + "backup", begin + mark + number + end + "g",
+                                        begin + mark + std::to_string(getpid()) + end,
+                                        begin + "000000-" + number + end,  // another machine's
+                                        "other.png.rasterslam-" + mark + number + end};
+  for (const auto& name : others) std::ofstream(folder / name) << "thesis";
+  std::set<std::string> stay = others;
+  fs::create_symlink("other", folder / *stay.insert(begin + mark + number + "-linked").first);
+  fs::create_directory(folder / *stay.insert(begin + mark + number + "-folder").first);
+  { const PendingFile whole(path), with_suffix(path, true); }
+  EXPECT_THAT(namesIn(folder.path()), ::testing::UnorderedElementsAreArray(stay));
 }
 
 TEST(PendingFile, RefusesWhatIsNoFile) {
@@ -153,14 +194,17 @@ TEST(PendingFolder, LeavesNothingWithoutCommitAndReplacesOnlyResults) {
 TEST(PendingFolder, LeavesOthersFoldersAloneAndCleansUpItsOwn) {
   const testing::TempFolder folder;
   const std::string path = folder / "out";
-  for (const char* name : {"out.tmp", "out.rasterslam-killed", "outer.rasterslam-abcdef"})
+  const std::string others[] = {"out.tmp", "out.rasterslam-backup", "outer.rasterslam-abcdef"};
+  for (const auto& name : others)
     writeFileAtomically((fs::create_directories(folder / name), folder / name + "/thesis.txt"), "p");
+  ended([&] { std::ofstream((new PendingFolder(path, false))->path() + "/half") << "x"; });
+  EXPECT_EQ(namesIn(folder.path()).size(), 5U);  // with the lock of the dead
   {
     PendingFolder pending(path, false);
     writeFileAtomically(pending.path() + "/manifest.json", "{}");
     pending.commit();
   }
-  EXPECT_THAT(namesIn(folder.path()), UnorderedElementsAre("out", "out.tmp", "outer.rasterslam-abcdef"));
+  EXPECT_THAT(namesIn(folder.path()), UnorderedElementsAre("out", others[0], others[1], others[2]));
   EXPECT_EQ(readTextFile(folder / "out.tmp/thesis.txt"), "p");
 }
 
