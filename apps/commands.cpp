@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "apps/quiet.h"
+#include "apps/stream_output.h"
 #include "libslam/core/error.h"
 #include "libslam/core/resources.h"
 
@@ -52,7 +53,10 @@ std::string isDuration(const std::string& word) {
 }
 
 void addOutput(CLI::App* command, Context& context, const std::string& what) {
-  command->add_option("-o,--output", context.output, what);
+  command
+      ->add_option("-o,--output", context.output,
+                   streamSuffix(*command).empty() ? what : what + ", or - for standard output")
+      ->check([command](const std::string& word) { return streamProblem(*command, word); });
   command->add_flag("--overwrite", context.overwrite, "replace what is there");
   addQuiet(command, context);
 }

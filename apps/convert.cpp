@@ -11,6 +11,7 @@
 #include "apps/console.h"
 #include "apps/operation_files.h"
 #include "apps/quiet.h"
+#include "apps/stream_output.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/logs/convert.h"
@@ -198,7 +199,9 @@ void addConvert(CLI::App& app, Context& context) {
                    ".GT.txt), or "
                    "an operation log of either form")
       ->required();
-  command->add_option("out", arguments->out, "the file to write; its suffix says the format")->required();
+  command->add_option("out", arguments->out, "the file to write; its suffix says the format")
+      ->required()
+      ->check([command](const std::string& word) { return streamProblem(*command, word); });
   command->add_option(
       "--to", arguments->to,
       "the format, whatever the suffix: rawlog, carmen, bag, db3, mcap; a trajectory: tum, csv, "

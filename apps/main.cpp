@@ -1,11 +1,16 @@
 #include <CLI/CLI.hpp>
+#include <cstdio>
+#include <new>
 
 #include "apps/commands.h"
 #include "apps/program.h"
 #include "apps/shell_words.h"
+#include "libslam/core/exit_code.h"
 #include "libslam/core/manifest.h"
 
-int main(int argc, char** argv) {
+namespace {
+
+int runRasterslam(int argc, char** argv) {
   slam::apps::Context context;
   context.command_line.assign(argv, argv + argc);
   CLI::App app{
@@ -43,4 +48,15 @@ int main(int argc, char** argv) {
   slam::apps::addList(app, context);
   if (const auto answer = slam::apps::answerShell(app, context)) return *answer;
   return slam::apps::runProgram(app, context);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return runRasterslam(argc, argv);
+  } catch (const std::bad_alloc&) {  // before there is a command that could say so
+    std::fputs("rasterslam: out of memory\n", stderr);
+    return static_cast<int>(slam::core::ExitCode::kFailed);
+  }
 }

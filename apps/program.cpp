@@ -19,6 +19,7 @@
 
 #include "apps/console.h"
 #include "apps/quiet.h"
+#include "apps/stream_output.h"
 #include "libslam/core/error.h"
 #include "libslam/core/exit_code.h"
 #include "libslam/core/manifest.h"
@@ -29,6 +30,9 @@ namespace {
 
 using core::ExitCode;
 
+/// Started by another process of ours, which this one ends with.
+bool is_worker = false;
+
 int code(ExitCode exit_code) {
   return static_cast<int>(exit_code);
 }
@@ -36,7 +40,9 @@ int code(ExitCode exit_code) {
 /// One line on standard error; with --json also an object on standard output, for the program that called us. `is_machine`:
 /// a file could not be written, which no method is to blame for.
 int report(const Context& context, const std::string& message, ExitCode exit_code, bool is_machine = false) {
-  std::fprintf(stderr, "rasterslam: %s\n", message.c_str());
+  // Who started this one is interrupted with it, and says so.
+  if (!is_worker || exit_code != ExitCode::kInterrupted)
+    std::fprintf(stderr, "rasterslam: %s\n", message.c_str());
   if (context.json) {
     nlohmann::json said{{"error", message}, {"exit_code", code(exit_code)}};
     if (is_machine) said["machine"] = true;
@@ -124,6 +130,7 @@ int flushed(int exit_code) {
 void endWithParent() {
   const char* parent = std::getenv(process::kParentVariable);
   if (parent == nullptr) return;
+  is_worker = true;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (std::to_string(getppid()) != parent) std::_Exit(code(ExitCode::kInterrupted));
   unsetenv(process::kParentVariable);
@@ -131,7 +138,7 @@ void endWithParent() {
 
 int doCommand(CLI::App& app, Context& context, const std::vector<std::string>& command_line) {
   try {
-    return context.action();
+    return withStreamedOutput(app, context);
   } catch (const std::bad_alloc&) {
     return report(context, "out of memory", ExitCode::kFailed);
   } catch (const core::Interrupted& error) {

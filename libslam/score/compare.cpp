@@ -200,11 +200,13 @@ void drawPaths(const std::vector<report::Panel>& maps, const world::Plan& ground
 }
 
 void drawPictures(const std::vector<run::RunFolder>& runs, const std::vector<Evaluation>& evaluations,
-                  const std::optional<Truth>& truth, const std::string& log_path, const std::string& output) {
+                  const std::optional<Truth>& truth, const std::string& log_path, const std::string& output,
+                  core::Progress& progress) {
   std::vector<report::Panel> panels;
   std::vector<report::DrawnPath> paths;
   if (truth) paths.push_back({truth->trajectory, "truth", true});
   for (const auto& run : runs) {
+    progress.update(-1, 0);
     const auto& e = *std::find_if(evaluations.begin(), evaluations.end(),
                                   [&](const Evaluation& x) { return x.method == run.method; });
     const core::Pose2 T_world_map = truth ? e.final_trajectory.T_truth_estimate : core::Pose2{};
@@ -222,6 +224,7 @@ void drawPictures(const std::vector<run::RunFolder>& runs, const std::vector<Eva
   }
   if (panels.empty()) return;
   report::drawPanels(panels, output + "/maps.png");
+  progress.update(-1, 0);
   const world::Plan& ground = truth && truth->plan ? *truth->plan : runs.front().map;
   drawPaths(panels, ground, paths, output + "/paths.png");
   logs::LogReader log(log_path);
@@ -323,14 +326,17 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   method_manifest.inputs.clear();
   method_manifest.results.clear();
   for (auto& method : methods) {
+    progress.update(-1, 0);
     method.reused = request.resume && isSameRun(method, comparison.log_path, request.seed);
     comparison.reused += method.reused ? 1 : 0;
   }
   runMethods(methods, comparison.log_path, request, method_manifest, progress);
 
   std::vector<run::RunFolder> runs;
-  for (const auto& method : methods)
+  for (const auto& method : methods) {
+    progress.update(-1, 0);
     if (method.failure.empty()) runs.push_back(run::loadRun(method.folder));
+  }
   std::string plan_path = request.truth_plan_path.empty() ? request.plan_path : request.truth_plan_path;
   // A recording on a later visit has a true plan of its own.
   if (request.record.living.visit > 1 && request.truth_plan_path.empty()) plan_path.clear();
@@ -340,6 +346,7 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
     truth = loadTruth(truth_files.trajectory, truth_files.plan, runs.front());
   comparison.has_truth = truth.has_value();
   for (const auto& method : methods) {
+    progress.update(-1, 0);
     const auto run = std::find_if(runs.begin(), runs.end(),
                                   [&](const run::RunFolder& r) { return r.path == method.folder; });
     comparison.evaluations.push_back(run == runs.end() ? failedEvaluation(method.name, method.failure)
@@ -376,7 +383,7 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   core::writeFileAtomically(scores + ".json", report::toJson(comparison.full_accuracy));
   core::writeFileAtomically(request.output + "/cost.csv", report::toCsv(comparison.cost));
   core::writeFileAtomically(request.output + "/cost.json", report::toJson(comparison.cost));
-  drawPictures(runs, comparison.evaluations, truth, comparison.log_path, request.output);
+  drawPictures(runs, comparison.evaluations, truth, comparison.log_path, request.output, progress);
 
   manifest.files["scores.txt"] = "accuracy of every method; also .md, .tex, .csv, .json";
   if (comparison.relations)

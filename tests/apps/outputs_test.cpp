@@ -103,6 +103,64 @@ TEST_F(Outputs, AreWrittenByNobodyWhenCompareWasKilled) {
   EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
 }
 
+TEST_F(Outputs, GoToStandardOutputWhereTheyAreOneStream) {
+  ASSERT_EQ(run("run graph run.rawlog -o mapped -q").exit_code, 0);
+  const std::pair<std::string, std::string> streams[] = {{"relations run.gt.tum", "relations"},
+                                                         {"graph optimise mapped/graph.g2o", "g2o"},
+                                                         {"plot map mapped", "png"}};
+  for (const auto& [command, suffix] : streams) {
+    ASSERT_EQ(run(command + " -o whole." + suffix).exit_code, 0) << command;
+    for (const std::string name : {"-", "/dev/stdout"}) {
+      const auto stream = shell("\"$R\" " + command + " -o " + name + " >stream");
+      EXPECT_EQ(stream.exit_code, 0) << command << ": " << stream.err;
+      EXPECT_EQ(core::readTextFile(folder() / "stream"), core::readTextFile(folder() / ("whole." + suffix)));
+    }
+    EXPECT_EQ(shell("\"$R\" " + command + " -o - >/dev/full").exit_code, 1) << command;
+  }
+  EXPECT_FALSE(fs::exists(folder() / "-"));
+}
+
+TEST_F(Outputs, AreRefusedStandardOutputWhereTheyAreNone) {
+  for (const std::string command :
+       {"simulate flat --duration 5 -o -", "run naive_wheel run.rawlog -o /dev/stdout",
+        "convert run.rawlog -", "cut run.rawlog -o - --scans 1..2"}) {
+    const auto refused = run(command);
+    EXPECT_EQ(refused.exit_code, 2) << command;
+    EXPECT_EQ(linesOf(refused.err), 1) << refused.err;
+    EXPECT_THAT(refused.err, HasSubstr("found standard output, expected a name")) << command;
+    EXPECT_EQ(refused.out, "");
+  }
+  EXPECT_FALSE(fs::exists(folder() / "-"));
+}
+
+TEST_F(Outputs, OfKilledWritersAreCleanedUp) {
+  // Killed as soon as the log in the making is there; the next run into it finds what is left.
+  const auto killed = shell(
+      "{ \"$R\" simulate office_loop -o left.rawlog --duration 2000 --seed 3 -q & pid=$!; "
+      "until ls left.rawlog.rasterslam-* >/dev/null 2>&1; do kill -0 $pid || exit 9; done; kill -KILL $pid; "
+      "wait $pid; "
+      "ls left.rawlog.rasterslam-* | wc -l; }");
+  EXPECT_EQ(killed.out, "1\n") << killed.err;
+  EXPECT_EQ(run("simulate flat -o left.rawlog --duration 5 --seed 3 -q").exit_code, 0);
+  EXPECT_THAT(testing::leftoversIn(folder().path()), IsEmpty());
+}
+
+// Ctrl-C reaches all that runs in the terminal: the comparison and the methods' processes.
+TEST_F(Outputs, SayOnceThatTheyWereInterruptedAndHowToGoOn) {
+  core::writeFileAtomically(
+      folder() / "waits.ini",
+      "[method]\ntype = external\ncommand = touch {here}/waiting; sleep 600; echo {output}\n");
+  const auto stopped = shell(
+      "setsid \"$R\" compare run.rawlog -o stopped --threads 2 --methods naive_wheel,waits.ini -q & pid=$!; "
+      "until [ -e waiting ] && [ -e stopped/naive_wheel ]; do kill -0 $pid || exit 9; done; kill -INT -- "
+      "-$pid; wait $pid");
+  EXPECT_EQ(stopped.exit_code, 130) << stopped.err;
+  EXPECT_THAT(stopped.err,
+              ::testing::StartsWith("rasterslam: interrupted; go on with: rasterslam compare run.rawlog"));
+  EXPECT_THAT(stopped.err, EndsWith("--resume\n"));
+  EXPECT_EQ(linesOf(stopped.err), 1) << stopped.err;
+}
+
 TEST(SlurmScripts, HoldNoLineOfOthers) {
   const testing::TempFolder folder;
   core::writeFileAtomically(
