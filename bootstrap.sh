@@ -20,6 +20,8 @@ usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
   clang    build everything with clang, and run all tests
   sanitize build everything with address and undefined-behaviour sanitizers, and run all tests (an hour and more)
   tidy     clang-tidy over every source file (an hour and more)
+  attack   build, then fail every call of the system once in every command, and damage files of every format
+           (ARGUMENTS go to tests/fuzz/campaign.py)
   fuzz     build every reader of files with clang's fuzzer and let each run a minute (ARGUMENTS go to tests/fuzz/run.sh)
 
   --no-install   do not install packages (for users without root); says what is missing and goes on
@@ -189,6 +191,15 @@ case "$verb" in
   fuzz)
     install_missing "${packages[@]}" "${fuzz_packages[@]}"
     tests/fuzz/run.sh "${arguments[@]}"
+    ;;
+  attack)
+    install_missing "${packages[@]}"
+    build release 4 programs
+    cmake --build --preset release --target rasterslam_faults >&2
+    attacked=0
+    tests/fuzz/campaign.py build/release/apps/rasterslam "${arguments[@]}" || attacked=1
+    tests/faults/faults.py build/release/apps/rasterslam build/release/tests/librasterslam_faults.so || attacked=1
+    exit "$attacked"
     ;;
   "")
     usage

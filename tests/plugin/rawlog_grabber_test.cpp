@@ -38,8 +38,8 @@ mrpt::hwdrivers::CGenericSensor::Ptr makeSensor() {
 /// which therefore has to stay open until then. The limits only matter when something is broken.
 testing::CommandResult grab(const testing::TempFolder& folder, const std::string& config) {
   std::ofstream(folder / "grab.ini") << config;
-  return testing::runCommand("cd '" + folder.path() + "' && mkfifo done && timeout 60 head -c 1 done | " +
-                             "timeout 60 rawlog-grabber -p '" + kPlugin + "' grab.ini");
+  return testing::runCommand("cd '" + folder.path() + "' && mkfifo done && timeout 600 head -c 1 done | " +
+                             "timeout 600 rawlog-grabber -p '" + kPlugin + "' grab.ini");
 }
 
 std::string recordedLog(const testing::TempFolder& folder) {
@@ -150,7 +150,7 @@ TEST_F(RawlogGrabber, ShowsOurErrorForAMisspeltKey) {
   const testing::TempFolder folder;
   const auto run = testing::runCommand("cd '" + folder.path() + "' && sed 's/^plan = /plann = /' '" +
                                        kConfig + "' >grab.ini && mkfifo open && " +
-                                       "{ timeout 60 rawlog-grabber -p '" + kPlugin + "' grab.ini <>open; }");
+                                       "{ timeout 600 rawlog-grabber -p '" + kPlugin + "' grab.ini <>open; }");
   EXPECT_NE((run.out + run.err).find("section LIDAR, unknown key 'plann'; did you mean 'plan'?"),
             std::string::npos)
       << run.out << run.err;
