@@ -197,6 +197,7 @@ GraphSlam::Trust GraphSlam::weighDoubt(const Pose2& T_before, const Break& seam,
 
 /// The next keyframe begins a map of its own, for as long as the doubt lasts.
 void GraphSlam::beginOwnMap() {
+  forgetWheels();
   doubt_.begins = graph_.nodeCount();
   doubt_.maps = std::make_shared<LevelMaps>(maps_);
   doubt_.T_map_robot = currentPose();
@@ -209,6 +210,7 @@ void GraphSlam::comeBack(const robot::Scan& scan, std::vector<PatchPoint> points
   const Pose2 T_map_robot = doubt_.T_map_robot;
   const Eigen::Matrix3d information = doubt_.information;
   const int before = doubt_.begins - 1, k = graph_.nodeCount();
+  forgetWheels();
   map_keyframes_ = keyframesBeforeDoubt(T_map_robot);
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T_map_robot);
   doubt_.begins = k;  // no link to the keyframe before

@@ -361,6 +361,7 @@ bool GraphSlam::accept(const Hypothesis& hypothesis) {
 
 /// After the keyframes have moved.
 void GraphSlam::settle() {
+  forgetWheels();
   for (size_t i = 0; i < links_.size(); ++i)
     for (Link& link : links_[i])
       link.length_m = core::distance(graph_.pose(static_cast<int>(i)), graph_.pose(link.to));

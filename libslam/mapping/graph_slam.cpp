@@ -169,6 +169,7 @@ void GraphSlam::startAt(const Pose2& T_map_robot) {
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T_map_robot);
   T_previous_robot_ = {};
   odometry_holds_ = false;
+  forgetWheels();
   lost_.restart();
   doubt_ = {};
   is_lost_ = false;
@@ -218,7 +219,8 @@ int GraphSlam::addOdometryEdge(int k) {
 void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
                             const Eigen::Matrix3d& information, const Eigen::Matrix3d& covariance) {
   const int k = graph_.addNode(T_map_robot);
-  keyframes_.push_back({static_cast<int>(records_.size()), scan, std::move(points), path_m_, -1, covariance});
+  keyframes_.push_back({static_cast<int>(records_.size()), scan, std::move(points), path_m_, -1, covariance,
+                        by_wheels_.has_value()});
   links_.emplace_back();
   if (k == 0) {
     graph_.setFixed(0);

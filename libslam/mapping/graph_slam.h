@@ -46,8 +46,10 @@ struct GraphOptions {
 /// they share a view with, and places that are seen again are recognised. Map frame: the robot's pose at the first scan.
 ///
 /// Every scan: the surfel map of the keyframes near the robot is matched from the best of several starts (odometry, the
-/// last motion, odometry backwards, turned a little); odometry holds the match as a robust prior, and is let go where
-/// another start explains clearly more of the scan. A match that explains too little is searched for on a lattice.
+/// last motion, odometry with its metres backwards, turned a little); odometry holds the match as a robust prior, and is let
+/// go where another start explains so much more of the scan that its error, of which long tails are expected, is the likelier.
+/// Until scans are explained again, where odometry has the robot remains one of the starts, and no scan is matched to
+/// keyframes made since. A match that explains too little is searched for on a lattice.
 /// The keyframes near are those that chains of links of `map_path_m` reach, so that a place seen again is not mixed in
 /// before its loop is closed.
 /// Every keyframe gets edges to the keyframes it was matched to, weighed with the match's information, provided that
@@ -136,6 +138,7 @@ class GraphSlam {
     double path_m;                              ///< driven since the start
     int odometry_edge;                          ///< to the keyframe before
     Eigen::Matrix3d covariance;                 ///< of its pose in the map
+    bool unsure = false;                        ///< no scan is matched to it: see followWheels()
   };
   struct Record {
     int keyframe;
@@ -312,6 +315,8 @@ class GraphSlam {
   void setMap(const std::vector<int>& near, const core::Point2& centre);
   void setMapNear(const core::Point2& centre);
   double knownShare(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot) const;
+  void followWheels(const core::Pose2& T_wheels, bool let_go, bool is_elsewhere, bool is_explained);
+  void forgetWheels();
   void keepTo(const core::Pose2& predicted, const core::Pose2& increment, Step& step);
 
   // graph_views.cpp: what keyframes' beams say of other scans
@@ -434,6 +439,10 @@ class GraphSlam {
   std::vector<int> anchors_;  ///< of these, those that stand for the local map's uncertainty
   core::Pose2 T_keyframe_robot_, T_previous_robot_, T_odometry_;  ///< the last: since the last keyframe
   bool odometry_holds_ = true;                                    ///< since the last keyframe
+  std::optional<core::Pose2> by_wheels_;                          ///< map frame: see followWheels()
+  int unsure_from_ = 0;                                           ///< keyframe; meanwhile
+  int explained_ = 0;                                             ///< scans in a row
+  double let_go_m_ = 0;                                           ///< driven then
   std::vector<Seen> seen_;                                        ///< one per lidar
   int before_ = -1;                          ///< of these, the one of the scan at hand; -1: its lidar is new
   double previous_time_s_ = 0;               ///< of the last scan of any

@@ -29,8 +29,19 @@ constexpr double kLatticeTurn_rad = 0.03, kLatticeStep_m = 0.1, kRecoverGain = 0
 /// Least share of the information along the worst direction of movement; below, a corridor or an open field.
 constexpr double kDegenerate = 0.02;
 
-/// In standard deviations of odometry: a motion that it hardly can have missed.
-constexpr double kFar = 4;
+/// Odometry's errors are taken as normal to so many standard deviations, and with the tails of Cauchy's distribution beyond.
+constexpr double kTail = 2;
+/// What speaks against backwards motion that was counted forwards, in nats.
+constexpr double kBackwards = 1;
+/// What a scan says for a pose, in nats, when all of it is explained: neighbouring beams err together.
+constexpr double kNatsPerScan = 10;
+
+/// What odometry with a step's standard deviations holds against a pose where it has another, in nats.
+double heldAgainst(const Pose2& T, const Pose2& T_odometry, double sigma_xy_m, double sigma_turn_rad) {
+  const double off = core::distance(T, T_odometry) / sigma_xy_m,
+               turned = core::angleDifference(T.phi, T_odometry.phi) / sigma_turn_rad;
+  return std::log1p((off * off + turned * turned) / (kTail * kTail));
+}
 
 }  // namespace
 
@@ -104,7 +115,7 @@ std::vector<int> GraphSlam::keyframesAround(int start, const Point2& centre, dou
     const double dx = poses[static_cast<size_t>(k)].x - centre.x,
                  dy = poses[static_cast<size_t>(k)].y - centre.y;
     const double away2 = dx * dx + dy * dy;
-    if (away2 <= near2) near.push_back({away2, k});
+    if (away2 <= near2 && !keyframe(k).unsure) near.push_back({away2, k});
     if (away2 > far2) continue;
     for (const Link& link : links_[static_cast<size_t>(k)]) {
       const double reach = length_m + link.length_m;
@@ -144,7 +155,7 @@ std::vector<int> GraphSlam::keyframesWithin(const Point2& centre, double radius_
   std::vector<std::pair<double, int>> near;
   for (int k = 0; k < graph_.nodeCount(); ++k) {
     const double away_m = core::distance(core::position(graph_.pose(k)), centre);
-    if (away_m <= radius_m) near.push_back({away_m, k});
+    if (away_m <= radius_m && !keyframe(k).unsure) near.push_back({away_m, k});
   }
   std::sort(near.begin(), near.end());
   std::vector<int> keyframes;
@@ -195,8 +206,11 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
     if (score > best) best = score, start = candidate;
   };
   consider(T_before * T_previous_robot_);
-  // Some robots count backwards motion forwards.
-  consider(T_before * core::inverse(increment));
+  // Some robots count backwards motion forwards, and turns as they are.
+  const Pose2 backwards = T_before * Pose2{-increment.x, -increment.y, increment.phi};
+  consider(backwards);
+  const Pose2 T_wheels = by_wheels_.value_or(T_before) * increment;
+  if (by_wheels_) consider(T_wheels);
   for (const double turn : kStartTurns_rad) consider({predicted.x, predicted.y, predicted.phi + turn});
   if (!has_odometry || best > own + options_.distrust_gain)
     if (const auto motion = motionFromScans(scan)) consider(T_before * *motion);
@@ -206,21 +220,22 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   prior.information = poseInformation(sigma_xy, sigma_turn);
   MatchResult result = match(points, maps_, predicted, prior, options_.odometry_kernel, true);
   bool distrusted = false;
-  // A pose that explains little, if more than another, is no better where the scan before contradicts it the more.
+  const auto unlikely = [&](const Pose2& T) {
+    const auto by = [&](const Pose2& T_odometry) { return heldAgainst(T, T_odometry, sigma_xy, sigma_turn); };
+    const double held = std::min(by(predicted), kBackwards + by(backwards));
+    return by_wheels_ ? std::min(held, by(T_wheels)) : held;
+  };
+  // A pose is better when scan, map and the scan before say more for it than odometry says against it.
   const auto isBetter = [&](const MatchResult& other, double least_gain) {
+    const double against = unlikely(other.T_map_robot) - unlikely(result.T_map_robot);
+    const double least = std::max(least_gain, against / kNatsPerScan);
     const double gained = gain(points, other.T_map_robot, result.T_map_robot);
-    if (!(gained > least_gain) || other.score >= options_.recover_score) return gained > least_gain;
-    // Wheels are worth more than an explanation of less than half; and where they would have to be quite wrong, more than
-    // any that is poor.
-    const bool is_far =
-        core::distance(other.T_map_robot, predicted) > kFar * sigma_xy ||
-        std::abs(core::angleDifference(other.T_map_robot.phi, predicted.phi)) > kFar * sigma_turn;
-    if (has_odometry &&
-        toldScore(points, other.T_map_robot) < (is_far ? options_.recover_score : options_.lost_score))
-      return false;
-    const double more_broken = brokenBy(points, core::between(T_before, other.T_map_robot)) -
-                               brokenBy(points, core::between(T_before, result.T_map_robot));
-    return gained - std::max(more_broken, 0.0) > least_gain;
+    const double less_broken = brokenBy(points, core::between(T_before, result.T_map_robot)) -
+                               brokenBy(points, core::between(T_before, other.T_map_robot));
+    if (other.score >= options_.recover_score) return gained + std::max(less_broken, 0.0) > least;
+    // Wheels are worth more than an explanation of less than half.
+    if (has_odometry && toldScore(points, other.T_map_robot) < options_.lost_score) return false;
+    return gained + less_broken > least;
   };
   if (core::distance(result.T_map_robot, predicted) > kLetGo * sigma_xy) {
     // Odometry is let go for a better match only, not along a corridor that holds nothing.
@@ -254,7 +269,8 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
       note("rematched", result.score);
     }
   }
-  if (isPoor()) note("poor", result.score);
+  const bool is_poor = isPoor();
+  if (is_poor) note("poor", result.score);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> movement(result.information.topLeftCorner<2, 2>(),
                                                                 Eigen::EigenvaluesOnly);
   const double share = movement.eigenvalues()(1) > 0
@@ -263,6 +279,11 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   if (share < kDegenerate) note("degenerate", share);
 
   odometry_holds_ = odometry_holds_ && has_odometry && !distrusted;
+  const auto isFarFrom = [&](const Pose2& T) {
+    return core::distance(result.T_map_robot, T) > kLetGo * sigma_xy ||
+           std::abs(core::angleDifference(result.T_map_robot.phi, T.phi)) > kLetGo * sigma_turn;
+  };
+  followWheels(T_wheels, has_odometry && isFarFrom(predicted), isFarFrom(T_wheels), !is_poor);
   information = result.information;
   T_previous_robot_ = core::between(T_before, result.T_map_robot);
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), result.T_map_robot);
@@ -274,6 +295,30 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   step.match_covariance = kMatchCovarianceScale * covarianceOf(result.posterior_information);
   step.pose_covariance = mapCovariance(core::position(step.T_map_robot)) + step.match_covariance;
   return step;
+}
+
+/// Where odometry alone has the robot since it was let go, for as long as it may have been right after all. It was not when
+/// some scans in a row are explained; it was when the robot is there again, and then the keyframes in between lie wrong.
+/// Meanwhile they do not vouch for themselves.
+void GraphSlam::followWheels(const Pose2& T_wheels, bool let_go, bool is_elsewhere, bool is_explained) {
+  if (!by_wheels_ && !let_go) return;
+  if (!by_wheels_) unsure_from_ = graph_.nodeCount(), explained_ = 0, let_go_m_ = path_m_;
+  by_wheels_ = T_wheels;
+  explained_ = is_explained ? explained_ + 1 : 0;
+  // Beyond the map from before nothing will tell.
+  const bool is_right =
+      explained_ >= options_.loop_confirmations || path_m_ - let_go_m_ > options_.map_radius_m / 2;
+  if (is_right)
+    forgetWheels();
+  else if (!is_elsewhere)
+    by_wheels_.reset();
+}
+
+/// What was matched since odometry was let go is believed.
+void GraphSlam::forgetWheels() {
+  if (!by_wheels_) return;
+  for (int k = unsure_from_; k < graph_.nodeCount(); ++k) keyframes_[static_cast<size_t>(k)].unsure = false;
+  by_wheels_.reset();
 }
 
 /// Puts odometry's word in place of a match.

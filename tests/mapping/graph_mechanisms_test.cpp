@@ -142,6 +142,60 @@ TEST(GraphMechanisms, NoLoopIsConfirmedByTheKeyframesJustDriven) {
   EXPECT_GT(loop_edges, 0) << events;
 }
 
+/// Whether the last of these scans is placed where odometry has it, which is right.
+double lastError(const Drive& log) {
+  const Driven run = runThrough(log, {});
+  const core::Pose2 off = core::between(log.truth.back(), run.steps.back().T_map_robot);
+  return std::hypot(off.x, off.y) + std::abs(off.phi);
+}
+
+/// Two rooms' worth of space, with pillars that tell places apart.
+std::vector<Wall> yard() {
+  auto walls = rectangle(0, 0, 14, 11);
+  for (const core::Point2& p :
+       {core::Point2{2, 2}, {11.5, 1.2}, {12.3, 8}, {3.1, 9.2}, {7.4, 10}, {8.2, 0.5}})
+    add(walls, rectangle(p.x, p.y, p.x + 0.4, p.y + 0.3));
+  return walls;
+}
+
+// The wheels count metres without their sign, and turns with it, as Freiburg 079's do; a scan every metre or so.
+TEST(GraphMechanisms, BackwardsMotionCountedForwardsIsFoundWithItsTurns) {
+  for (const size_t forth : {3, 6, 9}) {
+    std::vector<core::Pose2> path;
+    core::Pose2 T{4, 4, 0};
+    for (size_t i = 0; i < 2 * forth; ++i) {
+      path.push_back(T);
+      T = T * (i < forth ? core::Pose2{0.5, 0, 0.1} : core::Pose2{-0.9, 0, 0.6});
+    }
+    auto log = drive(yard(), path, {}, 0);
+    for (size_t i = forth + 1; i < log.increments.size(); ++i)
+      log.increments[i].x *= -1, log.increments[i].y *= -1;
+    EXPECT_LT(lastError(log), 0.1) << forth;
+  }
+}
+
+/// A robot that turns on the spot by so much a scan; some of its scans, the last but four, show what it would see turned
+/// otherwise: somebody turned a door or a table, or it tilts. Its wheels are right. The error of its last scan.
+double errorBehindStrayScans(double turn_rad, double stray_rad, int stray) {
+  constexpr int kFirst = 5, kAfter = 4;
+  std::vector<core::Pose2> path, seen;
+  for (int i = 0; i < kFirst + stray + kAfter; ++i) {
+    path.push_back({5, 5, turn_rad * i});
+    seen.push_back({5, 5, turn_rad * i + (i >= kFirst && i < kFirst + stray ? stray_rad : 0)});
+  }
+  auto log = drive(yard(), path, {}, 0);
+  log.scans = drive(yard(), seen, {}, 0).scans;
+  return lastError(log);
+}
+
+// What is seen then explains more than what the wheels say, so that they are let go, and the robot's own scans confirm it; as
+// soon as the map from before fits where the wheels have it, it is back.
+TEST(GraphMechanisms, OdometryThatWasLetGoMayHaveBeenRightAfterAll) {
+  EXPECT_LT(errorBehindStrayScans(0.8, 1.5, 2), 0.1);
+  EXPECT_LT(errorBehindStrayScans(0.8, -1.5, 3), 0.1);
+  EXPECT_LT(errorBehindStrayScans(1.1, -2.2, 2), 0.1);
+}
+
 double normalisedSquare(const core::Pose2& estimate, const core::Pose2& truth,
                         const Eigen::Matrix3d& covariance) {
   const Eigen::Vector3d off(estimate.x - truth.x, estimate.y - truth.y,
