@@ -15,7 +15,7 @@ namespace {
 
 struct Arguments {
   std::string plan, start = "auto", goal;
-  std::string slam = kNavigatorsSlam;
+  std::string slam;
   std::vector<std::string> methods = {"bug1", "bug2", "tangent", "lidar_bug"};
   SimulationFlags flags;
   std::vector<std::string> carries;
@@ -34,7 +34,8 @@ int navigateTo(const Context& context, const Arguments& arguments) {
   request.plan = record::planOfVisit(world::loadPlan(plan_path), request.config.living, context.seed);
   request.T_world_start = explore::goalStart(request.plan, request.config, arguments.start);
   request.methods = arguments.methods;
-  request.slam = arguments.slam == "odometry" ? "" : arguments.slam;
+  const std::string slam = navigatorsSlam(arguments.slam, request.config.camera.has_value());
+  request.slam = slam == "odometry" ? "" : slam;
   request.methods_folder = core::configsFolder() + "/methods";
   request.output = context.output.empty() ? "navigation" : context.output;
   request.seed = context.seed;
@@ -65,11 +66,7 @@ void addNavigate(CLI::App& app, Context& context) {
                    "bug1, bug2, tangent, lidar_bug, mrpt_reactive; separated by commas")
       ->delimiter(',')
       ->capture_default_str();
-  command
-      ->add_option(
-          "--slam", arguments->slam,
-          "where the pose comes from: a name of 'rasterslam list methods', or odometry for the wheels")
-      ->capture_default_str();
+  command->add_option("--slam", arguments->slam, kNavigatorsSlamMeaning);
   command->add_option("--lidar", arguments->flags.lidars,
                       "a lidar by name (see 'rasterslam list lidars') or an .ini file");
   addSensorFlag(command, arguments->flags);

@@ -212,7 +212,8 @@ int viewNavigate(const Context& context, const ViewArguments& arguments) {
   request.plan = record::planOfVisit(start.plan, request.config.living, context.seed);
   request.T_world_start = explore::goalStart(request.plan, request.config, arguments.start);
   request.methods = {arguments.method};
-  request.slam = arguments.slam == "odometry" ? "" : arguments.slam;
+  const std::string slam = navigatorsSlam(arguments.slam, request.config.camera.has_value());
+  request.slam = slam == "odometry" ? "" : slam;
   request.methods_folder = core::configsFolder() + "/methods";
   const core::ScratchFolder scratch;
   request.output = context.output.empty() ? scratch / "navigation" : context.output;
@@ -224,7 +225,7 @@ int viewNavigate(const Context& context, const ViewArguments& arguments) {
   what.T_scene_map = request.T_world_start;
   what.goal = core::inverse(what.T_scene_map) * request.p_world_goal;
   what.title = "navigate " + start.plan.name;
-  what.method = arguments.method + " on " + nameOf(arguments.slam);
+  what.method = arguments.method + " on " + nameOf(slam);
   what.strategic = explore::strategicOverlay(arguments.method, request.config.navigate, request.config.robot,
                                              request.config.lidar);
   ConsoleProgress progress(context.quiet);
@@ -396,7 +397,7 @@ void addViewCommands(CLI::App& app, Context& context) {
 
   auto* navigate = view->add_subcommand("navigate", "watch 'rasterslam navigate' with one method");
   auto navigating = onCall(navigate, context, viewNavigate);
-  navigating->slam = kNavigatorsSlam;
+  navigating->slam.clear();
   navigating->method = "tangent";
   navigate->add_option("plan", navigating->input, kPlanMeaning)->required();
   navigate->add_option("--start", navigating->start, "x_m,y_m,yaw_deg in the world frame, or auto")
@@ -404,10 +405,7 @@ void addViewCommands(CLI::App& app, Context& context) {
   navigate->add_option("--goal", navigating->goal, "x_m,y_m in the world frame")->required();
   navigate->add_option("--method", navigating->method, "bug1, bug2, tangent, lidar_bug or mrpt_reactive")
       ->capture_default_str();
-  navigate
-      ->add_option("--slam", navigating->slam,
-                   "where the pose comes from: a method, or odometry for the wheels")
-      ->capture_default_str();
+  navigate->add_option("--slam", navigating->slam, kNavigatorsSlamMeaning);
   navigate->add_option("--lidar", navigating->simulation.lidars,
                        "a lidar by name (see 'rasterslam list lidars') or an .ini file");
   addSensorFlag(navigate, navigating->simulation);

@@ -5,6 +5,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/navigate/goal_navigator.h"
+#include "libslam/navigate/look_first.h"
 #include "libslam/navigate/obstacle_memory.h"
 #include "libslam/navigate/path_follower.h"
 #include "libslam/navigate/safe_motion.h"
@@ -55,6 +56,7 @@ struct Driver::State {
 
   std::unique_ptr<ObstacleMemory> memory = nullptr;
   std::vector<core::Point2> remembered = {};  ///< robot frame
+  std::optional<LookFirst> look_first = std::nullopt;
   std::unique_ptr<GoalNavigator> navigator = nullptr;
   bool collided = false;   ///< by the last command
   bool w_follows = false;  ///< stop_clearance_m is that of stopClearance()
@@ -70,6 +72,7 @@ struct Driver::State {
   void sense(const robot::Scan& scan, const core::Pose2& T_map_robot);
   void startNavigator(const core::Pose2& T_map_robot);
   void endDrive(const core::Pose2& T_map_robot);
+  std::optional<robot::Command> look(const robot::Command& command);
   bool isBarren();
   bool checkIsDue() const { return periods_unchecked * period_s >= options.recheck_s; }
 
@@ -153,9 +156,21 @@ void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_map_rob
 void Driver::State::sense(const robot::Scan& scan, const core::Pose2& T_map_robot) {
   memory->update(scan, T_map_robot);
   remembered = memory->points();
+  if (look_first) {
+    look_first->update(scan, T_map_robot);
+    for (const auto& p_robot : look_first->hidden()) remembered.push_back(p_robot);
+  }
   if (!w_follows) return;
   options.stop_clearance_m = stopClearance(robot, period_s, scan.range_sigma_m);
   strategy->setStopClearance(options.stop_clearance_m);
+}
+
+/// The look that a command needs first; a drive is then taken up again by a turn back to its heading.
+std::optional<robot::Command> Driver::State::look(const robot::Command& command) {
+  if (!look_first || phase == Phase::kNavigating) return std::nullopt;  // a navigator looks for itself
+  const auto instead = look_first->instead(command);
+  if (instead && phase == Phase::kDriving) phase = Phase::kTurning;
+  return instead;
 }
 
 void Driver::State::startNavigator(const core::Pose2& T_map_robot) {
@@ -165,6 +180,7 @@ void Driver::State::startNavigator(const core::Pose2& T_map_robot) {
   ways.goal_tolerance_m = kRayTolerance_m;
   ways.memory = options.memory == "none" ? ways.memory : options.memory;
   ways.obstacles = options.obstacles;
+  ways.unseen = options.unseen;
   ways.time_limit_s =
       kRayPatience * (core::kPi / robot.max_turn_rate_radps + distance_m / robot.max_speed_mps);
   const core::Point2 p_robot_end{distance_m * std::cos(decision.turn_rad),
@@ -243,11 +259,13 @@ std::optional<robot::Command> Driver::State::drive(const robot::Scan& scan, cons
 std::optional<robot::Command> Driver::State::back(const robot::Scan& scan, const core::Pose2& T_map_robot) {
   const double rest_m = options.back_off_m - core::distance(T_map_begin, T_map_robot);
   const double step_m = std::min({rest_m, robot.max_speed_mps * period_s, reach(scan, core::kPi)});
-  if (!rearIsFree(scan) || step_m < kShortestDrive_m) {
+  const robot::Command command = straight(-step_m);
+  if (!rearIsFree(scan) || step_m < kShortestDrive_m ||
+      (look_first && look_first->leadsOverUnseen(command))) {
     phase = Phase::kDeciding;
     return std::nullopt;
   }
-  return straight(-step_m);
+  return command;
 }
 
 std::optional<robot::Command> Driver::State::follow(const robot::Scan& scan, const core::Pose2& T_map_robot) {
@@ -290,6 +308,7 @@ Driver::Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& option
   strategy->setRobot(robot);
   state_ = std::make_unique<State>(State{std::move(strategy), options, robot, period_s, random});
   state_->memory = makeObstacleMemory(options.memory, options.obstacles);
+  if (options.unseen == "looked_at") state_->look_first.emplace(robot, period_s, options.obstacles);
   state_->w_follows = options.stop_clearance_m == 0;
 }
 
@@ -309,12 +328,15 @@ robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_map_ro
     if (state.phase == Phase::kFollowing) state.strategy->tellOutcome(state.decision, false);
     state.phase = ahead ? Phase::kBacking : Phase::kDeciding;
   }
+  if (state.look_first && !finished())
+    if (const auto turn = state.look_first->looking()) return *turn;
   robot::Command command = state.stand();
   for (int i = 0; i < kTransitionsPerPeriod && !finished(); ++i)
     if (const auto found = state.advance(scan, T_map_robot)) {
       command = *found;
       break;
     }
+  if (const auto turn = state.look(command)) command = *turn;
   state.map_is_new = false;
   return command;
 }

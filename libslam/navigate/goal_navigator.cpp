@@ -54,7 +54,12 @@ const core::ParameterTable<NavigateOptions>& NavigateOptions::table() {
         "how far tangent believes the lidar; 0 is the lidar's own range"},
        {"memory", &O::memory, "short", obstacleMemoryNames(),
         "of obstacles that the newest scan does not show: none, within 1.5 m, or the local map of "
-        "[obstacles]"}});
+        "[obstacles]"},
+       {"unseen",
+        &O::unseen,
+        "free",
+        {"free", "looked_at"},
+        "floor that the sensor has not shown: free, or turned to and looked at before it is driven on"}});
   return rows;
 }
 

@@ -27,7 +27,9 @@ std::string describe(const core::Point2& p) {
 GuardedNavigator::GuardedNavigator(const NavigateOptions& options, const GoalTask& task)
     : options_(options),
       task_(task),
-      surroundings_(task.robot, options.clearance_m, task.period_s, options.memory, options.obstacles) {}
+      surroundings_(task.robot, options.clearance_m, task.period_s, options.memory, options.obstacles) {
+  if (options.unseen == "looked_at") look_first_.emplace(task.robot, task.period_s, options.obstacles);
+}
 
 double GuardedNavigator::goalDistance(const core::Pose2& T_odom_robot) const {
   return core::distance(core::position(T_odom_robot), task_.p_odom_goal);
@@ -52,6 +54,13 @@ GoalStep GuardedNavigator::end(GoalStatus status, const std::string& reason) {
   return last_;
 }
 
+GoalStep GuardedNavigator::goOn(const robot::Command& command) {
+  last_.command = command;
+  last_.changes.clear();
+  last_speed_mps_ = command.speed_mps;
+  return last_;
+}
+
 bool GuardedNavigator::standsStill(const core::Pose2& T_odom_robot) {
   if (!has_spot_ || core::distance(T_odom_spot_, T_odom_robot) > kSpot_m) {
     has_spot_ = true;
@@ -70,6 +79,10 @@ GoalStep GuardedNavigator::next(const robot::Scan& scan, const core::Pose2& T_od
   if (!core::isFinite(T_odom_robot)) return end(GoalStatus::kGaveUp, "the pose is not finite");
   elapsed_s_ += task_.period_s;
   surroundings_.update(scan, T_odom_robot);
+  if (look_first_) {
+    look_first_->update(scan, T_odom_robot);
+    surroundings_.add(look_first_->hidden());
+  }
   if (collided) surroundings_.feel(T_odom_robot, last_speed_mps_ >= 0);
   if (goalDistance(T_odom_robot) <= options_.goal_tolerance_m)
     return end(GoalStatus::kReached,
@@ -80,14 +93,15 @@ GoalStep GuardedNavigator::next(const robot::Scan& scan, const core::Pose2& T_od
   blind_s_ = seesNothing(scan) ? blind_s_ + task_.period_s : 0;
   if (blind_s_ > kMostBlind_s) return end(GoalStatus::kGaveUp, "no valid reading for 5 s");
   if (standsStill(T_odom_robot)) return end(GoalStatus::kGaveUp, "no way from this spot for a minute");
-  if (blind_s_ > 0) {
-    last_.command = surroundings_.stand();
-    last_.changes.clear();
-    last_speed_mps_ = 0;
-    return last_;
+  if (look_first_) {
+    if (const auto command = look_first_->looking()) return goOn(*command);
+  } else if (blind_s_ > 0) {
+    return goOn(surroundings_.stand());
   }
   last_ = plan(scan, T_odom_robot);
   if (last_.status != GoalStatus::kMoving) last_.command = surroundings_.stand();
+  if (look_first_)
+    if (const auto command = look_first_->instead(last_.command)) last_.command = *command;
   last_speed_mps_ = last_.command.speed_mps;
   return last_;
 }

@@ -1,7 +1,9 @@
 #pragma once
+#include <optional>
 #include <string>
 
 #include "libslam/navigate/goal_navigator.h"
+#include "libslam/navigate/look_first.h"
 #include "libslam/navigate/surroundings.h"
 
 namespace slam::navigate {
@@ -18,6 +20,7 @@ class GuardedNavigator : public GoalNavigator {
   /// The end has come before the method noticed: its state's name for it.
   virtual std::string endState(GoalStatus status) const { return statusName(status); }
 
+  bool looksFirst() const { return look_first_.has_value(); }
   double goalDistance(const core::Pose2& T_odom_robot) const;
   double goalDirection(const core::Pose2& T_odom_robot) const;  ///< robot frame
   /// Near the goal, where only the disc itself has to fit, the guard's radius; the pass radius elsewhere.
@@ -31,8 +34,11 @@ class GuardedNavigator : public GoalNavigator {
 
  private:
   GoalStep end(GoalStatus status, const std::string& reason);
+  /// The step before once more, with another command.
+  GoalStep goOn(const robot::Command& command);
   bool standsStill(const core::Pose2& T_odom_robot);
 
+  std::optional<LookFirst> look_first_;
   double elapsed_s_ = 0, blind_s_ = 0, still_s_ = 0;
   bool has_spot_ = false;
   core::Pose2 T_odom_spot_;

@@ -17,6 +17,7 @@ constexpr std::array<int, 5> kOriginalIndices = {0, 28, 68, 207, 247};
 constexpr double kInFront_rad = core::degToRad(92);
 // A strategic direction is one reading; where it is lost, the nearest one within this.
 constexpr double kNeighbour_rad = core::degToRad(3);
+constexpr double kProbe_m = 0.05;  // half of what remembered points may leave open between them
 constexpr double kFacing_rad = core::degToRad(3);
 constexpr double kStopMargin_m = 0.03;
 constexpr double kBumpsForgotten_m = 0.5;
@@ -60,12 +61,27 @@ void LidarBug::look(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
       if (from_rad < aside_rad[d]) aside_rad[d] = from_rad, readings_m_[d] = from_robot_m;
     }
   }
+  recall(aside_rad);
   // Capped: where a direction is open, one stride that way decides, not how far the room is.
   const double stride_m = 2 * options_.lidar_bug.clear_front_m;
   for (size_t d = 0; d < directions.size(); ++d) {
     const double r = std::min(readings_m_[d], stride_m);
     p_robot_projected_[d] = {r * std::cos(directions[d]), r * std::sin(directions[d])};
     p_odom_projected_[d] = T_odom_robot * p_robot_projected_[d];
+  }
+}
+
+/// Where the sensor does not look or shows nothing, what is known from before stands for the reading.
+void LidarBug::recall(const std::array<double, 5>& aside_rad) {
+  const auto directions = strategicDirections();
+  for (size_t d = 0; d < directions.size(); ++d)
+    if (aside_rad[d] >= kNeighbour_rad)
+      readings_m_[d] = surroundings_.way(directions[d], kProbe_m).free_m + kProbe_m;
+  if (!looksFirst()) return;
+  for (const auto& p_robot : surroundings_.points()) {
+    const double from_robot_m = std::hypot(p_robot.x, p_robot.y);
+    if (from_robot_m < bump_range_m_)
+      bump_range_m_ = from_robot_m, bump_bearing_rad_ = std::atan2(p_robot.y, p_robot.x);
   }
 }
 

@@ -96,6 +96,7 @@ class LidarBug : public GuardedNavigator {
   std::string endState(GoalStatus status) const override;
 
   void look(const robot::Scan& scan, const core::Pose2& T_odom_robot);
+  void recall(const std::array<double, 5>& aside_rad);
   void fire(LidarBugEvent event, const core::Pose2& T_odom_robot, const std::string& detail);
   /// One look at the present state: true when it was left.
   bool decide(const core::Pose2& T_odom_robot);

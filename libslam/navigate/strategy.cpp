@@ -98,6 +98,11 @@ const core::ParameterTable<StrategyOptions>& StrategyOptions::table() {
        {"memory", &O::memory, "none", obstacleMemoryNames(),
         "of obstacles that the newest scan does not show: none, within 1.5 m, or the local map of "
         "[obstacles]"},
+       {"unseen",
+        &O::unseen,
+        "free",
+        {"free", "looked_at"},
+        "floor that the sensor has not shown: free, or turned to and looked at before it is driven on"},
        {"give_up_after", &O::give_up_after, 20, 1, 100000,
         "decisions in a row that show nothing new before the exploration counts as stuck"}});
   return rows;

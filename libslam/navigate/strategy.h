@@ -101,7 +101,8 @@ struct StrategyOptions {
   /// navigator drives to the ray's end, at most w short of what the ray hit, and round what is in the way.
   std::string ray_navigator;
   std::string memory;                         ///< of obstacles: a name of obstacleMemoryNames()
-  obstacles::LocalObstacleOptions obstacles;  ///< the zone of memory = local_map
+  std::string unseen;                         ///< as NavigateOptions::unseen
+  obstacles::LocalObstacleOptions obstacles;  ///< the zone of memory = local_map and unseen = looked_at
   int give_up_after;  ///< decisions in a row that show nothing new before the strategy is stuck
   StrategyOptions();
   static const core::ParameterTable<StrategyOptions>& table();
@@ -124,6 +125,9 @@ bool strategyNeedsMap(const std::string& name);
 /// of 2 cm and one standard deviation of the range). When nothing was driven before the stop, it goes back by
 /// back_off_m where the rear is free. After `patience` decisions without progress it turns to a random direction
 /// in which the disc can leave, where only the disc has to fit.
+///
+/// With `unseen` = looked_at no drive leads the disc over floor that has not been seen: it turns there first, and back
+/// again (see LookFirst); it does not go back over such floor at all.
 ///
 /// A drive along a ray is left to a goal navigator where `ray_navigator` names one; it has four times the time
 /// of the straight drive. All of it goes by the newest scan and by what `memory` keeps.

@@ -32,6 +32,10 @@ void Surroundings::update(const robot::Scan& scan, const core::Pose2& T_odom_rob
   for (const auto& p_odom : felt_odom_) points_.push_back(T_robot_odom * p_odom);
 }
 
+void Surroundings::add(const std::vector<core::Point2>& p_robot) {
+  points_.insert(points_.end(), p_robot.begin(), p_robot.end());
+}
+
 void Surroundings::feel(const core::Pose2& T_odom_robot, bool ahead) {
   if (felt_odom_.size() >= kMostFelt) return;
   const double radius_m = robot::circumscribedRadius(robot_);

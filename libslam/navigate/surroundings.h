@@ -27,6 +27,8 @@ class Surroundings {
                const std::string& memory = "short", const obstacles::LocalObstacleOptions& zone = {});
 
   void update(const robot::Scan& scan, const core::Pose2& T_odom_robot);
+  /// Further obstacles, robot frame, until the next update().
+  void add(const std::vector<core::Point2>& p_robot);
   /// The bumper met something on the side to which the last command drove.
   void feel(const core::Pose2& T_odom_robot, bool ahead);
 

@@ -79,6 +79,18 @@ std::vector<TangentBug::Node> TangentBug::nodes(const core::Pose2& T_odom_robot)
   return nodes;
 }
 
+std::optional<core::Point2> TangentBug::headingTo(const core::Pose2& T_odom_robot) const {
+  if (!p_odom_heading_to_) return std::nullopt;
+  const core::Point2 p_robot = core::inverse(T_odom_robot) * *p_odom_heading_to_;
+  const double rest_m = std::hypot(p_robot.x, p_robot.y);
+  const double node_goal_m = core::distance(*p_odom_heading_to_, task_.p_odom_goal);
+  const double free_m =
+      surroundings_.way(std::atan2(p_robot.y, p_robot.x), surroundings_.guardRadius()).free_m;
+  if (rest_m > surroundings_.step_m() && free_m >= rest_m && node_goal_m < goalDistance(T_odom_robot))
+    return p_robot;
+  return std::nullopt;
+}
+
 std::optional<core::Point2> TangentBug::chooseNode(const std::vector<Node>& all,
                                                    const core::Pose2& T_odom_robot) const {
   const double goal_m = goalDistance(T_odom_robot);
@@ -86,14 +98,10 @@ std::optional<core::Point2> TangentBug::chooseNode(const std::vector<Node>& all,
   double least_m = std::numeric_limits<double>::infinity();
   // The node chosen before stays while it can be driven to: noise makes nodes come and go, and a lidar with a
   // blind sector sees others after every turn.
-  if (p_odom_heading_to_) {
-    const core::Point2 p_robot = core::inverse(T_odom_robot) * *p_odom_heading_to_;
-    const double rest_m = std::hypot(p_robot.x, p_robot.y);
-    const double node_goal_m = core::distance(*p_odom_heading_to_, task_.p_odom_goal);
-    const double free_m =
-        surroundings_.way(std::atan2(p_robot.y, p_robot.x), surroundings_.guardRadius()).free_m;
-    if (rest_m > surroundings_.step_m() && free_m >= rest_m && node_goal_m < goal_m)
-      best = p_robot, least_m = rest_m + node_goal_m - kBetter_m;
+  if (const auto p_robot = headingTo(T_odom_robot)) {
+    best = p_robot;
+    least_m = std::hypot(p_robot->x, p_robot->y) + core::distance(*p_odom_heading_to_, task_.p_odom_goal) -
+              kBetter_m;
   }
   for (const auto& node : all)
     if (node.goal_m < goal_m - kNodeProgress_m && node.cost_m < least_m)
@@ -113,23 +121,28 @@ GoalStep TangentBug::plan(const robot::Scan& scan, const core::Pose2& T_odom_rob
   return transition(T_odom_robot);
 }
 
+GoalStep TangentBug::driveTo(const core::Point2& p_robot) const {
+  return step(surroundings_.towards(std::atan2(p_robot.y, p_robot.x), std::hypot(p_robot.x, p_robot.y)));
+}
+
 GoalStep TangentBug::toGoal(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
   look(scan);
   const double goal_rad = goalDirection(T_odom_robot), goal_m = goalDistance(T_odom_robot);
-  // What the lidar does not look at is not known to be free.
-  if (!isSeen(scan, goal_rad)) return step(surroundings_.turn(goal_rad));
   const double free_m = freeToGoal(T_odom_robot);
-  if (free_m >= std::min(goal_m, range_m_)) {
+  const bool is_open = free_m >= std::min(goal_m, range_m_), is_seen = isSeen(scan, goal_rad);
+  // What the lidar does not look at is not known to be free, but it may be known to be blocked: a turn to a node takes the
+  // goal out of a narrow view.
+  if (is_open) {
     p_odom_heading_to_.reset();
-    return step(surroundings_.towards(goal_rad, goal_m));
+    return step(is_seen ? surroundings_.towards(goal_rad, goal_m) : surroundings_.turn(goal_rad));
   }
   const auto all = nodes(T_odom_robot);
   if (const auto p_robot = chooseNode(all, T_odom_robot)) {
     p_odom_heading_to_ = T_odom_robot * *p_robot;
-    return step(
-        surroundings_.towards(std::atan2(p_robot->y, p_robot->x), std::hypot(p_robot->x, p_robot->y)));
+    return driveTo(*p_robot);
   }
   p_odom_heading_to_.reset();
+  if (!is_seen) return step(surroundings_.turn(goal_rad));
   if (free_m >= surroundings_.step_m()) return step(surroundings_.towards(goal_rad, free_m));
 
   state_ = State::kBoundary;

@@ -40,6 +40,9 @@ class TangentBug : public GuardedNavigator {
   void look(const robot::Scan& scan);
   std::vector<Node> nodes(const core::Pose2& T_odom_robot) const;
   std::optional<core::Point2> visiblePlaceNearerThan(double goal_m, const core::Pose2& T_odom_robot) const;
+  /// The node chosen before while it can be driven to, robot frame.
+  std::optional<core::Point2> headingTo(const core::Pose2& T_odom_robot) const;
+  GoalStep driveTo(const core::Point2& p_robot) const;
   std::optional<core::Point2> chooseNode(const std::vector<Node>& all, const core::Pose2& T_odom_robot) const;
   bool isSeen(const robot::Scan& scan, double direction_rad) const;
 

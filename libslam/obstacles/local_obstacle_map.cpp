@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "libslam/core/error.h"
 
@@ -13,19 +14,18 @@ bool isFinite(const core::Point2& p) {
   return std::isfinite(p.x) && std::isfinite(p.y);
 }
 
-/// Of two points closer than `distance_m` the later one stays; the order of what stays is kept.
+/// Of two points closer than `distance_m` the earlier one stays; the order of what stays is kept.
 void keepOneOfTwins(std::vector<core::Point2>& points, double distance_m) {
   const double square_m2 = distance_m * distance_m;  // every pair is asked: no roots
-  std::vector<core::Point2> newest_first;
-  for (auto p = points.rbegin(); p != points.rend(); ++p) {
-    const bool has_twin =
-        std::any_of(newest_first.begin(), newest_first.end(), [&](const core::Point2& kept) {
-          const double dx = kept.x - p->x, dy = kept.y - p->y;
-          return dx * dx + dy * dy < square_m2;
-        });
-    if (!has_twin) newest_first.push_back(*p);
+  std::vector<core::Point2> kept;
+  for (const auto& p : points) {
+    const bool has_twin = std::any_of(kept.begin(), kept.end(), [&](const core::Point2& q) {
+      const double dx = q.x - p.x, dy = q.y - p.y;
+      return dx * dx + dy * dy < square_m2;
+    });
+    if (!has_twin) kept.push_back(p);
   }
-  points.assign(newest_first.rbegin(), newest_first.rend());
+  points = std::move(kept);
 }
 
 template <class Predicate>

@@ -117,6 +117,11 @@ core::IniFile withCameraDefaults(const core::IniFile& config, const std::optiona
   };
   setDefault("strategy", "memory", "local_map");
   setDefault("navigate", "memory", "local_map");
+  // What the net of remembered points leaves out has to be less than the margin of 2 cm that motion keeps.
+  setDefault("obstacles", "merge_distance_m", "0.02");
+  setDefault("obstacles", "max_points", "3000");
+  setDefault("strategy", "unseen", "looked_at");
+  setDefault("navigate", "unseen", "looked_at");
   const double reach_m =
       robot::visibleFloor(camera->view).nearest_m + robot.max_speed_mps / camera->scan.rate_hz;
   if (reach_m > navigate::StrategyOptions().stop_clearance_m)

@@ -39,7 +39,7 @@ SensorConfig readSensor(const core::IniFile& config, const robot::RobotOptions& 
                         std::vector<core::ParameterReport>* report);
 
 /// The configuration with what a narrow view needs where `config` says nothing. With a camera: [strategy] and
-/// [navigate] memory = local_map, and a [strategy] stop_clearance_m that reaches a step beyond the dead zone, or CanMove
+/// [navigate] memory = local_map and unseen = looked_at, remembered points 2 cm apart, and a [strategy] stop_clearance_m that reaches a step beyond the dead zone, or CanMove
 /// would never see what it asks for.
 core::IniFile withCameraDefaults(const core::IniFile& config, const std::optional<robot::FloorCamera>& camera,
                                  const robot::RobotOptions& robot);

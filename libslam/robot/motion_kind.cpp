@@ -8,6 +8,8 @@ namespace {
 
 constexpr double kHalfTrack_m = 0.25, kRest_m = 1e-3;
 constexpr double kStraight_m = 1;  // radius of the sharpest curve that is still a move
+constexpr double kDoubt = 2;       // an arc within this factor of a turn or of a move may be one that slipped
+constexpr double kSlipped = 0.5;   // of a direction's sign: the period before was such an arc
 
 double sign(double value) {
   return value > 0 ? 1 : (value < 0 ? -1 : 0);
@@ -47,7 +49,18 @@ Commanded CommandSeries::next(const core::Pose2& T_previous_robot) {
   const MotionKind kind = kindOf(T_previous_robot);
   const double along = kind == MotionKind::kTurn ? 0 : sign(T_previous_robot.x);
   const double turn = kind == MotionKind::kMove ? 0 : sign(T_previous_robot.phi);
-  return join(kind, along, turn, kind != MotionKind::kArc);
+  if (kind != MotionKind::kArc) return join(kind, along, turn, true);
+  // One period in a row: a real arc goes on.
+  const double along_m = std::hypot(T_previous_robot.x, T_previous_robot.y);
+  const double turned_rad = std::abs(T_previous_robot.phi);
+  const bool may_turn =
+      kind_ == MotionKind::kTurn && turn == turn_ && along_m < kDoubt * kHalfTrack_m * turned_rad;
+  const bool may_move =
+      kind_ == MotionKind::kMove && along == along_ && along_m > kStraight_m / kDoubt * turned_rad;
+  if (!may_turn && !may_move) return join(kind, along, turn, false);
+  const Commanded slipped = join(kind_, along_, turn_, true);
+  along_ *= kSlipped, turn_ *= kSlipped;
+  return slipped;
 }
 
 }  // namespace slam::robot

@@ -22,11 +22,12 @@ robot::LidarOptions exactLidar(double max_range_m) {
 }
 
 GoalDrive driveTo(const GoalScene& scene, const std::string& method, const robot::LidarOptions& lidar,
-                  const robot::OdometryOptions& odometry, const NavigateOptions& options,
-                  std::uint64_t seed) {
+                  const robot::OdometryOptions& odometry, const NavigateOptions& options, std::uint64_t seed,
+                  const std::optional<robot::FloorCamera>& camera) {
   const robot::RobotOptions robot;
   const double period_s = 1 / lidar.rate_hz;
-  sim::Simulator simulator(scene.plan, robot, lidar, odometry, scene.start, seed);
+  sim::Simulator simulator(scene.plan, robot, lidar, odometry, scene.start, seed,
+                           sim::Simulator::kStartTime_s, {}, camera);
   const core::Point2 p_odom_goal = core::inverse(scene.start) * scene.goal;
   const auto navigator = makeGoalNavigator(method, options, {p_odom_goal, robot, period_s});
   GoalDrive drive;
@@ -45,6 +46,12 @@ GoalDrive driveTo(const GoalScene& scene, const std::string& method, const robot
   drive.goal_distance_m = core::distance(drive.end, scene.goal);
   drive.collisions = simulator.collisions().size();
   return drive;
+}
+
+GoalDrive driveByCamera(const GoalScene& scene, const std::string& method, const NavigateOptions& options,
+                        std::uint64_t seed) {
+  const robot::FloorCamera camera;
+  return driveTo(scene, method, robot::asLidar(camera), exactOdometry(), options, seed, camera);
 }
 
 GoalScene openRoom() {

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,10 @@ struct GoalScene {
 
 GoalDrive driveTo(const GoalScene& scene, const std::string& method, const robot::LidarOptions& lidar,
                   const robot::OdometryOptions& odometry, const NavigateOptions& options = {},
-                  std::uint64_t seed = 1);
+                  std::uint64_t seed = 1, const std::optional<robot::FloorCamera>& camera = std::nullopt);
+/// The same with the default floor camera in place of a lidar and exact wheels.
+GoalDrive driveByCamera(const GoalScene& scene, const std::string& method, const NavigateOptions& options,
+                        std::uint64_t seed = 1);
 
 // Drawn places, 8 x 8 m and smaller. The goal can be reached in the first group and cannot in the second.
 GoalScene openRoom();

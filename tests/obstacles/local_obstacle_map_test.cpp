@@ -116,16 +116,26 @@ TEST(LocalObstacleMap, TrustsTheSensorWhereItLooksAndItsMemoryElsewhere) {
   EXPECT_EQ(map.rememberedCount(), 1U);
 }
 
-TEST(LocalObstacleMap, KeepsTheNewerOfTwoPointsCloserThanTheMergeDistance) {
+TEST(LocalObstacleMap, KeepsTheEarlierOfTwoPointsCloserThanTheMergeDistance) {
   auto options = zone(10, 10, 10);
   options.merge_distance_m = 0.1;
   LocalObstacleMap map(options);
   map.update(0, 0, kBlind, {{1, 0}, {2, 0}, {2.0625, 0}});
   map.update(0, 0, kBlind, {{1.05, 0}, {3, 0}, {3.1, 0}});
-  expectPoints(map, {{1, 0}, {2.0625, 0}, {1.05, 0}, {3, 0}, {3.1, 0}});  // step 4 comes before the overlay
+  expectPoints(map, {{1, 0}, {2, 0}, {1.05, 0}, {3, 0}, {3.1, 0}});  // step 4 comes before the overlay
   map.update(0, 0, kBlind, {});
   // At exactly the distance both stay; 3.1 - 3 is a rounding step more than 0.1.
-  expectPoints(map, {{2.0625, 0}, {1.05, 0}, {3, 0}, {3.1, 0}});
+  expectPoints(map, {{1, 0}, {2, 0}, {3, 0}, {3.1, 0}});
+}
+
+TEST(LocalObstacleMap, IsNotEatenAwayByWhatIsSeenOfAThingTickByTick) {
+  auto options = zone(10, 10, 10);
+  options.merge_distance_m = 0.1;
+  LocalObstacleMap map(options);
+  // A face of half a metre of which every look shows a little less at one end.
+  for (int tick = 0; tick < 8; ++tick) map.update(0, 0, kBlind, {{1, 0.5 - 0.06 * tick}});
+  map.update(0, 0, kBlind, {});
+  EXPECT_EQ(map.points().front().y, 0.5);
 }
 
 TEST(LocalObstacleMap, LeavesNoTwinsAndDropsNoPointWithoutATwin) {

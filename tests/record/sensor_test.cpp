@@ -36,7 +36,10 @@ TEST(Sensors, AreALidarUnlessACameraIsAskedFor) {
 TEST(Sensors, WithANarrowViewDriveByTheLocalObstacleMapUnlessToldOtherwise) {
   EXPECT_EQ(readRecordConfig(ini("")).strategy.memory, "none");
   EXPECT_EQ(readRecordConfig(ini("[sensor]\nkind = camera\n")).strategy.memory, "local_map");
+  EXPECT_EQ(readRecordConfig(ini("[sensor]\nkind = camera\n")).strategy.unseen, "looked_at");
   EXPECT_EQ(explore::readReachGoalConfig(ini("[sensor]\nkind = camera\n")).navigate.memory, "local_map");
+  EXPECT_EQ(explore::readReachGoalConfig(ini("[sensor]\nkind = camera\n")).navigate.unseen, "looked_at");
+  EXPECT_EQ(explore::readReachGoalConfig(ini("")).navigate.unseen, "free");
   const std::string told = "[sensor]\nkind = camera\n[strategy]\nmemory = none\n";
   EXPECT_EQ(readRecordConfig(ini(told)).strategy.memory, "none");
   EXPECT_EQ(

@@ -60,5 +60,24 @@ TEST(CommandSeries, JoinsWhatTheWheelsShowButArcs) {
   EXPECT_TRUE(series.next(core::Pose2{-0.001, 0, 0.2}).continues) << "a turn slips both ways";
 }
 
+// With poor wheels one period of a hundred looks like an arc, which a real one does not stay alone.
+TEST(CommandSeries, TakesASinglePeriodThatIsNearlyATurnOrAMoveForTheOneBefore) {
+  CommandSeries series;
+  const core::Pose2 turn{0, 0, 0.2}, nearly_turn{0.08, 0, 0.2}, move{0.1, 0, 0}, nearly_move{0.1, 0, 0.15};
+  EXPECT_EQ(series.next(nearly_turn).kind, MotionKind::kArc) << "nothing was before it";
+  series.next(turn);
+  EXPECT_EQ(series.next(nearly_turn).kind, MotionKind::kTurn);
+  EXPECT_EQ(series.next(nearly_turn).kind, MotionKind::kArc) << "a real arc goes on";
+  series.next(move);
+  EXPECT_EQ(series.next(nearly_move).kind, MotionKind::kMove);
+  EXPECT_EQ(series.next(move).kind, MotionKind::kMove);
+  EXPECT_EQ(series.next(nearly_move).kind, MotionKind::kMove) << "once more";
+  EXPECT_EQ(series.next(nearly_move).kind, MotionKind::kArc);
+  series.next(turn);
+  EXPECT_EQ(series.next(core::Pose2{0.08, 0, -0.2}).kind, MotionKind::kArc) << "of the other direction";
+  series.next(turn);
+  EXPECT_EQ(series.next(core::Pose2{0.12, 0, 0.2}).kind, MotionKind::kArc) << "0.6 m: too far from a turn";
+}
+
 }  // namespace
 }  // namespace slam::robot
