@@ -20,7 +20,7 @@ struct Arguments {
   SimulationFlags flags;
   std::vector<std::string> carries;
   int seeds = 1, threads = 1;
-  bool return_to_start = false, tables_only = false;
+  bool return_to_start = false, tables_only = false, oracle = false;
 };
 
 std::vector<std::string> splitAtCommas(const std::string& text) {
@@ -62,6 +62,7 @@ int explorePlan(const Context& context, const Arguments& arguments) {
   request.seeds = arguments.seeds;
   request.threads = arguments.threads;
   request.tables_only = arguments.tables_only;
+  request.oracle = arguments.oracle;
   request.overwrite = context.overwrite;
   ConsoleProgress progress(context.quiet);
   const auto result = explore::explore(request, context.manifest(), progress);
@@ -99,6 +100,8 @@ void addExplore(CLI::App& app, Context& context) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->add_flag("--return", arguments->return_to_start, "after finishing drive back to the start");
+  command->add_flag("--oracle", arguments->oracle,
+                    "score against tours of somebody who knows the plan: columns ratio, oracle.*");
   command->add_flag("--tables-only", arguments->tables_only, "no log, map and pictures for every run");
   addSimulationFlags(command, arguments->flags);
   addCarry(command, arguments->carries);
@@ -111,6 +114,7 @@ void addExplore(CLI::App& app, Context& context) {
       "Examples:\n"
       "  rasterslam explore flat --strategy nearest_frontier --slam rbpf_exact -o out\n"
       "  rasterslam explore office_loop --strategy longest_ray,quadrant --seeds 10 --tables-only -o out\n"
+      "  rasterslam explore flat --strategy nearest_frontier,next_best_view --slam truth --oracle -o out\n"
       "  rasterslam explore flat --strategy nearest_frontier --sensor camera --set camera.pitch_deg=30 -o "
       "out\n"
       "  rasterslam explore flat --carry 60:11,2,90 -o out   # kidnapped after a minute");

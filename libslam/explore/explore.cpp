@@ -15,6 +15,7 @@
 #include "libslam/core/files.h"
 #include "libslam/core/ini_yaml.h"
 #include "libslam/explore/exploration_loop.h"
+#include "libslam/explore/oracle_files.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/report/curves.h"
 #include "libslam/report/table_latex.h"
@@ -123,8 +124,9 @@ void runJobs(std::vector<Job>& jobs, const world::Plan& plan, const LoopMethod& 
 struct Figure {
   report::Column column;
   double (*of)(const Exploration&);
-  bool for_people;        ///< in the printed table too
-  bool never_is_endless;  ///< NaN means "never reached": counts as infinitely late in a median
+  bool for_people;         ///< in the printed table too
+  bool never_is_endless;   ///< NaN means "never reached": counts as infinitely late in a median
+  bool of_oracle = false;  ///< in the printed table when the oracle was asked
 };
 
 const std::vector<Figure>& figures() {
@@ -136,6 +138,8 @@ const std::vector<Figure>& figures() {
       {{"time_s", "end s", 0}, [](E e) { return e.figures.time_s; }, true, false},
       {{"path90_m", "90 % m", 1}, [](E e) { return e.figures.path90_m; }, true, true},
       {{"path99_m", "99 % m", 1}, [](E e) { return e.figures.path99_m; }, true, true},
+      {{"ratio90", "90 % ratio", 2}, [](E e) { return e.ratio90; }, false, true, true},
+      {{"ratio99", "99 % ratio", 2}, [](E e) { return e.ratio99; }, false, true, true},
       {{"path_m", "path m", 1}, [](E e) { return e.figures.path_m; }, true, false},
       {{"redundant_percent", "redundant %", 0},
        [](E e) { return 100 * e.figures.redundant_share; },
@@ -151,6 +155,10 @@ const std::vector<Figure>& figures() {
       {{"scans90", "scans 90 %", 0}, [](E e) { return e.figures.scans90; }, false, true},
       {{"scans99", "scans 99 %", 0}, [](E e) { return e.figures.scans99; }, false, true},
       {{"return_distance_m", "to start m", 2}, [](E e) { return e.return_distance_m; }, false, false},
+      {{"oracle90_m", "oracle 90 % m", 1}, [](E e) { return e.oracle90_m; }, false, false},
+      {{"oracle99_m", "oracle 99 % m", 1}, [](E e) { return e.oracle99_m; }, false, false},
+      {{"below90_m", "least 90 % m", 1}, [](E e) { return e.below90_m; }, false, false},
+      {{"below99_m", "least 99 % m", 1}, [](E e) { return e.below99_m; }, false, false},
       {{"explorable_m2", "explorable m2", 1}, [](E e) { return e.explorable_m2; }, false, false},
       {{"explorable_share", "of free", 3}, [](E e) { return e.explorable_share; }, false, false}};
   return all;
@@ -159,8 +167,8 @@ const std::vector<Figure>& figures() {
 /// Which end of a figure is good, for those where one is.
 std::map<std::string, report::Best> bestFigures() {
   std::map<std::string, report::Best> best;
-  for (const char* key : {"t90_s", "t99_s", "path90_m", "path99_m", "redundant_percent", "collisions",
-                          "near_misses", "ate_rmse_m"})
+  for (const char* key : {"t90_s", "t99_s", "path90_m", "path99_m", "ratio90", "ratio99", "redundant_percent",
+                          "collisions", "near_misses", "ate_rmse_m"})
     best[key] = report::Best::kSmallest;
   for (const char* key : {"coverage_percent", "wall_f1"}) best[key] = report::Best::kLargest;
   return best;
@@ -266,17 +274,20 @@ std::string fixed(double value, int decimals) {
 }
 
 /// For people: a row per strategy, with several seeds a second one with the quartiles.
-report::Table scoresTable(const std::vector<Runs>& groups, const std::string& caption) {
+report::Table scoresTable(const std::vector<Runs>& groups, const std::string& caption, bool with_oracle) {
+  const auto isShown = [&](const Figure& figure) {
+    return figure.for_people || (figure.of_oracle && with_oracle);
+  };
   report::Table table;
   table.caption = caption;
   table.columns = {{"strategy", "strategy"}};
   for (const auto& figure : figures())
-    if (figure.for_people) table.columns.push_back(figure.column);
+    if (isShown(figure)) table.columns.push_back(figure.column);
   table.columns.push_back({"end", "end"});
   for (const auto& runs : groups) {
     std::vector<report::CellValue> row = {runs.front()->strategy}, spread = {std::string("  25 to 75 %")};
     for (const auto& figure : figures()) {
-      if (!figure.for_people) continue;
+      if (!isShown(figure)) continue;
       const int decimals = figure.column.decimals;
       row.emplace_back(quantileOf(figure, runs, 0.5));
       spread.emplace_back(fixed(quantileOf(figure, runs, 0.25), decimals) + ".." +
@@ -351,7 +362,8 @@ std::vector<core::Point2> thinned(const std::vector<metrics::CoveragePoint>& cur
   return points;
 }
 
-void drawCoverage(const std::vector<Job>& jobs, const std::string& title, const std::string& png_path) {
+void drawCoverage(const std::vector<Job>& jobs, const oracle::Oracle* oracle, const std::string& title,
+                  const std::string& png_path) {
   using P = const metrics::CoveragePoint&;
   const std::pair<const char*, double (*)(P)> axes[] = {
       {"time (s)", [](P p) { return p.time_s; }},
@@ -365,6 +377,7 @@ void drawCoverage(const std::vector<Job>& jobs, const std::string& title, const 
                               thinned(job.result.curve, job.result.exploration.explorable_m2, x)});
     charts.push_back(std::move(chart));
   }
+  if (oracle) charts[1].curves.push_back(oracleCurve(*oracle));
   report::drawCharts(charts, title, png_path);
 }
 
@@ -437,6 +450,10 @@ ExploreConfig readExploreConfig(const core::IniFile& ini) {
   return config;
 }
 
+Exploration::Exploration() {
+  oracle90_m = oracle99_m = below90_m = below99_m = ratio90 = ratio99 = return_distance_m = kNaN;
+}
+
 Exploration failedExploration(const ExploreConfig& config, const std::string& slam, std::uint64_t seed,
                               const std::string& why) {
   Exploration e;
@@ -446,7 +463,7 @@ Exploration failedExploration(const ExploreConfig& config, const std::string& sl
   e.end_detail = why;
   e.figures = metrics::explorationFigures({}, 0);
   e.figures.time_s = e.figures.path_m = e.explorable_m2 = e.explorable_share = kNaN;
-  e.collisions = e.near_misses = e.decisions = e.return_distance_m = kNaN;
+  e.collisions = e.near_misses = e.decisions = kNaN;
   e.decision_mean_ms = e.decision_max_ms = kNaN;
   e.evaluation = score::failedEvaluation(slam, why);
   return e;
@@ -475,6 +492,10 @@ const std::vector<std::pair<std::string, std::string>>& explorationFigureInfos()
        "there"},
       {"t90_s", "robot's time until 90 % of that were explored; t99_s likewise"},
       {"path90_m", "true path until then; path99_m, scans90 and scans99 likewise"},
+      {"ratio99",
+       "with --oracle: path99_m over what a tour of somebody who knows the plan needs (oracle99_m); "
+       "below99_m is "
+       "what no path can be shorter than; ratio90 and the like likewise"},
       {"redundant_percent",
        "share of the path that adds no new area: pieces of 1 m that show less than 0.1 m2"},
       {"collisions", "commands that a wall cut short"},
@@ -482,6 +503,30 @@ const std::vector<std::pair<std::string, std::string>>& explorationFigureInfos()
       {"return_distance_m", "true distance to the start after driving back to it"}};
   return infos;
 }
+
+namespace {
+
+/// Which oracle a run is scored by: one for all, or where furniture has moved each seed's own.
+std::uint64_t oracleOf(const ExploreRequest& request, const Job& job) {
+  return job.config->record.living.visit > 1 ? job.seed : request.seed;
+}
+
+std::map<std::uint64_t, oracle::Oracle> askForAll(const ExploreRequest& request, const world::Plan& plan,
+                                                  const std::vector<Job>& jobs, core::Progress& progress) {
+  std::map<std::uint64_t, oracle::Oracle> oracles;
+  if (!request.oracle) return oracles;
+  progress.begin("asking the oracle about " + plan.name);
+  for (const auto& job : jobs) {
+    const std::uint64_t key = oracleOf(request, job);
+    if (oracles.count(key) == 0)
+      oracles[key] =
+          askOracle(record::planOfVisit(plan, job.config->record.living, key), *job.config, progress);
+  }
+  progress.end();
+  return oracles;
+}
+
+}  // namespace
 
 ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest, core::Progress& progress) {
   checkRequest(request);
@@ -492,9 +537,12 @@ ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest
   manifest.inputs[request.plan_path] = core::fileSha256(request.plan_path);
 
   auto jobs = makeJobs(request, output.path());
+  const auto oracles = askForAll(request, plan, jobs, progress);
   progress.begin("exploring " + plan.name);
   runJobs(jobs, plan, method, request.threads, manifest, progress, request.observer);
   progress.end();
+  for (auto& job : jobs)
+    if (request.oracle) compareWith(oracles.at(oracleOf(request, job)), job.result.exploration);
 
   ExplorationReport result;
   int kept = 0;
@@ -512,8 +560,10 @@ ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest
   const std::string caption = "Exploration of " + plan.name + " with " +
                               (method.is_reference ? "the true pose (reference)" : method.name);
   const auto groups = byStrategy(result.runs, request.seeds);
-  result.scores = scoresTable(groups, caption);
+  result.scores = scoresTable(groups, caption, request.oracle);
   addNotes(jobs, request, method, result.scores);
+  const oracle::Oracle* const first = oracles.empty() ? nullptr : &oracles.at(request.seed);
+  if (first) result.scores.notes.push_back(oracleNote(*first));
   auto statistics = statisticsTable(groups, plan.name);
   statistics.caption = caption;
   statistics.notes = result.scores.notes;
@@ -528,7 +578,11 @@ ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest
   core::writeFileAtomically(folder + "/runs.csv", report::toCsv(runsTable(result.runs, plan.name)));
   core::writeFileAtomically(folder + "/cost.csv", report::toCsv(result.cost));
   core::writeFileAtomically(folder + "/cost.json", report::toJson(result.cost));
-  drawCoverage(jobs, caption, folder + "/coverage.png");
+  if (first) {
+    const auto& living = request.strategies.front().record.living;
+    writeOracle(*first, record::planOfVisit(plan, living, request.seed), folder);
+  }
+  drawCoverage(jobs, first, caption, folder + "/coverage.png");
   if (request.tables_only) core::writeFileAtomically(folder + "/curves.csv", curvesCsv(jobs));
 
   // A single run has already left a manifest there: the same one, with more in it.
@@ -538,6 +592,8 @@ ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest
   if (request.tables_only)
     manifest.files["curves.csv"] = "explored share over time and path: rasterslam plot exploration";
   manifest.files["coverage.png"] = "explored share over time, path and scans";
+  if (first)
+    manifest.files["oracle.csv"] = "tours with the plan in hand: path and share; also _path.csv, .png";
   manifest.files["cost.csv"] = "CPU time of the decisions; also .json";
   manifest.results.emplace("status", "complete");  // a single run that failed has said so
   manifest.results["failed_runs"] = std::to_string(result.failed);

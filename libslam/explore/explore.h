@@ -48,6 +48,7 @@ struct ExploreRequest {
   std::uint64_t seed = 1;
   int seeds = 1;             ///< runs with seed, seed + 1, ...
   int threads = 1;           ///< runs side by side; the results do not depend on it
+  bool oracle = false;       ///< score against tours of somebody who knows the plan too
   bool tables_only = false;  ///< no folder per run, but curves.csv of all of them: sweeps
   bool overwrite = false;
   record::StepObserver* observer = nullptr;  ///< of a single run: one strategy, one seed (ContractError)
@@ -79,10 +80,14 @@ struct Exploration {
   /// then rises above kNearMissOver_m.
   double near_misses = 0;
   double decisions = 0;
+  /// Metres that tours with the plan in hand need (see oracle::Oracle), what no path can be shorter than, and the
+  /// competitive ratios: this path to theirs. NaN when nobody asked, or where that share was never reached.
+  double oracle90_m, oracle99_m, below90_m, below99_m, ratio90, ratio99;
   double return_distance_m = 0;  ///< true distance to the start after returning; NaN without. The way back
                                  ///< counts for collisions, near misses, decisions, map and ATE only
   score::Evaluation evaluation;  ///< map and path at the end
   double decision_mean_ms = 0, decision_max_ms = 0;  ///< CPU time
+  Exploration();
 };
 inline constexpr double kNearMiss_m = 0.05, kNearMissOver_m = 0.10;
 
@@ -91,6 +96,7 @@ inline constexpr double kNearMiss_m = 0.05, kNearMissOver_m = 0.10;
 ///   scores.txt .md .tex .csv .json   one row per run (one seed) or per strategy (medians over the seeds)
 ///   runs.csv                    one row per run
 ///   coverage.png                explored share over time, path and scans, one line per run
+///   oracle.csv _path.csv .png   with `oracle`: the tours of somebody who knows the plan, of the first seed's plan
 ///   cost.csv .json              CPU time per decision: differs from run to run
 ///   manifest.json               how to make it again
 /// and for every run, in `output` itself when there is one, else in STRATEGY/ or STRATEGY/seed_N/:

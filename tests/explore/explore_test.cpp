@@ -117,6 +117,52 @@ TEST(Explore, FindsEverythingInASmallFlatAndComesBack) {
   }
 }
 
+TEST(Explore, ScoresAgainstSomebodyWhoKnowsThePlan) {
+  const testing::TempFolder folder;
+  auto wanted = request(folder, twoRooms(), {quickConfig("nearest_frontier", 300)}, "truth");
+  wanted.oracle = wanted.tables_only = true;
+  const auto report = run(wanted);
+  const auto& e = report.runs.front();
+  ASSERT_TRUE(std::isfinite(e.figures.path99_m));
+  EXPECT_DOUBLE_EQ(e.ratio99, e.figures.path99_m / e.oracle99_m);
+  EXPECT_DOUBLE_EQ(e.ratio90, e.figures.path90_m / e.oracle90_m);
+  // Nobody is below the bound, whatever he knows.
+  EXPECT_LE(e.below99_m, e.oracle99_m);
+  EXPECT_LE(e.below99_m, e.figures.path99_m);
+  EXPECT_LE(e.below90_m, e.figures.path90_m);
+  for (const char* file : {"oracle.csv", "oracle_path.csv", "oracle.png"})
+    EXPECT_TRUE(fs::exists(folder / ("out/" + std::string(file)))) << file;
+  const auto text = core::readTextFile(folder / "out/scores.txt");
+  EXPECT_THAT(text, HasSubstr("  ratio  ratio  "));
+  EXPECT_THAT(text, HasSubstr("With the plan in hand"));
+  EXPECT_THAT(core::readTextFile(folder / "out/runs.csv"), HasSubstr("below99_m"));
+}
+
+TEST(Explore, HasNoRatiosUnlessAsked) {
+  const testing::TempFolder folder;
+  auto wanted = request(folder, twoRooms(), {quickConfig("nearest_frontier", 2)}, "truth");
+  wanted.tables_only = true;
+  EXPECT_TRUE(std::isnan(run(wanted).runs.front().ratio99));
+  EXPECT_FALSE(fs::exists(folder / "out/oracle.csv"));
+  EXPECT_EQ(core::readTextFile(folder / "out/scores.txt").find("  ratio  "), std::string::npos);
+}
+
+TEST(Explore, RefusesAnOracleForACameraBeforeItDrives) {
+  const testing::TempFolder folder;
+  core::IniFile ini;
+  ini.setFromArgument("sensor.kind=camera", "test");
+  ini.set("strategy", "name", "nearest_frontier", "test");
+  auto wanted = request(folder, twoRooms(), {readExploreConfig(ini)}, "truth");
+  wanted.oracle = true;
+  try {
+    run(wanted);
+    FAIL();
+  } catch (const core::InputError& error) {
+    EXPECT_STREQ(error.what(),
+                 "section [sensor], key 'kind': found 'camera', expected 'lidar' with --oracle");
+  }
+}
+
 /// Runs with a lidar of three quarters of a circle in a world that comes with the program.
 std::vector<Exploration> inWorld(const std::string& world, const std::vector<std::string>& strategies,
                                  std::uint64_t seed) {

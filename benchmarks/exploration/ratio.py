@@ -1,0 +1,115 @@
+#!/usr/bin/env python3
+"""Strategies against somebody who knows the plan: competitive ratios, their intervals, and paired tests.
+
+    benchmarks/exploration/ratio.py [-p PROGRAM] [-n SEEDS] [-w WORLDS] [-S STRATEGIES] [-j THREADS] [-o FOLDER]
+
+Explores every world with every strategy and seed by the true pose (rasterslam explore --slam truth --oracle, 181 beams) and
+writes FOLDER/exploration_ratio.csv (every run) and exploration_ratio.txt (medians with 95 % intervals of the bootstrap; paired
+sign tests of each strategy against nearest_frontier over worlds and seeds). A run that never gets there is endlessly late.
+"""
+import argparse
+import csv
+import math
+import os
+import random
+import statistics
+import subprocess
+import sys
+import tempfile
+
+WORLDS = "corridor,flat,maze,office_loop,pillar_hall"
+STRATEGIES = "nearest_frontier,information_gain,next_best_view"
+
+
+def number(text):
+    """The figure of a cell; infinity where that share was never reached."""
+    try:
+        value = float(text)
+    except ValueError:
+        return math.inf
+    return math.inf if math.isnan(value) else value
+
+
+def interval(values, draws=2000):
+    """95 % of the bootstrap of the median; the same every time."""
+    chance = random.Random(1)
+    medians = sorted(statistics.median(chance.choices(values, k=len(values))) for _ in range(draws))
+    return medians[int(0.025 * draws)], medians[int(0.975 * draws) - 1]
+
+
+def sign_test(wins, losses):
+    """Two-sided: how likely so uneven a split is by chance."""
+    n = wins + losses
+    if n == 0:
+        return 1.0
+    tail = sum(math.comb(n, k) for k in range(max(wins, losses), n + 1)) / 2**n
+    return min(1.0, 2 * tail)
+
+
+def explore(args, world, folder):
+    output = os.path.join(folder, world)
+    subprocess.run(
+        [args.p, "explore", world, "--strategy", args.S, "--slam", "truth", "--oracle", "--tables-only", "--seeds", str(args.n),
+         "--duration", "1500", "--set", "lidar.beams=181", "--set", "exploration.give_up_s=600", "--threads", str(args.j),
+         "-q", "-o", output],
+        check=True, stdout=subprocess.DEVNULL)
+    with open(os.path.join(output, "runs.csv"), newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def text(value, decimals=2):
+    return "never" if math.isinf(value) else f"{value:.{decimals}f}"
+
+
+def report(rows, strategies, out):
+    for share in ("90", "99"):
+        print(f"\nPath to {share} % over that of the tour with the plan in hand: median [95 %] (least, most)\n", file=out)
+        worlds = sorted({row["plan"] for row in rows})
+        for world in worlds:
+            of_world = [row for row in rows if row["plan"] == world]
+            tour, least = number(of_world[0][f"oracle{share}_m"]), number(of_world[0][f"below{share}_m"])
+            print(f"{world}: tour {text(tour, 1)} m, no path below {text(least, 1)} m", file=out)
+            for strategy in strategies:
+                values = [number(row[f"ratio{share}"]) for row in of_world if row["strategy"] == strategy]
+                low, high = interval(values)
+                print(f"  {strategy:18} {text(statistics.median(values)):>6} [{text(low)}, {text(high)}] "
+                      f"({text(min(values))}, {text(max(values))})", file=out)
+        first = {(row["plan"], row["seed"]): number(row[f"ratio{share}"]) for row in rows if row["strategy"] == strategies[0]}
+        print(f"\nShorter than {strategies[0]} to {share} %, pairs of the same world and seed:", file=out)
+        for strategy in strategies[1:]:
+            pairs = [(number(row[f"ratio{share}"]), first[row["plan"], row["seed"]]) for row in rows
+                     if row["strategy"] == strategy]
+            wins, losses = sum(a < b for a, b in pairs), sum(a > b for a, b in pairs)
+            print(f"  {strategy:18} {wins} of {wins + losses}, p = {sign_test(wins, losses):.3g} (sign test)", file=out)
+    collisions = sum(number(row["collisions"]) for row in rows)
+    print(f"\n{len(rows)} runs, {collisions:.0f} collisions", file=out)
+
+
+def main():
+    root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-p", default=os.path.join(root, "build/release/apps/rasterslam"))
+    parser.add_argument("-n", type=int, default=10)
+    parser.add_argument("-w", default=WORLDS)
+    parser.add_argument("-S", default=STRATEGIES)
+    parser.add_argument("-j", type=int, default=2)
+    parser.add_argument("-o", default=os.path.join(root, "benchmarks/results"))
+    args = parser.parse_args()
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        for world in args.w.split(","):
+            rows += explore(args, world, folder)
+    keys = ["plan", "strategy", "seed", "path90_m", "path99_m", "oracle90_m", "oracle99_m", "below90_m", "below99_m", "ratio90",
+            "ratio99", "t90_s", "t99_s", "coverage_percent", "path_m", "redundant_percent", "collisions", "end"]
+    os.makedirs(args.o, exist_ok=True)
+    with open(os.path.join(args.o, "exploration_ratio.csv"), "w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, keys, extrasaction="ignore", lineterminator="\n")
+        table.writeheader()
+        table.writerows(rows)
+    with open(os.path.join(args.o, "exploration_ratio.txt"), "w", encoding="utf-8") as file:
+        print("benchmarks/exploration/ratio.py " + " ".join(a for a in sys.argv[1:]), file=file)
+        report(rows, args.S.split(","), file)
+
+
+if __name__ == "__main__":
+    main()
