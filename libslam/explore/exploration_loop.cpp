@@ -244,7 +244,9 @@ class Loop {
 
   std::unique_ptr<navigate::Driver> makeDriver() const {
     const auto& record = config_.record;
-    auto strategy = navigate::makeStrategy(record.strategy, core::RandomStream(seed_, "strategy"));
+    const core::RandomStream random(seed_, "strategy");
+    auto strategy = config_.own ? config_.own->make(record.strategy, random)
+                                : navigate::makeStrategy(record.strategy, random);
     return std::make_unique<navigate::Driver>(std::move(strategy), record.strategy, record.robot, period_s(),
                                               core::RandomStream(seed_, "driver"));
   }
@@ -340,7 +342,7 @@ LoopResult Loop::result() const {
   }
   Exploration& e = result.exploration;
   const auto& area = coverage_.explorable();
-  e.strategy = config_.record.strategy.name;
+  e.strategy = strategyNameOf(config_);
   e.slam = method_.name;
   e.seed = seed_;
   e.end = end_;

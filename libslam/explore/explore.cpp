@@ -405,7 +405,7 @@ std::vector<Job> makeJobs(const ExploreRequest& request, const std::string& fold
       job.config = &config;
       job.seed = request.seed + static_cast<std::uint64_t>(k);
       if (!request.tables_only) {
-        job.folder = single ? folder : folder + "/" + config.record.strategy.name;
+        job.folder = single ? folder : folder + "/" + strategyNameOf(config);
         if (request.seeds > 1) job.folder += "/seed_" + std::to_string(job.seed);
       }
       jobs.push_back(std::move(job));
@@ -417,8 +417,8 @@ void checkRequest(const ExploreRequest& request) {
   if (request.strategies.empty()) throw core::InputError("no strategy named, expected at least one");
   std::set<std::string> names;
   for (const auto& config : request.strategies)
-    if (!names.insert(config.record.strategy.name).second)
-      throw core::InputError("strategy '" + config.record.strategy.name + "' is named twice");
+    if (!names.insert(strategyNameOf(config)).second)
+      throw core::InputError("strategy '" + strategyNameOf(config) + "' is named twice");
   if (request.seeds < 1 || request.threads < 1)
     throw core::ContractError("explore: seeds and threads from 1");
   if (request.observer && (request.strategies.size() != 1 || request.seeds != 1))
@@ -426,6 +426,10 @@ void checkRequest(const ExploreRequest& request) {
 }
 
 }  // namespace
+
+const std::string& strategyNameOf(const ExploreConfig& config) {
+  return config.own ? config.own->name : config.record.strategy.name;
+}
 
 const core::ParameterTable<ExplorationOptions>& ExplorationOptions::table() {
   using O = ExplorationOptions;
@@ -457,7 +461,7 @@ Exploration::Exploration() {
 Exploration failedExploration(const ExploreConfig& config, const std::string& slam, std::uint64_t seed,
                               const std::string& why) {
   Exploration e;
-  e.strategy = config.record.strategy.name;
+  e.strategy = strategyNameOf(config);
   e.slam = slam;
   e.seed = seed;
   e.end_detail = why;

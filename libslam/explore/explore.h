@@ -1,5 +1,8 @@
 #pragma once
 #include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,10 +29,21 @@ struct ExplorationOptions {
   static const core::ParameterTable<ExplorationOptions>& table();
 };
 
+/// A strategy that is not one of the library's: its name in tables and folders, and what makes it, as
+/// navigate::makeStrategy() does.
+struct OwnStrategy {
+  std::string name;
+  std::function<std::unique_ptr<navigate::Strategy>(const navigate::StrategyOptions&, core::RandomStream)>
+      make;
+};
+
 struct ExploreConfig {
   record::RecordConfig record;
   ExplorationOptions exploration;
+  std::optional<OwnStrategy> own;  ///< decides in place of record.strategy.name
 };
+/// The name in tables and folders.
+const std::string& strategyNameOf(const ExploreConfig& config);
 /// Reads the sections of readRecordConfig() and [exploration]; strict. record.parameters has them all.
 ExploreConfig readExploreConfig(const core::IniFile& config);
 
@@ -41,7 +55,7 @@ inline constexpr const char* kTruthReference = "truth";
 
 struct ExploreRequest {
   std::string plan_path;
-  std::vector<ExploreConfig> strategies;  ///< one row each; they differ in [strategy] name at least
+  std::vector<ExploreConfig> strategies;  ///< one row each; they differ in strategyNameOf() at least
   std::string slam;                       ///< a name in methods_folder, the path of an .ini, or "truth"
   std::string methods_folder;
   std::string output;

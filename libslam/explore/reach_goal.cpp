@@ -35,6 +35,13 @@ std::string describe(const core::Point2& p) {
   return text;
 }
 
+/// nullptr for a method of the library.
+const OwnNavigator* ownOf(const ReachGoalRequest& request, const std::string& method) {
+  for (const auto& own : request.own)
+    if (own.name == method) return &own;
+  return nullptr;
+}
+
 void requirePossible(const ReachGoalRequest& request) {
   const auto& plan = request.plan;
   const core::Point2 cell = world::worldToCells(plan, request.p_world_goal);
@@ -48,7 +55,7 @@ void requirePossible(const ReachGoalRequest& request) {
   if (request.methods.empty())
     throw core::InputError("--method: found nothing, expected at least one method");
   for (size_t i = 0; i < request.methods.size(); ++i) {
-    requireGoalMethod(request.methods[i]);
+    if (!ownOf(request, request.methods[i])) requireGoalMethod(request.methods[i]);
     for (size_t j = 0; j < i; ++j)
       if (request.methods[i] == request.methods[j])
         throw core::InputError("--method: '" + request.methods[i] + "' is named twice");
@@ -256,8 +263,10 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
   std::optional<record::Recorder> recorder;
   if (!folder.empty()) recorder.emplace(folder + "/run.rawlog", recordConfigOf(config));
   const core::Point2 p_start_goal = core::inverse(request.T_world_start) * request.p_world_goal;
-  const auto navigator =
-      makeGoalMethod(method, config.navigate, config.mrpt_reactive, {p_start_goal, config.robot, period_s});
+  const navigate::GoalTask task{p_start_goal, config.robot, period_s};
+  const OwnNavigator* own = ownOf(request, method);
+  const auto navigator = own ? own->make(config.navigate, task)
+                             : makeGoalMethod(method, config.navigate, config.mrpt_reactive, task);
   PoseSource pose_source(request);
   GoalRun run;
   run.method = method;

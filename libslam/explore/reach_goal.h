@@ -1,5 +1,7 @@
 #pragma once
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,12 +38,22 @@ struct ReachGoalConfig {
 /// Reads sections [robot], those of readSensor(), [odometry] [living] [events] [navigate] [lidar_bug] [obstacles] [mrpt_reactive]; strict.
 ReachGoalConfig readReachGoalConfig(const core::IniFile& config);
 
+/// A navigator that is not one of the library's: its name in tables and folders, and what makes it, as
+/// navigate::makeGoalNavigator() does.
+struct OwnNavigator {
+  std::string name;
+  std::function<std::unique_ptr<navigate::GoalNavigator>(const navigate::NavigateOptions&,
+                                                         const navigate::GoalTask&)>
+      make;
+};
+
 struct ReachGoalRequest {
   world::Plan plan;  ///< as it is on this [living] visit
   core::Pose2 T_world_start;
   core::Point2 p_world_goal;
   ReachGoalConfig config;
-  std::vector<std::string> methods;  ///< names of goalMethodNames()
+  std::vector<std::string> methods;  ///< names of goalMethodNames() or of `own`
+  std::vector<OwnNavigator> own;     ///< known by name beside them, and before them
   std::string slam;                  ///< a SLAM method whose pose is used; "" = the wheels' odometry
   std::string methods_folder;        ///< of the SLAM methods
   std::string output;                ///< folder

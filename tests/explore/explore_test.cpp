@@ -83,6 +83,34 @@ std::map<std::string, std::string> contents(const std::string& folder) {
   return hashes;
 }
 
+/// Stands at the start and is done.
+class Idle : public navigate::Strategy {
+ public:
+  navigate::Decision decide(const robot::Scan& /*scan*/, const core::Pose2& /*T_map_robot*/) override {
+    navigate::Decision decision;
+    decision.finished = true;
+    decision.reason = "seen enough";
+    return decision;
+  }
+};
+
+TEST(Explore, TakesAStrategyFromOutside) {
+  const testing::TempFolder folder;
+  auto mine = quickConfig("nearest_frontier", 20);
+  mine.own = OwnStrategy{
+      "idle", [](const navigate::StrategyOptions&, core::RandomStream) { return std::make_unique<Idle>(); }};
+  const auto result =
+      run(request(folder, twoRooms(), {mine, quickConfig("nearest_frontier", 20)}, kTruthReference));
+  ASSERT_EQ(result.runs.size(), 2U);
+  EXPECT_EQ(result.runs[0].strategy, "idle");
+  EXPECT_EQ(result.runs[0].end_detail, "seen enough");
+  EXPECT_EQ(result.runs[1].strategy, "nearest_frontier");
+  EXPECT_GT(result.runs[1].figures.coverage, result.runs[0].figures.coverage);
+  EXPECT_TRUE(fs::exists(folder / "out/idle/run.rawlog"));
+  const testing::TempFolder twice;
+  EXPECT_THROW(run(request(twice, twoRooms(), {mine, mine}, kTruthReference)), core::InputError);
+}
+
 TEST(Explore, FindsEverythingInASmallFlatAndComesBack) {
   for (const std::string slam : {"truth", "icp"}) {
     const testing::TempFolder folder;

@@ -46,6 +46,32 @@ ReachGoalRequest roomRequest(const std::string& output, bool with_box) {
   return request;
 }
 
+/// Gives up at once.
+class Quitter : public navigate::GoalNavigator {
+ public:
+  navigate::GoalStep next(const robot::Scan& /*scan*/, const core::Pose2& /*T_odom_robot*/,
+                          bool /*collided*/) override {
+    return {{}, navigate::GoalStatus::kGaveUp, "gave up", "too far"};
+  }
+};
+
+TEST(ReachGoal, TakesANavigatorFromOutside) {
+  const testing::TempFolder folder;
+  auto request = roomRequest(folder / "out", false);
+  request.own = {{"quitter", [](const navigate::NavigateOptions&, const navigate::GoalTask&) {
+                    return std::make_unique<Quitter>();
+                  }}};
+  request.methods = {"quitter", "tangent"};
+  const auto comparison = reachGoal(request, {}, core::silentProgress());
+  ASSERT_EQ(comparison.runs.size(), 2U);
+  EXPECT_EQ(comparison.runs[0].reason, "too far");
+  EXPECT_FALSE(comparison.runs[0].right);
+  EXPECT_TRUE(comparison.runs[1].right);
+  EXPECT_TRUE(fs::exists(folder / "out/quitter/states.csv"));
+  request.methods = {"quiter"};
+  EXPECT_THROW(reachGoal(request, {}, core::silentProgress()), core::InputError);
+}
+
 TEST(ReachGoal, RecordsALogWithItsTruthForEveryMethod) {
   const testing::TempFolder folder;
   const auto request = roomRequest(folder / "out", false);
