@@ -4,6 +4,7 @@
 
 #include "libslam/core/files.h"
 #include "libslam/core/manifest.h"
+#include "libslam/core/resources.h"
 #include "libslam/logs/convert.h"
 #include "libslam/record/record.h"
 
@@ -24,7 +25,7 @@ std::string findPlan(const std::string& log_path) {
   std::string own = logStem(log_path) + ".plan.yaml";
   if (manifest.files.count(fs::path(own).filename().string()) > 0 && fs::exists(own)) return own;
   for (const auto& [input, hash] : manifest.inputs)
-    if (fs::exists(input) && core::fileSha256(input) == hash) return input;
+    if (core::looksLikePlan(input) && fs::exists(input) && core::fileSha256(input) == hash) return input;
   return "";
 }
 
