@@ -324,7 +324,8 @@ void fillSweep(const std::string& folder, const core::Manifest& manifest, core::
   const auto results = readJsonTable(results_path);
   const Rows result_rows(results, results_path);
   const bool larger = study::betterOf(plan.metric) == stats::Better::kLarger;
-  page.title = pageTitle(folder, is_stress ? "Stress test" : "Sweep");
+  const bool is_contest = fs::exists(folder + "/standings.json");
+  page.title = pageTitle(folder, is_stress ? "Stress test" : is_contest ? "Contest" : "Sweep");
   const auto best_first = ranked(rows, pooledRows(rows), plan.metric, larger);
   page.verdict = verdictOf(rows, best_first, plan);
   const auto runs = resultOf(manifest, "runs"), missing = resultOf(manifest, "missing");
@@ -339,6 +340,8 @@ void fillSweep(const std::string& folder, const core::Manifest& manifest, core::
   }
   if (is_stress)
     fillStress(folder, page);
+  else if (is_contest)
+    page.tables.push_back(readMarkdownTable(folder + "/standings.md"));
   else
     page.tables.push_back(rankedTable(rows, best_first, plan));
   page.tables.push_back(readMarkdownTable(folder + "/summary.md"));
@@ -351,8 +354,8 @@ void fillSweep(const std::string& folder, const core::Manifest& manifest, core::
         std::find(methods.begin(), methods.end(), name) == methods.end())
       methods.push_back(name);
   addWorstRuns(folder, result_rows, methods, plan, progress, page);
-  for (const char* name :
-       {"summary.csv", "summary.tex", "results.csv", "consistency.csv", "failures.csv", "cost.csv"})
+  for (const char* name : {"standings.csv", "summary.csv", "summary.tex", "results.csv", "consistency.csv",
+                           "failures.csv", "cost.csv"})
     addDownload(page, folder + "/" + name, name, "",
                 name == std::string("summary.tex") ? "application/x-tex" : "text/csv");
 }
