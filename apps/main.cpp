@@ -3,6 +3,7 @@
 #include <new>
 
 #include "apps/commands.h"
+#include "apps/lessons.h"
 #include "apps/program.h"
 #include "apps/shell_words.h"
 #include "libslam/core/exit_code.h"
@@ -32,6 +33,7 @@ int runRasterslam(int argc, char** argv) {
   slam::apps::addBench(app, context);
   slam::apps::addStress(app, context);
   slam::apps::addTune(app, context);
+  slam::apps::addContest(app, context);
   slam::apps::addConvert(app, context);
   slam::apps::addNavigate(app, context);
   slam::apps::addInfo(app, context);
@@ -40,6 +42,8 @@ int runRasterslam(int argc, char** argv) {
   slam::apps::addEditing(app, context);
   slam::apps::addPlot(app, context);
   slam::apps::addPlugin(app, context);
+  slam::apps::addNew(app, context);
+  slam::apps::addLearn(app, context);
   slam::apps::addRelations(app, context);
   slam::apps::addReport(app, context);
   slam::apps::addView(app, context);

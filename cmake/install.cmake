@@ -35,8 +35,15 @@ endif()
 # The data is found beside the program (libslam/core/data_folder.h), wherever the whole is moved.
 set(data ${CMAKE_INSTALL_DATADIR}/rasterslam)
 file(WRITE ${PROJECT_BINARY_DIR}/VERSION "${PROJECT_VERSION}\n")
-install(DIRECTORY configs datasets/worlds DESTINATION ${data} COMPONENT programs USE_SOURCE_PERMISSIONS)
+install(DIRECTORY configs datasets/worlds docs/learn DESTINATION ${data} COMPONENT programs USE_SOURCE_PERMISSIONS)
 install(FILES datasets/public_data.json ${PROJECT_BINARY_DIR}/VERSION DESTINATION ${data} COMPONENT programs)
+# The same for programs that link the library of this build folder (configs/templates/shared/cpp).
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/data)
+foreach(part configs datasets/worlds docs/learn datasets/public_data.json)
+  get_filename_component(name ${part} NAME)
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${part} ${PROJECT_BINARY_DIR}/data/${name} SYMBOLIC)
+endforeach()
+file(WRITE ${PROJECT_BINARY_DIR}/data/VERSION "${PROJECT_VERSION}\n")
 
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT documentation)

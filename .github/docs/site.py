@@ -19,9 +19,11 @@ def rewritten(text, page):
         if re.match(r"[a-z]+:", target) or not name:
             return found.group(0)
         file = (page.parent / name).resolve()
-        if mark:
-            return f"![{words}](pictures/{file.name})"
-        if file.parent == ROOT / "docs":
+        docs = ROOT / "docs"
+        if mark and docs not in file.parents:
+            up = "../" * len(page.relative_to(docs).parents[0].parts)
+            return f"![{words}]({up}pictures/{file.name})"
+        if mark or (file.suffix == ".md" and docs in file.parents):
             return found.group(0)
         return f"{words} (`{file.relative_to(ROOT)}`)"
 
@@ -34,8 +36,12 @@ def main():
     folder = pathlib.Path(sys.argv[1])
     shutil.rmtree(folder, ignore_errors=True)
     (folder / "pictures").mkdir(parents=True)
-    for page in sorted((ROOT / "docs").glob("*.md")):
-        (folder / page.name).write_text(rewritten(page.read_text(encoding="utf-8"), page), encoding="utf-8")
+    docs = ROOT / "docs"
+    for page in sorted(docs.rglob("*.md")):
+        place = folder / page.relative_to(docs)
+        place.parent.mkdir(exist_ok=True)
+        place.write_text(rewritten(page.read_text(encoding="utf-8"), page), encoding="utf-8")
+    shutil.copytree(docs / "learn" / "pictures", folder / "learn" / "pictures")
     for picture in [*(ROOT / ".github" / "pictures").glob("*.png"), *(ROOT / ".github" / "pictures").glob("*.svg")]:
         shutil.copy(picture, folder / "pictures")
 

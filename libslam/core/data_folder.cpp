@@ -35,7 +35,7 @@ std::string faultOf(const std::string& folder, const std::string& version) {
 }
 
 DataFolders installedData(const std::string& folder) {
-  return {folder + "/configs", folder + "/worlds", folder + "/public_data.json"};
+  return {folder + "/configs", folder + "/worlds", folder + "/learn", folder + "/public_data.json"};
 }
 
 /// share/rasterslam of every prefix that the code could have been installed under.
@@ -103,6 +103,7 @@ DataFolders findData(const DataPlaces& places, const std::string& version) {
   if (isBelow(places.code, places.build_folder)) {
     const fs::path source = places.source_folder;
     const DataFolders data = {(source / "configs").string(), (source / "datasets" / "worlds").string(),
+                              (source / "docs" / "learn").string(),
                               (source / "datasets" / "public_data.json").string()};
     std::error_code error;
     if (fs::is_directory(data.configs, error) && fs::is_directory(data.worlds, error)) return data;

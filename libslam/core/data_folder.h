@@ -7,6 +7,7 @@ namespace slam::core {
 struct DataFolders {
   std::string configs;      ///< folder of methods/, lidars/, ...
   std::string worlds;       ///< folder of plans
+  std::string lessons;      ///< folder of the lessons' pages
   std::string public_data;  ///< public_data.json
 };
 

@@ -91,6 +91,28 @@ if [ "$(wc -l <said.log)" -ne 1 ] || ! grep -q "librasterslam-posegraph.so.0: ve
 fi
 unset LD_LIBRARY_PATH
 
+# What `rasterslam new` writes builds with the copy that the program lies in, runs and passes its test as it is.
+mkdir begun
+(
+  cd begun
+  unset RASTERSLAM_DATA
+  "$place/bin/rasterslam" simulate flat -o run.rawlog --duration 5 -q
+  for kind in "method my_method --language cpp" "strategy my_strategy" "navigator my_navigator"; do
+    name=${kind#* } && name=${name%% *}
+    # shellcheck disable=SC2086  # words
+    "$place/bin/rasterslam" new $kind -q
+    grep -q "RASTERSLAM \"$place\"" "$name/find_rasterslam.cmake" || fail "$name: looks for the library elsewhere than in $place"
+    quietly cmake -S "$name" -B "$name/build" -G Ninja
+    quietly cmake --build "$name/build"
+    quietly ctest --test-dir "$name/build"
+  done
+  quietly "$place/bin/rasterslam" plugin check my_method/my_method.ini run.rawlog
+  quietly my_strategy/build/my_strategy flat explored 1 20
+  grep -q my_strategy ../said.log || fail "my_strategy has no row"
+  quietly my_navigator/build/my_navigator pillar_hall 12,10 driven
+  grep -q my_navigator ../said.log || fail "my_navigator has no row"
+)
+
 # Eigen is all that posegraph asks for, installed and as a part of another project.
 others=()
 for package in OpenCV OpenSSL yaml-cpp ZLIB BZip2 LibLZMA PkgConfig SQLite3 Threads Boost nlohmann_json CLI11 GTest \

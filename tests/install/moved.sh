@@ -22,6 +22,12 @@ rasterslam simulate flat -o run.rawlog --duration 5 -q
 rasterslam run icp run.rawlog -o icp -q
 rasterslam compare run.rawlog -o cmp --methods naive,icp -q
 rasterslam data >data.txt
+# Lessons and templates came along.
+rasterslam learn 6 | grep -q 'Lesson 6' || fail "learn 6 printed no page"
+rasterslam learn start 6 --student 2 -o lesson -q
+grep -q 'student = 2' lesson/lesson.ini || fail "learn start wrote no lesson.ini"
+rasterslam new method mine -q
+rasterslam plugin check mine/mine.ini run.rawlog >check.txt || fail "plugin check: $(cat check.txt)"
 rasterslam list lidars | grep -q thesis_360 || fail "list lidars names no thesis_360"
 test -s cmp/scores.txt || fail "compare wrote no scores.txt"
 # Its helper programs and libraries came along.

@@ -1,0 +1,16 @@
+#pragma once
+#include "libslam/explore/explore.h"
+#include "libslam/navigate/map_strategy.h"
+
+/// Where to go next. The base class reads the map, finds the frontiers in reach and the ways to places that they can be seen from
+/// (libslam/navigate/map_strategy.h); this one only says which place is the best.
+class @Name@ : public slam::navigate::MapStrategy {
+ public:
+  @Name@(const slam::navigate::StrategyOptions& options, slam::core::RandomStream) : MapStrategy(options) {}
+
+ private:
+  std::optional<Choice> choose(const slam::navigate::Scene& scene) override;
+};
+
+/// What the closed loop makes it from.
+slam::explore::OwnStrategy ownStrategy();
