@@ -102,7 +102,7 @@ TEST_F(Answers, ThatAreNoNumberSayWhy) {
   EXPECT_THAT(checkText("0.75 metres").said, HasSubstr("without a unit"));
   EXPECT_THAT(checkText("nan").said, HasSubstr("0 / 0"));
   EXPECT_THAT(checkText("many").said, HasSubstr("not a number"));
-  EXPECT_THAT(checkText("\x1b[31m").found, HasSubstr("\\x1B"));
+  EXPECT_THAT(checkText("\x1b[31m").found, HasSubstr("\\x1b[31m"));
 }
 
 TEST_F(Answers, OfAnotherStudentOrLessonAreNamed) {

@@ -67,7 +67,7 @@ class LessonFiles : public ::testing::Test {
 };
 
 TEST_F(LessonFiles, AreRefusedWhereSomethingIsWrong) {
-  EXPECT_EQ(errorWith("[lesson]\nnumber = 1\n[hint a]\nof = x\ntimes = -1\nsay = Why.\n"), "");
+  EXPECT_EQ(errorWith("[lesson]\nnumber = 1\n[hint a]\nof = x\ntimes = -1\nsay = Why.\n"), "no error");
   EXPECT_THAT(errorWith("[lesson]\nnumber = 2\n"), HasSubstr("found lesson number 2, expected 1"));
   EXPECT_THAT(errorWith("[lesson]\nnumbre = 1\n"), HasSubstr("did you mean 'number'?"));
   EXPECT_THAT(errorWith("[lesson]\nnumber = 1\nanswer = essay\n"), HasSubstr("01-one.ini:3"));

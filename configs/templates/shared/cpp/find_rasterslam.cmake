@@ -19,6 +19,7 @@ if(EXISTS "${RASTERSLAM}/cmake_install.cmake")  # a build folder: what it would 
   endif()
 endif()
 list(PREPEND CMAKE_PREFIX_PATH "${place}")
+set(rasterslam_USE_STATIC_LIBS ON)  # a program that needs no libraries of ours beside it
 find_package(rasterslam @version@ REQUIRED COMPONENTS ${components})
 if(NOT data)
   set(data "${rasterslam_DATA_DIR}")
