@@ -109,7 +109,7 @@ mkdir begun
   quietly "$place/bin/rasterslam" plugin check my_method/my_method.ini run.rawlog
   quietly my_strategy/build/my_strategy flat explored 1 20
   grep -q my_strategy ../said.log || fail "my_strategy has no row"
-  quietly my_navigator/build/my_navigator pillar_hall 12,10 driven
+  quietly my_navigator/build/my_navigator pillar_hall 16,10 driven
   grep -q my_navigator ../said.log || fail "my_navigator has no row"
 )
 
