@@ -45,8 +45,8 @@ struct Oracle {
   double below_90_m = 0, below_99_m = 0;
 };
 
-/// `go_on` is asked now and then: it may throw. The same every time. Cost: from a second (a flat) to half a
-/// minute (50 m x 40 m). A start that can explore nothing gives tours of length NaN.
+/// `go_on` is asked now and then: it may throw. The same every time. Cost: from seconds (a flat) to about a
+/// minute (42 m x 27 m of offices). A start that can explore nothing gives tours of length NaN.
 Oracle consultOracle(
     const world::Plan& plan, const metrics::ExplorableArea& area, const TourRequest& request,
     const std::function<void()>& go_on = [] {});
