@@ -14,7 +14,6 @@ import os
 import random
 import statistics
 import subprocess
-import sys
 import tempfile
 
 WORLDS = "corridor,flat,maze,office_loop,pillar_hall"
@@ -107,7 +106,7 @@ def main():
         table.writeheader()
         table.writerows(rows)
     with open(os.path.join(args.o, "exploration_ratio.txt"), "w", encoding="utf-8") as file:
-        print("benchmarks/exploration/ratio.py " + " ".join(a for a in sys.argv[1:]), file=file)
+        print(f"benchmarks/exploration/ratio.py -n {args.n} -w {args.w} -S {args.S}", file=file)
         report(rows, args.S.split(","), file)
 
 
