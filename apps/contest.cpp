@@ -25,8 +25,8 @@ void writeStandings(const study::Standings& standings, const std::string& folder
   const auto write = [&](const std::string& suffix, const std::string& text) {
     core::writeFileAtomically(folder + "/standings." + suffix, text);
   };
-  write("csv", report::toCsv(standings.table));
-  write("json", report::toJson(standings.table));
+  write("csv", report::toCsv(standings.full));
+  write("json", report::toJson(standings.full));
   write("txt", report::toText(standings.table));
   write("md", report::toMarkdown(standings.table));
   auto manifest = core::readManifest(folder + "/manifest.json");
@@ -64,7 +64,7 @@ int hold(const Context& context, Arguments& arguments) {
                                         {"page", page},
                                         {"verdict", standings.verdict},
                                         {"standings",
-                                         nlohmann::ordered_json::parse(report::toJson(standings.table))},
+                                         nlohmann::ordered_json::parse(report::toJson(standings.full))},
                                         {"missing", merged.missing}}
                      .dump(2)
               << "\n";

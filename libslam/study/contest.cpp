@@ -119,21 +119,18 @@ Standings standingsOf(const sweep::SweepPlan& plan, const SweepResults& results)
   Standings standings;
   auto& table = standings.table;
   table.caption = "Standings";
-  table.columns = {{"place", "place"},
-                   {"entry", "entry"},
-                   {plan.metric, plan.metric},
-                   {"mean_rank", "mean rank", 2},
-                   {"failed", "failed"},
-                   {"group", "group"},
-                   {"first_failure", "first failure"}};
+  table.columns = {{"place", "place"},         {"entry", "entry"},
+                   {plan.metric, plan.metric}, {"mean_rank", "mean rank", 2},
+                   {"failed", "failed"},       {"group", "group"}};
   if (drives.values.front().empty()) {
+    standings.full = table;
     standings.verdict.push_back("No drive was finished by every entry.");
     return standings;
   }
   const auto ranking =
       stats::rankingGroups(drives.values, betterOf(plan.metric), kAlpha, drives.settings).methods;
   const auto decimals = figureColumn(plan.metric).decimals;
-  std::vector<std::string> first;
+  std::vector<std::string> first, first_failures;
   for (std::size_t i = 0; i < ranking.size(); ++i) {
     const auto& ranked = ranking[i];
     const auto& values = drives.values[ranked.method];
@@ -145,13 +142,21 @@ Standings standingsOf(const sweep::SweepPlan& plan, const SweepResults& results)
     table.rows.push_back({shares_first ? std::string("1") : std::to_string(i + 1), names[ranked.method],
                           withInterval(median, decimals), ranked.mean_rank,
                           std::to_string(failures.failed) + " of " + std::to_string(failures.runs),
-                          ranked.letters, failures.first.empty() ? "-" : core::oneLine(failures.first, 100)});
+                          ranked.letters});
+    if (!failures.first.empty())
+      table.notes.push_back("First failure of " + names[ranked.method] + ": " +
+                            core::oneLine(failures.first) + ".");
+    first_failures.push_back(failures.first.empty() ? "-" : core::oneLine(failures.first));
   }
   table.notes.push_back("Median over " + std::to_string(drives.values.front().size()) +
                         " drives with its 95 % bootstrap interval; a failed run is worse than any other. "
                         "Entries that share a letter "
                         "cannot be told apart (signed-rank test on the same drives, Holm's method, 5 %). "
                         "They hold for these settings, not for others.");
+  standings.full = table;
+  standings.full.columns.push_back({"first_failure", "first failure"});
+  for (std::size_t i = 0; i < first_failures.size(); ++i)
+    standings.full.rows[i].emplace_back(first_failures[i]);
   standings.verdict.push_back(first.size() == 1 ? first.front() + " wins."
                                                 : "First place is shared: " + joined(first) +
                                                       " cannot be told apart on these drives.");

@@ -10,6 +10,8 @@ class @Name@ : public slam::navigate::MapStrategy {
 
  private:
   std::optional<Choice> choose(const slam::navigate::Scene& scene) override;
+  /// Only the places nearest to each frontier; true adds places on the way there, from which it can be seen, too.
+  bool wantsStandoffs() const override { return false; }
 };
 
 /// What the closed loop makes it from.
