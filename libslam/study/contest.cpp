@@ -134,8 +134,7 @@ Standings standingsOf(const sweep::SweepPlan& plan, const SweepResults& results)
   for (std::size_t i = 0; i < ranking.size(); ++i) {
     const auto& ranked = ranking[i];
     const auto& values = drives.values[ranked.method];
-    const auto median =
-        stats::bootstrapInterval(values, stats::Statistic::kMedian, {0.95, 1, kResamples, drives.settings});
+    const auto median = stats::bootstrapMedian(values, {0.95, 1, kResamples, drives.settings});
     const auto failures = failuresOf(group.methods[ranked.method], plan, results);
     const bool shares_first = shareALetter(ranked.letters, ranking.front().letters);
     if (shares_first) first.push_back(names[ranked.method]);
