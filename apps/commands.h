@@ -67,14 +67,8 @@ const std::vector<std::string>& defaultMethods();
 /// Where an explorer's pose and map come from.
 inline constexpr const char* kExplorersSlam = "graph";
 /// Where the pose of a robot comes from that drives to a goal: the lidar's own odometry, which has no map and drifts a tenth as
-/// much as the wheels; with a camera, whose narrow view is too little for that, SLAM.
-inline std::string navigatorsSlam(const std::string& given, bool has_camera) {
-  if (!given.empty()) return given;
-  return has_camera ? kExplorersSlam : "naive_flow";
-}
-inline constexpr const char* kNavigatorsSlamMeaning =
-    "where the pose comes from: a name of 'rasterslam list methods', or odometry for the wheels (default: "
-    "naive_flow; with a camera graph)";
+/// much as the wheels.
+inline constexpr const char* kNavigatorsSlam = "naive_flow";
 
 /// Flags of a simulation, shared by simulate and compare.
 struct SimulationFlags {

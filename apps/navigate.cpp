@@ -3,6 +3,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/navigators_slam.h"
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "apps/console.h"
+#include "apps/navigators_slam.h"
 #include "apps/show.h"
 #include "apps/user_input.h"
 #include "libslam/core/error.h"

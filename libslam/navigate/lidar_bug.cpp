@@ -71,13 +71,13 @@ void LidarBug::look(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
   }
 }
 
-/// Where the sensor does not look or shows nothing, what is known from before stands for the reading.
+/// With a narrow view: where the sensor does not look or shows nothing, what is known from before stands for the reading.
 void LidarBug::recall(const std::array<double, 5>& aside_rad) {
+  if (!looksFirst()) return;
   const auto directions = strategicDirections();
   for (size_t d = 0; d < directions.size(); ++d)
     if (aside_rad[d] >= kNeighbour_rad)
       readings_m_[d] = surroundings_.way(directions[d], kProbe_m).free_m + kProbe_m;
-  if (!looksFirst()) return;
   for (const auto& p_robot : surroundings_.points()) {
     const double from_robot_m = std::hypot(p_robot.x, p_robot.y);
     if (from_robot_m < bump_range_m_)

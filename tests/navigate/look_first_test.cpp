@@ -8,7 +8,6 @@
 #include "libslam/navigate/goal_navigator.h"
 #include "libslam/navigate/strategy.h"
 #include "tests/navigate/goal_scenes.h"
-#include "tests/navigate/scenes.h"
 
 namespace slam::navigate {
 namespace {
@@ -129,19 +128,21 @@ TEST_P(CameraNavigation, ComesToTheRightEndWithoutACollision) {
   FAIL() << "no scene '" << GetParam().scene << "'";
 }
 
-TEST(CameraExploration, AlongTheLongestRayTouchesNothing) {
-  StrategyOptions options;  // as record::withCameraDefaults() has them
-  options.name = "longest_ray";
-  options.memory = "local_map", options.unseen = "looked_at", options.stop_clearance_m = 0.66;
-  const robot::FloorCamera camera;
-  for (const std::uint64_t seed : {1, 2}) {
-    const auto run =
-        scenes::explore(scenes::flat(), {6, 4, 0}, options, robot::asLidar(camera), seed, 200, camera);
-    EXPECT_EQ(run.collisions, 0U) << seed;
-    double way_m = 0;
-    for (size_t i = 1; i < run.truth.size(); ++i) way_m += core::distance(run.truth[i - 1], run.truth[i]);
-    EXPECT_GT(way_m, 20) << seed;
+TEST(Driver, LooksBeforeItDrivesAndThenDrivesTheWayThatItHadChosen) {
+  StrategyOptions options;
+  options.name = "longest_ray", options.unseen = "looked_at";
+  Driver driver(makeStrategy(options, {1, "strategy"}), options, {}, 0.2, {1, "driver"});
+  core::Pose2 T_odom_robot;
+  double turned_rad = 0;
+  for (int i = 0; i < 100; ++i) {
+    const auto command = driver.next(look(robot::kNoReturn), T_odom_robot, false);
+    if (command.speed_mps > 0) break;
+    turned_rad += std::abs(command.turn_rate_radps * command.duration_s);
+    T_odom_robot = T_odom_robot * robot::driveMotion(command);
   }
+  EXPECT_GT(turned_rad, degToRad(60)) << "to both sides and back";
+  EXPECT_NEAR(T_odom_robot.phi, 0, 1e-9) << "the longest ray was straight ahead";
+  EXPECT_GT(driver.next(look(robot::kNoReturn), T_odom_robot, false).speed_mps, 0);
 }
 
 }  // namespace

@@ -101,11 +101,10 @@ robot::LidarOptions circleLidar() {
 }
 
 Exploration explore(const Plan& plan, const core::Pose2& start, const StrategyOptions& options,
-                    const robot::LidarOptions& lidar, std::uint64_t seed, double duration_s,
-                    const std::optional<robot::FloorCamera>& camera) {
+                    const robot::LidarOptions& lidar, std::uint64_t seed, double duration_s) {
   const robot::RobotOptions robot;
   const double period_s = 1 / lidar.rate_hz;
-  sim::Simulator simulator(plan, robot, lidar, {}, start, seed, sim::Simulator::kStartTime_s, {}, camera);
+  sim::Simulator simulator(plan, robot, lidar, {}, start, seed);
   Driver driver(makeStrategy(options, {seed, "strategy"}), options, robot, period_s, {seed, "driver"});
   const auto floor = connectedFloor(plan, core::position(start));
   std::vector<char> seen(plan.cells.size(), 0);

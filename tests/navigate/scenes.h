@@ -1,6 +1,5 @@
 #pragma once
 #include <cmath>
-#include <optional>
 #include <vector>
 
 #include "libslam/navigate/strategy.h"
@@ -49,8 +48,7 @@ struct Exploration {
 
 /// Drives for duration_s with noise on lidar and odometry.
 Exploration explore(const world::Plan& plan, const core::Pose2& start, const StrategyOptions& options,
-                    const robot::LidarOptions& lidar, std::uint64_t seed, double duration_s,
-                    const std::optional<robot::FloorCamera>& camera = std::nullopt);
+                    const robot::LidarOptions& lidar, std::uint64_t seed, double duration_s);
 
 /// An exploration on a perfect map and with the true pose, with noise on the lidar that the driver sees.
 struct MapExploration {
