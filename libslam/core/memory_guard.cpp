@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <filesystem>
 #include <mutex>
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -45,12 +44,6 @@ std::uint64_t usedBytes() {
 }
 
 }  // namespace
-
-std::uint64_t fileHeadroom_bytes(const std::string& path) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(path, error);
-  return kObjectHeadroom_bytes + (error ? 0 : 100 * size);
-}
 
 #ifdef RASTERSLAM_OWN_ALLOCATOR
 MemoryGuard::MemoryGuard(std::uint64_t) {}

@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <string>
 
 namespace slam::core {
 
@@ -19,7 +18,5 @@ class MemoryGuard {
 
 /// The headroom for one object of a file: far more than any that a robot's log or map holds.
 inline constexpr std::uint64_t kObjectHeadroom_bytes = std::uint64_t{512} << 20;
-/// The headroom for a whole file that may be packed.
-std::uint64_t fileHeadroom_bytes(const std::string& path);
 
 }  // namespace slam::core

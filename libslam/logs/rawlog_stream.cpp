@@ -111,7 +111,9 @@ class CopyingStream : public mrpt::io::CStream {
     const char* const here = static_cast<const char*>(__builtin_frame_address(0));
     if (std::abs(outermost_ - here) > kDeepestNesting_bytes) throw std::runtime_error("nested without end");
     const size_t read = source_.Read(buffer, count);
-    copy_.append(static_cast<const char*>(buffer), read);
+    const std::string_view text(static_cast<const char*>(buffer), read);
+    copy_.append(text);
+    checkScan(text);
     return read;
   }
   size_t Write(const void*, size_t) override { notOffered("writing"); }
@@ -120,8 +122,20 @@ class CopyingStream : public mrpt::io::CStream {
   std::uint64_t getPosition() const override { return source_.getPosition(); }
 
  private:
+  /// The number of beams is what stands third among the values of four bytes in a scan, behind its field of view and its longest
+  /// range. MRPT makes room for it without a look at whether there is any, and would write to nowhere.
+  void checkScan(std::string_view text) {
+    if (text == "mrpt::obs::CObservation2DRangeScan") words_of_scan_ = 0;
+    if (text.size() != sizeof(std::uint32_t) || ++words_of_scan_ != 3) return;
+    std::uint32_t beams = 0;
+    std::memcpy(&beams, text.data(), sizeof beams);  // both have the least byte first
+    if (beams > kMostBeams) throw std::bad_alloc();  // which MRPT lets pass as it is
+  }
+
+  static constexpr std::uint32_t kMostBeams = 10'000'000;
   UnpackingStream& source_;
   std::string& copy_;
+  std::uint64_t words_of_scan_ = 3;
   const char* const outermost_ = static_cast<const char*>(__builtin_frame_address(0));
 };
 

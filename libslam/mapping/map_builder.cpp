@@ -26,7 +26,6 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/ini_yaml.h"
-#include "libslam/core/memory_guard.h"
 #include "libslam/core/random.h"
 #include "libslam/mapping/graph_map_builder.h"
 #include "libslam/mapping/map_grid.h"
@@ -343,7 +342,6 @@ mrpt::maps::CSimpleMap loadKeyFrames(const std::string& path) {
   mrpt::maps::CSimpleMap map;
   bool loaded = false;
   try {
-    const core::MemoryGuard guard(core::fileHeadroom_bytes(path));
     loaded = map.loadFromFile(path);
   } catch (const std::exception&) {
   }

@@ -16,7 +16,6 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/core/memory_guard.h"
 #include "libslam/gridmap/mrpt_grid.h"
 #include "libslam/mapping/graph_slam.h"
 #include "libslam/mapping/key_frames.h"
@@ -139,7 +138,6 @@ gridmap::OccupancyRaster readGridMap(const std::string& path) {
   core::requireReadableFile(path);
   COccupancyGridMap2D grid;
   try {
-    const core::MemoryGuard guard(core::fileHeadroom_bytes(path));
     mrpt::io::CFileGZInputStream file(path);
     mrpt::serialization::archiveFrom(file) >> grid;
   } catch (const std::exception&) {

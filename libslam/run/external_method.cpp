@@ -312,9 +312,7 @@ const core::ParameterTable<ExternalOptions>& ExternalOptions::table() {
         "the form in which it is given the log"},
        {"time_limit_s", &O::time_limit_s, 3600.0, 0.1, 1e6, "of the clock; then it is killed"},
        {"memory_limit_mb", &O::memory_limit_mb, 4000.0, 1.0, 1e6,
-        "resident, of all its processes; then it is killed"},
-       {"file_limit_mb", &O::file_limit_mb, 1000.0, 0.01, 1e6,
-        "of any file that it writes; then it is killed"}});
+        "resident, of all its processes; then it is killed"}});
   return kTable;
 }
 
@@ -406,9 +404,9 @@ ExternalRun runExternalMethod(const ExternalMethod& method, const std::string& l
   core::writeFileAtomically(files.scans, scansText(scans));
 
   progress.begin("running " + method.options.command.substr(0, method.options.command.find(' ')));
-  const auto outcome = process::runMeasured(
-      commandLine(method, files, seed), files.folder,
-      {method.options.time_limit_s, method.options.memory_limit_mb, method.options.file_limit_mb}, progress);
+  const auto outcome =
+      process::runMeasured(commandLine(method, files, seed), files.folder,
+                           {method.options.time_limit_s, method.options.memory_limit_mb}, progress);
   progress.end();
 
   ExternalRun run;

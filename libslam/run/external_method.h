@@ -38,7 +38,7 @@ struct ExternalOptions {
   std::string type;     ///< external
   std::string command;  ///< with the placeholders
   std::string log;      ///< action | observation: MRPT rawlog of that form (logs/rawlog_form.h); carmen
-  double time_limit_s, memory_limit_mb, file_limit_mb;
+  double time_limit_s, memory_limit_mb;
   ExternalOptions();
   static const core::ParameterTable<ExternalOptions>& table();
 };

@@ -18,7 +18,6 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/core/memory_guard.h"
 #include "libslam/mapping/graph_slam.h"
 #include "libslam/report/map_view.h"
 #include "libslam/report/page_text.h"
@@ -217,13 +216,7 @@ void addTruthToScene(const core::Trajectory& truth, const world::Plan* plan, con
                      const std::string& file) {
   core::requireReadableFile(file);
   COpenGLScene scene;
-  bool loaded = false;
-  try {
-    const core::MemoryGuard guard(core::fileHeadroom_bytes(file));
-    loaded = scene.loadFromFile(file);
-  } catch (const std::exception&) {
-  }
-  if (!loaded) throw core::InputError(file + ": is not a scene, expected MRPT's .3Dscene");
+  if (!scene.loadFromFile(file)) throw core::InputError(file + ": is not a scene, expected MRPT's .3Dscene");
   for (const char* name : {viewer::kPlanLayer, viewer::kTruthLayer})
     if (const auto old = scene.getByName(name)) scene.removeObject(old);
   report::Window window;

@@ -108,7 +108,7 @@ class Faults:
         if code not in allowed:
             wrong.append(f"exit code {code}")
         lines = [line for line in said.split(b"\n") if line]
-        if code in (1, 3) and (len(lines) != 1 or not lines[0].startswith(b"rasterslam: ") or len(lines[0]) > 300):
+        if code in (1, 3) and (len(lines) != 1 or not lines[0].startswith(b"rasterslam: ") or len(lines[0]) > campaign.LONGEST_LINE):
             wrong.append(f"said {said[:300]!r}")
         left = [file for file in os.listdir(self.work) if ".rasterslam-" in file or file.endswith(".lock")]
         if left:

@@ -108,8 +108,8 @@ void (*real_free)(void*) = nullptr;
 
 #define EXPORT extern "C" __attribute__((visibility("default")))
 
-EXPORT int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, void (*init)(), void (*fini)(),
-                             void (*loader_fini)(), void* stack_end) {
+EXPORT int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, void (*init)(),
+                             void (*fini)(), void (*loader_fini)(), void* stack_end) {
   using Start = int (*)(int (*)(int, char**, char**), int, char**, void (*)(), void (*)(), void (*)(), void*);
   real_main = main;
   readWish();
@@ -129,21 +129,21 @@ EXPORT std::size_t fwrite(const void* data, std::size_t size, std::size_t count,
   return file != stderr && file != stdout && fails(Kind::kWrite, ENOSPC) ? 0 : real(data, size, count, file);
 }
 
-#define OPEN(name)                                                                \
-  EXPORT int name(const char* path, int flags, ...) {                             \
-    static const auto real = next<int (*)(const char*, int, ...)>(#name);         \
-    va_list more;                                                                 \
-    va_start(more, flags);                                                        \
-    const mode_t mode = va_arg(more, mode_t);                                     \
-    va_end(more);                                                                 \
-    return fails(Kind::kOpen, EMFILE) ? -1 : real(path, flags, mode);             \
+#define OPEN(name)                                                        \
+  EXPORT int name(const char* path, int flags, ...) {                     \
+    static const auto real = next<int (*)(const char*, int, ...)>(#name); \
+    va_list more;                                                         \
+    va_start(more, flags);                                                \
+    const mode_t mode = va_arg(more, mode_t);                             \
+    va_end(more);                                                         \
+    return fails(Kind::kOpen, EMFILE) ? -1 : real(path, flags, mode);     \
   }
 OPEN(open)
 OPEN(open64)
-#define FOPEN(name)                                                               \
-  EXPORT FILE* name(const char* path, const char* mode) {                         \
-    static const auto real = next<FILE* (*)(const char*, const char*)>(#name);    \
-    return fails(Kind::kOpen, EMFILE) ? nullptr : real(path, mode);               \
+#define FOPEN(name)                                                            \
+  EXPORT FILE* name(const char* path, const char* mode) {                      \
+    static const auto real = next<FILE* (*)(const char*, const char*)>(#name); \
+    return fails(Kind::kOpen, EMFILE) ? nullptr : real(path, mode);            \
   }
 FOPEN(fopen)
 FOPEN(fopen64)
@@ -171,11 +171,13 @@ EXPORT pid_t fork() {
 }
 EXPORT int posix_spawn(pid_t* child, const char* path, const posix_spawn_file_actions_t* actions,
                        const posix_spawnattr_t* attributes, char* const argv[], char* const environment[]) {
-  static const auto real = next<int (*)(pid_t*, const char*, const posix_spawn_file_actions_t*, const posix_spawnattr_t*,
-                                        char* const[], char* const[])>("posix_spawn");
+  static const auto real =
+      next<int (*)(pid_t*, const char*, const posix_spawn_file_actions_t*, const posix_spawnattr_t*,
+                   char* const[], char* const[])>("posix_spawn");
   return fails(Kind::kFork, EAGAIN) ? EAGAIN : real(child, path, actions, attributes, argv, environment);
 }
-EXPORT int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*work)(void*), void* argument) {
+EXPORT int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*work)(void*),
+                          void* argument) {
   static const auto real =
       next<int (*)(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*)>("pthread_create");
   return fails(Kind::kFork, EAGAIN) ? EAGAIN : real(thread, attributes, work, argument);

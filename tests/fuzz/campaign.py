@@ -4,7 +4,7 @@
     tests/fuzz/campaign.py PROGRAM [--mutations 50] [--seed 1] [--only FORMAT] [--keep FOLDER]
 
 Each damaged file is read by a command. That has to end with a documented exit code, within the time and the memory below,
-and to say what is wrong in one printable line of at most 300 bytes. What breaks that is printed, and kept in FOLDER.
+and to say what is wrong in one printable line: the program's name and a message of at most 300 bytes. What breaks that is printed, and kept in FOLDER.
 Exit code 1 when there was any.
 """
 import argparse
@@ -19,7 +19,7 @@ import tempfile
 import time
 
 CODES = {0, 1, 2, 3, 4, 5, 6}
-LONGEST_LINE = 300
+LONGEST_LINE = len("rasterslam: ") + 300
 MOST_MB = 1500
 MOST_CPU_S = 20
 MOST_S = 120  # of the clock: for what waits without an end
@@ -202,7 +202,7 @@ def judge(command, work, codes):
         wrong.append(f"{usage.ru_maxrss / 1024:.0f} MB")
     lines = text.split(b"\n")[:-1] if text.endswith(b"\n") else text.split(b"\n")
     own = [line for line in lines if line.startswith(b"rasterslam: ")]
-    if child.returncode not in (0, 4, 5, 6) and len(own) != 1:
+    if child.returncode not in (0, 4, 5, 6) and len(own) != 1 and command[1] != "check":  # which has findings instead
         wrong.append(f"{len(own)} lines of errors")
     if any(len(line) > LONGEST_LINE for line in lines):
         wrong.append(f"a line of {max(map(len, lines))} bytes")

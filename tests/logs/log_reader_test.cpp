@@ -501,6 +501,23 @@ TEST(LogReader, RefusesAnEntryOfImpossibleSizeAsCorrupt) {
                                        "\\(an entry of impossible size\\), after 1 good entry"));
 }
 
+// MRPT writes to where it has got no memory: its allocator does not say so.
+TEST(LogReader, RefusesAScanOfImpossibleSizeAsCorrupt) {
+  const testing::TempFolder folder;
+  writeLog(sampleEntries(2), folder / "a.rawlog", RawlogForm::kActionFrame);
+  const auto plain = unpacked(folder / "a.rawlog");
+  const size_t scan = plain.find("mrpt::obs::CObservation2DRangeScan");
+  int refused = 0;
+  for (size_t at = scan + 34; at < scan + 200; ++at) {
+    auto damaged = plain;
+    damaged.replace(at, 4, std::string("\xFF\xFF\xFF\x3F", 4));
+    writeBytes(damaged, folder / "damaged.rawlog");
+    refused +=
+        readOutcome(folder / "damaged.rawlog").error.find("impossible size") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_GE(refused, 1);
+}
+
 TEST(LogReader, RefusesEntriesNestedWithoutEnd) {
   const testing::TempFolder folder;
   writeLog(sampleEntries(1), folder / "a.rawlog", RawlogForm::kActionFrame);

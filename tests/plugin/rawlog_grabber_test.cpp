@@ -148,9 +148,10 @@ TEST_F(RawlogGrabber, RecordsAStrategyThatNeedsAMap) {
 
 TEST_F(RawlogGrabber, ShowsOurErrorForAMisspeltKey) {
   const testing::TempFolder folder;
-  const auto run = testing::runCommand("cd '" + folder.path() + "' && sed 's/^plan = /plann = /' '" +
-                                       kConfig + "' >grab.ini && mkfifo open && " +
-                                       "{ timeout 600 rawlog-grabber -p '" + kPlugin + "' grab.ini <>open; }");
+  const auto run =
+      testing::runCommand("cd '" + folder.path() + "' && sed 's/^plan = /plann = /' '" + kConfig +
+                          "' >grab.ini && mkfifo open && " + "{ timeout 600 rawlog-grabber -p '" + kPlugin +
+                          "' grab.ini <>open; }");
   EXPECT_NE((run.out + run.err).find("section LIDAR, unknown key 'plann'; did you mean 'plan'?"),
             std::string::npos)
       << run.out << run.err;
