@@ -50,7 +50,7 @@ COMMANDS = [
     ("world-check", ["world", "check", f"{S}/room.yaml"], "", False),
     ("list", ["list", "methods"], "", False),
 ]
-SHORT = {"simulate": ["write", "rename", "open"], "run": ["write", "rename", "memory"], "relations": ["open", "memory"],
+SHORT = {"simulate": ["write", "rename", "open"], "run": ["write", "rename"], "relations": ["open"],
          "plugin": ["fork"]}
 
 
