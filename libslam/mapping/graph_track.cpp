@@ -225,13 +225,17 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
     const double held = std::min(by(predicted), kBackwards + by(backwards));
     return by_wheels_ ? std::min(held, by(T_wheels)) : held;
   };
+  // How far the scan before contradicts a pose: from where that was matched, or where wheels have it.
+  const auto broken = [&](const Pose2& T) {
+    const double matched = brokenBy(points, core::between(T_before, T));
+    return by_wheels_ ? std::min(matched, brokenBy(points, core::between(*by_wheels_, T))) : matched;
+  };
   // A pose is better when scan, map and the scan before say more for it than odometry says against it.
   const auto isBetter = [&](const MatchResult& other, double least_gain) {
     const double against = unlikely(other.T_map_robot) - unlikely(result.T_map_robot);
     const double least = std::max(least_gain, against / kNatsPerScan);
     const double gained = gain(points, other.T_map_robot, result.T_map_robot);
-    const double less_broken = brokenBy(points, core::between(T_before, result.T_map_robot)) -
-                               brokenBy(points, core::between(T_before, other.T_map_robot));
+    const double less_broken = broken(result.T_map_robot) - broken(other.T_map_robot);
     if (other.score >= options_.recover_score) return gained + std::max(less_broken, 0.0) > least;
     // Wheels are worth more than an explanation of less than half.
     if (has_odometry && toldScore(points, other.T_map_robot) < options_.lost_score) return false;
