@@ -51,8 +51,8 @@ std::string rounded(double value) {
   return core::formatNumber(static_cast<double>(static_cast<long long>(value * 10 + 0.5)) / 10);
 }
 
-std::string lastLines(const std::string& path) {
-  const std::string text = core::trimmed(core::readTextFile(path));
+std::string lastLines(const std::string& printed) {
+  const std::string text = core::trimmed(printed);
   return core::oneLine(text.size() > 200 ? text.substr(text.size() - 200) : text);
 }
 
@@ -84,12 +84,11 @@ Verdict checkStrategy(const Lesson& lesson, std::uint64_t student, const std::st
   const auto* duration = lesson.ini.find("strategy_check", "duration_s");
   const std::string line = core::shellQuoted({build + "/" + program, scratch / "plan.yaml", scratch / "out",
                                               std::to_string(student), duration ? duration->value : "150"});
-  const auto outcome =
-      process::runMeasured(line, scratch.path(), scratch / "said.txt", {300, 4000}, progress);
+  const auto outcome = process::runMeasured(line, scratch.path(), {300, 4000}, progress);
   if (outcome.exit_code != 0 || !fs::exists(scratch / "out/runs.csv"))
     return hinted(lesson, Finding::kCrashed, "crashed",
                   program + " ended with exit code " + std::to_string(outcome.exit_code) + ": " +
-                      lastLines(scratch / "said.txt"));
+                      lastLines(outcome.printed));
   const auto table = report::fromCsv(core::readTextFile(scratch / "out/runs.csv"), "runs.csv");
   const auto own = rowOf(table, program), nearest = rowOf(table, "nearest_frontier");
   const std::string found = program + ": " + rounded(own.coverage_percent) + " % seen, 90 % after " +
