@@ -123,7 +123,7 @@ TEST_F(Outputs, GoToStandardOutputWhereTheyAreOneStream) {
 TEST_F(Outputs, AreRefusedStandardOutputWhereTheyAreNone) {
   for (const std::string command :
        {"simulate flat --duration 5 -o -", "run naive_wheel run.rawlog -o /dev/stdout",
-        "convert run.rawlog -", "cut run.rawlog -o - --scans 1..2"}) {
+        "convert run.rawlog -", "cut run.rawlog -o - --to 2"}) {
     const auto refused = run(command);
     EXPECT_EQ(refused.exit_code, 2) << command;
     EXPECT_EQ(linesOf(refused.err), 1) << refused.err;
