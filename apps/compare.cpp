@@ -25,8 +25,8 @@ struct Arguments {
 /// Whether "section.key=value" is for methods, not for the simulation: their sections differ.
 bool isOfMethods(const std::string& setting) {
   const auto section = setting.substr(0, setting.find('.'));
-  for (const char* type : {"naive", "icp", "rbpf", "particles", "graph"})
-    for (const auto& known : mapping::methodSections(type))
+  for (const auto& type : mapping::methodTypes())
+    for (const auto& known : mapping::methodSections(type.name))
       if (known == section) return true;
   return false;
 }

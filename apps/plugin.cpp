@@ -40,7 +40,7 @@ int checkPlugin(const Context& context, const Arguments& arguments) {
     throw core::InputError(arguments.method +
                            ": section [method], key 'type': expected external; see "
                            "'rasterslam plugin --help'");
-  const auto method = run::readExternalMethod(config, name);
+  const auto method = run::readExternalMethod(config);
   if (context.print_config) {
     printParameters(method.parameters, context.json);
     return 0;

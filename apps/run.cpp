@@ -113,7 +113,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
   if (!arguments.lidars.empty()) config.set("method", "lidars", arguments.lidars, "--lidars");
   const std::string name = std::filesystem::path(arguments.method).stem().string();
   if (context.print_config) {
-    printParameters(run::methodParameters(config, name, context.seed), context.json);
+    printParameters(run::methodParameters(config), context.json);
     return 0;
   }
   const std::string folder = context.output.empty() ? name : context.output;

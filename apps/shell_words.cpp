@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/mapping/method_types.h"
 
 namespace slam::apps {
 namespace {
@@ -112,8 +113,7 @@ std::vector<std::string> settings(CLI::App& app, Context& context, const std::ve
   if (before.front() == "stress") commands = {{"simulate"}};
   if (before.front() == "compare") {
     commands = {{"simulate"}};
-    for (const char* method : {"naive", "icp", "rbpf", "particles", "graph"})
-      commands.push_back({"run", method});
+    for (const auto& type : mapping::methodTypes()) commands.push_back({"run", type.name});
   }
   const bool has_key = begun.find('=') != std::string::npos;
   std::vector<std::string> found;

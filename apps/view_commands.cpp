@@ -257,8 +257,7 @@ int viewRun(const Context& context, const ViewArguments& arguments) {
   if (!context.config.empty()) config.overrideWith(core::IniFile::load(context.config));
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   const std::string name = nameOf(arguments.method);
-  if (context.print_config)
-    return printParameters(run::methodParameters(config, name, context.seed), context.json), 0;
+  if (context.print_config) return printParameters(run::methodParameters(config), context.json), 0;
   const core::ScratchFolder scratch;
   const std::string folder = context.output.empty() ? scratch / name : context.output;
   Show what;

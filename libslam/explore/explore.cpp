@@ -36,7 +36,7 @@ LoopMethod loadMethod(const ExploreRequest& request) {
   method.config = mapping::loadMethodConfig(request.methods_folder, name);
   method.name = core::isConfigFile(name) ? fs::path(name).stem().string() : name;
   if (method.is_reference) method.name = kTruthReference;
-  mapping::makeMapBuilder(method.config, method.name, request.seed);  // a bad key must not show in every run
+  mapping::readMethodConfig(method.config);  // a bad key must not show in every run
   return method;
 }
 

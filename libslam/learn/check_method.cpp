@@ -116,7 +116,7 @@ Verdict checkMethod(const Lesson& lesson, std::uint64_t student, const std::stri
   const auto config = run::withFixedFolder(core::IniFile::load(fs::absolute(ini_path).string()));
   run::ExternalRun done;
   try {
-    done = run::runExternalMethod(run::readExternalMethod(config, name), log_path, student, scratch / "work",
+    done = run::runExternalMethod(run::readExternalMethod(config), log_path, student, scratch / "work",
                                   progress);
   } catch (const core::InputError& error) {
     auto verdict = hinted(lesson, Finding::kUnusable, "contract", error.what());

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "libslam/mapping/graph_slam.h"
-#include "libslam/mapping/method_config.h"
+#include "libslam/mapping/mapping_options.h"
 #include "libslam/mapping/mrpt_compat.h"
 
 namespace slam::mapping {

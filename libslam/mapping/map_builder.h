@@ -11,61 +11,45 @@
 #include "libslam/core/pose2.h"
 #include "libslam/gridmap/occupancy_raster.h"
 #include "libslam/mapping/journal.h"
+#include "libslam/mapping/method_config.h"
+#include "libslam/mapping/scan_deskewer.h"
 #include "libslam/robot/deskew.h"
 #include "libslam/robot/motion_kind.h"
 #include "libslam/robot/scan.h"
-
-namespace mrpt::slam {
-class CMetricMapBuilder;
-}
-namespace mrpt::obs {
-class CActionCollection;
-class CSensoryFrame;
-}  // namespace mrpt::obs
 
 namespace slam::mapping {
 
 class GraphSlam;
 
-/// A SLAM method ready to run: MRPT's interface, and what feeds it. Feed it through processScan().
+/// A SLAM method ready to run, and what feeds it: processScan().
 struct MapBuilder {
   MapBuilder();
   MapBuilder(MapBuilder&&) noexcept;
   MapBuilder& operator=(MapBuilder&&) noexcept;
   ~MapBuilder();
 
-  std::unique_ptr<mrpt::slam::CMetricMapBuilder> builder;
   std::string name;      ///< of the configuration: "icp", "rbpf_exact"
-  std::string type;      ///< naive | icp | rbpf | particles | graph
+  std::string type;      ///< one of methodTypes()
   std::string odometry;  ///< which increments it is fed: [method] odometry
   std::string lidars;    ///< whose scans it wants: [method] lidars
   std::vector<core::ParameterReport> parameters;
+  std::unique_ptr<SlamMethod> method;
 
   struct State;
   std::unique_ptr<State> state;  ///< between the scans
 };
 
-/// Makes a method from its .ini (configs/methods/NAME.ini; sections [method], [mapping], [scan_odometry] and
-/// the type's own: [icp] for icp and rbpf, [particles] and [motion] for rbpf and particles, [graph] for graph). Strict: every misspelt or
-/// impossible key, and a section that the type does not use, is an InputError. Nothing is printed, whatever
-/// MRPT would like to say.
+/// Makes a method from its .ini (configs/methods/NAME.ini; sections as methodSections() has them). Errors: readMethodConfig()'s.
+/// Nothing is printed, whatever MRPT would like to say.
 MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, std::uint64_t seed);
 
-/// The method's configuration as MRPT's own icp-slam / rbpf-slam programs read it; makeMapBuilder uses the
-/// same text, so both run with the same numbers (except the motion model, which rbpf-slam takes from the
-/// log). InputError for a type that no MRPT program runs.
-std::string toMrptConfig(const core::IniFile& config, const std::string& name);
-
-/// All methods in a folder of configurations, sorted; "naive" and so on. InputError when it is no folder.
-std::vector<std::string> methodNames(const std::string& methods_folder);
-/// By name in the folder, or from a path (a text with '/' or ending in .ini). A file whose [method] says `base = NAME` (or
-/// a path) is laid over that method. InputError for an unknown name, with the nearest known one.
-core::IniFile loadMethodConfig(const std::string& methods_folder, const std::string& name_or_path);
+/// The method as MRPT's programs know one; lives as long as it.
+mrpt::slam::CMetricMapBuilder& mrptBuilder(const MapBuilder& method);
 
 /// Goes on in a map of before (a map.simplemap) instead of an empty one, in its frame: the robot is at T_map_robot at the
-/// first scan; nullopt: nobody knows where, and it is looked for in all of the map (type graph with keep_map alone).
+/// first scan; nullopt: nobody knows where, and it is looked for in all of the map (types that find themselves, with keep_map alone).
 /// keep_map: the map stays as it is, the robot is only localised in it. REQUIRES that no scan was processed.
-/// Errors: InputError for a file that is no simplemap or holds no scan, and for types that cannot: naive, rbpf.
+/// Errors: InputError for a file that is no simplemap or holds no scan, and for types that cannot (MethodType).
 void continueMap(MapBuilder& method, const std::string& simplemap_path,
                  const std::optional<core::Pose2>& T_map_robot, bool keep_map);
 
@@ -76,11 +60,7 @@ void setCommands(MapBuilder& method, std::vector<robot::Commanded> commands);
 /// sweep_s comes before it.
 void setSweep(MapBuilder& method, const std::optional<robot::Sweep>& sweep);
 
-/// What became of the scans that a turning lidar swept.
-struct SweptScans {
-  std::uint64_t swept = 0;      ///< of a known sweep, after the first
-  std::uint64_t set_right = 0;  ///< of these
-};
+/// What became of the scans so far.
 SweptScans sweptScans(const MapBuilder& method);
 
 /// A scan and how it was swept, as setSweep().

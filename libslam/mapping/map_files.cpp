@@ -20,8 +20,8 @@
 #include "libslam/mapping/graph_slam.h"
 #include "libslam/mapping/key_frames.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/mapping/map_grid.h"
 #include "libslam/mapping/mrpt_compat.h"
-#include "libslam/mapping/naive_map_builder.h"
 #include "libslam/posegraph/g2o_io.h"
 #include "libslam/robot/mrpt_types.h"
 
@@ -29,21 +29,6 @@ namespace slam::mapping {
 namespace {
 
 using mrpt::maps::COccupancyGridMap2D;
-
-const mrpt::maps::CMultiMetricMap& mapsOf(const MapBuilder& method) {
-  return compat::asReference(method.builder->getCurrentlyBuiltMetricMap());
-}
-
-COccupancyGridMap2D::Ptr gridOf(const MapBuilder& method) {
-  auto grid = mapsOf(method).mapByClass<COccupancyGridMap2D>();
-  if (!grid) throw core::ContractError("method " + method.name + " holds no grid");
-  return grid;
-}
-
-bool drawsDots(const MapBuilder& method) {
-  const auto* naive = dynamic_cast<const NaiveMapBuilder*>(method.builder.get());
-  return naive != nullptr && naive->drawsDots();
-}
 
 /// The grid that any MRPT program opens, whatever class the method uses.
 COccupancyGridMap2D plainCopy(const COccupancyGridMap2D& grid) {
@@ -105,18 +90,9 @@ void writeRosMap(const gridmap::OccupancyRaster& map, const std::string& folder)
 
 }  // namespace
 
-gridmap::OccupancyRaster currentMap(const MapBuilder& method) {
-  auto map = gridmap::fromMrpt(*gridOf(method));
-  // A dot is certain, which log-odds cannot say.
-  if (drawsDots(method))
-    for (float& cell : map.occupancy)
-      if (cell != 0.5F) cell = 1.0F;
-  return map;
-}
-
 void saveMaps(const MapBuilder& method, const std::string& folder) {
   writeRosMap(currentMap(method), folder);
-  writeObject(plainCopy(*gridOf(method)), folder + "/map.gridmap.gz");
+  writeObject(plainCopy(*gridOf(mrptBuilder(method))), folder + "/map.gridmap.gz");
   saveKeyFrames(method, folder);
 }
 
@@ -148,10 +124,10 @@ gridmap::OccupancyRaster readGridMap(const std::string& path) {
 
 void saveKeyFrames(const MapBuilder& method, const std::string& folder) {
   mrpt::maps::CSimpleMap key_frames;
-  method.builder->getCurrentlyBuiltMap(key_frames);
+  mrptBuilder(method).getCurrentlyBuiltMap(key_frames);
   writeObject(key_frames, folder + "/map.simplemap");
   const GraphSlam* slam = graphSlamOf(method);
-  const bool has_mapped = method.builder->options.enableMapUpdating;
+  const bool has_mapped = mrptBuilder(method).options.enableMapUpdating;
   if (slam != nullptr && has_mapped) posegraph::writeG2oFile(slam->graph(), {}, folder + "/graph.g2o");
 }
 

@@ -1,11 +1,15 @@
 #include "libslam/mapping/map_grid.h"
 
+#include <mrpt/slam/CMetricMapBuilder.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
+#include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
 #include "libslam/mapping/exact_grid.h"
+#include "libslam/mapping/mrpt_compat.h"
 
 namespace slam::mapping {
 
@@ -21,6 +25,13 @@ mrpt::maps::COccupancyGridMap2D::Ptr makeMapGrid(const MappingOptions& options) 
   insertion.maxDistanceInsertion = static_cast<float>(options.max_insert_range_m);
   insertion.maxOccupancyUpdateCertainty = static_cast<float>(options.occupied_certainty);
   insertion.considerInvalidRangesAsFreeSpace = options.no_return_is_free;
+  return grid;
+}
+
+mrpt::maps::COccupancyGridMap2D::Ptr gridOf(const mrpt::slam::CMetricMapBuilder& builder) {
+  auto grid =
+      compat::asReference(builder.getCurrentlyBuiltMetricMap()).mapByClass<mrpt::maps::COccupancyGridMap2D>();
+  if (!grid) throw core::ContractError("the method's map holds no grid");
   return grid;
 }
 

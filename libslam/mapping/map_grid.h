@@ -3,12 +3,19 @@
 
 #include <string>
 
-#include "libslam/mapping/method_config.h"
+#include "libslam/mapping/mapping_options.h"
+
+namespace mrpt::slam {
+class CMetricMapBuilder;
+}
 
 namespace slam::mapping {
 
 /// The small empty grid that a builder of ours begins with: MRPT's, or ExactGrid, as [mapping] has it.
 mrpt::maps::COccupancyGridMap2D::Ptr makeMapGrid(const MappingOptions& options);
+
+/// The first occupancy grid of a builder's map. REQUIRES that it holds one (ContractError).
+mrpt::maps::COccupancyGridMap2D::Ptr gridOf(const mrpt::slam::CMetricMapBuilder& builder);
 
 /// "the map would hold 12 million cells, allowed are ..." for a MethodError.
 std::string tooManyCells(double cells, double max_map_cells);

@@ -5,7 +5,8 @@
 #include <mrpt/poses/CPose2D.h>
 #include <mrpt/slam/CMetricMapBuilder.h>
 
-#include "libslam/mapping/method_config.h"
+#include "libslam/core/pose2.h"
+#include "libslam/mapping/mapping_options.h"
 #include "libslam/mapping/mrpt_compat.h"
 
 namespace slam::mapping {
@@ -33,7 +34,6 @@ class NaiveMapBuilder : public mrpt::slam::CMetricMapBuilder {
   compat::BuiltMap getCurrentlyBuiltMetricMap() const override;
   /// Writes a picture of the grid; the format follows the suffix.
   void saveCurrentEstimationToImage(RASTERSLAM_MRPT_SAVE_IMAGE_ARGUMENTS) override;
-  bool drawsDots() const { return options_.draw == "dots"; }
 
  private:
   bool isDrawnAfter(const core::Pose2& increment) const;

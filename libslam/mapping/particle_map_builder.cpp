@@ -33,11 +33,10 @@ gridmap::GridOptions publishedGrid(const MappingOptions& mapping) {
   return grid;
 }
 
-ParticleFilterOptions filterOptions(const MethodConfig& config) {
-  ParticleFilterOptions options = config.particle_filter;
-  options.insert_distance_m = config.mapping.insert_distance_m;
-  options.insert_angle_rad = config.mapping.insert_angle_rad;
-  options.rays = {config.mapping.max_insert_range_m, config.mapping.no_return_is_free};
+ParticleFilterOptions filterOptions(ParticleFilterOptions options, const MappingOptions& mapping) {
+  options.insert_distance_m = mapping.insert_distance_m;
+  options.insert_angle_rad = mapping.insert_angle_rad;
+  options.rays = {mapping.max_insert_range_m, mapping.no_return_is_free};
   return options;
 }
 
@@ -77,11 +76,11 @@ void publish(const gridmap::OccupancyRaster& raster, COccupancyGridMap2D& grid) 
 
 }  // namespace
 
-ParticleMapBuilder::ParticleMapBuilder(const MethodConfig& config, std::uint64_t seed)
-    : config_(config),
-      filter_options_(filterOptions(config)),
+ParticleMapBuilder::ParticleMapBuilder(const ParticleFilterOptions& filter, const MappingOptions& mapping,
+                                       std::uint64_t seed)
+    : filter_options_(filterOptions(filter, mapping)),
       seed_(seed),
-      start_map_(publishedGrid(config.mapping)),
+      start_map_(publishedGrid(mapping)),
       drawn_(start_map_) {
   initialize();
 }

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "libslam/mapping/method_config.h"
+#include "libslam/mapping/mapping_options.h"
 #include "libslam/mapping/mrpt_compat.h"
 #include "libslam/mapping/particle_filter.h"
 
@@ -27,7 +27,7 @@ namespace slam::mapping {
 /// that is drawn of them, in which the robot stands at x0.
 class ParticleMapBuilder : public mrpt::slam::CMetricMapBuilder {
  public:
-  ParticleMapBuilder(const MethodConfig& config, std::uint64_t seed);
+  ParticleMapBuilder(const ParticleFilterOptions& filter, const MappingOptions& mapping, std::uint64_t seed);
 
   void initialize(const mrpt::maps::CSimpleMap& initialMap = mrpt::maps::CSimpleMap(),
                   const mrpt::poses::CPosePDF* x0 = nullptr) override;
@@ -50,7 +50,6 @@ class ParticleMapBuilder : public mrpt::slam::CMetricMapBuilder {
   };
   void drawMap() const;
 
-  MethodConfig config_;
   ParticleFilterOptions filter_options_;
   std::uint64_t seed_;
   std::unique_ptr<ParticleFilter> filter_;

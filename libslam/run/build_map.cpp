@@ -95,7 +95,7 @@ std::string timingText(const std::vector<double>& milliseconds, const std::vecto
 /// Another program's path: what our own drawing of its map then follows.
 ExternalRun runExternal(const core::IniFile& config, const std::string& name, const std::string& log_path,
                         std::uint64_t seed, const std::string& work_folder, core::Progress& progress) {
-  auto run = runExternalMethod(readExternalMethod(config, name), log_path, seed, work_folder, progress);
+  auto run = runExternalMethod(readExternalMethod(config), log_path, seed, work_folder, progress);
   if (run.violations.empty()) return run;
   const std::string more = run.violations.size() == 1 ? ""
                                                       : " (and " + std::to_string(run.violations.size() - 1) +
@@ -161,7 +161,7 @@ void beginInMap(mapping::MapBuilder& method, const Continuation& continuation, c
   const std::string key_frames = keyFramesOf(continuation, log_path, output);
   const std::string& map = isGridMap(continuation.folder) ? continuation.folder : key_frames;
   std::optional<core::Pose2> T_map_robot = continuation.T_map_robot;
-  const bool anywhere = continuation.localise_only && method.type == "graph";
+  const bool anywhere = continuation.localise_only && mapping::methodType(method.type).finds_itself;
   const bool is_run = map == continuation.folder + "/map.simplemap";
   if (!T_map_robot && !anywhere && is_run) T_map_robot = endOfRun(continuation.folder);
   mapping::continueMap(method, key_frames, T_map_robot, continuation.localise_only);
@@ -311,7 +311,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
     if (!continuation.folder.empty())
       throw core::InputError("method " + method_name +
                              " is an external program, which cannot go on in a map");
-    builder_config = readExternalMethod(method_config, method_name).drawing;
+    builder_config = readExternalMethod(method_config).drawing;
     external = runExternal(method_config, method_name, log_path, seed, output.path() + "/work", progress);
   }
   const MemoryMeter memory;
@@ -384,7 +384,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   if (external)
     for (const auto& [path, hash] : programFiles(method_config)) manifest.inputs[path] = hash;
   manifest.inputs[log_path] = core::fileSha256(log_path);
-  for (const auto& line : methodParameters(method_config, method_name, seed))
+  for (const auto& line : methodParameters(method_config))
     manifest.config[line.section + "." + line.info.key] = line.value;
   for (const auto& [file, note] : fileNotes())
     if (std::filesystem::exists(output.path() + "/" + file)) manifest.files[file] = note;

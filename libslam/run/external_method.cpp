@@ -321,7 +321,7 @@ bool isExternal(const core::IniFile& config) {
   return type != nullptr && type->value == "external";
 }
 
-ExternalMethod readExternalMethod(const core::IniFile& config, const std::string& name) {
+ExternalMethod readExternalMethod(const core::IniFile& config) {
   ExternalMethod method;
   core::rejectUnknownSections(config, {"method", "mapping"});
   core::readParameters(config, ExternalOptions::table(), method.options, &method.parameters);
@@ -338,7 +338,7 @@ ExternalMethod readExternalMethod(const core::IniFile& config, const std::string
   for (const auto& [section, keys] : config.sections())
     for (const auto& [key, entry] : keys)
       if (section == "mapping") method.drawing.set(section, key, entry.value, entry.origin);
-  for (const auto& line : mapping::makeMapBuilder(method.drawing, name, 1).parameters)
+  for (const auto& line : mapping::readMethodConfig(method.drawing).report)
     if (line.section == "mapping") method.parameters.push_back(line);
   return method;
 }
@@ -360,10 +360,9 @@ std::map<std::string, std::string> programFiles(const core::IniFile& config) {
   return command == nullptr ? std::map<std::string, std::string>() : process::filesOfCommand(command->value);
 }
 
-std::vector<core::ParameterReport> methodParameters(const core::IniFile& config, const std::string& name,
-                                                    std::uint64_t seed) {
-  if (isExternal(config)) return readExternalMethod(config, name).parameters;
-  return mapping::makeMapBuilder(config, name, seed).parameters;
+std::vector<core::ParameterReport> methodParameters(const core::IniFile& config) {
+  if (isExternal(config)) return readExternalMethod(config).parameters;
+  return mapping::readMethodConfig(config).report;
 }
 
 CheckedPath checkPath(const std::string& text, const std::string& name, const std::vector<ScanPlace>& scans) {

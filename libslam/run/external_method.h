@@ -52,7 +52,7 @@ struct ExternalMethod {
 
 bool isExternal(const core::IniFile& config);
 /// Errors: InputError for a misspelt, impossible or missing key, an unknown placeholder. REQUIRES isExternal().
-ExternalMethod readExternalMethod(const core::IniFile& config, const std::string& name);
+ExternalMethod readExternalMethod(const core::IniFile& config);
 
 /// The same configuration with the folder in place of {here} in its command, so that it means the same wherever it is kept.
 /// REQUIRES isExternal().
@@ -62,9 +62,8 @@ core::IniFile withFixedFolder(core::IniFile config);
 /// isExternal().
 std::map<std::string, std::string> programFiles(const core::IniFile& config);
 
-/// All parameters of a method of either kind, checked: makeMapBuilder()'s errors or readExternalMethod()'s.
-std::vector<core::ParameterReport> methodParameters(const core::IniFile& config, const std::string& name,
-                                                    std::uint64_t seed);
+/// All parameters of a method of either kind, checked: mapping::readMethodConfig()'s errors or readExternalMethod()'s.
+std::vector<core::ParameterReport> methodParameters(const core::IniFile& config);
 
 struct ExternalRun {
   std::vector<std::string> violations;  ///< of the contract, one line each

@@ -71,7 +71,7 @@ std::vector<Method> loadMethods(const CompareRequest& request) {
     method.folder = request.output + "/" + method.name;
     for (const auto& other : methods)
       if (other.name == method.name) throw core::InputError("method '" + method.name + "' is named twice");
-    run::methodParameters(method.config, method.name, request.seed);  // a bad key must not show after an hour
+    run::methodParameters(method.config);  // a bad key must not show after an hour
     methods.push_back(std::move(method));
   }
   if (methods.empty()) throw core::InputError("no method named, expected at least one");
@@ -96,7 +96,7 @@ bool isSameRun(const Method& method, const std::string& log_path, std::uint64_t 
   try {
     const auto manifest = core::readManifest(method.folder + "/manifest.json");
     if (manifest.results.count("status") > 0) return false;  // it ended before its log did
-    for (const auto& line : run::methodParameters(method.config, method.name, seed)) {
+    for (const auto& line : run::methodParameters(method.config)) {
       const auto it = manifest.config.find(line.section + "." + line.info.key);
       if (it == manifest.config.end() || it->second != line.value) return false;
     }

@@ -308,7 +308,7 @@ class SuiteReader {
     if (const Entries* entries = sectionOf("parameters", method.name))
       for (const auto& [key, entry] : *entries) grid = crossed(grid, key, entry);
     for (auto& choice : grid) {
-      run::methodParameters(choice.config, choice.name, 1);  // a bad key must not show after an hour
+      run::methodParameters(choice.config);  // a bad key must not show after an hour
       if (run::isExternal(choice.config)) {
         choice.config = run::withFixedFolder(choice.config);
         choice.programs = run::programFiles(choice.config);

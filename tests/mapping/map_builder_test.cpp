@@ -321,7 +321,7 @@ TEST(MapFiles, TheGridFileIsAStockGridWithTheSameCells) {
   const auto object = mrpt::serialization::archiveFrom(file).ReadObject();
   ASSERT_STREQ(object->GetRuntimeClass()->className, "mrpt::maps::COccupancyGridMap2D");
   const auto& grid = dynamic_cast<const mrpt::maps::COccupancyGridMap2D&>(*object);
-  const auto& maps = compat::asReference(method.builder->getCurrentlyBuiltMetricMap());
+  const auto& maps = compat::asReference(mrptBuilder(method).getCurrentlyBuiltMetricMap());
   EXPECT_EQ(grid.getRawMap(), maps.mapByClass<mrpt::maps::COccupancyGridMap2D>()->getRawMap());
 }
 
@@ -332,7 +332,7 @@ TEST(MapFiles, TheSimpleMapHoldsTheKeyFrames) {
   saveMaps(method, folder.path());
   mrpt::maps::CSimpleMap key_frames;
   ASSERT_TRUE(key_frames.loadFromFile(folder / "map.simplemap"));
-  EXPECT_EQ(key_frames.size(), method.builder->getCurrentlyBuiltMapSize());
+  EXPECT_EQ(key_frames.size(), mrptBuilder(method).getCurrentlyBuiltMapSize());
   EXPECT_GE(key_frames.size(), 2U);
 }
 

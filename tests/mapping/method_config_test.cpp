@@ -16,7 +16,7 @@ const std::string kMethods = std::string(RASTERSLAM_SOURCE_DIR) + "/configs/meth
 
 std::string inputError(const std::string& text) {
   try {
-    makeMapBuilder(core::IniFile::parse(text, "m.ini"), "m", 1);
+    readMethodConfig(core::IniFile::parse(text, "m.ini"));
   } catch (const core::InputError& error) {
     return error.what();
   }
@@ -30,7 +30,7 @@ TEST(MethodConfig, EveryShippedMethodIsMade) {
                                      "naive_flow", "naive_wheel", "particles", "rbpf", "rbpf_exact"));
   for (const auto& name : names) {
     const auto method = makeMapBuilder(loadMethodConfig(kMethods, name), name, 1);
-    EXPECT_TRUE(method.builder) << name;
+    EXPECT_TRUE(method.method) << name;
     EXPECT_EQ(method.name, name);
     EXPECT_EQ(method.type, name.substr(0, name.find('_')));
     EXPECT_FALSE(method.parameters.empty());
@@ -40,8 +40,7 @@ TEST(MethodConfig, EveryShippedMethodIsMade) {
 TEST(MethodConfig, TheExactFilterDiffersFromTheStockOneInItsGridAlone) {
   auto exact = loadMethodConfig(kMethods, "rbpf_exact");
   exact.set("mapping", "grid", "stock", "test");
-  EXPECT_EQ(mrptConfigText(readMethodConfig(exact), "rbpf"),
-            toMrptConfig(loadMethodConfig(kMethods, "rbpf"), "rbpf"));
+  EXPECT_EQ(toMrptConfig(exact, "rbpf"), toMrptConfig(loadMethodConfig(kMethods, "rbpf"), "rbpf"));
 }
 
 TEST(MethodConfig, TheCommittedMrptFilesAreWhatTheMethodsGenerate) {

@@ -38,7 +38,7 @@ TEST(ParticleMapBuilder, GivesTheCorrectedPathWithAPoseForEveryScan) {
 TEST(ParticleMapBuilder, EveryPoseComesWithItsCovariance) {
   auto method = makeMethod();
   const auto online = run(method, test::driveThroughRoom(20));
-  const auto [covariance, mean] = method.builder->getCurrentPoseEstimation()->getCovarianceAndMean();
+  const auto [covariance, mean] = mrptBuilder(method).getCurrentPoseEstimation()->getCovarianceAndMean();
   for (const int i : {0, 1, 3}) {
     EXPECT_GT(covariance(i, i), 1e-8);
     EXPECT_LT(covariance(i, i), 1e-2);
@@ -57,9 +57,9 @@ TEST(ParticleMapBuilder, PublishesWhatTheKeyFramesSaw) {
   for (const auto& pose : drive.truth) EXPECT_LT(map.at(map.columnOf(pose.x), map.rowOf(pose.y)), 0.4F);
   EXPECT_EQ(map.at(0, 0), 0.5F);
   mrpt::maps::CSimpleMap frames;
-  method.builder->getCurrentlyBuiltMap(frames);
+  mrptBuilder(method).getCurrentlyBuiltMap(frames);
   EXPECT_GE(frames.size(), 5U);
-  EXPECT_EQ(frames.size(), method.builder->getCurrentlyBuiltMapSize());
+  EXPECT_EQ(frames.size(), mrptBuilder(method).getCurrentlyBuiltMapSize());
   // Asked again, and in between: the same.
   auto watched = makeMethod();
   for (const auto& entry : drive.entries) {
@@ -74,19 +74,19 @@ TEST(ParticleMapBuilder, ContinuesFromASavedMapAndLocalisesInIt) {
   const auto drive = test::driveThroughRoom();
   run(first, drive);
   mrpt::maps::CSimpleMap saved;
-  first.builder->getCurrentlyBuiltMap(saved);
+  mrptBuilder(first).getCurrentlyBuiltMap(saved);
 
   auto second = makeMethod();
   const auto& truth = drive.truth[30];
   const mrpt::poses::CPosePDFGaussian start(
       mrpt::poses::CPose2D(robot::toMrpt(core::Pose2{truth.x + 0.1, truth.y - 0.05, truth.phi + 0.05})));
-  second.builder->initialize(saved, &start);
-  second.builder->options.enableMapUpdating = false;
+  mrptBuilder(second).initialize(saved, &start);
+  mrptBuilder(second).options.enableMapUpdating = false;
   for (size_t i = 30; i < 50; ++i) {
     const auto pose = processScan(second, drive.entries[i].scan, drive.entries[i].T_previous_robot, true);
     EXPECT_LT(core::distance(pose, drive.truth[i]), 0.06) << i;
   }
-  EXPECT_EQ(second.builder->getCurrentlyBuiltMapSize(), saved.size());
+  EXPECT_EQ(mrptBuilder(second).getCurrentlyBuiltMapSize(), saved.size());
 }
 
 TEST(ParticleMapBuilder, ItsJournalIsTheFilters) {
@@ -118,11 +118,11 @@ TEST(ParticleMapBuilder, KeepsTheMotionOfFramesWithoutAScan) {
     actions.insert(action);
     mrpt::obs::CSensoryFrame frame;
     if (scan) frame.insert(robot::toMrpt(*scan));
-    split.builder->processActionObservation(actions, frame);
+    mrptBuilder(split).processActionObservation(actions, frame);
   };
   feed(drive.entries[1].T_previous_robot, nullptr);
   feed(drive.entries[2].T_previous_robot, &drive.entries[2].scan);
-  const auto pose = split.builder->getCurrentPoseEstimation()->getMeanVal();
+  const auto pose = mrptBuilder(split).getCurrentPoseEstimation()->getMeanVal();
   EXPECT_LT(core::distance({pose.x(), pose.y(), 0}, drive.truth[2]), 0.03);
 }
 

@@ -107,7 +107,7 @@ TEST_F(TwoHalves, MethodsThatCannotSaySo) {
     EXPECT_THAT(errorOf([&] {
                   build(method, "second", {*folder_ / "first", false, {}}, "x");
                 }),
-                HasSubstr("cannot go on in a map, expected type graph, particles or icp"));
+                HasSubstr("cannot go on in a map, expected type icp, particles or graph"));
   EXPECT_THAT(errorOf([&] {
                 build("graph", "second", {*folder_ / "nowhere", false, {}}, "x");
               }),

@@ -142,12 +142,12 @@ class External : public ::testing::Test {
     return path;
   }
   ExternalRun run(const std::string& command, const std::string& more = "") {
-    const auto external = readExternalMethod(core::IniFile::load(method(command, more)), "mine");
+    const auto external = readExternalMethod(core::IniFile::load(method(command, more)));
     return runExternalMethod(external, log(), 7, here_ / "work", core::silentProgress());
   }
   std::string errorOfConfig(const std::string& command, const std::string& more = "") {
     const auto path = method(command, more);
-    return errorOf([&] { readExternalMethod(core::IniFile::load(path), "mine"); });
+    return errorOf([&] { readExternalMethod(core::IniFile::load(path)); });
   }
 
   testing::TempFolder here_;
@@ -245,8 +245,8 @@ TEST_F(External, SeesNoTruthAndWorksInAnEmptyFolder) {
     const auto ini = method(
         "find {workdir} {workdir}/.. -type f && test -z \"$(ls)\" && ! grep -q TRUE {log} && " + kWheels,
         "log = " + form + "\n");
-    const auto result = runExternalMethod(readExternalMethod(core::IniFile::load(ini), "mine"),
-                                          here_ / "robot.clf", 1, here_ / "work", core::silentProgress());
+    const auto result = runExternalMethod(readExternalMethod(core::IniFile::load(ini)), here_ / "robot.clf",
+                                          1, here_ / "work", core::silentProgress());
     EXPECT_THAT(result.violations, IsEmpty()) << result.printed;
     EXPECT_THAT(result.printed, HasSubstr(form == "carmen" ? "log.clf" : "log.rawlog"));
     // The log and the scans.
@@ -311,7 +311,7 @@ TEST_F(External, AMisspeltConfigurationIsOneClearLine) {
   EXPECT_THAT(errorOfConfig(kWheels, "log = bag\n"), HasSubstr("key 'log': found 'bag'"));
   EXPECT_THAT(errorOfConfig(kWheels, "[graph]\n a = 1\n"), HasSubstr("graph"));
   core::writeFileAtomically(here_ / "none.ini", "[method]\ntype = external\n");
-  EXPECT_THAT(errorOf([&] { readExternalMethod(core::IniFile::load(here_ / "none.ini"), "none"); }),
+  EXPECT_THAT(errorOf([&] { readExternalMethod(core::IniFile::load(here_ / "none.ini")); }),
               HasSubstr("none.ini:2: section [method]: key 'command' is missing"));
 }
 
@@ -320,7 +320,7 @@ TEST_F(External, EveryShippedOneIsSound) {
   const auto names = core::namesInFolder(folder, ".ini");
   EXPECT_GE(names.size(), 3U);
   for (const auto& name : names)
-    EXPECT_EQ(readExternalMethod(core::IniFile::load(folder + "/" + name + ".ini"), name).folder, folder);
+    EXPECT_EQ(readExternalMethod(core::IniFile::load(folder + "/" + name + ".ini")).folder, folder);
 }
 
 /// MRPT's programs as they are shipped, by name; skipped where they are not installed.

@@ -1,0 +1,56 @@
+#include "libslam/mapping/naive_method.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/mapping/mrpt_method.h"
+#include "libslam/mapping/naive_map_builder.h"
+
+namespace slam::mapping {
+namespace {
+
+class NaiveMethod : public MrptMethod {
+ public:
+  NaiveMethod(const MappingOptions& mapping, std::uint64_t seed)
+      : MrptMethod(std::make_unique<NaiveMapBuilder>(mapping), mapping, MotionOptions(), seed),
+        draws_dots_(mapping.draw == "dots") {}
+
+  /// Dead reckoning, and no word on how wrong it is.
+  std::optional<Eigen::Matrix3d> poseCovariance() const override { return std::nullopt; }
+
+  gridmap::OccupancyRaster map() const override {
+    auto map = MrptMethod::map();
+    // A dot is certain, which log-odds cannot say.
+    if (draws_dots_)
+      for (float& cell : map.occupancy)
+        if (cell != 0.5F) cell = 1.0F;
+    return map;
+  }
+
+ protected:
+  double reach(const robot::Scan& scan) const override {
+    if (!draws_dots_) return MrptMethod::reach(scan);
+    return farthestReturn(scan) + std::hypot(scan.T_robot_lidar.x, scan.T_robot_lidar.y);
+  }
+
+ private:
+  bool draws_dots_;
+};
+
+}  // namespace
+
+MethodType naiveMethod() {
+  MethodType type;
+  type.name = "naive";
+  type.what = "every return is drawn where dead reckoning has the robot";
+  type.read = [](const core::IniFile& ini, std::vector<core::ParameterReport>& report) -> MethodMaker {
+    MappingOptions mapping;
+    core::readParameters(ini, mappingTable({gridRows(), keyFrameRows(), drawingRows()}), mapping, &report);
+    return [mapping](const std::string& /*name*/, std::uint64_t seed) {
+      return std::make_unique<NaiveMethod>(mapping, seed);
+    };
+  };
+  return type;
+}
+
+}  // namespace slam::mapping
