@@ -17,6 +17,8 @@ constexpr double kLeastPeriod_s = 1e-3, kMostPeriod_s = 2;
 constexpr double kPeriodGain = 0.05;
 /// The last motion goes on, to within what a robot may do otherwise per second, where nothing measures it.
 constexpr double kUnknown_mps = 2.5, kUnknown_radps = 2.5, kUnknownMost = 1;
+/// No faster are two scans searched for the motion between them.
+constexpr double kFastest_mps = 3, kFastest_radps = 4, kFarthest_m = 4;
 
 /// A motion at the same speed and turn rate, for `times` the time.
 Pose2 goneOn(const Pose2& T, double times) {
@@ -83,7 +85,10 @@ GraphSlam::Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has
 /// open.
 std::optional<Pose2> GraphSlam::motionFromScans(const robot::Scan& scan) const {
   if (before() == nullptr) return std::nullopt;
-  const auto odometry = odometry::makeScanOdometry(odometry::ScanOdometryOptions());
+  odometry::ScanOdometryOptions options;
+  options.max_turn_rad = std::clamp(kFastest_radps * period_s_, options.max_turn_rad, core::kPi);
+  options.max_move_m = std::clamp(kFastest_mps * period_s_, options.max_move_m, kFarthest_m);
+  const auto odometry = odometry::makeScanOdometry(options);
   odometry->update(before()->scan);
   const auto motion = odometry->update(scan);
   if (!motion.reliable) return std::nullopt;

@@ -174,6 +174,24 @@ TEST(GraphMechanisms, BackwardsMotionCountedForwardsIsFoundWithItsTurns) {
   }
 }
 
+// Without odometry, two scans a second, up to 90 degrees and half a metre apart: how far two scans are searched for the motion
+// between them goes by the time between them.
+TEST(GraphMechanisms, FastTurnsAreFoundWithoutOdometryHoweverFarApartScansAre) {
+  std::vector<core::Pose2> path;
+  core::Pose2 T{7, 5, 0};
+  for (int i = 0; i < 24; ++i) {
+    path.push_back(T);
+    T = T * core::Pose2{i % 3 == 0 ? 0.5 : 0.0, 0, i % 3 == 0 ? 0.0 : (i % 2 == 0 ? 1.5 : -1.2)};
+  }
+  Lidar full;
+  full.fov_rad = 2 * core::kPi * 359 / 360, full.beams = 360;
+  auto log = drive(yard(), path, full, 0);
+  for (size_t i = 0; i < log.scans.size(); ++i) log.scans[i].time_s = 1000 + 0.5 * static_cast<double>(i);
+  GraphSlam graph{GraphOptions()};
+  for (const auto& scan : log.scans) graph.process(scan, {}, false);
+  EXPECT_LT(worstError(graph.poses(), log.truth), 0.05);
+}
+
 /// A robot that turns on the spot by so much a scan; some of its scans, the last but four, show what it would see turned
 /// otherwise: somebody turned a door or a table, or it tilts. Its wheels are right. The error of its last scan.
 double errorBehindStrayScans(double turn_rad, double stray_rad, int stray) {
