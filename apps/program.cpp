@@ -97,6 +97,17 @@ std::string usageError(const CLI::App& app, const std::vector<std::string>& comm
   return line(otherwise);
 }
 
+/// Whether words name a command, and a command of that, as far as there are words.
+bool isCommand(const CLI::App& app, const std::vector<std::string>& words) {
+  const CLI::App* command = &app;
+  for (const auto& word : words) {
+    const auto known = subcommandNames(*command);
+    if (std::find(known.begin(), known.end(), word) == known.end()) return false;
+    command = command->get_subcommand(word);
+  }
+  return true;
+}
+
 /// `help COMMAND` is `COMMAND --help`.
 std::vector<std::string> withoutHelpWord(std::vector<std::string> command_line) {
   if (command_line.size() < 2 || command_line[1] != "help") return command_line;
@@ -154,6 +165,10 @@ int doCommand(CLI::App& app, Context& context, const std::vector<std::string>& c
 
 int runProgram(CLI::App& app, Context& context) {
   const auto command_line = withoutHelpWord(context.command_line);
+  const bool asks_help = command_line != context.command_line;
+  if (asks_help && !isCommand(app, {command_line.begin() + 1, command_line.end() - 1}))
+    return report(context, core::oneLine(usageError(app, command_line, "help: expected a command")),
+                  ExitCode::kUsage);
   std::vector<const char*> argv;
   for (const auto& word : command_line) argv.push_back(word.c_str());
   catchInterrupts();

@@ -207,7 +207,6 @@ class GraphSlam {
     std::vector<Cursor> placed;         ///< points of the trail that fit
     Box fits, followed;                 ///< where the trail fits, and where nothing contradicts it
     int proved = 0;                     ///< places, times kHeadings, that were shown not to be as good
-    int proof_from = 0;                 ///< points that have to fit before the proof goes on
     int old_keyframe = 0;               ///< nearest at `forth`
     int places_left = 0;                ///< of the whole map, not looked at yet since it was found
     double score = 0;
@@ -400,7 +399,8 @@ class GraphSlam {
   void joinRemainingParts();
   const Join* workOnJoins(int component);
   void lookAtNextPlace(int component);
-  void addJoin(int place, const core::Pose2& T_map_robot);
+  Join joinAt(int place, const core::Pose2& T_map_robot) const;
+  bool addJoin(Join join);
   bool isKnown(const Join& join) const;
   bool isPlausible(const Join& join) const;
   void holdAgainst(Join& join, Cursor& cursor, int next);

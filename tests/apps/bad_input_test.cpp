@@ -247,6 +247,17 @@ TEST(Help, StandsBeforeACommandToo) {
   EXPECT_THAT(before.out, HasSubstr("Usage:"));
 }
 
+TEST(Help, OfWhatIsNoCommandNamesTheNearest) {
+  const auto command = rasterslam("help simulte"), part = rasterslam("help plot erors"),
+             more = rasterslam("help info twice");
+  for (const auto* refused : {&command, &part, &more}) {
+    EXPECT_EQ(refused->exit_code, 2);
+    EXPECT_EQ(refused->out, "");
+  }
+  EXPECT_THAT(command.err, HasSubstr("did you mean 'simulate'?"));
+  EXPECT_THAT(part.err, HasSubstr("did you mean 'errors'?"));
+}
+
 TEST(BadInput, ALogWithoutOdometryIsMappedFromScansAndSaysSo) {
   const testing::TempFolder folder;
   writeLog(folder / "bare.rawlog", 20, false);
