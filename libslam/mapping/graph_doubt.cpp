@@ -67,7 +67,7 @@ GraphSlam::Break GraphSlam::breakBefore(const robot::Scan& scan, const std::vect
 }
 
 /// Of what speaks of a scan's place, the share that speaks against it, when the map explains so much of the scan.
-double GraphSlam::Told::against(double explained) const {
+double graph::Told::against(double explained) const {
   const double against = contradicted * telling;
   return against + explained > 0 ? against / (against + explained) : 0;
 }

@@ -9,8 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/mapping/graph_options.h"
+#include "libslam/mapping/graph_types.h"
 #include "libslam/mapping/information.h"
 #include "libslam/mapping/journal.h"
 #include "libslam/mapping/lost_detector.h"
@@ -20,27 +21,6 @@
 #include "libslam/scanmatch/surfel_matcher.h"
 
 namespace slam::mapping {
-
-/// Section [graph].
-struct GraphOptions {
-  double point_spacing_m, max_range_m;
-  double cell_m, blur_m;
-  double odometry_xy_m, odometry_xy_per_m, odometry_turn_rad, odometry_turn_per_rad, odometry_kernel;
-  double distrust_gain, recover_score, lost_score;
-  double keyframe_distance_m, keyframe_angle_rad, keyframe_score;
-  int map_keyframes;
-  double map_radius_m, map_path_m;
-  int edges_per_keyframe;
-  double link_conflict, link_agreed;
-  bool loops;
-  double loop_every_m, loop_reach_m, loop_reach_per_m, loop_reach_most_m;
-  double loop_path_m, loop_search_score, loop_score, loop_confirm_score, loop_conflict;
-  int loop_confirmations;
-  double loop_confirm_m, loop_distinctness, loop_chi2_per_m;
-  int refine_rounds;
-  GraphOptions();
-  static const core::ParameterTable<GraphOptions>& table();
-};
 
 /// Graph SLAM with a planar lidar: every scan is matched to the keyframes around it, keyframes are tied to those that
 /// they share a view with, and places that are seen again are recognised. Map frame: the robot's pose at the first scan.
@@ -131,127 +111,28 @@ class GraphSlam {
   void startAnywhere();
 
  private:
-  struct Keyframe {
-    int scan;  ///< counted from 0
-    robot::Scan seen;
-    std::vector<scanmatch::PatchPoint> points;  ///< robot frame
-    double path_m;                              ///< driven since the start
-    int odometry_edge;                          ///< to the keyframe before
-    Eigen::Matrix3d covariance;                 ///< of its pose in the map
-    bool unsure = false;                        ///< no scan is matched to it: see followWheels()
-  };
-  struct Record {
-    int keyframe;
-    core::Pose2 T_keyframe_robot;
-    Eigen::Matrix3d match_covariance;  ///< map frame, as it was
-  };
-  struct Link {
-    int to;
-    double length_m;
-  };
-  /// Surfels of the same points with cells of one, two and four times cell_m. `two_sided`: the finest keep the faces of thin walls
-  /// apart; for a robot that is tracked, not for one whose place is looked for.
-  struct LevelMaps {
-    scanmatch::SurfelMap fine, middle, coarse;
-    LevelMaps(const GraphOptions& options, bool two_sided);
-  };
-  /// A step as odometry has it, or else the motion before, and standard deviations.
-  struct Prediction {
-    core::Pose2 T_previous_robot;
-    double sigma_xy_m, sigma_turn_rad;
-  };
-  /// A place that may have been recognised, while it is followed.
-  struct Hypothesis {
-    int keyframe;             ///< that it has come to
-    int old_keyframe;         ///< nearest of the old ones there
-    core::Pose2 T_map_robot;  ///< of `keyframe`, as the old ones have it
-    double begun_m;
-    int confirmations = 0, failures = 0;
-    double evidence = 0;  ///< sum of distinctness()
-    std::vector<posegraph::Edge> edges;
-  };
-  /// Keyframes from `begin` to the next part's; parts of one component have known places in one another.
-  struct Part {
-    int begin, component;
-  };
-  /// What a part of the map, or a robot that is lost in a finished map, has seen in a row: poses among themselves.
-  struct TrailPoint {
-    core::Pose2 T_trail_robot;
-    std::vector<scanmatch::PatchPoint> points;
-  };
-  /// Where a trail is on its way through another map.
-  struct Cursor {
-    int at;  ///< in the trail
-    core::Pose2 T_map_robot;
-  };
-  struct Box {
-    core::Point2 least, most;  ///< map frame
-    void add(const core::Point2& p) {
-      least = {std::min(least.x, p.x), std::min(least.y, p.y)};
-      most = {std::max(most.x, p.x), std::max(most.y, p.y)};
-    }
-    double diagonal_m() const { return core::distance(least, most); }
-  };
-  /// What a point of a trail says for a place, in nats, and the share of its scan about which the map says nothing there.
-  struct Said {
-    double nats, unknown;
-  };
-  /// A place of a trail in another part of the map, while the rest of the trail is held against it, to both sides.
-  struct Join {
-    int place;  ///< keyframe where it was found
-    Cursor forth, back;
-    int back_to;  ///< the trail is not asked farther back
-    int asked = 0, told = 0, fitting = 0, failures = 0;
-    double evidence = 0, distinct = 0;  ///< nats; sum of distinctness()
-    std::map<int, Said> says;           ///< of every point of the trail that was asked
-    std::vector<Cursor> placed;         ///< points of the trail that fit
-    Box fits, followed;                 ///< where the trail fits, and where nothing contradicts it
-    int proved = 0;                     ///< places, times kHeadings, that were shown not to be as good
-    int old_keyframe = 0;               ///< nearest at `forth`
-    int places_left = 0;                ///< of the whole map, not looked at yet since it was found
-    double score = 0;
-    std::vector<posegraph::Edge> edges;
-  };
-  /// A place that a trail was followed through until it failed, and the extent over which it fitted.
-  struct Refuted {
-    core::Pose2 T_map_trail;
-    double fits_m;
-  };
-  /// What a keyframe's beams say of a point: one ended there; they went on behind it; or neither.
-  enum class Sight { kAgreed, kPassed, kUnseen };
-  /// The same of another keyframe's points.
-  struct View {
-    int agreed = 0, passed = 0;  ///< seen too; beams went on behind the point
-    double conflict() const;
-  };
-
-  /// The last scan of a lidar, and how the robot has moved from there to the scan before the one at hand.
-  struct Seen {
-    robot::Scan scan;
-    core::Pose2 T_seen_robot;
-  };
-  /// How a scan joins the last one of its lidar.
-  struct Break {
-    core::Pose2 T_previous_robot;
-    double contradicted;  ///< see brokenBy(); NaN: there is nothing to compare
-  };
-  /// Since scans speak for kidnapping.
-  struct Doubt {
-    int begins = -1;  ///< first keyframe of the map that is made meanwhile; before there is one: -1
-    double held_s = 0, held_m = 0, untold_m = 0;
-    /// Where the robot is if all is well, and the map from before.
-    core::Pose2 T_map_robot;
-    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-    std::shared_ptr<const LevelMaps> maps;
-  };
-  /// kOwnMap: a map of its own begins; kBack: it ends well.
-  enum class Trust { kWell, kHeldBack, kOwnMap, kBack };
-  /// What keyframes say of a scan: the share of its points about which they say anything, and of these, those in whose place
-  /// there was nothing.
-  struct Told {
-    double contradicted = 0, telling = 0;
-    double against(double explained) const;
-  };
+  using Keyframe = graph::Keyframe;
+  using Record = graph::Record;
+  using Link = graph::Link;
+  using LevelMaps = graph::LevelMaps;
+  using Prediction = graph::Prediction;
+  using Expected = graph::Expected;
+  using Start = graph::Start;
+  using Hypothesis = graph::Hypothesis;
+  using Part = graph::Part;
+  using TrailPoint = graph::TrailPoint;
+  using Cursor = graph::Cursor;
+  using Box = graph::Box;
+  using Said = graph::Said;
+  using Join = graph::Join;
+  using Refuted = graph::Refuted;
+  using Sight = graph::Sight;
+  using View = graph::View;
+  using Seen = graph::Seen;
+  using Break = graph::Break;
+  using Doubt = graph::Doubt;
+  using Trust = graph::Trust;
+  using Told = graph::Told;
 
   /// In standard deviations of a surfel: farther points hardly count.
   static constexpr double kKernel = 3;
@@ -295,6 +176,18 @@ class GraphSlam {
   static scanmatch::MatchOptions matchOptions(int max_iterations);
   Step track(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry,
              std::vector<scanmatch::PatchPoint>& points, Eigen::Matrix3d& information);
+  Expected expect(const core::Pose2& T_previous_robot, bool has_odometry) const;
+  Start bestStart(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
+                  const Expected& expected) const;
+  double unlikely(const core::Pose2& T_map_robot, const Expected& expected) const;
+  double brokenAt(const core::Pose2& T_map_robot, const std::vector<scanmatch::PatchPoint>& points,
+                  const Expected& expected) const;
+  bool isBetter(const scanmatch::MatchResult& other, const scanmatch::MatchResult& than, double least_gain,
+                const std::vector<scanmatch::PatchPoint>& points, const Expected& expected) const;
+  bool isPoor(const scanmatch::MatchResult& result, const std::vector<scanmatch::PatchPoint>& points) const;
+  std::pair<scanmatch::MatchResult, bool> bestMatch(const robot::Scan& scan,
+                                                    const std::vector<scanmatch::PatchPoint>& points,
+                                                    const Expected& expected);
   std::vector<scanmatch::PatchPoint> pointsOf(const robot::Scan& scan) const;
   scanmatch::MatchResult match(const std::vector<scanmatch::PatchPoint>& points, const LevelMaps& maps,
                                const core::Pose2& T_start, const scanmatch::PosePrior& prior,

@@ -190,90 +190,120 @@ std::optional<MatchResult> GraphSlam::recover(const std::vector<PatchPoint>& poi
   return match(points, maps_, best, weak, 0, false);
 }
 
-/// Matches a scan to the map around. Fills in its points and the information that they give, map axes.
-GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previous_robot, bool has_odometry,
-                                 std::vector<PatchPoint>& points, Eigen::Matrix3d& information) {
-  points = pointsOf(scan);
-  const Pose2 T_before = currentPose();
-  const auto [increment, sigma_xy, sigma_turn] = predict(T_previous_robot, has_odometry);
-  const Pose2 predicted = T_before * increment;
-
-  Pose2 start = predicted;
-  const double own = surfelScore(points, maps_.coarse, predicted, kKernel, kStride);
-  double best = own + kStartGain;
-  const auto consider = [&](const Pose2& candidate) {
-    const double score = surfelScore(points, maps_.coarse, candidate, kKernel, kStride);
-    if (score > best) best = score, start = candidate;
-  };
-  consider(T_before * T_previous_robot_);
+/// What is known of a scan's pose before it is matched.
+GraphSlam::Expected GraphSlam::expect(const Pose2& T_previous_robot, bool has_odometry) const {
+  Expected e;
+  e.step = predict(T_previous_robot, has_odometry);
+  e.has_odometry = has_odometry;
+  const Pose2& increment = e.step.T_previous_robot;
+  e.T_before = currentPose();
+  e.predicted = e.T_before * increment;
   // Some robots count backwards motion forwards, and turns as they are.
-  const Pose2 backwards = T_before * Pose2{-increment.x, -increment.y, increment.phi};
-  consider(backwards);
-  const Pose2 T_wheels = by_wheels_.value_or(T_before) * increment;
-  if (by_wheels_) consider(T_wheels);
-  for (const double turn : kStartTurns_rad) consider({predicted.x, predicted.y, predicted.phi + turn});
-  if (!has_odometry || best > own + options_.distrust_gain)
-    if (const auto motion = motionFromScans(scan)) consider(T_before * *motion);
+  e.backwards = e.T_before * Pose2{-increment.x, -increment.y, increment.phi};
+  e.by_wheels = by_wheels_.value_or(e.T_before) * increment;
+  return e;
+}
 
+/// The start that explains most of a scan, odometry's unless another is better by more than kStartGain.
+GraphSlam::Start GraphSlam::bestStart(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+                                      const Expected& e) const {
+  const double own = surfelScore(points, maps_.coarse, e.predicted, kKernel, kStride);
+  Start best{e.predicted, kStartGain};
+  const auto consider = [&](const Pose2& candidate) {
+    const double gain = surfelScore(points, maps_.coarse, candidate, kKernel, kStride) - own;
+    if (gain > best.gain) best = {candidate, gain};
+  };
+  consider(e.T_before * T_previous_robot_);
+  consider(e.backwards);
+  if (by_wheels_) consider(e.by_wheels);
+  for (const double turn : kStartTurns_rad) consider({e.predicted.x, e.predicted.y, e.predicted.phi + turn});
+  if (!e.has_odometry || best.gain > options_.distrust_gain)
+    if (const auto motion = motionFromScans(scan)) consider(e.T_before * *motion);
+  return best;
+}
+
+/// What odometry holds against a pose, in nats.
+double GraphSlam::unlikely(const Pose2& T, const Expected& e) const {
+  const auto by = [&](const Pose2& T_odometry) {
+    return heldAgainst(T, T_odometry, e.step.sigma_xy_m, e.step.sigma_turn_rad);
+  };
+  const double held = std::min(by(e.predicted), kBackwards + by(e.backwards));
+  return by_wheels_ ? std::min(held, by(e.by_wheels)) : held;
+}
+
+/// How far the scan before contradicts a pose: from where that was matched, or where wheels have it.
+double GraphSlam::brokenAt(const Pose2& T, const std::vector<PatchPoint>& points, const Expected& e) const {
+  const double matched = brokenBy(points, core::between(e.T_before, T));
+  return by_wheels_ ? std::min(matched, brokenBy(points, core::between(*by_wheels_, T))) : matched;
+}
+
+/// Whether scan, map and the scan before say more for a match than odometry says against it.
+bool GraphSlam::isBetter(const MatchResult& other, const MatchResult& than, double least_gain,
+                         const std::vector<PatchPoint>& points, const Expected& e) const {
+  const double against = unlikely(other.T_map_robot, e) - unlikely(than.T_map_robot, e);
+  const double least = std::max(least_gain, against / kNatsPerScan);
+  const double gained = gain(points, other.T_map_robot, than.T_map_robot);
+  const double less_broken = brokenAt(than.T_map_robot, points, e) - brokenAt(other.T_map_robot, points, e);
+  if (other.score >= options_.recover_score) return gained + std::max(less_broken, 0.0) > least;
+  // Wheels are worth more than an explanation of less than half.
+  if (e.has_odometry && toldScore(points, other.T_map_robot) < options_.lost_score) return false;
+  return gained + less_broken > least;
+}
+
+bool GraphSlam::isPoor(const MatchResult& result, const std::vector<PatchPoint>& points) const {
+  return result.score < options_.recover_score &&
+         toldScore(points, result.T_map_robot) < options_.recover_score;
+}
+
+/// The best match of a scan to the map around, and whether odometry was dropped for it.
+std::pair<MatchResult, bool> GraphSlam::bestMatch(const robot::Scan& scan,
+                                                  const std::vector<PatchPoint>& points, const Expected& e) {
+  const auto [T_step, sigma_xy, sigma_turn] = e.step;
+  const Start start = bestStart(scan, points, e);
   PosePrior prior;
-  prior.mean = predicted;
+  prior.mean = e.predicted;
   prior.information = poseInformation(sigma_xy, sigma_turn);
-  MatchResult result = match(points, maps_, predicted, prior, options_.odometry_kernel, true);
+  MatchResult result = match(points, maps_, e.predicted, prior, options_.odometry_kernel, true);
   bool distrusted = false;
-  const auto unlikely = [&](const Pose2& T) {
-    const auto by = [&](const Pose2& T_odometry) { return heldAgainst(T, T_odometry, sigma_xy, sigma_turn); };
-    const double held = std::min(by(predicted), kBackwards + by(backwards));
-    return by_wheels_ ? std::min(held, by(T_wheels)) : held;
-  };
-  // How far the scan before contradicts a pose: from where that was matched, or where wheels have it.
-  const auto broken = [&](const Pose2& T) {
-    const double matched = brokenBy(points, core::between(T_before, T));
-    return by_wheels_ ? std::min(matched, brokenBy(points, core::between(*by_wheels_, T))) : matched;
-  };
-  // A pose is better when scan, map and the scan before say more for it than odometry says against it.
-  const auto isBetter = [&](const MatchResult& other, double least_gain) {
-    const double against = unlikely(other.T_map_robot) - unlikely(result.T_map_robot);
-    const double least = std::max(least_gain, against / kNatsPerScan);
-    const double gained = gain(points, other.T_map_robot, result.T_map_robot);
-    const double less_broken = broken(result.T_map_robot) - broken(other.T_map_robot);
-    if (other.score >= options_.recover_score) return gained + std::max(less_broken, 0.0) > least;
-    // Wheels are worth more than an explanation of less than half.
-    if (has_odometry && toldScore(points, other.T_map_robot) < options_.lost_score) return false;
-    return gained + less_broken > least;
-  };
-  if (core::distance(result.T_map_robot, predicted) > kLetGo * sigma_xy) {
+  if (core::distance(result.T_map_robot, e.predicted) > kLetGo * sigma_xy) {
     // Odometry is let go for a better match only, not along a corridor that holds nothing.
-    const auto held = match(points, maps_, predicted, prior, 0, true);
+    const auto held = match(points, maps_, e.predicted, prior, 0, true);
     const MatchResult free = std::exchange(result, held);
-    if (isBetter(free, kStartGain)) result = free;
+    if (isBetter(free, result, kStartGain, points, e)) result = free;
   }
-  if (best > own + kStartGain) {
-    const bool contradicted = best > own + options_.distrust_gain;
+  if (start.gain > kStartGain) {
+    const bool contradicted = start.gain > options_.distrust_gain;
     PosePrior elsewhere = prior;
     if (contradicted) {
-      elsewhere.mean = start;
+      elsewhere.mean = start.T_map_robot;
       elsewhere.information = poseInformation(3 * sigma_xy + 0.1, 3 * sigma_turn + 0.05);
     }
-    const auto other = match(points, maps_, start, elsewhere, options_.odometry_kernel, true);
-    if (isBetter(other, kStartGain)) {
+    const auto other = match(points, maps_, start.T_map_robot, elsewhere, options_.odometry_kernel, true);
+    if (isBetter(other, result, kStartGain, points, e)) {
       result = other;
       distrusted = contradicted;
-      if (distrusted) note("distrusted", best - own);
+      if (distrusted) note("distrusted", start.gain);
     }
   }
-  const auto isPoor = [&] {
-    return result.score < options_.recover_score &&
-           toldScore(points, result.T_map_robot) < options_.recover_score;
-  };
-  if (isPoor()) {
-    const auto other = recover(points, predicted, result.T_map_robot);
-    if (other && isBetter(*other, kRecoverGain)) {
+  if (isPoor(result, points)) {
+    const auto other = recover(points, e.predicted, result.T_map_robot);
+    if (other && isBetter(*other, result, kRecoverGain, points, e)) {
       result = *other;
       distrusted = true;
       note("rematched", result.score);
     }
   }
-  const bool is_poor = isPoor();
+  return {result, distrusted};
+}
+
+/// Matches a scan to the map around. Fills in its points and the information that they give, map axes.
+GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previous_robot, bool has_odometry,
+                                 std::vector<PatchPoint>& points, Eigen::Matrix3d& information) {
+  points = pointsOf(scan);
+  const Expected e = expect(T_previous_robot, has_odometry);
+  const auto [result, distrusted] = bestMatch(scan, points, e);
+  const Pose2& T = result.T_map_robot;
+  const bool is_poor = isPoor(result, points);
   if (is_poor) note("poor", result.score);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> movement(result.information.topLeftCorner<2, 2>(),
                                                                 Eigen::EigenvaluesOnly);
@@ -283,21 +313,21 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   if (share < kDegenerate) note("degenerate", share);
 
   odometry_holds_ = odometry_holds_ && has_odometry && !distrusted;
-  const auto isFarFrom = [&](const Pose2& T) {
-    return core::distance(result.T_map_robot, T) > kLetGo * sigma_xy ||
-           std::abs(core::angleDifference(result.T_map_robot.phi, T.phi)) > kLetGo * sigma_turn;
+  const auto isFarFrom = [&](const Pose2& from) {
+    return core::distance(T, from) > kLetGo * e.step.sigma_xy_m ||
+           std::abs(core::angleDifference(T.phi, from.phi)) > kLetGo * e.step.sigma_turn_rad;
   };
-  followWheels(T_wheels, has_odometry && isFarFrom(predicted), isFarFrom(T_wheels), !is_poor);
+  followWheels(e.by_wheels, has_odometry && isFarFrom(e.predicted), isFarFrom(e.by_wheels), !is_poor);
   information = result.information;
-  T_previous_robot_ = core::between(T_before, result.T_map_robot);
-  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), result.T_map_robot);
-  T_odometry_ = T_odometry_ * increment;
+  T_previous_robot_ = core::between(e.T_before, T);
+  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T);
+  T_odometry_ = T_odometry_ * e.step.T_previous_robot;
   path_m_ += std::hypot(T_previous_robot_.x, T_previous_robot_.y);
   Step step;
-  step.T_map_robot = result.T_map_robot;
+  step.T_map_robot = T;
   step.score = result.score;
   step.match_covariance = kMatchCovarianceScale * covarianceOf(result.posterior_information);
-  step.pose_covariance = mapCovariance(core::position(step.T_map_robot)) + step.match_covariance;
+  step.pose_covariance = mapCovariance(core::position(T)) + step.match_covariance;
   return step;
 }
 

@@ -12,7 +12,7 @@ using scanmatch::PatchPoint;
 
 }  // namespace
 
-double GraphSlam::View::conflict() const {
+double graph::View::conflict() const {
   return agreed + passed == 0 ? 0 : static_cast<double>(passed) / (agreed + passed);
 }
 
