@@ -2,7 +2,6 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "apps/commands.h"
 #include "apps/console.h"
@@ -10,6 +9,7 @@
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
 #include "libslam/core/resources.h"
+#include "libslam/core/word_list.h"
 #include "libslam/explore/explore.h"
 
 namespace slam::apps {
@@ -23,18 +23,10 @@ struct Arguments {
   bool return_to_start = false, tables_only = false, oracle = false;
 };
 
-std::vector<std::string> splitAtCommas(const std::string& text) {
-  std::vector<std::string> parts;
-  std::istringstream in(text);
-  for (std::string part; std::getline(in, part, ',');)
-    if (!part.empty()) parts.push_back(part);
-  return parts;
-}
-
 /// One configuration per strategy; they are the same but for its name.
 std::vector<explore::ExploreConfig> configsOf(const Context& context, const Arguments& arguments) {
   SimulationFlags flags = arguments.flags;
-  auto names = splitAtCommas(flags.strategy);
+  auto names = core::namesIn(flags.strategy, ',');
   if (names.empty()) names.emplace_back();  // the configuration's own
   std::vector<explore::ExploreConfig> configs;
   for (const auto& name : names) {

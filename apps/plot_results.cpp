@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <filesystem>
-#include <sstream>
 
 #include "apps/console.h"
 #include "apps/plot.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/word_list.h"
 #include "libslam/pages/figures.h"
 #include "libslam/pages/report_data.h"
 #include "libslam/report/axis_title.h"
@@ -23,21 +23,13 @@ struct Arguments {
   std::shared_ptr<PaperArguments> how;
 };
 
-std::vector<std::string> namesIn(const std::string& list) {
-  std::vector<std::string> names;
-  std::istringstream in(list);
-  for (std::string name; std::getline(in, name, ',');)
-    if (!name.empty()) names.push_back(name);
-  return names;
-}
-
 /// What the HTML report knows of a folder, with the methods that were asked for. Errors: InputError for a method that is not
 /// in the folder.
 report::ReportPage pageOf(const Context& context, const Arguments& arguments) {
   const auto& folder = arguments.inputs.front();
   ConsoleProgress progress(context.quiet);
   auto page = pages::gatherReport(folder, progress);
-  const auto wanted = namesIn(arguments.methods);
+  const auto wanted = core::namesIn(arguments.methods, ',');
   if (wanted.empty()) return page;
   std::vector<std::string> known;
   for (const auto& run : page.runs) known.push_back(run.method);
@@ -107,7 +99,7 @@ std::string tableIn(const std::string& input, const std::string& name) {
 int plotSeeds(const Context& context, Arguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "seeds.png");
   const auto path = tableIn(arguments.inputs.front(), "results.csv");
-  arguments.seeds.methods = namesIn(arguments.methods);
+  arguments.seeds.methods = core::namesIn(arguments.methods, ',');
   const auto charts =
       pages::seedBoxes(report::fromCsv(core::readTextFile(path), path), arguments.seeds, path);
   report::drawBoxes(charts, report::axisTitle(arguments.seeds.metric), !arguments.is_linear, arguments.title,

@@ -8,6 +8,9 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/explore/decision_log.h"
+#include "libslam/explore/exploration_referee.h"
+#include "libslam/explore/loop_localiser.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/navigate/return_to_start.h"
@@ -26,127 +29,11 @@ namespace slam::explore {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kNewArea_m2 = 0.1;  // less is the odd cell in a corner, as in metrics::kNewArea_m2pm
-constexpr double kNewPlace_m = 1.0;
 constexpr int kReturnDecisions = 50;  // a way back through a known map takes a few
-
-/// Where the robot believes to be, and the map that it makes of it.
-class Localiser {
- public:
-  Localiser(const LoopMethod& method, std::uint64_t seed)
-      : builder_(mapping::makeMapBuilder(method.config, method.name, seed)),
-        name_(method.name),
-        is_reference_(method.is_reference) {}
-
-  /// T_map_robot at the new scan. The truth is used by the reference alone: it takes the true increment for
-  /// that of its wheels, and believes them.
-  core::Pose2 update(const sim::Sensed& sensed, const core::Pose2& T_world_robot) {
-    const core::Pose2 T_previous_robot =
-        is_reference_ && last_truth_ ? core::between(*last_truth_, T_world_robot) : sensed.T_previous_robot;
-    last_truth_ = T_world_robot;
-    core::Pose2 T_map_robot;
-    run::tellSensors(builder_, sensed);
-    run::insideMethod([&] {
-      T_map_robot = mapping::processScan(builder_, sensed.scan, T_previous_robot, true, commanded_);
-    });
-    if (!core::isFinite(T_map_robot)) throw core::MethodError(name_ + " diverged: its pose is not finite");
-    return T_map_robot;
-  }
-  /// What the robot is told to do next.
-  void tell(const robot::Command& command) { commanded_ = commands_.next(command); }
-  const mapping::MapBuilder& builder() const { return builder_; }
-  gridmap::OccupancyRaster map() const {
-    gridmap::OccupancyRaster map;
-    run::insideMethod([&] { map = mapping::currentMap(builder_); });
-    return map;
-  }
-
- private:
-  mapping::MapBuilder builder_;
-  std::string name_;
-  bool is_reference_;
-  std::optional<core::Pose2> last_truth_;
-  robot::CommandSeries commands_;
-  robot::Commanded commanded_ = robot::MotionKind::kRest;
-};
 
 /// CPU time of the periods in which the robot decided, the map's reading included.
 struct DecisionCost {
   double total_ms = 0, max_ms = 0;
-};
-
-/// A decision when it was taken.
-struct DecisionEntry {
-  double time_s;
-  core::Pose2 T_map_robot, T_world_robot;
-  navigate::Decision decision;
-};
-
-core::Point2 goalInMap(const DecisionEntry& entry) {
-  const auto& d = entry.decision;
-  if (!d.path.empty()) return d.goal;
-  return entry.T_map_robot *
-         core::Point2{d.distance_m * std::cos(d.turn_rad), d.distance_m * std::sin(d.turn_rad)};
-}
-
-bool areSame(const std::vector<core::Point2>& a, const std::vector<core::Point2>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const core::Point2& p, const core::Point2& q) { return p.x == q.x && p.y == q.y; });
-}
-
-bool isSame(const navigate::Decision& a, const navigate::Decision& b) {
-  return a.turn_rad == b.turn_rad && a.distance_m == b.distance_m && a.score == b.score &&
-         a.finished == b.finished && a.reason == b.reason && areSame(a.path, b.path) &&
-         areSame(a.alternatives, b.alternatives);
-}
-
-/// Ends what leads nowhere, by the truth.
-class Referee {
- public:
-  explicit Referee(const ExplorationOptions& options) : options_(options) {}
-
-  std::optional<ExplorationEnd> judge(double time_s, double explored_m2, const core::Pose2& T_world_robot) {
-    if (!place_ || core::distance(*place_, T_world_robot) >= kNewPlace_m) {
-      place_ = T_world_robot;
-      placed_at_s_ = time_s;
-    }
-    if (explored_m2 - explored_m2_ >= kNewArea_m2) {
-      explored_m2_ = explored_m2;
-      explored_at_s_ = time_s;
-    }
-    if (options_.stuck_s > 0 && time_s - std::max(placed_at_s_, explored_at_s_) >= options_.stuck_s)
-      return ExplorationEnd::kStuck;
-    if (!returning_ && options_.give_up_s > 0 && time_s - explored_at_s_ >= options_.give_up_s)
-      return ExplorationEnd::kGaveUp;
-    return std::nullopt;
-  }
-  /// From now on new area is not asked for.
-  void watchReturn() { returning_ = true; }
-
- private:
-  ExplorationOptions options_;
-  bool returning_ = false;
-  std::optional<core::Pose2> place_;
-  double placed_at_s_ = 0, explored_at_s_ = 0, explored_m2_ = 0;
-};
-
-/// Counts episodes of coming too near to a wall.
-class NearMisses {
- public:
-  NearMisses(const world::Plan& plan, double radius_m) : plan_(plan), radius_m_(radius_m) {}
-  void look(const core::Pose2& T_world_robot) {
-    const auto touches = [&](double clearance_m) {
-      return world::discCollides(plan_, core::position(T_world_robot), radius_m_ + clearance_m);
-    };
-    if (!near_ && touches(kNearMiss_m)) near_ = true, ++count_;
-    if (near_ && !touches(kNearMissOver_m)) near_ = false;
-  }
-  double count() const { return count_; }
-
- private:
-  const world::Plan& plan_;
-  double radius_m_, count_ = 0;
-  bool near_ = false;
 };
 
 std::vector<std::string> lidarsOf(const record::RecordConfig& record) {
@@ -301,7 +188,9 @@ class Loop {
     explored_scans_ = curve_.size();
   }
   report::Table explorationTable() const;
-  report::Table decisionTable() const;
+  bool writeMap(const Exploration& e);
+  void drawPath(const Exploration& e) const;
+  void describeResults(const Exploration& e, bool has_map, core::Manifest& manifest) const;
 
   const world::Plan& plan_;
   const ExploreConfig& config_;
@@ -400,44 +289,23 @@ report::Table Loop::explorationTable() const {
   return table;
 }
 
-report::Table Loop::decisionTable() const {
-  report::Table table;
-  for (const char* key : {"time_s", "map_x_m", "map_y_m", "map_yaw_rad", "goal_x_m", "goal_y_m", "score",
-                          "waypoints", "alternatives", "reason"})
-    table.columns.push_back({key, key, 3});
-  for (const auto& entry : decisions_) {
-    const auto goal = goalInMap(entry);
-    const auto& decision = entry.decision;
-    table.rows.push_back({entry.time_s, entry.T_map_robot.x, entry.T_map_robot.y, entry.T_map_robot.phi,
-                          goal.x, goal.y, decision.score, static_cast<double>(decision.path.size()),
-                          static_cast<double>(decision.alternatives.size()), decision.reason});
-  }
-  return table;
-}
-
-void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
-  auto& e = result.exploration;
-  recorder_->finish(simulator_, seed_, manifest);
-  logs::writeTum(estimate_, folder_ + "/trajectory.tum");
-  // A map that has come apart cannot be drawn; all else is kept.
-  bool has_map = true;
+/// False: the map has come apart and cannot be drawn; all else is kept.
+bool Loop::writeMap(const Exploration& e) {
   try {
     localiser_.map();
   } catch (const core::MethodError&) {
-    has_map = false;
-  }
-  if (has_map) {
-    mapping::saveMaps(localiser_.builder(), folder_);
-    run::writeScene(localiser_.builder(), estimate_, *last_scan_, folder_ + "/map.3Dscene");
-  } else {
     mapping::saveKeyFrames(localiser_.builder(), folder_);
+    return false;
   }
-  if (has_map && e.end != ExplorationEnd::kFailed && core::isFinite(e.evaluation.trajectory.T_truth_estimate))
+  mapping::saveMaps(localiser_.builder(), folder_);
+  run::writeScene(localiser_.builder(), estimate_, *last_scan_, folder_ + "/map.3Dscene");
+  if (e.end != ExplorationEnd::kFailed && core::isFinite(e.evaluation.trajectory.T_truth_estimate))
     run::addTruthToScene(truth_, &plan_, core::inverse(e.evaluation.trajectory.T_truth_estimate),
                          folder_ + "/map.3Dscene");
-  core::writeFileAtomically(folder_ + "/exploration.csv", report::toCsv(explorationTable()));
-  core::writeFileAtomically(folder_ + "/decisions.csv", report::toCsv(decisionTable()));
+  return true;
+}
 
+void Loop::drawPath(const Exploration& e) const {
   report::DrawnMarks marks{{}, "decision"};
   for (const auto& entry : decisions_) marks.places.push_back(core::position(entry.T_world_robot));
   core::Trajectory believed = estimate_;
@@ -450,18 +318,9 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
                    {{record::brokenAtCarries(truth_, simulator_.carries()), "true path", true},
                     {believed, "path as " + method_.name + " has it"}},
                    plan_.name + ": " + e.strategy, folder_ + "/path.png", marks);
+}
 
-  manifest.seed = seed_;
-  for (const auto& line : config_.record.parameters)
-    manifest.config[line.section + "." + line.info.key] = line.value;
-  for (const auto& line : localiser_.builder().parameters)
-    manifest.config["slam." + line.section + "." + line.info.key] = line.value;
-  manifest.files["run.rawlog"] = "what the robot sensed, with its truth beside it: rasterslam compare";
-  manifest.files["trajectory.tum"] = "estimated pose of every scan, TUM form: rasterslam eval, evo";
-  if (has_map) manifest.files["map.yaml"] = "the map, also as .png, .gridmap.gz, .simplemap and .3Dscene";
-  manifest.files["exploration.csv"] = "after every scan: time, path, explored area, poses, goal";
-  manifest.files["decisions.csv"] = "every decision: time, pose, goal, score, reason";
-  manifest.files["path.png"] = "true path and places of the decisions on the plan";
+void Loop::describeResults(const Exploration& e, bool has_map, core::Manifest& manifest) const {
   auto& results = manifest.results;
   run::describeLidar(*first_scan_, results);
   run::describeSensors(localiser_.builder(), lidarsOf(config_.record), results);
@@ -487,6 +346,29 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
     manifest.times_s["decision_mean"] = e.decision_mean_ms / 1000;
     manifest.times_s["decision_max"] = e.decision_max_ms / 1000;
   }
+}
+
+void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
+  const auto& e = result.exploration;
+  recorder_->finish(simulator_, seed_, manifest);
+  logs::writeTum(estimate_, folder_ + "/trajectory.tum");
+  const bool has_map = writeMap(e);
+  core::writeFileAtomically(folder_ + "/exploration.csv", report::toCsv(explorationTable()));
+  core::writeFileAtomically(folder_ + "/decisions.csv", report::toCsv(decisionTable(decisions_)));
+  drawPath(e);
+
+  manifest.seed = seed_;
+  for (const auto& line : config_.record.parameters)
+    manifest.config[line.section + "." + line.info.key] = line.value;
+  for (const auto& line : localiser_.builder().parameters)
+    manifest.config["slam." + line.section + "." + line.info.key] = line.value;
+  manifest.files["run.rawlog"] = "what the robot sensed, with its truth beside it: rasterslam compare";
+  manifest.files["trajectory.tum"] = "estimated pose of every scan, TUM form: rasterslam eval, evo";
+  if (has_map) manifest.files["map.yaml"] = "the map, also as .png, .gridmap.gz, .simplemap and .3Dscene";
+  manifest.files["exploration.csv"] = "after every scan: time, path, explored area, poses, goal";
+  manifest.files["decisions.csv"] = "every decision: time, pose, goal, score, reason";
+  manifest.files["path.png"] = "true path and places of the decisions on the plan";
+  describeResults(e, has_map, manifest);
   core::writeManifest(manifest, folder_ + "/manifest.json");
 }
 

@@ -4,13 +4,13 @@
 #include <cctype>
 #include <filesystem>
 #include <map>
-#include <sstream>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/ini.h"
 #include "libslam/core/manifest.h"
 #include "libslam/core/resources.h"
+#include "libslam/core/word_list.h"
 #include "libslam/explore/goal_methods.h"
 #include "libslam/navigate/strategy.h"
 
@@ -22,14 +22,6 @@ constexpr std::size_t kLongestName = 40;
 
 std::string templatesFolder() {
   return core::configsFolder() + "/templates";
-}
-
-std::vector<std::string> splitAt(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  std::istringstream in(text);
-  for (std::string part; std::getline(in, part, separator);)
-    if (!core::trimmed(part).empty()) parts.push_back(core::trimmed(part));
-  return parts;
 }
 
 std::string listed(const std::vector<std::string>& names) {
@@ -53,8 +45,8 @@ std::vector<TemplateKind> kindsOf(const core::IniFile& ini) {
   std::vector<TemplateKind> kinds;
   for (const auto& [section, entries] : ini.sections())
     if (section != "names")
-      kinds.push_back(
-          {section, valueOf(ini, section, "meaning"), splitAt(valueOf(ini, section, "languages"), ',')});
+      kinds.push_back({section, valueOf(ini, section, "meaning"),
+                       core::namesIn(valueOf(ini, section, "languages"), ',')});
   return kinds;
 }
 
@@ -74,7 +66,7 @@ void requireName(const core::IniFile& ini, const TemplateRequest& request) {
     throw core::InputError("name: found '" + name +
                            "', expected small letters, digits and _, a letter first, " +
                            std::to_string(kLongestName) + " at most");
-  const auto reserved = splitAt(valueOf(ini, "names", "reserved"), ' ');
+  const auto reserved = core::namesIn(valueOf(ini, "names", "reserved"), ' ');
   if (std::find(reserved.begin(), reserved.end(), name) != reserved.end())
     throw core::InputError("name: found '" + name + "', a reserved word, expected another one");
   const auto taken = takenNames(valueOf(ini, request.kind, "taken"));
@@ -119,7 +111,7 @@ std::vector<TemplateKind> templateKinds() {
 
 std::string className(const std::string& name) {
   std::string result;
-  for (const auto& part : splitAt(name, '_'))
+  for (const auto& part : core::namesIn(name, '_'))
     result += static_cast<char>(std::toupper(static_cast<unsigned char>(part[0]))) + part.substr(1);
   return result;
 }
@@ -156,7 +148,7 @@ MadeFolder makeFromTemplate(const TemplateRequest& request) {
   copyFilled(templatesFolder() + "/shared/" + language, folder.path(), words, made.files);
   std::sort(made.files.begin(), made.files.end());
   folder.commit();
-  for (const auto& line : splitAt(valueOf(ini, kind->name, "next_" + language), ';')) {
+  for (const auto& line : core::namesIn(valueOf(ini, kind->name, "next_" + language), ';')) {
     std::string text = line;
     for (std::size_t at = text.find("@name@"); at != std::string::npos; at = text.find("@name@", at)) {
       const char before = at == 0 ? ' ' : text[at - 1];

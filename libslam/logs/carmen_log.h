@@ -66,6 +66,8 @@ inline constexpr std::string_view kCarmenNote = "CARMEN note: ";
 inline constexpr const char* kOdometrySuffix = "_ODOMETRY";
 inline constexpr const char* kPoseSuffix = "_POSE";
 
+class CarmenWords;
+
 /// What PARAM lines say of the lasers of FLASER and RLASER lines.
 class CarmenSettings {
  public:
@@ -92,7 +94,6 @@ class CarmenSettings {
 /// The objects of CARMEN lines, line by line.
 class CarmenParser {
  public:
-  struct Words;
   using Objects = std::deque<std::shared_ptr<mrpt::serialization::CSerializable>>;
   /// Appends what the line (without its newline) becomes. Errors (InputError without a place): a field of one
   /// of the messages above that is missing, no finite number, or out of bounds; more fields than the message has.
@@ -104,10 +105,10 @@ class CarmenParser {
 
  private:
   struct Sweep;
-  void takeOdometry(Words& words, Objects& objects);
-  void takeTruth(Words& words, Objects& objects);
-  void takeOldLaser(const std::string& kind, Words& words, Objects& objects);
-  void takeNewLaser(const std::string& kind, Words& words, Objects& objects);
+  void takeOdometry(CarmenWords& words, Objects& objects);
+  void takeTruth(CarmenWords& words, Objects& objects);
+  void takeOldLaser(const std::string& kind, CarmenWords& words, Objects& objects);
+  void takeNewLaser(const std::string& kind, CarmenWords& words, Objects& objects);
   void takeText(std::string_view line, Objects& objects);
   void begin(double time_s, const std::string& host, Objects& objects);
   void note(const std::string& key, const std::string& value, double time_s, Objects& objects);

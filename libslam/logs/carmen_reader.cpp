@@ -12,6 +12,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
 #include "libslam/logs/carmen_log.h"
+#include "libslam/logs/carmen_words.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
 
@@ -19,43 +20,13 @@ namespace slam::logs {
 namespace {
 
 constexpr size_t kLongestLine = 1 << 20;
-// CARMEN's reader of logs: carmen_laser_laser_message.maximum_range and accuracy of lines that do not say.
-constexpr double kDefaultMaxRange_m = 80, kDefaultAccuracy_m = 0.01;
+// CARMEN's reader of logs: carmen_laser_laser_message.accuracy of lines that do not say.
+constexpr double kDefaultAccuracy_m = 0.01;
 constexpr size_t kMostWaitingLines = 10000;
 constexpr double kLargestNumber = 1e6;  // of a range, in metres: far beyond any sensor, within a float
-constexpr double kYear10000_s = 253'402'300'800.0;
 // Odometry and laser pose have six decimals each.
 constexpr double kRounding = 2e-6;
 constexpr double kMountStep = 1e-4, kMountChange = 1e-3;
-
-/// Readings of a sweep that spans so many degrees, of the scanners that are known by this number.
-struct KnownSweep {
-  size_t steps;
-  double span_deg;
-};
-constexpr std::array<KnownSweep, 8> kKnownSweeps = {
-    {{180, 180}, {360, 180}, {400, 100}, {200, 100}, {100, 100}, {540, 270}, {1080, 270}, {720, 180}}};
-constexpr double kOtherSpan_deg = 180;
-
-bool isBlank(char c) {
-  return c == ' ' || c == '\t' || c == '\r';
-}
-
-std::string printable(std::string_view word) {
-  constexpr size_t kMost = 40;
-  std::string text;
-  for (const char c : word.substr(0, kMost)) text += c < 32 || c == 127 ? '?' : c;
-  return text + (word.size() > kMost ? "..." : "");
-}
-std::string quoted(std::string_view word) {
-  return "'" + printable(word) + "'";
-}
-
-bool parse(std::string_view word, double& value) {
-  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
-  const auto result = std::from_chars(word.data(), word.data() + word.size(), value);
-  return result.ec == std::errc() && result.ptr == word.data() + word.size() && std::isfinite(value);
-}
 
 bool isLaserOf(std::string_view kind, std::string_view name) {
   return kind.size() == name.size() + 1 && kind.substr(0, name.size()) == name && kind.back() >= '0' &&
@@ -79,125 +50,12 @@ bool isClose(const core::Pose2& a, const core::Pose2& b, double tolerance) {
 
 }  // namespace
 
-// --- Settings -------------------------------------------------------------------------------------------------
-
-void CarmenSettings::take(std::string_view name, std::string_view value) {
-  struct Row {
-    std::string_view name;
-    std::optional<double> Laser::*member;
-    Laser CarmenSettings::*laser;
-    double lowest, highest;
-  };
-  constexpr double kTiny = 1e-3;
-  static const std::array<Row, 8> kRows = {{
-      {"robot_frontlaser_offset", &Laser::offset_m, &CarmenSettings::front_, -100, 100},
-      {"robot_rearlaser_offset", &Laser::offset_m, &CarmenSettings::rear_, -100, 100},
-      {"robot_front_laser_max", &Laser::max_range_m, &CarmenSettings::front_, kTiny, kLargestNumber},
-      {"robot_rear_laser_max", &Laser::max_range_m, &CarmenSettings::rear_, kTiny, kLargestNumber},
-      {"laser_front_laser_resolution", &Laser::step_deg, &CarmenSettings::front_, kTiny, 180},
-      {"laser_rear_laser_resolution", &Laser::step_deg, &CarmenSettings::rear_, kTiny, 180},
-      {"laser_front_laser_fov", &Laser::fov_deg, &CarmenSettings::front_, kTiny, 360},
-      {"laser_rear_laser_fov", &Laser::fov_deg, &CarmenSettings::rear_, kTiny, 360},
-  }};
-  for (const Row& row : kRows) {
-    if (row.name != name) continue;
-    double number = 0;
-    if (!parse(value, number) || number < row.lowest || number > row.highest)
-      throw core::InputError("parameter " + std::string(name) + ": found " + quoted(value) +
-                             ", expected a number from " + core::formatNumber(row.lowest) + " to " +
-                             core::formatNumber(row.highest));
-    (this->*row.laser).*row.member = number;
-  }
-}
-
-CarmenSettings::Geometry CarmenSettings::geometry(size_t readings, bool is_rear,
-                                                  const core::Pose2& T_odom_robot,
-                                                  const core::Pose2& T_odom_laser) const {
-  const Laser& laser = is_rear ? rear_ : front_;
-  // The whole sweep has an odd number of readings; an even one lacks the last.
-  const size_t steps = readings - readings % 2;
-  double span_deg = kOtherSpan_deg;
-  for (const auto& known : kKnownSweeps)
-    if (known.steps == steps) span_deg = known.span_deg;
-  if (laser.step_deg && *laser.step_deg * static_cast<double>(steps) <= 360 + 1e-6)
-    span_deg = *laser.step_deg * static_cast<double>(steps);
-  Geometry geometry;
-  geometry.step_rad = core::degToRad(span_deg / static_cast<double>(steps));
-  geometry.first_angle_rad = core::degToRad(-laser.fov_deg.value_or(span_deg) / 2);
-  geometry.max_range_m = laser.max_range_m.value_or(kDefaultMaxRange_m);
-  geometry.T_robot_lidar.x = laser.offset_m.value_or(0);
-  if (!is_rear) return geometry;
-  const double shown_x_m = core::between(T_odom_robot, T_odom_laser).x;
-  if (shown_x_m * geometry.T_robot_lidar.x < 0) geometry.T_robot_lidar.x *= -1;
-  geometry.T_robot_lidar.phi = core::kPi;
-  return geometry;
-}
-
-// --- Lines ----------------------------------------------------------------------------------------------------
-
-/// The words of one line, in order.
-struct CarmenParser::Words {
-  std::string_view rest;
-
-  std::string_view next() {
-    size_t begin = 0;
-    while (begin < rest.size() && isBlank(rest[begin])) ++begin;
-    size_t end = begin;
-    while (end < rest.size() && !isBlank(rest[end])) ++end;
-    const std::string_view word = rest.substr(begin, end - begin);
-    rest.remove_prefix(end);
-    return word;
-  }
-  std::string_view word(const char* expected) {
-    const auto found = next();
-    if (found.empty()) throw core::InputError("found the end of the line, expected " + std::string(expected));
-    return found;
-  }
-  double number(const char* expected) {
-    const auto found = word(expected);
-    double value = 0;
-    if (!parse(found, value))
-      throw core::InputError("found " + quoted(found) + ", expected " + expected + " (a finite number)");
-    return value;
-  }
-  core::Pose2 pose(const char* expected) {
-    const double x = number(expected), y = number(expected);
-    return {x, y, number(expected)};
-  }
-  /// How many of something follow: no more than the line has room for.
-  size_t count(const char* expected) {
-    const auto found = word(expected);
-    size_t value = 0;
-    const auto result = std::from_chars(found.data(), found.data() + found.size(), value);
-    if (result.ec != std::errc() || result.ptr != found.data() + found.size() || value > rest.size())
-      throw core::InputError("found " + quoted(found) + ", expected " + expected +
-                             " (a whole number, at most as many as the line has)");
-    return value;
-  }
-  double stamp() {
-    const auto found = word("ipc_timestamp");
-    double time_s = 0;
-    if (!parse(found, time_s) || time_s < 0 || time_s >= kYear10000_s)
-      throw core::InputError("found " + quoted(found) +
-                             ", expected ipc_timestamp (seconds since 1970, before the year 10000)");
-    return time_s;
-  }
-  /// The end of every message; the host.
-  std::string tail() {
-    std::string host(word("ipc_hostname"));
-    number("logger_timestamp");
-    const auto more = next();
-    if (!more.empty()) throw core::InputError("found " + quoted(more) + ", expected the end of the line");
-    return host;
-  }
-};
-
 /// The ranges and remissions of a line.
 struct CarmenParser::Sweep {
   std::vector<double> ranges_m;
   std::vector<int> remissions;
 
-  void readRanges(size_t count, Words& words) {
+  void readRanges(size_t count, CarmenWords& words) {
     ranges_m.resize(count);
     for (size_t i = 0; i < count; ++i) {
       double& range_m = ranges_m[i];
@@ -208,7 +66,7 @@ struct CarmenParser::Sweep {
                                " (metres)");
     }
   }
-  void readRemissions(Words& words) {
+  void readRemissions(CarmenWords& words) {
     const size_t count = words.count("the number of remissions");
     remissions.resize(count);
     for (int& remission : remissions) {
@@ -246,13 +104,6 @@ struct CarmenParser::Sweep {
   }
 };
 
-void CarmenSettings::takeLine(std::string_view line) {
-  CarmenParser::Words words{line};
-  if (words.next() != "PARAM") return;
-  const auto name = words.word("a parameter's name"), value = words.next();
-  take(name, value);
-}
-
 void CarmenParser::note(const std::string& key, const std::string& value, double time_s, Objects& objects) {
   std::string& known = notes_[key];
   if (known == value) return;
@@ -261,7 +112,7 @@ void CarmenParser::note(const std::string& key, const std::string& value, double
       objects::makeComment(std::string(kCarmenNote) + key + " " + value, objects::mrptTicks(time_s)));
 }
 
-void CarmenParser::takeOdometry(Words& words, Objects& objects) {
+void CarmenParser::takeOdometry(CarmenWords& words, Objects& objects) {
   const auto pose = words.pose("x y theta");
   const double tv_mps = words.number("tv"), rv_radps = words.number("rv");
   const std::string acceleration(words.word("accel"));
@@ -277,7 +128,7 @@ void CarmenParser::takeOdometry(Words& words, Objects& objects) {
   objects.push_back(std::move(odometry));
 }
 
-void CarmenParser::takeTruth(Words& words, Objects& objects) {
+void CarmenParser::takeTruth(CarmenWords& words, Objects& objects) {
   const auto T_world_robot = words.pose("true_x true_y true_theta");
   const auto T_odom_robot = words.pose("odom_x odom_y odom_theta");
   const double time_s = words.stamp();
@@ -287,7 +138,7 @@ void CarmenParser::takeTruth(Words& words, Objects& objects) {
   objects.push_back(objects::makeRobotPose(T_world_robot, objects::mrptTicks(time_s), objects::kTruthLabel));
 }
 
-void CarmenParser::takeOldLaser(const std::string& kind, Words& words, Objects& objects) {
+void CarmenParser::takeOldLaser(const std::string& kind, CarmenWords& words, Objects& objects) {
   Sweep sweep;
   sweep.readRanges(words.count("the number of ranges"), words);
   const auto T_odom_laser = words.pose("x y theta"), T_odom_robot = words.pose("odom_x odom_y odom_theta");
@@ -301,8 +152,8 @@ void CarmenParser::takeOldLaser(const std::string& kind, Words& words, Objects& 
   objects.push_back(sweep.toScan(geometry, kDefaultAccuracy_m, time_s, kind));
 }
 
-void CarmenParser::takeNewLaser(const std::string& kind, Words& words, Objects& objects) {
-  const std::string_view config_start = words.rest;
+void CarmenParser::takeNewLaser(const std::string& kind, CarmenWords& words, Objects& objects) {
+  const std::string_view config_start = words.rest();
   words.number("laser_type");
   CarmenSettings::Geometry geometry;
   geometry.first_angle_rad = words.number("start_angle");
@@ -311,7 +162,7 @@ void CarmenParser::takeNewLaser(const std::string& kind, Words& words, Objects& 
   geometry.max_range_m = words.number("maximum_range");
   const double accuracy_m = words.number("accuracy");
   words.number("remission_mode");
-  std::string config(config_start.substr(0, config_start.size() - words.rest.size()));
+  std::string config(config_start.substr(0, config_start.size() - words.rest().size()));
   config.erase(0, config.find_first_not_of(" \t"));
 
   Sweep sweep;
@@ -338,9 +189,9 @@ void CarmenParser::takeNewLaser(const std::string& kind, Words& words, Objects& 
   const auto T_odom_laser = words.pose("laser_x laser_y laser_theta"),
              T_odom_robot = words.pose("odom_x odom_y odom_theta");
   const double tv_mps = words.number("tv"), rv_radps = words.number("rv");
-  const std::string_view safety_start = words.rest;
+  const std::string_view safety_start = words.rest();
   for (const char* name : {"forward_safety_dist", "side_safety_dist", "turn_axis"}) words.number(name);
-  std::string safety(safety_start.substr(0, safety_start.size() - words.rest.size()));
+  std::string safety(safety_start.substr(0, safety_start.size() - words.rest().size()));
   safety.erase(0, safety.find_first_not_of(" \t"));
   const double time_s = words.stamp();
   begin(time_s, words.tail(), objects);
@@ -378,7 +229,7 @@ void CarmenParser::begin(double time_s, const std::string& host, Objects& object
 }
 
 void CarmenParser::take(std::string_view line, Objects& objects) {
-  Words words{line};
+  CarmenWords words(line);
   const std::string_view kind = words.next();
   if (kind.empty()) return;
   const bool is_old_laser = kind == "FLASER" || kind == "RLASER";
@@ -388,7 +239,7 @@ void CarmenParser::take(std::string_view line, Objects& objects) {
   } else if (kind == "TRUEPOS") {
     takeTruth(words, objects);
   } else if (is_old_laser || is_new_laser) {
-    Words ahead = words;
+    CarmenWords ahead = words;
     if (is_new_laser)
       for (int i = 0; i < 7; ++i) ahead.next();
     const auto readings = ahead.next();

@@ -8,6 +8,7 @@
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
 #include "libslam/pages/report_parts.h"
+#include "libslam/report/number_text.h"
 #include "libslam/report/table_cells.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/study/sweep_tables.h"
@@ -42,15 +43,11 @@ class Rows {
   const std::string& path_;
 };
 
-std::string shortText(double value, int decimals) {
-  return report::shownText(value, {"", "", decimals});
-}
-
 /// "0.021 [0.013, 0.025]"
 std::string shownFigure(const Figure& figure, int decimals) {
   if (std::isnan(figure.value)) return "failed";
-  std::string text = shortText(figure.value, decimals);
-  const auto end = [&](double value) { return std::isfinite(value) ? shortText(value, decimals) : "-"; };
+  std::string text = report::fixed(figure.value, decimals);
+  const auto end = [&](double value) { return std::isfinite(value) ? report::fixed(value, decimals) : "-"; };
   if (std::isfinite(figure.low) || std::isfinite(figure.high))
     text += " [" + end(figure.low) + ", " + end(figure.high) + "]";
   return text;
@@ -113,8 +110,8 @@ std::vector<std::string> verdictOf(const Rows& rows, const std::vector<std::size
   std::string failures;
   for (const auto row : best_first)
     if (const double failed = rows.number(row, "failed"); failed > 0)
-      failures += (failures.empty() ? "" : ", ") + name(row) + " in " + shortText(failed, 0) + " of " +
-                  shortText(rows.number(row, "runs"), 0) + " runs";
+      failures += (failures.empty() ? "" : ", ") + name(row) + " in " + report::fixed(failed, 0) + " of " +
+                  report::fixed(rows.number(row, "runs"), 0) + " runs";
   verdict.push_back(failures.empty() ? "No run failed." : "Failed: " + failures + ".");
   return verdict;
 }

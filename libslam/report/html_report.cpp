@@ -7,6 +7,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
+#include "libslam/report/number_text.h"
 #include "libslam/report/page_bundle.h"
 #include "libslam/report/page_plot.h"
 #include "libslam/report/page_replay.h"
@@ -17,10 +18,6 @@ namespace slam::report {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-std::string fixed(double value, int decimals) {
-  return shownText(value, {"", "", decimals});
-}
 
 std::string tag(const std::string& name, const std::string& text) {
   return "<" + name + ">" + htmlText(text) + "</" + name + ">";

@@ -8,6 +8,7 @@
 #include "libslam/core/error.h"
 #include "libslam/report/canvas.h"
 #include "libslam/report/map_view.h"
+#include "libslam/report/number_text.h"
 #include "libslam/report/page_plot.h"
 #include "libslam/report/page_text.h"
 #include "libslam/report/table.h"
@@ -18,10 +19,6 @@ namespace {
 constexpr double kWidth = 720, kHeight = 340, kLeft = 78, kRight = 22, kTop = 16, kBottom = 50;
 constexpr double kWorthLogarithm_x = 50, kWorthLogarithm_y = 100;  // between least and most
 constexpr double kOutlineTolerance = 0.3, kValueSpacing = 2;       // units of the drawing
-
-std::string fixed(double value, int decimals) {
-  return shownText(value, {"", "", decimals});
-}
 
 std::string shortNumber(double value) {
   char text[40];

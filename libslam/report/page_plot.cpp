@@ -8,15 +8,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "libslam/core/error.h"
+#include "libslam/report/number_text.h"
 #include "libslam/report/page_text.h"
 #include "libslam/report/table.h"
 
 namespace slam::report {
 namespace {
-
-std::string fixed(double value, int decimals) {
-  return shownText(value, {"", "", decimals});
-}
 
 struct PictureSize {
   int width, height;

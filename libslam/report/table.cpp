@@ -11,6 +11,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
+#include "libslam/report/number_text.h"
 #include "libslam/report/table_parts.h"
 
 namespace slam::report {
@@ -92,6 +93,10 @@ std::string shownText(const CellValue& cell, const Column& column) {
   if (const auto* number = std::get_if<double>(&cell))
     return *number > 0 ? shownNumber(*number, column) : fixedText(*number, column.decimals);
   return onOneLine(std::get<std::string>(cell));
+}
+
+std::string fixed(double value, int decimals) {
+  return shownText(value, {"", "", decimals});
 }
 
 std::string toMarkdown(const Table& table) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -17,6 +16,8 @@
 #include "libslam/record/carry_file.h"
 #include "libslam/record/collision_file.h"
 #include "libslam/record/number_rows.h"
+#include "libslam/report/number_text.h"
+#include "libslam/report/table.h"
 
 namespace slam::score {
 namespace fs = std::filesystem;
@@ -65,14 +66,8 @@ std::size_t onsetIn(const std::vector<Pair>& pairs, std::size_t from, std::size_
   return onset;
 }
 
-std::string fixed(double value, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
-}
-
 std::string at(const core::Point2& place) {
-  return "(" + fixed(place.x, 2) + ", " + fixed(place.y, 2) + ")";
+  return "(" + report::fixed(place.x, 2) + ", " + report::fixed(place.y, 2) + ")";
 }
 
 /// Events of one kind around the divergence.
@@ -84,8 +79,8 @@ struct Events {
 std::string textOf(const std::string& name, const Events& events) {
   std::string text = name;
   if (events.count > 1) text += " " + std::to_string(events.count) + " times";
-  text += ", " + fixed(events.first_s, 1);
-  if (events.count > 1) text += " to " + fixed(events.last_s, 1);
+  text += ", " + report::fixed(events.first_s, 1);
+  if (events.count > 1) text += " to " + report::fixed(events.last_s, 1);
   return text + " s";
 }
 
@@ -280,8 +275,9 @@ report::Table failureTable(const FailureReport& report, const std::string& metho
   if (report.divergence) {
     const auto& d = *report.divergence;
     add("first divergence", std::string(d.kind == Divergence::kJump ? kJumpWord : kDriftWord) + " at " +
-                                fixed(d.time_s, 1) + " s, " + at(d.place));
-    add("error there", fixed(d.error_m, 2) + " m, " + fixed(core::radToDeg(d.error_rad), 1) + " degrees");
+                                report::fixed(d.time_s, 1) + " s, " + at(d.place));
+    add("error there",
+        report::fixed(d.error_m, 2) + " m, " + report::fixed(core::radToDeg(d.error_rad), 1) + " degrees");
     add("suspect", report.suspect);
   } else {
     add("first divergence", "none");
@@ -289,12 +285,13 @@ report::Table failureTable(const FailureReport& report, const std::string& metho
   for (const auto& line : report.around) add("around it", line);
   for (const auto& loop : report.wrong_loops)
     add("false loop closure", "scan " + std::to_string(loop.scan) + " to " + std::to_string(loop.other_scan) +
-                                  " at " + fixed(loop.time_s, 1) + " s: " + fixed(loop.apart_m, 2) +
-                                  " m apart in truth, " + fixed(loop.apart_in_map_m, 2) + " m in the map");
+                                  " at " + report::fixed(loop.time_s, 1) +
+                                  " s: " + report::fixed(loop.apart_m, 2) + " m apart in truth, " +
+                                  report::fixed(loop.apart_in_map_m, 2) + " m in the map");
   if (report.region)
-    add("worst region of the map", at(report.region->centre) + ": " +
-                                       fixed(report.region->missing_wall_m, 1) + " m of wall missing, " +
-                                       fixed(report.region->false_wall_m, 1) + " m false");
+    add("worst region of the map",
+        at(report.region->centre) + ": " + report::fixed(report.region->missing_wall_m, 1) +
+            " m of wall missing, " + report::fixed(report.region->false_wall_m, 1) + " m false");
   return table;
 }
 

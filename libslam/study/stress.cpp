@@ -9,6 +9,7 @@
 #include "libslam/buildings/generator.h"
 #include "libslam/core/error.h"
 #include "libslam/core/resources.h"
+#include "libslam/core/word_list.h"
 #include "libslam/stats/bootstrap.h"
 #include "libslam/stats/proportion.h"
 #include "libslam/study/stress_charts.h"
@@ -23,13 +24,6 @@ constexpr int kSteps = 6;
 constexpr int kResamples = 2000;
 constexpr const char* kVary = "--vary";
 const std::string kWorldPrefix = "world.";
-
-std::vector<std::string> entriesOf(const std::string& list) {
-  std::vector<std::string> entries;
-  std::istringstream in(list);
-  for (std::string entry; std::getline(in, entry, ',');) entries.push_back(core::trimmed(entry));
-  return entries;
-}
 
 std::string valueOf(const core::IniFile& ini, const std::string& key) {
   const auto* entry = ini.find("suite", key);
@@ -104,7 +98,7 @@ std::map<std::string, core::IniFile::Entry> generatedWorld(const core::IniFile& 
 void varyWorlds(core::IniFile& ini, const std::string& key, StressSuite& stress) {
   core::IniFile varied;
   std::string list;
-  const auto worlds = entriesOf(valueOf(ini, "worlds"));
+  const auto worlds = core::splitAt(valueOf(ini, "worlds"), ',');
   for (const auto& [section, entries] : ini.sections())
     if (section.compare(0, 6, "world ") != 0)
       for (const auto& [name, entry] : entries) varied.set(section, name, entry.value, entry.origin);

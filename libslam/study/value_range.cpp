@@ -4,23 +4,16 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <sstream>
 
 #include "libslam/core/error.h"
 #include "libslam/core/ini.h"
 #include "libslam/core/parameters.h"
+#include "libslam/core/word_list.h"
 
 namespace slam::study {
 namespace {
 
 constexpr int kMostSteps = 1000;
-
-std::vector<std::string> splitAt(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  std::istringstream in(text);
-  for (std::string part; std::getline(in, part, separator);) parts.push_back(core::trimmed(part));
-  return parts;
-}
 
 double rounded(double value, int digits) {
   char text[64];
@@ -47,12 +40,12 @@ ValueRange readValueRange(const std::string& text, const std::string& place) {
   ValueRange range;
   const auto dots = text.find("..");
   if (dots == std::string::npos) {
-    range.list = splitAt(text, ',');
+    range.list = core::splitAt(text, ',');
     if (range.list.empty() || std::count(range.list.begin(), range.list.end(), "") > 0)
       throw refuse("low..high, low..high:steps, low..high:log or a list a, b, c");
     return range;
   }
-  const auto parts = splitAt(text.substr(dots + 2), ':');
+  const auto parts = core::splitAt(text.substr(dots + 2), ':');
   const std::string low = core::trimmed(text.substr(0, dots));
   if (parts.empty() || !core::parseNumber(low, range.low) || !core::parseNumber(parts[0], range.high))
     throw refuse("two numbers low..high");

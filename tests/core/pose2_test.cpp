@@ -21,6 +21,13 @@ TEST(Pose2, TurnsThenShifts) {
   EXPECT_NEAR(p.y, 5, 1e-15);
 }
 
+TEST(Pose2, AProductsHeadingStaysWithinHalfATurn) {
+  const Pose2 T{0, 0, 3};
+  EXPECT_NEAR((T * T).phi, 6 - 2 * kPi, 1e-15);
+  EXPECT_NEAR((inverse(T) * inverse(T)).phi, 2 * kPi - 6, 1e-15);
+  EXPECT_NEAR(between(inverse(T), T).phi, 6 - 2 * kPi, 1e-15);
+}
+
 TEST(Pose2, GroupLawsHoldForRandomPoses) {
   RandomStream random(1, "poses");
   const auto draw = [&] {

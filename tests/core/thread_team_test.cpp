@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "libslam/core/error.h"
@@ -37,6 +39,23 @@ TEST(ThreadTeam, ThrowsTheErrorOfTheFirstJobAndGoesOnWorking) {
     EXPECT_EQ(done, std::vector<int>(50, 1));
     team.forEach(50, [&](size_t i) { ++done[i]; });
     EXPECT_EQ(done, std::vector<int>(50, 2));
+  }
+}
+
+TEST(ThreadTeam, ThrowsTheErrorOfTheFirstJobAlsoWhenAnotherFailsBefore) {
+  ThreadTeam team(2);
+  for (int round = 0; round < 50; ++round) {
+    std::atomic<bool> has_other_begun{false};
+    try {
+      team.forEach(2, [&](size_t i) {
+        has_other_begun = has_other_begun || i == 1;
+        while (!has_other_begun) std::this_thread::yield();
+        throw std::runtime_error(std::to_string(i));
+      });
+      FAIL();
+    } catch (const std::runtime_error& error) {
+      EXPECT_STREQ(error.what(), "0");
+    }
   }
 }
 

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/report/number_text.h"
 #include "libslam/report/table_latex.h"
 #include "libslam/report/table_text.h"
 
@@ -22,6 +23,15 @@ Table comparison() {
           {{"method", "Method", 0}, {"ate_rmse_m", "ATE rmse (m)", 3}, {"time_ms", "ms per scan", 1}},
           {{"naive", 3.1, 0.04}, {"icp", 0.1499999, 12.25}, {"rbpf", kNaN, "lost"}},
           {"No truth: - ."}};
+}
+
+TEST(NumberText, HasItsDecimalsAndNoMinusBeforeNothing) {
+  EXPECT_EQ(fixed(1.25, 1), "1.2");
+  EXPECT_EQ(fixed(-0.001, 2), "0.00");
+  EXPECT_EQ(fixed(-1.5, 2), "-1.50");
+  EXPECT_EQ(fixed(1e6, 0), "1000000");
+  EXPECT_EQ(fixed(std::numeric_limits<double>::quiet_NaN(), 2), "-");
+  EXPECT_EQ(fixed(std::numeric_limits<double>::infinity(), 2), "inf");
 }
 
 TEST(Table, AsTextAlignsDigitsUnderEachOther) {

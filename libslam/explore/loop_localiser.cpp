@@ -1,0 +1,28 @@
+#include "libslam/explore/loop_localiser.h"
+
+#include "libslam/core/error.h"
+#include "libslam/run/build_map.h"
+#include "libslam/run/log_feed.h"
+#include "libslam/run/stopped_run.h"
+
+namespace slam::explore {
+
+core::Pose2 Localiser::update(const sim::Sensed& sensed, const core::Pose2& T_world_robot) {
+  const core::Pose2 T_previous_robot =
+      is_reference_ && last_truth_ ? core::between(*last_truth_, T_world_robot) : sensed.T_previous_robot;
+  last_truth_ = T_world_robot;
+  core::Pose2 T_map_robot;
+  run::tellSensors(builder_, sensed);
+  run::insideMethod(
+      [&] { T_map_robot = mapping::processScan(builder_, sensed.scan, T_previous_robot, true, commanded_); });
+  if (!core::isFinite(T_map_robot)) throw core::MethodError(name_ + " diverged: its pose is not finite");
+  return T_map_robot;
+}
+
+gridmap::OccupancyRaster Localiser::map() const {
+  gridmap::OccupancyRaster map;
+  run::insideMethod([&] { map = mapping::currentMap(builder_); });
+  return map;
+}
+
+}  // namespace slam::explore

@@ -1,0 +1,37 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "libslam/explore/exploration_loop.h"
+#include "libslam/mapping/map_builder.h"
+#include "libslam/robot/motion_kind.h"
+#include "libslam/sim/simulator.h"
+
+namespace slam::explore {
+
+/// Where the robot believes to be, and the map that it makes of it.
+class Localiser {
+ public:
+  Localiser(const LoopMethod& method, std::uint64_t seed)
+      : builder_(mapping::makeMapBuilder(method.config, method.name, seed)),
+        name_(method.name),
+        is_reference_(method.is_reference) {}
+  /// T_map_robot at the new scan. The truth is used by the reference alone: it takes the true increment for
+  /// that of its wheels, and believes them.
+  core::Pose2 update(const sim::Sensed& sensed, const core::Pose2& T_world_robot);
+  /// What the robot is told to do next.
+  void tell(const robot::Command& command) { commanded_ = commands_.next(command); }
+  const mapping::MapBuilder& builder() const { return builder_; }
+  gridmap::OccupancyRaster map() const;
+
+ private:
+  mapping::MapBuilder builder_;
+  std::string name_;
+  bool is_reference_;
+  std::optional<core::Pose2> last_truth_;
+  robot::CommandSeries commands_;
+  robot::Commanded commanded_ = robot::MotionKind::kRest;
+};
+
+}  // namespace slam::explore
