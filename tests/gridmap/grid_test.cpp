@@ -315,9 +315,11 @@ TEST(Grid, RefusesWhatItCannotHold) {
   scan.step_rad = 0.01, scan.max_range_m = 3, scan.ranges_m = {1.0F};
   EXPECT_THROW(grid.insert(scanRays(scan, {}), {NAN, 0, 0}), core::ContractError);
   EXPECT_THROW(grid.insert(scanRays(scan, {}), {1e9, 0, 0}), core::ContractError);
-  GridOptions bad;
-  bad.reach_cells = 17;
-  EXPECT_THROW(Grid{bad}, core::ContractError);
+  for (const int reach_cells : {0, 17}) {
+    GridOptions bad;
+    bad.reach_cells = reach_cells;
+    EXPECT_THROW(Grid{bad}, core::ContractError);
+  }
   OccupancyRaster other;
   other.resolution_m = 0.1, other.columns = other.rows = 1, other.occupancy = {1};
   EXPECT_THROW(Grid::fromRaster(other, {}), core::ContractError);
