@@ -24,6 +24,9 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+from poses import between, read_tum, wrapped  # noqa: E402
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BUILDINGS = {"flat": "13x10", "office": "24x16", "hall": "24x18", "hospital": "26x18", "cave": "24x18",
              "campus": "40x30"}
@@ -35,25 +38,6 @@ NOTICED_S, BACK_S, BACK_M, BACK_DEG = 5, 10, 1.5, 60
 WRONG_M, WRONG_DEG = 0.5, 10
 COLUMNS = ["group", "building", "lidar", "rate_hz", "seed", "carried", "noticed_after_s", "comes_back", "joined",
            "joins", "wrong_joins", "worst_join_m", "false_alarms", "exit_code"]
-
-
-def wrapped(angle):
-    return math.atan2(math.sin(angle), math.cos(angle))
-
-
-def between(a, b):
-    """The pose b as seen from a; each x, y, heading."""
-    dx, dy, c, s = b[0] - a[0], b[1] - a[1], math.cos(a[2]), math.sin(a[2])
-    return c * dx + s * dy, -s * dx + c * dy, wrapped(b[2] - a[2])
-
-
-def read_tum(path):
-    poses = []
-    for line in path.read_text().splitlines():
-        if line and not line.startswith("#"):
-            t, x, y, _, _, _, qz, qw = map(float, line.split())
-            poses.append((t, (x, y, 2 * math.atan2(qz, qw))))
-    return poses
 
 
 def at(poses, time_s):

@@ -26,6 +26,9 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
+from poses import between, compose, read_tum  # noqa: E402
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 ANNOTATED = {"intel": "logs/intel/intel.clf.bz2", "fr079": "logs/fr079/fr079.clf.bz2",
              "mit-killian": "logs/mit-killian/mit-killian.reconstructed.clf.xz"}
@@ -35,21 +38,6 @@ THIN_M, THIN_RAD = 1.0, 0.5
 LOST_M = {"freiburg-campus": 1.0}
 USUALLY_LOST_M = 0.5
 NO_RETURN_M = 81.91
-
-
-def wrapped(angle):
-    return math.atan2(math.sin(angle), math.cos(angle))
-
-
-def between(a, b):
-    """The pose b as seen from a; each x, y, heading."""
-    dx, dy, c, s = b[0] - a[0], b[1] - a[1], math.cos(a[2]), math.sin(a[2])
-    return c * dx + s * dy, -s * dx + c * dy, wrapped(b[2] - a[2])
-
-
-def compose(a, b):
-    c, s = math.cos(a[2]), math.sin(a[2])
-    return a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], wrapped(a[2] + b[2])
 
 
 class Scan:
@@ -301,15 +289,6 @@ ALTERATIONS = {f.__name__: f for f in (
 # --- Judging -------------------------------------------------------------------------------------------------------
 
 
-def read_poses(path):
-    poses = []
-    for line in path.read_text().splitlines():
-        if line and not line.startswith("#"):
-            t, x, y, _, _, _, qz, qw = map(float, line.split())
-            poses.append((t, (x, y, 2 * math.atan2(qz, qw))))
-    return poses
-
-
 def error_m(estimate, reference):
     """Root mean square distance of two lists of poses after the best turn and shift."""
     n = len(estimate)
@@ -338,10 +317,10 @@ def run(arguments, log, folder):
 def reference_of(arguments, name, scratch):
     """One pose per scan of the log."""
     if name in KEYFRAMES:
-        return [pose for _, pose in read_poses(arguments.data / f"logs_keyframes/{name}.reference.tum")]
+        return [pose for _, pose in read_tum(arguments.data / f"logs_keyframes/{name}.reference.tum")]
     known = arguments.references / f"{name}.tum" if arguments.references else None
     if known and known.exists():
-        return [pose for _, pose in read_poses(known)]
+        return [pose for _, pose in read_tum(known)]
     log = scratch / f"{name}.reference.clf"
     write_log(log, *read_log(arguments.data / ANNOTATED[name]))
     done = run(arguments, log, scratch / f"{name}.reference")
@@ -351,7 +330,7 @@ def reference_of(arguments, name, scratch):
     if known:
         known.parent.mkdir(parents=True, exist_ok=True)
         known.write_bytes(path.read_bytes())
-    return [pose for _, pose in read_poses(path)]
+    return [pose for _, pose in read_tum(path)]
 
 
 def cell(arguments, name, alteration, reference, scratch):
@@ -367,7 +346,7 @@ def cell(arguments, name, alteration, reference, scratch):
     log.unlink()
     if done.returncode not in (0, 4):
         return f"exit {done.returncode} !"
-    poses = [pose for _, pose in read_poses(folder / "trajectory_final.tum")]
+    poses = [pose for _, pose in read_tum(folder / "trajectory_final.tum")]
     if len(poses) != len(scans):
         return f"{len(poses)} poses of {len(scans)} !"
     wanted = [reference[scan.index] for scan in scans]

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "libslam/core/error.h"
+#include "libslam/logs/middle_value.h"
 
 namespace slam::logs {
 namespace {
@@ -14,13 +15,6 @@ constexpr double kLevel_rad = core::degToRad(5.0);
 constexpr double kOnRobot_m = 2;  // a robot indoors is not longer
 constexpr double kSamePlace_m = 1e-3, kSameHeading_rad = 1e-3;
 constexpr double kLeastDisagreement_s = 0.2, kPeriods = 3;
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 const SeenScan* firstOf(const std::vector<SeenScan>& seen, const std::string& label) {
   const auto it =
@@ -36,7 +30,7 @@ double periodOf(const std::vector<SeenScan>& seen, const std::string& label) {
     if (last != nullptr) periods_s.push_back(scan->scan.time_s - last->time_s);
     last = &scan->scan;
   }
-  return median(periods_s);
+  return middleValue(periods_s);
 }
 
 /// How much later the stamps of `label` are than those of `main` next to them in the file, where they disagree; else 0.
@@ -48,7 +42,7 @@ double disagreement(const std::vector<SeenScan>& seen, const std::string& main, 
     if (scan->lidar == label && last != nullptr) later_s.push_back(scan->scan.time_s - last->time_s);
   }
   const double limit_s = std::max(kLeastDisagreement_s, kPeriods * periodOf(seen, main));
-  const double middle_s = median(later_s);
+  const double middle_s = middleValue(later_s);
   return std::abs(middle_s) > limit_s ? middle_s : 0;
 }
 

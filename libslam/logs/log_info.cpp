@@ -5,17 +5,10 @@
 
 #include "libslam/core/error.h"
 #include "libslam/logs/log_reader.h"
+#include "libslam/logs/middle_value.h"
 
 namespace slam::logs {
 namespace {
-
-/// The middle one, the upper of two.
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 double fieldOfView(const robot::Scan& scan) {
   return static_cast<double>(scan.ranges_m.size() - 1) * scan.step_rad;
@@ -75,7 +68,7 @@ LogInfo inspectLog(const std::string& path) {
     info.longest_gap_s = std::max(0.0, *std::max_element(periods_s.begin(), periods_s.end()));
     info.stamps_run_back = *std::min_element(periods_s.begin(), periods_s.end()) < 0;
   }
-  info.median_scan_period_s = median(std::move(periods_s));
+  info.median_scan_period_s = middleValue(std::move(periods_s));
   if (readings > 0) {
     info.no_return_share = static_cast<double>(no_returns) / static_cast<double>(readings);
     info.lost_share = static_cast<double>(lost) / static_cast<double>(readings);
