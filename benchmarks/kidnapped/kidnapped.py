@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Is a kidnapped robot noticed, and is what it maps then joined rightly?
 
-  benchmarks/kidnapped/kidnapped.py [-n DRIVES] [-w DRIVES] [-l DRIVES] [-m METHOD] [-j JOBS] [-p PROGRAM] [-o FOLDER]
+  benchmarks/kidnapped/kidnapped.py [-n DRIVES] [-w DRIVES] [-l DRIVES] [-m METHOD] [-j JOBS] [-p PROGRAM] [-o FOLDER] [-s SEED]
 
 Short drives in generated buildings of every kind, with three lidars and at 2 to 40 scans a second: n in which somebody
 carries the robot, w in which nobody does, and l beside rooms that look all the same (a hospital without furniture), where
@@ -152,7 +152,7 @@ def table(rows, arguments):
     text = "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in lines)
     return (f"Kidnapped robot, method {arguments.method}: drives of {DURATION_S} s, carried after {CARRIED_S} s.\n"
             f"benchmarks/kidnapped/kidnapped.py -n {arguments.carried} -w {arguments.alone} -l {arguments.alike} "
-            f"-m {arguments.method}\n\n{text}\n\nWhat each column means stands at the head of the script.\n")
+            f"-m {arguments.method} -s {arguments.seed}\n\n{text}\n\nWhat each column means stands at the head of the script.\n")
 
 
 def main():
@@ -160,6 +160,7 @@ def main():
     parser.add_argument("-n", dest="carried", type=int, default=200)
     parser.add_argument("-w", dest="alone", type=int, default=200)
     parser.add_argument("-l", dest="alike", type=int, default=50)
+    parser.add_argument("-s", dest="seed", type=int, default=1000, help="of the first drive; the next ones count on")
     parser.add_argument("-m", dest="method", default="graph")
     parser.add_argument("-j", dest="jobs", type=int, default=2)
     parser.add_argument("-p", dest="program", default=str(ROOT / "build/release/apps/rasterslam"))

@@ -292,8 +292,7 @@ class GraphSlam {
   void joinRemainingParts();
   const Join* workOnJoins(int component);
   void lookAtNextPlace(int component);
-  Join joinAt(int place, const core::Pose2& T_map_robot) const;
-  bool addJoin(Join join);
+  void addJoin(int place, const core::Pose2& T_map_robot);
   bool isKnown(const Join& join) const;
   bool isPlausible(const Join& join) const;
   void holdAgainst(Join& join, Cursor& cursor, int next);

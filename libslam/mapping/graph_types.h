@@ -103,6 +103,7 @@ struct Join {
   std::vector<Cursor> placed;         ///< points of the trail that fit
   Box fits, followed;                 ///< where the trail fits, and where nothing contradicts it
   int proved = 0;                     ///< places, times kHeadings, that were shown not to be as good
+  int proof_from = 0;                 ///< points that have to fit before the proof goes on
   int old_keyframe = 0;               ///< nearest at `forth`
   int places_left = 0;                ///< of the whole map, not looked at yet since it was found
   double score = 0;
