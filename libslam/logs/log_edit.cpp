@@ -1,12 +1,7 @@
 #include "libslam/logs/log_edit.h"
 
-#include <mrpt/obs/CActionCollection.h>
-#include <mrpt/obs/CActionRobotMovement2D.h>
-#include <mrpt/obs/CActionRobotMovement3D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/obs/CSensoryFrame.h>
-#include <mrpt/poses/CPosePDFGaussian.h>
-#include <mrpt/serialization/CArchive.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,14 +19,9 @@
 namespace slam::logs {
 namespace {
 
-using mrpt::obs::CAction;
-using mrpt::obs::CActionCollection;
-using mrpt::obs::CActionRobotMovement2D;
-using mrpt::obs::CActionRobotMovement3D;
 using mrpt::obs::CObservation;
 using mrpt::obs::CObservation2DRangeScan;
 using mrpt::obs::CSensoryFrame;
-using mrpt::serialization::CSerializable;
 
 /// Progress over one or two logs.
 class Reports {

@@ -40,8 +40,8 @@ constexpr double kTwin_m = 2, kTwin_rad = 0.5;
 /// A map that has a twin of a place within itself may have one beyond its edge, too, where the robot may be: by so much of
 /// its way at least, in metres, a part must fit one place better than every other.
 constexpr double kAlone_m = 3;
-/// But a wrong place of a furnished room reaches 0.6 to 0.7 of the right one's score, and a room that looks the same 0.74 to 0.9 (in
-/// generated buildings, seeds 1000 to 1047 of benchmarks/kidnapped).
+/// Less is what wrong places of furnished rooms reach (0.6 to 0.7 of the right one's score), not rooms that look the same (0.7 to 0.9):
+/// in a dozen drives of benchmarks/kidnapped, seeds 1000 to 1046.
 constexpr double kLeastTwin = 0.7;
 /// A twin that was followed and left behind counts no more when this one fits over so many times its extent.
 constexpr double kRefuted = 2;

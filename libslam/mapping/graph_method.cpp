@@ -89,7 +89,6 @@ std::vector<Eigen::Matrix3d> GraphMethod::finalCovariances() const {
 MethodType graphMethod() {
   MethodType type;
   type.name = "graph";
-  type.what = "our graph SLAM: key frames, loops, and a pose graph between them";
   type.sections = {"graph"};
   type.goes_on_alone = type.continues_maps = type.finds_itself = true;
   type.read = [](const core::IniFile& ini, std::vector<core::ParameterReport>& report) -> MethodMaker {

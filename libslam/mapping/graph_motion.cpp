@@ -17,7 +17,7 @@ constexpr double kLeastPeriod_s = 1e-3, kMostPeriod_s = 2;
 constexpr double kPeriodGain = 0.05;
 /// The last motion goes on, to within what a robot may do otherwise per second, where nothing measures it.
 constexpr double kUnknown_mps = 2.5, kUnknown_radps = 2.5, kUnknownMost = 1;
-/// No faster are two scans searched for the motion between them.
+/// Two scans are searched for the motion of an indoor robot between them, at most so fast and so far; beyond, little is seen twice.
 constexpr double kFastest_mps = 3, kFastest_radps = 4, kFarthest_m = 4;
 
 /// A motion at the same speed and turn rate, for `times` the time.

@@ -70,7 +70,6 @@ IcpMethodOptions readOptions(const core::IniFile& ini, std::vector<core::Paramet
 MethodType icpMethod() {
   MethodType type;
   type.name = "icp";
-  type.what = "MRPT's ICP: each scan is matched to the points so far";
   type.sections = {"icp"};
   type.continues_maps = true;
   type.read = [](const core::IniFile& ini, std::vector<core::ParameterReport>& report) -> MethodMaker {

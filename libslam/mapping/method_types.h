@@ -16,7 +16,6 @@ using MethodMaker = std::function<std::unique_ptr<SlamMethod>(const std::string&
 /// One kind of method: what [method] type may say.
 struct MethodType {
   std::string name;
-  std::string what;                   ///< in a line
   std::vector<std::string> sections;  ///< that it reads, beside [method], [mapping] and [scan_odometry]
   bool goes_on_alone = false;  ///< does without a motion where there is none; [method] odometry may be `none`
   bool continues_maps = false;  ///< SlamMethod::continueMap()

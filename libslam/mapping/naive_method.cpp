@@ -42,7 +42,6 @@ class NaiveMethod : public MrptMethod {
 MethodType naiveMethod() {
   MethodType type;
   type.name = "naive";
-  type.what = "every return is drawn where dead reckoning has the robot";
   type.read = [](const core::IniFile& ini, std::vector<core::ParameterReport>& report) -> MethodMaker {
     MappingOptions mapping;
     core::readParameters(ini, mappingTable({gridRows(), keyFrameRows(), drawingRows()}), mapping, &report);

@@ -67,7 +67,6 @@ MappingRows ownGridRows() {
 MethodType particleMethod() {
   MethodType type;
   type.name = "particles";
-  type.what = "our particle filter, whose maps share what they have in common";
   type.sections = {"particles", "motion"};
   type.continues_maps = true;
   type.read = [](const core::IniFile& ini, std::vector<core::ParameterReport>& report) -> MethodMaker {

@@ -235,7 +235,6 @@ RbpfMethodOptions readOptions(const core::IniFile& ini, std::vector<core::Parame
 MethodType rbpfMethod() {
   MethodType type;
   type.name = "rbpf";
-  type.what = "MRPT's particle filter, each particle with a grid of its own";
   type.sections = {"icp", "particles", "motion"};
   type.read = [](const core::IniFile& ini, std::vector<core::ParameterReport>& report) -> MethodMaker {
     return [options = readOptions(ini, report)](const std::string& name, std::uint64_t seed) {

@@ -17,8 +17,6 @@
 namespace slam::report {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 std::string tag(const std::string& name, const std::string& text) {
   return "<" + name + ">" + htmlText(text) + "</" + name + ">";
 }

@@ -59,10 +59,7 @@ class EveryType : public ::testing::TestWithParam<MethodType> {
   }
 };
 
-TEST_P(EveryType, SaysWhatItIs) {
-  EXPECT_EQ(&methodType(GetParam().name), &methodType(GetParam().name));
-  EXPECT_GT(GetParam().what.size(), 10U);
-  EXPECT_EQ(GetParam().what.find('\n'), std::string::npos);
+TEST_P(EveryType, IsMadeByItsName) {
   EXPECT_TRUE(GetParam().continues_maps || !GetParam().finds_itself);
   auto method = make();
   EXPECT_EQ(method.type, GetParam().name);
