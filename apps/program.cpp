@@ -14,6 +14,7 @@
 #include <iostream>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <opencv2/core/utility.hpp>
 #include <string>
 #include <vector>
 
@@ -173,6 +174,7 @@ int runProgram(CLI::App& app, Context& context) {
   for (const auto& word : command_line) argv.push_back(word.c_str());
   catchInterrupts();
   endWithParent();
+  cv::setUseOptimized(false);  // which picks other instructions, and so other last bits, on other processors
   try {
     app.parse(static_cast<int>(argv.size()), argv.data());
   } catch (const CLI::ParseError& error) {
