@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::bags {
 namespace {
 
@@ -42,7 +44,7 @@ std::optional<mrpt::poses::CPose3D> toMrptPose(const RosVector3& position, const
     if (!std::isfinite(value)) return std::nullopt;
   // A turn about z alone keeps its angle to the last bit but one, which a way through a matrix would not.
   if (x == 0 && y == 0)
-    return mrpt::poses::CPose3D(position.x, position.y, position.z, 2 * std::atan2(z, w), 0, 0);
+    return mrpt::poses::CPose3D(position.x, position.y, position.z, 2 * core::atan2(z, w), 0, 0);
   const mrpt::math::CQuaternionDouble unit(w / length, x / length, y / length, z / length);
   return mrpt::poses::CPose3D(unit, position.x, position.y, position.z);
 }

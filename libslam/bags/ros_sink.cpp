@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "libslam/bags/ros_objects.h"
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/objects/mrpt_time.h"
 
@@ -32,7 +33,7 @@ RosVector3 positionOf(const CPose3D& pose) {
 RosQuaternion orientationOf(const CPose3D& pose) {
   // As in reading: a turn about z alone keeps its angle without the way through a matrix.
   if (pose.pitch() == 0 && pose.roll() == 0)
-    return {0, 0, std::sin(pose.yaw() / 2), std::cos(pose.yaw() / 2)};
+    return {0, 0, core::sin(pose.yaw() / 2), core::cos(pose.yaw() / 2)};
   mrpt::math::CQuaternionDouble q;
   pose.getAsQuaternion(q);
   return {q.x(), q.y(), q.z(), q.r()};

@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "libslam/check/sheet.h"
+#include "libslam/core/elementary.h"
 
 namespace slam::check {
 namespace {
@@ -21,7 +22,7 @@ bool isInk(const cv::Mat& ink, const cv::Point2d& p) {
 }
 
 cv::Point2d along(double angle_rad) {
-  return {std::cos(angle_rad), std::sin(angle_rad)};
+  return {core::cos(angle_rad), core::sin(angle_rad)};
 }
 
 /// A thin line's point and the direction across it.
@@ -76,7 +77,7 @@ std::vector<cv::Point2d> centresAt(const std::vector<LinePoint>& points, double 
     for (int x = 0; x < sums.cols; ++x) {
       const cv::Vec3f& v = sums.at<cv::Vec3f>(y, x);
       if (v[0] < least || v[0] < highest.at<float>(y, x)) continue;
-      const float spread = std::hypot(v[1], v[2]) / v[0];
+      const auto spread = static_cast<float>(core::hypot(v[1], v[2]) / v[0]);
       if (spread > 0.35F && spread < 0.85F) centres.emplace_back(kBin * x, kBin * y);
     }
   return centres;

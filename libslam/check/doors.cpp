@@ -4,6 +4,7 @@
 
 #include "libslam/check/door_arcs.h"
 #include "libslam/check/rules.h"
+#include "libslam/core/elementary.h"
 
 namespace slam::check {
 namespace {
@@ -26,7 +27,7 @@ class DoorFrame {
   }
 
  private:
-  static cv::Point2d direction(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
+  static cv::Point2d direction(double angle_rad) { return {core::cos(angle_rad), core::sin(angle_rad)}; }
 
   const DoorArc& door_;
   cv::Size size_;
@@ -58,7 +59,7 @@ cv::Mat inkOfDoor(const DoorArc& door, const cv::Mat& ink) {
   const double r = door.radius;
   const double arc = strokeBreadth(depth, [&](double t) {
     const double angle = 0.2 + 1.1 * t;
-    return cv::Point(frame.at(r * std::cos(angle), r * std::sin(angle)));
+    return cv::Point(frame.at(r * core::cos(angle), r * core::sin(angle)));
   });
   const double leaf =
       strokeBreadth(depth, [&](double t) { return cv::Point(frame.at(0, r * (0.2 + 0.6 * t))); });
@@ -68,7 +69,7 @@ cv::Mat inkOfDoor(const DoorArc& door, const cv::Mat& ink) {
   cv::Mat swept(ink.size(), CV_8U, cv::Scalar(0)), leaf_strip = swept.clone(), doorway = swept.clone();
   const auto degrees = [](double angle) { return angle * 180 / CV_PI; };
   double turn = door.leaf_rad - door.opening_rad;
-  turn = std::atan2(std::sin(turn), std::cos(turn));
+  turn = core::atan2(core::sin(turn), core::cos(turn));
   // From just before the jamb to past the leaf's edge.
   const double first = door.opening_rad + std::copysign(2 / r, turn), last = first + turn * 1.12;
   cv::ellipse(swept, door.hinge, cv::Size2d(r, r), 0, degrees(std::min(first, last)),

@@ -5,6 +5,7 @@
 #include "libslam/check/door_arcs.h"
 #include "libslam/check/passages.h"
 #include "libslam/check/rules.h"
+#include "libslam/core/elementary.h"
 
 namespace slam::check {
 namespace {
@@ -52,7 +53,7 @@ std::string resolutionText(double resolution_m) {
 
 /// To two digits: more would say more than a door knows.
 double rounded(double resolution_m) {
-  const double unit = std::pow(10.0, std::floor(std::log10(resolution_m)) - 1);
+  const double unit = core::powerOfTen(static_cast<int>(std::floor(core::log10(resolution_m))) - 1);
   return std::round(resolution_m / unit) / std::round(1 / unit);
 }
 

@@ -1,5 +1,7 @@
 #include "libslam/core/pose2.h"
 
+#include "libslam/core/elementary.h"
+
 namespace slam::core {
 
 double wrapToPi(double angle_rad) {
@@ -9,23 +11,23 @@ double wrapToPi(double angle_rad) {
 }
 
 Pose2 operator*(const Pose2& T_a_b, const Pose2& T_b_c) {
-  const double c = std::cos(T_a_b.phi), s = std::sin(T_a_b.phi);
+  const auto [s, c] = core::sinCos(T_a_b.phi);
   return {T_a_b.x + c * T_b_c.x - s * T_b_c.y, T_a_b.y + s * T_b_c.x + c * T_b_c.y,
           wrapToPi(T_a_b.phi + T_b_c.phi)};
 }
 
 Point2 operator*(const Pose2& T_a_b, const Point2& p_b) {
-  const double c = std::cos(T_a_b.phi), s = std::sin(T_a_b.phi);
+  const auto [s, c] = core::sinCos(T_a_b.phi);
   return {T_a_b.x + c * p_b.x - s * p_b.y, T_a_b.y + s * p_b.x + c * p_b.y};
 }
 
 Pose2 inverse(const Pose2& T_a_b) {
-  const double c = std::cos(T_a_b.phi), s = std::sin(T_a_b.phi);
+  const auto [s, c] = core::sinCos(T_a_b.phi);
   return {-c * T_a_b.x - s * T_a_b.y, s * T_a_b.x - c * T_a_b.y, wrapToPi(-T_a_b.phi)};
 }
 
 Pose2 between(const Pose2& T_a_b, const Pose2& T_a_c) {
-  const double c = std::cos(T_a_b.phi), s = std::sin(T_a_b.phi);
+  const auto [s, c] = core::sinCos(T_a_b.phi);
   const double dx = T_a_c.x - T_a_b.x, dy = T_a_c.y - T_a_b.y;
   return {c * dx + s * dy, -s * dx + c * dy, wrapToPi(T_a_c.phi - T_a_b.phi)};
 }

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <vector>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::core {
 
 inline constexpr double kPi = 3.14159265358979323846;
@@ -26,6 +28,12 @@ struct Point2 {
   double y = 0;  ///< metres
 };
 
+/// The point at a distance (metres) in a direction (radians) from the origin.
+inline Point2 polar(double distance_m, double angle_rad) {
+  const auto [sine, cosine] = core::sinCos(angle_rad);
+  return {distance_m * cosine, distance_m * sine};
+}
+
 /// A rigid motion of the plane, SE(2): rotate by phi, then shift by (x, y).
 /// As T_a_b it is the pose of frame b in frame a and takes coordinates in b to coordinates in a.
 /// Metres and radians, x ahead, y left, counter-clockwise positive. phi is kept as given; compositions wrap
@@ -47,10 +55,10 @@ Pose2 between(const Pose2& T_a_b, const Pose2& T_a_c);
 
 /// Distance of the two origins in metres.
 inline double distance(const Pose2& a, const Pose2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
+  return core::hypot(a.x - b.x, a.y - b.y);
 }
 inline double distance(const Point2& a, const Point2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
+  return core::hypot(a.x - b.x, a.y - b.y);
 }
 inline Point2 position(const Pose2& pose) {
   return {pose.x, pose.y};

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 
 namespace slam::core {
@@ -65,7 +66,7 @@ double RandomStream::normal() {
     v = 2 * uniform() - 1;
     s = u * u + v * v;
   } while (s >= 1 || s == 0);
-  const double factor = std::sqrt(-2 * std::log(s) / s);
+  const double factor = std::sqrt(-2 * core::log(s) / s);
   spare_ = v * factor;
   has_spare_ = true;
   return u * factor;

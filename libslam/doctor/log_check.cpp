@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/doctor/log_visitor.h"
 #include "libslam/doctor/motion_series.h"
@@ -287,7 +288,7 @@ class Matching : public LogVisitor {
       if (!from || !to) continue;
       const auto T_scans = mount * step.T_previous_lidar * core::inverse(mount);
       const auto error = core::between(T_scans, core::between(*from, *to));
-      const double error_m = std::hypot(error.x, error.y), error_rad = std::abs(core::wrapToPi(error.phi));
+      const double error_m = core::hypot(error.x, error.y), error_rad = std::abs(core::wrapToPi(error.phi));
       if (error_m < kLeast_m && error_rad < kLeast_rad) continue;
       ++figures_.disagreements;
       if (error_m <= figures_.largest_disagreement_m) continue;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/pose2.h"
 #include "libslam/doctor/finding_rules.h"
 #include "libslam/doctor/finding_text.h"
@@ -229,7 +230,7 @@ void FindingRules::mounting() {
     say("mounting", Severity::kWarning,
         text("the lidar is tilted by %.1f deg", radToDeg(f_.ranges.mount_tilt_rad)),
         "a planar map takes it as level: expect floors and ceilings as walls");
-  if (std::hypot(m.x, m.y) > kImplausibleMount_m) {
+  if (core::hypot(m.x, m.y) > kImplausibleMount_m) {
     say("mounting", Severity::kWarning, what + ": far from a robot's centre", "check the unit and the sign");
     return;
   }
@@ -241,7 +242,7 @@ void FindingRules::mounting() {
   what += text("; turns show x %s m, y %s m, driving yaw %s deg", shown(fit.lidar_x_m, 1, 3).c_str(),
                shown(fit.lidar_y_m, 1, 3).c_str(), shown(fit.lidar_yaw_rad, 180 / core::kPi, 2).c_str());
   const bool is_place_wrong =
-      std::hypot(fit.lidar_x_m.distanceTo(m.x), fit.lidar_y_m.distanceTo(m.y)) > kWrongPosition_m;
+      core::hypot(fit.lidar_x_m.distanceTo(m.x), fit.lidar_y_m.distanceTo(m.y)) > kWrongPosition_m;
   const double yaw_error = std::abs(core::wrapToPi(fit.lidar_yaw_rad.value - m.phi));
   const bool is_yaw_wrong = yaw_error - fit.lidar_yaw_rad.width() / 2 > kWrongYaw_rad;
   if (!is_place_wrong && !is_yaw_wrong) {

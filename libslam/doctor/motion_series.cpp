@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::doctor {
 namespace {
 
@@ -17,7 +19,7 @@ std::unique_ptr<odometry::ScanOdometry> makeMatcher() {
 
 /// plicp answers with the search range where nothing fits.
 bool isMatched(const odometry::ScanMotion& motion) {
-  static const double unknown = std::pow(odometry::ScanOdometryOptions().max_turn_rad, 2);
+  static const double most_rad = odometry::ScanOdometryOptions().max_turn_rad, unknown = most_rad * most_rad;
   return motion.covariance[8] < 0.99 * unknown;
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::doctor {
 namespace {
 
@@ -39,7 +41,7 @@ void addWindows(const Stretch& stretch, const std::string& stream, double offset
       if (!start) continue;
     }
     T_lidar = T_lidar * step.T_previous_lidar;
-    path_m += std::hypot(step.T_previous_lidar.x, step.T_previous_lidar.y);
+    path_m += core::hypot(step.T_previous_lidar.x, step.T_previous_lidar.y);
     turned_rad += std::abs(step.T_previous_lidar.phi);
     if (path_m < kWindowPath_m && turned_rad < kWindowTurn_rad && step.to_s - start_s < kLongestWindow_s)
       continue;
@@ -111,7 +113,7 @@ void fitTurns(const std::vector<Window>& windows, OdometryFit& result) {
   for (Eigen::Index i = 0; i < A.rows(); ++i) {
     const auto& [lidar, odometry] = windows[static_cast<std::size_t>(i)];
     A(i, 0) = lidar.phi;
-    A(i, 1) = std::hypot(lidar.x, lidar.y);
+    A(i, 1) = core::hypot(lidar.x, lidar.y);
     b[i] = odometry.phi;
   }
   const auto fit = robustFit(A, b, 1, 1e-4);
@@ -124,7 +126,7 @@ void fitMoves(const std::vector<Window>& windows, OdometryFit& result) {
   Eigen::VectorXd b(A.rows());
   for (std::size_t i = 0; i < windows.size(); ++i) {
     const auto& [lidar, odometry] = windows[i];
-    const double c = std::cos(lidar.phi) - 1, s = std::sin(lidar.phi);
+    const double c = core::cos(lidar.phi) - 1, s = core::sin(lidar.phi);
     const auto row = static_cast<Eigen::Index>(2 * i);
     A.row(row) << lidar.x, -lidar.y, -c, s;
     A.row(row + 1) << lidar.y, lidar.x, -s, -c;
@@ -132,14 +134,14 @@ void fitMoves(const std::vector<Window>& windows, OdometryFit& result) {
     b[row + 1] = odometry.y;
   }
   const auto fit = robustFit(A, b, 2, 1e-4);
-  const double scale = std::hypot(fit.x[0], fit.x[1]);
+  const double scale = core::hypot(fit.x[0], fit.x[1]);
   if (!(scale > 0)) return;
   // To first order about the scaled rotation: along it the scale, across it the yaw.
   const Eigen::Vector2d along = Eigen::Vector2d(fit.x[0], fit.x[1]) / scale, across(-along[1], along[0]);
   const Eigen::Matrix2d covariance = fit.covariance.topLeftCorner<2, 2>();
   const double half_scale = kConfidence * std::sqrt(along.dot(covariance * along));
   const double half_yaw = kConfidence * std::sqrt(across.dot(covariance * across)) / scale;
-  const double yaw = std::atan2(fit.x[1], fit.x[0]);
+  const double yaw = core::atan2(fit.x[1], fit.x[0]);
   result.distance_scale = {scale, scale - half_scale, scale + half_scale};
   result.lidar_yaw_rad = {yaw, yaw - half_yaw, yaw + half_yaw};
   result.lidar_x_m = times(fit.at(2), 1);
@@ -155,9 +157,9 @@ OdometryFit fitOdometry(const std::vector<Stretch>& stretches, const std::string
   result.windows = windows.size();
   double seen_turn_rad = 0, seen_path_m = 0;
   for (const auto& window : windows) {
-    result.path_m += std::hypot(window.T_odometry.x, window.T_odometry.y);
+    result.path_m += core::hypot(window.T_odometry.x, window.T_odometry.y);
     result.turned_rad += std::abs(window.T_odometry.phi);
-    seen_path_m += std::hypot(window.T_lidar.x, window.T_lidar.y);
+    seen_path_m += core::hypot(window.T_lidar.x, window.T_lidar.y);
     seen_turn_rad += std::abs(window.T_lidar.phi);
   }
   result.has_turns = seen_turn_rad >= kLeastTurned_rad && windows.size() >= 10;

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::doctor {
 
 void OdometryTally::add(std::optional<double> time_s, const core::Pose2& pose) {
   ++figures_.readings;
   if (last_) {
     const auto step = core::between(*last_, pose);
-    const double moved_m = std::hypot(step.x, step.y), turned_rad = std::abs(core::wrapToPi(step.phi));
+    const double moved_m = core::hypot(step.x, step.y), turned_rad = std::abs(core::wrapToPi(step.phi));
     const bool has_time = time_s && last_s_ && *time_s > *last_s_;
     const double duration_s = has_time ? *time_s - *last_s_ : 0;
     if (has_time && moved_m > 0) speeds_mps_.add(moved_m / duration_s);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/random.h"
 #include "libslam/odometry/planar_fit.h"
 
@@ -72,7 +73,7 @@ void ViewPairs::addScan(const robot::Scan& scan, const ScanStep* step) {
     return;
   }
   T_from_here_ = T_from_here_ * step->T_previous_lidar;
-  const double moved_m = std::hypot(T_from_here_.x, T_from_here_.y);
+  const double moved_m = core::hypot(T_from_here_.x, T_from_here_.y);
   const bool is_turned = std::abs(T_from_here_.phi) > kLargestTurn_rad;
   if (moved_m < kApart_m && !is_turned) return;
   if (!is_turned && since_pair_ >= spacing_ && from_ && from_->ranges_m.size() == scan.ranges_m.size()) {

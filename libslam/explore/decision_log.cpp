@@ -1,7 +1,6 @@
 #include "libslam/explore/decision_log.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace slam::explore {
 namespace {
@@ -16,8 +15,7 @@ bool areSame(const std::vector<core::Point2>& a, const std::vector<core::Point2>
 core::Point2 goalInMap(const DecisionEntry& entry) {
   const auto& d = entry.decision;
   if (!d.path.empty()) return d.goal;
-  return entry.T_map_robot *
-         core::Point2{d.distance_m * std::cos(d.turn_rad), d.distance_m * std::sin(d.turn_rad)};
+  return entry.T_map_robot * core::polar(d.distance_m, d.turn_rad);
 }
 
 bool isSame(const navigate::Decision& a, const navigate::Decision& b) {

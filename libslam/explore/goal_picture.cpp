@@ -1,7 +1,6 @@
 #include "libslam/explore/goal_picture.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "libslam/explore/goal_methods.h"
@@ -58,7 +57,7 @@ report::DrawnPath overlayOf(const StrategicOverlay& overlay, const ReachGoalRequ
     if (pose.time_s - run.truth.front().time_s <= met_s + 1e-9) T_world_robot = pose.pose;
   const double reach_m = request.config.navigate.lidar_bug.obstacle_range_m;
   const auto at = [&](double angle_rad, double range_m) {
-    const auto p = T_world_robot * core::Point2{range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)};
+    const auto p = T_world_robot * core::polar(range_m, angle_rad);
     return core::StampedPose{0, {p.x, p.y, 0}};
   };
   const core::StampedPose gap{0, {std::numeric_limits<double>::quiet_NaN(), 0, 0}};

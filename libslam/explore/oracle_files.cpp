@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/report/picture.h"
@@ -29,7 +30,7 @@ oracle::Oracle askOracle(const world::Plan& plan, const ExploreConfig& config, c
   request.start_world = core::position(record::startPose(plan, record));
   request.radius_m = robot::circumscribedRadius(record.robot);
   const auto mounting = robot::trueMountingPose(record.lidar);
-  request.lidar_offset_m = std::hypot(mounting.x, mounting.y);
+  request.lidar_offset_m = core::hypot(mounting.x, mounting.y);
   request.max_range_m = record.lidar.max_range_m;
   request.beam_step_rad = robot::beamStep(record.lidar);
   const auto area = metrics::explorableArea(plan, request.start_world, request.radius_m, request.max_range_m);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "libslam/core/elementary.h"
 #include "libslam/report/obstacle_picture.h"
 #include "libslam/robot/scan.h"
 
@@ -26,8 +27,8 @@ std::vector<core::Point2> seenFrom(const core::Pose2& T_start_robot) {
 
 /// Distance along a ray from the origin to a disc; infinity when it passes by.
 double distanceToDisc(double angle_rad, const core::Point2& centre, double radius_m) {
-  const double along = centre.x * std::cos(angle_rad) + centre.y * std::sin(angle_rad);
-  const double beside = centre.y * std::cos(angle_rad) - centre.x * std::sin(angle_rad);
+  const double along = centre.x * core::cos(angle_rad) + centre.y * core::sin(angle_rad);
+  const double beside = centre.y * core::cos(angle_rad) - centre.x * core::sin(angle_rad);
   if (along <= 0 || std::abs(beside) >= radius_m) return INFINITY;
   return along - std::sqrt(radius_m * radius_m - beside * beside);
 }
@@ -82,7 +83,7 @@ class Experiment {
   TurnAwayMoment moment(const std::string& what) const {
     const auto& points = map_.points();
     const auto border = points.begin() + static_cast<std::ptrdiff_t>(map_.rememberedCount());
-    const double reach_m = 2 * std::hypot(config_.map.front_m + config_.map.rear_m, config_.map.width_m);
+    const double reach_m = 2 * core::hypot(config_.map.front_m + config_.map.rear_m, config_.map.width_m);
     return {what,
             T_start_robot_,
             look_.visible->outline(reach_m),

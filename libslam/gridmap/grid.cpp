@@ -5,6 +5,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/gridmap/crossed_cells.h"
 
@@ -12,7 +13,7 @@ namespace slam::gridmap {
 namespace {
 
 int logOdds(double probability) {
-  return static_cast<int>(std::lround(Cell::kLogOddsPerNat * std::log(probability / (1 - probability))));
+  return static_cast<int>(std::lround(Cell::kLogOddsPerNat * core::log(probability / (1 - probability))));
 }
 
 void require(bool condition, const char* what) {
@@ -168,7 +169,7 @@ void Grid::findNearest(const Spot& spot) {
 void Grid::insert(const ScanRays& rays, const core::Pose2& T_map_robot) {
   require(core::isFinite(T_map_robot), "the pose is not finite");
   if (rays.rays.empty()) return;
-  const double c = std::cos(T_map_robot.phi), s = std::sin(T_map_robot.phi);
+  const auto [s, c] = core::sinCos(T_map_robot.phi);
   const double per_cell = 1 / options_.cell_m;
   const auto toCells = [&](const core::Point2& p) {
     return core::Point2{(T_map_robot.x + c * p.x - s * p.y) * per_cell,
@@ -259,7 +260,7 @@ void Grid::insert(const ScanRays& rays, const core::Pose2& T_map_robot) {
 double Grid::probability(int x, int y) const {
   const Cell* cell = at(x, y);
   if (!cell || !cell->seen()) return 0.5;
-  return 1 / (1 + std::exp(-cell->log_odds / Cell::kLogOddsPerNat));
+  return 1 / (1 + core::exp(-cell->log_odds / Cell::kLogOddsPerNat));
 }
 
 size_t Grid::tiles() const {

@@ -1,7 +1,8 @@
 #include "libslam/gridmap/scan_rays.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "libslam/core/elementary.h"
 
 namespace slam::gridmap {
 
@@ -17,9 +18,9 @@ ScanRays scanRays(const robot::Scan& scan, const RayOptions& options) {
     const double range_m = is_return ? static_cast<double>(reading_m) : clear_m;
     const double length_m = std::min(range_m, options.max_range_m);
     const double angle_rad = scan.T_robot_lidar.phi + scan.angle(i);
-    result.rays.push_back(
-        {{result.origin.x + length_m * std::cos(angle_rad), result.origin.y + length_m * std::sin(angle_rad)},
-         is_return && range_m <= options.max_range_m});
+    result.rays.push_back({{result.origin.x + length_m * core::cos(angle_rad),
+                            result.origin.y + length_m * core::sin(angle_rad)},
+                           is_return && range_m <= options.max_range_m});
   }
   return result;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/learn/recipes.h"
@@ -33,7 +34,7 @@ struct WatchedCell {
   int look(double angle_rad, double range_m) const {
     double from = 0, to = std::numeric_limits<double>::infinity();
     const std::array<std::array<double, 2>, 2> axes = {
-        {{corner.x, std::cos(angle_rad)}, {corner.y, std::sin(angle_rad)}}};
+        {{corner.x, core::cos(angle_rad)}, {corner.y, core::sin(angle_rad)}}};
     for (const auto& [low, along] : axes) {
       if (along == 0) {
         if (low > 0 || low + kSide_m < 0) return kNothing;
@@ -61,18 +62,18 @@ struct CellCounts {
   double hits = 0, passes = 0;
   void add(int seen) { hits += seen == kHit, passes += seen == kPassed; }
   double logOdds(double p_hit, double p_pass) const {
-    return hits * std::log(p_hit / (1 - p_hit)) + passes * std::log(p_pass / (1 - p_pass));
+    return hits * core::log(p_hit / (1 - p_hit)) + passes * core::log(p_pass / (1 - p_pass));
   }
 };
 
 double probability(double log_odds) {
-  return 1 / (1 + std::exp(-log_odds));
+  return 1 / (1 + core::exp(-log_odds));
 }
 
 double effectiveNumber(const std::vector<double>& log_likelihoods) {
   const double most = *std::max_element(log_likelihoods.begin(), log_likelihoods.end());
   double sum = 0, squares = 0;
-  for (const double l : log_likelihoods) sum += std::exp(l - most), squares += std::exp(2 * (l - most));
+  for (const double l : log_likelihoods) sum += core::exp(l - most), squares += core::exp(2 * (l - most));
   return sum * sum / squares;
 }
 
@@ -106,7 +107,7 @@ Figures gridCell(const Place& place) {
     const double angle = first.angle(beam),
                  range_m = world::castRay(plan, core::position(start), start.phi + angle, 0);
     if (!(range_m > 1.5 && range_m < 7)) continue;
-    const WatchedCell cell({(range_m + 0.005) * std::cos(angle), (range_m + 0.005) * std::sin(angle)});
+    const WatchedCell cell({(range_m + 0.005) * core::cos(angle), (range_m + 0.005) * core::sin(angle)});
     CellCounts exact, squeezed;
     std::vector<std::vector<double>> rows;
     for (const auto& scan : scans) {
@@ -175,7 +176,7 @@ Figures particleWeights(const Place& place) {
                {"particle", "x_m", "y_m", "yaw_rad", "log_likelihood", "log_likelihood_few_beams"}, rows);
   double sum = 0, squares = 0, largest = 0, total = 0;
   const double most = *std::max_element(all.begin(), all.end());
-  for (const double l : all) sum += l, squares += l * l, total += std::exp(l - most);
+  for (const double l : all) sum += l, squares += l * l, total += core::exp(l - most);
   largest = 1 / total;
   const double answer = effectiveNumber(all), n = static_cast<double>(kParticles);
   return {{"answer", answer},       {"few_beams", effectiveNumber(some)},
@@ -234,7 +235,7 @@ Ring drawRing(std::uint64_t seed) {
 
 double endDistance(const posegraph::PoseGraph& graph) {
   const auto& end = graph.poses().back();
-  return std::hypot(end.x, end.y);
+  return core::hypot(end.x, end.y);
 }
 
 posegraph::PoseGraph optimised(posegraph::PoseGraph graph) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/learn/recipes.h"
@@ -38,7 +39,7 @@ struct Turned {
   double heading_rad = 0, path_m = 0;
   void add(const core::Pose2& T_before_after) {
     heading_rad += T_before_after.phi;
-    path_m += std::hypot(T_before_after.x, T_before_after.y);
+    path_m += core::hypot(T_before_after.x, T_before_after.y);
   }
 };
 

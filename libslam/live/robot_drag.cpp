@@ -1,6 +1,6 @@
 #include "libslam/live/robot_drag.h"
 
-#include <cmath>
+#include "libslam/core/elementary.h"
 
 namespace slam::live {
 
@@ -17,7 +17,7 @@ void RobotDrag::move(const core::Point2& p, bool turns) {
   auto& held = *T_scene_held_;
   is_moved_ = true;
   if (turns) {
-    held.phi = std::atan2(p.y - held.y, p.x - held.x);
+    held.phi = core::atan2(p.y - held.y, p.x - held.x);
     from_mouse_ = {held.x - p.x, held.y - p.y};
   } else {
     held.x = p.x + from_mouse_.x;

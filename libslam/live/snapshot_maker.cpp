@@ -112,8 +112,7 @@ void SnapshotMaker::lookStrategically(const robot::Scan& scan) {
     const double shown_m =
         robot::isReturn(scan.ranges_m[nearest]) ? std::min(range_m, kStrategicShown_m) : kStrategicShown_m;
     const double angle_rad = scan.angle(nearest);
-    now_.strategic->projected.push_back(
-        scan.T_robot_lidar * core::Point2{shown_m * std::cos(angle_rad), shown_m * std::sin(angle_rad)});
+    now_.strategic->projected.push_back(scan.T_robot_lidar * core::polar(shown_m, angle_rad));
   }
 }
 
@@ -128,9 +127,8 @@ void SnapshotMaker::followDecision(const record::Step& step) {
   const bool on_map = !decision.path.empty();
   for (const auto& place : decision.alternatives)
     candidates.places.push_back(on_map ? place : T_map_decided_ * place);
-  candidates.goal = on_map ? decision.goal
-                           : T_map_decided_ * core::Point2{decision.distance_m * std::cos(decision.turn_rad),
-                                                           decision.distance_m * std::sin(decision.turn_rad)};
+  candidates.goal =
+      on_map ? decision.goal : T_map_decided_ * core::polar(decision.distance_m, decision.turn_rad);
   candidates.path = {core::position(T_map_decided_)};
   if (on_map)
     candidates.path.insert(candidates.path.end(), decision.path.begin(), decision.path.end());

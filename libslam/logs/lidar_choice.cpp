@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/logs/middle_value.h"
 
@@ -97,7 +98,7 @@ std::string objection(const std::vector<SeenScan>& seen, const std::vector<std::
                   core::radToDeg(first.tilt_rad), core::radToDeg(kLevel_rad));
     return text;
   }
-  if (std::hypot(mount.x, mount.y) > kOnRobot_m) {
+  if (core::hypot(mount.x, mount.y) > kOnRobot_m) {
     std::snprintf(text, sizeof text, "its mounting x %.2f m, y %.2f m is outside of any robot of this kind",
                   mount.x, mount.y);
     return text;

@@ -3,6 +3,7 @@
 #include <limits>
 #include <vector>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/middle_value.h"
@@ -56,7 +57,7 @@ LogInfo inspectLog(const std::string& path) {
     info.first_time_s = std::min(info.first_time_s, scan.time_s);
     info.last_time_s = std::max(info.last_time_s, scan.time_s);
     info.geometry_varies |= !hasGeometry(scan, info);
-    info.odometry_length_m += std::hypot(entry->T_previous_robot.x, entry->T_previous_robot.y);
+    info.odometry_length_m += core::hypot(entry->T_previous_robot.x, entry->T_previous_robot.y);
     readings += scan.ranges_m.size();
     for (const float range_m : scan.ranges_m) {
       no_returns += range_m == robot::kNoReturn;

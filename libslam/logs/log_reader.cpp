@@ -12,6 +12,7 @@
 #include <exception>
 #include <utility>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/logs/lidar_choice.h"
 #include "libslam/logs/log_format.h"
@@ -146,7 +147,7 @@ class StepReader {
     if (const auto sweep = sweeps_.find(observation.sensorLabel); sweep != sweeps_.end())
       step.seen.sweep = sweep->second;
     step.frame = frame_;
-    step.tilt_rad = std::acos(std::clamp(observation.sensorPose.getRotationMatrix()(2, 2), -1.0, 1.0));
+    step.tilt_rad = core::acos(std::clamp(observation.sensorPose.getRotationMatrix()(2, 2), -1.0, 1.0));
     step.motion = std::exchange(motion_, Motion{});
     ready_.push_back(std::move(step));
   }

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/logs/fixed_number.h"
 
@@ -113,7 +114,7 @@ core::Pose2 tumPose(const Line& line, const std::string& path) {
     failAt(path, line.number, "found a quaternion of length 0, expected length 1");
   // Yaw of the rotation matrix, atan2(R10, R00); of any scale, so that a rounded quaternion needs no
   // normalising.
-  return {v[1], v[2], std::atan2(2 * (qw * qz + qx * qy), qw * qw + qx * qx - qy * qy - qz * qz)};
+  return {v[1], v[2], core::atan2(2 * (qw * qz + qx * qy), qw * qw + qx * qx - qy * qy - qz * qz)};
 }
 
 core::Pose2 mrptPose(const Line& line, const std::string& /*path*/) {
@@ -183,7 +184,7 @@ void TrajectoryWriter::write(const core::StampedPose& stamped) {
     append({pose.x, pose.y, core::wrapToPi(pose.phi)}, kTumDecimals);
   } else if (format_ == Format::kTum) {
     const double half_rad = core::wrapToPi(pose.phi) / 2;
-    append({pose.x, pose.y, 0.0, 0.0, 0.0, std::sin(half_rad), std::cos(half_rad)}, kTumDecimals);
+    append({pose.x, pose.y, 0.0, 0.0, 0.0, core::sin(half_rad), core::cos(half_rad)}, kTumDecimals);
   } else {
     const auto T_start_robot = core::between(start_, pose);
     append({T_start_robot.x, T_start_robot.y, T_start_robot.phi}, kMrptDecimals);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/mapping/graph_slam.h"
 
 namespace slam::mapping {
@@ -114,7 +115,7 @@ void GraphSlam::lookWhetherLost(const robot::Scan& scan, const std::vector<Patch
   }
   LostDetector::Look look{};
   look.time_s = scan.time_s;
-  look.moved_m = std::hypot(increment.x, increment.y);
+  look.moved_m = core::hypot(increment.x, increment.y);
   look.broken = broken;
   look.contradicted = told.against(explained);
   look.telling = std::min(told.contradicted * told.telling + explained, 1.0);
@@ -189,7 +190,7 @@ GraphSlam::Trust GraphSlam::weighDoubt(const Pose2& T_before, const Break& seam,
   ++held_back_;
   doubt_.held_s += period_s_;
   keepTo(T_before * seam.T_previous_robot, seam.T_previous_robot, step);
-  doubt_.held_m += std::hypot(seam.T_previous_robot.x, seam.T_previous_robot.y);
+  doubt_.held_m += core::hypot(seam.T_previous_robot.x, seam.T_previous_robot.y);
   const bool waits =
       doubt_.held_s < kHold_s && doubt_.held_m < options_.keyframe_distance_m && !lost_.isLost();
   return waits ? Trust::kHeldBack : Trust::kOwnMap;

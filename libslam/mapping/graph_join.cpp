@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/mapping/graph_search.h"
 #include "libslam/mapping/graph_slam.h"
 #include "libslam/scanmatch/correlative_search.h"
@@ -277,7 +278,7 @@ std::vector<Point2> GraphSlam::trailQuery(const Join& join) const {
   for (const auto& fit : join.placed)
     for (const auto& point : trailPoints(fit.at)) {
       const PatchPoint seen = T_last_map * fit.T_map_robot * point;
-      if (std::hypot(seen.x, seen.y) <= kPlaceReach_m) query.push_back(seen);
+      if (core::hypot(seen.x, seen.y) <= kPlaceReach_m) query.push_back(seen);
     }
   return searchPoints(query, kProofPoints);
 }

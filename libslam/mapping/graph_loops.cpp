@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <unordered_set>
 
+#include "libslam/core/elementary.h"
 #include "libslam/mapping/graph_search.h"
 #include "libslam/mapping/graph_slam.h"
 #include "libslam/posegraph/optimize.h"
@@ -38,7 +39,7 @@ constexpr double kNoGap_m = 0.5;
 double viewRadius(const std::vector<Point2>& points) {
   if (points.empty()) return 0;
   std::vector<double> distances;
-  for (const auto& p : points) distances.push_back(std::hypot(p.x, p.y));
+  for (const auto& p : points) distances.push_back(core::hypot(p.x, p.y));
   const auto middle = distances.begin() + static_cast<long>(distances.size() / 2);
   std::nth_element(distances.begin(), middle, distances.end());
   return *middle;

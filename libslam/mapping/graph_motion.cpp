@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/mapping/graph_slam.h"
 #include "libslam/odometry/scan_odometry.h"
 
@@ -24,8 +25,8 @@ constexpr double kFastest_mps = 3, kFastest_radps = 4, kFarthest_m = 4;
 Pose2 goneOn(const Pose2& T, double times) {
   // Along an arc the chord turns by half of the turn.
   const double half = T.phi / 2;
-  const double length = std::abs(half) > 1e-9 ? std::sin(times * half) / std::sin(half) : times;
-  const double turn = (times - 1) * half, c = std::cos(turn), s = std::sin(turn);
+  const double length = std::abs(half) > 1e-9 ? core::sin(times * half) / core::sin(half) : times;
+  const double turn = (times - 1) * half, c = core::cos(turn), s = core::sin(turn);
   return {length * (c * T.x - s * T.y), length * (s * T.x + c * T.y), core::wrapToPi(times * T.phi)};
 }
 
@@ -71,7 +72,7 @@ GraphSlam::Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has
   result.T_previous_robot = has_odometry ? T_previous_robot : T_previous_robot_;
   const Pose2& T = result.T_previous_robot;
   const double root = std::sqrt((mean_period_s_ > 0 ? mean_period_s_ : kNominalPeriod_s) / kNominalPeriod_s);
-  result.sigma_xy_m = root * options_.odometry_xy_m + options_.odometry_xy_per_m * std::hypot(T.x, T.y);
+  result.sigma_xy_m = root * options_.odometry_xy_m + options_.odometry_xy_per_m * core::hypot(T.x, T.y);
   result.sigma_turn_rad =
       root * options_.odometry_turn_rad + options_.odometry_turn_per_rad * std::abs(T.phi);
   if (!has_odometry) {

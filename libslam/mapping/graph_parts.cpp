@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
+#include "libslam/core/elementary.h"
 #include "libslam/mapping/graph_search.h"
 #include "libslam/mapping/graph_slam.h"
 #include "libslam/scanmatch/correlative_search.h"
@@ -99,7 +99,7 @@ std::optional<scanmatch::MatchResult> GraphSlam::matchAtPlace(const std::vector<
   const auto around = keyframesAtPlace(place);
   std::vector<PatchPoint> near;
   for (const auto& point : query)
-    if (std::hypot(point.x, point.y) <= kPlaceReach_m) near.push_back(point);
+    if (core::hypot(point.x, point.y) <= kPlaceReach_m) near.push_back(point);
   const auto search_points = searchPoints(near, kMostQueryPoints);
   const auto found = searchBest(pyramidOf(place), search_points, {centre.x, centre.y, heading_rad},
                                 {kPlaceHalf_m, 0.5 * kHeadingStep_rad}, options_.loop_score);

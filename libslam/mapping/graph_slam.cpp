@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 
 namespace slam::mapping {
@@ -65,7 +66,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
     step.is_keyframe =
         trust == Trust::kOwnMap ||
         (trust == Trust::kWell &&
-         (std::hypot(T_keyframe_robot_.x, T_keyframe_robot_.y) > options_.keyframe_distance_m ||
+         (core::hypot(T_keyframe_robot_.x, T_keyframe_robot_.y) > options_.keyframe_distance_m ||
           std::abs(T_keyframe_robot_.phi) > options_.keyframe_angle_rad ||
           step.score < options_.keyframe_score));
     if (trust == Trust::kBack) {
@@ -91,7 +92,7 @@ void GraphSlam::addKnownKeyframe(const robot::Scan& scan, const Pose2& T_map_rob
   if (!records_.empty()) throw core::ContractError("GraphSlam: known keyframes come before the first scan");
   const Pose2 T_last = keyframes_.empty() ? Pose2{} : graph_.pose(lastKeyframe());
   T_odometry_ = core::between(T_last, T_map_robot);
-  path_m_ += std::hypot(T_odometry_.x, T_odometry_.y);
+  path_m_ += core::hypot(T_odometry_.x, T_odometry_.y);
   const bool loops = std::exchange(options_.loops, false);
   addKeyframe(scan, pointsOf(scan), T_map_robot, poseInformation(0.02, 0.005), Eigen::Matrix3d::Zero());
   keyframes_.back().scan = kOfEarlierRun;
@@ -142,7 +143,7 @@ int GraphSlam::addOdometryEdge(int k) {
   edge.from = k - 1, edge.to = k;
   edge.T_from_to = odometry_holds_ ? T_odometry_ : core::between(graph_.pose(k - 1), graph_.pose(k));
   const double factor = odometry_holds_ ? 1 : kDistrustedFactor;
-  const double move_m = std::hypot(edge.T_from_to.x, edge.T_from_to.y),
+  const double move_m = core::hypot(edge.T_from_to.x, edge.T_from_to.y),
                turn_rad = std::abs(edge.T_from_to.phi);
   edge.information =
       poseInformation(factor * (options_.odometry_xy_m + options_.odometry_xy_per_m * move_m),

@@ -4,6 +4,7 @@
 #include <functional>
 #include <utility>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/mapping/graph_slam.h"
 
@@ -40,7 +41,7 @@ constexpr double kNatsPerScan = 10;
 double heldAgainst(const Pose2& T, const Pose2& T_odometry, double sigma_xy_m, double sigma_turn_rad) {
   const double off = core::distance(T, T_odometry) / sigma_xy_m,
                turned = core::angleDifference(T.phi, T_odometry.phi) / sigma_turn_rad;
-  return std::log1p((off * off + turned * turned) / (kTail * kTail));
+  return core::log1p((off * off + turned * turned) / (kTail * kTail));
 }
 
 }  // namespace
@@ -322,7 +323,7 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   T_previous_robot_ = core::between(e.T_before, T);
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T);
   T_odometry_ = T_odometry_ * e.step.T_previous_robot;
-  path_m_ += std::hypot(T_previous_robot_.x, T_previous_robot_.y);
+  path_m_ += core::hypot(T_previous_robot_.x, T_previous_robot_.y);
   Step step;
   step.T_map_robot = T;
   step.score = result.score;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/mapping/graph_slam.h"
 
 namespace slam::mapping {
@@ -21,11 +22,11 @@ GraphSlam::Sight GraphSlam::sight(const robot::Scan& seen, const Point2& p_lidar
   const auto& ranges = seen.ranges_m;
   // Half of what two walls are apart at least; and beams are compared with their neighbours.
   constexpr double kSame_m = 0.3;
-  double angle = std::atan2(p_lidar.y, p_lidar.x) - seen.first_angle_rad;
+  double angle = core::atan2(p_lidar.y, p_lidar.x) - seen.first_angle_rad;
   if (angle < 0) angle += 2 * core::kPi;
   const auto beam = std::lround(angle / seen.step_rad);
   if (beam < 1 || beam + 1 >= static_cast<long>(ranges.size())) return Sight::kUnseen;
-  const double distance_m = std::hypot(p_lidar.x, p_lidar.y);
+  const double distance_m = core::hypot(p_lidar.x, p_lidar.y);
   double off_m = 1e9, nearest_m = 1e9;
   for (long b = beam - 1; b <= beam + 1; ++b) {
     const float range_m = ranges[static_cast<size_t>(b)];

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::mapping {
 namespace {
 
@@ -38,8 +40,8 @@ Eigen::Matrix3d withoutNegatives(const Eigen::Matrix3d& matrix, double least_sha
 
 Eigen::Matrix3d edgeInformation(const Eigen::Matrix3d& information, double phi_rad) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
-  turn(0, 0) = turn(1, 1) = std::cos(phi_rad);
-  turn(1, 0) = std::sin(phi_rad), turn(0, 1) = -turn(1, 0);
+  turn(0, 0) = turn(1, 1) = core::cos(phi_rad);
+  turn(1, 0) = core::sin(phi_rad), turn(0, 1) = -turn(1, 0);
   return withoutNegatives(turn.transpose() * information * turn, kLeastShare, kLeastInformation);
 }
 

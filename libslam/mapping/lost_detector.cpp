@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::mapping {
 namespace {
 
@@ -47,7 +49,7 @@ void LostDetector::look(const Look& now) {
   has_time_ = true;
   const double news = std::min(1.0, passed_s / kLook_s + now.moved_m / kLook_m);
   const double unbroken = std::clamp(-ratio(now.broken, unbroken_) / kMostPerLook, 0.0, 1.0);
-  dismissed_ *= std::exp(-news / kForgotten);
+  dismissed_ *= core::exp(-news / kForgotten);
   const double begins_now =
       now.may_be_lost && std::isfinite(now.broken)
           ? -std::min(kUnbroken, std::max(kUnbroken * unbroken, kPerDismissed * dismissed_))

@@ -1,11 +1,11 @@
 #include "libslam/mapping/motion.h"
 
-#include <cmath>
+#include "libslam/core/elementary.h"
 
 namespace slam::mapping {
 
 Motion operator*(const Motion& first, const Motion& second) {
-  const double c = std::cos(first.T_previous_robot.phi), s = std::sin(first.T_previous_robot.phi);
+  const auto [s, c] = core::sinCos(first.T_previous_robot.phi);
   const core::Pose2& step = second.T_previous_robot;
   Eigen::Matrix3d by_first, by_second;
   by_first << 1, 0, -s * step.x - c * step.y, 0, 1, c * step.x - s * step.y, 0, 0, 1;

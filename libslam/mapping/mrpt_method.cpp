@@ -11,11 +11,11 @@
 #include <mrpt/random/RandomGenerators.h>
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 #include <string>
 #include <utility>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "libslam/mapping/map_grid.h"
@@ -149,7 +149,7 @@ double MrptMethod::cellsWith(const core::Point2& centre, double reach_m) const {
 }
 
 double MrptMethod::reach(const robot::Scan& scan) const {
-  const double mount_m = std::hypot(scan.T_robot_lidar.x, scan.T_robot_lidar.y);
+  const double mount_m = core::hypot(scan.T_robot_lidar.x, scan.T_robot_lidar.y);
   return std::min(mapping_.max_insert_range_m, std::max(farthestReturn(scan), scan.max_range_m)) + mount_m;
 }
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/mapping/map_grid.h"
 #include "libslam/robot/motion_kind.h"
 #include "libslam/robot/mrpt_types.h"
@@ -64,7 +65,9 @@ void NaiveMapBuilder::processActionObservation(mrpt::obs::CActionCollection& act
   mrpt::poses::CPose2D increment;
   if (const auto movement = action.getBestMovementEstimation())
     increment = movement->poseChange->getMeanVal();
-  T_map_robot_ = T_map_robot_ + increment;
+  // Not MRPT's composition, whose sine is the C library's.
+  T_map_robot_ = mrpt::poses::CPose2D(
+      robot::toMrpt(robot::fromMrpt(T_map_robot_.asTPose()) * robot::fromMrpt(increment.asTPose())));
   if (!options.enableMapUpdating) return;
   const bool is_drawn = isDrawnAfter(robot::fromMrpt(increment.asTPose()));
   if (is_drawn) draw(observations);
@@ -95,9 +98,10 @@ void NaiveMapBuilder::draw(const mrpt::obs::CSensoryFrame& observations) {
 
 bool NaiveMapBuilder::isKeyFrame() const {
   if (key_frames_.empty() || options.debugForceInsertion) return true;
-  const auto travelled = T_map_robot_ - T_map_key_frame_;
-  return travelled.norm() >= options_.insert_distance_m ||
-         std::abs(core::wrapToPi(travelled.phi())) >= options_.insert_angle_rad;
+  const core::Pose2 travelled =
+      core::between(robot::fromMrpt(T_map_key_frame_.asTPose()), robot::fromMrpt(T_map_robot_.asTPose()));
+  return core::hypot(travelled.x, travelled.y) >= options_.insert_distance_m ||
+         std::abs(travelled.phi) >= options_.insert_angle_rad;
 }
 
 void NaiveMapBuilder::getCurrentlyBuiltMap(mrpt::maps::CSimpleMap& out_map) const {

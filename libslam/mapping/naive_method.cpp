@@ -1,8 +1,8 @@
 #include "libslam/mapping/naive_method.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/mapping/mrpt_method.h"
 #include "libslam/mapping/naive_map_builder.h"
 
@@ -30,7 +30,7 @@ class NaiveMethod : public MrptMethod {
  protected:
   double reach(const robot::Scan& scan) const override {
     if (!draws_dots_) return MrptMethod::reach(scan);
-    return farthestReturn(scan) + std::hypot(scan.T_robot_lidar.x, scan.T_robot_lidar.y);
+    return farthestReturn(scan) + core::hypot(scan.T_robot_lidar.x, scan.T_robot_lidar.y);
   }
 
  private:

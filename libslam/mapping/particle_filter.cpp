@@ -11,6 +11,7 @@
 #include <string>
 #include <tuple>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 
@@ -37,7 +38,7 @@ constexpr double kDistrustFactor = 3, kDistrustSigma_m = 0.1, kDistrustSigma_rad
 
 /// Of an increment's covariance, in the frame that its mean lives in.
 Eigen::Matrix3d rotated(const Eigen::Matrix3d& matrix, double phi) {
-  const double c = std::cos(phi), s = std::sin(phi);
+  const auto [s, c] = core::sinCos(phi);
   Eigen::Matrix3d R;
   R << c, -s, 0, s, c, 0, 0, 0, 1;
   return R * matrix * R.transpose();
@@ -266,7 +267,7 @@ void ParticleFilter::estimateCovariance() {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const Particle& particle : particles_) {
-    const double weight = std::exp(particle.log_weight - most);
+    const double weight = core::exp(particle.log_weight - most);
     const Eigen::Vector3d off(particle.T_raster_robot.x - T.x, particle.T_raster_robot.y - T.y,
                               core::angleDifference(particle.T_raster_robot.phi, T.phi));
     sum += weight, mean += weight * off;

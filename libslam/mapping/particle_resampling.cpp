@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "libslam/mapping/particle_filter.h"
@@ -16,7 +17,7 @@ namespace slam::mapping {
 using scanmatch::FieldMatch;
 
 double logEvidence(const FieldMatch& match, const Eigen::Matrix3d& information) {
-  return -match.cost - match.prior_cost - 0.5 * std::log(std::max(information.determinant(), 1e-300));
+  return -match.cost - match.prior_cost - 0.5 * core::log(std::max(information.determinant(), 1e-300));
 }
 
 void ParticleFilter::weigh() {
@@ -83,7 +84,7 @@ void ParticleFilter::resample() {
   std::vector<double> weights;
   double sum = 0, squares = 0;
   for (const Particle& particle : particles_) {
-    const double weight = std::exp(particle.log_weight - most);
+    const double weight = core::exp(particle.log_weight - most);
     weights.push_back(weight), sum += weight, squares += weight * weight;
   }
   step_.effective_share = sum * sum / squares / static_cast<double>(particles_.size());

@@ -74,7 +74,7 @@ std::vector<unsigned char> reachableCells(const world::Plan& plan, const core::P
 template <class See>
 void walkCells(const world::Plan& plan, const core::Point2& origin, double angle_in_plan,
                double max_range_cells, See see) {
-  const core::Point2 direction{std::cos(angle_in_plan), std::sin(angle_in_plan)};
+  const core::Point2 direction = core::polar(1, angle_in_plan);
   world::walkRay(
       plan, origin, direction, max_range_cells, [&](const world::Cell* cell, const world::RayEntry& entry) {
         return entry.isWithin(max_range_cells) && see(static_cast<size_t>(cell - plan.cells.data())) &&

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/metrics/nearest_points.h"
 #include "libslam/metrics/statistics.h"
@@ -131,7 +132,7 @@ double knownShare(const world::Plan& plan, const SeenMask& seen, const world::Pl
 }
 
 double entropyBits(double p) {
-  return p <= 0 || p >= 1 ? 0.0 : -p * std::log2(p) - (1 - p) * std::log2(1 - p);
+  return p <= 0 || p >= 1 ? 0.0 : -p * core::log2(p) - (1 - p) * core::log2(1 - p);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "libslam/core/elementary.h"
 #include "libslam/world/region.h"
 
 namespace slam::metrics {
@@ -67,7 +68,7 @@ std::vector<double> gaussian(double deviation_cells) {
   std::vector<double> weights;
   double sum = 0;
   for (int i = 0; i <= static_cast<int>(std::ceil(3 * deviation_cells)); ++i) {
-    weights.push_back(std::exp(-0.5 * i * i / (deviation_cells * deviation_cells)));
+    weights.push_back(core::exp(-0.5 * i * i / (deviation_cells * deviation_cells)));
     sum += i == 0 ? weights.back() : 2 * weights.back();
   }
   for (double& weight : weights) weight /= sum;

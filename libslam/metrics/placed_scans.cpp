@@ -6,6 +6,7 @@
 #include <limits>
 #include <tuple>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/metrics/statistics.h"
 #include "libslam/metrics/view_thinning.h"
@@ -78,15 +79,15 @@ Spread spreadAround(const Bins& bins, size_t i) {
                var_y = std::max(0.0, yy / n - y / n * (y / n));
   const double cov = xy / n - x / n * (y / n);
   const double half_trace = (var_x + var_y) / 2;
-  const double smaller = half_trace - std::hypot((var_x - var_y) / 2, cov);
-  const double larger = half_trace + std::hypot((var_x - var_y) / 2, cov);
+  const double smaller = half_trace - core::hypot((var_x - var_y) / 2, cov);
+  const double larger = half_trace + core::hypot((var_x - var_y) / 2, cov);
   Spread spread;
   spread.neighbours = static_cast<size_t>(n) - 1;
   spread.thickness_m = std::sqrt(std::max(0.0, smaller));
   constexpr double kTwoPi = 2 * core::kPi;
   // ln det(2 pi e S) / 2 with det(2 pi e S) = (2 pi e)^2 det S.
   spread.entropy =
-      std::log(kTwoPi) + 1 + 0.5 * (std::log(std::max(0.0, smaller) + kAdded) + std::log(larger + kAdded));
+      core::log(kTwoPi) + 1 + 0.5 * (core::log(std::max(0.0, smaller) + kAdded) + core::log(larger + kAdded));
   return spread;
 }
 
@@ -143,7 +144,7 @@ bool PlacedScans::endsOnWall(const core::Point2& end_cells) const {
   for (int row = first_row; row <= last_row; ++row)
     for (int column = first_column; column <= last_column; ++column)
       if (map_.at(column, row) == world::Cell::kOccupied &&
-          std::hypot(column + 0.5 - end_cells.x, row + 0.5 - end_cells.y) <= reach)
+          core::hypot(column + 0.5 - end_cells.x, row + 0.5 - end_cells.y) <= reach)
         return true;
   return false;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/metrics/statistics.h"
 
@@ -72,7 +73,7 @@ RelationError relationError(const core::Relations& relations, const core::Trajec
     result.interpolated += from.is_between || to.is_between;
     const core::Pose2 T_from_to = core::between(from.pose, to.pose);
     const core::Pose2 error = core::between(relations[i].T_from_to, T_from_to);
-    all.push_back({i, std::hypot(error.x, error.y), std::abs(core::wrapToPi(error.phi)), T_from_to});
+    all.push_back({i, core::hypot(error.x, error.y), std::abs(core::wrapToPi(error.phi)), T_from_to});
     translations_m.push_back(all.back().translation_m);
     rotations_rad.push_back(all.back().rotation_rad);
   }

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 
@@ -18,7 +17,7 @@ struct Marks {
 /// Marks what one ray sees; all in cells.
 void markRay(const world::Plan& plan, const core::Point2& origin, double angle_in_plan,
              double max_range_cells, Marks& marks) {
-  const core::Point2 direction{std::cos(angle_in_plan), std::sin(angle_in_plan)};
+  const core::Point2 direction = core::polar(1, angle_in_plan);
   const world::Cell* cells = plan.cells.data();
   unsigned char *walls = marks.wall.data(), *free = marks.free.data();
   world::walkRay(plan, origin, direction, max_range_cells,

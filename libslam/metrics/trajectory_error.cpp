@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 
 namespace slam::metrics {
@@ -90,7 +91,7 @@ RelativeError relativeError(const MatchedPoses& matched, const std::vector<doubl
     const auto true_motion = core::between(matched.truth[i], matched.truth[j]);
     const auto estimated_motion = core::between(matched.estimate[i], matched.estimate[j]);
     const auto error = core::between(true_motion, estimated_motion);
-    translations_m.push_back(std::hypot(error.x, error.y));
+    translations_m.push_back(core::hypot(error.x, error.y));
     rotations_rad.push_back(std::abs(error.phi));
   }
   return {errorStatistics(translations_m), errorStatistics(rotations_rad)};
@@ -139,9 +140,9 @@ core::Pose2 alignPositions(const std::vector<core::Pose2>& truth, const std::vec
   // sums that cancel to the last few digits.
   const double n = static_cast<double>(truth.size());
   const bool open = std::min(truth_spread, estimate_spread) <= n * kSameDistance_m * kSameDistance_m ||
-                    std::hypot(dot, cross) <= 1e-12 * std::sqrt(truth_spread * estimate_spread);
+                    core::hypot(dot, cross) <= 1e-12 * std::sqrt(truth_spread * estimate_spread);
   const double angle =
-      open ? core::angleDifference(truth.front().phi, estimate.front().phi) : std::atan2(cross, dot);
+      open ? core::angleDifference(truth.front().phi, estimate.front().phi) : core::atan2(cross, dot);
   const auto rotated_p0 = core::Pose2{0, 0, angle} * p0;
   return {q0.x - rotated_p0.x, q0.y - rotated_p0.y, angle};
 }

@@ -2,8 +2,7 @@
 
 #include <mrpt/kinematics/CVehicleVelCmd_DiffDriven.h>
 
-#include <cmath>
-
+#include "libslam/core/elementary.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::mrptnav {
@@ -27,7 +26,7 @@ std::vector<mrpt::math::TPose2D> toMrpt(const navigate::Decision& decision, cons
   }
   core::Pose2 pose = T_map_robot;
   const auto lookAt = [&pose](const core::Point2& p) {
-    if (p.x != pose.x || p.y != pose.y) pose.phi = std::atan2(p.y - pose.y, p.x - pose.x);
+    if (p.x != pose.x || p.y != pose.y) pose.phi = core::atan2(p.y - pose.y, p.x - pose.x);
   };
   for (const auto& waypoint : decision.path) {
     lookAt(waypoint);

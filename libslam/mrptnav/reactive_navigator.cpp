@@ -12,6 +12,7 @@
 #include <optional>
 #include <system_error>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/navigate/guarded_navigator.h"
@@ -71,8 +72,8 @@ class RobotForMrpt : public mrpt::nav::CRobot2NavInterface {
                                mrpt::system::TTimeStamp& stamp, mrpt::math::TPose2D& odometry,
                                std::string& /*frame*/) override {
     pose = odometry = robot::toMrpt(T_odom_robot_);
-    velocity = {driven_.speed_mps * std::cos(T_odom_robot_.phi),
-                driven_.speed_mps * std::sin(T_odom_robot_.phi), driven_.turn_rate_radps};
+    velocity = {driven_.speed_mps * core::cos(T_odom_robot_.phi),
+                driven_.speed_mps * core::sin(T_odom_robot_.phi), driven_.turn_rate_radps};
     stamp = mrpt::Clock::now();
     return true;
   }
@@ -124,7 +125,7 @@ class Navigation : public mrpt::nav::CReactiveNavigationSystem {
 
 /// The circle as MRPT wants shapes: coordinates of an octagon around it.
 std::string octagon(double radius_m, double (*coordinate)(double)) {
-  const double corner_m = radius_m / std::cos(core::kPi / 8);
+  const double corner_m = radius_m / core::cos(core::kPi / 8);
   std::string text;
   for (int i = 0; i < 8; ++i)
     text += core::formatNumber(corner_m * coordinate((i + 0.5) * core::kPi / 4)) + " ";
@@ -141,8 +142,8 @@ mrpt::config::CConfigFileMemory configurationFor(const ReactiveOptions& options,
   config.write(common, "robotMax_V_mps", task.robot.max_speed_mps);
   config.write(common, "robotMax_W_degps", turn_rate_degps);
   config.write(common, "ref_distance", options.look_ahead_m);
-  config.write(reactive, "RobotModel_shape2D_xs", octagon(radius_m, std::cos));
-  config.write(reactive, "RobotModel_shape2D_ys", octagon(radius_m, std::sin));
+  config.write(reactive, "RobotModel_shape2D_xs", octagon(radius_m, core::cos));
+  config.write(reactive, "RobotModel_shape2D_ys", octagon(radius_m, core::sin));
   config.write(reactive, "RobotModel_circular_shape_radius", radius_m);
   // Its alarm starts anew with every aim that it is given; ours does not.
   config.write("CAbstractNavigator", "alarm_seems_not_approaching_target_timeout", 1e9);

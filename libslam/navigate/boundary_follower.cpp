@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::navigate {
 namespace {
 
@@ -18,8 +20,7 @@ void BoundaryFollower::begin(const Surroundings& surroundings, const core::Pose2
                              double blocked_rad) {
   const auto stop = surroundings.way(blocked_rad, surroundings.followRadius()).stop;
   const double reach_m = surroundings.followRadius();
-  p_odom_contact_ = T_odom_robot * stop.value_or(core::Point2{reach_m * std::cos(blocked_rad),
-                                                              reach_m * std::sin(blocked_rad)});
+  p_odom_contact_ = T_odom_robot * stop.value_or(core::polar(reach_m, blocked_rad));
   first_blocked_rad_ = core::wrapToPi(T_odom_robot.phi + blocked_rad);
   startRound(T_odom_robot);
 }
@@ -58,10 +59,10 @@ BoundaryFollower::Result BoundaryFollower::update(const Surroundings& surroundin
   const double step_m = surroundings.step_m();
   core::Point2 p_contact = core::inverse(T_odom_robot) * p_odom_contact_;
   double start_rad = first_blocked_rad_ ? core::angleDifference(*first_blocked_rad_, T_odom_robot.phi)
-                                        : std::atan2(p_contact.y, p_contact.x);
+                                        : core::atan2(p_contact.y, p_contact.x);
   const double follow_m = surroundings.followRadius();
   if (!first_blocked_rad_ && surroundings.way(start_rad, follow_m).free_m >= step_m) {
-    if (std::hypot(p_contact.x, p_contact.y) > follow_m + step_m) {
+    if (core::hypot(p_contact.x, p_contact.y) > follow_m + step_m) {
       direction_rad_ = start_rad;
       track(T_odom_robot);
       return Result::kFollowing;
@@ -70,7 +71,7 @@ BoundaryFollower::Result BoundaryFollower::update(const Surroundings& surroundin
     const auto nearest = surroundings.nearestWithin(follow_m + kRegainWithin_m);
     if (!nearest) return Result::kWallLost;
     p_odom_contact_ = T_odom_robot * *nearest;
-    start_rad = std::atan2(nearest->y, nearest->x);
+    start_rad = core::atan2(nearest->y, nearest->x);
   }
   for (const double radius_m : {follow_m, surroundings.passRadius(), surroundings.guardRadius()}) {
     if (!sweep(surroundings, T_odom_robot, start_rad, radius_m, step_m)) continue;
@@ -83,7 +84,7 @@ BoundaryFollower::Result BoundaryFollower::update(const Surroundings& surroundin
 
 void BoundaryFollower::track(const core::Pose2& T_odom_robot) {
   const double bearing_rad =
-      std::atan2(p_odom_contact_.y - T_odom_robot.y, p_odom_contact_.x - T_odom_robot.x);
+      core::atan2(p_odom_contact_.y - T_odom_robot.y, p_odom_contact_.x - T_odom_robot.x);
   if (start_bearing_rad_)
     wound_rad_ += core::angleDifference(bearing_rad, contact_bearing_rad_);
   else

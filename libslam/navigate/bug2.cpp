@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::navigate {
 namespace {
 
@@ -22,7 +24,7 @@ GoalStep Bug2::step(const robot::Command& command, GoalStatus status) const {
 
 double Bug2::offLine(const core::Pose2& T_odom_robot) const {
   const double dx = task_.p_odom_goal.x - T_odom_start_->x, dy = task_.p_odom_goal.y - T_odom_start_->y;
-  const double length_m = std::hypot(dx, dy);
+  const double length_m = core::hypot(dx, dy);
   return (dx * (T_odom_robot.y - T_odom_start_->y) - dy * (T_odom_robot.x - T_odom_start_->x)) / length_m;
 }
 

@@ -183,8 +183,7 @@ void Driver::State::startNavigator(const core::Pose2& T_map_robot) {
   ways.unseen = options.unseen;
   ways.time_limit_s =
       kRayPatience * (core::kPi / robot.max_turn_rate_radps + distance_m / robot.max_speed_mps);
-  const core::Point2 p_robot_end{distance_m * std::cos(decision.turn_rad),
-                                 distance_m * std::sin(decision.turn_rad)};
+  const core::Point2 p_robot_end = core::polar(distance_m, decision.turn_rad);
   navigator = makeGoalNavigator(options.ray_navigator, ways, {T_map_robot * p_robot_end, robot, period_s});
   phase = Phase::kNavigating;
 }

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::navigate {
 namespace {
 
@@ -19,7 +21,7 @@ void sweep(const FreeSpace& space, const core::Point2& p_map, double angle_rad, 
   const double cell_m = space.resolution_m;
   const double x = (p_map.x - space.x_min_m) / cell_m, y = (p_map.y - space.y_min_m) / cell_m;
   int column = static_cast<int>(std::floor(x)), row = static_cast<int>(std::floor(y));
-  const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+  const auto [s, c] = core::sinCos(angle_rad);
   const double infinity = std::numeric_limits<double>::infinity();
   const int dc = c < 0 ? -1 : 1, dr = s < 0 ? -1 : 1;
   const double per_column = c != 0 ? 1 / std::abs(c) : infinity,
@@ -34,7 +36,7 @@ void sweep(const FreeSpace& space, const core::Point2& p_map, double angle_rad, 
     const double leave = std::min({next_column, next_row, end});
     if (state == kUnknownCell) {
       const double inside = leave - at;
-      const double seen = std::exp(-(unknown + 0.5 * inside) * damping);
+      const double seen = core::exp(-(unknown + 0.5 * inside) * damping);
       if (seen < kFaint) return;
       visit(space.index(column, row), seen * wedge_rad * 0.5 * (at + leave) * inside * cell_m * cell_m);
       unknown += inside;

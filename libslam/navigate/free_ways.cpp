@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/navigate/strategy.h"
 
 namespace slam::navigate {
@@ -12,16 +13,16 @@ constexpr double kRounding_rad = 1e-9;
 
 double returnDistance(const robot::Scan& scan, size_t beam) {
   const double range_m = scan.ranges_m[beam], angle_rad = scan.angle(beam);
-  const core::Point2 p_lidar{range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)};
+  const core::Point2 p_lidar = core::polar(range_m, angle_rad);
   const core::Point2 p_robot = scan.T_robot_lidar * p_lidar;
-  return std::hypot(p_robot.x, p_robot.y);
+  return core::hypot(p_robot.x, p_robot.y);
 }
 
 bool sectorIsFree(const robot::Scan& scan, double middle_rad, double clearance_m,
                   const std::vector<core::Point2>& remembered) {
   for (const auto& p : remembered) {
-    const double aside_rad = std::abs(core::angleDifference(std::atan2(p.y, p.x), middle_rad));
-    if (aside_rad <= kHalfSector_rad + kRounding_rad && std::hypot(p.x, p.y) < clearance_m) return false;
+    const double aside_rad = std::abs(core::angleDifference(core::atan2(p.y, p.x), middle_rad));
+    if (aside_rad <= kHalfSector_rad + kRounding_rad && core::hypot(p.x, p.y) < clearance_m) return false;
   }
   size_t seen = 0;
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {

@@ -1,8 +1,9 @@
 #include "libslam/navigate/guarded_navigator.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
+
+#include "libslam/core/elementary.h"
 
 namespace slam::navigate {
 namespace {
@@ -37,7 +38,7 @@ double GuardedNavigator::goalDistance(const core::Pose2& T_odom_robot) const {
 
 double GuardedNavigator::goalDirection(const core::Pose2& T_odom_robot) const {
   const core::Point2 p_robot = core::inverse(T_odom_robot) * task_.p_odom_goal;
-  return std::atan2(p_robot.y, p_robot.x);
+  return core::atan2(p_robot.y, p_robot.x);
 }
 
 double GuardedNavigator::approachRadius(const core::Pose2& T_odom_robot) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 
 namespace slam::navigate {
@@ -50,11 +51,11 @@ void LidarBug::look(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
     const bool is_return = robot::isReturn(range_m) && range_m >= invalid_m;
     if (!is_return && range_m != robot::kNoReturn) continue;
     const double beam_rad = scan.angle(i);
-    core::Point2 p_robot{range_m * std::cos(beam_rad), range_m * std::sin(beam_rad)};
+    core::Point2 p_robot = core::polar(range_m, beam_rad);
     if (is_return) p_robot = scan.T_robot_lidar * p_robot;
     const double bearing_rad =
-        is_return ? std::atan2(p_robot.y, p_robot.x) : beam_rad + scan.T_robot_lidar.phi;
-    const double from_robot_m = is_return ? std::hypot(p_robot.x, p_robot.y) : range_m;
+        is_return ? core::atan2(p_robot.y, p_robot.x) : beam_rad + scan.T_robot_lidar.phi;
+    const double from_robot_m = is_return ? core::hypot(p_robot.x, p_robot.y) : range_m;
     if (from_robot_m < bump_range_m_) bump_range_m_ = from_robot_m, bump_bearing_rad_ = bearing_rad;
     for (size_t d = 0; d < directions.size(); ++d) {
       const double from_rad = std::abs(core::angleDifference(bearing_rad, directions[d]));
@@ -66,7 +67,7 @@ void LidarBug::look(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
   const double stride_m = 2 * options_.lidar_bug.clear_front_m;
   for (size_t d = 0; d < directions.size(); ++d) {
     const double r = std::min(readings_m_[d], stride_m);
-    p_robot_projected_[d] = {r * std::cos(directions[d]), r * std::sin(directions[d])};
+    p_robot_projected_[d] = core::polar(r, directions[d]);
     p_odom_projected_[d] = T_odom_robot * p_robot_projected_[d];
   }
 }
@@ -79,9 +80,9 @@ void LidarBug::recall(const std::array<double, 5>& aside_rad) {
     if (aside_rad[d] >= kNeighbour_rad)
       readings_m_[d] = surroundings_.way(directions[d], kProbe_m).free_m + kProbe_m;
   for (const auto& p_robot : surroundings_.points()) {
-    const double from_robot_m = std::hypot(p_robot.x, p_robot.y);
+    const double from_robot_m = core::hypot(p_robot.x, p_robot.y);
     if (from_robot_m < bump_range_m_)
-      bump_range_m_ = from_robot_m, bump_bearing_rad_ = std::atan2(p_robot.y, p_robot.x);
+      bump_range_m_ = from_robot_m, bump_bearing_rad_ = core::atan2(p_robot.y, p_robot.x);
   }
 }
 
@@ -270,8 +271,9 @@ robot::Command LidarBug::followWall() const {
       std::min(on_left ? readings_m_[kLeftAhead] : readings_m_[kRightAhead], 3 * o.wall_lost_m);
   const double oblique_rad = strategicDirections()[kLeftAhead];
   // The wall's slant from the two readings: positive when it leads away from the heading.
-  const double slant_rad = std::clamp(
-      std::atan2(oblique_m * std::sin(oblique_rad) - side_m, oblique_m * std::cos(oblique_rad)), -0.5, 0.5);
+  const double slant_rad =
+      std::clamp(core::atan2(oblique_m * core::sin(oblique_rad) - side_m, oblique_m * core::cos(oblique_rad)),
+                 -0.5, 0.5);
   const double towards_wall_rad = std::clamp(1.5 * (side_m - o.wall_distance_m), -0.3, 0.3) + 0.5 * slant_rad;
   return surroundings_.towards((on_left ? 1 : -1) * std::clamp(towards_wall_rad, -0.35, 0.35),
                                surroundings_.step_m());

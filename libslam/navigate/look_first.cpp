@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/obstacles/lidar_view.h"
 
 namespace slam::navigate {
@@ -44,13 +45,13 @@ void LookFirst::hide(const core::Point2& p_odom) {
 bool LookFirst::isFaced(const core::Point2& p_odom) const {
   const core::Point2 p_sensor = core::inverse(T_odom_robot_ * T_robot_sensor_) * p_odom;
   // Well inside of the view, at whose sides a camera sees less far. A sensor beside the centre may never face what is near.
-  return std::abs(std::atan2(p_sensor.y, p_sensor.x)) <= half_view_rad_ / 2 ||
+  return std::abs(core::atan2(p_sensor.y, p_sensor.x)) <= half_view_rad_ / 2 ||
          std::abs(rest(p_odom)) < kTurned_rad;
 }
 
 double LookFirst::rest(const core::Point2& p_odom) const {
   const core::Point2 p_robot = core::inverse(T_odom_robot_) * p_odom;
-  return core::wrapToPi(std::atan2(p_robot.y, p_robot.x) - T_robot_sensor_.phi);
+  return core::wrapToPi(core::atan2(p_robot.y, p_robot.x) - T_robot_sensor_.phi);
 }
 
 std::optional<core::Point2> LookFirst::unseenOn(const robot::Command& command) const {

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 
 namespace slam::navigate {
@@ -229,8 +230,8 @@ Decision MapStrategy::decisionFor(const PathPlanner& planner, const std::vector<
     sum.x += p.x, sum.y += p.y;
   }
   if (choice.look_rad)
-    decision.look_at = core::Point2{decision.goal.x + std::cos(*choice.look_rad),
-                                    decision.goal.y + std::sin(*choice.look_rad)};
+    decision.look_at = core::Point2{decision.goal.x + core::cos(*choice.look_rad),
+                                    decision.goal.y + core::sin(*choice.look_rad)};
   else if (!target_.empty())
     decision.look_at = core::Point2{sum.x / static_cast<double>(target_.size()),
                                     sum.y / static_cast<double>(target_.size())};
@@ -283,7 +284,7 @@ bool MapStrategy::isStillGood(const Decision& decision, const core::Pose2& T_map
     const int column = space_->columnOf(p.x), row = space_->rowOf(p.y);
     for (int dr = -reach; dr <= reach; ++dr)
       for (int dc = -reach; dc <= reach; ++dc)
-        if (std::hypot(dc, dr) * space_->resolution_m <= radius_m &&
+        if (core::hypot(dc, dr) * space_->resolution_m <= radius_m &&
             space_->contains(column + dc, row + dr) &&
             space_->state[space_->index(column + dc, row + dr)] == kOccupiedCell)
           return true;

@@ -1,8 +1,9 @@
 #include "libslam/navigate/next_best_view.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
+
+#include "libslam/core/elementary.h"
 
 namespace slam::navigate {
 namespace {
@@ -50,12 +51,12 @@ double worthAfter(const std::vector<View>& views, std::size_t first, const Strat
         if (!shown[cell]) gain_m2 += static_cast<double>(area_m2);
       if (gain_m2 < kShownAlready * views[i].gain_m2) continue;
       const double to_m = lengthBetween(*views[here].viewpoint, *views[i].viewpoint);
-      const double then = (gain_m2 + options.view_bonus_m2) * std::exp(-options.lambda_per_m * to_m);
+      const double then = (gain_m2 + options.view_bonus_m2) * core::exp(-options.lambda_per_m * to_m);
       if (then <= most) continue;
       most = then, leg_m = to_m, next = i;
     }
     if (next == here) break;
-    worth += most * std::exp(-options.lambda_per_m * length_m);
+    worth += most * core::exp(-options.lambda_per_m * length_m);
     length_m += leg_m;
     here = next;
   }
@@ -74,7 +75,7 @@ std::optional<MapStrategy::Choice> NextBestView::choose(const Scene& scene) {
     const double gain_m2 = profile.within(scene.view, look_rad);
     if (gain_m2 < options().gain_min_m2) continue;
     const double worth =
-        (gain_m2 + options().view_bonus_m2) * std::exp(-options().lambda_per_m * viewpoint.length_m);
+        (gain_m2 + options().view_bonus_m2) * core::exp(-options().lambda_per_m * viewpoint.length_m);
     views.push_back({&viewpoint, look_rad, gain_m2, worth, {}});
   }
   if (views.empty()) return std::nullopt;

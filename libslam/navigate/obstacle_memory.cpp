@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/obstacles/lidar_view.h"
 
@@ -20,7 +21,7 @@ bool isInView(const robot::Scan& scan, const core::Point2& p_robot) {
   if (scan.isFullCircle()) return true;
   const core::Point2 p_lidar = core::inverse(scan.T_robot_lidar) * p_robot;
   const double first = scan.first_angle_rad, last = scan.angle(scan.ranges_m.size() - 1);
-  const double from_middle = core::angleDifference(std::atan2(p_lidar.y, p_lidar.x), 0.5 * (first + last));
+  const double from_middle = core::angleDifference(core::atan2(p_lidar.y, p_lidar.x), 0.5 * (first + last));
   return std::abs(from_middle) <= 0.5 * (last - first) + 0.5 * scan.step_rad;
 }
 
@@ -49,13 +50,13 @@ class ShortMemory : public ObstacleMemory {
     T_robot_odom_ = core::inverse(T_odom_robot);
     const auto forget = [&](const core::Point2& p_odom) {
       const core::Point2 p_robot = T_robot_odom_ * p_odom;
-      return std::hypot(p_robot.x, p_robot.y) > kReach_m || isInView(scan, p_robot);
+      return core::hypot(p_robot.x, p_robot.y) > kReach_m || isInView(scan, p_robot);
     };
     memory_odom_.erase(std::remove_if(memory_odom_.begin(), memory_odom_.end(), forget), memory_odom_.end());
     thin(memory_odom_, kGrid_m);
     seen_odom_.clear();
     for (const auto& p_robot : robot::scanPoints(scan))
-      if (std::hypot(p_robot.x, p_robot.y) <= kReach_m) seen_odom_.push_back(T_odom_robot * p_robot);
+      if (core::hypot(p_robot.x, p_robot.y) <= kReach_m) seen_odom_.push_back(T_odom_robot * p_robot);
   }
   std::vector<core::Point2> points() const override {
     std::vector<core::Point2> p_robot;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/navigate/expected_gain.h"
 #include "libslam/navigate/safe_motion.h"
 
@@ -52,8 +53,7 @@ std::optional<core::Point2> PathFollower::sidestep(const robot::Scan& scan, cons
     for (const int side : {1, -1}) {
       const double direction_rad = towards_rad + side * i * kSidestepTurn_rad;
       if (discReach(scan, direction_rad, robot, remembered) < kSidestep_m) continue;
-      return T_map_robot *
-             core::Point2{kSidestep_m * std::cos(direction_rad), kSidestep_m * std::sin(direction_rad)};
+      return T_map_robot * core::polar(kSidestep_m, direction_rad);
     }
   return std::nullopt;
 }
@@ -65,7 +65,7 @@ bool PathFollower::mustTurn(double error_rad, double rest_m, double most_rad) {
     turning_ = std::abs(error_rad) > most_rad;
     return std::abs(error_rad) > kSmallestTurn_rad;
   }
-  if (std::abs(error_rad) <= std::max(kSmallestCorrection_rad, std::atan2(kAside_m, rest_m))) return false;
+  if (std::abs(error_rad) <= std::max(kSmallestCorrection_rad, core::atan2(kAside_m, rest_m))) return false;
   turning_ = std::abs(error_rad) > most_rad;
   return true;
 }
@@ -76,7 +76,7 @@ PathFollower::Step PathFollower::next(const robot::Scan& scan, const core::Pose2
   const robot::Command stand{0, 0, period_s};
   const double most_rad = robot.max_turn_rate_radps * period_s;
   const auto bearing = [&](const core::Point2& p_map) {
-    return core::angleDifference(std::atan2(p_map.y - T_map_robot.y, p_map.x - T_map_robot.x),
+    return core::angleDifference(core::atan2(p_map.y - T_map_robot.y, p_map.x - T_map_robot.x),
                                  T_map_robot.phi);
   };
   if (!advanceWaypoint(T_map_robot)) {

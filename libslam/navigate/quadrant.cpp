@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "libslam/core/elementary.h"
 #include "libslam/navigate/view.h"
 
 namespace slam::navigate {
@@ -38,7 +39,7 @@ void Quadrant::rememberWay(const core::Pose2& T_odom_robot) {
 bool Quadrant::leadsBack(double angle_rad, const core::Pose2& T_odom_robot) const {
   if (!T_odom_from_) return false;
   const core::Pose2 T_robot_from = core::between(T_odom_robot, *T_odom_from_);
-  const double back_rad = std::atan2(T_robot_from.y, T_robot_from.x);
+  const double back_rad = core::atan2(T_robot_from.y, T_robot_from.x);
   return std::abs(core::angleDifference(angle_rad, back_rad)) <= kLeadsBack_rad;
 }
 
@@ -72,7 +73,7 @@ Decision Quadrant::decide(const robot::Scan& scan, const core::Pose2& T_odom_rob
   for (size_t q = 0; q < candidates.size(); ++q) {
     if (!candidates[q] || q == *choice) continue;
     const auto& [angle_rad, range_m] = *candidates[q];
-    decision.alternatives.push_back({range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)});
+    decision.alternatives.push_back(core::polar(range_m, angle_rad));
   }
   return decision;
 }

@@ -1,8 +1,8 @@
 #include "libslam/navigate/safe_motion.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/navigate/strategy.h"
 #include "libslam/navigate/view.h"
 
@@ -32,8 +32,8 @@ bool seesAhead(const robot::Scan& scan) {
 double safeSpeed(const robot::Scan& scan, const robot::RobotOptions& robot, double slow_clearance_m,
                  const std::vector<core::Point2>& remembered) {
   double nearest_m = robot::circumscribedRadius(robot) + slow_clearance_m;
-  for (const auto& p : robot::scanPoints(scan)) nearest_m = std::min(nearest_m, std::hypot(p.x, p.y));
-  for (const auto& p : remembered) nearest_m = std::min(nearest_m, std::hypot(p.x, p.y));
+  for (const auto& p : robot::scanPoints(scan)) nearest_m = std::min(nearest_m, core::hypot(p.x, p.y));
+  for (const auto& p : remembered) nearest_m = std::min(nearest_m, core::hypot(p.x, p.y));
   const double gap_m = std::max(0.0, nearest_m - robot::circumscribedRadius(robot));
   return robot.max_speed_mps * (slow_clearance_m > 0 ? 0.4 + 0.6 * gap_m / slow_clearance_m : 1.0);
 }

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::navigate {
 namespace {
 
@@ -44,7 +46,7 @@ void Surroundings::feel(const core::Pose2& T_odom_robot, bool ahead) {
 }
 
 Surroundings::Way Surroundings::way(double direction_rad, double radius_m) const {
-  const double c = std::cos(direction_rad), s = std::sin(direction_rad);
+  const auto [s, c] = core::sinCos(direction_rad);
   Way way{std::numeric_limits<double>::infinity(), std::nullopt};
   for (const auto& point : points_) {
     const double ahead_m = c * point.x + s * point.y;
@@ -65,7 +67,7 @@ double Surroundings::nearest_m() const {
 std::optional<core::Point2> Surroundings::nearestWithin(double most_m) const {
   std::optional<core::Point2> nearest;
   for (const auto& p : points_) {
-    const double distance_m = std::hypot(p.x, p.y);
+    const double distance_m = core::hypot(p.x, p.y);
     if (distance_m <= most_m) most_m = distance_m, nearest = p;
   }
   return nearest;
@@ -75,12 +77,12 @@ bool Surroundings::staysClear(const robot::Command& command) const {
   const double travel_m = std::abs(command.speed_mps) * command.duration_s;
   const int checks = static_cast<int>(std::ceil(travel_m / kArcStep_m));
   for (const auto& p : points_) {
-    const double now_m = std::hypot(p.x, p.y);
+    const double now_m = core::hypot(p.x, p.y);
     if (now_m > guard_m_ + travel_m) continue;
     const double least_m = std::min(guard_m_, now_m) - 1e-6;
     for (int i = 1; i <= checks; ++i) {
       const core::Pose2 T_now_then = robot::driveMotion(command, command.duration_s * i / checks);
-      if (std::hypot(p.x - T_now_then.x, p.y - T_now_then.y) < least_m) return false;
+      if (core::hypot(p.x - T_now_then.x, p.y - T_now_then.y) < least_m) return false;
     }
   }
   return true;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::navigate {
 namespace {
 
@@ -22,7 +24,7 @@ double directionOf(int k) {
 }
 
 core::Point2 along(double direction_rad, double distance_m) {
-  return {distance_m * std::cos(direction_rad), distance_m * std::sin(direction_rad)};
+  return core::polar(distance_m, direction_rad);
 }
 
 }  // namespace
@@ -82,10 +84,10 @@ std::vector<TangentBug::Node> TangentBug::nodes(const core::Pose2& T_odom_robot)
 std::optional<core::Point2> TangentBug::headingTo(const core::Pose2& T_odom_robot) const {
   if (!p_odom_heading_to_) return std::nullopt;
   const core::Point2 p_robot = core::inverse(T_odom_robot) * *p_odom_heading_to_;
-  const double rest_m = std::hypot(p_robot.x, p_robot.y);
+  const double rest_m = core::hypot(p_robot.x, p_robot.y);
   const double node_goal_m = core::distance(*p_odom_heading_to_, task_.p_odom_goal);
   const double free_m =
-      surroundings_.way(std::atan2(p_robot.y, p_robot.x), surroundings_.guardRadius()).free_m;
+      surroundings_.way(core::atan2(p_robot.y, p_robot.x), surroundings_.guardRadius()).free_m;
   if (rest_m > surroundings_.step_m() && free_m >= rest_m && node_goal_m < goalDistance(T_odom_robot))
     return p_robot;
   return std::nullopt;
@@ -100,7 +102,7 @@ std::optional<core::Point2> TangentBug::chooseNode(const std::vector<Node>& all,
   // blind sector sees others after every turn.
   if (const auto p_robot = headingTo(T_odom_robot)) {
     best = p_robot;
-    least_m = std::hypot(p_robot->x, p_robot->y) + core::distance(*p_odom_heading_to_, task_.p_odom_goal) -
+    least_m = core::hypot(p_robot->x, p_robot->y) + core::distance(*p_odom_heading_to_, task_.p_odom_goal) -
               kBetter_m;
   }
   for (const auto& node : all)
@@ -122,7 +124,7 @@ GoalStep TangentBug::plan(const robot::Scan& scan, const core::Pose2& T_odom_rob
 }
 
 GoalStep TangentBug::driveTo(const core::Point2& p_robot) const {
-  return step(surroundings_.towards(std::atan2(p_robot.y, p_robot.x), std::hypot(p_robot.x, p_robot.y)));
+  return step(surroundings_.towards(core::atan2(p_robot.y, p_robot.x), core::hypot(p_robot.x, p_robot.y)));
 }
 
 GoalStep TangentBug::toGoal(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
@@ -154,7 +156,7 @@ GoalStep TangentBug::toGoal(const robot::Scan& scan, const core::Pose2& T_odom_r
   for (const auto& node : all) {
     if (node.cost_m >= least_m) continue;
     least_m = node.cost_m;
-    wall_on_right = core::angleDifference(std::atan2(node.p_robot.y, node.p_robot.x), goal_rad) > 0;
+    wall_on_right = core::angleDifference(core::atan2(node.p_robot.y, node.p_robot.x), goal_rad) > 0;
   }
   follower_ = BoundaryFollower(wall_on_right, options_.boundary_tolerance_m);
   follower_.begin(surroundings_, T_odom_robot, goal_rad);
@@ -205,7 +207,7 @@ GoalStep TangentBug::follow(const robot::Scan& scan, const core::Pose2& T_odom_r
 
 GoalStep TangentBug::transition(const core::Pose2& T_odom_robot) {
   const core::Point2 p_robot = core::inverse(T_odom_robot) * p_odom_place_;
-  const double direction_rad = std::atan2(p_robot.y, p_robot.x), rest_m = std::hypot(p_robot.x, p_robot.y);
+  const double direction_rad = core::atan2(p_robot.y, p_robot.x), rest_m = core::hypot(p_robot.x, p_robot.y);
   const bool nearer = goalDistance(T_odom_robot) < nearest_goal_m_ - 0.5 * needed_progress_m_;
   const bool blocked = surroundings_.way(direction_rad, surroundings_.guardRadius()).free_m <
                        std::min(rest_m, 0.5 * surroundings_.step_m());

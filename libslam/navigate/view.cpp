@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::navigate {
 namespace {
 
@@ -34,7 +36,7 @@ std::vector<SeenBeam> seenBeams(const robot::Scan& scan) {
 }
 
 double freeTravel(const std::vector<core::Point2>& points_robot, double direction_rad, double radius_m) {
-  const double c = std::cos(direction_rad), s = std::sin(direction_rad);
+  const auto [s, c] = core::sinCos(direction_rad);
   double free_m = std::numeric_limits<double>::infinity();
   for (const auto& point : points_robot) {
     const double ahead_m = c * point.x + s * point.y;

@@ -1,10 +1,10 @@
 #include "libslam/navigate/wall_follow.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <limits>
 
+#include "libslam/core/elementary.h"
 #include "libslam/navigate/safe_motion.h"
 #include "libslam/navigate/view.h"
 
@@ -26,8 +26,8 @@ Decision WallFollow::decide(const robot::Scan& scan, const core::Pose2& /*T_map_
   char reason[100];
   double nearest_m = std::numeric_limits<double>::infinity(), nearest_rad = 0;
   for (const auto& p : points) {
-    const double range_m = std::hypot(p.x, p.y);
-    if (range_m < nearest_m) nearest_m = range_m, nearest_rad = std::atan2(p.y, p.x);
+    const double range_m = core::hypot(p.x, p.y);
+    if (range_m < nearest_m) nearest_m = range_m, nearest_rad = core::atan2(p.y, p.x);
   }
   const double keep_m = std::max(options_.wall_distance_m, robot::circumscribedRadius(robot_) + 0.05);
   if (points.empty() || (!found_ && nearest_m > keep_m + kStep_m)) {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::obstacles {
 namespace {
 
@@ -46,8 +48,7 @@ LidarView::LidarView(const robot::Scan& scan, const SectorOptions& options)
     const bool counts = robot::isReturn(reading_m) && reading_m <= reach_m;
     if (!counts || std::abs(bearing(i)) > half_width_rad_) continue;
     const double angle_rad = scan.angle(i), range_m = reading_m;
-    obstacles_.push_back(T_robot_lidar_ *
-                         core::Point2{range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)});
+    obstacles_.push_back(T_robot_lidar_ * core::polar(range_m, angle_rad));
   }
 }
 
@@ -67,7 +68,7 @@ double LidarView::visibleDepth_m(double bearing_rad) const {
 
 bool LidarView::contains(const core::Point2& p_robot) const {
   const double dx = p_robot.x - T_robot_lidar_.x, dy = p_robot.y - T_robot_lidar_.y;
-  const double distance_m = std::hypot(dx, dy), bearing_rad = std::atan2(dy, dx);
+  const double distance_m = core::hypot(dx, dy), bearing_rad = core::atan2(dy, dx);
   return std::isfinite(distance_m) && distance_m > min_range_m_ && std::abs(bearing_rad) <= half_width_rad_ &&
          distance_m < visibleDepth_m(bearing_rad);
 }
@@ -80,8 +81,8 @@ std::vector<core::Point2> LidarView::outline(double reach_m) const {
   std::sort(ends.begin(), ends.end());
   std::vector<core::Point2> border;
   for (const auto& [bearing_rad, depth_m] : ends)
-    border.push_back({T_robot_lidar_.x + depth_m * std::cos(bearing_rad),
-                      T_robot_lidar_.y + depth_m * std::sin(bearing_rad)});
+    border.push_back({T_robot_lidar_.x + depth_m * core::cos(bearing_rad),
+                      T_robot_lidar_.y + depth_m * core::sin(bearing_rad)});
   if (!border.empty()) border.push_back(core::position(T_robot_lidar_));
   return border;
 }

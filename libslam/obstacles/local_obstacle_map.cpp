@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 
 namespace slam::obstacles {
@@ -72,13 +73,13 @@ bool LocalObstacleMap::isInZone(const core::Point2& p_robot) const {
 
 void LocalObstacleMap::update(double turn_rad, double travel_m, const VisibleArea& visible,
                               const std::vector<core::Point2>& seen) {
-  tick(std::cos(turn_rad), std::sin(turn_rad), {travel_m, 0}, visible, seen);
+  tick(core::cos(turn_rad), core::sin(turn_rad), {travel_m, 0}, visible, seen);
 }
 
 void LocalObstacleMap::update(const core::Pose2& T_previous_robot, const VisibleArea& visible,
                               const std::vector<core::Point2>& seen) {
   // The robot's shift in the axes that it has afterwards, in which the points are shifted.
-  const double cosine = std::cos(T_previous_robot.phi), sine = std::sin(T_previous_robot.phi);
+  const auto [sine, cosine] = core::sinCos(T_previous_robot.phi);
   const core::Point2 shift{cosine * T_previous_robot.x + sine * T_previous_robot.y,
                            cosine * T_previous_robot.y - sine * T_previous_robot.x};
   tick(cosine, sine, shift, visible, seen);

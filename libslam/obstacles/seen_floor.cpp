@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 
 namespace slam::obstacles {
@@ -29,7 +30,7 @@ void SeenFloor::update(const core::Pose2& T_odom_robot, const VisibleArea& visib
   const core::Pose2 T_robot_odom = core::inverse(T_odom_robot);
   const core::Point2 p_odom_robot = core::position(T_odom_robot);
   const double half_m =
-      std::min(kReach_m, std::hypot(zone_.width_m / 2, std::max(zone_.front_m, zone_.rear_m)));
+      std::min(kReach_m, core::hypot(zone_.width_m / 2, std::max(zone_.front_m, zone_.rear_m)));
   SeenFloor after(zone_);
   after.first_column_ = indexOf(p_odom_robot.x - half_m), after.first_row_ = indexOf(p_odom_robot.y - half_m);
   after.side_ = indexOf(2 * half_m) + 2;

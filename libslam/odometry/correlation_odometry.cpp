@@ -2,6 +2,7 @@
 #include <cmath>
 #include <optional>
 
+#include "libslam/core/elementary.h"
 #include "libslam/odometry/local_lines.h"
 #include "libslam/odometry/methods.h"
 #include "libslam/odometry/planar_fit.h"
@@ -95,7 +96,7 @@ class CorrelationOdometry : public ScanOdometry {
   bool believable(const PlanarFit& fit) const {
     const auto& T = fit.T_reference_moving;
     return fit.matched > 0 && fit.matched >= kFewestMatched * fit.compared &&
-           std::hypot(T.x, T.y) <= options_.max_move_m && std::abs(T.phi) <= options_.max_turn_rad;
+           core::hypot(T.x, T.y) <= options_.max_move_m && std::abs(T.phi) <= options_.max_turn_rad;
   }
 
   static bool ambiguous(const std::vector<PlanarFit>& fits) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::odometry {
 namespace {
 
@@ -167,7 +169,7 @@ class LineGrower {
 // however steeply seen; what is left is noise, which dr = -r^2 du takes to metres. The median over all beams
 // ignores corners and edges.
 double estimateNoise(const robot::Scan& scan) {
-  const double c = 2 * std::cos(scan.step_rad);
+  const double c = 2 * core::cos(scan.step_rad);
   const double gain = std::sqrt(2 + c * c);
   std::vector<double> noise;
   noise.reserve(scan.ranges_m.size());
@@ -188,10 +190,10 @@ double estimateNoise(const robot::Scan& scan) {
 // to 1e-14.
 std::vector<core::Point2> beamDirections(const robot::Scan& scan) {
   std::vector<core::Point2> directions(scan.ranges_m.size());
-  const double c = std::cos(scan.step_rad), s = std::sin(scan.step_rad);
+  const auto [s, c] = core::sinCos(scan.step_rad);
   for (size_t i = 0; i < directions.size(); ++i) {
     if (i % 32 == 0) {
-      directions[i] = {std::cos(scan.angle(i)), std::sin(scan.angle(i))};
+      directions[i] = core::polar(1, scan.angle(i));
     } else {
       const core::Point2& d = directions[i - 1];
       directions[i] = {c * d.x - s * d.y, s * d.x + c * d.y};

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 
 namespace slam::odometry {
@@ -27,10 +28,10 @@ MotionModel motionModel(const ScanMotion& motion) {
   const auto& c = motion.covariance;
   // The model has one spread for x and y: the larger half axis of the covariance's ellipse.
   const double mean = (c[0] + c[4]) / 2;
-  const double std_xy = std::sqrt(mean + std::hypot((c[0] - c[4]) / 2, c[1]));
+  const double std_xy = std::sqrt(mean + core::hypot((c[0] - c[4]) / 2, c[1]));
   const double std_phi = std::sqrt(c[8]);
   const auto& step = motion.T_previous_current;
-  const double move = std::max(std::hypot(step.x, step.y), kShortestMove_m);
+  const double move = std::max(core::hypot(step.x, step.y), kShortestMove_m);
   const double turn = std::max(std::abs(step.phi), kSmallestTurn_rad);
   MotionModel model;
   model.modelSelection = mrpt::obs::CActionRobotMovement2D::mmGaussian;

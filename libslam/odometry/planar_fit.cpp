@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libslam/core/elementary.h"
 #include "libslam/odometry/normal_equations.h"
 
 namespace slam::odometry {
@@ -40,7 +41,7 @@ class Matcher {
   }
 
   const Pairs& match(const core::Pose2& T, int stride, double gate_m) {
-    const double c = std::cos(T.phi), s = std::sin(T.phi);
+    const auto [s, c] = core::sinCos(T.phi);
     pairs_.matched.clear();
     pairs_.compared = 0;
     for (size_t i = 0; i < moving_.points.size(); i += static_cast<size_t>(stride)) {
@@ -84,7 +85,8 @@ class Matcher {
   double beamAt(double arm_angle, const core::Point2& arm, const core::Point2& q) const {
     const double across = arm.x * q.y - arm.y * q.x, ahead = arm.x * q.x + arm.y * q.y;
     const double t = across / ahead;
-    const double parallax = ahead > 0 && std::abs(t) < 0.25 ? t * (1 - t * t / 3) : std::atan2(across, ahead);
+    const double parallax =
+        ahead > 0 && std::abs(t) < 0.25 ? t * (1 - t * t / 3) : core::atan2(across, ahead);
     double offset = arm_angle + parallax - reference_.first_angle_rad;
     offset -= 2 * core::kPi * std::floor(offset / (2 * core::kPi));
     return offset / reference_.step_rad;

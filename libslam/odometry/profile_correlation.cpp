@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::odometry {
 namespace {
 
@@ -22,7 +24,7 @@ Profile logProfile(const robot::Scan& scan) {
     double range = static_cast<double>(scan.ranges_m[i]);
     if (range == robot::kNoReturn) range = scan.max_range_m;
     if (!std::isfinite(range) || range <= 0) continue;
-    profile.value[i] = std::log(range);
+    profile.value[i] = core::log(range);
     profile.known[i] = 1;
   }
   return profile;

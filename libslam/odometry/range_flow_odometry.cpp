@@ -2,6 +2,7 @@
 #include <cmath>
 #include <memory>
 
+#include "libslam/core/elementary.h"
 #include "libslam/odometry/local_lines.h"
 #include "libslam/odometry/methods.h"
 #include "libslam/odometry/normal_equations.h"
@@ -107,7 +108,7 @@ void warp(const Level& moving, const core::Pose2& T, const Level& reference, dou
           std::vector<double>& warped) {
   const long n = static_cast<long>(reference.size());
   warped.assign(static_cast<size_t>(n), 0.0);
-  const double c = std::cos(T.phi), s = std::sin(T.phi), per_step = 1 / reference.step_rad;
+  const double c = core::cos(T.phi), s = core::sin(T.phi), per_step = 1 / reference.step_rad;
   const double circle = 2 * core::kPi * per_step;
   double last_u = 0, last_inverse = 0, last_original = 0;
   const size_t count = moving.size() + (moving.full_circle ? 1 : 0);
@@ -125,7 +126,7 @@ void warp(const Level& moving, const core::Pose2& T, const Level& reference, dou
     const double across = arm.x * q.y - arm.y * q.x, ahead = arm.x * q.x + arm.y * q.y, t = across / ahead;
     // Error of the series below 0.1 t^7: a ten-thousandth of a beam at the bound.
     const double parallax =
-        ahead > 0 && std::abs(t) < 0.2 ? t * (1 - t * t * (1.0 / 3 - t * t / 5)) : std::atan2(across, ahead);
+        ahead > 0 && std::abs(t) < 0.2 ? t * (1 - t * t * (1.0 / 3 - t * t / 5)) : core::atan2(across, ahead);
     const double angle = moving.first_angle_rad + static_cast<double>(k) * moving.step_rad + T.phi + parallax;
     const double u = (angle - reference.first_angle_rad) * per_step;
     const double seen = inverse / std::sqrt(q.x * q.x + q.y * q.y);
@@ -193,8 +194,8 @@ void constraints(const Level& reference, const std::vector<double>& warped, doub
       mean[i] = (reference.inverse_range[i] + warped[i]) / 2;
   double cos_h[kGradientReach + 1], sin_h[kGradientReach + 1];
   for (size_t k = 1; k <= kGradientReach; ++k) {
-    cos_h[k] = std::cos(static_cast<double>(k) * reference.step_rad);
-    sin_h[k] = std::sin(static_cast<double>(k) * reference.step_rad);
+    cos_h[k] = core::cos(static_cast<double>(k) * reference.step_rad);
+    sin_h[k] = core::sin(static_cast<double>(k) * reference.step_rad);
   }
   for (size_t i = 0; i < n; ++i) {
     if (mean[i] == 0) continue;
@@ -379,13 +380,13 @@ class RangeFlowOdometry : public ScanOdometry {
 
   static bool near(const Frame& frame) {
     const auto& T = frame.T_reference_frame;
-    return std::hypot(T.x, T.y) < kReferenceReach_m && std::abs(T.phi) < kReferenceReach_rad;
+    return core::hypot(T.x, T.y) < kReferenceReach_m && std::abs(T.phi) < kReferenceReach_rad;
   }
 
   /// Of the motion from the frame before, where both frames were measured against the reference.
   std::array<double, 9> stepCovariance(const Frame& after) const {
     const auto& P = previous_->T_reference_frame;
-    const double c = std::cos(P.phi), s = std::sin(P.phi);
+    const auto [s, c] = core::sinCos(P.phi);
     // T_step = P^-1 T: by T a rotation, by P minus that, and the heading of P swings the step.
     const double by_after[3][3] = {{c, s, 0}, {-s, c, 0}, {0, 0, 1}};
     const double by_before[3][3] = {{-c, -s, T_step_.y}, {s, -c, -T_step_.x}, {0, 0, -1}};
@@ -420,7 +421,7 @@ class RangeFlowOdometry : public ScanOdometry {
   bool believable(const Flow& flow) const {
     const auto& T = flow.T_reference_moving;
     return flow.rows >= kFewestRows && flow.inliers >= kFewestInliers * flow.rows &&
-           std::hypot(T.x, T.y) <= options_.max_move_m && std::abs(T.phi) <= options_.max_turn_rad;
+           core::hypot(T.x, T.y) <= options_.max_move_m && std::abs(T.phi) <= options_.max_turn_rad;
   }
 
   ScanOdometryOptions options_;

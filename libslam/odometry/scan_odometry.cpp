@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/odometry/methods.h"
 
@@ -49,8 +50,8 @@ ScanMotion robotMotion(const core::Pose2& mount, const core::Pose2& T_lidar,
   ScanMotion motion;
   motion.T_previous_current = mount * T_lidar * core::inverse(mount);
   // t_robot = l + R(mount) t_lidar - R(phi) l: its derivative by t_lidar is R(mount), by phi -R'(phi) l.
-  const double cm = std::cos(mount.phi), sm = std::sin(mount.phi);
-  const double c = std::cos(T_lidar.phi), s = std::sin(T_lidar.phi);
+  const auto [sm, cm] = core::sinCos(mount.phi);
+  const auto [s, c] = core::sinCos(T_lidar.phi);
   const double J[3][3] = {
       {cm, -sm, s * mount.x + c * mount.y}, {sm, cm, -c * mount.x + s * mount.y}, {0, 0, 1}};
   for (size_t row = 0; row < 3; ++row)
@@ -68,7 +69,7 @@ ScanMotion robotMotion(const core::Pose2& mount, const core::Pose2& T_lidar,
 
 bool isMeasurement(const std::array<double, 9>& c) {
   constexpr double kLargestError_m = 0.1, kLargestError_rad = 0.05;
-  const double largest = (c[0] + c[4]) / 2 + std::hypot((c[0] - c[4]) / 2, c[1]);
+  const double largest = (c[0] + c[4]) / 2 + core::hypot((c[0] - c[4]) / 2, c[1]);
   return largest < kLargestError_m * kLargestError_m && c[8] < kLargestError_rad * kLargestError_rad;
 }
 

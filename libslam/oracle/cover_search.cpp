@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/random.h"
 
 namespace slam::oracle {
@@ -196,8 +197,8 @@ CoverSearch::Tour CoverSearch::search(std::size_t samples, int rounds, const std
                 trial.begin() + static_cast<std::ptrdiff_t>(first + many));
     settle(trial);
     const double trial_m = length(trial);
-    const double heat_m = kWarm_m * std::pow(kCold_m / kWarm_m, static_cast<double>(round) / rounds);
-    if (trial_m >= length_m && random.uniform() >= std::exp((length_m - trial_m) / heat_m)) continue;
+    const double heat_m = kWarm_m * core::pow(kCold_m / kWarm_m, static_cast<double>(round) / rounds);
+    if (trial_m >= length_m && random.uniform() >= core::exp((length_m - trial_m) / heat_m)) continue;
     tour = trial;
     length_m = trial_m;
     if (trial_m < best_m) best = std::move(trial), best_m = trial_m;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libslam/core/elementary.h"
 #include "libslam/oracle/bound_below.h"
 #include "libslam/oracle/cover_search.h"
 #include "libslam/oracle/drive_graph.h"
@@ -40,7 +41,7 @@ KnownMapTour drive(const world::Plan& plan, const metrics::ExplorableArea& area,
   for (std::size_t i = 1; i < path.size(); ++i) {
     const core::Point2 from = path[i - 1], to = path[i];
     const double length_m = core::distance(from, to);
-    const double heading_rad = std::atan2(to.y - from.y, to.x - from.x);
+    const double heading_rad = core::atan2(to.y - from.y, to.x - from.x);
     const int steps = std::max(1, static_cast<int>(std::ceil(length_m / kCurveStep_m)));
     for (int k = 1; k <= steps; ++k) {
       const double s = static_cast<double>(k) / steps;

@@ -9,6 +9,7 @@
 #include <complex>
 #include <optional>
 
+#include "libslam/core/elementary.h"
 #include "libslam/posegraph/edge_error.h"
 #include "libslam/posegraph/parts.h"
 
@@ -16,6 +17,11 @@ namespace slam::posegraph {
 namespace {
 
 using Complex = std::complex<double>;
+
+Complex unit(double phi_rad) {
+  const auto [sine, cosine] = core::sinCos(phi_rad);
+  return {cosine, sine};
+}
 using Vector = Eigen::VectorXcd;
 using Matrix = Eigen::SparseMatrix<Complex>;
 
@@ -57,7 +63,7 @@ class Unknowns {
     if (node == kMap)
       out.add(0, 1);
     else if (first(node) < 0)
-      out.add(0, std::polar(1.0, graph_.pose(node).phi));
+      out.add(0, unit(graph_.pose(node).phi));
     else
       out.add(first(node), 1);
     return out;
@@ -77,7 +83,7 @@ class Unknowns {
     for (int node = 0; node < graph_.nodeCount(); ++node)
       if (first(node) >= 0) {
         const core::Pose2& pose = graph_.pose(node);
-        out[first(node)] = std::polar(1.0, pose.phi);
+        out[first(node)] = unit(pose.phi);
         out[first(node) + 1] = {pose.x, pose.y};
       }
     return out;
@@ -147,7 +153,7 @@ bool addEdge(const PoseGraph& graph, const Unknowns& unknowns, const Edge& edge,
   const Eigen::Vector3d round = roundPart(edge.information);
   const Eigen::Vector3d tangent = (edge.information - Eigen::Matrix3d(round.asDiagonal())) * e;
   const Linear a = unknowns.heading(edge.from), b = unknowns.heading(edge.to);
-  const Complex z = std::polar(1.0, edge.T_from_to.phi);
+  const Complex z = unit(edge.T_from_to.phi);
   // In the map's frame: t_b - t_a - a t_z.
   Linear r = unknowns.position(edge.to);
   r.add(unknowns.position(edge.from), -1);
@@ -160,9 +166,9 @@ bool addEdge(const PoseGraph& graph, const Unknowns& unknowns, const Edge& edge,
   if (w == 0) return tangent[2] == 0;
   const double shift = -tangent[2] / w, off = e[2] - shift;
   if (!(std::abs(off) < core::kPi)) return false;
-  const double bend = std::abs(off) < 1e-8 ? 1 : off / std::sin(off);
+  const double bend = std::abs(off) < 1e-8 ? 1 : off / core::sin(off);
   Linear turn = b;
-  turn.add(a, -z * std::polar(1.0, shift));
+  turn.add(a, -z * unit(shift));
   form.add(turn, w * bend / 2, turn);
   return true;
 }

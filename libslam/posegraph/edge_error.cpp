@@ -1,6 +1,6 @@
 #include "libslam/posegraph/edge_error.h"
 
-#include <cmath>
+#include "libslam/core/elementary.h"
 
 namespace slam::posegraph {
 namespace {
@@ -11,11 +11,11 @@ struct Geometry {
 };
 
 Geometry geometryOf(const core::Pose2& a, const core::Pose2& b, const core::Pose2& z) {
-  return {std::cos(a.phi + z.phi), std::sin(a.phi + z.phi), b.x - a.x, b.y - a.y};
+  return {core::cos(a.phi + z.phi), core::sin(a.phi + z.phi), b.x - a.x, b.y - a.y};
 }
 
 Eigen::Vector3d errorOf(const Geometry& g, const core::Pose2& a, const core::Pose2& b, const core::Pose2& z) {
-  const double cz = std::cos(z.phi), sz = std::sin(z.phi);
+  const auto [sz, cz] = core::sinCos(z.phi);
   return {g.c * g.dx + g.s * g.dy - (cz * z.x + sz * z.y), g.c * g.dy - g.s * g.dx - (cz * z.y - sz * z.x),
           core::wrapToPi(b.phi - a.phi - z.phi)};
 }

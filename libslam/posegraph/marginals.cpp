@@ -1,8 +1,8 @@
 #include "libslam/posegraph/marginals.h"
 
-#include <cmath>
 #include <string>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 
 namespace slam::posegraph {
@@ -64,7 +64,7 @@ Eigen::Matrix<double, 6, 6> Marginals::joint(int a, int b) const {
 Eigen::Matrix3d Marginals::relative(int a, int b) const {
   const Eigen::Matrix<double, 6, 6> both = joint(a, b);
   const core::Pose2 &T_map_a = poses_[static_cast<size_t>(a)], &T_map_b = poses_[static_cast<size_t>(b)];
-  const double c = std::cos(T_map_a.phi), s = std::sin(T_map_a.phi);
+  const auto [s, c] = core::sinCos(T_map_a.phi);
   const double dx = T_map_b.x - T_map_a.x, dy = T_map_b.y - T_map_a.y;
   Eigen::Matrix<double, 3, 6> J;
   J << -c, -s, c * dy - s * dx, c, s, 0, s, -c, -c * dx - s * dy, -s, c, 0, 0, 0, -1, 0, 0, 1;

@@ -1,11 +1,12 @@
 #include "libslam/posegraph/relaxation.h"
 
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <cmath>
 #include <complex>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/posegraph/parts.h"
 
@@ -13,6 +14,18 @@ namespace slam::posegraph {
 namespace {
 
 using Complex = std::complex<double>;
+
+Complex unit(double phi_rad) {
+  const auto [sine, cosine] = core::sinCos(phi_rad);
+  return {cosine, sine};
+}
+
+Eigen::Matrix2d rotation(double phi_rad) {
+  const auto [sine, cosine] = core::sinCos(phi_rad);
+  Eigen::Matrix2d R;
+  R << cosine, -sine, sine, cosine;
+  return R;
+}
 
 /// Of the largest entry of the diagonal: what a heading or a position keeps that no edge tells.
 constexpr double kLeast = 1e-12;
@@ -67,7 +80,7 @@ class Relaxation {
     for (const Edge& edge : graph_.edges()) {
       const double w = edge.information(2, 2);
       if (!edge.on || w <= 0) continue;
-      const Complex z = std::polar(1.0, edge.T_from_to.phi);
+      const Complex z = unit(edge.T_from_to.phi);
       const int a = variable(edge.from), b = variable(edge.to);
       if (a >= 0) equations.add(a, a, w);
       if (b >= 0) equations.add(b, b, w);
@@ -75,14 +88,16 @@ class Relaxation {
         equations.add(b, a, -w * z);
         equations.add(a, b, -w * std::conj(z));
       } else if (b >= 0) {
-        equations.addRight(b, w * z * std::polar(1.0, knownHeading(edge.from)));
+        equations.addRight(b, w * z * unit(knownHeading(edge.from)));
       } else if (a >= 0) {
-        equations.addRight(a, w * std::conj(z) * std::polar(1.0, knownHeading(edge.to)));
+        equations.addRight(a, w * std::conj(z) * unit(knownHeading(edge.to)));
       }
     }
     const auto found = equations.solve();
     for (int node = 0; node < graph_.nodeCount(); ++node)
-      headings_[at(node)] = variable(node) < 0 ? knownHeading(node) : std::arg(found[variable(node)]);
+      headings_[at(node)] = variable(node) < 0
+                                ? knownHeading(node)
+                                : core::atan2(found[variable(node)].imag(), found[variable(node)].real());
   }
   double knownHeading(int node) const { return node == kMap ? 0 : graph_.pose(node).phi; }
 
@@ -100,10 +115,9 @@ class Relaxation {
   }
   void addPositions(const Edge& edge, LeastSquares<double>& equations) const {
     const double heading = edge.from == kMap ? 0 : headings_[at(edge.from)];
-    const Eigen::Matrix2d R = Eigen::Rotation2Dd(heading + edge.T_from_to.phi).toRotationMatrix();
+    const Eigen::Matrix2d R = rotation(heading + edge.T_from_to.phi);
     const Eigen::Matrix2d W = R * edge.information.topLeftCorner<2, 2>() * R.transpose();
-    Eigen::Vector2d measured =
-        Eigen::Rotation2Dd(heading) * Eigen::Vector2d(edge.T_from_to.x, edge.T_from_to.y);
+    Eigen::Vector2d measured = rotation(heading) * Eigen::Vector2d(edge.T_from_to.x, edge.T_from_to.y);
     const int ends[] = {variable(edge.from), variable(edge.to)};
     const int nodes[] = {edge.from, edge.to};
     for (const int end : {0, 1})

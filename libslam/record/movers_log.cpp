@@ -3,6 +3,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
 
@@ -54,7 +55,7 @@ void MoversLog::add(const sim::Simulator& simulator) {
     for (const auto& person : crowd->people()) {
       const core::Point2 p = plan.T_world_plan * person.p;
       const double heading_rad =
-          core::wrapToPi(plan.T_world_plan.phi + std::atan2(person.heading.y, person.heading.x));
+          core::wrapToPi(plan.T_world_plan.phi + core::atan2(person.heading.y, person.heading.x));
       lines << time << ",person," << id++ << ',' << rounded(p.x) << ',' << rounded(p.y) << ','
             << rounded(heading_rad) << ',' << nameOf(person.state) << '\n';
     }

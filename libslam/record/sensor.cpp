@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/navigate/strategy.h"
 
@@ -31,7 +32,7 @@ robot::LidarOptions readLidar(const core::IniFile& config, const std::string& se
   core::readParameters(own, robot::LidarOptions::table(), lidar, &lines);
   for (auto& line : lines) line.section = section;
   if (report != nullptr) report->insert(report->end(), lines.begin(), lines.end());
-  const double away_m = std::hypot(lidar.mount_x_m, lidar.mount_y_m);
+  const double away_m = core::hypot(lidar.mount_x_m, lidar.mount_y_m);
   const double radius_m = robot::circumscribedRadius(robot);
   if (away_m > radius_m)
     throw core::InputError("section [" + section + "], keys 'mount_x_m' and 'mount_y_m': the lidar is " +

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/report/map_view.h"
 
 namespace slam::report {
@@ -15,14 +16,14 @@ constexpr double kScreenCell = 580;
 }  // namespace
 
 double Axis::place(double value) const {
-  if (is_log) return (std::log10(value) - std::log10(low)) / (std::log10(high) - std::log10(low));
+  if (is_log) return (core::log10(value) - core::log10(low)) / (core::log10(high) - core::log10(low));
   return (value - low) / (high - low);
 }
 
 Axis Axis::grownBy(double share) const {
   Axis grown = *this;
   if (is_log) {
-    const double factor = std::pow(high / low, share);
+    const double factor = core::pow(high / low, share);
     grown.low = low / factor, grown.high = high * factor;
   } else {
     grown.low = low - share * (high - low), grown.high = high + share * (high - low);
@@ -65,17 +66,17 @@ Axis logAxis(const std::vector<double>& values) {
   const auto [least, largest] = std::minmax_element(positive.begin(), positive.end());
   // From round number to round number; ticks at all of them, or at powers of ten where those are enough.
   std::vector<double> powers, round;
-  const int first = static_cast<int>(std::floor(std::log10(*least))) - 1;
-  for (int decade = first; decade <= std::log10(*largest) + 1; ++decade)
+  const int first = static_cast<int>(std::floor(core::log10(*least))) - 1;
+  for (int decade = first; decade <= core::log10(*largest) + 1; ++decade)
     for (const double factor : {1.0, 2.0, 5.0}) {
-      const double number = factor * std::pow(10, decade);
+      const double number = factor * core::powerOfTen(decade);
       if (5 * number > *least * (1 + 1e-9) && number < 5 * *largest * (1 - 1e-9)) round.push_back(number);
     }
   while (round.size() > 2 && round[1] <= *least * (1 + 1e-9)) round.erase(round.begin());
   while (round.size() > 2 && round[round.size() - 2] >= *largest * (1 - 1e-9)) round.pop_back();
   axis.low = round.front(), axis.high = round.back();
   for (const double number : round)
-    if (std::abs(std::remainder(std::log10(number), 1)) < 1e-6) powers.push_back(number);
+    if (std::abs(std::remainder(core::log10(number), 1)) < 1e-6) powers.push_back(number);
   axis.ticks = powers.size() > 2 ? powers : round;
   return axis;
 }

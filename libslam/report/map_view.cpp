@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/parameters.h"
 
 namespace slam::report {
@@ -116,8 +117,8 @@ LabelRaster::LabelRaster(const world::Plan& raster, const core::Pose2& T_world_r
       rows_(raster.rows),
       resolution_m_(raster.resolution_m),
       T_world_raster_(T_world_raster),
-      cosine_(std::cos(T_world_raster.phi)),
-      sine_(std::sin(T_world_raster.phi)) {
+      cosine_(core::cos(T_world_raster.phi)),
+      sine_(core::sin(T_world_raster.phi)) {
   labels_.reserve(raster.cells.size());
 }
 
@@ -176,7 +177,7 @@ void drawDashes(Canvas& canvas, const std::vector<Pixel>& points, Colour colour,
       continue;
     }
     const Pixel a = points[i - 1];
-    const double length = std::hypot(to.x - a.x, to.y - a.y);
+    const double length = core::hypot(to.x - a.x, to.y - a.y);
     for (double done = 0; length - done > 0;) {
       const double step = std::min(left, length - done);
       done += step, left -= step;
@@ -283,7 +284,7 @@ void LegendStrip::drawScaleBar(Canvas& canvas, Pixel right_end) const {
 }
 
 double niceStep(double most) {
-  const double power = std::pow(10, std::floor(std::log10(most)));
+  const double power = core::powerOfTen(static_cast<int>(std::floor(core::log10(most))));
   for (const double factor : {5.0, 2.0})
     if (factor * power <= most) return factor * power;
   return power;

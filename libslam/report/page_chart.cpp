@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/report/canvas.h"
 #include "libslam/report/map_view.h"
@@ -38,23 +39,24 @@ struct Scale {
   bool is_log = false;
 
   double place(double value) const {
-    const double share = is_log ? std::log(value / from) / std::log(to / from) : (value - from) / (to - from);
+    const double share =
+        is_log ? core::log(value / from) / core::log(to / from) : (value - from) / (to - from);
     return from_place + std::clamp(share, 0.0, 1.0) * (to_place - from_place);
   }
   std::vector<Tick> ticks() const {
     std::vector<Tick> ticks;
     if (!is_log) {
       const double step = niceStep((to - from) / 5);
-      const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
+      const int decimals = std::max(0, static_cast<int>(-std::floor(core::log10(step) + 1e-9)));
       for (int i = 0; from + i * step <= to + 1e-9 * step; ++i)
         ticks.push_back({from + i * step, fixed(from + i * step, decimals)});
       return ticks;
     }
     const bool few = to / from < 1e3;
-    for (int decade = static_cast<int>(std::floor(std::log10(from) + 1e-9));
-         std::pow(10, decade) <= to * (1 + 1e-9); ++decade)
+    for (int decade = static_cast<int>(std::floor(core::log10(from) + 1e-9));
+         core::powerOfTen(decade) <= to * (1 + 1e-9); ++decade)
       for (const int digit : {1, 2, 5})
-        if (const double value = digit * std::pow(10, decade);
+        if (const double value = digit * core::powerOfTen(decade);
             (few || digit == 1) && value >= from * (1 - 1e-9) && value <= to * (1 + 1e-9))
           ticks.push_back({value, fixed(value, std::max(0, -decade))});
     return ticks;
@@ -78,8 +80,8 @@ Scale scaleOf(const Range& range, double given_end, double worth_logarithm) {
   Scale scale;
   scale.is_log = !(given_end > 0) && range.least > 0 && range.most / range.least > worth_logarithm;
   if (scale.is_log) {
-    scale.from = std::pow(10, std::floor(std::log10(range.least) + 1e-9));
-    scale.to = std::pow(10, std::ceil(std::log10(range.most) - 1e-9));
+    scale.from = core::powerOfTen(static_cast<int>(std::floor(core::log10(range.least) + 1e-9)));
+    scale.to = core::powerOfTen(static_cast<int>(std::ceil(core::log10(range.most) - 1e-9)));
     return scale;
   }
   scale.to = given_end > 0 ? given_end : range.most > 0 ? range.most : 1;

@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/report/number_text.h"
 #include "libslam/report/page_text.h"
@@ -190,7 +191,7 @@ struct Axes {
   double x(double time_s) const { return kLeft + (kWidth - kLeft - kRight) * time_s / duration_s; }
   double y(double value) const {
     return kHeight - kBottom -
-           (kHeight - kTop - kBottom) * (std::clamp(std::log10(value), low, high) - low) / (high - low);
+           (kHeight - kTop - kBottom) * (std::clamp(core::log10(value), low, high) - low) / (high - low);
   }
 };
 
@@ -206,7 +207,7 @@ std::optional<Axes> axesOf(const std::vector<TimeSeries>& series, double duratio
   // A path begins on the truth: the first moments alone would stretch the axis down without end.
   std::sort(values.begin(), values.end());
   const double least = values[values.size() / 20];
-  const double low = std::floor(std::log10(least)), high = std::ceil(std::log10(values.back()) + 1e-9);
+  const double low = std::floor(core::log10(least)), high = std::ceil(core::log10(values.back()) + 1e-9);
   return Axes{duration_s, low, std::max(high, low + 1)};
 }
 
@@ -257,9 +258,9 @@ std::string timeChart(const std::vector<TimeSeries>& series, const std::string& 
                     "\" data-duration=\"" + fixed(duration_s, 3) + "\">\n";
   std::string grid, labels;
   for (int decade = static_cast<int>(axes->low); decade <= static_cast<int>(axes->high); ++decade) {
-    const double y = axes->y(std::pow(10, decade));
+    const double y = axes->y(core::powerOfTen(decade));
     grid += "M" + fixed(kLeft, 1) + " " + fixed(y, 1) + "H" + fixed(kWidth - kRight, 1);
-    labels += textElement(kLeft - 8, y + 5, "end", fixed(std::pow(10, decade), std::max(0, -decade)));
+    labels += textElement(kLeft - 8, y + 5, "end", fixed(core::powerOfTen(decade), std::max(0, -decade)));
   }
   const double step_s = niceStep(duration_s / 5);
   for (int i = 0; i * step_s <= duration_s; ++i) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/report/chart_axes.h"
 #include "libslam/report/map_view.h"
 #include "libslam/report/picture.h"
@@ -129,7 +130,7 @@ class Chart {
 
 /// As seen from above with the lidar looking up the page.
 Pixel polar(Pixel centre, double angle_rad, double radius) {
-  return {centre.x - radius * std::sin(angle_rad), centre.y - radius * std::cos(angle_rad)};
+  return {centre.x - radius * core::sin(angle_rad), centre.y - radius * core::cos(angle_rad)};
 }
 
 void drawSeenArea(Canvas& canvas, Pixel centre, const robot::Scan& scan, double units_per_metre) {

@@ -9,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
 #include "libslam/report/number_text.h"
@@ -56,7 +57,7 @@ std::string fixedText(double value, int decimals) {
 std::string shownNumber(double number, const Column& column) {
   const auto text = fixedText(std::abs(number), column.decimals);
   const bool is_bound = column.shows_bound && number > 0 && text.find_first_not_of("0.") == std::string::npos;
-  return is_bound ? "<" + fixedText(std::pow(10, -column.decimals), column.decimals) : text;
+  return is_bound ? "<" + fixedText(core::powerOfTen(-column.decimals), column.decimals) : text;
 }
 
 namespace {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::robot {
 namespace {
 
@@ -50,16 +52,16 @@ double beamRange(Ranges ranges_m, bool mixes, double where) {
 }
 
 double glassEcho(const LidarOptions& options, double incidence_rad) {
-  const double halvings = std::pow(incidence_rad / options.glass_echo_rad, 2);
-  return options.glass_echo * std::exp2(-halvings);
+  const double steepness = incidence_rad / options.glass_echo_rad, halvings = steepness * steepness;
+  return options.glass_echo * core::exp2(-halvings);
 }
 
 double glassReflectance(const LidarOptions& options, double incidence_rad) {
   if (options.glass_reflectance >= 1) return 1;
   const double face_head_on = options.glass_reflectance / (2 - options.glass_reflectance);
   const double index = (1 + std::sqrt(face_head_on)) / (1 - std::sqrt(face_head_on));
-  const double in = std::cos(incidence_rad);
-  const double out = std::sqrt(std::max(0.0, 1 - std::pow(std::sin(incidence_rad) / index, 2)));
+  const auto [sine, in] = core::sinCos(incidence_rad);
+  const double out = std::sqrt(std::max(0.0, 1 - (sine / index) * (sine / index)));
   const double across = (in - index * out) / (in + index * out);
   const double along = (index * in - out) / (index * in + out);
   const double face = 0.5 * (across * across + along * along);

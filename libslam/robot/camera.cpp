@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 
 namespace slam::robot {
@@ -14,7 +15,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Distance ahead at which a line of sight so far below the horizontal meets the floor.
 double floorDistance(double height_m, double angle_below_rad) {
   // Not 1 / tan: straight down is in the range.
-  return angle_below_rad > 0 ? height_m * std::cos(angle_below_rad) / std::sin(angle_below_rad) : kInfinity;
+  return angle_below_rad > 0 ? height_m * core::cos(angle_below_rad) / core::sin(angle_below_rad) : kInfinity;
 }
 
 /// Where the visible floor begins and ends ahead of the camera's foot.
@@ -85,15 +86,15 @@ const core::ParameterTable<CameraScanOptions>& CameraScanOptions::table() {
 }
 
 VisibleFloor visibleFloor(const CameraOptions& options) {
-  const double half_y_rad = options.fov_y_rad / 2, tan_half_x = std::tan(options.fov_x_rad / 2);
+  const double half_y_rad = options.fov_y_rad / 2, tan_half_x = core::tan(options.fov_x_rad / 2);
   const double nearest_m = options.x_m + floorDistance(options.height_m, options.pitch_rad + half_y_rad);
   if (options.area == "original") return {options.x_m, options.y_m, nearest_m, kInfinity, 0, tan_half_x};
   return {options.x_m,
           options.y_m,
           nearest_m,
           options.x_m + floorDistance(options.height_m, options.pitch_rad - half_y_rad),
-          options.height_m * std::sin(options.pitch_rad) * tan_half_x,
-          std::cos(options.pitch_rad) * tan_half_x};
+          options.height_m * core::sin(options.pitch_rad) * tan_half_x,
+          core::cos(options.pitch_rad) * tan_half_x};
 }
 
 void requireSensible(const FloorCamera& camera) {
@@ -119,7 +120,7 @@ void requireSensible(const FloorCamera& camera) {
 }
 
 BearingSpan bearingSpan(const FloorCamera& camera, double bearing_rad) {
-  const double cosine = std::cos(bearing_rad), tangent = std::abs(std::tan(bearing_rad));
+  const double cosine = core::cos(bearing_rad), tangent = std::abs(core::tan(bearing_rad));
   if (cosine < 1e-9) return {0, 0};
   const VisibleFloor floor = visibleFloor(camera.view);
   auto [begin_m, end_m] = depthSpan(camera);
@@ -174,7 +175,7 @@ void applyCameraErrors(const FloorCamera& camera, core::RandomStream& random, st
     } else if (range_m >= end_m) {
       range_m = end_m >= most_m ? kNoReturn : kLostReading;
     } else {
-      const double below_rad = std::atan2(height_m, static_cast<double>(range_m)) + error_rad;
+      const double below_rad = core::atan2(height_m, static_cast<double>(range_m)) + error_rad;
       const double seen_m = floorDistance(height_m, std::max(0.0, below_rad));
       range_m = static_cast<float>(std::clamp(seen_m, begin_m, end_m * kBelow));
     }

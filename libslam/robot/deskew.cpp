@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/robot/lidar.h"
 
 namespace slam::robot {
@@ -23,10 +24,10 @@ bool onOneSurface(const Moved& a, const Moved& b) {
 
 /// Where a ray meets the line through the two.
 float crossing(const Moved& a, const Moved& b, double angle_rad) {
-  const core::Point2 p{a.range_m * std::cos(a.angle_rad), a.range_m * std::sin(a.angle_rad)};
-  const core::Point2 q{b.range_m * std::cos(b.angle_rad), b.range_m * std::sin(b.angle_rad)};
+  const core::Point2 p = core::polar(a.range_m, a.angle_rad);
+  const core::Point2 q = core::polar(b.range_m, b.angle_rad);
   const double ex = q.x - p.x, ey = q.y - p.y;
-  const double across = std::cos(angle_rad) * ey - std::sin(angle_rad) * ex;
+  const double across = core::cos(angle_rad) * ey - core::sin(angle_rad) * ex;
   const double range_m = across != 0 ? (p.x * ey - p.y * ex) / across : a.range_m;
   const double low = std::min(a.range_m, b.range_m), high = std::max(a.range_m, b.range_m);
   return static_cast<float>(std::clamp(range_m, low, high));
@@ -50,12 +51,10 @@ std::vector<Moved> movedReadings(const Scan& scan, const core::Pose2& T_previous
       continue;
     }
     const core::Point2 p =
-        T_lidar_robot *
-        (T_robot_then * (scan.T_robot_lidar *
-                         core::Point2{range_m * std::cos(scan.angle(i)), range_m * std::sin(scan.angle(i))}));
+        T_lidar_robot * (T_robot_then * (scan.T_robot_lidar * core::polar(range_m, scan.angle(i))));
     // On the side of the circle where the beam was, so that the order of beams stays.
-    const double angle_rad = scan.angle(i) + core::angleDifference(std::atan2(p.y, p.x), scan.angle(i));
-    moved.push_back({angle_rad, static_cast<float>(std::hypot(p.x, p.y))});
+    const double angle_rad = scan.angle(i) + core::angleDifference(core::atan2(p.y, p.x), scan.angle(i));
+    moved.push_back({angle_rad, static_cast<float>(core::hypot(p.x, p.y))});
   }
   return moved;
 }

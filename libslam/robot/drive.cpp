@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::robot {
 
 const core::ParameterTable<RobotOptions>& RobotOptions::table() {
@@ -40,8 +42,9 @@ core::Pose2 driveMotion(const Command& command, double elapsed_s) {
   const double turn_rad = command.turn_rate_radps * elapsed_s;
   // Chord of the arc: length arc * sin(t/2) / (t/2), pointing half a turn aside. Also exact for t -> 0.
   const double half_rad = turn_rad / 2;
-  const double shrink = std::abs(half_rad) < 1e-8 ? 1.0 : std::sin(half_rad) / half_rad;
-  return {arc_m * shrink * std::cos(half_rad), arc_m * shrink * std::sin(half_rad), core::wrapToPi(turn_rad)};
+  const double shrink = std::abs(half_rad) < 1e-8 ? 1.0 : core::sin(half_rad) / half_rad;
+  return {arc_m * shrink * core::cos(half_rad), arc_m * shrink * core::sin(half_rad),
+          core::wrapToPi(turn_rad)};
 }
 
 }  // namespace slam::robot

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::robot {
 namespace {
 
@@ -25,7 +27,7 @@ MotionKind kindOf(const Command& command) {
 }
 
 MotionKind kindOf(const core::Pose2& T_previous_robot) {
-  const double along_m = std::hypot(T_previous_robot.x, T_previous_robot.y);
+  const double along_m = core::hypot(T_previous_robot.x, T_previous_robot.y);
   const double around_m = kHalfTrack_m * std::abs(T_previous_robot.phi);
   if (std::max(along_m, around_m) < kRest_m) return MotionKind::kRest;
   if (along_m < around_m) return MotionKind::kTurn;
@@ -51,7 +53,7 @@ Commanded CommandSeries::next(const core::Pose2& T_previous_robot) {
   const double turn = kind == MotionKind::kMove ? 0 : sign(T_previous_robot.phi);
   if (kind != MotionKind::kArc) return join(kind, along, turn, true);
   // One period in a row: a real arc goes on.
-  const double along_m = std::hypot(T_previous_robot.x, T_previous_robot.y);
+  const double along_m = core::hypot(T_previous_robot.x, T_previous_robot.y);
   const double turned_rad = std::abs(T_previous_robot.phi);
   const bool may_turn =
       kind_ == MotionKind::kTurn && turn == turn_ && along_m < kDoubt * kHalfTrack_m * turned_rad;

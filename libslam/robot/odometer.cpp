@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::robot {
 namespace {
 
@@ -13,7 +15,7 @@ bool hasWheelErrors(const OdometryOptions& o) {
 
 double drawLengthToSlip(core::RandomStream& random, double slips_per_m) {
   if (slips_per_m <= 0) return std::numeric_limits<double>::infinity();
-  return -std::log1p(-random.uniform()) / slips_per_m;
+  return -core::log1p(-random.uniform()) / slips_per_m;
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::robot {
 
 const core::ParameterTable<OdometryOptions>& OdometryOptions::table() {
@@ -39,11 +41,11 @@ OdometryOptions::OdometryOptions() {
 
 core::Pose2 sampleOdometry(const core::Pose2& T_before_after, const OdometryOptions& options,
                            core::RandomStream& random) {
-  const double distance_m = std::hypot(T_before_after.x, T_before_after.y);
+  const double distance_m = core::hypot(T_before_after.x, T_before_after.y);
   const bool backward = T_before_after.x < 0;
   const double direction = backward ? -1.0 : 1.0;
   const double rot1 =
-      distance_m == 0 ? 0.0 : std::atan2(direction * T_before_after.y, direction * T_before_after.x);
+      distance_m == 0 ? 0.0 : core::atan2(direction * T_before_after.y, direction * T_before_after.x);
   const double trans = direction * distance_m;
   const double rot2 = core::wrapToPi(T_before_after.phi - rot1);
 
@@ -57,7 +59,7 @@ core::Pose2 sampleOdometry(const core::Pose2& T_before_after, const OdometryOpti
 
   const double reported_m = noisy_trans * options.scale;
   const double bias_rad = options.heading_bias_radpm * distance_m;
-  return {reported_m * std::cos(noisy_rot1), reported_m * std::sin(noisy_rot1),
+  return {reported_m * core::cos(noisy_rot1), reported_m * core::sin(noisy_rot1),
           core::wrapToPi(noisy_rot1 + noisy_rot2 + bias_rad)};
 }
 

@@ -8,8 +8,7 @@ std::vector<core::Point2> scanPoints(const Scan& scan) {
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
     if (!isReturn(scan.ranges_m[i])) continue;
     const double range_m = scan.ranges_m[i], angle_rad = scan.angle(i);
-    points.push_back(scan.T_robot_lidar *
-                     core::Point2{range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)});
+    points.push_back(scan.T_robot_lidar * core::polar(range_m, angle_rad));
   }
   return points;
 }

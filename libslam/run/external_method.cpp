@@ -10,6 +10,7 @@
 #include <optional>
 #include <sstream>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/manifest.h"
@@ -211,7 +212,7 @@ class PathChecker {
     if (std::abs(length - 1) > kUnitTolerance)
       return violated("found a quaternion of length " + core::formatNumber(length) + ", expected 1");
     take(n[0],
-         {n[1], n[2], std::atan2(2 * (n[7] * n[6] + n[4] * n[5]), 1 - 2 * (n[5] * n[5] + n[6] * n[6]))});
+         {n[1], n[2], core::atan2(2 * (n[7] * n[6] + n[4] * n[5]), 1 - 2 * (n[5] * n[5] + n[6] * n[6]))});
   }
 
   std::vector<std::string> violations() {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
 #include "libslam/run/map_plan.h"
@@ -55,7 +56,7 @@ class Looker {
   bool isWall(const core::Pose2& T, double angle_rad, double range_m) const {
     const double beyond_m = range_m + 0.01 * map_.resolution_m, angle = T.phi + angle_rad;
     const core::Point2 cell =
-        world::worldToCells(map_, {T.x + beyond_m * std::cos(angle), T.y + beyond_m * std::sin(angle)});
+        world::worldToCells(map_, {T.x + beyond_m * core::cos(angle), T.y + beyond_m * core::sin(angle)});
     const int column = static_cast<int>(std::floor(cell.x)), row = static_cast<int>(std::floor(cell.y));
     return map_.contains(column, row) && map_.at(column, row) == world::Cell::kOccupied;
   }

@@ -12,10 +12,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 #include <vector>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/mapping/graph_slam.h"
@@ -75,7 +75,7 @@ void addTriangles(const mrpt::opengl::CRenderizable& object, double line_m,
     for (size_t i = 0; i < lines->getLineCount(); ++i) {
       const auto line = (lines->begin() + static_cast<std::ptrdiff_t>(i));
       const auto from = mrpt::math::TPoint3Df(line->point1), to = mrpt::math::TPoint3Df(line->point2);
-      const float length = std::hypot(to.x - from.x, to.y - from.y);
+      const auto length = static_cast<float>(core::hypot(to.x - from.x, to.y - from.y));
       if (!(length > 0)) continue;
       const float dx = -(to.y - from.y) / length * half, dy = (to.x - from.x) / length * half;
       addQuad({{{from.x + dx, from.y + dy, from.z},

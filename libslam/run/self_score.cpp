@@ -1,7 +1,5 @@
 #include "libslam/run/self_score.h"
 
-#include <cmath>
-
 #include "libslam/core/error.h"
 #include "libslam/logs/log_reader.h"
 
@@ -14,7 +12,7 @@ std::vector<core::Point2> returnsOf(const robot::Scan& scan) {
   for (size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     if (!robot::isReturn(scan.ranges_m[beam])) continue;
     const double range_m = scan.ranges_m[beam], angle_rad = scan.angle(beam);
-    returns_lidar.push_back({range_m * std::cos(angle_rad), range_m * std::sin(angle_rad)});
+    returns_lidar.push_back(core::polar(range_m, angle_rad));
   }
   return returns_lidar;
 }

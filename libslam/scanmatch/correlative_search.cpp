@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::scanmatch {
 
 void LikelihoodPyramid::build(const std::vector<core::Point2>& points, double cell_m, double sigma_m,
@@ -31,8 +33,8 @@ void LikelihoodPyramid::build(const std::vector<core::Point2>& points, double ce
     std::array<double, 2 * kReach + 1> along_x{}, along_y{};
     for (int k = -kReach; k <= kReach; ++k) {
       const double dx = (column + k + 0.5 - px) * cell_m, dy = (row + k + 0.5 - py) * cell_m;
-      along_x[static_cast<size_t>(k + kReach)] = std::exp(-dx * dx / (2 * sigma_m * sigma_m));
-      along_y[static_cast<size_t>(k + kReach)] = 255 * std::exp(-dy * dy / (2 * sigma_m * sigma_m));
+      along_x[static_cast<size_t>(k + kReach)] = core::exp(-dx * dx / (2 * sigma_m * sigma_m));
+      along_y[static_cast<size_t>(k + kReach)] = 255 * core::exp(-dy * dy / (2 * sigma_m * sigma_m));
     }
     for (int r = std::max(row - kReach, 0); r <= row + kReach && r + pad_ < side_y_; ++r)
       for (int c = std::max(column - kReach, 0); c <= column + kReach && c + pad_ < side_x_; ++c) {
@@ -84,17 +86,17 @@ std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::
   if (points.empty()) return std::nullopt;
   const double cell_m = map.cellSize();
   double farthest = 1;
-  for (const auto& p : points) farthest = std::max(farthest, std::hypot(p.x, p.y));
+  for (const auto& p : points) farthest = std::max(farthest, core::hypot(p.x, p.y));
   const double turn_step = cell_m / farthest;
   const int turns = static_cast<int>(std::ceil(window.half_phi_rad / turn_step));
   const int reach = static_cast<int>(std::ceil(window.half_xy_m / cell_m));
-  const int top = std::min(map.levels() - 1, static_cast<int>(std::ceil(std::log2(2 * reach + 1))));
+  const int top = std::min(map.levels() - 1, static_cast<int>(std::ceil(core::log2(2 * reach + 1))));
 
   // Cells of the turned points at the window's lowest shift.
   std::vector<std::vector<Cell>> turned(2 * static_cast<size_t>(turns) + 1);
   for (size_t t = 0; t < turned.size(); ++t) {
     const double angle = centre.phi + (static_cast<int>(t) - turns) * turn_step;
-    const double c = std::cos(angle), s = std::sin(angle);
+    const auto [s, c] = core::sinCos(angle);
     auto& cells = turned[t];
     cells.reserve(points.size());
     for (const auto& p : points)

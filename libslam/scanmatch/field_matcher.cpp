@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::scanmatch {
 namespace {
 
@@ -60,7 +62,7 @@ struct System {
 
 System accumulate(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid, const core::Pose2& T,
                   double kernel_m) {
-  const double c = std::cos(T.phi), s = std::sin(T.phi);
+  const auto [s, c] = core::sinCos(T.phi);
   const double cell = grid.cellSize(), per_cell = 1 / cell;
   const double kernel2 = kernel_m * kernel_m;
   double hxx = 0, hxy = 0, hyy = 0, hxt = 0, hyt = 0, htt = 0, gx = 0, gy = 0, gt = 0, weights = 0,
@@ -151,7 +153,7 @@ FieldMatch alignToField(const std::vector<SurfacePoint>& points, const gridmap::
 
 double fieldScore(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid,
                   const core::Pose2& T_map_robot, double kernel_m, int stride) {
-  const double c = std::cos(T_map_robot.phi), s = std::sin(T_map_robot.phi);
+  const auto [s, c] = core::sinCos(T_map_robot.phi);
   const double per_cell = 1 / grid.cellSize();
   const double kernel2 = kernel_m * kernel_m * per_cell * per_cell;
   double sum = 0;

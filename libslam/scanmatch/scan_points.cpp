@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::scanmatch {
 namespace {
 
@@ -49,12 +51,12 @@ Returns returnsOf(const robot::Scan& scan, double max_range_m) {
   const int size = static_cast<int>(scan.ranges_m.size());
   returns.points.reserve(static_cast<size_t>(size)), returns.beams.reserve(static_cast<size_t>(size));
   double c = 0, s = 0;
-  const double step_c = std::cos(scan.step_rad), step_s = std::sin(scan.step_rad);
+  const auto [step_s, step_c] = core::sinCos(scan.step_rad);
   for (int i = 0; i < size; ++i) {
     // Anew at every 32nd beam, between them by rotation: good to 1e-14.
     if (i % 32 == 0) {
       const double angle = scan.T_robot_lidar.phi + scan.angle(static_cast<size_t>(i));
-      c = std::cos(angle), s = std::sin(angle);
+      c = core::cos(angle), s = core::sin(angle);
     } else {
       const double turned = c * step_c - s * step_s;
       s = s * step_c + c * step_s, c = turned;
@@ -84,7 +86,7 @@ core::Point2 position(const PatchPoint& point) {
 }
 
 PatchPoint operator*(const core::Pose2& T, const PatchPoint& p) {
-  const double c = std::cos(T.phi), s = std::sin(T.phi);
+  const auto [s, c] = core::sinCos(T.phi);
   return {static_cast<float>(T.x + c * p.x - s * p.y), static_cast<float>(T.y + s * p.x + c * p.y),
           static_cast<float>(c * p.along_x - s * p.along_y),
           static_cast<float>(s * p.along_x + c * p.along_y)};

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::scanmatch {
 namespace {
 
@@ -40,7 +42,7 @@ void SurfelMap::clear(const core::Point2& centre, double reach_m) {
 }
 
 void SurfelMap::add(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot) {
-  const double c = std::cos(T_map_robot.phi), s = std::sin(T_map_robot.phi);
+  const auto [s, c] = core::sinCos(T_map_robot.phi);
   const double tx = T_map_robot.x - origin_.x, ty = T_map_robot.y - origin_.y;
   for (const auto& point : points) {
     const double x = tx + c * point.x - s * point.y, y = ty + s * point.x + c * point.y;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::scanmatch {
 namespace {
 
@@ -23,7 +25,7 @@ double countedPoints(size_t points, int outside) {
 
 System accumulate(const std::vector<PatchPoint>& points, const SurfelMap& map, const core::Pose2& T,
                   double kernel) {
-  const double c = std::cos(T.phi), s = std::sin(T.phi);
+  const auto [s, c] = core::sinCos(T.phi);
   const double tx = T.x - map.origin().x, ty = T.y - map.origin().y;
   const double inverse_kernel2 = 1 / (kernel * kernel);
   double hxx = 0, hxy = 0, hyy = 0, hxt = 0, hyt = 0, htt = 0, gx = 0, gy = 0, gt = 0, weights = 0;
@@ -95,7 +97,7 @@ MatchResult alignToSurfels(const std::vector<PatchPoint>& points, const SurfelMa
 
 double surfelScore(const std::vector<PatchPoint>& points, const SurfelMap& map,
                    const core::Pose2& T_map_robot, double kernel, int stride) {
-  const double c = std::cos(T_map_robot.phi), s = std::sin(T_map_robot.phi);
+  const auto [s, c] = core::sinCos(T_map_robot.phi);
   const double tx = T_map_robot.x - map.origin().x, ty = T_map_robot.y - map.origin().y;
   const double inverse_kernel2 = 1 / (kernel * kernel);
   double sum = 0;

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
@@ -49,7 +50,7 @@ core::Pose2 motionError(const Pair& from, const Pair& to) {
 }
 
 double lengthOf(const core::Pose2& error) {
-  return std::hypot(error.x, error.y);
+  return core::hypot(error.x, error.y);
 }
 
 /// The pair in (from, to] at which the motion's error grows most, a radian counting as much as jump_m / jump_rad metres.

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/json_entry.h"
@@ -150,7 +151,7 @@ GateVerdict verdictOn(const GateFinding& finding, double alpha) {
   if (-worse_by > finding.allowed) return GateVerdict::kBetter;
   if (!(worse_by > finding.allowed)) return GateVerdict::kWithin;
   // The smallest p that so many pairs can have.
-  const double least_p = std::exp2(1 - static_cast<double>(before.size()));
+  const double least_p = core::exp2(1 - static_cast<double>(before.size()));
   const bool may_be_chance = finding.p && least_p <= alpha && *finding.p > alpha;
   return may_be_chance ? GateVerdict::kUnsure : GateVerdict::kWorse;
 }
@@ -273,7 +274,7 @@ Gate updatedGate(const Gate& old, const std::vector<Score>& scores) {
     const auto before = std::find_if(old.rows.begin(), old.rows.end(), [&](const GateRow& row) {
       return isOf(row.baseline, score.cell, score.metric);
     });
-    GateRow row{score, usual->better, kUsualTolerance, std::pow(10, -usual->decimals)};
+    GateRow row{score, usual->better, kUsualTolerance, core::powerOfTen(-usual->decimals)};
     if (before != old.rows.end()) row.relative = before->relative, row.absolute = before->absolute;
     gate.rows.push_back(std::move(row));
   }

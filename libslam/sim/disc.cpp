@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::sim {
 namespace {
 
@@ -55,7 +57,7 @@ void castScan(const std::vector<Disc>& discs, const core::Pose2& T_world_lidar, 
   const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
   const auto directionOf = [&](size_t i) -> core::Point2 {
     const double angle_rad = T_world_lidar.phi + first_angle_rad + static_cast<double>(i) * step_rad;
-    return {std::cos(angle_rad), std::sin(angle_rad)};
+    return core::polar(1, angle_rad);
   };
   const auto shorten = [&](size_t i, const core::Point2& direction, const Disc& disc) {
     const double range_m = castRay(disc, origin, direction);
@@ -73,8 +75,8 @@ void castScan(const std::vector<Disc>& discs, const core::Pose2& T_world_lidar, 
     const double distance_m = core::distance(origin, disc.p);
     if (distance_m - disc.radius_m > limit_m) continue;
     const double half_width_rad =
-        distance_m > disc.radius_m ? std::asin(disc.radius_m / distance_m) : core::kPi;
-    fan.visit(std::atan2(disc.p.y - origin.y, disc.p.x - origin.x), half_width_rad,
+        distance_m > disc.radius_m ? core::asin(disc.radius_m / distance_m) : core::kPi;
+    fan.visit(core::atan2(disc.p.y - origin.y, disc.p.x - origin.x), half_width_rad,
               [&](size_t i) { shorten(i, directionOf(i), disc); });
   }
 }

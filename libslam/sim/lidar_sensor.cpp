@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libslam/core/elementary.h"
 #include "libslam/robot/beam.h"
 
 namespace slam::sim {
@@ -13,7 +14,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double diagonal(const world::Plan& plan) {
-  return plan.resolution_m * std::hypot(plan.columns, plan.rows);
+  return plan.resolution_m * core::hypot(plan.columns, plan.rows);
 }
 
 core::Point2 along(const core::Point2& p, const core::Point2& direction, double length) {
@@ -61,7 +62,7 @@ std::vector<core::Pose2> beamPoses(const robot::LidarOptions& options, const cor
 }  // namespace
 
 core::Point2 LidarSensor::Ray::direction() const {
-  return {std::cos(angle_rad), std::sin(angle_rad)};
+  return core::polar(1, angle_rad);
 }
 
 LidarSensor::LidarSensor(const robot::LidarOptions& options, std::uint64_t seed, const std::string& name)
@@ -179,7 +180,7 @@ std::optional<LidarSensor::Ray> LidarSensor::sendOn(const world::Plan& plan, con
   // So that rounding leaves no ray in the wall that it has just left.
   const double clearance_m = 1e-6 * plan.resolution_m;
   if (wall.material == world::Material::kGlass) {
-    const double incidence_rad = std::acos(std::min(1.0, cosine));
+    const double incidence_rad = core::acos(std::min(1.0, cosine));
     if (glass_random_.chance(robot::glassEcho(options_, incidence_rad))) return std::nullopt;
     if (!glass_random_.chance(robot::glassReflectance(options_, incidence_rad))) {
       const double through_m = wall.leaves_m + clearance_m;
@@ -189,7 +190,7 @@ std::optional<LidarSensor::Ray> LidarSensor::sendOn(const world::Plan& plan, con
   const core::Point2 reflected = along(direction, normal, 2 * cosine);
   const double clear_m = (steps_m + clearance_m) / cosine;
   const core::Point2 p_world_hit = along(ray.p_world, direction, wall.distance_m);
-  return Ray{along(p_world_hit, reflected, clear_m), std::atan2(reflected.y, reflected.x),
+  return Ray{along(p_world_hit, reflected, clear_m), core::atan2(reflected.y, reflected.x),
              ray.travelled_m + wall.distance_m + clear_m};
 }
 

@@ -46,7 +46,7 @@ double Scene::castOriginalRay(const core::Point2& p_world, double angle_rad, dou
 
 double Scene::castBodies(const core::Point2& p_world, double angle_rad, double range_m,
                          double max_range_m) const {
-  const core::Point2 direction{std::cos(angle_rad), std::sin(angle_rad)};
+  const core::Point2 direction = core::polar(1, angle_rad);
   for (const Disc& body : bodies_) {
     const double body_m = sim::castRay(body, p_world, direction);
     if (body_m < range_m && (max_range_m <= 0 || body_m <= max_range_m)) range_m = body_m;

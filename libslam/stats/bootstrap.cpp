@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "libslam/stats/mean_interval.h"
@@ -86,7 +87,7 @@ double jackknifeAcceleration(const Strata& strata, const IndexStatistic& statist
       cubes += influence * influence * influence;
     }
   }
-  return squares > 0 ? cubes / (6 * std::pow(squares, 1.5)) : 0;
+  return squares > 0 ? cubes / (6 * core::pow(squares, 1.5)) : 0;
 }
 
 /// The share of resamples below the estimate as a normal deviate; a resample equal to it counts half.

@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 
 namespace slam::stats {
@@ -78,14 +79,14 @@ std::optional<Spread> spreadOf(const std::vector<double>& deviations,
   spread.degrees_of_freedom = of_freedom > 0 ? variance * variance / of_freedom : inner;
   variance += singles * shared / inner;
   spread.standard_error = std::sqrt(variance) / static_cast<double>(deviations.size());
-  if (shared > 0) spread.skewness = cumulant / std::pow(shared, 1.5);
+  if (shared > 0) spread.skewness = cumulant / core::pow(shared, 1.5);
   return spread;
 }
 
 /// Hall's transformation inverted: where the t statistic lies whose transform is z.
 double hallQuantile(double z, double skewness) {
   if (std::abs(skewness) < 1e-9) return z;
-  return (std::cbrt(1 + skewness * (z - skewness / 6)) - 1) * 3 / skewness;
+  return (core::cbrt(1 + skewness * (z - skewness / 6)) - 1) * 3 / skewness;
 }
 
 /// `deviations`: what each unit adds to the mean, times their number.
@@ -106,12 +107,12 @@ Estimate around(double value, const std::vector<double>& deviations, const MeanO
   if (std::isinf(above)) {
     result.interval = Interval{std::min(hall.low, value - t * error), std::max(hall.high, value + t * error)};
   } else if (std::isinf(below)) {
-    const double factor = std::exp(t * error / above);
+    const double factor = core::exp(t * error / above);
     result.interval =
         Interval{options.lowest + above / factor, std::max(hall.high, options.lowest + above * factor)};
   } else {
     const double range = above + below;
-    const double factor = std::exp(t * error * range / (above * below));
+    const double factor = core::exp(t * error * range / (above * below));
     result.interval =
         Interval{std::min(hall.low, options.lowest + range * above / (above + below * factor)),
                  std::max(hall.high, options.highest - range * below / (below + above * factor))};

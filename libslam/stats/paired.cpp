@@ -9,6 +9,7 @@
 #include <numeric>
 #include <string>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/stats/mean_interval.h"
 #include "libslam/stats/proportion.h"
@@ -83,7 +84,7 @@ double shareUpTo(const std::vector<std::size_t>& ranks, std::size_t sum) {
   for (const std::size_t rank : ranks)
     for (std::size_t s = total; s >= rank; --s) patterns[s] += patterns[s - rank];
   return std::accumulate(patterns.begin(), patterns.begin() + static_cast<std::ptrdiff_t>(sum) + 1, 0.0) /
-         std::exp2(static_cast<double>(ranks.size()));
+         core::exp2(static_cast<double>(ranks.size()));
 }
 
 double twoSided(double smaller_tail) {
@@ -115,7 +116,7 @@ PairedTest wilcoxonSignedRank(const std::vector<double>& a, const std::vector<do
     if (difference[i] == 0) continue;
     ranks.push_back(all_ranks[i]);
     total += all_ranks[i];
-    squares += std::pow(static_cast<double>(all_ranks[i]), 2);
+    squares += static_cast<double>(all_ranks[i]) * static_cast<double>(all_ranks[i]);
     if (difference[i] > 0) above += all_ranks[i];
   }
   test.pairs = ranks.size();

@@ -4,6 +4,7 @@
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/pose2.h"
 #include "libslam/stats/mean_interval.h"
@@ -48,7 +49,7 @@ SeedsNeeded moreSeedsNeeded(const std::vector<double>& differences, double alpha
 
 std::size_t pairsNeeded(double alpha) {
   if (!(alpha > 0 && alpha < 1)) throw core::ContractError("pairsNeeded: alpha must lie in (0, 1)");
-  return static_cast<std::size_t>(std::ceil(1 - std::log2(alpha)));
+  return static_cast<std::size_t>(std::ceil(1 - core::log2(alpha)));
 }
 
 }  // namespace slam::stats

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/ini.h"
 #include "libslam/core/parameters.h"
@@ -27,7 +28,7 @@ bool isWholeText(const std::string& text) {
 
 /// Share of the way from low to high.
 double valueAt(const ValueRange& range, double share) {
-  if (range.is_log) return range.low * std::pow(range.high / range.low, share);
+  if (range.is_log) return range.low * core::pow(range.high / range.low, share);
   return range.low + (range.high - range.low) * share;
 }
 

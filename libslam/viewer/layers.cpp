@@ -265,7 +265,7 @@ Layer strategicLayer(const StrategicView& view, double line_m) {
     std::vector<core::Point2> dash;
     for (int j = 0; j <= kPieces; ++j) {
       const double angle_rad = 2 * core::kPi * (i + 0.5 * j / kPieces) / kDashes;
-      dash.push_back({view.stop_radius_m * std::cos(angle_rad), view.stop_radius_m * std::sin(angle_rad)});
+      dash.push_back(core::polar(view.stop_radius_m, angle_rad));
     }
     addPolyline(*layer, dash, line_m, kSheet_m, kInk);
   }

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/robot/drive.h"
 
@@ -68,14 +69,14 @@ std::optional<core::Point2> placeAt(const report::Pixel& pixel, const Camera& ca
   const double width = size.sceneWidth(), height = size.height;
   const double azimuth_rad = core::degToRad(camera.azimuth_deg);
   const double elevation_rad = core::degToRad(camera.elevation_deg);
-  const double steepness = std::sin(elevation_rad);
+  const double steepness = core::sin(elevation_rad);
   if (steepness < kFlattest) return std::nullopt;
   const double m_per_pixel = camera.zoom_m / (2 * std::min(width, height));
   const double right_m = (pixel.x - width / 2) * m_per_pixel;
   // What lies farther away on the floor is higher up in the picture, the less so the flatter the camera looks.
   const double up_m = (height / 2 - pixel.y) * m_per_pixel;
-  const double away_m = (up_m - height_m * std::cos(elevation_rad)) / steepness;
-  const double c = std::cos(azimuth_rad), s = std::sin(azimuth_rad);
+  const double away_m = (up_m - height_m * core::cos(elevation_rad)) / steepness;
+  const auto [s, c] = core::sinCos(azimuth_rad);
   return core::Point2{camera.centre.x - s * right_m - c * away_m, camera.centre.y + c * right_m - s * away_m};
 }
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "libslam/core/elementary.h"
+
 namespace slam::viewer {
 namespace {
 
@@ -13,7 +15,7 @@ bool isFinite(const core::Point2& p) {
 
 core::Point2 onCircle(const core::Point2& centre, double radius_m, int corner) {
   const double angle = 2 * core::kPi * corner / kCorners;
-  return {centre.x + radius_m * std::cos(angle), centre.y + radius_m * std::sin(angle)};
+  return {centre.x + radius_m * core::cos(angle), centre.y + radius_m * core::sin(angle)};
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libslam/core/elementary.h"
 #include "libslam/world/ray_walk.h"
 
 namespace slam::world {
@@ -23,7 +24,7 @@ double castOriginalRay(const Plan& plan, const core::Point2& origin_world, doubl
     const int at_column = static_cast<int>(column + right), at_row = static_cast<int>(row + up);
     if (!plan.contains(at_column, at_row)) return kInfinity;
     if (plan.at(at_column, at_row) != Cell::kOccupied) continue;
-    const double range_m = std::round(std::hypot(right, up)) * plan.resolution_m;
+    const double range_m = std::round(core::hypot(right, up)) * plan.resolution_m;
     return max_range_m > 0 && range_m > max_range_m ? kInfinity : range_m;
   }
 }

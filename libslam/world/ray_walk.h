@@ -112,7 +112,7 @@ void walkRay(const Plan& plan, const core::Point2& origin, const core::Point2& d
 /// The unit vector in the plan's axes.
 inline core::Point2 rayDirection(const Plan& plan, double angle_rad) {
   const double angle_in_plan = angle_rad - plan.T_world_plan.phi;
-  return {std::cos(angle_in_plan), std::sin(angle_in_plan)};
+  return core::polar(1, angle_in_plan);
 }
 
 /// A ray in metres along a unit vector in the plan's axes from a cast in cells: `cast(direction, limit)` answers

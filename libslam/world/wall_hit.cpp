@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/world/ray_walk.h"
 
@@ -205,7 +206,7 @@ Surface surfaceAt(const Plan& plan, const WallHit& hit) {
   const Staircase stairs(runsAlong({plan, cell, face, heading}), runsAlong({plan, cell, face, -heading}));
   const core::Point2 tangent = stairs.direction();
   // As walked along +90 degrees of the normal, the free side lies to the right.
-  const double length = std::hypot(tangent.x, tangent.y);
+  const double length = core::hypot(tangent.x, tangent.y);
   const core::Point2 normal{tangent.y / length, -tangent.x / length};
   const bool on_axis = normal.x == 0 || normal.y == 0;
   const core::Pose2 T_world_axes{0, 0, plan.T_world_plan.phi};
