@@ -12,6 +12,7 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "apps/gate_flags.h"
+#include "apps/help_text.h"
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
 #include "libslam/process/worker.h"
@@ -268,7 +269,7 @@ void addSubmit(CLI::App& bench, Context& context, const std::shared_ptr<Argument
   auto& submission = arguments->submission;
   command->add_option("--engine", submission.engine, "parallel or slurm")
       ->required()
-      ->check(CLI::IsMember(sweep::submitEngines()));
+      ->check(oneOf(sweep::submitEngines()));
   command->add_option("--tasks", submission.tasks, "parts of the sweep, each with many cells")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
@@ -327,8 +328,8 @@ void addBench(CLI::App& app, Context& context) {
   addSubmit(*command, context, arguments);
   addCell(*command, context);
   command->footer(
-      "Exit codes: 0 every run ok; 5 worse than --gate allows; 6 runs failed (not with --gate, which "
-      "judges that) or are missing; 130 interrupted, with tables of what is done.\n"
+      "Exit codes: 0 every run ok; 5 worse than --gate allows; 6 runs failed (not with --gate, which judges\n"
+      "that) or are missing; 130 interrupted, with tables of what is done.\n"
       "Examples:\n"
       "  rasterslam bench configs/suites/smoke.ini -o out -j 2\n"
       "  rasterslam bench configs/suites/smoke.ini -o out --resume\n"

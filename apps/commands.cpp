@@ -80,6 +80,10 @@ void addSensorFlag(CLI::App* command, SimulationFlags& flags) {
       "what the robot looks with: lidar, or a camera that sees the floor (--set camera.KEY=...)");
 }
 
+void addStartFlag(CLI::App* command, SimulationFlags& flags) {
+  command->add_option("--start", flags.start, "x_m,y_m,yaw_deg in the world frame, or auto (the default)");
+}
+
 void addSimulationFlags(CLI::App* command, SimulationFlags& flags) {
   command->add_option("--strategy", flags.strategy, "where to go: see 'rasterslam list strategies'");
   command
@@ -92,6 +96,7 @@ void addSimulationFlags(CLI::App* command, SimulationFlags& flags) {
   addSensorFlag(command, flags);
   command->add_option("--duration", flags.duration_s, "longest recording, seconds of the robot's time")
       ->check(isDuration);
+  addStartFlag(command, flags);
   command->add_option("--form", flags.form, "form of the rawlog: action or observation");
 }
 
@@ -143,6 +148,7 @@ core::IniFile simulationConfig(const Context& context, const SimulationFlags& fl
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   if (!flags.sensor.empty()) config.set("sensor", "kind", flags.sensor, "--sensor");
   if (!flags.strategy.empty()) config.set("strategy", "name", flags.strategy, "--strategy");
+  if (!flags.start.empty()) config.set("simulation", "start", flags.start, "--start");
   if (!flags.form.empty()) config.set("simulation", "log_form", flags.form, "--form");
   if (flags.duration_s >= 0)
     config.set("simulation", "duration_s", core::formatNumber(flags.duration_s), "--duration");

@@ -73,11 +73,13 @@ inline constexpr const char* kNavigatorsSlam = "naive_flow";
 /// Flags of a simulation, shared by simulate and compare.
 struct SimulationFlags {
   std::vector<std::string> lidars;  ///< the first, then NAME=LIDAR@X,Y,DEG for each further one
-  std::string sensor, strategy, form;
+  std::string sensor, strategy, start, form;
   double duration_s = -1;
 };
 /// --sensor, of them.
 void addSensorFlag(CLI::App* command, SimulationFlags& flags);
+/// --start, of them.
+void addStartFlag(CLI::App* command, SimulationFlags& flags);
 void addSimulationFlags(CLI::App* command, SimulationFlags& flags);
 
 /// The layers of a simulation's configuration, weakest first: built-in, the lidar's file, --config, --set,

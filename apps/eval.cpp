@@ -7,6 +7,7 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "apps/gate_flags.h"
+#include "apps/help_text.h"
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
 #include "libslam/core/resources.h"
@@ -192,7 +193,7 @@ void addEval(CLI::App& app, Context& context) {
                    "how the path is laid onto the truth: none (a map's own frame), first (at the first pose) "
                    "or se2 (least "
                    "squares); default: none for a run of 'run --localise', else se2")
-      ->check(CLI::IsMember(names));
+      ->check(oneOf(names));
   command->add_option(
       "--map-truth", arguments->map_truth,
       "align none: true path of the run that made the map, if the map's frame is not the truth's");

@@ -7,6 +7,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/help_text.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/random.h"
@@ -237,7 +238,7 @@ void addGraph(CLI::App& app, Context& context) {
       ->add_option("--from", arguments->from,
                    "where to start: file, odometry (chained), random (see --seed) or relaxation (all "
                    "headings at once)")
-      ->check(CLI::IsMember({"file", "odometry", "random", "relaxation"}));
+      ->check(oneOf({"file", "odometry", "random", "relaxation"}));
   solve->add_flag("--local", arguments->local,
                   "only down from there: no second start from the relaxation, no certificate");
   addSeed(solve, context);

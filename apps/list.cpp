@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "apps/commands.h"
+#include "apps/help_text.h"
 #include "apps/shell_words.h"
 #include "libslam/buildings/generator.h"
 #include "libslam/core/files.h"
@@ -32,20 +33,6 @@ std::string firstSentence(const std::string& path) {
     if (stop != std::string::npos || sentence.back() == '.') return sentence.substr(0, stop);
   }
   return sentence;
-}
-
-/// Words folded so that no line is wider than `width`, all but the first indented.
-std::string folded(const std::string& text, size_t indent, size_t width) {
-  std::istringstream words(text);
-  std::string result, line;
-  for (std::string word; words >> word;) {
-    if (!line.empty() && indent + line.size() + 1 + word.size() > width) {
-      result += line + "\n" + std::string(indent, ' ');
-      line.clear();
-    }
-    line += (line.empty() ? "" : " ") + word;
-  }
-  return result + line;
 }
 
 std::vector<Entry> entriesOf(const std::string& what) {
@@ -105,8 +92,7 @@ void addList(CLI::App& app, Context& context) {
   command
       ->add_option("what", *what, "methods | strategies | navigators | worlds | buildings | lidars | metrics")
       ->required()
-      ->check(
-          CLI::IsMember({"methods", "strategies", "navigators", "worlds", "buildings", "lidars", "metrics"}));
+      ->check(oneOf({"methods", "strategies", "navigators", "worlds", "buildings", "lidars", "metrics"}));
   addJson(command, context);
   command->footer("Example:\n  rasterslam list methods");
   command->callback([&context, what] { context.action = [&context, what] { return list(context, *what); }; });

@@ -3,6 +3,7 @@
 #include <new>
 
 #include "apps/commands.h"
+#include "apps/help_text.h"
 #include "apps/lessons.h"
 #include "apps/program.h"
 #include "apps/shell_words.h"
@@ -18,6 +19,7 @@ int runRasterslam(int argc, char** argv) {
       "Probabilistic 2D-lidar SLAM: a robot explores a floor plan, methods map its log, tables say how "
       "well.\n"
       "Start with: rasterslam demo"};
+  app.formatter(slam::apps::helpFormatter());
   app.set_version_flag("--version", "rasterslam " + slam::core::versionText());
   app.require_subcommand(1);
   app.footer(

@@ -3,6 +3,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "apps/help_text.h"
 #include "apps/lessons.h"
 #include "apps/quiet.h"
 #include "libslam/learn/template_folder.h"
@@ -35,7 +36,7 @@ void addNew(CLI::App& app, Context& context) {
   auto request = std::make_shared<learn::TemplateRequest>();
   command->add_option("kind", request->kind, "method | strategy | navigator | plugin")
       ->required()
-      ->check(CLI::IsMember({"method", "strategy", "navigator", "plugin"}));
+      ->check(oneOf({"method", "strategy", "navigator", "plugin"}));
   command->add_option("name", request->name, "its name: small letters, digits and _")->required();
   command->add_option(
       "--language", request->language,

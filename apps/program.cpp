@@ -98,10 +98,12 @@ std::string usageError(const CLI::App& app, const std::vector<std::string>& comm
   return line(otherwise);
 }
 
-/// Whether words name a command, and a command of that, as far as there are words.
+/// Whether words name a command, and a command of that, as far as there are words. What follows a command that hands its
+/// words on (`view`) is for another program to judge.
 bool isCommand(const CLI::App& app, const std::vector<std::string>& words) {
   const CLI::App* command = &app;
   for (const auto& word : words) {
+    if (command->get_prefix_command()) return true;
     const auto known = subcommandNames(*command);
     if (std::find(known.begin(), known.end(), word) == known.end()) return false;
     command = command->get_subcommand(word);

@@ -354,6 +354,7 @@ void addViewCommands(CLI::App& app, Context& context) {
   addCarry(drive, driving->carries);
   drive->add_option("--duration", driving->simulation.duration_s, "longest recording, seconds")
       ->check(isDuration);
+  addStartFlag(drive, driving->simulation);
   drive->add_option("--form", driving->simulation.form, "form of the rawlog: action or observation");
   addConfig(drive, context);
   driving->show.speed = 1;

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
 
 #include "libslam/core/files.h"
 #include "libslam/logs/log_writer.h"
@@ -236,6 +237,9 @@ TEST(BadInput, CommandLinesThatAreNone) {
                 "unknown option '--sed'; did you mean '--seed'? (see 'rasterslam simulate --help')");
   expectRefusal(folder, "run icp", 2, "log");
   expectRefusal(folder, "list colours", 2, "colours");
+  expectRefusal(folder, "list world", 2, "did you mean 'worlds'?");
+  expectRefusal(folder, "new metod mine", 2, "did you mean 'method'?");
+  expectRefusal(folder, "simulate flat --start 2,2", 3, "x_m,y_m,yaw_deg");
   expectRefusal(folder, "simulate flat --seed minus", 2, "minus");
   expectRefusal(folder, "compare flat --threads 0", 2, "--threads");
 }
@@ -245,6 +249,15 @@ TEST(Help, StandsBeforeACommandToo) {
   EXPECT_EQ(before.exit_code, 0) << before.err;
   EXPECT_EQ(before.out, after.out);
   EXPECT_THAT(before.out, HasSubstr("Usage:"));
+}
+
+TEST(Help, FitsIntoATerminal) {
+  for (const std::string command : {"", "eval", "bench", "simulate", "filter", "plot map", "run"}) {
+    const auto help = rasterslam("help " + command);
+    EXPECT_EQ(help.exit_code, 0) << command << help.err;
+    std::istringstream lines(help.out);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 105U) << command << ": " << line;
+  }
 }
 
 TEST(Help, OfWhatIsNoCommandNamesTheNearest) {

@@ -43,11 +43,20 @@ Spot spotOf(const cv::Mat& picture, const cv::Scalar& bgr) {
   return spot;
 }
 
+TEST(ViewCommand, HelpStandsBeforeItToo) {
+  SKIP_WITHOUT_VIEWER();
+  const auto before = testing::runCommand("'" RASTERSLAM_PROGRAM "' help view run"),
+             after = testing::runCommand("'" RASTERSLAM_PROGRAM "' view run --help");
+  EXPECT_EQ(before.exit_code, 0) << before.err;
+  EXPECT_EQ(before.out, after.out);
+  EXPECT_EQ(testing::runCommand("'" RASTERSLAM_PROGRAM "' help view rn").exit_code, 2);
+}
+
 TEST(ViewCommand, AScreenshotShowsTheRobotWhereItStarts) {
   SKIP_WITHOUT_VIEWER();
   const testing::TempFolder folder;
   const auto result = withoutDisplay(
-      "view simulate flat --set 'simulation.start=4 3 0' --set robot.side_m=0.6 --set lidar.max_range_m=0.2 "
+      "view simulate flat --start 4,3,0 --set robot.side_m=0.6 --set lidar.max_range_m=0.2 "
       "--set lidar.min_range_m=0.05 --duration 2 --screenshot out.png --at 0 --size 1000x700",
       folder.path());
   if (result.exit_code == 1 && result.err.find("EGL") != std::string::npos) GTEST_SKIP() << result.err;
@@ -146,7 +155,7 @@ TEST(ViewCommand, ADriveByCommandsShowsTheMapThatGrows) {
   const testing::TempFolder folder;
   core::writeFileAtomically(folder / "drive.txt", "move 1\nturn 90\nmove 1\nturn 90\nmove 1\n");
   const std::string command =
-      "view drive flat --set 'simulation.start=4 3 0' --commands drive.txt --screenshot ";
+      "view drive flat --start 4,3,0 --commands drive.txt --screenshot ";
   int walls = 0;
   for (const std::string slam : {"naive_wheel", "odometry"}) {
     const auto result = withoutDisplay(command + slam + ".png --at 6 --slam " + slam, folder.path());
@@ -198,7 +207,7 @@ TEST(ViewCommand, ADriverTypesACommandAndCarriesTheRobotByTheMouse) {
   core::writeFileAtomically(
       folder / "hand.sh",
       "'" RASTERSLAM_PROGRAM
-      "' view drive flat --set 'simulation.start=4 3 0' --set lidar.beams=91 -o a.rawlog > out.txt 2> "
+      "' view drive flat --start 4,3,0 --set lidar.beams=91 -o a.rawlog > out.txt 2> "
       "err.txt &\n"
       "window=$(timeout 60 xdotool search --sync --onlyvisible --name 'drive flat')\n"
       "xdotool windowmove $window 0 0 windowfocus --sync $window\n"

@@ -1,0 +1,61 @@
+#include "apps/help_text.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "libslam/core/error.h"
+
+namespace slam::apps {
+namespace {
+
+constexpr size_t kWidth = 100, kNameColumns = 30;
+
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter() { column_width(kNameColumns); }
+  std::string make_option_desc(const CLI::Option* option) const override {
+    return folded(option->get_description(), 0, kWidth - kNameColumns);
+  }
+  std::string make_subcommand(const CLI::App* command) const override {
+    std::ostringstream line;
+    CLI::detail::format_help(line, command->get_name(),
+                             folded(command->get_description(), 0, kWidth - kNameColumns), kNameColumns);
+    return line.str();
+  }
+};
+
+}  // namespace
+
+std::string folded(const std::string& text, size_t indent, size_t width) {
+  std::istringstream lines(text);
+  std::string result, line;
+  const auto finish = [&] {
+    result += (result.empty() ? "" : "\n" + std::string(indent, ' ')) + line;
+    line.clear();
+  };
+  for (std::string given; std::getline(lines, given); finish()) {
+    std::istringstream words(given);
+    for (std::string word; words >> word;) {
+      if (!line.empty() && indent + line.size() + 1 + word.size() > width) finish();
+      line += (line.empty() ? "" : " ") + word;
+    }
+  }
+  return result;
+}
+
+std::shared_ptr<CLI::Formatter> helpFormatter() {
+  return std::make_shared<HelpFormatter>();
+}
+
+CLI::Validator oneOf(std::vector<std::string> words) {
+  return CLI::Validator(
+      [words = std::move(words)](const std::string& word) -> std::string {
+        if (std::find(words.begin(), words.end(), word) != words.end()) return "";
+        std::string expected;
+        for (const auto& known : words) expected += (expected.empty() ? "" : ", ") + known;
+        return "found '" + word + "', expected one of " + expected + core::didYouMean(word, words);
+      },
+      "");
+}
+
+}  // namespace slam::apps
