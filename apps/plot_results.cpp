@@ -68,7 +68,7 @@ int plotPaths(const Context& context, const Arguments& arguments) {
   if (paths.empty())
     throw core::InputError(arguments.inputs.front() + ": holds no path, expected a run that has one");
   const auto plan = page.replays.empty() ? world::Plan{} : page.replays.front().plan.value_or(world::Plan{});
-  const auto panels = report::pathPanels(plan, paths);
+  const auto panels = pages::pathPanels(page);
   constexpr std::size_t kMostPanels = 8;
   if (arguments.is_overlaid || panels.size() < 2 || panels.size() > kMostPanels)
     report::drawPlan(plan, paths, arguments.title, file, {}, paper);

@@ -63,11 +63,21 @@ std::vector<report::DrawnPath> allPaths(const report::ReportPage& page) {
   for (const auto& run : page.runs)
     if (!run.path.empty()) paths.push_back({run.path, run.method});
   for (const auto& replay : page.replays)
-    if (!replay.truth.empty()) {
-      paths.push_back({replay.truth, "true path", true});
-      break;
-    }
+    if (!replay.truth.empty()) paths.push_back({replay.truth, "true path", true});
   return paths;
+}
+
+std::vector<report::Panel> pathPanels(const report::ReportPage& page) {
+  std::vector<report::Panel> panels;
+  for (const auto& run : page.runs) {
+    if (run.path.empty()) continue;
+    report::Panel panel{run.method, "", {}, {}, {{run.path, run.method}}, true};
+    if (run.replay < page.replays.size()) panel.map = page.replays[run.replay].plan.value_or(world::Plan{});
+    if (const auto truth = truthOf(page, run); !truth.empty())
+      panel.paths.push_back({truth, "true path", true});
+    panels.push_back(std::move(panel));
+  }
+  return panels;
 }
 
 namespace {

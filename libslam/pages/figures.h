@@ -15,8 +15,10 @@ namespace slam::pages {
 /// One panel per run: its map, its path and the true one; under the method its position error (rmse), where a truth is
 /// known. At most 8, the first ones. Errors: InputError that names the folder, where no run left a map.
 std::vector<report::Panel> mapPanels(const report::ReportPage& page, const std::string& folder);
-/// The true path and those of all runs; without a truth they lie in the map frame.
+/// The paths of all runs, and the true ones; without a truth they lie in the map frame.
 std::vector<report::DrawnPath> allPaths(const report::ReportPage& page);
+/// A panel per run with a path: that, its own true path and its own true plan, where these are known.
+std::vector<report::Panel> pathPanels(const report::ReportPage& page);
 /// Position error over time since the first scan, a line per method, smoothed (root mean square over a fiftieth of the
 /// time, at least 1 s, which the axis says), the worst first. Errors: InputError that names the folder, where no run
 /// has an error.

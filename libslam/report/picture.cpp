@@ -18,6 +18,7 @@ struct LineWidths {
 };
 constexpr LineWidths kPlanLines{7, 3, 1.2}, kPanelLines{5, 2.6, 1.1};
 constexpr Colour kOverWalls{130, 130, 130};  // a path of the palette's black is no black line on black walls
+constexpr Colour kAroundDashes{255, 255, 255};
 constexpr double kLeastWidth = 600, kMostWidth = 1960;  // on the screen, of what lies within the margins
 constexpr double kTallest = 1.15;                       // on paper, of a map's height in widths
 
@@ -66,7 +67,11 @@ void drawPaths(Canvas& canvas, const MapView& view, const std::vector<DrawnPath>
   for (auto path = ordered.rbegin(); path != ordered.rend(); ++path)
     if (!path->is_truth) drawPath(canvas, view, path->path, colours.of(*path), widths.estimate);
   for (const auto& path : ordered)
-    if (path.is_truth && is_dashed) drawDashedPath(canvas, view, path.path, colours.of(path), widths.dashes);
+    if (path.is_truth && is_dashed) {
+      // Upon a dark line dark dashes would not be seen.
+      drawDashedPath(canvas, view, path.path, kAroundDashes, widths.estimate + 0.4);
+      drawDashedPath(canvas, view, path.path, colours.of(path), widths.dashes);
+    }
   for (const auto& path : ordered) {
     if (path.path.empty()) continue;
     drawStart(canvas, view.toPixel(core::position(path.path.front().pose)));

@@ -114,6 +114,32 @@ TEST(ErrorChart, NeedsATruth) {
   EXPECT_EQ(allPaths(page).size(), 1U);
 }
 
+TEST(PathPanels, ShowEachRunWithItsOwnTruthAndPlan) {
+  report::ReportPage page;
+  page.runs.resize(3);
+  page.replays.resize(2);
+  for (std::size_t i = 0; i < 2; ++i) {  // two drives of one comparison
+    page.runs[i].method = i == 0 ? "one" : "other";
+    page.runs[i].path = {{0, {}}, {1, {1, 0, 0}}};
+    page.runs[i].replay = i;
+    page.replays[i].truth = {{0, {}}, {1, {1 + static_cast<double>(i), 0, 0}}};
+    page.replays[i].plan.emplace();
+    page.replays[i].plan->columns = 5 + static_cast<int>(i);
+  }
+  page.runs[2].method = "failed";  // left no path
+  const auto panels = pathPanels(page);
+  ASSERT_EQ(panels.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(panels[i].title, page.runs[i].method);
+    EXPECT_EQ(panels[i].map.columns, page.replays[i].plan->columns);
+    EXPECT_TRUE(panels[i].is_true);
+    ASSERT_EQ(panels[i].paths.size(), 2U);
+    EXPECT_TRUE(panels[i].paths[1].is_truth);
+    EXPECT_EQ(panels[i].paths[1].path.back().pose.x, page.replays[i].truth.back().pose.x);
+  }
+  EXPECT_EQ(allPaths(page).size(), 4U);  // both truths
+}
+
 TEST(ErrorChart, IsSmoothAndDrawsTheBestLast) {
   report::ReportPage page;
   page.runs.resize(2);
