@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -129,8 +130,14 @@ std::string hiddenText(const check::PlanCheck& check) {
 /// A copy that lacks much of the plan is not written unasked.
 void requireLittleHidden(const check::PlanCheck& check, const std::string& plan_path, bool yes) {
   if (yes || check.hidden_share <= kMostHidden) return;
-  throw core::InputError(plan_path + ": mending would make unknown " + hiddenText(check) +
-                         "; close the outline in the drawing or by --close-gaps METRES, or say --yes");
+  const bool are_shut_in =
+      std::any_of(check.findings.begin(), check.findings.end(), [](const check::Finding& finding) {
+        return finding.key == "isolated" && finding.severity != check::Severity::kNote;
+      });
+  const std::string remedy = are_shut_in ? "open the doorways in the drawing, or give a smaller --robot-side"
+                                         : "close the outline in the drawing or by --close-gaps METRES";
+  throw core::InputError(plan_path + ": mending would make unknown " + hiddenText(check) + "; " + remedy +
+                         ", or say --yes");
 }
 
 int checkWorld(const Context& context, const Arguments& arguments) {

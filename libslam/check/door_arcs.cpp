@@ -351,15 +351,33 @@ std::vector<DoorArc> findDoorArcs(const cv::Mat& full_ink) {
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.quality > b.quality; });
   std::vector<DoorArc> doors;
-  for (const auto& candidate : candidates)
-    if (std::none_of(doors.begin(), doors.end(), [&](const DoorArc& d) { return isSame(d, candidate.door); }))
-      doors.push_back(candidate.door);
+  for (const auto& candidate : candidates) addDoorArcs(doors, {candidate.door});
   keepTheSquare(doors);
   for (auto& door : doors) {
     door.hinge = (door.hinge + cv::Point2d(0.5, 0.5)) * scale - cv::Point2d(0.5, 0.5);
     door.radius *= scale;
   }
   return doors;
+}
+
+double drawnShare(const cv::Mat& ink, const DoorArc& door) {
+  const double turn_rad = std::remainder(door.leaf_rad - door.opening_rad, 2 * kPi);
+  const int steps = std::max(8, static_cast<int>(door.radius));
+  int drawn = 0;
+  for (int i = 0; i < steps; ++i) {
+    const double angle_rad = door.opening_rad + turn_rad * (i + 0.5) / steps;
+    bool is_drawn = false;
+    for (int aside = -1; aside <= 1; ++aside)
+      is_drawn |= isInk(ink, door.hinge + (door.radius + aside) * along(angle_rad));
+    drawn += is_drawn;
+  }
+  return static_cast<double>(drawn) / steps;
+}
+
+void addDoorArcs(std::vector<DoorArc>& doors, const std::vector<DoorArc>& more) {
+  for (const DoorArc& door : more)
+    if (std::none_of(doors.begin(), doors.end(), [&](const DoorArc& d) { return isSame(d, door); }))
+      doors.push_back(door);
 }
 
 double usualRadius(const std::vector<DoorArc>& doors) {

@@ -214,7 +214,8 @@ PlanCheck checkPlan(const std::string& path, const PlanCheckOptions& options) {
   PlanCheck result;
   result.before = world::loadPlan(path, reading);
   result.before.resolution_m = reading.resolution_m;
-  Sheet sheet{options, source.picture, source.colours.pixels, reading, {}, {}, {}, {}, {}, {}, {}, {}, {}};
+  Sheet sheet{options, source.picture, source.colours.pixels, reading, {}, {}, {}, {}, {}, {}, {}, {}, {},
+              {}};
   sheet.has_scale = source.has_yaml || options.resolution_m;
   sheet.goes_by_gray = !source.map.is_raw && source.picture.opaque.empty();
   sheet.goes_by_alpha = !source.has_yaml && !source.picture.opaque.empty();

@@ -109,10 +109,18 @@ cv::Mat thickStrokes(const cv::Mat& ink, double diameter) {
   return grown(middle, least - 0.4) & ink;
 }
 
+/// An arc of which more is ink is no pale one.
+constexpr double kDrawn = 0.8;
+
 const std::vector<DoorArc>& doorArcsOf(Sheet& sheet) {
   if (!sheet.door_arcs) {
+    const auto arcsIn = [](const cv::Mat& ink) { return findDoorArcs(ink & ~findLettering(ink).ink); };
     const cv::Mat ink = sheet.mask(world::Cell::kOccupied);
-    sheet.door_arcs = findDoorArcs(ink & ~findLettering(ink).ink);
+    sheet.door_arcs = arcsIn(ink);
+    // Leaves and arcs are drawn finer than walls, so in a scan they are paler. What is no pale line was judged before.
+    if (!sheet.faint.empty())
+      for (const DoorArc& door : arcsIn(sheet.faint))
+        if (drawnShare(ink, door) < kDrawn) addDoorArcs(*sheet.door_arcs, {door});
   }
   return *sheet.door_arcs;
 }

@@ -24,6 +24,7 @@ struct Sheet {
   double resolution_m = 0.05;  ///< the best known so far
   cv::Mat cells;               ///< CV_8U, values of Cell
   cv::Mat changes;             ///< CV_8U, values of Change
+  cv::Mat faint;               ///< 255 on all lines of a drawing, those too pale for a wall, too; or empty
   std::vector<Finding> findings;
   std::optional<std::vector<DoorArc>> door_arcs;  ///< once they have been looked for: doorArcsOf()
 

@@ -11,6 +11,8 @@ namespace {
 /// A line one pixel wide that lies between two columns of the raster colours both, and the darker one at
 /// least half: a little below a half it stays one piece, and a gap of a pixel stays a gap.
 constexpr double kCut = 0.42;
+/// A line half a pixel wide, or one that a scan has smoothed over two, is drawn from here on.
+constexpr double kFaint = 0.2;
 /// Paper whose brightness varies by more than this is lit unevenly.
 constexpr double kUneven = 0.12;
 
@@ -48,7 +50,8 @@ bool isContinuousTone(const cv::Mat& darkness) {
 
 struct Levels {
   double paper = 0, ink = 1;
-  double cut() const { return paper + kCut * (ink - paper); }
+  double at(double share) const { return paper + share * (ink - paper); }
+  double cut() const { return at(kCut); }
 };
 
 /// The commonest bright and the commonest dark level.
@@ -80,6 +83,7 @@ void checkDrawing(Sheet& sheet) {
 
   const Levels levels = levelsOf(darkness);
   const cv::Mat ink = darkness > levels.cut();
+  sheet.faint = darkness > levels.at(kFaint);
   const cv::Mat old_ink = sheet.mask(world::Cell::kOccupied), between = sheet.mask(world::Cell::kUnknown);
   const int pale = cv::countNonZero(between), gained = cv::countNonZero(ink & ~old_ink);
   const int drawn = cv::countNonZero(ink);

@@ -45,12 +45,22 @@ TEST(WorldCheck, StopsBeforeMendingThatTakesRoomsAway) {
   const auto stopped = rasterslam("world check plan.png --fix", folder.path());
   EXPECT_EQ(stopped.exit_code, 3);
   EXPECT_THAT(stopped.err, HasSubstr("plan.png: mending would make unknown 5"));
-  EXPECT_THAT(stopped.err, HasSubstr("of the free space amid the walls"));
+  EXPECT_THAT(stopped.err, HasSubstr("of the free space amid the walls; close the outline"));
   EXPECT_FALSE(fs::exists(folder / "plan.fixed.yaml"));
   const auto mended = rasterslam("world check plan.png --fix --yes", folder.path());
   EXPECT_EQ(mended.exit_code, 0) << mended.err;
   EXPECT_THAT(mended.out, HasSubstr("made unknown: 5"));
   EXPECT_TRUE(fs::exists(folder / "plan.fixed.yaml"));
+}
+
+TEST(WorldCheck, SaysThatDoorwaysAreToBeOpenedWhereRoomsAreShutIn) {
+  const testing::TempFolder folder;
+  cv::Mat picture(240, 320, CV_8U, cv::Scalar(255));
+  for (const int x : {30, 153}) cv::rectangle(picture, {x, 30, 124, 180}, cv::Scalar(0), 4);
+  cv::imwrite(folder / "plan.png", picture);
+  const auto stopped = rasterslam("world check plan.png --fix --resolution 0.05", folder.path());
+  EXPECT_EQ(stopped.exit_code, 3) << stopped.out;
+  EXPECT_THAT(stopped.err, HasSubstr("open the doorways in the drawing"));
 }
 
 TEST(WorldCheck, SimulationsWarnOfWhatItFinds) {

@@ -1,0 +1,73 @@
+#include "libslam/check/door_arcs.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "libslam/check/plan_check.h"
+#include "libslam/testing/temp_folder.h"
+#include "tests/check/architect_plan.h"
+
+namespace slam::check {
+namespace {
+
+/// As a scanner leaves a sheet: grey paper, walls that are not black, lines smoothed over two pixels, noise.
+cv::Mat scanned(const cv::Mat& sheet, double smoothing_px) {
+  cv::Mat scan, noise(sheet.size(), CV_32F);
+  sheet.convertTo(scan, CV_32F, 180.0 / 255, 68);
+  cv::GaussianBlur(scan, scan, {}, smoothing_px);
+  cv::RNG random(3);
+  random.fill(noise, cv::RNG::NORMAL, 0, 4);
+  scan += noise;
+  scan.convertTo(scan, CV_8U);
+  return scan;
+}
+
+TEST(DoorArcs, AreFoundInAScanWhoseThinLinesAreTooPaleForWalls) {
+  for (const double smoothing_px : {0.8, 1.0, 1.2}) {
+    ArchitectStyle style;
+    style.page_border = style.dimensions = style.room_names = false;
+    const testing::TempFolder folder;
+    const std::string path = folder / "scan.png";
+    ASSERT_TRUE(cv::imwrite(path, scanned(ArchitectPlan(style).sheet(), smoothing_px)));
+    PlanCheckOptions options;
+    options.resolution_m = 1 / style.pixels_per_metre;
+    const PlanCheck check = checkPlan(path, options);
+    int doors = 0;
+    for (const auto& finding : check.findings)
+      if (finding.key == "doors") doors = finding.count;
+    EXPECT_GE(doors, 6) << smoothing_px;  // of 7, the one to the outside among them
+    EXPECT_LT(check.hidden_share, 0.2) << smoothing_px;
+    // The flat's 10 x 7.5 m without its inner walls, as a robot can cover them.
+    EXPECT_GT(check.figures.reachable_m2, 0.8 * 10 * 7.5) << smoothing_px;
+  }
+}
+
+TEST(DoorArcs, SayHowMuchOfThemIsDrawn) {
+  cv::Mat ink(100, 100, CV_8U, cv::Scalar(0));
+  cv::ellipse(ink, cv::Point(50, 50), cv::Size(30, 30), 0, 0, 90, cv::Scalar(255), 1);
+  const double right = 0, down = CV_PI / 2;  // y points down
+  EXPECT_GT(drawnShare(ink, {{50, 50}, 30, right, down}), 0.95);
+  EXPECT_GT(drawnShare(ink, {{50, 50}, 30, down, right}), 0.95);
+  EXPECT_LT(drawnShare(ink, {{50, 50}, 30, down, 2 * down}), 0.1);
+  EXPECT_LT(drawnShare(ink, {{50, 50}, 20, right, down}), 0.1);
+  ink(cv::Rect(71, 50, 29, 50)).setTo(0);
+  EXPECT_NEAR(drawnShare(ink, {{50, 50}, 30, right, down}), 0.5, 0.1);
+  EXPECT_EQ(drawnShare(ink, {{-50, 250}, 30, right, down}), 0);
+}
+
+TEST(DoorArcs, AreAddedOnce) {
+  const DoorArc door{{50, 50}, 20, 0, 1.5707963267948966};
+  DoorArc near = door, other = door;
+  near.hinge.x += 2;
+  other.hinge.x += 60;
+  std::vector<DoorArc> doors = {door};
+  addDoorArcs(doors, {near, other});
+  ASSERT_EQ(doors.size(), 2U);
+  EXPECT_EQ(doors[0].hinge.x, 50);
+  EXPECT_EQ(doors[1].hinge.x, 110);
+}
+
+}  // namespace
+}  // namespace slam::check
