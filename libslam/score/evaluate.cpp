@@ -358,7 +358,7 @@ report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Tr
   if (detail == Detail::kFull)
     add({"wall_thickness_m", "mean_map_entropy", "on_wall_share", "through_wall_share", "map_entropy_bits",
          "occupied_share", "corners", "enclosed_areas"});
-  auto table = withNotes(tableOf("Accuracy against the truth", keys, evaluations), evaluations);
+  auto table = withNotes(tableOf("Accuracy against ground truth", keys, evaluations), evaluations);
   sayAlignment(evaluations, table);
   return table;
 }

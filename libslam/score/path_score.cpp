@@ -72,7 +72,7 @@ report::Table pathTable(const std::string& name, const core::Trajectory& truth,
   if (error.position_m.count == 0)
     throw core::InputError(name + ": no stamp in common with the truth, expected the truth of the same log");
   report::Table table;
-  table.caption = "Accuracy against the truth";
+  table.caption = "Accuracy against ground truth";
   table.columns = {{"path", "path", 0},
                    {"poses", "poses", 0},
                    {"ate_rmse_m", "ATE rmse m", 4},

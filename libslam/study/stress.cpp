@@ -54,9 +54,10 @@ bool takesWholeNumbers(const std::string& key) {
     }
     known.push_back(name);
   }
-  throw core::InputError(std::string(kVary) + ": found '" + key +
-                         "', expected a number of the simulation or world.KEY" +
-                         core::didYouMean(key, known));
+  throw core::InputError(
+      std::string(kVary) + ": found '" + key +
+      "', expected a number of the simulation ('simulate --print-config' lists them) or world.KEY" +
+      core::didYouMean(key, known));
 }
 
 void requireBuildingKey(const std::string& key) {

@@ -23,7 +23,7 @@ def anchors(path):
 
 def main():
     problems, links = [], 0
-    pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "libslam" / "README.md"]
+    pages = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), ROOT / "libslam" / "README.md"]
     for page in pages:
         for number, line in enumerate(page.read_text(encoding="utf-8").split("\n"), 1):
             for target in re.findall(r"\]\(([^)\s]+)\)", line):
