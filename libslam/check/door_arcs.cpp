@@ -315,6 +315,11 @@ bool isSame(const DoorArc& a, const DoorArc& b) {
   return cv::norm(middle(a) - middle(b)) < 0.4 * std::max(a.radius, b.radius);
 }
 
+void addApart(std::vector<DoorArc>& doors, const DoorArc& door) {
+  if (std::none_of(doors.begin(), doors.end(), [&](const DoorArc& d) { return isSame(d, door); }))
+    doors.push_back(door);
+}
+
 /// In halves of pixels, so close that a circle between two is found by its neighbours.
 std::vector<double> radiiUpTo(double most) {
   std::vector<double> radii = {kLeastRadius};
@@ -351,33 +356,13 @@ std::vector<DoorArc> findDoorArcs(const cv::Mat& full_ink) {
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.quality > b.quality; });
   std::vector<DoorArc> doors;
-  for (const auto& candidate : candidates) addDoorArcs(doors, {candidate.door});
+  for (const auto& candidate : candidates) addApart(doors, candidate.door);
   keepTheSquare(doors);
   for (auto& door : doors) {
     door.hinge = (door.hinge + cv::Point2d(0.5, 0.5)) * scale - cv::Point2d(0.5, 0.5);
     door.radius *= scale;
   }
   return doors;
-}
-
-double drawnShare(const cv::Mat& ink, const DoorArc& door) {
-  const double turn_rad = std::remainder(door.leaf_rad - door.opening_rad, 2 * kPi);
-  const int steps = std::max(8, static_cast<int>(door.radius));
-  int drawn = 0;
-  for (int i = 0; i < steps; ++i) {
-    const double angle_rad = door.opening_rad + turn_rad * (i + 0.5) / steps;
-    bool is_drawn = false;
-    for (int aside = -1; aside <= 1; ++aside)
-      is_drawn |= isInk(ink, door.hinge + (door.radius + aside) * along(angle_rad));
-    drawn += is_drawn;
-  }
-  return static_cast<double>(drawn) / steps;
-}
-
-void addDoorArcs(std::vector<DoorArc>& doors, const std::vector<DoorArc>& more) {
-  for (const DoorArc& door : more)
-    if (std::none_of(doors.begin(), doors.end(), [&](const DoorArc& d) { return isSame(d, door); }))
-      doors.push_back(door);
 }
 
 double usualRadius(const std::vector<DoorArc>& doors) {
@@ -392,6 +377,14 @@ double usualRadius(const std::vector<DoorArc>& doors) {
     if (is_better) best = near;
   }
   return best.empty() ? 0 : best[best.size() / 2];
+}
+
+void addDoorArcs(std::vector<DoorArc>& doors, const std::vector<DoorArc>& more) {
+  std::vector<DoorArc> all = doors;
+  all.insert(all.end(), more.begin(), more.end());
+  const double usual = usualRadius(all);
+  for (const DoorArc& door : more)
+    if (std::abs(door.radius - usual) <= 0.25 * usual) addApart(doors, door);
 }
 
 }  // namespace slam::check

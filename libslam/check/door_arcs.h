@@ -17,10 +17,7 @@ struct DoorArc {
 /// each candidate is then held against the ink. Radii from 11 pixels to a fifth of the picture.
 std::vector<DoorArc> findDoorArcs(const cv::Mat& ink);
 
-/// The share of the quarter circle that is ink, to a pixel.
-double drawnShare(const cv::Mat& ink, const DoorArc& door);
-
-/// Adds those of `more` that are none of `doors` yet: their arcs' middles are apart.
+/// Adds those of `more`, a less sure list, that are none of `doors` and about as large as all usually are.
 void addDoorArcs(std::vector<DoorArc>& doors, const std::vector<DoorArc>& more);
 
 /// The radius that most others are within 15 % of, of equals the largest; their median. 0 without doors.

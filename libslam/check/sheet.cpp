@@ -109,18 +109,12 @@ cv::Mat thickStrokes(const cv::Mat& ink, double diameter) {
   return grown(middle, least - 0.4) & ink;
 }
 
-/// An arc of which more is ink is no pale one.
-constexpr double kDrawn = 0.8;
-
 const std::vector<DoorArc>& doorArcsOf(Sheet& sheet) {
   if (!sheet.door_arcs) {
     const auto arcsIn = [](const cv::Mat& ink) { return findDoorArcs(ink & ~findLettering(ink).ink); };
-    const cv::Mat ink = sheet.mask(world::Cell::kOccupied);
-    sheet.door_arcs = arcsIn(ink);
-    // Leaves and arcs are drawn finer than walls, so in a scan they are paler. What is no pale line was judged before.
-    if (!sheet.faint.empty())
-      for (const DoorArc& door : arcsIn(sheet.faint))
-        if (drawnShare(ink, door) < kDrawn) addDoorArcs(*sheet.door_arcs, {door});
+    sheet.door_arcs = arcsIn(sheet.mask(world::Cell::kOccupied));
+    // Leaves and arcs are drawn finer than walls, so in a scan they are paler.
+    if (!sheet.faint.empty()) addDoorArcs(*sheet.door_arcs, arcsIn(sheet.faint));
   }
   return *sheet.door_arcs;
 }
