@@ -48,14 +48,15 @@ std::shared_ptr<CLI::Formatter> helpFormatter() {
 }
 
 CLI::Validator oneOf(std::vector<std::string> words) {
+  std::string all;
+  for (const auto& known : words) all += (all.empty() ? "" : ",") + known;
+  const std::string listed = "{" + all + "}";  // as CLI11's IsMember writes them; completion reads it
   return CLI::Validator(
-      [words = std::move(words)](const std::string& word) -> std::string {
+      [words = std::move(words), listed](const std::string& word) -> std::string {
         if (std::find(words.begin(), words.end(), word) != words.end()) return "";
-        std::string expected;
-        for (const auto& known : words) expected += (expected.empty() ? "" : ", ") + known;
-        return "found '" + word + "', expected one of " + expected + core::didYouMean(word, words);
+        return "found '" + word + "', expected one of " + listed + core::didYouMean(word, words);
       },
-      "");
+      listed);
 }
 
 }  // namespace slam::apps
