@@ -6,6 +6,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/rigid_motion2.h"
 #include "libslam/mapping/graph_slam.h"
 
 namespace slam::mapping {
@@ -369,9 +370,10 @@ void GraphSlam::keepTo(const Pose2& predicted, const Pose2& increment, Step& ste
 /// Share of a scan's points that fall on a mapped surface, or near one.
 double GraphSlam::knownShare(const std::vector<PatchPoint>& points, const Pose2& T_map_robot) const {
   const Point2 origin = maps_.coarse.origin();
+  const core::RigidMotion2 T_map_points(T_map_robot);
   int known = 0;
   for (const auto& point : points) {
-    const Point2 p_map = T_map_robot * position(point);
+    const Point2 p_map = T_map_points * position(point);
     known += maps_.coarse.at(p_map.x - origin.x, p_map.y - origin.y) != nullptr;
   }
   return points.empty() ? 0 : static_cast<double>(known) / static_cast<double>(points.size());

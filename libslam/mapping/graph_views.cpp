@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "libslam/core/elementary.h"
+#include "libslam/core/rigid_motion2.h"
 #include "libslam/mapping/graph_slam.h"
 
 namespace slam::mapping {
@@ -58,7 +59,7 @@ GraphSlam::View GraphSlam::view(int viewer, const Pose2& T_viewer_points,
 
 GraphSlam::View GraphSlam::view(const robot::Scan& scan, const Pose2& T_viewer_points,
                                 const std::vector<PatchPoint>& points, size_t stride) {
-  const Pose2 T_lidar_points = core::inverse(scan.T_robot_lidar) * T_viewer_points;
+  const core::RigidMotion2 T_lidar_points(core::inverse(scan.T_robot_lidar) * T_viewer_points);
   View result;
   for (size_t i = 0; i < points.size(); i += stride) {
     const Sight seen = sight(scan, T_lidar_points * position(points[i]));
@@ -84,10 +85,12 @@ double GraphSlam::toldScore(const std::vector<PatchPoint>& points, const Pose2& 
   constexpr double kLeastTold = 0.2;
   const auto viewers = firstOf(map_keyframes_, kAskedViewers);
   const Point2 origin = maps_.fine.origin();
-  const auto T_lidars_map = lidarsOf(viewers);
+  const auto poses = lidarsOf(viewers);
+  const std::vector<core::RigidMotion2> T_lidars_map(poses.begin(), poses.end());
+  const core::RigidMotion2 T_map_points(T_map_robot);
   std::vector<PatchPoint> told;
   for (const auto& point : points) {
-    const Point2 p_map = T_map_robot * position(point);
+    const Point2 p_map = T_map_points * position(point);
     bool is_told = maps_.fine.at(p_map.x - origin.x, p_map.y - origin.y) != nullptr;
     for (size_t i = 0; !is_told && i < viewers.size(); ++i)
       is_told = sight(viewers[i], T_lidars_map[i] * p_map) == Sight::kPassed;
@@ -105,8 +108,10 @@ double GraphSlam::gain(const std::vector<PatchPoint>& points, const Pose2& T_map
                        const Pose2& T_map_other) const {
   const auto viewers = firstOf(map_keyframes_, kAskedViewers);
   const Point2 origin = maps_.fine.origin();
-  const auto T_lidars_map = lidarsOf(viewers);
-  const auto says = [&](const Pose2& T, const PatchPoint& point) {
+  const auto poses = lidarsOf(viewers);
+  const std::vector<core::RigidMotion2> T_lidars_map(poses.begin(), poses.end());
+  const core::RigidMotion2 T_here(T_map_robot), T_there(T_map_other);
+  const auto says = [&](const core::RigidMotion2& T, const PatchPoint& point) {
     const Point2 p_map = T * position(point);
     bool agreed = false;
     for (size_t i = 0; i < viewers.size(); ++i) {
@@ -118,7 +123,7 @@ double GraphSlam::gain(const std::vector<PatchPoint>& points, const Pose2& T_map
   };
   std::vector<PatchPoint> telling;
   for (size_t p = 0; p < points.size(); p += kStride)
-    if (says(T_map_robot, points[p]) && says(T_map_other, points[p])) telling.push_back(points[p]);
+    if (says(T_here, points[p]) && says(T_there, points[p])) telling.push_back(points[p]);
   return surfelScore(telling, maps_.fine, T_map_robot, kKernel, 1) -
          surfelScore(telling, maps_.fine, T_map_other, kKernel, 1);
 }

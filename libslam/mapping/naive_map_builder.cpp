@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "libslam/core/elementary.h"
+#include "libslam/core/rigid_motion2.h"
 #include "libslam/mapping/map_grid.h"
 #include "libslam/robot/motion_kind.h"
 #include "libslam/robot/mrpt_types.h"
@@ -25,7 +26,8 @@ void drawDots(mrpt::maps::COccupancyGridMap2D& grid, const std::vector<core::Poi
               const core::Pose2& T_map_robot) {
   std::vector<core::Point2> dots;
   dots.reserve(points.size());
-  for (const auto& p_robot : points) dots.push_back(T_map_robot * p_robot);
+  const core::RigidMotion2 T_map_points(T_map_robot);
+  for (const auto& p_robot : points) dots.push_back(T_map_points * p_robot);
   double x_min = grid.getXMin(), x_max = grid.getXMax(), y_min = grid.getYMin(), y_max = grid.getYMax();
   // Two cells more than the outermost dot, so that rounding never puts it outside.
   const double margin_m = 2 * static_cast<double>(grid.getResolution());

@@ -6,6 +6,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/rigid_motion2.h"
 #include "libslam/metrics/nearest_points.h"
 #include "libslam/metrics/statistics.h"
 
@@ -81,7 +82,7 @@ struct CellRange {
 };
 
 /// The plan's raster extended, in its own cells and also below 0, to hold all that the map calls free.
-CellRange rangeOfBoth(const world::Plan& plan, const world::Plan& map, const core::Pose2& T_plan_map) {
+CellRange rangeOfBoth(const world::Plan& plan, const world::Plan& map, const core::RigidMotion2& T_plan_map) {
   double x0 = 0, y0 = 0, x1 = plan.columns - 1, y1 = plan.rows - 1;
   for (int row = 0; row < map.rows; ++row)
     for (int column = 0; column < map.columns; ++column) {
@@ -100,7 +101,8 @@ CellRange rangeOfBoth(const world::Plan& plan, const world::Plan& map, const cor
 
 double freeIntersectionOverUnion(const world::Plan& plan, const SeenMask& seen, const world::Plan& map,
                                  const core::Pose2& T_map_plan) {
-  const auto range = rangeOfBoth(plan, map, core::inverse(T_map_plan));
+  const auto range = rangeOfBoth(plan, map, core::RigidMotion2(core::inverse(T_map_plan)));
+  const core::RigidMotion2 T_map_cells(T_map_plan);
   // Finer map cells are all visited at least once when the plan's cells are cut to their size.
   const int cuts = std::max(1, static_cast<int>(std::ceil(plan.resolution_m / map.resolution_m - 1e-6)));
   const double step_m = plan.resolution_m / cuts;
@@ -113,7 +115,7 @@ double freeIntersectionOverUnion(const world::Plan& plan, const SeenMask& seen, 
         const int sub_column = part % cuts, sub_row = part / cuts;
         const core::Point2 p_plan{column * plan.resolution_m + (sub_column + 0.5) * step_m,
                                   row * plan.resolution_m + (sub_row + 0.5) * step_m};
-        const bool claimed = cellAt(map, T_map_plan * p_plan) == world::Cell::kFree;
+        const bool claimed = cellAt(map, T_map_cells * p_plan) == world::Cell::kFree;
         both += truly && claimed;
         either += truly || claimed;
       }

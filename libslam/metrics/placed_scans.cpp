@@ -8,6 +8,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/rigid_motion2.h"
 #include "libslam/metrics/statistics.h"
 #include "libslam/metrics/view_thinning.h"
 #include "libslam/world/ray_walk.h"
@@ -122,8 +123,9 @@ void PlacedScans::add(const core::Pose2& T_map_lidar, const std::vector<core::Po
   last_used_ = T_map_lidar;
   has_last_ = true;
   const core::Point2 origin_cells = world::worldToCells(map_, core::position(T_map_lidar));
+  const core::RigidMotion2 T_map_returns(T_map_lidar);
   for (const auto& p_lidar : returns_lidar) {
-    const core::Point2 p_map = T_map_lidar * p_lidar;
+    const core::Point2 p_map = T_map_returns * p_lidar;
     if (!std::isfinite(p_map.x) || !std::isfinite(p_map.y)) continue;
     points_.push_back(p_map);
     const core::Point2 end_cells = world::worldToCells(map_, p_map);

@@ -8,6 +8,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/rigid_motion2.h"
 
 namespace slam::navigate {
 namespace {
@@ -61,8 +62,9 @@ MapStrategy::Place MapStrategy::placeOf(const core::Point2& p_map) const {
 void MapStrategy::seeScan(const robot::Scan& scan, const core::Pose2& T_map_robot) {
   if (!space_ || !core::isFinite(T_map_robot)) return;
   const double cell_m = space_->resolution_m;
+  const core::RigidMotion2 T_map_scan(T_map_robot);
   for (const auto& p_robot : robot::scanPoints(scan)) {
-    const core::Point2 p = T_map_robot * p_robot;
+    const core::Point2 p = T_map_scan * p_robot;
     for (const double dy : {-cell_m, 0.0, cell_m})
       for (const double dx : {-cell_m, 0.0, cell_m}) returns_.insert(placeOf({p.x + dx, p.y + dy}));
   }

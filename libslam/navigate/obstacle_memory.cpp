@@ -8,6 +8,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/rigid_motion2.h"
 #include "libslam/obstacles/lidar_view.h"
 
 namespace slam::navigate {
@@ -48,20 +49,22 @@ class ShortMemory : public ObstacleMemory {
   void update(const robot::Scan& scan, const core::Pose2& T_odom_robot) override {
     memory_odom_.insert(memory_odom_.end(), seen_odom_.begin(), seen_odom_.end());
     T_robot_odom_ = core::inverse(T_odom_robot);
+    const core::RigidMotion2 T_robot_memory(T_robot_odom_), T_odom_seen(T_odom_robot);
     const auto forget = [&](const core::Point2& p_odom) {
-      const core::Point2 p_robot = T_robot_odom_ * p_odom;
+      const core::Point2 p_robot = T_robot_memory * p_odom;
       return core::hypot(p_robot.x, p_robot.y) > kReach_m || isInView(scan, p_robot);
     };
     memory_odom_.erase(std::remove_if(memory_odom_.begin(), memory_odom_.end(), forget), memory_odom_.end());
     thin(memory_odom_, kGrid_m);
     seen_odom_.clear();
     for (const auto& p_robot : robot::scanPoints(scan))
-      if (core::hypot(p_robot.x, p_robot.y) <= kReach_m) seen_odom_.push_back(T_odom_robot * p_robot);
+      if (core::hypot(p_robot.x, p_robot.y) <= kReach_m) seen_odom_.push_back(T_odom_seen * p_robot);
   }
   std::vector<core::Point2> points() const override {
     std::vector<core::Point2> p_robot;
     p_robot.reserve(memory_odom_.size());
-    for (const auto& p_odom : memory_odom_) p_robot.push_back(T_robot_odom_ * p_odom);
+    const core::RigidMotion2 T_robot_memory(T_robot_odom_);
+    for (const auto& p_odom : memory_odom_) p_robot.push_back(T_robot_memory * p_odom);
     return p_robot;
   }
 

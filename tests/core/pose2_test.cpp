@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "libslam/core/random.h"
+#include "libslam/core/rigid_motion2.h"
 
 namespace slam::core {
 namespace {
@@ -19,6 +20,17 @@ TEST(Pose2, TurnsThenShifts) {
   const Point2 p = Pose2{1, 2, kPi / 2} * Point2{3, 0};
   EXPECT_NEAR(p.x, 1, 1e-15);
   EXPECT_NEAR(p.y, 5, 1e-15);
+}
+
+TEST(RigidMotion2, MovesPointsToTheSameBitsAsItsPose) {
+  RandomStream random(3, "poses");
+  for (int i = 0; i < 1000; ++i) {
+    const Pose2 T{random.uniform(-50, 50), random.uniform(-50, 50), random.uniform(-10, 10)};
+    const Point2 p{random.uniform(-50, 50), random.uniform(-50, 50)}, by_pose = T * p,
+                                                                      by_motion = RigidMotion2(T) * p;
+    EXPECT_EQ(by_motion.x, by_pose.x);
+    EXPECT_EQ(by_motion.y, by_pose.y);
+  }
 }
 
 TEST(Pose2, AProductsHeadingStaysWithinHalfATurn) {
