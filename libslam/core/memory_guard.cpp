@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <filesystem>
 #include <mutex>
+#include <system_error>
 
 #if defined(__SANITIZE_ADDRESS__)
 #define RASTERSLAM_OWN_ALLOCATOR 1
@@ -66,5 +68,11 @@ MemoryGuard::~MemoryGuard() {
   if (--all.count == 0) setrlimit(RLIMIT_AS, &all.before);
 }
 #endif
+
+std::uint64_t fileHeadroomBytes(const std::string& path) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);
+  return kObjectHeadroom_bytes + (error ? 0 : 32 * size);
+}
 
 }  // namespace slam::core

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <string>
 
 namespace slam::core {
 
@@ -18,5 +19,9 @@ class MemoryGuard {
 
 /// The headroom for one object of a file: far more than any that a robot's log or map holds.
 inline constexpr std::uint64_t kObjectHeadroom_bytes = std::uint64_t{512} << 20;
+
+/// The headroom for a file, packed or not, that is one object, such as a map: that of an object, and 32 times what it takes on the
+/// disk, so that there is no map too large to be read. Of a file that is not there, that of an object.
+std::uint64_t fileHeadroomBytes(const std::string& path);
 
 }  // namespace slam::core

@@ -1,12 +1,17 @@
 #include "libslam/mapping/map_builder.h"
 
+#include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/maps/CSimpleMap.h>
+#include <mrpt/serialization/CArchive.h>
 
 #include <cmath>
+#include <new>
+#include <stdexcept>
 #include <utility>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/memory_guard.h"
 #include "libslam/mapping/mrpt_method.h"
 #include "libslam/mapping/step_motion.h"
 
@@ -44,12 +49,17 @@ double growingTime(double time_s, double last_time_s, bool is_first) {
 mrpt::maps::CSimpleMap loadKeyFrames(const std::string& path) {
   core::requireReadableFile(path);
   mrpt::maps::CSimpleMap map;
-  bool loaded = false;
   try {
-    loaded = map.loadFromFile(path);
+    const core::MemoryGuard guard(core::fileHeadroomBytes(path));
+    mrpt::io::CFileGZInputStream file(path);  // not loadFromFile(), which says nothing of why it fails
+    mrpt::serialization::archiveFrom(file) >> map;
+  } catch (const std::bad_alloc&) {
+    throw core::InputError(path + ": found key frames of impossible size, expected an MRPT simplemap");
+  } catch (const std::length_error&) {
+    throw core::InputError(path + ": found key frames of impossible size, expected an MRPT simplemap");
   } catch (const std::exception&) {
+    throw core::InputError(path + ": is no MRPT simplemap");
   }
-  if (!loaded) throw core::InputError(path + ": is no MRPT simplemap");
   if (map.empty()) throw core::InputError(path + ": holds 0 key frames, expected at least 1");
   return map;
 }

@@ -16,6 +16,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/memory_guard.h"
 #include "libslam/gridmap/mrpt_grid.h"
 #include "libslam/mapping/graph_slam.h"
 #include "libslam/mapping/key_frames.h"
@@ -114,8 +115,13 @@ gridmap::OccupancyRaster readGridMap(const std::string& path) {
   core::requireReadableFile(path);
   COccupancyGridMap2D grid;
   try {
+    const core::MemoryGuard guard(core::fileHeadroomBytes(path));
     mrpt::io::CFileGZInputStream file(path);
     mrpt::serialization::archiveFrom(file) >> grid;
+  } catch (const std::bad_alloc&) {
+    throw core::InputError(path + ": found a grid of impossible size, expected an MRPT occupancy grid");
+  } catch (const std::length_error&) {
+    throw core::InputError(path + ": found a grid of impossible size, expected an MRPT occupancy grid");
   } catch (const std::exception&) {
     throw core::InputError(path + ": is no MRPT occupancy grid");
   }
