@@ -256,7 +256,8 @@ TEST(Help, FitsIntoATerminal) {
     const auto help = rasterslam("help " + command);
     EXPECT_EQ(help.exit_code, 0) << command << help.err;
     std::istringstream lines(help.out);
-    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 108U) << command << ": " << line;
+    for (std::string line; std::getline(lines, line);)
+      EXPECT_LE(line.size(), 108U) << command << ": " << line;
   }
 }
 

@@ -154,8 +154,7 @@ TEST(ViewCommand, ADriveByCommandsShowsTheMapThatGrows) {
   SKIP_WITHOUT_VIEWER();
   const testing::TempFolder folder;
   core::writeFileAtomically(folder / "drive.txt", "move 1\nturn 90\nmove 1\nturn 90\nmove 1\n");
-  const std::string command =
-      "view drive flat --start 4,3,0 --commands drive.txt --screenshot ";
+  const std::string command = "view drive flat --start 4,3,0 --commands drive.txt --screenshot ";
   int walls = 0;
   for (const std::string slam : {"naive_wheel", "odometry"}) {
     const auto result = withoutDisplay(command + slam + ".png --at 6 --slam " + slam, folder.path());
