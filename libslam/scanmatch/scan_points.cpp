@@ -70,12 +70,33 @@ Returns returnsOf(const robot::Scan& scan, double max_range_m) {
   return returns;
 }
 
-/// Which of the points stay: each at least the spacing from the one kept before it.
-std::vector<int> keptOf(const std::vector<core::Point2>& points, double spacing_m) {
+/// Beyond so many times the spacing a point lies on another surface than the one kept before it.
+constexpr double kJump = 4;
+
+/// Which of the points stay: each about the spacing from the one kept before it. A point's own range has no say in whether it
+/// stays: were the first kept that lies far enough, those whose noise carries them on in the scan's direction would be
+/// preferred, walls would turn all the same way, and so would the path.
+std::vector<int> keptOf(const Returns& returns, double spacing_m, double step_rad, const core::Point2& eye) {
+  const auto& points = returns.points;
+  const double spacing2 = spacing_m * spacing_m;
   std::vector<int> kept;
-  for (int k = 0; k < static_cast<int>(points.size()); ++k)
-    if (kept.empty() || squaredDistance(points[k], points[kept.back()]) >= spacing_m * spacing_m)
+  for (int k = 0; k < static_cast<int>(points.size()); ++k) {
+    if (kept.empty()) {
       kept.push_back(k);
+      continue;
+    }
+    const int last = kept.back();
+    // Where the beam before ended, and what lies between two beams there.
+    const double arc_m = std::sqrt(squaredDistance(points[k - 1], eye)) * step_rad;
+    const double gap2 = k > 1 && returns.beams[k - 1] - returns.beams[k - 2] == 1
+                            ? squaredDistance(points[k - 1], points[k - 2])
+                            : 0;
+    const double gap_m =
+        gap2 < kPatchSteepest * kPatchSteepest * arc_m * arc_m ? std::max(std::sqrt(gap2), arc_m) : arc_m;
+    const double so_far_m = std::sqrt(squaredDistance(points[k - 1], points[last]));
+    if (so_far_m + gap_m >= spacing_m || squaredDistance(points[k], points[last]) >= kJump * kJump * spacing2)
+      kept.push_back(k);
+  }
   return kept;
 }
 
@@ -93,10 +114,11 @@ PatchPoint operator*(const core::Pose2& T, const PatchPoint& p) {
 }
 
 std::vector<PatchPoint> patchPoints(const robot::Scan& scan, const ScanPointOptions& options) {
-  const auto [points, beams] = returnsOf(scan, options.max_range_m);
+  const Returns returns = returnsOf(scan, options.max_range_m);
+  const auto& [points, beams] = returns;
   const int n = static_cast<int>(points.size());
   const core::Point2 eye{scan.T_robot_lidar.x, scan.T_robot_lidar.y};
-  const auto kept = keptOf(points, options.spacing_m);
+  const auto kept = keptOf(returns, options.spacing_m, scan.step_rad, eye);
   std::vector<PatchPoint> result;
   result.reserve(kept.size());
   for (const int k : kept) {
@@ -120,7 +142,8 @@ std::vector<PatchPoint> patchPoints(const robot::Scan& scan, const ScanPointOpti
 }
 
 std::vector<SurfacePoint> surfacePoints(const robot::Scan& scan, const ScanPointOptions& options) {
-  const auto [points, beams] = returnsOf(scan, options.max_range_m);
+  const Returns returns = returnsOf(scan, options.max_range_m);
+  const auto& [points, beams] = returns;
   const int n = static_cast<int>(points.size());
   const core::Point2 eye{scan.T_robot_lidar.x, scan.T_robot_lidar.y};
   // joined[k]: point k lies on one surface with point k + 1
@@ -132,7 +155,7 @@ std::vector<SurfacePoint> surfacePoints(const robot::Scan& scan, const ScanPoint
     const double gap = kSteepest * range * scan.step_rad * (beams[k + 1] - beams[k]) + 0.05;
     joined[k] = squaredDistance(points[k], points[k + 1]) <= gap * gap;
   }
-  const auto kept = keptOf(points, options.spacing_m);
+  const auto kept = keptOf(returns, options.spacing_m, scan.step_rad, eye);
   std::vector<SurfacePoint> result;
   result.reserve(kept.size());
   const double reach2 = options.normal_reach_m * options.normal_reach_m;

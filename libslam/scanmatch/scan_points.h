@@ -12,7 +12,7 @@ struct SurfacePoint {
 };
 
 struct ScanPointOptions {
-  double spacing_m = 0.05;  ///< two points of one scan are at least this far apart
+  double spacing_m = 0.05;  ///< two points of one scan are about this far apart at least
   double max_range_m = 40;  ///< farther returns are left out: their spots are wide and their normals unknown
   double normal_reach_m =
       0.4;  ///< neighbours within this belong to the surface; two to twenty beams to each side

@@ -59,7 +59,27 @@ TEST(ScanPoints, AreThinnedToTheirSpacing) {
   options.spacing_m = 0.2;
   const auto points = surfacePoints(scan, options);
   ASSERT_GT(points.size(), 5U);
-  for (size_t i = 1; i < points.size(); ++i) EXPECT_GE(core::distance(points[i - 1].p, points[i].p), 0.2);
+  for (size_t i = 1; i < points.size(); ++i) EXPECT_GE(core::distance(points[i - 1].p, points[i].p), 0.18);
+  for (size_t i = 1; i < points.size(); ++i) EXPECT_LE(core::distance(points[i - 1].p, points[i].p), 0.3);
+}
+
+// Were points preferred that lie far from the one kept before, a wall would be turned: out where the ranges of neighbouring
+// beams grow, in where they shrink.
+TEST(ScanPoints, AreThinnedWithoutRegardToTheirNoise) {
+  Lidar lidar;
+  lidar.noise_m = 0.02;
+  core::RandomStream chance(1, "lidar");
+  const std::vector<scanmatch_test::Wall> wall{{{2, -3}, {2, 3}}};
+  double sum_right_m = 0, sum_left_m = 0;
+  int right = 0, left = 0;
+  for (int i = 0; i < 300; ++i)
+    for (const auto& point : patchPoints(look(wall, {}, lidar, chance), {})) {
+      if (point.y < -0.5) sum_right_m += point.x - 2, ++right;
+      if (point.y > 0.5) sum_left_m += point.x - 2, ++left;
+    }
+  ASSERT_GT(right, 3000);
+  EXPECT_NEAR(sum_right_m / right, 0, 0.001);
+  EXPECT_NEAR(sum_left_m / left, 0, 0.001);
 }
 
 TEST(ScanPoints, AreTheSameWithPatchesInsteadOfNormals) {
