@@ -202,7 +202,8 @@ void GraphSlam::beginOwnMap() {
   doubt_.begins = graph_.nodeCount();
   doubt_.maps = std::make_shared<LevelMaps>(maps_);
   doubt_.T_map_robot = currentPose();
-  map_keyframes_.clear(), anchors_.clear();
+  map_keyframes_.clear();
+  evidence_.by_view.clear();  // of the place where the robot is not
 }
 
 /// All is well again, and the robot is where the map from before has it. That map goes on from here; what was mapped
@@ -214,15 +215,16 @@ void GraphSlam::comeBack(const robot::Scan& scan, std::vector<PatchPoint> points
   forgetWheels();
   map_keyframes_ = keyframesBeforeDoubt(T_map_robot);
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T_map_robot);
+  noteEvidence(points, T_map_robot, doubt_.maps->fine);
   doubt_.begins = k;  // no link to the keyframe before
-  addKeyframe(scan, std::move(points), T_map_robot, information, step.pose_covariance);
+  addKeyframe(scan, std::move(points), T_map_robot, information);
   link(before, k);
   lost_.dismiss();
   doubt_ = {};
   held_back_ = 0;
   const core::Point2 centre = core::position(graph_.pose(k));
   setMap(keyframesAround(k, centre, options_.map_path_m, options_.map_radius_m), centre);
-  step.pose_covariance = keyframe(k).covariance;
+  step.pose_covariance = covariance_;
 }
 
 /// The doubt ends without an answer: what was mapped meanwhile is a part of the rest.
@@ -241,9 +243,11 @@ void GraphSlam::startElsewhere(double score) {
   graph_.setOn(keyframe(k).odometry_edge, false);
   gap.information = poseInformation(kGap_m, kGap_rad);
   keyframes_[static_cast<size_t>(k)].odometry_edge = graph_.addEdge(gap);
+  covariance_ = covarianceOf(gap.information);
   for (int i = k; i < graph_.nodeCount(); ++i) {
     keyframes_[static_cast<size_t>(i)].path_m += kGapPath_m;
-    keyframes_[static_cast<size_t>(i)].covariance = covarianceOf(gap.information);
+    keyframes_[static_cast<size_t>(i)].covariance = covariance_;
+    keyframes_[static_cast<size_t>(i)].root = rootOf(covariance_);
   }
   path_m_ += kGapPath_m;
   searched_m_ = path_m_;

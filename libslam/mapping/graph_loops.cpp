@@ -334,6 +334,7 @@ bool GraphSlam::accept(const Hypothesis& hypothesis) {
       if (componentOf(i) == (old_moves ? old_component : component)) graph_.setPose(i, T * graph_.pose(i));
   }
   std::vector<int> edges;
+  loop_begins_.push_back(static_cast<int>(graph_.edges().size()));
   for (const auto& edge : hypothesis.edges) edges.push_back(graph_.addEdge(edge));
   const double chi2 = optimiseGraph();
   if (chi2 - chi2_before > options_.loop_chi2_per_m * way_m) {
@@ -367,7 +368,11 @@ void GraphSlam::settle() {
     for (Link& link : links_[i])
       link.length_m = core::distance(graph_.pose(static_cast<int>(i)), graph_.pose(link.to));
   const auto covariances = keyframeCovariances();
-  for (size_t i = 0; i < covariances.size(); ++i) keyframes_[i].covariance = covariances[i];
+  for (size_t i = 0; i < covariances.size(); ++i) {
+    keyframes_[i].covariance = covariances[i];
+    keyframes_[i].root = rootOf(covariances[i] + keyframes_[i].noise);
+  }
+  covariance_ = covariances.back();
   ++revision_;
 }
 

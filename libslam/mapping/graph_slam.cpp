@@ -51,7 +51,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
   noteScan(scan, has_odometry);
   Step step;
   if (keyframes_.empty()) {
-    addKeyframe(scan, pointsOf(scan), {}, Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero());
+    addKeyframe(scan, pointsOf(scan), {}, Eigen::Matrix3d::Zero());
     step.is_keyframe = true;
   } else {
     std::vector<PatchPoint> points;
@@ -75,8 +75,8 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
     } else if (step.is_keyframe) {
       if (doubt_.begins < 0) learnWrongPlace(scan, points, step.T_map_robot);
       if (trust == Trust::kOwnMap) beginOwnMap();
-      addKeyframe(scan, std::move(points), step.T_map_robot, information, step.pose_covariance);
-      step.pose_covariance = keyframe(lastKeyframe()).covariance;
+      addKeyframe(scan, std::move(points), step.T_map_robot, information);
+      step.pose_covariance = covariance_;
     }
     if (lost_.isLost() && doubt_.begins >= 0) startElsewhere(step.score);
     step.T_map_robot = currentPose();
@@ -94,7 +94,7 @@ void GraphSlam::addKnownKeyframe(const robot::Scan& scan, const Pose2& T_map_rob
   T_odometry_ = core::between(T_last, T_map_robot);
   path_m_ += core::hypot(T_odometry_.x, T_odometry_.y);
   const bool loops = std::exchange(options_.loops, false);
-  addKeyframe(scan, pointsOf(scan), T_map_robot, poseInformation(0.02, 0.005), Eigen::Matrix3d::Zero());
+  addKeyframe(scan, pointsOf(scan), T_map_robot, poseInformation(0.02, 0.005));
   keyframes_.back().scan = kOfEarlierRun;
   options_.loops = loops;
 }
@@ -104,6 +104,7 @@ void GraphSlam::startAt(const Pose2& T_map_robot) {
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T_map_robot);
   T_previous_robot_ = {};
   odometry_holds_ = false;
+  covariance_.setZero(), from_keyframe_.setZero();
   forgetWheels();
   lost_.restart();
   doubt_ = {};
@@ -152,10 +153,11 @@ int GraphSlam::addOdometryEdge(int k) {
 }
 
 void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
-                            const Eigen::Matrix3d& information, const Eigen::Matrix3d& covariance) {
+                            const Eigen::Matrix3d& information) {
   const int k = graph_.addNode(T_map_robot);
-  keyframes_.push_back({static_cast<int>(records_.size()), scan, std::move(points), path_m_, -1, covariance,
-                        by_wheels_.has_value()});
+  keyframes_.push_back({static_cast<int>(records_.size()), scan, std::move(points), path_m_, -1,
+                        by_wheels_.has_value(), -1, Eigen::Matrix3d::Zero(), noise_, covariance_,
+                        rootOf(covariance_ + noise_)});
   links_.emplace_back();
   if (k == 0) {
     graph_.setFixed(0);
@@ -173,7 +175,9 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> poi
       graph_.addEdge(edge);
       link(partner, k);
     }
+    noteMatch();
   }
+  from_keyframe_.setZero();
   T_keyframe_robot_ = {};
   T_odometry_ = {};
   odometry_holds_ = true;

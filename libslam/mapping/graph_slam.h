@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <map>
 #include <memory>
@@ -145,7 +146,6 @@ class GraphSlam {
   static constexpr int kHeadings = 6;  ///< one after the other, so that no scan waits long
   static constexpr double kHeadingStep_rad = 2 * core::kPi / kHeadings;
   static constexpr double kPlaceStep_m = 4, kPlaceHalf_m = 5, kPlaceReach_m = 12;
-  static constexpr double kMatchCovarianceScale = 0.8;  ///< see graph_covariance.cpp
   /// The local map reaches this far from the robot.
   static constexpr double kMapReach_m = 30;
   /// What being kidnapped counts as driven.
@@ -153,8 +153,7 @@ class GraphSlam {
 
   // graph_slam.cpp: keyframes and their edges
   void addKeyframe(const robot::Scan& scan, std::vector<scanmatch::PatchPoint> points,
-                   const core::Pose2& T_map_robot, const Eigen::Matrix3d& information,
-                   const Eigen::Matrix3d& covariance);
+                   const core::Pose2& T_map_robot, const Eigen::Matrix3d& information);
   int addOdometryEdge(int keyframe);
   std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
                               const core::Pose2& T_map_robot) const;
@@ -249,7 +248,12 @@ class GraphSlam {
 
   // graph_covariance.cpp
   std::vector<Eigen::Matrix3d> keyframeCovariances() const;
-  Eigen::Matrix3d mapCovariance(const core::Point2& at) const;
+  posegraph::PoseGraph witnesses() const;
+  void noteEvidence(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot,
+                    const scanmatch::SurfelMap& map);
+  void noteMatch();
+  void estimateCovariance(const Expected& expected, const scanmatch::MatchResult& result);
+  double variancePerPoint() const;
 
   // graph_loops.cpp: places seen again
   void closeLoops();
@@ -323,12 +327,20 @@ class GraphSlam {
   std::vector<Keyframe> keyframes_;
   std::vector<std::vector<Link>> links_;
   std::vector<std::pair<int, int>> closures_;  ///< keyframes that accepted loops join
+  std::vector<int> loop_begins_;               ///< first edge of every loop, accepted or rejected
   std::vector<Hypothesis> hypotheses_;
   std::vector<Record> records_;
   std::vector<JournalEntry> journal_;
   LevelMaps maps_;
   std::vector<int> map_keyframes_;
-  std::vector<int> anchors_;  ///< of these, those that stand for the local map's uncertainty
+  scanmatch::MatchEvidence evidence_;                     ///< of the scan at hand
+  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();  ///< of its pose in the map
+  Eigen::Matrix3d from_keyframe_ =
+      Eigen::Matrix3d::Zero();  ///< of what odometry alone tells since the keyframe
+  Eigen::Matrix3d noise_ = Eigen::Matrix3d::Zero(),
+                  least_ = Eigen::Matrix3d::Zero();  ///< of one scan: its match, and with odometry
+  double squared_ = 0, dimensions_ = 0;              ///< of all scans' evidence
+  std::array<double, scanmatch::MatchEvidence::kLags> lagged_{};
   core::Pose2 T_keyframe_robot_, T_previous_robot_, T_odometry_;  ///< the last: since the last keyframe
   bool odometry_holds_ = true;                                    ///< since the last keyframe
   std::optional<core::Pose2> by_wheels_;                          ///< map frame: see followWheels()

@@ -93,7 +93,7 @@ const GraphSlam::LevelMaps& GraphSlam::mapOf(const std::vector<int>& keyframes, 
 void GraphSlam::fill(LevelMaps& maps, const std::vector<int>& keyframes, const Point2& centre) const {
   for (auto* map : {&maps.fine, &maps.middle, &maps.coarse}) {
     map->clear(centre, kMapReach_m);
-    for (const int k : keyframes) map->add(keyframe(k).points, graph_.pose(k));
+    for (const int k : keyframes) map->add(keyframe(k).points, graph_.pose(k), k);
   }
 }
 
@@ -146,10 +146,6 @@ std::vector<int> GraphSlam::firstOf(std::vector<int> keyframes, int most) {
 void GraphSlam::setMap(const std::vector<int>& near, const Point2& centre) {
   map_keyframes_ = firstOf(near, options_.map_keyframes);
   fill(maps_, map_keyframes_, centre);
-  anchors_.clear();
-  for (const int k : map_keyframes_)
-    if (isApart(k, anchors_) && static_cast<int>(anchors_.size()) < options_.edges_per_keyframe)
-      anchors_.push_back(k);
 }
 
 /// All keyframes within the radius, however they are linked, the nearest first.
@@ -328,8 +324,10 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   Step step;
   step.T_map_robot = T;
   step.score = result.score;
-  step.match_covariance = kMatchCovarianceScale * covarianceOf(result.posterior_information);
-  step.pose_covariance = mapCovariance(core::position(T)) + step.match_covariance;
+  noteEvidence(points, T, maps_.fine);
+  estimateCovariance(e, result);
+  step.match_covariance = from_keyframe_;
+  step.pose_covariance = covariance_;
   return step;
 }
 

@@ -20,13 +20,18 @@ struct Keyframe {
   std::vector<scanmatch::PatchPoint> points;  ///< robot frame
   double path_m;                              ///< driven since the start
   int odometry_edge;                          ///< to the keyframe before
-  Eigen::Matrix3d covariance;                 ///< of its pose in the map
   bool unsure = false;                        ///< no scan is matched to it: see followWheels()
+  // graph_covariance.cpp
+  int matched_to = -1;          ///< keyframe that saw first what it was matched to, most of it; -1: none
+  Eigen::Matrix3d information;  ///< what is known of its pose from there; body frame
+  Eigen::Matrix3d noise;        ///< of its pose against the map as it was; map frame, like those that follow
+  Eigen::Matrix3d covariance;   ///< of its pose in the map
+  Eigen::Matrix3d root;         ///< of the covariance with which what it saw first lies in the map; symmetric
 };
 struct Record {
   int keyframe;
   core::Pose2 T_keyframe_robot;
-  Eigen::Matrix3d match_covariance;  ///< map frame, as it was
+  Eigen::Matrix3d match_covariance;  ///< against the keyframe; map frame, as it was
 };
 struct Link {
   int to;

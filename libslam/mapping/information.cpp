@@ -38,11 +38,20 @@ Eigen::Matrix3d withoutNegatives(const Eigen::Matrix3d& matrix, double least_sha
   return composed(parts, parts.eigenvalues().cwiseMax(floor));
 }
 
-Eigen::Matrix3d edgeInformation(const Eigen::Matrix3d& information, double phi_rad) {
+Eigen::Matrix3d turned(const Eigen::Matrix3d& information, double phi_rad) {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   turn(0, 0) = turn(1, 1) = core::cos(phi_rad);
   turn(1, 0) = core::sin(phi_rad), turn(0, 1) = -turn(1, 0);
-  return withoutNegatives(turn.transpose() * information * turn, kLeastShare, kLeastInformation);
+  return turn.transpose() * information * turn;
+}
+
+Eigen::Matrix3d edgeInformation(const Eigen::Matrix3d& information, double phi_rad) {
+  return withoutNegatives(turned(information, phi_rad), kLeastShare, kLeastInformation);
+}
+
+Eigen::Matrix3d rootOf(const Eigen::Matrix3d& covariance) {
+  const auto parts = decomposed(covariance);
+  return composed(parts, parts.eigenvalues().cwiseMax(0.0).cwiseSqrt());
 }
 
 Eigen::Matrix3d covarianceOf(const Eigen::Matrix3d& information) {

@@ -38,10 +38,10 @@ void SurfelMap::clear(const core::Point2& centre, double reach_m) {
   extent_m_ = (static_cast<double>(side_) - 0.5) * cell_m_;
   origin_ = {(std::floor((centre.x - reach_m) * per_cell_) - 3) * cell_m_,
              (std::floor((centre.y - reach_m) * per_cell_) - 3) * cell_m_};
-  sums_.clear(), cells_.clear(), surfels_.clear(), asked_cells_.clear();
+  sums_.clear(), cells_.clear(), surfels_.clear(), first_views_.clear(), asked_cells_.clear();
 }
 
-void SurfelMap::add(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot) {
+void SurfelMap::add(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot, int view) {
   const auto [s, c] = core::sinCos(T_map_robot.phi);
   const double tx = T_map_robot.x - origin_.x, ty = T_map_robot.y - origin_.y;
   for (const auto& point : points) {
@@ -61,6 +61,7 @@ void SurfelMap::add(const std::vector<PatchPoint>& points, const core::Pose2& T_
     const double dy = y - (static_cast<double>(row) + 0.5) * cell_m_;
     const double ax = c * point.along_x - s * point.along_y, ay = s * point.along_x + c * point.along_y;
     Sums& sums = two_sided_ ? faceOf(index, ax, ay) : sums_[static_cast<size_t>(index)];
+    sums.first_view = std::min(sums.first_view, view);
     sums.n += 1, sums.x += dx, sums.y += dy;
     sums.xx += dx * dx + ax * ax, sums.xy += dx * dy + ax * ay, sums.yy += dy * dy + ay * ay;
   }
@@ -105,6 +106,7 @@ void SurfelMap::Sums::add(const Sums& sums, double w, double ox, double oy) {
   xy += w * (sums.xy + ox * sums.y + oy * sums.x + sums.n * ox * oy);
   yy += w * (sums.yy + 2 * oy * sums.y + sums.n * oy * oy);
   nx += w * sums.nx, ny += w * sums.ny;
+  first_view = std::min(first_view, sums.first_view);
 }
 
 std::int32_t SurfelMap::makeSurfel(std::int64_t cell) const {
@@ -167,6 +169,7 @@ void SurfelMap::pushSurfel(const Sums& pooled, std::int64_t column, std::int64_t
                       static_cast<float>(kHeldBack * gain * ux * uy),
                       static_cast<float>(information_across + gain * uy * uy), static_cast<float>(pooled.nx),
                       static_cast<float>(pooled.ny), -1});
+  first_views_.push_back(pooled.first_view);
 }
 
 }  // namespace slam::scanmatch

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "libslam/core/pose2.h"
@@ -28,8 +29,8 @@ class SurfelMap {
 
   /// Empty, covering [centre - reach, centre + reach] in both directions; points outside are left out.
   void clear(const core::Point2& centre, double reach_m);
-  /// Points of a scan, robot frame.
-  void add(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot);
+  /// Points of a scan, robot frame. `view` names the scan for firstViewOf().
+  void add(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot, int view = 0);
 
   core::Point2 origin() const { return origin_; }
   /// Whether the map has anything to say there: see clear(). Coordinates from origin().
@@ -51,12 +52,17 @@ class SurfelMap {
     if (!surfel || surfel->back < 0 || surfel->nx * nx + surfel->ny * ny >= 0) return surfel;
     return &surfels_[static_cast<size_t>(surfel->back)];
   }
+  /// The least of the views whose points made the surfel that at() gave last.
+  int firstViewOf(const Surfel& surfel) const {
+    return first_views_[static_cast<size_t>(&surfel - surfels_.data())];
+  }
 
  private:
   struct Sums {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;  ///< from the centre of the cell
     double nx = 0, ny = 0;                               ///< normals, towards the lidar
     std::int32_t back = -1;                              ///< of the points seen from the other side
+    std::int32_t first_view = std::numeric_limits<std::int32_t>::max();
     void add(const Sums& other, double w, double ox, double oy);
   };
   static constexpr std::int32_t kUnknown = -1, kNone = -2;
@@ -76,6 +82,7 @@ class SurfelMap {
   std::vector<std::int64_t> cells_;                ///< of sums_
   mutable std::vector<std::int64_t> asked_cells_;  ///< where surfel_of_ is known
   mutable std::vector<Surfel> surfels_;
+  mutable std::vector<std::int32_t> first_views_;  ///< of surfels_
 };
 
 }  // namespace slam::scanmatch

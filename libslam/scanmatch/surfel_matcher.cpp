@@ -95,6 +95,48 @@ MatchResult alignToSurfels(const std::vector<PatchPoint>& points, const SurfelMa
   return result;
 }
 
+MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap& map, const core::Pose2& T,
+                         double kernel) {
+  MatchEvidence evidence;
+  const auto [s, c] = core::sinCos(T.phi);
+  const double tx = T.x - map.origin().x, ty = T.y - map.origin().y;
+  const double inverse_kernel2 = 1 / (kernel * kernel);
+  std::array<double, MatchEvidence::kLags> before{};  // the newest first
+  for (const auto& point : points) {
+    const double rx = c * point.x - s * point.y, ry = s * point.x + c * point.y;
+    const double nx = -(s * point.along_x + c * point.along_y), ny = c * point.along_x - s * point.along_y;
+    const Surfel* surfel = map.at(tx + rx, ty + ry, nx, ny);
+    double residual = 0;
+    if (surfel) {
+      const double dx = tx + rx - surfel->x, dy = ty + ry - surfel->y;
+      const double ax = surfel->xx * dx + surfel->xy * dy, ay = surfel->xy * dx + surfel->yy * dy;
+      const double q = dx * ax + dy * ay;
+      const double root = 1 / (1 + q * inverse_kernel2);
+      const double w = root * root;
+      const int view = map.firstViewOf(*surfel);
+      auto at = std::lower_bound(evidence.by_view.begin(), evidence.by_view.end(), view,
+                                 [](const ViewInformation& known, int v) { return known.view < v; });
+      if (at == evidence.by_view.end() || at->view != view)
+        at = evidence.by_view.insert(at, {view, Eigen::Matrix3d::Zero()});
+      Eigen::Matrix<double, 2, 3> J;
+      J << 1, 0, -ry, 0, 1, rx;
+      Eigen::Matrix2d L;
+      L << surfel->xx, surfel->xy, surfel->xy, surfel->yy;
+      at->information += w * J.transpose() * L * J;
+      const double trace = surfel->xx + surfel->yy;
+      const double det =
+          static_cast<double>(surfel->xx) * surfel->yy - static_cast<double>(surfel->xy) * surfel->xy;
+      evidence.squared += w * q;
+      evidence.dimensions += w * trace * trace / (trace * trace - 2 * det);
+      residual = std::sqrt(w * q) * (nx * dx + ny * dy < 0 ? -1 : 1);
+    }
+    for (size_t lag = 0; lag < before.size(); ++lag) evidence.lagged[lag] += residual * before[lag];
+    std::rotate(before.begin(), before.end() - 1, before.end());
+    before[0] = residual;
+  }
+  return evidence;
+}
+
 double surfelScore(const std::vector<PatchPoint>& points, const SurfelMap& map,
                    const core::Pose2& T_map_robot, double kernel, int stride) {
   const auto [s, c] = core::sinCos(T_map_robot.phi);

@@ -1,5 +1,7 @@
 #pragma once
 #include <Eigen/Core>
+#include <array>
+#include <vector>
 
 #include "libslam/scanmatch/pose_prior.h"
 #include "libslam/scanmatch/surfel_map.h"
@@ -27,6 +29,23 @@ struct MatchResult {
 /// the start, and no information. Cost: some 10 ns per point and iteration.
 MatchResult alignToSurfels(const std::vector<PatchPoint>& points, const SurfelMap& map,
                            const core::Pose2& T_start, const PosePrior& prior, const MatchOptions& options);
+
+/// What a scan tells of its pose, by the view (see SurfelMap::add()) that saw the surfaces first.
+struct ViewInformation {
+  int view;
+  Eigen::Matrix3d
+      information;  ///< over x, y (m) and phi (rad) in the map frame, as if points were independent
+};
+struct MatchEvidence {
+  std::vector<ViewInformation> by_view;  ///< ascending
+  /// Sums over the points of their squared residuals in standard deviations of the surfels, of the dimensions that
+  /// these measure, and of products with the residuals of the points after it, up to kLags.
+  static constexpr int kLags = 5;
+  double squared = 0, dimensions = 0;
+  std::array<double, kLags> lagged{};
+};
+MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap& map,
+                         const core::Pose2& T_map_robot, double kernel);
 
 /// The score at a pose, without any alignment; over every `stride`-th point. Points outside of the map's window are not held
 /// against the pose, as long as a quarter of all lies inside.
