@@ -52,7 +52,8 @@ void addWorldMake(CLI::App& world, Context& context);
 void addWorldCheck(CLI::App& world, Context& context);
 void addList(CLI::App& app, Context& context);
 
-/// For CLI11: what is wrong with the word of a duration, which is a finite number of seconds from 0 on; "" when nothing is.
+/// For CLI11: what is wrong with the word of a duration, which is a finite number of seconds from 0 on; ""
+/// when nothing is.
 std::string isDuration(const std::string& word);
 
 // Options that mean the same wherever they appear.
@@ -66,8 +67,8 @@ void addJson(CLI::App* command, Context& context);
 const std::vector<std::string>& defaultMethods();
 /// Where an explorer's pose and map come from.
 inline constexpr const char* kExplorersSlam = "graph";
-/// Where the pose of a robot comes from that drives to a goal: the lidar's own odometry, which has no map and drifts a tenth as
-/// much as the wheels.
+/// Where the pose of a robot comes from that drives to a goal: the lidar's own odometry, which has no map and
+/// drifts a tenth as much as the wheels.
 inline constexpr const char* kNavigatorsSlam = "naive_flow";
 
 /// Flags of a simulation, shared by simulate and compare.

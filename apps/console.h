@@ -14,9 +14,9 @@ void catchInterrupts();
 /// Whether one was asked for, for those who do not report progress.
 bool interruptAsked();
 
-/// Progress on standard error: a bar with time left and real-time factor on a terminal, else a line every 10 %. Nothing
-/// of ours has colour (so there is nothing that NO_COLOR would have to turn off); a terminal that can do nothing
-/// (TERM=dumb) gets lines.
+/// Progress on standard error: a bar with time left and real-time factor on a terminal, else a line every 10
+/// %. Nothing of ours has colour (so there is nothing that NO_COLOR would have to turn off); a terminal that
+/// can do nothing (TERM=dumb) gets lines.
 class ConsoleProgress : public core::Progress {
  public:
   explicit ConsoleProgress(bool quiet);
@@ -36,12 +36,13 @@ class ConsoleProgress : public core::Progress {
   double log_time_s_ = 0;
 };
 
-/// Columns of the terminal that standard output is: what it says itself, else the variable COLUMNS, at least 40; 80 where
-/// standard output is none, or neither says.
+/// Columns of the terminal that standard output is: what it says itself, else the variable COLUMNS, at least
+/// 40; 80 where standard output is none, or neither says.
 std::size_t terminalWidth();
 /// For standard output, in its width. Files are written by report::toText(), whatever the terminal.
 std::string tableText(const report::Table& table);
-/// Words after a heading, broken at the terminal's width, 80 at most, further lines under the first; to standard output.
+/// Words after a heading, broken at the terminal's width, 80 at most, further lines under the first; to
+/// standard output.
 void printWrapped(const std::string& heading, const std::string& text);
 /// The text and blanks up to the width, one at least.
 std::string padded(std::string text, std::size_t width);

@@ -157,8 +157,8 @@ run::ScanOdometryLogOptions odometryOptions(const FilterArguments& arguments) {
   return options;
 }
 
-/// What the robot was commanded to do before each scan in turn: by the operation log beside the log, as long as all scans are
-/// those of the log; else by its wheels.
+/// What the robot was commanded to do before each scan in turn: by the operation log beside the log, as long
+/// as all scans are those of the log; else by its wheels.
 run::CommandBefore commandsBefore(const std::string& log_path, bool all_scans) {
   const auto told = all_scans ? run::commandsOfLog(log_path) : std::nullopt;
   if (!told)

@@ -23,13 +23,13 @@ struct GateResult {
 };
 GateResult checkGate(const Context& context, const GateFlags& flags, const std::vector<score::Score>& scores);
 
-/// The same errors that checkGate() and writeGate() will have, before anything is measured: of `scores` only the names
-/// count.
+/// The same errors that checkGate() and writeGate() will have, before anything is measured: of `scores` only
+/// the names count.
 void requireUsableGate(const Context& context, const GateFlags& flags,
                        const std::vector<score::Score>& scores);
 
-/// Into --write-gate, where it is given. Rows of other cells stay, so that one file can hold several runs. Errors:
-/// InputError when it holds rows of these cells already, unless --overwrite is given.
+/// Into --write-gate, where it is given. Rows of other cells stay, so that one file can hold several runs.
+/// Errors: InputError when it holds rows of these cells already, unless --overwrite is given.
 void writeGate(const Context& context, const GateFlags& flags, const std::vector<score::Score>& scores);
 
 /// For people: the table, or where no row is worth one its notes.

@@ -5,8 +5,8 @@
 
 namespace slam::apps {
 
-/// Where the pose of a robot comes from that drives to a goal: `given` where that is not empty; else the lidar's own odometry,
-/// kNavigatorsSlam, or with a camera, whose narrow view is too little for that, SLAM.
+/// Where the pose of a robot comes from that drives to a goal: `given` where that is not empty; else the
+/// lidar's own odometry, kNavigatorsSlam, or with a camera, whose narrow view is too little for that, SLAM.
 inline std::string navigatorsSlam(const std::string& given, bool has_camera) {
   if (!given.empty()) return given;
   return has_camera ? kExplorersSlam : kNavigatorsSlam;

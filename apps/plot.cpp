@@ -21,7 +21,8 @@
 namespace slam::apps {
 namespace {
 
-/// Of a number with one of the units, or without in the first of them; in that. Errors: InputError with the option's name.
+/// Of a number with one of the units, or without in the first of them; in that. Errors: InputError with the
+/// option's name.
 double lengthOf(const std::string& text, const std::string& option,
                 const std::vector<std::pair<std::string, double>>& units) {
   std::string number = text;

@@ -18,8 +18,9 @@ struct PaperArguments {
 std::shared_ptr<PaperArguments> addPicture(CLI::App* command, Context& context,
                                            const std::string& default_name);
 
-/// Where the picture goes and its size; refused before any work is done. A PNG is for the screen unless a width is given,
-/// the others are as wide as a page. Errors: InputError for an extension, a length, or a file that exists.
+/// Where the picture goes and its size; refused before any work is done. A PNG is for the screen unless a
+/// width is given, the others are as wide as a page. Errors: InputError for an extension, a length, or a file
+/// that exists.
 struct PicturePlace {
   std::string file;
   report::Paper paper;

@@ -33,8 +33,8 @@ std::string logBeside(const std::string& operations_path) {
   return ends_so ? operations_path.substr(0, operations_path.size() - suffix.size()) + ".rawlog" : "";
 }
 
-/// The naive map: every return of the scan after every move, at the replayed pose; `T_map_robot` has one pose more than
-/// there are operations. Of several in one cell of the map one is kept.
+/// The naive map: every return of the scan after every move, at the replayed pose; `T_map_robot` has one pose
+/// more than there are operations. Of several in one cell of the map one is kept.
 std::vector<core::Point2> naiveDots(const std::string& log_path,
                                     const std::vector<sim::Operation>& operations,
                                     const core::Trajectory& T_map_robot) {

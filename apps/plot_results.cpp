@@ -23,8 +23,8 @@ struct Arguments {
   std::shared_ptr<PaperArguments> how;
 };
 
-/// What the HTML report knows of a folder, with the methods that were asked for. Errors: InputError for a method that is not
-/// in the folder.
+/// What the HTML report knows of a folder, with the methods that were asked for. Errors: InputError for a
+/// method that is not in the folder.
 report::ReportPage pageOf(const Context& context, const Arguments& arguments) {
   const auto& folder = arguments.inputs.front();
   ConsoleProgress progress(context.quiet);

@@ -38,8 +38,8 @@ int code(ExitCode exit_code) {
   return static_cast<int>(exit_code);
 }
 
-/// One line on standard error; with --json also an object on standard output, for the program that called us. `is_machine`:
-/// a file could not be written, which no method is to blame for.
+/// One line on standard error; with --json also an object on standard output, for the program that called us.
+/// `is_machine`: a file could not be written, which no method is to blame for.
 int report(const Context& context, const std::string& message, ExitCode exit_code, bool is_machine = false) {
   // Who started this one is interrupted with it, and says so.
   if (!is_worker || exit_code != ExitCode::kInterrupted)
@@ -70,8 +70,8 @@ std::vector<std::string> flagNames(const CLI::App& command) {
   return names;
 }
 
-/// What is wrong with a command line that CLI11 refused, in one line: a word that is none of ours with the nearest that
-/// is, or what CLI11 says.
+/// What is wrong with a command line that CLI11 refused, in one line: a word that is none of ours with the
+/// nearest that is, or what CLI11 says.
 std::string usageError(const CLI::App& app, const std::vector<std::string>& command_line,
                        const char* otherwise) {
   const CLI::App* command = &app;
@@ -98,8 +98,8 @@ std::string usageError(const CLI::App& app, const std::vector<std::string>& comm
   return line(otherwise);
 }
 
-/// Whether words name a command, and a command of that, as far as there are words. What follows a command that hands its
-/// words on (`view`) is for another program to judge.
+/// Whether words name a command, and a command of that, as far as there are words. What follows a command
+/// that hands its words on (`view`) is for another program to judge.
 bool isCommand(const CLI::App& app, const std::vector<std::string>& words) {
   const CLI::App* command = &app;
   for (const auto& word : words) {

@@ -1,7 +1,8 @@
-// MRPT's and OpenCV's libraries call the C library's elementary functions, which gives one version or another by what the
-// processor can do, and other ones from release to release. What a program itself defines comes before what its libraries
-// do: with these, all that runs in it has the same bits on every machine (libslam/core/elementary.h). Not here: erf(),
-// cabs(), sinh() and the like, which nothing calls that decides a byte of ours.
+// MRPT's and OpenCV's libraries call the C library's elementary functions, which gives one version or another
+// by what the processor can do, and other ones from release to release. What a program itself defines comes
+// before what its libraries do: with these, all that runs in it has the same bits on every machine
+// (libslam/core/elementary.h). Not here: erf(), cabs(), sinh() and the like, which nothing calls that decides
+// a byte of ours.
 #include "libslam/core/elementary.h"
 
 namespace core = slam::core;

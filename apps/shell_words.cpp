@@ -104,8 +104,8 @@ nlohmann::json printedConfig(CLI::App& app, Context& context, std::vector<std::s
   return config.is_array() ? config : nlohmann::json::array();
 }
 
-/// "section.key=" of all that --set takes behind these words, or "section.key=value" where `begun` has a key whose values
-/// are few.
+/// "section.key=" of all that --set takes behind these words, or "section.key=value" where `begun` has a key
+/// whose values are few.
 std::vector<std::string> settings(CLI::App& app, Context& context, const std::vector<std::string>& before,
                                   const std::string& begun) {
   requireNothing(app);

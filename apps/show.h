@@ -39,7 +39,8 @@ struct Show {
   std::function<std::string(const core::Pose2&)> refusal;
 };
 
-/// What is shown while it works. It ends by core::Interrupted when it is no longer looked at; with Hands::kDrive it asks the stage.
+/// What is shown while it works. It ends by core::Interrupted when it is no longer looked at; with
+/// Hands::kDrive it asks the stage.
 using Loop = std::function<void(record::StepObserver& observer, live::Stage* stage)>;
 
 enum class Shown {
@@ -48,8 +49,9 @@ enum class Shown {
   kPicture  ///< a screenshot was taken
 };
 
-/// Runs the loop in a thread of its own and shows it in a window, in this one; or takes a screenshot and needs no display.
-/// Errors: what the loop throws; IoError without a display; InputError for a screenshot after the loop's end.
+/// Runs the loop in a thread of its own and shows it in a window, in this one; or takes a screenshot and
+/// needs no display. Errors: what the loop throws; IoError without a display; InputError for a screenshot
+/// after the loop's end.
 Shown show(const Show& what, const ShowFlags& flags, const Loop& loop);
 
 }  // namespace slam::apps

@@ -19,7 +19,8 @@ core::IniFile withCarries(core::IniFile config, const std::vector<std::string>& 
 /// --commands FILE: a person's commands to the robot.
 CLI::Option* addCommands(CLI::App* command, std::string& path);
 
-/// Those of the file; "-": of the standard input, to its end; "": none. Errors: InputError with file and line.
+/// Those of the file; "-": of the standard input, to its end; "": none. Errors: InputError with file and
+/// line.
 std::vector<robot::UserCommand> readUserCommands(const std::string& path);
 
 /// Notes in a manifest which file they are from.

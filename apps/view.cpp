@@ -12,8 +12,8 @@
 namespace slam::apps {
 namespace {
 
-/// Becomes the program with the window, with the same words. A program of its own, because a window's libraries would make
-/// every start of this one slower.
+/// Becomes the program with the window, with the same words. A program of its own, because a window's
+/// libraries would make every start of this one slower.
 int becomeViewer(const Context& context) {
   const std::string viewer =
       (std::filesystem::path(context.programPath()).parent_path() / "rasterslam-view").string();

@@ -240,7 +240,8 @@ int viewNavigate(const Context& context, const ViewArguments& arguments) {
   return report(shown, arguments.show, written);
 }
 
-/// What is known to be true of a log, laid under what is shown. `path` in the map frame, nothing for a method that is to begin.
+/// What is known to be true of a log, laid under what is shown. `path` in the map frame, nothing for a method
+/// that is to begin.
 void addTruth(const std::string& log_path, const std::string& given_plan, Show& what) {
   const auto truth = record::truthFiles(log_path, "", given_plan);
   if (!truth.trajectory.empty()) {

@@ -117,7 +117,8 @@ void requireWritable(const std::string& yaml_path, const std::vector<std::string
   }
 }
 
-/// Beyond this share of the free space mending has taken rooms for the outside, until somebody says otherwise.
+/// Beyond this share of the free space mending has taken rooms for the outside, until somebody says
+/// otherwise.
 constexpr double kMostHidden = 0.2;
 
 std::string hiddenText(const check::PlanCheck& check) {

@@ -8,7 +8,8 @@
 
 namespace {
 
-/// What a lidar sees at `pose` in an empty room of 6 m by 4 m about the origin; yours would come from a driver.
+/// What a lidar sees at `pose` in an empty room of 6 m by 4 m about the origin; yours would come from a
+/// driver.
 slam::robot::Scan scanAt(const slam::core::Pose2& pose) {
   slam::robot::Scan scan;
   scan.first_angle_rad = -slam::core::kPi;

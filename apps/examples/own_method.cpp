@@ -1,6 +1,7 @@
 // A method of your own, run by the benchmark beside one of ours.
 //   own_method                   compares it with `naive_wheel` on a simulated log
-//   own_method LOG PATH SEED     is the method: reads a log, writes the poses. Any program may do this, in any language.
+//   own_method LOG PATH SEED     is the method: reads a log, writes the poses. Any program may do this, in
+//                                any language.
 #include <filesystem>
 #include <fstream>
 #include <iostream>

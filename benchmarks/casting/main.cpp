@@ -1,9 +1,10 @@
-// Whole scans cast by MRPT's laserScanSimulator, the exact reference and our sector table, on every instruction set
-// of this processor, at the same random free poses: who is how fast and how exact.
+// Whole scans cast by MRPT's laserScanSimulator, the exact reference and our sector table, on every
+// instruction set of this processor, at the same random free poses: who is how fast and how exact.
 //   rasterslam_casting_bench [--data FOLDER] [--plan FILE ...] [--rounds N] [--compare RAYS] [--csv FILE]
-// One thread but for the last column. In every round each engine casts the same 200 scans, one engine after the other
-// in an order that turns with the rounds; times are of the thread's CPU clock; the figures are medians over the rounds,
-// and so are the ratios, each of one round. So what else the machine does weighs on all engines alike.
+// One thread but for the last column. In every round each engine casts the same 200 scans, one engine after
+// the other in an order that turns with the rounds; times are of the thread's CPU clock; the figures are
+// medians over the rounds, and so are the ratios, each of one round. So what else the machine does weighs on
+// all engines alike.
 #include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <time.h>
@@ -69,7 +70,8 @@ std::vector<core::Pose2> freePoses(const world::Plan& plan, int count, const std
   return poses;
 }
 
-/// MRPT's simulator in the plan. It gives up at 0.8 of the maximum range: with the one set here no wall is beyond.
+/// MRPT's simulator in the plan. It gives up at 0.8 of the maximum range: with the one set here no wall is
+/// beyond.
 class MrptEngine {
  public:
   explicit MrptEngine(const world::Plan& plan)

@@ -1,5 +1,6 @@
-// What the library's own elementary functions cost beside the C library's, over the same arguments: one row for each, with
-// the ratio. CPU time, the best of several turns that alternate, so that other work on the machine counts little.
+// What the library's own elementary functions cost beside the C library's, over the same arguments: one row
+// for each, with the ratio. CPU time, the best of several turns that alternate, so that other work on the
+// machine counts little.
 //   build/release/benchmarks/rasterslam_elementary_bench
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
-// How firmly the graph method stands: the annotated and the simulated logs as they are, with noise on every range, with
-// rounded odometry and without any.
+// How firmly the graph method stands: the annotated and the simulated logs as they are, with noise on every
+// range, with rounded odometry and without any.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>

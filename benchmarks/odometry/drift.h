@@ -16,8 +16,8 @@ namespace odometry_bench {
 /// what happens in them and a blunder counts fully; the medians of the errors stand beside them.
 ///
 /// The relations were made by hand and are wrong by a few centimetres themselves, about as much as a good
-/// method drifts in a second. So there is a long drift too: over 10 m of the true path, or over relations 5 to
-/// 300 s apart, where "metres driven" is what the wheels counted between the two scans.
+/// method drifts in a second. So there is a long drift too: over 10 m of the true path, or over relations 5
+/// to 300 s apart, where "metres driven" is what the wheels counted between the two scans.
 struct Drift {
   double per_metre = 0, per_radian = 0, long_per_metre = 0;
   double median_m = 0, median_rad = 0;  ///< error of a stretch

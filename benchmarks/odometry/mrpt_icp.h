@@ -7,9 +7,9 @@ namespace odometry_bench {
 
 /// MRPT's classic ICP (mrpt::slam::CICP), newest scan against the one before, both as point maps.
 ///
-/// The defaults are the best of a search over all logs of the benchmark (800 scans each), by the geometric mean
-/// of the drift: threshold_m 0.3, 0.5, 1; smallest_threshold_m 0.02, 0.05, 0.1; shrink 0.5, 0.8; started from
-/// the step before or from rest.
+/// The defaults are the best of a search over all logs of the benchmark (800 scans each), by the geometric
+/// mean of the drift: threshold_m 0.3, 0.5, 1; smallest_threshold_m 0.02, 0.05, 0.1; shrink 0.5, 0.8; started
+/// from the step before or from rest.
 struct IcpSettings {
   double threshold_m = 0.5;
   double threshold_deg = 0.15;

@@ -1,6 +1,7 @@
 // Pose graphs from starts that know little: how often the least chi2 is found, and proved to be the least.
 //   rasterslam_global_bench [--seeds N] [--csv F] [GRAPH.g2o ...]
-// Beside the files: drives on a street grid (one node per metre), with errors of edges multiplied. CPU time of the thread.
+// Beside the files: drives on a street grid (one node per metre), with errors of edges multiplied. CPU time
+// of the thread.
 #include <algorithm>
 #include <cstdlib>
 #include <exception>

@@ -1,6 +1,7 @@
 // Pose graphs: time and result of the optimisation, of wrong loops, of a graph that grows, of covariances.
 //   rasterslam_posegraph_bench [--data FOLDER] [--seeds N] [--csv F]
-// FOLDER holds posegraphs/ (g2o files, xz); what is absent is skipped and said. All times are thread CPU time.
+// FOLDER holds posegraphs/ (g2o files, xz); what is absent is skipped and said. All times are thread CPU
+// time.
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cstdlib>
@@ -229,8 +230,8 @@ report::Table wrongLoops(const std::vector<NamedGraph>& all, int seeds) {
   return table;
 }
 
-/// The graph node by node, as a robot would make it: odometry chains the new pose, and optimize() is called when the
-/// loops that came since the last call have a chi2 above `waiting_chi2`.
+/// The graph node by node, as a robot would make it: odometry chains the new pose, and optimize() is called
+/// when the loops that came since the last call have a chi2 above `waiting_chi2`.
 report::Table growing(const std::vector<NamedGraph>& all) {
   report::Table table;
   table.caption = "A graph that grows";

@@ -1,5 +1,5 @@
-// rasterslam_finished_cells SUITE.ini FOLDER: a sweep's folder in which every cell is complete, with invented figures, to
-// measure what listing, resuming and merging cost by themselves.
+// rasterslam_finished_cells SUITE.ini FOLDER: a sweep's folder in which every cell is complete, with invented
+// figures, to measure what listing, resuming and merging cost by themselves.
 #include <cstdio>
 #include <exception>
 #include <filesystem>

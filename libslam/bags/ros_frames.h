@@ -32,8 +32,8 @@ class FrameTree {
                 const mrpt::poses::CPose3D& T_parent_child);
   bool has(const std::string& frame) const;
 
-  /// T_base_frame through parents that both have, never through a frame in which the robot moves; nullopt when
-  /// they do not hang together like that.
+  /// T_base_frame through parents that both have, never through a frame in which the robot moves; nullopt
+  /// when they do not hang together like that.
   std::optional<mrpt::poses::CPose3D> between(const std::string& base, const std::string& frame) const;
 
  private:

@@ -15,8 +15,8 @@ namespace slam::bags {
 ///   nav_msgs/Odometry                                            CObservationOdometry
 ///   tf2_msgs/TFMessage, tf/tfMessage                             the lidar's mounting; odometry, see below
 ///   nav_msgs/Odometry, geometry_msgs/PoseStamped on a truth topic   CObservationRobotPose, kTruthLabel
-/// in the order of the file (.db3: of receive time); ROS 1 and CDR wire forms (both byte orders). Other messages are counted
-/// and named in skipped().
+/// in the order of the file (.db3: of receive time); ROS 1 and CDR wire forms (both byte orders). Other
+/// messages are counted and named in skipped().
 ///
 /// Stamps are those of the messages' headers, rounded to MRPT's 100 ns; a header without one (0) takes the
 /// time at which the recorder got the message, and skipped() says how many did.
@@ -26,12 +26,13 @@ namespace slam::bags {
 /// increment is rounded more), else (n - 1) increments. Negative increments: readings turned round. A sweep
 /// that is not centred is a turned sensor, as in robot::toMrpt(). Readings by REP 117: +inf, or >= range_max:
 /// no-return; -inf, NaN, or < range_min: lost. A range_max that is not a number above 0 counts as 1000 m.
-/// A time_increment that is not 0 comes as a note (sweep_note.h) before the first scan that has it: beam i is measured i increments after
-/// the stamp. Intensities are rounded to integers. Scans without readings are skipped.
+/// A time_increment that is not 0 comes as a note (sweep_note.h) before the first scan that has it: beam i is
+/// measured i increments after the stamp. Intensities are rounded to integers. Scans without readings are
+/// skipped.
 ///
 /// Mounting: the transform from the robot's frame to the scan's frame_id through whatever chain /tf and
-/// /tf_static hold at that point of the file, in full 3D. The robot's frame is the odometry's child_frame_id, else
-/// base_link, else base_footprint. A lidar that hangs upside down (its z axis points below the horizon)
+/// /tf_static hold at that point of the file, in full 3D. The robot's frame is the odometry's child_frame_id,
+/// else base_link, else base_footprint. A lidar that hangs upside down (its z axis points below the horizon)
 /// comes as the upright one that measures the same: turned by pi about its x axis, with its readings in
 /// reverse order. So beams always run counter-clockwise in the robot's plane, which is what robot::fromMrpt()
 /// and MRPT's grid maps take for granted. No transform: the identity, and skipped() says so.
@@ -43,8 +44,9 @@ namespace slam::bags {
 /// A bag is opened twice: its first 10 s (all of it, if no scan, mounting or odometry is found in them) tell
 /// odometry and mounting before the first object is given. Memory does not grow with the bag.
 ///
-/// Errors (InputError with the path): missing, empty, another format; damage, with place and reason, after the good objects;
-/// messages that are not of the type that their topic has; a bag without any message that is read (with what is there).
+/// Errors (InputError with the path): missing, empty, another format; damage, with place and reason, after
+/// the good objects; messages that are not of the type that their topic has; a bag without any message that
+/// is read (with what is there).
 struct RosReadOptions {
   std::vector<std::string> truth_topics = {"/ground_truth", "/base_pose_ground_truth"};
   std::string odometry_topic;  ///< "": by the rule above
@@ -57,18 +59,19 @@ bool looksLikeMcap(std::string_view first_bytes);
 /// True for a folder with a metadata.yaml, as `ros2 bag record` makes.
 bool looksLikeRos2Folder(const std::string& path);
 
-/// Chunks as they are, bz2 or lz4; the chunks are read in file order, no index is needed. A bag that its recorder did not
-/// close (no index), or that is cut, gives its good objects, then the error.
+/// Chunks as they are, bz2 or lz4; the chunks are read in file order, no index is needed. A bag that its
+/// recorder did not close (no index), or that is cut, gives its good objects, then the error.
 std::unique_ptr<objects::ObjectSource> openRos1Bag(const std::string& path,
                                                    const RosReadOptions& options = {});
 
-/// The file is opened read-only and never written to. Messages that still are in a -wal file beside it are not read, and
-/// skipped() says so.
+/// The file is opened read-only and never written to. Messages that still are in a -wal file beside it are
+/// not read, and skipped() says so.
 std::unique_ptr<objects::ObjectSource> openRos2Db3(const std::string& path,
                                                    const RosReadOptions& options = {});
 
 /// Chunks as they are, lz4 or zstd; message encodings cdr and ros1; check sums of chunks, data and summary
-/// are checked where the file has them. A file without its end (an unfinished recording) gives what is there, then the error.
+/// are checked where the file has them. A file without its end (an unfinished recording) gives what is there,
+/// then the error.
 std::unique_ptr<objects::ObjectSource> openMcap(const std::string& path, const RosReadOptions& options = {});
 
 /// A folder by its metadata.yaml: .db3 or .mcap, one file or several that follow one another.

@@ -36,7 +36,8 @@ struct Angles {
   bool reversed = false;
 };
 
-/// Beam i of the message is measured at the stamp + i * time_increment; `reversed`: beams are given from the last one on.
+/// Beam i of the message is measured at the stamp + i * time_increment; `reversed`: beams are given from the
+/// last one on.
 robot::Sweep timesOf(const RosLaserScan& scan, bool reversed) {
   const double span_s = static_cast<double>(scan.ranges.size() - 1) * scan.time_increment;
   const bool runs_back = span_s < 0;

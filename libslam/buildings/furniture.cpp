@@ -66,7 +66,8 @@ Piece joined(const Piece& a, const Piece& b) {
   return result;
 }
 
-/// Legs go with their table: small pieces near each other are one, as long as that is no larger than furniture is.
+/// Legs go with their table: small pieces near each other are one, as long as that is no larger than
+/// furniture is.
 std::vector<Piece> withJoinedLegs(const std::vector<Piece>& pieces, const world::Plan& plan,
                                   const FurnitureRules& rules) {
   const double leg = kLeg_m / plan.resolution_m, between = kBetweenLegs_m / plan.resolution_m;
@@ -203,8 +204,8 @@ std::vector<char> waysIn(const world::Plan& plan, const Box& window, double radi
   return ways;
 }
 
-/// True when what was one part and is still a way is one part still. What happens beyond the window passes through
-/// its rim, and there the parts are the same: so nothing is cut off in the whole plan either.
+/// True when what was one part and is still a way is one part still. What happens beyond the window passes
+/// through its rim, and there the parts are the same: so nothing is cut off in the whole plan either.
 bool staysConnected(const std::vector<int>& before, const std::vector<int>& after) {
   std::vector<int> now(before.size() + 1, 0);
   for (size_t i = 0; i < before.size(); ++i) {

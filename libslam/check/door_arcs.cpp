@@ -150,7 +150,8 @@ struct Candidate {
   double quality = 0;
 };
 
-/// How well a line is drawn from the hinge in about this direction; turns the angle to where it is drawn best.
+/// How well a line is drawn from the hinge in about this direction; turns the angle to where it is drawn
+/// best.
 double leafCoverage(const Ink& ink, const cv::Point2d& hinge, double radius, double& angle_rad) {
   double best = -1, best_drawn = 0, best_angle = angle_rad;
   for (int turn = -6; turn <= 6; ++turn) {
@@ -180,8 +181,8 @@ double wallAround(const Ink& ink, const cv::Point2d& hinge, double radius, doubl
   return behind + beyond;
 }
 
-/// The middle of a quarter circle from what is drawn of it. What touches its ends makes it longer, so where the
-/// drawn run holds the quarter between two of the picture's axes, it is taken for that one.
+/// The middle of a quarter circle from what is drawn of it. What touches its ends makes it longer, so where
+/// the drawn run holds the quarter between two of the picture's axes, it is taken for that one.
 double middleOf(const Run& run) {
   const double diagonal = (std::round(run.middle_rad / (kPi / 2) - 0.5) + 0.5) * (kPi / 2);
   const bool holds_quarter = std::abs(run.middle_rad - diagonal) + kPi / 4 - 0.1 < run.length_rad / 2;
@@ -289,7 +290,8 @@ void keepTheSquare(std::vector<DoorArc>& doors) {
               doors.end());
 }
 
-/// Doors hang on walls: what is drawn at the hinge reaches far beyond the leaf. A stool between chairs does not.
+/// Doors hang on walls: what is drawn at the hinge reaches far beyond the leaf. A stool between chairs does
+/// not.
 void keepThoseOnWalls(const cv::Mat& ink, std::vector<Candidate>& candidates) {
   const Regions pieces = regionsOf(ink, 8);
   const auto hangsOnAWall = [&](const DoorArc& door) {

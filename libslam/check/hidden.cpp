@@ -8,8 +8,8 @@ namespace {
 
 constexpr double kWidestGap_m = 4;
 
-/// What the paper reaches where no gap of the walls up to kWidestGap_m lets it through: from beyond the picture's edge
-/// over cells that far from every wall, and back to the walls from there.
+/// What the paper reaches where no gap of the walls up to kWidestGap_m lets it through: from beyond the
+/// picture's edge over cells that far from every wall, and back to the walls from there.
 cv::Mat paperAround(const Sheet& sheet, const cv::Mat& drawn) {
   const cv::Mat walls = drawn == static_cast<int>(world::Cell::kOccupied);
   const double radius = std::min(sheet.toPixels(kWidestGap_m / 2), 4000.0);

@@ -10,9 +10,9 @@ struct HiddenSpace {
   int before = 0, hidden = 0;
 };
 
-/// `before`: the cells as they were read, as the sheet's lie; `drawn`: once text and dimension lines are gone and before the
-/// outside is taken away. Amid the walls is what the paper around a drawing does not reach through gaps of up to 4 m, of a
-/// map everything.
+/// `before`: the cells as they were read, as the sheet's lie; `drawn`: once text and dimension lines are gone
+/// and before the outside is taken away. Amid the walls is what the paper around a drawing does not reach
+/// through gaps of up to 4 m, of a map everything.
 HiddenSpace hiddenSpace(const Sheet& sheet, const cv::Mat& before, const cv::Mat& drawn);
 
 }  // namespace slam::check

@@ -12,7 +12,8 @@ namespace {
 constexpr double kMostCells = 4e6;
 constexpr double kWider = 1.5;
 
-/// The largest clearance of each block of `step` cells; where a wall might lie within the block there is no way.
+/// The largest clearance of each block of `step` cells; where a wall might lie within the block there is no
+/// way.
 cv::Mat thinned(const cv::Mat& distance, int step) {
   cv::Mat small((distance.rows + step - 1) / step, (distance.cols + step - 1) / step, CV_32F, cv::Scalar(0));
   for (int y = 0; y < distance.rows; ++y)

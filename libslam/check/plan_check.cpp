@@ -96,8 +96,8 @@ std::vector<T> inPlanOrder(const cv::Mat& raster) {
   return values;
 }
 
-/// A map says where it knows nothing: the usual gray by areas, or with a yaml any unknown along its edge. What
-/// pale lines and noise leave between the thresholds is no such area.
+/// A map says where it knows nothing: the usual gray by areas, or with a yaml any unknown along its edge.
+/// What pale lines and noise leave between the thresholds is no such area.
 bool looksLikeAMap(const Sheet& sheet, bool has_yaml) {
   const cv::Mat unknown = sheet.mask(world::Cell::kUnknown);
   if (!sheet.goes_by_gray) return has_yaml;

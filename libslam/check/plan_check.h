@@ -76,8 +76,8 @@ struct PlanCheck {
   std::vector<Change> changes;    ///< as the cells of `after`
   PlanFigures figures;            ///< of `after`
   bool is_map = false;            ///< else a drawing
-  /// Free space amid the walls that mending makes unknown (the paper around a drawing does not count), and its share in
-  /// all of it. Much of it means that mending has taken rooms for the outside.
+  /// Free space amid the walls that mending makes unknown (the paper around a drawing does not count), and
+  /// its share in all of it. Much of it means that mending has taken rooms for the outside.
   double hidden_m2 = 0, hidden_share = 0;
   std::vector<std::string>
       files;  ///< that were read: the picture, or the yaml and the pictures that it names

@@ -10,8 +10,8 @@
 namespace slam::check {
 namespace {
 
-/// Clear widths of doors in dwellings and offices, a little wider on both sides than usual leaves of 0.7 to 1.0 m;
-/// ours.
+/// Clear widths of doors in dwellings and offices, a little wider on both sides than usual leaves of 0.7 to
+/// 1.0 m; ours.
 constexpr double kLeastDoor_m = 0.65, kMostDoor_m = 1.15;
 /// What no door is, unless for vehicles.
 constexpr double kNoDoor_m = 0.4;

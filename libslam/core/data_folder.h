@@ -23,9 +23,10 @@ struct DataPlaces {
 /// The places of the process that asks.
 DataPlaces dataPlaces();
 
-/// Looks, in this order, at `given`, which is taken or refused; share/rasterslam beside the folder of `code` (PREFIX/bin,
-/// PREFIX/lib, PREFIX/lib/TRIPLET); `source_folder`, only for code below `build_folder`; `installed`. A data folder holds
-/// VERSION, configs and worlds. Errors: InputError, one line that says where was looked, or which other version lies there.
+/// Looks, in this order, at `given`, which is taken or refused; share/rasterslam beside the folder of `code`
+/// (PREFIX/bin, PREFIX/lib, PREFIX/lib/TRIPLET); `source_folder`, only for code below `build_folder`;
+/// `installed`. A data folder holds VERSION, configs and worlds. Errors: InputError, one line that says where
+/// was looked, or which other version lies there.
 DataFolders findData(const DataPlaces& places, const std::string& version);
 
 }  // namespace slam::core

@@ -11,10 +11,10 @@ static_assert(FLT_EVAL_METHOD == 0, "expected arithmetic in doubles (on 32-bit x
 
 namespace slam::core {
 
-/// A number as the unrounded sum of two doubles, |low| at most half a unit in the last place of `high`: some 106 bits. The
-/// operations are exact where they say so, with IEEE rounding to nearest and no fused multiply-add.
-/// Source: T. J. Dekker, A floating-point technique for extending the available precision (Num. Math. 18, 1971);
-/// D. E. Knuth, The Art of Computer Programming, vol. 2, 4.2.2.
+/// A number as the unrounded sum of two doubles, |low| at most half a unit in the last place of `high`: some
+/// 106 bits. The operations are exact where they say so, with IEEE rounding to nearest and no fused
+/// multiply-add. Source: T. J. Dekker, A floating-point technique for extending the available precision (Num.
+/// Math. 18, 1971); D. E. Knuth, The Art of Computer Programming, vol. 2, 4.2.2.
 struct DoubleDouble {
   double high, low;
 };

@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-// ln 2 in two parts, of which the first is a multiple of 2^-42; ln 2 / 128 so that 2^17 times the first part is exact.
+// ln 2 in two parts, of which the first is a multiple of 2^-42; ln 2 / 128 so that 2^17 times the first part
+// is exact.
 constexpr double kLn2High = 0x1.62e42fefa3800p-1, kLn2Low = 0x1.ef35793c76730p-45;
 constexpr double kStepHigh = 0x1.62e42fefa0000p-8, kStepLow = 0x1.cf79abc9e3b3ap-47,
                  kOverStep = 0x1.71547652b82fep+7;
@@ -52,7 +53,8 @@ Parted part(double x, double lowest) {
   return {k + static_cast<double>(power), fromBits(bits - (static_cast<std::uint64_t>(power) << 52))};
 }
 
-// x = 2^k / inverse (1 + r + rest), with a row of the table, |r| <= 2^-7, and r + rest exact: the inverse has ten bits.
+// x = 2^k / inverse (1 + r + rest), with a row of the table, |r| <= 2^-7, and r + rest exact: the inverse has
+// ten bits.
 struct NearOne {
   double k, r, rest;
   const LogRow& row;

@@ -4,20 +4,22 @@ namespace slam::core {
 
 /// The elementary functions, with the same bits on every machine.
 ///
-/// The C library chooses among several versions of its own by what the processor can do (fused multiply-add or not), and
-/// changes them from release to release; they differ in the last bit, and a last bit decides where a robot goes. These are
-/// fixed sequences of IEEE-754 double additions, multiplications, divisions and square roots, rounded to nearest and not
-/// contracted (-ffp-contract=off), so the processor, the compiler and the C library have no say. All that decides a byte of
-/// a result calls them; tests/architecture holds that.
+/// The C library chooses among several versions of its own by what the processor can do (fused multiply-add
+/// or not), and changes them from release to release; they differ in the last bit, and a last bit decides
+/// where a robot goes. These are fixed sequences of IEEE-754 double additions, multiplications, divisions and
+/// square roots, rounded to nearest and not contracted (-ffp-contract=off), so the processor, the compiler
+/// and the C library have no say. All that decides a byte of a result calls them; tests/architecture holds
+/// that.
 ///
-/// Error, in units in the last place: below 0.6 for exp, log and their like, 0.9 for sin and cos, 1 for pow, 1.25 for atan, atan2,
-/// hypot and log1p, 2.5 for tan, asin and acos (tests/core/elementary_test.cpp). Special values (signed zeros, infinities, NaN,
-/// poles) as C99, Annex F, has them; errno is left alone. Made for rounding to nearest; other modes cost digits (sin: to 1e-9).
-/// Sources: argument reduction of W. J. Cody and W. Waite, Software Manual for the Elementary Functions (1980), and of
-/// M. H. Payne and R. N. Hanek, Radian reduction for trigonometric functions (SIGNUM Newsletter 18, 1983); tables of P. T. P. Tang,
-/// Table-driven implementation of the exponential (of the logarithm) function (ACM TOMS 15, 1989; 16, 1990); double-double steps
-/// after J.-M. Muller, Elementary Functions (3rd ed., 2016), ch. 4 to 6 and 11. Coefficients are minimax fits (Remez), computed
-/// with 300 bits.
+/// Error, in units in the last place: below 0.6 for exp, log and their like, 0.9 for sin and cos, 1 for pow,
+/// 1.25 for atan, atan2, hypot and log1p, 2.5 for tan, asin and acos (tests/core/elementary_test.cpp).
+/// Special values (signed zeros, infinities, NaN, poles) as C99, Annex F, has them; errno is left alone. Made
+/// for rounding to nearest; other modes cost digits (sin: to 1e-9). Sources: argument reduction of W. J. Cody
+/// and W. Waite, Software Manual for the Elementary Functions (1980), and of M. H. Payne and R. N. Hanek,
+/// Radian reduction for trigonometric functions (SIGNUM Newsletter 18, 1983); tables of P. T. P. Tang,
+/// Table-driven implementation of the exponential (of the logarithm) function (ACM TOMS 15, 1989; 16, 1990);
+/// double-double steps after J.-M. Muller, Elementary Functions (3rd ed., 2016), ch. 4 to 6 and 11.
+/// Coefficients are minimax fits (Remez), computed with 300 bits.
 
 struct SinCos {
   double sine, cosine;

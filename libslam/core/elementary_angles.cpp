@@ -12,7 +12,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// pi/2 and pi to 106 bits, pi/2 in parts of 33 bits (times a whole number below 2^20 they are exact), and what remains.
+// pi/2 and pi to 106 bits, pi/2 in parts of 33 bits (times a whole number below 2^20 they are exact), and
+// what remains.
 constexpr DoubleDouble kHalfPi = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54};
 constexpr DoubleDouble kWholePi = {0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
 constexpr double kHalfPi1 = 0x1.921fb54400000p+0, kHalfPi2 = 0x1.0b4611a600000p-34,
@@ -54,8 +55,8 @@ std::uint64_t wordOfTwoOverPi(int first_bit) {
                     : kTwoOverPiBits[word] << shift | kTwoOverPiBits[word + 1] >> (64 - shift);
 }
 
-// Payne and Hanek: x = m 2^e with a whole m; bits of 2/pi that give whole turns are left out, 192 others are multiplied
-// by m. The top two bits of the product are quarters, the rest is the fraction of a quarter.
+// Payne and Hanek: x = m 2^e with a whole m; bits of 2/pi that give whole turns are left out, 192 others are
+// multiplied by m. The top two bits of the product are quarters, the rest is the fraction of a quarter.
 Reduced reduceLarge(double x) {
   __extension__ using Wide = unsigned __int128;
   const std::uint64_t bits = bitsOf(x) & ~(std::uint64_t{1} << 63);
@@ -91,7 +92,8 @@ Reduced reduceLarge(double x) {
   return {rest, quarter & 3};
 }
 
-// Cody and Waite in three parts, a fourth where they cancel: there the second part may outweigh the difference, too.
+// Cody and Waite in three parts, a fourth where they cancel: there the second part may outweigh the
+// difference, too.
 Reduced reduce(double x) {
   const double whole = x * kTwoOverPi + kToWhole, n = whole - kToWhole;
   const double first = x - n * kHalfPi1, second = n * kHalfPi2, high = first - second;
@@ -141,8 +143,8 @@ constexpr DoubleDouble kArcs[] = {
     {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55},
 };
 
-// atan(small / large) for 0 <= small <= large, both far from overflow: tan(a - b) of the nearest arc of the table, whose
-// product with `large` is exact in two parts.
+// atan(small / large) for 0 <= small <= large, both far from overflow: tan(a - b) of the nearest arc of the
+// table, whose product with `large` is exact in two parts.
 DoubleDouble arcOf(double small, double large) {
   const double step = (16 * (small / large) + kToWhole) - kToWhole, c = step / 16;
   const double top = fromBits(bitsOf(large) & 0xfffffffff8000000), bottom = large - top;

@@ -3,8 +3,9 @@
 
 namespace slam::core {
 
-/// For the numbers m in [11/16, 11/8) that share the first seven bits behind the point: 1 / m to some ten bits, and
-/// -ln(inverse) in two parts, of which the first is a multiple of 2^-42. Around 1 the inverse is 1, so that m - 1 is all.
+/// For the numbers m in [11/16, 11/8) that share the first seven bits behind the point: 1 / m to some ten
+/// bits, and -ln(inverse) in two parts, of which the first is a multiple of 2^-42. Around 1 the inverse is 1,
+/// so that m - 1 is all.
 struct LogRow {
   double inverse;
   DoubleDouble log;

@@ -51,8 +51,9 @@ class Interrupted : public std::runtime_error {
   Interrupted() : std::runtime_error("interrupted") {}
 };
 
-/// A message as one line for a terminal, whatever names and bytes of files it quotes: line breaks become blanks, other control
-/// bytes and what is no UTF-8 become hexadecimal escapes, and what is longer than `most` bytes loses its middle ("...").
+/// A message as one line for a terminal, whatever names and bytes of files it quotes: line breaks become
+/// blanks, other control bytes and what is no UTF-8 become hexadecimal escapes, and what is longer than
+/// `most` bytes loses its middle ("...").
 std::string oneLine(std::string_view message, std::size_t most = 300);
 
 /// "; did you mean 'x'?" for the candidate nearest to word by edit distance, or "" when none is near

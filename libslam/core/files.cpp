@@ -41,7 +41,8 @@ constexpr const char* kBeside = ".rasterslam-";
 constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyz0123456789";
 constexpr std::size_t kDrawnLetters = 6;
 
-/// Six digits for where the number of a process means that process: this start of this machine, this namespace (container).
+/// Six digits for where the number of a process means that process: this start of this machine, this
+/// namespace (container).
 std::string machineMark() {
   std::string text;
   std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), text);
@@ -54,8 +55,8 @@ std::string machineMark() {
   return digits;
 }
 
-/// A name beside a path that ends by `suffix`, "NAME.rasterslam-MACHINE-PROCESS-XXXXXX", made by `make` (0, or -1 with errno) under
-/// a name that was not there before.
+/// A name beside a path that ends by `suffix`, "NAME.rasterslam-MACHINE-PROCESS-XXXXXX", made by `make` (0,
+/// or -1 with errno) under a name that was not there before.
 template <class Make>
 std::string madeBeside(const std::string& path, const std::string& suffix, const Make& make) {
   const std::string begin = path.substr(0, path.size() - suffix.size()) + kBeside + machineMark() + "-" +

@@ -5,8 +5,8 @@
 
 namespace slam::core {
 
-/// The sections and keys in alphabetical order; IniFile::parse() reads the same values back. REQUIRES what it could have read
-/// (no line breaks and no comments in names or values).
+/// The sections and keys in alphabetical order; IniFile::parse() reads the same values back. REQUIRES what it
+/// could have read (no line breaks and no comments in names or values).
 std::string toText(const IniFile& ini);
 
 }  // namespace slam::core

@@ -29,7 +29,8 @@ class Ignored : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-/// Whether anything follows the first document. YAML::LoadAll() would not end where that is no document either (",a").
+/// Whether anything follows the first document. YAML::LoadAll() would not end where that is no document
+/// either (",a").
 bool goesOn(const std::string& text) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);

@@ -18,10 +18,11 @@ bool isYamlFile(const std::string& path);
 ///   lidar narrow:              [lidar narrow]
 ///     lidar: {fov_deg: 180}    lidar.fov_deg = 180
 ///
-/// Lists are joined by ", ", maps within a section by ".". Values are taken as they are written, so that 0.10 stays 0.10. Origins are
-/// the YAML's lines. Errors: InputError with file and line for what is no YAML, a second document, anything deeper, a key
-/// given twice, a value that an .ini cannot hold (a line break, " #", " ;", in a list a comma).
-/// Read by yaml-cpp: MRPT 2.5.8's own reader returns the beginning of a broken file without an error.
+/// Lists are joined by ", ", maps within a section by ".". Values are taken as they are written, so that 0.10
+/// stays 0.10. Origins are the YAML's lines. Errors: InputError with file and line for what is no YAML, a
+/// second document, anything deeper, a key given twice, a value that an .ini cannot hold (a line break, " #",
+/// " ;", in a list a comma). Read by yaml-cpp: MRPT 2.5.8's own reader returns the beginning of a broken file
+/// without an error.
 IniFile parseYaml(const std::string& text, const std::string& name);
 
 }  // namespace slam::core

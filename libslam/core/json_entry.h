@@ -5,12 +5,13 @@
 
 namespace slam::core {
 
-/// A JSON file. What is no JSON is "discarded" (nlohmann::json). Errors: InputError for a file that cannot be read, or whose
-/// values are nested more than 64 deep, on which much that walks through them would run out of stack.
+/// A JSON file. What is no JSON is "discarded" (nlohmann::json). Errors: InputError for a file that cannot be
+/// read, or whose values are nested more than 64 deep, on which much that walks through them would run out of
+/// stack.
 nlohmann::json readJsonFile(const std::string& path);
 
-/// An object of a JSON file that people write: its keys, each asked for once; what is left over is unknown. Errors are
-/// InputErrors that begin with `where` (file and place) and name the key.
+/// An object of a JSON file that people write: its keys, each asked for once; what is left over is unknown.
+/// Errors are InputErrors that begin with `where` (file and place) and name the key.
 class JsonEntry {
  public:
   /// Errors: not an object.

@@ -125,8 +125,8 @@ void rejectUnknownSections(const IniFile& ini, const std::vector<std::string>& k
 /// `key = value` lines under section headings, with the origin behind each: what `--print-config` shows.
 std::string formatParameterReport(const std::vector<ParameterReport>& report);
 
-/// The shortest decimal text that reads back as the same double ("0.1", not "0.10000000000000001"); whole numbers
-/// below 1e15 without an exponent.
+/// The shortest decimal text that reads back as the same double ("0.1", not "0.10000000000000001"); whole
+/// numbers below 1e15 without an exponent.
 std::string formatNumber(double value);
 /// The whole text as a finite number; false otherwise.
 bool parseNumber(const std::string& text, double& value);

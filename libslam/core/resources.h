@@ -4,9 +4,10 @@
 
 namespace slam::core {
 
-/// Folders and a file that come with the program: those of the folder that the environment variable RASTERSLAM_DATA names,
-/// else share/rasterslam beside the program or library, else the source tree of a program that runs in its build folder
-/// (findData() says the whole). InputError when none is there, or of another version.
+/// Folders and a file that come with the program: those of the folder that the environment variable
+/// RASTERSLAM_DATA names, else share/rasterslam beside the program or library, else the source tree of a
+/// program that runs in its build folder (findData() says the whole). InputError when none is there, or of
+/// another version.
 std::string configsFolder();
 std::string worldsFolder();
 std::string publicDataFile();

@@ -4,8 +4,8 @@
 
 namespace slam::core {
 
-/// The motion of a pose, its sine and cosine taken once: for many points, with the same bits as the pose's own
-/// product with each.
+/// The motion of a pose, its sine and cosine taken once: for many points, with the same bits as the pose's
+/// own product with each.
 class RigidMotion2 {
  public:
   explicit RigidMotion2(const Pose2& T_a_b) : RigidMotion2(T_a_b, sinCos(T_a_b.phi)) {}

@@ -5,8 +5,9 @@
 
 namespace slam::core {
 
-/// Threads that wait for work between the calls: for jobs of a millisecond, for which starting threads costs too much.
-/// What a job computes must depend on its index alone; then the number of threads changes nothing but the time.
+/// Threads that wait for work between the calls: for jobs of a millisecond, for which starting threads costs
+/// too much. What a job computes must depend on its index alone; then the number of threads changes nothing
+/// but the time.
 class ThreadTeam {
  public:
   /// `threads` in all, the caller's own among them; 1 starts none. REQUIRES threads >= 1 (ContractError).
@@ -15,8 +16,8 @@ class ThreadTeam {
   ThreadTeam& operator=(ThreadTeam&&) noexcept;
   ~ThreadTeam();
 
-  /// Calls job(0) .. job(count - 1), each once, in any order, and returns when all are done. Errors: of those that
-  /// jobs throw, the one with the smallest index is thrown on; the others' jobs are still called.
+  /// Calls job(0) .. job(count - 1), each once, in any order, and returns when all are done. Errors: of those
+  /// that jobs throw, the one with the smallest index is thrown on; the others' jobs are still called.
   void forEach(size_t count, const std::function<void(size_t)>& job);
 
  private:

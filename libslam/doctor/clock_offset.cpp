@@ -48,7 +48,8 @@ void add(const Block& part, Block& sums) {
   sums.yy += part.yy;
 }
 
-/// The odometry's turn over a step at every lag; false where one is missing, so that all lags see the same steps.
+/// The odometry's turn over a step at every lag; false where one is missing, so that all lags see the same
+/// steps.
 bool turnsAt(const OdometryCurve& odometry, const ScanStep& step, std::vector<double>& turns) {
   for (std::size_t lag = 0; lag < kLags; ++lag) {
     const auto from = odometry.at(step.from_s - lagSeconds(lag));

@@ -13,10 +13,10 @@ struct ClockOffset {
   double turned_rad = 0;  ///< by the scans, absolute turns summed
 };
 
-/// Looks where the turns between scans correlate best with the odometry's turns over the same time, shifted by
-/// up to 3 s either way; to a fraction of a period, because the odometry's heading is taken as straight between
-/// its readings. The interval is from 200 bootstrap samples of about 40 parts of the log (Künsch, Annals of
-/// Statistics 17(3), 1989: blocks keep what hangs together in time).
+/// Looks where the turns between scans correlate best with the odometry's turns over the same time, shifted
+/// by up to 3 s either way; to a fraction of a period, because the odometry's heading is taken as straight
+/// between its readings. The interval is from 200 bootstrap samples of about 40 parts of the log (Künsch,
+/// Annals of Statistics 17(3), 1989: blocks keep what hangs together in time).
 ClockOffset findClockOffset(const std::vector<Stretch>& stretches, const std::string& stream);
 
 }  // namespace slam::doctor

@@ -7,8 +7,8 @@
 
 namespace slam::doctor {
 
-/// What the figures of a log say of it, rule by rule: of the scans and their stamps (scan_findings.cpp), of what motion shows of lidar
-/// and odometry (motion_findings.cpp).
+/// What the figures of a log say of it, rule by rule: of the scans and their stamps (scan_findings.cpp), of
+/// what motion shows of lidar and odometry (motion_findings.cpp).
 class FindingRules {
  public:
   explicit FindingRules(const LogFigures& figures) : f_(figures) {}

@@ -45,8 +45,8 @@ std::string className(const mrpt::rtti::CObject& object) {
   return name.substr(name.rfind(':') + 1);
 }
 
-/// Odometry of either form as absolute poses: an action's increment is complete when its frame's first observation
-/// comes.
+/// Odometry of either form as absolute poses: an action's increment is complete when its frame's first
+/// observation comes.
 class OdometryReader {
  public:
   struct Reading {
@@ -270,7 +270,8 @@ class Matching : public LogVisitor {
     }
   }
 
-  /// The robot's motion since the scan before: the odometry's, else what the scans show, as far as skewed ones can.
+  /// The robot's motion since the scan before: the odometry's, else what the scans show, as far as skewed
+  /// ones can.
   std::optional<core::Pose2> motionTo(const ScanStep* step) const {
     if (!step || !step->is_matched) return std::nullopt;
     if (T_odom_previous_ && T_odom_robot_) return core::between(*T_odom_previous_, *T_odom_robot_);

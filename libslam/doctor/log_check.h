@@ -20,8 +20,8 @@ struct OdometryFigures {
   std::string stream;  ///< the label of its CObservationOdometry; kActionStream for increments in actions
   std::uint64_t readings = 0;
   double path_m = 0, turned_rad = 0;  ///< jumps left out
-  /// Steps too far for a robot: more than half a metre and faster than 3 m/s (or five times the speed that it keeps
-  /// under 95 % of the time, if that is more), or more than half a radian and faster than 5 rad/s.
+  /// Steps too far for a robot: more than half a metre and faster than 3 m/s (or five times the speed that it
+  /// keeps under 95 % of the time, if that is more), or more than half a radian and faster than 5 rad/s.
   std::uint64_t jumps = 0;
   double largest_jump_m = 0, largest_jump_at_s = 0;
   ClockOffset clock;
@@ -85,19 +85,20 @@ struct LogCheck {
   int warnings() const;
 };
 
-/// Looks a log of any format over: reads it once for stamps and readings, and once more to match its scans with one
-/// another (plicp) and its odometry with them. Nothing in the log is believed without evidence where the scans can
-/// give it: field of view, mounting pose, scale, clocks.
+/// Looks a log of any format over: reads it once for stamps and readings, and once more to match its scans
+/// with one another (plicp) and its odometry with them. Nothing in the log is believed without evidence where
+/// the scans can give it: field of view, mounting pose, scale, clocks.
 ///
 /// lidar: the label to look at, "" for the one with the most scans (a tie: the first by name).
-/// Memory does not grow with the log: of long series a sample is kept, at most 20000 scans are matched, and the
-/// first 8 lidars and 8 sources of odometry are looked at. Cost:
+/// Memory does not grow with the log: of long series a sample is kept, at most 20000 scans are matched, and
+/// the first 8 lidars and 8 sources of odometry are looked at. Cost:
 /// reading twice and about 0.1 to 0.3 ms per matched scan.
-/// Errors (InputError): as logs::openLog(), before the first object; a lidar that is not there. What breaks later is a
-/// finding. Interrupted from `progress`.
+/// Errors (InputError): as logs::openLog(), before the first object; a lidar that is not there. What breaks
+/// later is a finding. Interrupted from `progress`.
 LogCheck checkLog(const std::string& path, const std::string& lidar, core::Progress& progress);
 
-/// The streams of a log alone: one quick pass. A log that breaks off gives what comes before. Errors: as checkLog().
+/// The streams of a log alone: one quick pass. A log that breaks off gives what comes before. Errors: as
+/// checkLog().
 std::vector<StreamFigures> streamsOf(const std::string& path);
 
 /// The rules alone: what the figures mean and what to do.

@@ -28,13 +28,14 @@ struct Stretch {
   std::map<std::string, std::vector<core::StampedPose>> odometry;
 };
 
-/// Matches each scan with the one before (plicp) and keeps the odometry beside it. At most kMostSteps scans are
-/// matched: a longer log is seen in evenly spread stretches.
+/// Matches each scan with the one before (plicp) and keeps the odometry beside it. At most kMostSteps scans
+/// are matched: a longer log is seen in evenly spread stretches.
 class MotionSeries {
  public:
   static constexpr std::uint64_t kMostSteps = 20000;
 
-  /// scans: how many will come. shortest_s: odometry readings nearer than this to the last one kept are passed over.
+  /// scans: how many will come. shortest_s: odometry readings nearer than this to the last one kept are
+  /// passed over.
   MotionSeries(std::uint64_t scans, double shortest_s);
 
   void addOdometry(const std::string& stream, const core::StampedPose& reading);

@@ -11,8 +11,9 @@ namespace {
 constexpr double kBin_m = 0.01;
 constexpr std::size_t kBins = 1 << 16;
 
-// The pile of no-returns. Its peak lies within 3 % of the largest reading and stands out of what lies below it
-// (from 0.8 of the largest on); a wall that a robot at rest looks at makes such a pile too, but in a few beams.
+// The pile of no-returns. Its peak lies within 3 % of the largest reading and stands out of what lies below
+// it (from 0.8 of the largest on); a wall that a robot at rest looks at makes such a pile too, but in a few
+// beams.
 constexpr double kTopShare = 0.97, kBelowShare = 0.80;
 constexpr double kPeakOverBelow = 10, kEdgeOverBelow = 5;
 constexpr std::size_t kWidestHole = 6;  // bins; some lidars speak in steps of 5 cm

@@ -28,8 +28,8 @@ struct StreamFigures {
   double largest_backward_s = 0;
   double backward_at_s = 0;    ///< the stamp before the largest step back
   std::uint64_t repeated = 0;  ///< stamps equal to the one before
-  /// Pauses of more than ten periods (the longer of the two above) and more than a second, the longest first, at
-  /// most 5.
+  /// Pauses of more than ten periods (the longer of the two above) and more than a second, the longest first,
+  /// at most 5.
   std::vector<Gap> gaps;
   std::uint64_t gap_count = 0;  ///< how many there are in all; of more than 4096, at least
 };

@@ -18,7 +18,8 @@ constexpr double kWidest = 0.4;
 /// The parabola is laid through candidates this near to the best, in steps.
 constexpr int kReach = 3;
 
-/// Where a parabola through the costs about the lowest is lowest, in steps from the first. nullopt where that is no minimum.
+/// Where a parabola through the costs about the lowest is lowest, in steps from the first. nullopt where that
+/// is no minimum.
 std::optional<double> lowest(const std::vector<double>& costs) {
   const auto best = static_cast<int>(std::min_element(costs.begin(), costs.end()) - costs.begin());
   const int low = std::max(best - kReach, 0),

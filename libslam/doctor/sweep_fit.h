@@ -17,9 +17,10 @@ struct SweepFit {
   Estimate duration_s;         ///< negative: clockwise, the last beam of the scan comes first
 };
 
-/// Judges the sweep of a lidar by the scans alone. A robot that turns all the time skews all of its scans alike, and they fit
-/// on one another as if they were none; but where its turning changes, one scan is skewed more than the next, and only with the right
-/// duration do both lie, deskewed (robot::deskewed()), on one another.
+/// Judges the sweep of a lidar by the scans alone. A robot that turns all the time skews all of its scans
+/// alike, and they fit on one another as if they were none; but where its turning changes, one scan is skewed
+/// more than the next, and only with the right duration do both lie, deskewed (robot::deskewed()), on one
+/// another.
 class SweepPairs {
  public:
   static constexpr std::size_t kMostPairs = 120;

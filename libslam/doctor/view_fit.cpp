@@ -37,8 +37,8 @@ double costOf(const robot::Scan& from, const robot::Scan& to, const core::Pose2&
       .cost;
 }
 
-/// Where a parabola through the costs about the best factor is lowest, by least squares over its neighbours within
-/// `reach`. nullopt where it is no minimum.
+/// Where a parabola through the costs about the best factor is lowest, by least squares over its neighbours
+/// within `reach`. nullopt where it is no minimum.
 std::optional<double> lowest(const std::vector<ViewFit::Candidate>& candidates, double best, double reach) {
   double s[5] = {}, t[3] = {};
   for (const auto& candidate : candidates) {

@@ -22,11 +22,11 @@ struct ViewFit {
   Estimate factor;
 };
 
-/// Judges a field of view by the scans alone. Pairs of scans some half a metre apart are matched again with the
-/// readings spread over 0.4 to 2.5 times the angle. A turn tells nothing, because a sweep that is spread
-/// too wide turns into itself, only further; but on a move the walls come nearer by what their bearings say, and a
-/// sweep with wrong bearings fits nowhere. On real logs the best factor is within 1 % of the true one: half and
-/// double steps show at once, one step more or less in 180 does not.
+/// Judges a field of view by the scans alone. Pairs of scans some half a metre apart are matched again with
+/// the readings spread over 0.4 to 2.5 times the angle. A turn tells nothing, because a sweep that is spread
+/// too wide turns into itself, only further; but on a move the walls come nearer by what their bearings say,
+/// and a sweep with wrong bearings fits nowhere. On real logs the best factor is within 1 % of the true one:
+/// half and double steps show at once, one step more or less in 180 does not.
 class ViewPairs {
  public:
   static constexpr std::size_t kMostPairs = 120;

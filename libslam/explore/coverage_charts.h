@@ -7,7 +7,8 @@
 
 namespace slam::explore {
 
-/// Explored share over time, path and scans, a line for each run and one for the oracle's tour (nullptr: none).
+/// Explored share over time, path and scans, a line for each run and one for the oracle's tour (nullptr:
+/// none).
 void drawCoverage(const std::vector<ExplorationJob>& jobs, const oracle::Oracle* oracle,
                   const std::string& title, const std::string& png_path);
 

@@ -18,8 +18,8 @@ struct ExplorationJob {
 /// Strategies in their order, seeds within; a single run has the whole folder.
 std::vector<ExplorationJob> makeJobs(const ExploreRequest& request, const std::string& folder);
 
-/// Each run is independent, so the number of threads changes nothing but the time. The first error but MethodError, which is a
-/// result, ends it: no more runs are begun.
+/// Each run is independent, so the number of threads changes nothing but the time. The first error but
+/// MethodError, which is a result, ends it: no more runs are begun.
 void runJobs(std::vector<ExplorationJob>& jobs, const world::Plan& plan, const LoopMethod& method,
              int thread_count, const core::Manifest& manifest, core::Progress& progress,
              record::StepObserver* observer);

@@ -27,8 +27,8 @@ struct LoopMethod {
 };
 
 /// Runs the loop once. `folder` (existing) gets the run's files, see explore(); "" writes none. Errors:
-/// InputError (start, configuration), MethodError (the method failed at the first scan). One that fails later ends the run with
-/// ExplorationEnd::kFailed; the folder holds what it had mapped.
+/// InputError (start, configuration), MethodError (the method failed at the first scan). One that fails later
+/// ends the run with ExplorationEnd::kFailed; the folder holds what it had mapped.
 LoopResult exploreOnce(const world::Plan& given_plan, const ExploreConfig& config, const LoopMethod& method,
                        std::uint64_t seed, const std::string& folder, core::Manifest manifest,
                        core::Progress& progress, record::StepObserver* observer = nullptr);

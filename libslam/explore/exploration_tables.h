@@ -15,8 +15,9 @@ std::vector<StrategyRuns> byStrategy(const std::vector<Exploration>& runs, int s
 
 /// Every figure of every run, for programs.
 report::Table runsTable(const std::vector<Exploration>& runs, const std::string& plan_name);
-/// For programs: median and quartiles as columns of their own. A run that has failed does not count; one that never came to a share of
-/// the area counts as endlessly late, and a quantile that falls on such a run is NaN.
+/// For programs: median and quartiles as columns of their own. A run that has failed does not count; one that
+/// never came to a share of the area counts as endlessly late, and a quantile that falls on such a run is
+/// NaN.
 report::Table statisticsTable(const std::vector<StrategyRuns>& groups, const std::string& plan_name);
 /// For people: a row per strategy, with several seeds a second one with the quartiles.
 report::Table scoresTable(const std::vector<StrategyRuns>& groups, const std::string& caption,

@@ -94,8 +94,9 @@ struct Exploration {
   /// then rises above kNearMissOver_m.
   double near_misses = 0;
   double decisions = 0;
-  /// Metres that tours with the plan in hand need (see oracle::Oracle), what no path can be shorter than, and the
-  /// competitive ratios: this path to theirs. NaN when nobody asked, or where that share was never reached.
+  /// Metres that tours with the plan in hand need (see oracle::Oracle), what no path can be shorter than, and
+  /// the competitive ratios: this path to theirs. NaN when nobody asked, or where that share was never
+  /// reached.
   double oracle90_m, oracle99_m, below90_m, below99_m, ratio90, ratio99;
   double return_distance_m = 0;  ///< true distance to the start after returning; NaN without. The way back
                                  ///< counts for collisions, near misses, decisions, map and ATE only
@@ -110,7 +111,8 @@ inline constexpr double kNearMiss_m = 0.05, kNearMissOver_m = 0.10;
 ///   scores.txt .md .tex .csv .json   one row per run (one seed) or per strategy (medians over the seeds)
 ///   runs.csv                    one row per run
 ///   coverage.png                explored share over time, path and scans, one line per run
-///   oracle.csv _path.csv .png   with `oracle`: the tours of somebody who knows the plan, of the first seed's plan
+///   oracle.csv _path.csv .png   with `oracle`: the tours of somebody who knows the plan, of the first seed's
+///                               plan
 ///   cost.csv .json              CPU time per decision: differs from run to run
 ///   manifest.json               how to make it again
 /// and for every run, in `output` itself when there is one, else in STRATEGY/ or STRATEGY/seed_N/:
@@ -121,9 +123,9 @@ inline constexpr double kNearMiss_m = 0.05, kNearMissOver_m = 0.10;
 ///   path.png                    true path and places of the decisions on the plan
 ///
 /// All of it is the same for the same plan, config and seed, but for cost.* and the times in the manifests.
-/// Errors: InputError (plan, config, start, an output that exists). A method that fails on the way gives a row
-/// that says so and where, and a folder with what it had mapped (manifest: status = incomplete; journal.csv); the other
-/// runs go on. MethodError when every run failed at its first scan.
+/// Errors: InputError (plan, config, start, an output that exists). A method that fails on the way gives a
+/// row that says so and where, and a folder with what it had mapped (manifest: status = incomplete;
+/// journal.csv); the other runs go on. MethodError when every run failed at its first scan.
 struct ExplorationReport {
   std::vector<Exploration> runs;  ///< strategies in their order, seeds within
   report::Table scores;           ///< for people

@@ -44,8 +44,8 @@ std::vector<report::DrawnPath> piecesByState(const GoalRun& run) {
   return pieces;
 }
 
-/// The original method's stop radius, dashed, and its strategic directions, as they lay where it first met an obstacle, or
-/// where it began.
+/// The original method's stop radius, dashed, and its strategic directions, as they lay where it first met an
+/// obstacle, or where it began.
 report::DrawnPath overlayOf(const StrategicOverlay& overlay, const ReachGoalRequest& request,
                             const GoalRun& run) {
   constexpr int kDashes = 16, kPieces = 4;

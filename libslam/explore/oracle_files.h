@@ -10,8 +10,8 @@
 
 namespace slam::explore {
 
-/// What somebody who knows the plan would have to drive, for the robot, lidar and start of this configuration.
-/// Errors: a camera in place of the lidar, whose view the oracle does not know (InputError).
+/// What somebody who knows the plan would have to drive, for the robot, lidar and start of this
+/// configuration. Errors: a camera in place of the lidar, whose view the oracle does not know (InputError).
 oracle::Oracle askOracle(const world::Plan& plan, const ExploreConfig& config, core::Progress& progress);
 /// Puts its lengths beside a run's own.
 void compareWith(const oracle::Oracle& oracle, Exploration& exploration);

@@ -35,7 +35,8 @@ struct ReachGoalConfig {
   std::vector<sim::CarryOrder> carries;           ///< when and where somebody carries the robot
   std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
 };
-/// Reads sections [robot], those of readSensor(), [odometry] [living] [events] [navigate] [lidar_bug] [obstacles] [mrpt_reactive]; strict.
+/// Reads sections [robot], those of readSensor(), [odometry] [living] [events] [navigate] [lidar_bug]
+/// [obstacles] [mrpt_reactive]; strict.
 ReachGoalConfig readReachGoalConfig(const core::IniFile& config);
 
 /// A navigator that is not one of the library's: its name in tables and folders, and what makes it, as
@@ -99,8 +100,8 @@ struct GoalComparison {
 ///   states.csv has every change of state; of lidar_bug also the places projected in its five directions
 ///   paths.png   scores.txt .md .tex .csv .json   manifest.json
 /// The folder appears whole or not at all. Same request: the same bytes but for the manifest's times.
-/// Errors: InputError for a start without room for the robot, a goal in a wall or outside the plan, an unknown
-/// or doubled method, an existing folder without `overwrite`.
+/// Errors: InputError for a start without room for the robot, a goal in a wall or outside the plan, an
+/// unknown or doubled method, an existing folder without `overwrite`.
 GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifest, core::Progress& progress);
 
 /// One drive. `folder` (existing) gets what is recorded, see record(), with `manifest`; "" writes nothing.
@@ -111,8 +112,8 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
 core::Point2 parsePlace(const std::string& text, const std::string& flag);
 core::Pose2 parsePose(const std::string& text, const std::string& flag);
 
-/// Where a drive starts: as "x y yaw_deg" says, or "auto": a free place in the middle, with room around it where there is
-/// such a place. Errors: malformed text, no free place (InputError).
+/// Where a drive starts: as "x y yaw_deg" says, or "auto": a free place in the middle, with room around it
+/// where there is such a place. Errors: malformed text, no free place (InputError).
 core::Pose2 goalStart(const world::Plan& plan, const ReachGoalConfig& config, const std::string& text);
 
 }  // namespace slam::explore

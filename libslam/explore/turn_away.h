@@ -44,8 +44,8 @@ struct TurnAwayMoment {
 
 /// The original experiment of the local obstacle map: posts of kPostRadius_m stand in front of the robot, it
 /// turns away from them, drives on and turns back; they leave the visible area and stay in memory where they
-/// are, until they leave the local zone. The robot knows its motion exactly. The camera sees a post as a point;
-/// the lidar (720 beams all round, 8 m) its face. Six moments: the start, a quarter,
+/// are, until they leave the local zone. The robot knows its motion exactly. The camera sees a post as a
+/// point; the lidar (720 beams all round, 8 m) its face. Six moments: the start, a quarter,
 /// half and all of the turn, after the drive, after turning back.
 std::vector<TurnAwayMoment> turnAway(const TurnAwayConfig& config);
 inline constexpr double kPostRadius_m = 0.05;

@@ -7,7 +7,8 @@
 
 namespace slam::gridmap {
 
-/// A set of cells within a rectangle, one bit each, in words of 32 neighbours along x that lie on multiples of 32.
+/// A set of cells within a rectangle, one bit each, in words of 32 neighbours along x that lie on multiples
+/// of 32.
 class CrossedCells {
  public:
   /// Both corners belong to the rectangle.
@@ -38,7 +39,8 @@ class CrossedCells {
     bits &= ~mask;
     return was;
   }
-  /// Every cell that the closed segment touches, where a cell owns its lower and its left border. In units of cells.
+  /// Every cell that the closed segment touches, where a cell owns its lower and its left border. In units of
+  /// cells.
   void addLine(const core::Point2& from, const core::Point2& to);
 
  private:

@@ -103,8 +103,8 @@ Cell& Grid::own(int x, int y) {
       .cells[static_cast<size_t>(((y & kTileMask) << kTileBits) | (x & kTileMask))];
 }
 
-/// Calls change(cell, offset to the centre) for the cells of the disc; change returns what the cell becomes, and only
-/// cells that differ are written.
+/// Calls change(cell, offset to the centre) for the cells of the disc; change returns what the cell becomes,
+/// and only cells that differ are written.
 template <class Change>
 void Grid::forDisc(const Spot& centre, const Change& change) {
   const int reach = options_.reach_cells;

@@ -45,21 +45,23 @@ struct GridArea {
 
 /// Occupancy and distance to the nearest surface, for matching scans to it in many versions at once.
 ///
-/// Shape: cell (x, y) covers [x, x + 1) x [y, y + 1) in units of cell_m, map frame; any x and y. Cells live in tiles
-/// of 32 x 32 that appear where something is stored. Copies share their tiles, and a tile is copied when one of those
-/// that share it changes it (copy on write): a copy costs one pointer per tile.
+/// Shape: cell (x, y) covers [x, x + 1) x [y, y + 1) in units of cell_m, map frame; any x and y. Cells live
+/// in tiles of 32 x 32 that appear where something is stored. Copies share their tiles, and a tile is copied
+/// when one of those that share it changes it (copy on write): a copy costs one pointer per tile.
 ///
-/// Occupancy: log-odds in steps of 1/20. One scan changes a cell once at most: by a hit where it has a return, else by
-/// a pass where a beam crossed it (Moravec and Elfes 1985; that a scan's hits win over its passes keeps walls that are
-/// seen at a grazing angle). A cell is occupied above probability 0.5. Unseen cells are kept apart from undecided ones.
+/// Occupancy: log-odds in steps of 1/20. One scan changes a cell once at most: by a hit where it has a
+/// return, else by a pass where a beam crossed it (Moravec and Elfes 1985; that a scan's hits win over its
+/// passes keeps walls that are seen at a grazing angle). A cell is occupied above probability 0.5. Unseen
+/// cells are kept apart from undecided ones.
 ///
-/// Field: every cell within reach_cells of an occupied one (distance between cell centres) knows the nearest, among
-/// equally near ones that with the least (to_y, to_x), and the vector from its centre to the surface there. The vector
-/// is linear in position along and across a straight wall, so that it can be interpolated between cell centres without
-/// the rounding to cells that a distance without a sign has. Insertion keeps the field exact: it always equals one
-/// made anew from the occupied cells.
+/// Field: every cell within reach_cells of an occupied one (distance between cell centres) knows the nearest,
+/// among equally near ones that with the least (to_y, to_x), and the vector from its centre to the surface
+/// there. The vector is linear in position along and across a straight wall, so that it can be interpolated
+/// between cell centres without the rounding to cells that a distance without a sign has. Insertion keeps the
+/// field exact: it always equals one made anew from the occupied cells.
 ///
-/// Threads: different grids may be used by different threads, also when they share tiles. Same calls, same bytes.
+/// Threads: different grids may be used by different threads, also when they share tiles. Same calls, same
+/// bytes.
 class Grid {
  public:
   /// REQUIRES options in their ranges (ContractError).
@@ -98,8 +100,8 @@ class Grid {
   static constexpr size_t tileBytes() { return sizeof(Tile); }
   /// Where tiles may lie without the directory growing; all zero for an empty grid.
   GridArea area() const;
-  /// The directory has a pointer per tile of area(), also where nothing is stored: as much memory as a cell for so
-  /// many cells of the area.
+  /// The directory has a pointer per tile of area(), also where nothing is stored: as much memory as a cell
+  /// for so many cells of the area.
   static constexpr double cellsPerDirectoryEntry() {
     return static_cast<double>(kTileCells * sizeof(Cell)) / sizeof(std::shared_ptr<int>);
   }
@@ -109,8 +111,8 @@ class Grid {
 
   /// The part that was seen; without any, one unseen cell.
   OccupancyRaster toRaster() const;
-  /// A grid with the raster's cells: occupied ones as surfaces at their centres. The raster's corner is rounded to a
-  /// whole cell. Errors: ContractError when the resolutions differ by more than 1e-6.
+  /// A grid with the raster's cells: occupied ones as surfaces at their centres. The raster's corner is
+  /// rounded to a whole cell. Errors: ContractError when the resolutions differ by more than 1e-6.
   static Grid fromRaster(const OccupancyRaster& raster, const GridOptions& options);
 
  private:

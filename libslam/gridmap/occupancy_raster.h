@@ -6,9 +6,9 @@
 
 namespace slam::gridmap {
 
-/// A map as probabilities on a raster, whatever the method holds inside: what a strategy looks at, and what becomes a
-/// picture, a ROS map and scores. Cell (column, row) covers [column, column + 1) x [row, row + 1) in units of
-/// resolution_m from the lower left corner; row 0 is at the bottom (y up).
+/// A map as probabilities on a raster, whatever the method holds inside: what a strategy looks at, and what
+/// becomes a picture, a ROS map and scores. Cell (column, row) covers [column, column + 1) x [row, row + 1)
+/// in units of resolution_m from the lower left corner; row 0 is at the bottom (y up).
 struct OccupancyRaster {
   int columns = 0, rows = 0;
   double resolution_m = 0.05;

@@ -22,8 +22,8 @@ struct RayOptions {
   bool no_return_is_free = true;  ///< a beam that met nothing clears as far as the lidar sees, or max_range_m
 };
 
-/// Beam i points exactly to scan.angle(i) in the lidar frame: n beams span n - 1 steps. A lost reading (NaN) says
-/// nothing, neither does one that is not positive.
+/// Beam i points exactly to scan.angle(i) in the lidar frame: n beams span n - 1 steps. A lost reading (NaN)
+/// says nothing, neither does one that is not positive.
 ScanRays scanRays(const robot::Scan& scan, const RayOptions& options);
 
 }  // namespace slam::gridmap

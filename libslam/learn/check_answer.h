@@ -34,12 +34,13 @@ struct AnswerRequest {
   std::string program;        ///< rasterslam, for hints
 };
 
-/// Checks an answer by making the student's material anew: so the folder can change nothing but the answer. Number: the word, or
-/// answer.txt of the folder, to the lesson's tolerance; of a wrong one the nearest hint, else whether it is a neighbour's. Method:
-/// the folder's external method on a drive in the student's building that the student does not have. Strategy: the program of the
-/// folder in another building of that kind. Sweep: the folder `fair` and the word in answer.txt.
-/// Whatever is wrong with the answer is a Verdict. Errors: InputError where it is not known whose answer it is (a number without a
-/// student, a folder that startLesson() did not make); IoError; Interrupted.
+/// Checks an answer by making the student's material anew: so the folder can change nothing but the answer.
+/// Number: the word, or answer.txt of the folder, to the lesson's tolerance; of a wrong one the nearest hint,
+/// else whether it is a neighbour's. Method: the folder's external method on a drive in the student's
+/// building that the student does not have. Strategy: the program of the folder in another building of that
+/// kind. Sweep: the folder `fair` and the word in answer.txt. Whatever is wrong with the answer is a Verdict.
+/// Errors: InputError where it is not known whose answer it is (a number without a student, a folder that
+/// startLesson() did not make); IoError; Interrupted.
 Verdict checkAnswer(const Lesson& lesson, const AnswerRequest& request, core::Progress& progress);
 
 /// Of a number, against figures: no file is read. `others` are the figures of other students.

@@ -63,7 +63,8 @@ double turn(const core::Pose2& motion) {
   return motion.phi;
 }
 
-/// Whether the student's turns are the reference's in degrees, taken for radians: near those, and far from the right ones.
+/// Whether the student's turns are the reference's in degrees, taken for radians: near those, and far from
+/// the right ones.
 bool looksLikeDegrees(const core::Trajectory& student, const core::Trajectory& reference) {
   std::vector<double> from_degrees, from_radians;
   for (std::size_t i = 1; i < student.size() && i < reference.size(); ++i) {

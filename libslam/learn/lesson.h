@@ -28,8 +28,8 @@ struct Hint {
   std::string say;     ///< what is wrong with the way that leads there; never the right answer
 };
 
-/// One lesson: its page, its question, what each student gets, which wrong answers are known. Nothing of a single lesson stands in
-/// the code but what makes its material (recipes.h).
+/// One lesson: its page, its question, what each student gets, which wrong answers are known. Nothing of a
+/// single lesson stands in the code but what makes its material (recipes.h).
 struct Lesson {
   std::string name;  ///< "01-lidar": of its .ini, and of its page NAME.md in pagesFolder()
   LessonOptions options;
@@ -37,8 +37,8 @@ struct Lesson {
   core::IniFile ini;  ///< the rest is for the recipe
 };
 
-/// All lessons in the order of their numbers. Errors: InputError with file and line for what is wrong in one of them; two of one
-/// number; numbers that do not count from 1 on.
+/// All lessons in the order of their numbers. Errors: InputError with file and line for what is wrong in one
+/// of them; two of one number; numbers that do not count from 1 on.
 std::vector<Lesson> readLessons(const std::string& folder);
 /// Those that come with the program.
 std::vector<Lesson> readLessons();

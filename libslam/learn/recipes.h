@@ -12,8 +12,8 @@
 
 namespace slam::learn {
 
-/// What is known of a student's material: "answer" is the right number where the answer is one, the others are what wrong ways lead
-/// to, and what the question tells. NaN where there is none.
+/// What is known of a student's material: "answer" is the right number where the answer is one, the others
+/// are what wrong ways lead to, and what the question tells. NaN where there is none.
 using Figures = std::map<std::string, double>;
 
 /// Where a recipe works.
@@ -26,8 +26,8 @@ struct Place {
   std::uint64_t seed() const { return seedOf(lesson, student); }
   std::string file(const std::string& name) const { return folder + "/" + name; }
   std::string log() const { return file("run.rawlog"); }
-  /// The student's own building: sections [world] (kind) and [building] of the lesson; saved under that name, and its picture. The usual
-  /// name is where a log's plan is looked for (manifest()).
+  /// The student's own building: sections [world] (kind) and [building] of the lesson; saved under that name,
+  /// and its picture. The usual name is where a log's plan is looked for (manifest()).
   world::Plan makePlan(const std::string& name = "run.plan.yaml") const;
   /// For the log's recording.
   core::Manifest manifest() const;
@@ -35,8 +35,8 @@ struct Place {
   record::RecordConfig recordConfig() const;
 };
 
-/// Makes the files of a student's material and says what the check has to know. The same lesson and student: the same bytes and
-/// figures.
+/// Makes the files of a student's material and says what the check has to know. The same lesson and student:
+/// the same bytes and figures.
 using Recipe = Figures (*)(const Place&);
 
 Figures standingLidar(const Place& place);    ///< readings of a lidar that stands

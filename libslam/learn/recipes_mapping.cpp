@@ -193,7 +193,8 @@ struct Ring {
   int false_edge = 0;
 };
 
-/// Twice round a corridor of about 12 x 8 m, a pose every metre: odometry that drifts, loops between the rounds, one of them false.
+/// Twice round a corridor of about 12 x 8 m, a pose every metre: odometry that drifts, loops between the
+/// rounds, one of them false.
 Ring drawRing(std::uint64_t seed) {
   core::RandomStream random(seed, "lesson");
   Ring ring;

@@ -17,7 +17,8 @@
 namespace slam::learn {
 namespace {
 
-/// A place of the plan's middle with a heading in whole degrees along which a wall stands between `least_m` and `most_m`.
+/// A place of the plan's middle with a heading in whole degrees along which a wall stands between `least_m`
+/// and `most_m`.
 core::Pose2 placeFacingAWall(const world::Plan& plan, const record::RecordConfig& config,
                              core::RandomStream& random, double least_m, double most_m) {
   auto start = record::startPose(plan, config);

@@ -15,8 +15,9 @@ inline constexpr const char* kLessonFile = "lesson.ini";  ///< whose it is, and 
 inline constexpr const char* kTaskFile = "TASK.md";
 inline constexpr const char* kAnswerFile = "answer.txt";
 
-/// Makes the student's own folder for a lesson: the material (recipe), TASK.md with the question, lesson.ini. It appears whole or
-/// not at all; what is there is never replaced, as it may hold an answer. Errors: InputError for a folder that exists.
+/// Makes the student's own folder for a lesson: the material (recipe), TASK.md with the question, lesson.ini.
+/// It appears whole or not at all; what is there is never replaced, as it may hold an answer. Errors:
+/// InputError for a folder that exists.
 void startLesson(const Lesson& lesson, std::uint64_t student, const std::string& output,
                  core::Progress& progress);
 

@@ -30,14 +30,14 @@ struct MadeFolder {
   std::vector<std::string> next;   ///< shell lines to be given where the folder lies
 };
 
-/// Writes a folder to begin from: the files of configs/templates/KIND/LANGUAGE and shared/LANGUAGE, the name put in. It builds, runs
-/// and passes its own test as it is. It appears whole or not at all, and what is there is never replaced: it may hold somebody's work.
-/// Errors: InputError for an unknown kind or language, a name that is none, is reserved or one of the built-in ones, an output
-/// that exists.
+/// Writes a folder to begin from: the files of configs/templates/KIND/LANGUAGE and shared/LANGUAGE, the name
+/// put in. It builds, runs and passes its own test as it is. It appears whole or not at all, and what is
+/// there is never replaced: it may hold somebody's work. Errors: InputError for an unknown kind or language,
+/// a name that is none, is reserved or one of the built-in ones, an output that exists.
 MadeFolder makeFromTemplate(const TemplateRequest& request);
 
-/// Where a project finds the library that came with a program: the build folder of a program that lies in it, else the prefix that it
-/// is installed under.
+/// Where a project finds the library that came with a program: the build folder of a program that lies in it,
+/// else the prefix that it is installed under.
 std::string libraryFolder(const core::DataPlaces& places);
 
 /// "wall_hugger" -> "WallHugger".

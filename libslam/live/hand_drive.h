@@ -14,9 +14,10 @@ class HandDrive {
  public:
   HandDrive(const robot::RobotOptions& robot, double period_s) : robot_(robot), period_s_(period_s) {}
 
-  /// What the keys ask for: their share of full speed ahead or back, and of the full turn rate, left counter-clockwise;
-  /// opposite keys cancel. `collided`: the last command ended at an obstacle. Then the robot stays, though it may turn, until the key that
-  /// drove it there is let go: to push on against a wall is no new collision.
+  /// What the keys ask for: their share of full speed ahead or back, and of the full turn rate, left
+  /// counter-clockwise; opposite keys cancel. `collided`: the last command ended at an obstacle. Then the
+  /// robot stays, though it may turn, until the key that drove it there is let go: to push on against a wall
+  /// is no new collision.
   robot::Command next(const HeldKeys& keys, bool collided);
 
  private:

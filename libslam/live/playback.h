@@ -3,8 +3,8 @@
 
 namespace slam::live {
 
-/// When the next step may be shown: paused, step by step, or so many times as fast as the robot's own time. Plain
-/// arithmetic; what the clock says is given.
+/// When the next step may be shown: paused, step by step, or so many times as fast as the robot's own time.
+/// Plain arithmetic; what the clock says is given.
 class Playback {
  public:
   static constexpr double kSlowest = 0.125, kFastest = 64;
@@ -19,8 +19,8 @@ class Playback {
   void faster();    ///< twice; above kFastest as fast as it goes
   void slower();
 
-  /// Seconds to wait before the step after the robot's time `robot_s` may begin: 0 = now, infinity = until a key changes
-  /// that. now_s: any steady clock. A computation that is late is not caught up with.
+  /// Seconds to wait before the step after the robot's time `robot_s` may begin: 0 = now, infinity = until a
+  /// key changes that. now_s: any steady clock. A computation that is late is not caught up with.
   double waitFor(double robot_s, double now_s);
   /// Told when a step has begun.
   void began();

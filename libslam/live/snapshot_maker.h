@@ -12,8 +12,8 @@
 
 namespace slam::live {
 
-/// Makes snapshots of the steps of a loop. Told of every step; what costs time (the map, the corrected path, the graph) is
-/// asked of the method only when a snapshot wants it anew.
+/// Makes snapshots of the steps of a loop. Told of every step; what costs time (the map, the corrected path,
+/// the graph) is asked of the method only when a snapshot wants it anew.
 class SnapshotMaker {
  public:
   /// T_scene_map: where the map frame lies, when that is known: the true pose at the first scan.
@@ -21,7 +21,8 @@ class SnapshotMaker {
 
   /// The true path beside a log, in the scene's frame; found by the stamps of the scans.
   void setTruth(core::Trajectory truth) { known_truth_ = std::move(truth); }
-  /// Loops that a method closed when the run was made, map frame, and the scan at which it did; in the order of the scans.
+  /// Loops that a method closed when the run was made, map frame, and the scan at which it did; in the order
+  /// of the scans.
   void setLoops(std::vector<std::pair<int, viewer::Connection>> loops) { known_loops_ = std::move(loops); }
 
   /// Where someone else than a strategy sends the robot, map frame.
@@ -31,8 +32,8 @@ class SnapshotMaker {
   void setStrategicView(double stop_radius_m, std::vector<double> directions_rad);
 
   void add(const record::Step& step);
-  /// Of the step that was added last. `method`: the step's. with_map: its map, path and graph as they are now, else as
-  /// they were when they were last asked for.
+  /// Of the step that was added last. `method`: the step's. with_map: its map, path and graph as they are
+  /// now, else as they were when they were last asked for.
   viewer::Snapshot snapshot(const mapping::MapBuilder* method, bool with_map);
   double time_s() const { return now_.time_s; }
   /// Said instead of the steps' own notes from now on, until it is "" again.

@@ -37,8 +37,8 @@ class Stage {
   // The loop's side.
   void publish(viewer::Snapshot snapshot);
   bool isWanted() const;  ///< the last moment was taken
-  /// Waits until the step after the robot's time may begin. while_paused is called once when there is time for it.
-  /// Returns false when the window was closed.
+  /// Waits until the step after the robot's time may begin. while_paused is called once when there is time
+  /// for it. Returns false when the window was closed.
   bool waitForStep(double robot_s, const std::function<void()>& while_paused);
   HeldKeys keys() const;
   /// The next command that was typed, once.
@@ -62,7 +62,8 @@ class Stage {
 /// Puts what a loop does on a stage, at the stage's pace.
 class StagedLoop : public record::StepObserver {
  public:
-  /// closing_interrupts: a closed window ends the loop by core::Interrupted; else the loop has to ask isClosed() itself.
+  /// closing_interrupts: a closed window ends the loop by core::Interrupted; else the loop has to ask
+  /// isClosed() itself.
   StagedLoop(Stage& stage, SnapshotMaker& maker, bool closing_interrupts)
       : stage_(stage), maker_(maker), closing_interrupts_(closing_interrupts) {}
   void onStep(const record::Step& step) override;

@@ -12,7 +12,8 @@ namespace slam::live {
 /// What a window does with its keys besides looking.
 enum class Hands {
   kWatch,  ///< n and the right arrow: one step; + and -: the playback's speed
-  kDrive  ///< the arrows drive the robot, + and - say how fast, Enter opens a line for commands, the mouse carries the robot
+  kDrive   ///< the arrows drive the robot, + and - say how fast, Enter opens a line for commands, the mouse
+           ///< carries the robot
 };
 
 /// The keys of a window, for its help and for `--help`.
@@ -31,8 +32,9 @@ struct WindowOptions {
   std::function<std::string(const core::Pose2&)> refusal = {};
 };
 
-/// Shows a stage in a window until q is pressed, or the window or the stage is closed; then both are. Runs in the calling thread, which must be
-/// the program's first. Once in a process. Errors: as requireDisplay(); IoError when the display has no OpenGL 3.3.
+/// Shows a stage in a window until q is pressed, or the window or the stage is closed; then both are. Runs in
+/// the calling thread, which must be the program's first. Once in a process. Errors: as requireDisplay();
+/// IoError when the display has no OpenGL 3.3.
 void showWindow(Stage& stage, viewer::LiveScene& scene, const WindowOptions& options);
 
 }  // namespace slam::live

@@ -22,8 +22,8 @@ namespace slam::logs {
 //   ROBOTLASERi type first_angle fov step maximum accuracy remission_mode n [ranges] m [remissions]
 //     laser_x laser_y laser_theta odom_x odom_y odom_theta tv rv forward_safety side_safety turn_axis
 //   RAWLASERi the same up to the remissions
-// in metres and radians; i is a digit. Lines that start with # are remarks. (CARMEN's own reader and writer of
-// logs; the message formats also stand as remarks in most logs.)
+// in metres and radians; i is a digit. Lines that start with # are remarks. (CARMEN's own reader and writer
+// of logs; the message formats also stand as remarks in most logs.)
 //
 // What a line becomes, all with the line's ipc_timestamp, in the order of the lines:
 //   ODOM               CObservationOdometry "ODOMETRY" with velocities (tv, rv)
@@ -38,14 +38,14 @@ namespace slam::logs {
 //                      the first one: stock icp-slam demands a stamp of everything, and those of PARAM
 //                      lines can be of another clock. (A comment in a rawlog has no label.)
 // What a line says beside, and changes seldom, comes before its objects as CObservationComment of kCarmenNote
-// and "host NAME"; "ODOM accel A"; of ROBOTLASERi "config" (type to remission_mode) and "safety" (the three). Such
-// a note holds until the next one of its kind.
+// and "host NAME"; "ODOM accel A"; of ROBOTLASERi "config" (type to remission_mode) and "safety" (the three).
+// Such a note holds until the next one of its kind.
 //
-// With all that the way back gives every field again but these: logger_timestamp (seconds since the log's first
-// stamp are written instead), trailing zeros of numbers, digits of a range beyond a float's and of a pose or stamp
-// beyond the sixth decimal, remissions (rounded to whole numbers; none unless there is one a range), the laser
-// pose within 2e-6 m (FLASER) or 1 mm and 0.001 rad (ROBOTLASER) of odometry and mounting. True poses go beside
-// the log (convertLog()).
+// With all that the way back gives every field again but these: logger_timestamp (seconds since the log's
+// first stamp are written instead), trailing zeros of numbers, digits of a range beyond a float's and of a
+// pose or stamp beyond the sixth decimal, remissions (rounded to whole numbers; none unless there is one a
+// range), the laser pose within 2e-6 m (FLASER) or 1 mm and 0.001 rad (ROBOTLASER) of odometry and mounting.
+// True poses go beside the log (convertLog()).
 //
 // FLASER and RLASER lines have no field of view. Readings are laser_front_laser_resolution (PARAM, degrees)
 // apart; without it 1 deg (180 or 181 readings), 0.5 deg (360, 361, 200, 201, 540, 541), 0.25 deg (400, 401,
@@ -57,9 +57,9 @@ namespace slam::logs {
 // poses show. ROBOTLASERi: mounting as the line's two poses show, rounded to 1e-4 and kept until a line
 // differs by more than 1 mm or 0.001 rad. RAWLASERi: mounted at the robot's centre.
 // No-returns: readings at or beyond robot_front_laser_max (PARAM), else 80 m: what the SICK scanners of these
-// logs put above it are codes (81.83, 81.91), and CARMEN's reader assumes the same. ROBOTLASERi, RAWLASERi: at or
-// beyond the line's own maximum. They keep their value and are marked invalid, as are readings <= 0.
-// A parameter holds for the lines after it.
+// logs put above it are codes (81.83, 81.91), and CARMEN's reader assumes the same. ROBOTLASERi, RAWLASERi:
+// at or beyond the line's own maximum. They keep their value and are marked invalid, as are readings <= 0. A
+// parameter holds for the lines after it.
 
 inline constexpr std::string_view kCarmenLine = "CARMEN line: ";
 inline constexpr std::string_view kCarmenNote = "CARMEN note: ";
@@ -75,8 +75,8 @@ class CarmenSettings {
     double first_angle_rad = 0, step_rad = 0, max_range_m = 0;
     core::Pose2 T_robot_lidar;
   };
-  /// A PARAM line's name and value; others than those above are passed over. InputError: a value that is no number
-  /// or out of bounds.
+  /// A PARAM line's name and value; others than those above are passed over. InputError: a value that is no
+  /// number or out of bounds.
   void take(std::string_view name, std::string_view value);
   /// A line of a log: of one that is PARAM, its name and value.
   void takeLine(std::string_view line);
@@ -96,7 +96,8 @@ class CarmenParser {
  public:
   using Objects = std::deque<std::shared_ptr<mrpt::serialization::CSerializable>>;
   /// Appends what the line (without its newline) becomes. Errors (InputError without a place): a field of one
-  /// of the messages above that is missing, no finite number, or out of bounds; more fields than the message has.
+  /// of the messages above that is missing, no finite number, or out of bounds; more fields than the message
+  /// has.
   void take(std::string_view line, Objects& objects);
   /// What waits for the stamp of a first message, when no line is left.
   void finish(Objects& objects);
@@ -125,9 +126,10 @@ class CarmenParser {
 bool looksLikeCarmen(std::string_view start);
 
 /// The objects of a CARMEN log, plain or packed. Errors (InputError): `path:line: ` and the parser's words; a
-/// line of more than 1 MiB; truncated (packed data that end too early, or a last line that has no newline and is
-/// not whole); damaged. What comes before is given first; the reader does not go on after an error, for a line that
-/// is none of its message's may be the first of many. Messages of unknown kinds it passes over, counted.
+/// line of more than 1 MiB; truncated (packed data that end too early, or a last line that has no newline and
+/// is not whole); damaged. What comes before is given first; the reader does not go on after an error, for a
+/// line that is none of its message's may be the first of many. Messages of unknown kinds it passes over,
+/// counted.
 class CarmenObjects : public objects::ObjectSource {
  public:
   explicit CarmenObjects(const std::string& path);
@@ -148,12 +150,12 @@ class CarmenObjects : public objects::ObjectSource {
   std::uint64_t line_ = 0, count_ = 0;
 };
 
-/// Writes observations as CARMEN lines: the way back of what is said above. Other logs' objects: a scan becomes a
-/// ROBOTLASERi line, i = 1 for the lidar met first, with its field of view, maximum and mounting, and the newest
-/// odometry reading before it (or 0 0 0); readings that are lost are written as 0, no-returns at or above the
-/// maximum; odometry becomes ODOM; a comment becomes remarks; a scan or reading without a stamp gets the newest
-/// one. Actions and frames are for a step before; they and all other objects are counted and dropped. Plain
-/// text whatever the name.
+/// Writes observations as CARMEN lines: the way back of what is said above. Other logs' objects: a scan
+/// becomes a ROBOTLASERi line, i = 1 for the lidar met first, with its field of view, maximum and mounting,
+/// and the newest odometry reading before it (or 0 0 0); readings that are lost are written as 0, no-returns
+/// at or above the maximum; odometry becomes ODOM; a comment becomes remarks; a scan or reading without a
+/// stamp gets the newest one. Actions and frames are for a step before; they and all other objects are
+/// counted and dropped. Plain text whatever the name.
 std::unique_ptr<objects::ObjectSink> createCarmenLog(const std::string& path);
 
 }  // namespace slam::logs

@@ -272,7 +272,8 @@ std::string CarmenParser::skipped() const {
   return std::to_string(lines) + (lines == 1 ? " line" : " lines") + " kept as text only (" + kinds + ")";
 }
 
-// --- Files ----------------------------------------------------------------------------------------------------
+// --- Files
+// ----------------------------------------------------------------------------------------------------
 
 bool looksLikeCarmen(std::string_view start) {
   const auto is_control = [](char c) { return (c >= 0 && c < 32 && c != '\n' && !isBlank(c)) || c == 127; };

@@ -34,7 +34,8 @@ double periodOf(const std::vector<SeenScan>& seen, const std::string& label) {
   return middleValue(periods_s);
 }
 
-/// How much later the stamps of `label` are than those of `main` next to them in the file, where they disagree; else 0.
+/// How much later the stamps of `label` are than those of `main` next to them in the file, where they
+/// disagree; else 0.
 double disagreement(const std::vector<SeenScan>& seen, const std::string& main, const std::string& label) {
   std::vector<double> later_s;
   const robot::Scan* last = nullptr;

@@ -27,8 +27,8 @@ LidarChoice allLidars(const std::vector<SeenScan>& seen);
 /// InputError for lidars that were named and whose stamps disagree.
 void requireAgreement(const std::string& path, const std::vector<SeenScan>& seen,
                       const std::vector<std::string>& labels);
-/// The words for a stated sweep that takes longer than the time between two scans of its lidar; "" for one that can be, and where
-/// nothing can be told.
+/// The words for a stated sweep that takes longer than the time between two scans of its lidar; "" for one
+/// that can be, and where nothing can be told.
 std::string impossibleSweep(const std::vector<SeenScan>& seen, const std::string& label);
 
 }  // namespace slam::logs

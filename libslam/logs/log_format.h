@@ -11,8 +11,8 @@ enum class LogFormat { kRawlog, kCarmen, kRos1Bag, kRos2Db3, kMcap };
 /// "MRPT rawlog", "CARMEN log", ...
 const char* formatName(LogFormat format);
 
-/// By the first bytes of the (unpacked) content, never by the name. Errors (InputError with the path): missing,
-/// a folder, empty, none of the formats.
+/// By the first bytes of the (unpacked) content, never by the name. Errors (InputError with the path):
+/// missing, a folder, empty, none of the formats.
 LogFormat detectLogFormat(const std::string& path);
 
 /// Errors: as detectLogFormat(), and those of each format's reader.

@@ -31,7 +31,8 @@ struct Motion {
 /// Of the wheel odometry, else of a scan matching, else of a spatial action (LogReader says how).
 std::optional<core::Pose2> incrementOf(const mrpt::obs::CActionCollection& actions);
 
-/// Absolute odometry readings on their way to the scans they belong to: the rule for bare readings of LogReader.
+/// Absolute odometry readings on their way to the scans they belong to: the rule for bare readings of
+/// LogReader.
 class BareOdometry {
  public:
   void add(std::int64_t ticks, const core::Pose2& T_odom_robot);

@@ -88,7 +88,8 @@ class StepReader {
   }
 
   void takeFrame(const CSensoryFrame& frame) {
-    // A frame is one moment: its odometry, and what it says of sweeps, belong to its scans wherever they stand among them.
+    // A frame is one moment: its odometry, and what it says of sweeps, belong to its scans wherever they
+    // stand among them.
     const auto isScan = [](const CObservation& observation) {
       return dynamic_cast<const CObservation2DRangeScan*>(&observation) != nullptr;
     };

@@ -43,41 +43,46 @@ struct LogCounts {
   bool has_bare_observations = false;  ///< observations outside of a frame
 };
 
-/// Reads a log of any format that openLog() knows (an MRPT rawlog of either form: actions with sensory frames, or
-/// bare observations; a CARMEN log; ...), packed or plain, streaming: memory does not grow with the log.
+/// Reads a log of any format that openLog() knows (an MRPT rawlog of either form: actions with sensory
+/// frames, or bare observations; a CARMEN log; ...), packed or plain, streaming: memory does not grow with
+/// the log.
 ///
 /// Increments. Actions: of the wheel odometry (CActionRobotMovement2D of kind emOdometry, its raw reading),
 /// else the mean of a scan matching one, else of a CActionRobotMovement3D; several actions before a scan
-/// compose. Bare readings (CObservationOdometry, absolute): of those before the scan in the file, the last one
-/// stamped at or before it; those after that one wait, those before it with a later stamp are passed over (logs
-/// whose stamps run back hold such: their motion is in the reading that counts). More than 1000 that wait mean
-/// clocks that disagree: then the order in the file decides. No new reading since the last scan: has_odometry
-/// is false. As soon as a log has shown an action with an increment, its bare readings count no more. What moved
-/// before the first scan is dropped: its T_odom_robot is the identity. Scans come in the order of the file.
+/// compose. Bare readings (CObservationOdometry, absolute): of those before the scan in the file, the last
+/// one stamped at or before it; those after that one wait, those before it with a later stamp are passed over
+/// (logs whose stamps run back hold such: their motion is in the reading that counts). More than 1000 that
+/// wait mean clocks that disagree: then the order in the file decides. No new reading since the last scan:
+/// has_odometry is false. As soon as a log has shown an action with an increment, its bare readings count no
+/// more. What moved before the first scan is dropped: its T_odom_robot is the identity. Scans come in the
+/// order of the file.
 ///
-/// Several lidars: `lidars` names labels with commas between them. "" is the main one: the label with the most scans among the
-/// first 100 (a tie: the one met first). kAllLidars is the main one and all that come among these 100 beside it and can be
-/// taken with it: level to 5 degrees, mounted within 2 m of the robot's centre at a place of its own (two lidars in one place: nobody
-/// measured the second), not
-/// repeating the readings of another, with stamps that agree with those about it in the file to three periods (at least 0.2 s); remarks()
-/// say of which that is not so, and why. The motion of skipped scans goes to the next one kept. Scans of several lidars in one frame,
-/// or stamped within a millisecond one after the other, are one entry: the main one's, or else the first, with the rest in
-/// `others`. All else are entries of their own, as are several scans of one label in one frame, the later ones without odometry.
+/// Several lidars: `lidars` names labels with commas between them. "" is the main one: the label with the
+/// most scans among the first 100 (a tie: the one met first). kAllLidars is the main one and all that come
+/// among these 100 beside it and can be taken with it: level to 5 degrees, mounted within 2 m of the robot's
+/// centre at a place of its own (two lidars in one place: nobody measured the second), not
+/// repeating the readings of another, with stamps that agree with those about it in the file to three periods
+/// (at least 0.2 s); remarks() say of which that is not so, and why. The motion of skipped scans goes to the
+/// next one kept. Scans of several lidars in one frame, or stamped within a millisecond one after the other,
+/// are one entry: the main one's, or else the first, with the rest in `others`. All else are entries of their
+/// own, as are several scans of one label in one frame, the later ones without odometry.
 ///
-/// Sweeps: what the log's sweep notes say (sweep_note.h), from where they stand on. A sweep that takes more than 1.2 of the
-/// period between the scans of its lidar (the median among the first 100 scans) is none: remarks() say so.
+/// Sweeps: what the log's sweep notes say (sweep_note.h), from where they stand on. A sweep that takes more
+/// than 1.2 of the period between the scans of its lidar (the median among the first 100 scans) is none:
+/// remarks() say so.
 ///
 /// Stamps: a scan without one gets that of the newest action or odometry reading before it; without either,
 /// an InputError.
 ///
-/// Errors (InputError with path): those of openLog() and of the format; of a rawlog: truncated: with the byte offset in
-/// the (compressed) file and the number of good entries (LogCounts::entries) before it, which next() gives
-/// first; a note of a sweep that is none; lidars named together whose stamps disagree as above; corrupt: with the same, where a packed log is checked whole before its first entry and the number
-/// is an estimate; no scan of the named label (then with the labels that are there); a scan that
-/// robot::fromMrpt refuses, or odometry that is not finite: with the number of the entry. The checksum comes
-/// first because MRPT's parsers may crash on damaged bytes; a plain log has none, nor has one that is cut:
-/// there damage shows only where it breaks the structure. What nobody can tell: a plain log that was cut
-/// exactly between two entries.
+/// Errors (InputError with path): those of openLog() and of the format; of a rawlog: truncated: with the byte
+/// offset in the (compressed) file and the number of good entries (LogCounts::entries) before it, which
+/// next() gives first; a note of a sweep that is none; lidars named together whose stamps disagree as above;
+/// corrupt: with the same, where a packed log is checked whole before its first entry and the number is an
+/// estimate; no scan of the named label (then with the labels that are there); a scan that robot::fromMrpt
+/// refuses, or odometry that is not finite: with the number of the entry. The checksum comes first because
+/// MRPT's parsers may crash on damaged bytes; a plain log has none, nor has one that is cut: there damage
+/// shows only where it breaks the structure. What nobody can tell: a plain log that was cut exactly between
+/// two entries.
 ///
 /// Cost: a packed rawlog is unpacked twice.
 ///
@@ -94,7 +99,8 @@ class LogReader {
   /// How far in the file, 0..1, for progress.
   double fractionRead() const;
   const LogCounts& counts() const;
-  /// The label of the scans that next() gives, of several lidars the main one's; "" also before the first call.
+  /// The label of the scans that next() gives, of several lidars the main one's; "" also before the first
+  /// call.
   const std::string& sensorLabel() const;
   /// All labels that next() gives, the main one first; empty before the first call.
   const std::vector<std::string>& lidars() const;

@@ -4,7 +4,8 @@
 
 namespace slam::logs {
 
-/// Public data for 2D-lidar SLAM: where it is, whose it is, what is odd in it. Nothing is ever downloaded by us.
+/// Public data for 2D-lidar SLAM: where it is, whose it is, what is odd in it. Nothing is ever downloaded by
+/// us.
 struct PublicData {
   std::string name;  ///< "intel"
   std::string kind;  ///< log | plan | collection | pose graph
@@ -25,8 +26,9 @@ struct PublicDataTable {
   std::vector<PublicData> data;
 };
 
-/// Reads datasets/public_data.json, which comes with the program (core::publicDataFile()), and looks which of `installed` are here. Errors: InputError
-/// with the path, and the entry and key that is missing, unknown or of another type; an unknown kind; a name used twice.
+/// Reads datasets/public_data.json, which comes with the program (core::publicDataFile()), and looks which of
+/// `installed` are here. Errors: InputError with the path, and the entry and key that is missing, unknown or
+/// of another type; an unknown kind; a name used twice.
 PublicDataTable readPublicData(const std::string& path);
 
 }  // namespace slam::logs

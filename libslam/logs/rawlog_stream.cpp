@@ -102,8 +102,8 @@ bool isLogEntry(const mrpt::rtti::TRuntimeClassId& id) {
 /// Of the stack, for objects inside objects: thousands of them.
 constexpr std::ptrdiff_t kDeepestNesting_bytes = 1 << 20;
 
-/// Reads from another stream and keeps what was read. Objects that a file nests without end would end the stack, so
-/// that ends in an exception while there is room.
+/// Reads from another stream and keeps what was read. Objects that a file nests without end would end the
+/// stack, so that ends in an exception while there is room.
 class CopyingStream : public mrpt::io::CStream {
  public:
   CopyingStream(UnpackingStream& source, std::string& copy) : source_(source), copy_(copy) {}
@@ -122,8 +122,9 @@ class CopyingStream : public mrpt::io::CStream {
   std::uint64_t getPosition() const override { return source_.getPosition(); }
 
  private:
-  /// The number of beams is what stands third among the values of four bytes in a scan, behind its field of view and its longest
-  /// range. MRPT makes room for it without a look at whether there is any, and would write to nowhere.
+  /// The number of beams is what stands third among the values of four bytes in a scan, behind its field of
+  /// view and its longest range. MRPT makes room for it without a look at whether there is any, and would
+  /// write to nowhere.
   void checkScan(std::string_view text) {
     if (text == "mrpt::obs::CObservation2DRangeScan") words_of_scan_ = 0;
     if (text.size() != sizeof(std::uint32_t) || ++words_of_scan_ != 3) return;

@@ -16,8 +16,8 @@ namespace slam::logs {
 /// True when this start of a file may be an MRPT object, also of a class that is no log's.
 bool looksLikeRawlog(const std::string& start);
 
-/// Unpacks a packed file once and throws the InputError that says where it is damaged. A cut is no damage: what
-/// comes before it can be read.
+/// Unpacks a packed file once and throws the InputError that says where it is damaged. A cut is no damage:
+/// what comes before it can be read.
 void requireUndamaged(const std::string& path);
 
 /// The objects of a rawlog, one after the other. A packed file is unpacked once before, for its checksum.

@@ -6,26 +6,27 @@
 
 namespace slam::logs {
 
-/// Trajectories as text. Readers pass over blank lines and lines that start with # or %; they take equal stamps
-/// but none that runs back, and know no locale. Errors (InputError with file:line): too few or too many
-/// numbers, a number that is malformed or not finite, stamps that run back, a quaternion of length 0; no pose
-/// at all; and those of core::readTextFile.
+/// Trajectories as text. Readers pass over blank lines and lines that start with # or %; they take equal
+/// stamps but none that runs back, and know no locale. Errors (InputError with file:line): too few or too
+/// many numbers, a number that is malformed or not finite, stamps that run back, a quaternion of length 0; no
+/// pose at all; and those of core::readTextFile.
 /// Writers give the same bytes for the same poses and leave a whole file or none. REQUIRES at least one pose,
 /// finite numbers, stamps that do not run back (ContractError). Errors: IoError with the path.
 
-/// TUM: `time x y z qx qy qz qw` per line. Written with 6 decimals of a second and 9 of metres, below a comment
-/// that names the columns. Reading drops z, roll and pitch (heading as yaw of z, y', x'').
+/// TUM: `time x y z qx qy qz qw` per line. Written with 6 decimals of a second and 9 of metres, below a
+/// comment that names the columns. Reading drops z, roll and pitch (heading as yaw of z, y', x'').
 void writeTum(const core::Trajectory& trajectory, const std::string& path);
 core::Trajectory readTum(const std::string& path);
 
-/// MRPT's convention beside a rawlog, NAME.rawlog.GT.txt: `time x y phi` per line, relative to the start pose,
-/// 6 decimals, no comment.
+/// MRPT's convention beside a rawlog, NAME.rawlog.GT.txt: `time x y phi` per line, relative to the start
+/// pose, 6 decimals, no comment.
 void writeMrptGroundTruth(const core::Trajectory& truth, const std::string& path);
 core::Trajectory readMrptGroundTruth(const std::string& path);
 
-/// The writers' files pose by pose, for a trajectory that is not kept. kCsv: `time_s,x_m,y_m,yaw_rad`, below a line
-/// with these names, 6 decimals of a second and 9 of metres and radians; yaw in (-pi, pi]. Pose by pose the same bytes and the same
-/// requirements; close() without a pose is a ContractError too. Without close() nothing is left.
+/// The writers' files pose by pose, for a trajectory that is not kept. kCsv: `time_s,x_m,y_m,yaw_rad`, below
+/// a line with these names, 6 decimals of a second and 9 of metres and radians; yaw in (-pi, pi]. Pose by
+/// pose the same bytes and the same requirements; close() without a pose is a ContractError too. Without
+/// close() nothing is left.
 class TrajectoryWriter {
  public:
   enum class Format { kTum, kMrptGroundTruth, kCsv };
@@ -45,8 +46,8 @@ class TrajectoryWriter {
 void writeTrajectory(const core::Trajectory& trajectory, const std::string& path,
                      TrajectoryWriter::Format format);
 
-/// By content: four numbers in the first line of numbers is MRPT's, eight is TUM, commas are CSV (as kCsv; the line
-/// with the names may be missing).
+/// By content: four numbers in the first line of numbers is MRPT's, eight is TUM, commas are CSV (as kCsv;
+/// the line with the names may be missing).
 core::Trajectory readTrajectory(const std::string& path);
 
 }  // namespace slam::logs

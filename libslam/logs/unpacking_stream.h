@@ -31,9 +31,9 @@ class Unpacker {
   virtual std::string failureText() const = 0;
 };
 
-/// The bytes of a file, unpacked when it is packed by gzip, bzip2 or xz (one or several members, told by their
-/// first bytes) and as they are when not. Unlike MRPT's stream it knows how the data ended: properly, cut, or
-/// damaged (all that was unpacked before the damage is still delivered).
+/// The bytes of a file, unpacked when it is packed by gzip, bzip2 or xz (one or several members, told by
+/// their first bytes) and as they are when not. Unlike MRPT's stream it knows how the data ended: properly,
+/// cut, or damaged (all that was unpacked before the damage is still delivered).
 class UnpackingStream : public mrpt::io::CStream {
  public:
   /// Errors: missing, a folder, unreadable (InputError).

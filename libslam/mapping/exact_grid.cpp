@@ -76,9 +76,9 @@ bool ExactGrid::internal_insertObservation(const mrpt::obs::CObservation& observ
   const double half_step = scan->rightToLeft ? 0.5 * step : -0.5 * step;
   widened.sensorPose = scan->sensorPose + mrpt::poses::CPose3D(0, 0, 0, half_step, 0, 0);
 
-  // MRPT clears every invalid reading to half of maxDistanceInsertion, whatever the lidar's range, and a lost reading
-  // like one that met nothing: through walls. Here a ray that met nothing is clear as far as the lidar sees (a
-  // reading beyond the insertion's limit clears without an end), and a lost one says nothing.
+  // MRPT clears every invalid reading to half of maxDistanceInsertion, whatever the lidar's range, and a lost
+  // reading like one that met nothing: through walls. Here a ray that met nothing is clear as far as the
+  // lidar sees (a reading beyond the insertion's limit clears without an end), and a lost one says nothing.
   const InsertionLimits limits(insertionOptions, scan->maxRange);
   if (limits.no_return_is_free)
     for (size_t i = 0; i < widened.getScanSize(); ++i)

@@ -14,10 +14,10 @@ namespace slam::mapping {
 /// the insertion an equivalent scan for which aperture / n is the true step.
 ///
 /// And with considerInvalidRangesAsFreeSpace the stock grid clears every invalid reading to half of
-/// maxDistanceInsertion: beyond what a short-sighted lidar sees, and through walls where a reading was lost. Here a
-/// reading at or beyond 0.99 of the scan's maxRange (nothing met) clears to the smaller of maxRange and
-/// maxDistanceInsertion, and any other invalid reading changes nothing. Everything else is the stock grid: options,
-/// likelihoods, matching.
+/// maxDistanceInsertion: beyond what a short-sighted lidar sees, and through walls where a reading was lost.
+/// Here a reading at or beyond 0.99 of the scan's maxRange (nothing met) clears to the smaller of maxRange
+/// and maxDistanceInsertion, and any other invalid reading changes nothing. Everything else is the stock
+/// grid: options, likelihoods, matching.
 ///
 /// In an .ini: `unbiasedGridMap_count = 1` and the sections PREFIX_unbiasedGridMap_00_creationOpts,
 /// _insertOpts and _likelihoodOpts with the keys of occupancyGrid. Also in MRPT's own programs, when

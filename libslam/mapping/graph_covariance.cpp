@@ -5,9 +5,10 @@
 #include "libslam/mapping/graph_slam.h"
 #include "libslam/posegraph/marginals.h"
 
-/// How sure GraphSlam is of its poses. A scan errs against the map by its points' noise, as their residuals tell it. The map does
-/// not lie better than the keyframes that saw its surfaces first: errors grow from one view to the next that shares no
-/// surface with it, not from keyframe to keyframe. Where a match leaves a direction open, odometry adds to the error before.
+/// How sure GraphSlam is of its poses. A scan errs against the map by its points' noise, as their residuals
+/// tell it. The map does not lie better than the keyframes that saw its surfaces first: errors grow from one
+/// view to the next that shares no surface with it, not from keyframe to keyframe. Where a match leaves a
+/// direction open, odometry adds to the error before.
 namespace slam::mapping {
 namespace {
 
@@ -45,8 +46,8 @@ void GraphSlam::noteEvidence(const std::vector<scanmatch::PatchPoint>& points, c
   for (size_t lag = 0; lag < lagged_.size(); ++lag) lagged_[lag] += evidence_.lagged[lag];
 }
 
-/// Of a point's residual, in surfels' variances, with what neighbouring points have in common (Newey and West,
-/// Econometrica 55, 1987: triangular weights keep it positive).
+/// Of a point's residual, in surfels' variances, with what neighbouring points have in common (Newey and
+/// West, Econometrica 55, 1987: triangular weights keep it positive).
 double GraphSlam::variancePerPoint() const {
   if (!(dimensions_ > 0) || !(squared_ > 0)) return 1;
   const double lags = static_cast<double>(lagged_.size()) + 1;
@@ -56,9 +57,9 @@ double GraphSlam::variancePerPoint() const {
   return squared_ / dimensions_ * std::max(common, 1.0);
 }
 
-/// Carries the covariance on to the scan at hand. The matched pose is a mean of what the map and odometry say, with the
-/// weights that matching gave them: its error is that mean of their errors. Errors of views that share a past are taken as
-/// wholly correlated.
+/// Carries the covariance on to the scan at hand. The matched pose is a mean of what the map and odometry
+/// say, with the weights that matching gave them: its error is that mean of their errors. Errors of views
+/// that share a past are taken as wholly correlated.
 void GraphSlam::estimateCovariance(const Expected& e, const scanmatch::MatchResult& result) {
   const Point2 here = core::position(result.T_map_robot);
   const double scale = matchOptions(1).information_scale;
@@ -81,8 +82,8 @@ void GraphSlam::estimateCovariance(const Expected& e, const scanmatch::MatchResu
       stays * (since * from_keyframe_ * since.transpose() + Q) * stays.transpose(), kLeastShare, 0);
 }
 
-/// From where the newest keyframe's pose is known, and how well: by what its covariance has grown since, and no better than one
-/// match tells.
+/// From where the newest keyframe's pose is known, and how well: by what its covariance has grown since, and
+/// no better than one match tells.
 void GraphSlam::noteMatch() {
   Keyframe& newest = keyframes_.back();
   const auto& views = evidence_.by_view;

@@ -11,8 +11,8 @@ using core::Pose2;
 using scanmatch::PatchPoint;
 using scanmatch::PosePrior;
 
-/// A doubt that passes within this time, and within a keyframe's distance, leaves nothing in the map: a glitch, somebody
-/// who stands before the lidar.
+/// A doubt that passes within this time, and within a keyframe's distance, leaves nothing in the map: a
+/// glitch, somebody who stands before the lidar.
 constexpr double kHold_s = 0.5;
 /// A scan of which less is known than this share says nothing.
 constexpr double kTold = 0.1;
@@ -32,9 +32,9 @@ constexpr double kFoundBack_rad = 0.3;
 
 }  // namespace
 
-/// How far a scan and the last one of its lidar contradict each other after a motion, 0..1: of the points that the one before
-/// speaks of, those in whose place it saw that there is nothing. It has to speak of kShared of them; what is missing
-/// there counts, too. 0 without a scan before.
+/// How far a scan and the last one of its lidar contradict each other after a motion, 0..1: of the points
+/// that the one before speaks of, those in whose place it saw that there is nothing. It has to speak of
+/// kShared of them; what is missing there counts, too. 0 without a scan before.
 double GraphSlam::brokenBy(const std::vector<PatchPoint>& points, const Pose2& T_previous_robot) const {
   if (before() == nullptr) return 0;
   const View seen = view(before()->scan, before()->T_seen_robot * T_previous_robot, points);
@@ -43,8 +43,8 @@ double GraphSlam::brokenBy(const std::vector<PatchPoint>& points, const Pose2& T
   return shared > 0 ? 1 - seen.agreed / shared : 0;
 }
 
-/// The motion since the scan before by which the two scans contradict each other least, and by how much: as odometry has
-/// it, as matched, or, where these do not fit, as the two scans alone have it.
+/// The motion since the scan before by which the two scans contradict each other least, and by how much: as
+/// odometry has it, as matched, or, where these do not fit, as the two scans alone have it.
 GraphSlam::Break GraphSlam::breakBefore(const robot::Scan& scan, const std::vector<PatchPoint>& points,
                                         const Pose2& T_previous_robot, const Pose2& T_previous_matched,
                                         bool has_odometry) const {
@@ -67,14 +67,15 @@ GraphSlam::Break GraphSlam::breakBefore(const robot::Scan& scan, const std::vect
   return best;
 }
 
-/// Of what speaks of a scan's place, the share that speaks against it, when the map explains so much of the scan.
+/// Of what speaks of a scan's place, the share that speaks against it, when the map explains so much of the
+/// scan.
 double graph::Told::against(double explained) const {
   const double against = contradicted * telling;
   return against + explained > 0 ? against / (against + explained) : 0;
 }
 
-/// What keyframes and a scan at a pose say of each other: their beams of its points, and its beams of theirs, on average.
-/// Without the scan: their beams alone.
+/// What keyframes and a scan at a pose say of each other: their beams of its points, and its beams of theirs,
+/// on average. Without the scan: their beams alone.
 GraphSlam::Told GraphSlam::toldBy(const std::vector<int>& viewers, const std::vector<PatchPoint>& points,
                                   const Pose2& T_map_robot, const robot::Scan* scan) const {
   Told told;
@@ -99,8 +100,8 @@ GraphSlam::Told GraphSlam::toldBy(const std::vector<int>& viewers, const std::ve
   return told;
 }
 
-/// What a scan says of whether the robot was kidnapped. A scan that the map explains does not contradict it, whatever
-/// beams went through where somebody stands now.
+/// What a scan says of whether the robot was kidnapped. A scan that the map explains does not contradict it,
+/// whatever beams went through where somebody stands now.
 void GraphSlam::lookWhetherLost(const robot::Scan& scan, const std::vector<PatchPoint>& points,
                                 const Step& step, const Pose2& increment, double broken) {
   Told told;
@@ -124,8 +125,8 @@ void GraphSlam::lookWhetherLost(const robot::Scan& scan, const std::vector<Patch
   if (look.telling < kTold) doubt_.untold_m += look.moved_m;
 }
 
-/// While in doubt: where the robot is if it was not kidnapped, by the map from before, and what that says of the scan.
-/// Odometry leads, within its noise.
+/// While in doubt: where the robot is if it was not kidnapped, by the map from before, and what that says of
+/// the scan. Odometry leads, within its noise.
 GraphSlam::Told GraphSlam::trackBefore(const robot::Scan& scan, const std::vector<PatchPoint>& points,
                                        const Pose2& increment, double& explained) {
   const Prediction step = predict(increment, true);
@@ -143,7 +144,8 @@ GraphSlam::Told GraphSlam::trackBefore(const robot::Scan& scan, const std::vecto
   return fits ? as_matched : as_led;
 }
 
-/// What a scan contradicts where the robot is not: turned on the spot, and matched again as a kidnapped robot would be.
+/// What a scan contradicts where the robot is not: turned on the spot, and matched again as a kidnapped robot
+/// would be.
 void GraphSlam::learnWrongPlace(const robot::Scan& scan, const std::vector<PatchPoint>& points,
                                 const Pose2& T_map_robot) {
   // Often in the beginning, seldom when much is known.
@@ -171,8 +173,8 @@ std::vector<int> GraphSlam::keyframesBeforeDoubt(const Pose2& T_map_robot) const
   return before;
 }
 
-/// Whether a scan is believed. In doubt the robot first waits, moved as the two scans and odometry have it; then it maps on
-/// by itself, in a map of its own, which stays part of the rest when the doubt passes.
+/// Whether a scan is believed. In doubt the robot first waits, moved as the two scans and odometry have it;
+/// then it maps on by itself, in a map of its own, which stays part of the rest when the doubt passes.
 GraphSlam::Trust GraphSlam::weighDoubt(const Pose2& T_before, const Break& seam, Step& step) {
   if (doubt_.begins >= 0) {
     if (!lost_.isInDoubt()) return Trust::kBack;
@@ -206,8 +208,8 @@ void GraphSlam::beginOwnMap() {
   evidence_.by_view.clear();  // of the place where the robot is not
 }
 
-/// All is well again, and the robot is where the map from before has it. That map goes on from here; what was mapped
-/// meanwhile hangs on it by odometry alone, and no scan is matched to it any more.
+/// All is well again, and the robot is where the map from before has it. That map goes on from here; what was
+/// mapped meanwhile hangs on it by odometry alone, and no scan is matched to it any more.
 void GraphSlam::comeBack(const robot::Scan& scan, std::vector<PatchPoint> points, Step& step) {
   const Pose2 T_map_robot = doubt_.T_map_robot;
   const Eigen::Matrix3d information = doubt_.information;

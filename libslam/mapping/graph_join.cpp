@@ -19,12 +19,13 @@ constexpr int kChecksPerScan = 3;
 constexpr int kLongestTrail = 40, kMostJoins = 12;
 /// A place may fail kMostFailures times, and once more for every so many points that fit.
 constexpr int kFittingPerFailure = 5;
-/// What a point of a trail says, in nats, when all of its scan is explained and nothing contradicted; neighbouring beams
-/// err together, so that a scan stands for some ten independent points.
+/// What a point of a trail says, in nats, when all of its scan is explained and nothing contradicted;
+/// neighbouring beams err together, so that a scan stands for some ten independent points.
 constexpr double kNatsPerScan = 10;
 /// The best place must be ahead of every other by so much: one wrong join in a million.
 constexpr double kAhead = 14;
-/// And it was followed over this extent without failing, and fits over half of it: rooms that look alike are smaller.
+/// And it was followed over this extent without failing, and fits over half of it: rooms that look alike are
+/// smaller.
 constexpr double kExtent_m = 4, kFitExtent_m = 2;
 /// A scan of which the map says less than this share says nothing.
 constexpr double kTold = 0.3;
@@ -33,16 +34,16 @@ constexpr int kFirstAsked = 6;
 constexpr double kFirstConflict = 0.25;
 /// Two places are the same.
 constexpr double kSame_m = 0.5, kSame_rad = 0.1;
-/// A trail is proved to lie at one place only: points that are asked, by how much less others hold it, and how
-/// many are tried per scan.
+/// A trail is proved to lie at one place only: points that are asked, by how much less others hold it, and
+/// how many are tried per scan.
 constexpr size_t kProofPoints = 120;
 constexpr double kProofMargin = 0.1;
 constexpr double kTwin_m = 2, kTwin_rad = 0.5;
-/// A map that has a twin of a place within itself may have one beyond its edge, too, where the robot may be: by so much of
-/// its way at least, in metres, a part must fit one place better than every other.
+/// A map that has a twin of a place within itself may have one beyond its edge, too, where the robot may be:
+/// by so much of its way at least, in metres, a part must fit one place better than every other.
 constexpr double kAlone_m = 3;
-/// Less is what wrong places of furnished rooms reach (0.6 to 0.7 of the right one's score), not rooms that look the same (0.7 to 0.9):
-/// in a dozen drives of benchmarks/kidnapped, seeds 1000 to 1046.
+/// Less is what wrong places of furnished rooms reach (0.6 to 0.7 of the right one's score), not rooms that
+/// look the same (0.7 to 0.9): in a dozen drives of benchmarks/kidnapped, seeds 1000 to 1046.
 constexpr double kLeastTwin = 0.7;
 /// A twin that was followed and left behind counts no more when this one fits over so many times its extent.
 constexpr double kRefuted = 2;
@@ -67,7 +68,8 @@ bool GraphSlam::isCurrent(const Join& join) const {
   return join.back.at <= join.back_to && join.forth.at == trailSize() - 1;
 }
 
-/// Looks whether the newest of the trail lies at the next place of the map beyond its part, in one of the headings.
+/// Looks whether the newest of the trail lies at the next place of the map beyond its part, in one of the
+/// headings.
 void GraphSlam::lookAtNextPlace(int component) {
   const auto& places = placesBeyond(component);
   if (places.empty()) return;
@@ -140,7 +142,8 @@ bool GraphSlam::isPlausible(const Join& join) const {
   return telling > 0 && against < kFirstConflict * telling;
 }
 
-/// How far a point of the trail and the map contradict each other at a pose: by the map's beams, and by the point's own.
+/// How far a point of the trail and the map contradict each other at a pose: by the map's beams, and by the
+/// point's own.
 double GraphSlam::conflictOf(int trail_point, const std::vector<int>& viewers,
                              const Pose2& T_map_robot) const {
   const double theirs = meanConflict(viewers, T_map_robot, trailPoints(trail_point));
@@ -240,8 +243,8 @@ bool GraphSlam::isRefuted(const Pose2& T_map_robot, const Join& join) const {
   });
 }
 
-/// By how many nats a place is ahead of another, point by point of the trail. What the other was not asked yet, and what its
-/// map says nothing of, may fit there.
+/// By how many nats a place is ahead of another, point by point of the trail. What the other was not asked
+/// yet, and what its map says nothing of, may fit there.
 double GraphSlam::aheadOf(const Join& join, const Join& other) const {
   const double credit = is_lost_ ? 0 : kNatsPerScan;
   double ahead = 0;
@@ -283,8 +286,8 @@ std::vector<Point2> GraphSlam::trailQuery(const Join& join) const {
   return searchPoints(query, kProofPoints);
 }
 
-/// Looks for other places of the map that hold the trail as a whole nearly as well; some are tried at each scan, and what is
-/// found has to be followed and left behind first. True when all were tried.
+/// Looks for other places of the map that hold the trail as a whole nearly as well; some are tried at each
+/// scan, and what is found has to be followed and left behind first. True when all were tried.
 bool GraphSlam::isProved(Join& join, int component) {
   const auto places = placesBeyond(component);
   const Pose2 T = join.forth.T_map_robot;
@@ -334,13 +337,15 @@ void GraphSlam::joinPart(const Join& join) {
   setMap(keyframesAround(lastKeyframe(), centre, options_.map_path_m, options_.map_radius_m), centre);
 }
 
-/// Looks for the place of the keyframes [first, last] in the rest of the map, for as long as one scan may take.
+/// Looks for the place of the keyframes [first, last] in the rest of the map, for as long as one scan may
+/// take.
 void GraphSlam::lookForPart(int first, int last) {
   join_first_ = first, join_last_ = last;
   if (const Join* join = workOnJoins(componentOf(first))) joinPart(*join);
 }
 
-/// In the end there is time to look for every part everywhere, the newest first: its places are being followed.
+/// In the end there is time to look for every part everywhere, the newest first: its places are being
+/// followed.
 void GraphSlam::joinRemainingParts() {
   for (size_t p = parts_.size(); p-- > 0;) {
     const int first = parts_[p].begin;

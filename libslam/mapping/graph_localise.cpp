@@ -54,8 +54,8 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
     const Break seam =
         breakBefore(scan, points, increment, core::between(T_before, step.T_map_robot), has_odometry);
     lookWhetherLost(scan, points, step, increment, seam.contradicted);
-    // A robot that has left the map is not searched for: odometry leads it back. What little fits would mislead it; and it is
-    // back when a scan fits as a whole.
+    // A robot that has left the map is not searched for: odometry leads it back. What little fits would
+    // mislead it; and it is back when a scan fits as a whole.
     const bool was_outside = is_outside_;
     is_outside_ =
         knownShare(points, predicted) < kLeastKnown || (was_outside && !fitsMap(points, step.T_map_robot));

@@ -24,15 +24,15 @@ constexpr double kSearchTurn_rad = 0.1, kSearchTurnPerMetre_rad = 0.002, kSearch
 constexpr int kMostPlaces = 2;
 /// Points that are searched with, at most.
 constexpr size_t kMostQueryPoints = 150;
-/// Windows up to this reach, of views of which half lies this near, are searched on the finest raster; and how much coarser
-/// it may become.
+/// Windows up to this reach, of views of which half lies this near, are searched on the finest raster; and
+/// how much coarser it may become.
 constexpr double kFineReach_m = 16, kFineView_m = 8, kCoarsest = 2;
 /// Travel to the next search, by the last one's window; never so far that two searches share no scan.
 constexpr double kPausePerReach = 0.1;
 constexpr double kDistinctShifts_m[] = {-1.5, -1, -0.6, -0.35, 0.35, 0.6, 1, 1.5};
 constexpr double kDistinctKernel = 3;
-/// A robot that seemed to be kidnapped may have driven on where it was: a place of another part is searched for, too, this
-/// near to where odometry has it, and farther by what drift allows.
+/// A robot that seemed to be kidnapped may have driven on where it was: a place of another part is searched
+/// for, too, this near to where odometry has it, and farther by what drift allows.
 constexpr double kNoGap_m = 0.5;
 
 /// Half of the points lie within this distance of the robot.
@@ -66,8 +66,8 @@ std::vector<PatchPoint> thinned(const std::vector<PatchPoint>& points, double si
   return kept;
 }
 
-/// Length of the shortest way from a keyframe to every earlier one, along the path driven and through closed loops:
-/// what the drift between them grows with.
+/// Length of the shortest way from a keyframe to every earlier one, along the path driven and through closed
+/// loops: what the drift between them grows with.
 std::vector<double> GraphSlam::pathTo(int k) const {
   // Gates 2 i and 2 i + 1 are the two ends of closure i, which lie in one place.
   std::vector<int> gates;
@@ -93,8 +93,8 @@ std::vector<double> GraphSlam::pathTo(int k) const {
   return result;
 }
 
-/// By how much a match explains more than the same moved along the direction of movement that it holds least: what makes
-/// the place unlike its neighbours along a corridor.
+/// By how much a match explains more than the same moved along the direction of movement that it holds least:
+/// what makes the place unlike its neighbours along a corridor.
 double GraphSlam::distinctness(const std::vector<PatchPoint>& points, const LevelMaps& maps,
                                const scanmatch::MatchResult& matched) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> movement(matched.information.topLeftCorner<2, 2>());
@@ -165,8 +165,8 @@ std::optional<GraphSlam::Hypothesis> GraphSlam::findLoop(int k, int query_first,
                                 [&](int a) { return is_local[static_cast<size_t>(a)] != 0; }),
                  around.end());
     around = firstOf(std::move(around), options_.map_keyframes);
-    // A wide window is searched on a coarser raster: it costs as its cube. So is a wide view: the angle between two beams
-    // leaves it no finer detail, and every turn that it tells apart costs.
+    // A wide window is searched on a coarser raster: it costs as its cube. So is a wide view: the angle
+    // between two beams leaves it no finer detail, and every turn that it tells apart costs.
     const double coarser =
         std::clamp(std::max(reachOf(old) / kFineReach_m, view_m / kFineView_m), 1.0, kCoarsest);
     pyramid_.build(placeAround(around), coarser * kSearchCell_m, coarser * kSearchSigma_m, kSearchLevels);
@@ -217,7 +217,8 @@ void GraphSlam::addLoopEdges(std::vector<posegraph::Edge>& edges, const std::vec
   }
 }
 
-/// Whether keyframe k by itself fits the old map where the hypothesis puts it; the hypothesis moves on to k then.
+/// Whether keyframe k by itself fits the old map where the hypothesis puts it; the hypothesis moves on to k
+/// then.
 bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
   const Pose2 expected =
       hypothesis.T_map_robot * core::between(graph_.pose(hypothesis.keyframe), graph_.pose(k));
@@ -290,8 +291,8 @@ void GraphSlam::follow(Hypothesis& found) {
   if (confirm(found, k)) hypotheses_.push_back(found);
 }
 
-/// With the whole path known a place can be looked at from both sides, and what drift had carried out of reach may have
-/// come near.
+/// With the whole path known a place can be looked at from both sides, and what drift had carried out of
+/// reach may have come near.
 void GraphSlam::searchRemainingLoops() {
   hypotheses_.clear();
   const int n = graph_.nodeCount();

@@ -12,14 +12,15 @@
 
 namespace slam::mapping {
 
-/// GraphSlam as MRPT knows map builders. The metric map is one occupancy grid with the scans of all keyframes, drawn
-/// when it is asked for: only what is new, or all of it when keyframes have moved. The pose comes with its covariance
-/// against the keyframes around.
+/// GraphSlam as MRPT knows map builders. The metric map is one occupancy grid with the scans of all
+/// keyframes, drawn when it is asked for: only what is new, or all of it when keyframes have moved. The pose
+/// comes with its covariance against the keyframes around.
 ///
-/// initialize() with a map continues it: its first scans are keyframes at their mean poses, and x0 says where the robot
-/// is (default: the last keyframe's pose). With options.enableMapUpdating = false the robot is only localised in it.
-/// From an action its best movement estimation is odometry; without one the last motion stands in. REQUIRES lidars of
-/// one geometry; scans of a frame after the first count as scans of their own without odometry.
+/// initialize() with a map continues it: its first scans are keyframes at their mean poses, and x0 says where
+/// the robot is (default: the last keyframe's pose). With options.enableMapUpdating = false the robot is only
+/// localised in it. From an action its best movement estimation is odometry; without one the last motion
+/// stands in. REQUIRES lidars of one geometry; scans of a frame after the first count as scans of their own
+/// without odometry.
 class GraphMapBuilder : public mrpt::slam::CMetricMapBuilder {
  public:
   GraphMapBuilder(const MappingOptions& mapping, const GraphOptions& graph);
@@ -39,8 +40,8 @@ class GraphMapBuilder : public mrpt::slam::CMetricMapBuilder {
   /// The same as processActionObservation() without MRPT's types in between.
   core::Pose2 processScan(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
   void finish() { graph_.finish(); }
-  /// After initialize() with a map: nobody knows where in it the robot is. REQUIRES options.enableMapUpdating = false from then
-  /// on.
+  /// After initialize() with a map: nobody knows where in it the robot is. REQUIRES options.enableMapUpdating
+  /// = false from then on.
   void startAnywhere() { graph_.startAnywhere(); }
   const GraphSlam& graph() const { return graph_; }
 

@@ -18,7 +18,8 @@ constexpr double kLeastPeriod_s = 1e-3, kMostPeriod_s = 2;
 constexpr double kPeriodGain = 0.05;
 /// The last motion goes on, to within what a robot may do otherwise per second, where nothing measures it.
 constexpr double kUnknown_mps = 2.5, kUnknown_radps = 2.5, kUnknownMost = 1;
-/// Two scans are searched for the motion of an indoor robot between them, at most so fast and so far; beyond, little is seen twice.
+/// Two scans are searched for the motion of an indoor robot between them, at most so fast and so far; beyond,
+/// little is seen twice.
 constexpr double kFastest_mps = 3, kFastest_radps = 4, kFarthest_m = 4;
 
 /// A motion at the same speed and turn rate, for `times` the time.
@@ -82,8 +83,8 @@ GraphSlam::Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has
   return result;
 }
 
-/// The robot's motion since the scan before, from this scan and the last one of its lidar alone; nothing where they leave it
-/// open.
+/// The robot's motion since the scan before, from this scan and the last one of its lidar alone; nothing
+/// where they leave it open.
 std::optional<Pose2> GraphSlam::motionFromScans(const robot::Scan& scan) const {
   if (before() == nullptr) return std::nullopt;
   odometry::ScanOdometryOptions options;

@@ -13,7 +13,8 @@ using core::Point2;
 using core::Pose2;
 using scanmatch::PatchPoint;
 
-/// Of the points that are searched with, at most so many: a search costs as many looks at the map for every pose.
+/// Of the points that are searched with, at most so many: a search costs as many looks at the map for every
+/// pose.
 constexpr size_t kMostQueryPoints = 80;
 
 }  // namespace
@@ -43,7 +44,8 @@ void GraphSlam::joinComponents(int a, int b) {
   searchAnew();
 }
 
-/// Keyframes, kPlaceStep_m apart at least, from which all of the map that is not of this component can be looked at.
+/// Keyframes, kPlaceStep_m apart at least, from which all of the map that is not of this component can be
+/// looked at.
 const std::vector<int>& GraphSlam::placesBeyond(int component) {
   const int known = graph_.nodeCount();
   // A part of its own grows with every keyframe and changes nothing beyond it.

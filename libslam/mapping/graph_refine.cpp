@@ -5,9 +5,9 @@
 
 namespace slam::mapping {
 
-/// Every keyframe is matched to the map of all others around it, as they stand now; the matches become the graph's
-/// edges, beside those of odometry and of loops, and all poses are found together. In the spirit of Ruhnke et al., ICRA
-/// 2011, with surfels for surfaces.
+/// Every keyframe is matched to the map of all others around it, as they stand now; the matches become the
+/// graph's edges, beside those of odometry and of loops, and all poses are found together. In the spirit of
+/// Ruhnke et al., ICRA 2011, with surfels for surfaces.
 void GraphSlam::refine() {
   const auto match_options = matchOptions(10);
   scanmatch::PosePrior flat;

@@ -119,7 +119,8 @@ bool GraphSlam::isApart(int keyframe, const std::vector<int>& others) {
                       [&](int other) { return std::abs(other - keyframe) < kPartnerStep; });
 }
 
-/// The keyframes that a match is shared among: the nearest, not two in a row, and only those whose beams agree.
+/// The keyframes that a match is shared among: the nearest, not two in a row, and only those whose beams
+/// agree.
 std::vector<int> GraphSlam::partnersOf(int k, const std::vector<int>& near, const Pose2& T_map_robot) const {
   std::vector<int> partners;
   const auto& points = keyframe(k).points;
@@ -138,7 +139,8 @@ std::vector<int> GraphSlam::partnersOf(int k, const std::vector<int>& near, cons
   return partners;
 }
 
-/// What the scans cannot see, odometry has to hold; where it was wrong, the matched motion stands in for it, weakly.
+/// What the scans cannot see, odometry has to hold; where it was wrong, the matched motion stands in for it,
+/// weakly.
 int GraphSlam::addOdometryEdge(int k) {
   posegraph::Edge edge;
   edge.from = k - 1, edge.to = k;

@@ -23,51 +23,57 @@
 
 namespace slam::mapping {
 
-/// Graph SLAM with a planar lidar: every scan is matched to the keyframes around it, keyframes are tied to those that
-/// they share a view with, and places that are seen again are recognised. Map frame: the robot's pose at the first scan.
+/// Graph SLAM with a planar lidar: every scan is matched to the keyframes around it, keyframes are tied to
+/// those that they share a view with, and places that are seen again are recognised. Map frame: the robot's
+/// pose at the first scan.
 ///
-/// Every scan: the surfel map of the keyframes near the robot is matched from the best of several starts (odometry, the
-/// last motion, odometry with its metres backwards, turned a little); odometry holds the match as a robust prior, and is let
-/// go where another start explains so much more of the scan that its error, of which long tails are expected, is the likelier.
-/// Until scans are explained again, where odometry has the robot remains one of the starts, and no scan is matched to
-/// keyframes made since. A match that explains too little is searched for on a lattice.
-/// The keyframes near are those that chains of links of `map_path_m` reach, so that a place seen again is not mixed in
-/// before its loop is closed.
-/// Every keyframe gets edges to the keyframes it was matched to, weighed with the match's information, provided that
-/// their beams agree with its points; and a weak one from odometry.
-/// Loops: the last metres of the path are searched for, by branch and bound, around every place that drift could have
-/// carried apart; what is found is followed for some keyframes, each of which must fit the old map by itself, and
-/// accepted together, unless the graph as a whole then contradicts what was measured on the way.
+/// Every scan: the surfel map of the keyframes near the robot is matched from the best of several starts
+/// (odometry, the last motion, odometry with its metres backwards, turned a little); odometry holds the match
+/// as a robust prior, and is let go where another start explains so much more of the scan that its error, of
+/// which long tails are expected, is the likelier. Until scans are explained again, where odometry has the
+/// robot remains one of the starts, and no scan is matched to keyframes made since. A match that explains too
+/// little is searched for on a lattice.
+/// The keyframes near are those that chains of links of `map_path_m` reach, so that a place seen again is not
+/// mixed in before its loop is closed.
+/// Every keyframe gets edges to the keyframes it was matched to, weighed with the match's information,
+/// provided that their beams agree with its points; and a weak one from odometry.
+/// Loops: the last metres of the path are searched for, by branch and bound, around every place that drift
+/// could have carried apart; what is found is followed for some keyframes, each of which must fit the old map
+/// by itself, and accepted together, unless the graph as a whole then contradicts what was measured on the
+/// way.
 ///
-/// Without odometry the last motion stands in for it, as long as the step takes. Where there is no odometry, or it is
-/// contradicted, the motion that two scans alone give (odometry::ScanOdometry, correlation) is one of the starts, too.
-/// Odometry's noise grows with the root of time, with the metres and with the angle. Steps are timed by the mean of
-/// the scans' stamps of late. Scans may come from several lidars; each is known by its mounting.
+/// Without odometry the last motion stands in for it, as long as the step takes. Where there is no odometry,
+/// or it is contradicted, the motion that two scans alone give (odometry::ScanOdometry, correlation) is one
+/// of the starts, too. Odometry's noise grows with the root of time, with the metres and with the angle.
+/// Steps are timed by the mean of the scans' stamps of late. Scans may come from several lidars; each is
+/// known by its mounting.
 ///
-/// The kidnapped robot (see LostDetector): a scan that breaks with the one before and contradicts the map is held back for
-/// half a second. If that goes on, the robot maps on by itself, while it is still tracked in the map from before. Either
-/// that map explains the scans again, and goes on; or the evidence decides, and a new part of the map begins where the doubt
-/// began. A part is searched for all over the rest, one place and heading at a time; places that may be right are followed
-/// along the whole part, forth and back, a few steps per scan. It is joined at the best of them, once all of the map was
-/// looked at and no other place is nearly as good. Or it was no kidnapping: near where odometry has the robot the part is
-/// searched for as loops are, and joined like one. Any number of parts may be open. In a finished map the robot is found
-/// as in any other part.
+/// The kidnapped robot (see LostDetector): a scan that breaks with the one before and contradicts the map is
+/// held back for half a second. If that goes on, the robot maps on by itself, while it is still tracked in
+/// the map from before. Either that map explains the scans again, and goes on; or the evidence decides, and a
+/// new part of the map begins where the doubt began. A part is searched for all over the rest, one place and
+/// heading at a time; places that may be right are followed along the whole part, forth and back, a few steps
+/// per scan. It is joined at the best of them, once all of the map was looked at and no other place is nearly
+/// as good. Or it was no kidnapping: near where odometry has the robot the part is searched for as loops are,
+/// and joined like one. Any number of parts may be open. In a finished map the robot is found as in any other
+/// part.
 ///
-/// The two faces of a thin wall are kept apart in the finest map (scanmatch::SurfelMap), so that rooms on both sides do not
-/// pull it into its middle.
+/// The two faces of a thin wall are kept apart in the finest map (scanmatch::SurfelMap), so that rooms on
+/// both sides do not pull it into its middle.
 ///
-/// Journal: `distrusted` (odometry; value = gain in score), `rematched` (found on the lattice; value = score), `poor`
-/// (value = score), `lost` (value = score), `recovered` (the new part has been joined, or the robot is found again in a
-/// finished map; value = score), `joined` (two other parts; value = metres of way), `apart` (in the end, a part that was
-/// joined to nothing; value = its first keyframe), `outside` and `inside` (of a finished map; value = score), `degenerate`
-/// (value = share of information along the open direction), `searched` (value = best score), `found` (value = score), `confirmed`, `dropped`,
-/// `accepted` (value = metres of path that the loop closes), `rejected` (value = the chi2 it would cost), `optimised`
+/// Journal: `distrusted` (odometry; value = gain in score), `rematched` (found on the lattice; value =
+/// score), `poor` (value = score), `lost` (value = score), `recovered` (the new part has been joined, or the
+/// robot is found again in a finished map; value = score), `joined` (two other parts; value = metres of way),
+/// `apart` (in the end, a part that was joined to nothing; value = its first keyframe), `outside` and
+/// `inside` (of a finished map; value = score), `degenerate` (value = share of information along the open
+/// direction), `searched` (value = best score), `found` (value = score), `confirmed`, `dropped`, `accepted`
+/// (value = metres of path that the loop closes), `rejected` (value = the chi2 it would cost), `optimised`
 /// (value = chi2).
 ///
 /// Deterministic: the same scans give the same bytes. Cost and memory: benchmarks/results/relations_ours.txt.
-/// Sources: Biber and Strasser, IROS 2003 (surfels); Olson, ICRA 2009, and Hess et al., ICRA 2016 (search); Grisetti et
-/// al., IEEE ITS Magazine 2(4), 2010 (graph). Following a loop before closing it, links by common view, and the choice
-/// among starts are ours.
+/// Sources: Biber and Strasser, IROS 2003 (surfels); Olson, ICRA 2009, and Hess et al., ICRA 2016 (search);
+/// Grisetti et al., IEEE ITS Magazine 2(4), 2010 (graph). Following a loop before closing it, links by common
+/// view, and the choice among starts are ours.
 class GraphSlam {
  public:
   explicit GraphSlam(const GraphOptions& options);
@@ -103,10 +109,11 @@ class GraphSlam {
   const posegraph::PoseGraph& graph() const { return graph_; }
   const std::vector<JournalEntry>& journal() const { return journal_; }
 
-  /// A keyframe of a map that is continued, at a known pose, tied to the one before. Before the first scan only.
+  /// A keyframe of a map that is continued, at a known pose, tied to the one before. Before the first scan
+  /// only.
   void addKnownKeyframe(const robot::Scan& scan, const core::Pose2& T_map_robot);
-  /// Where the robot is now in what is known: after known keyframes, or wherever it was put. Nothing is taken as measured
-  /// between there and where it was before. REQUIRES a keyframe.
+  /// Where the robot is now in what is known: after known keyframes, or wherever it was put. Nothing is taken
+  /// as measured between there and where it was before. REQUIRES a keyframe.
   void startAt(const core::Pose2& T_map_robot);
   /// The same where nobody knows: it is lost until it is found. For localise().
   void startAnywhere();
@@ -142,7 +149,8 @@ class GraphSlam {
   /// Keyframes that are asked what of a scan they should have seen.
   static constexpr int kAskedViewers = 4;
   static constexpr int kNoComponent = -1, kAnyComponent = -2;
-  /// Places that are looked at one by one: how far apart, half the window of positions, and which points are asked.
+  /// Places that are looked at one by one: how far apart, half the window of positions, and which points are
+  /// asked.
   static constexpr int kHeadings = 6;  ///< one after the other, so that no scan waits long
   static constexpr double kHeadingStep_rad = 2 * core::kPi / kHeadings;
   static constexpr double kPlaceStep_m = 4, kPlaceHalf_m = 5, kPlaceReach_m = 12;

@@ -18,7 +18,8 @@ using scanmatch::MatchResult;
 using scanmatch::PatchPoint;
 using scanmatch::PosePrior;
 
-/// Neighbouring beams err together, and surfels are estimates: a point tells a fifth of what an independent one would.
+/// Neighbouring beams err together, and surfels are estimates: a point tells a fifth of what an independent
+/// one would.
 constexpr double kInformationScale = 0.2;
 /// Another start must explain this much more than odometry's to be taken at all.
 constexpr double kStartGain = 0.02;
@@ -31,7 +32,8 @@ constexpr double kLatticeTurn_rad = 0.03, kLatticeStep_m = 0.1, kRecoverGain = 0
 /// Least share of the information along the worst direction of movement; below, a corridor or an open field.
 constexpr double kDegenerate = 0.02;
 
-/// Odometry's errors are taken as normal to so many standard deviations, and with the tails of Cauchy's distribution beyond.
+/// Odometry's errors are taken as normal to so many standard deviations, and with the tails of Cauchy's
+/// distribution beyond.
 constexpr double kTail = 2;
 /// What speaks against backwards motion that was counted forwards, in nats.
 constexpr double kBackwards = 1;
@@ -97,8 +99,8 @@ void GraphSlam::fill(LevelMaps& maps, const std::vector<int>& keyframes, const P
   }
 }
 
-/// Keyframes that chains of links of at most path_m connect with `start`, within radius_m of the centre, the nearest
-/// first. Chains do not lead far outside of the circle.
+/// Keyframes that chains of links of at most path_m connect with `start`, within radius_m of the centre, the
+/// nearest first. Chains do not lead far outside of the circle.
 std::vector<int> GraphSlam::keyframesAround(int start, const Point2& centre, double path_m,
                                             double radius_m) const {
   const auto& poses = graph_.poses();
@@ -331,9 +333,9 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   return step;
 }
 
-/// Where odometry alone has the robot since it was let go, for as long as it may have been right after all. It was not when
-/// some scans in a row are explained; it was when the robot is there again, and then the keyframes in between lie wrong.
-/// Meanwhile they do not vouch for themselves.
+/// Where odometry alone has the robot since it was let go, for as long as it may have been right after all.
+/// It was not when some scans in a row are explained; it was when the robot is there again, and then the
+/// keyframes in between lie wrong. Meanwhile they do not vouch for themselves.
 void GraphSlam::followWheels(const Pose2& T_wheels, bool let_go, bool is_elsewhere, bool is_explained) {
   if (!by_wheels_ && !let_go) return;
   if (!by_wheels_) unsure_from_ = graph_.nodeCount(), explained_ = 0, let_go_m_ = path_m_;

@@ -11,7 +11,8 @@
 #include "libslam/robot/scan.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 
-/// What GraphSlam keeps: its keyframes, the places that it follows, and what it thinks of the robot. For graph_*.cpp only.
+/// What GraphSlam keeps: its keyframes, the places that it follows, and what it thinks of the robot. For
+/// graph_*.cpp only.
 namespace slam::mapping::graph {
 
 struct Keyframe {
@@ -37,8 +38,8 @@ struct Link {
   int to;
   double length_m;
 };
-/// Surfels of the same points with cells of one, two and four times cell_m. `two_sided`: the finest keep the faces of thin walls
-/// apart; for a robot that is tracked, not for one whose place is looked for.
+/// Surfels of the same points with cells of one, two and four times cell_m. `two_sided`: the finest keep the
+/// faces of thin walls apart; for a robot that is tracked, not for one whose place is looked for.
 struct LevelMaps {
   scanmatch::SurfelMap fine, middle, coarse;
   LevelMaps(const GraphOptions& options, bool two_sided);
@@ -75,7 +76,8 @@ struct Hypothesis {
 struct Part {
   int begin, component;
 };
-/// What a part of the map, or a robot that is lost in a finished map, has seen in a row: poses among themselves.
+/// What a part of the map, or a robot that is lost in a finished map, has seen in a row: poses among
+/// themselves.
 struct TrailPoint {
   core::Pose2 T_trail_robot;
   std::vector<scanmatch::PatchPoint> points;
@@ -93,11 +95,13 @@ struct Box {
   }
   double diagonal_m() const { return core::distance(least, most); }
 };
-/// What a point of a trail says for a place, in nats, and the share of its scan about which the map says nothing there.
+/// What a point of a trail says for a place, in nats, and the share of its scan about which the map says
+/// nothing there.
 struct Said {
   double nats, unknown;
 };
-/// A place of a trail in another part of the map, while the rest of the trail is held against it, to both sides.
+/// A place of a trail in another part of the map, while the rest of the trail is held against it, to both
+/// sides.
 struct Join {
   int place;  ///< keyframe where it was found
   Cursor forth, back;
@@ -148,8 +152,8 @@ struct Doubt {
 };
 /// kOwnMap: a map of its own begins; kBack: it ends well.
 enum class Trust { kWell, kHeldBack, kOwnMap, kBack };
-/// What keyframes say of a scan: the share of its points about which they say anything, and of these, those in whose place
-/// there was nothing.
+/// What keyframes say of a scan: the share of its points about which they say anything, and of these, those
+/// in whose place there was nothing.
 struct Told {
   double contradicted = 0, telling = 0;
   double against(double explained) const;

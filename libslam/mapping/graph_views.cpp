@@ -78,9 +78,9 @@ double GraphSlam::meanConflict(const std::vector<int>& viewers, const Pose2& T_m
   return viewers.empty() ? 0 : sum / static_cast<double>(viewers.size());
 }
 
-/// The share that is explained at a pose of those points of which the map says something: that fall on a surface, or where
-/// beams of the keyframes nearest have passed. Points beyond what was seen, and between two beams far apart, are left
-/// out, as long as there are others enough.
+/// The share that is explained at a pose of those points of which the map says something: that fall on a
+/// surface, or where beams of the keyframes nearest have passed. Points beyond what was seen, and between two
+/// beams far apart, are left out, as long as there are others enough.
 double GraphSlam::toldScore(const std::vector<PatchPoint>& points, const Pose2& T_map_robot) const {
   constexpr double kLeastTold = 0.2;
   const auto viewers = firstOf(map_keyframes_, kAskedViewers);
@@ -101,9 +101,9 @@ double GraphSlam::toldScore(const std::vector<PatchPoint>& points, const Pose2& 
   return share * std::min(1.0, static_cast<double>(told.size()) / std::max(least, 1.0));
 }
 
-/// By how much more of the scan a pose explains than another, by the points of which both say something: those that fall
-/// on a surface, and those that beams have gone through. What falls into the unknown, or between two beams of a keyframe
-/// far along a wall, says nothing against a pose.
+/// By how much more of the scan a pose explains than another, by the points of which both say something:
+/// those that fall on a surface, and those that beams have gone through. What falls into the unknown, or
+/// between two beams of a keyframe far along a wall, says nothing against a pose.
 double GraphSlam::gain(const std::vector<PatchPoint>& points, const Pose2& T_map_robot,
                        const Pose2& T_map_other) const {
   const auto viewers = firstOf(map_keyframes_, kAskedViewers);

@@ -16,7 +16,8 @@ struct KeyFrame {
 /// Writes them as an MRPT simplemap, which continueMap() reads. Same key frames, same bytes. Errors: IoError.
 void writeKeyFrames(const std::vector<KeyFrame>& key_frames, const std::string& path);
 
-/// An MRPT occupancy grid, as saveMaps() or MRPT's programs write it. Errors: InputError for a file that is none.
+/// An MRPT occupancy grid, as saveMaps() or MRPT's programs write it. Errors: InputError for a file that is
+/// none.
 gridmap::OccupancyRaster readGridMap(const std::string& path);
 
 }  // namespace slam::mapping

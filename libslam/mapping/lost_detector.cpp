@@ -29,8 +29,8 @@ void LostDetector::learnWrong(double contradicted) {
   if (std::isfinite(contradicted)) wrong_.add(std::clamp(contradicted, 0.0, 1.0), 1, kMostWrong);
 }
 
-/// Log likelihood of a share where the robot is not, over where it is well; within kMostPerLook. Both vary alike here, as the
-/// more variable of them does: the tails of what is well are long.
+/// Log likelihood of a share where the robot is not, over where it is well; within kMostPerLook. Both vary
+/// alike here, as the more variable of them does: the tails of what is well are long.
 double LostDetector::ratio(double share, const Learnt& well) const {
   const double gap = wrong_.mean - well.mean;
   if (!std::isfinite(share) || !(gap > kLeastGap)) return 0;
@@ -58,7 +58,8 @@ void LostDetector::look(const Look& now) {
   // What is mostly explained speaks against it, whatever the rest says.
   if (!now.may_be_lost) says = std::min(says, -0.5 * kMostPerLook);
   says *= news * std::min(std::isfinite(now.telling) ? now.telling / kTelling : 0, 1.0);
-  // After the break the scans of a robot that was kidnapped fit one another; among people who walk about they do not.
+  // After the break the scans of a robot that was kidnapped fit one another; among people who walk about they
+  // do not.
   if (says > 0 && evidence_ > begins_now && std::isfinite(now.broken))
     says *= 1 - std::clamp(now.broken / std::max(wrong_.mean, kLeastGap), 0.0, 1.0);
   evidence_ = std::max(std::max(evidence_, begins_now) + says, -kUnbroken);

@@ -2,24 +2,26 @@
 
 namespace slam::mapping {
 
-/// Tells from scan after scan whether a robot was kidnapped: Page's cumulative sum of the log likelihood ratio (a repeated
-/// sequential probability ratio test) of "is elsewhere since scan s" over "is where the map says".
+/// Tells from scan after scan whether a robot was kidnapped: Page's cumulative sum of the log likelihood
+/// ratio (a repeated sequential probability ratio test) of "is elsewhere since scan s" over "is where the map
+/// says".
 ///
-/// Two things speak. The contradicted share: of what the map from before s says of a scan, how much speaks against its
-/// place (beams that went through a point that is seen now, and the other way round). And, once, the break at s: how far
-/// scan s contradicts the one before it, moved as the robot moved. A robot that drifts contradicts its map, too, but from
-/// one scan to the next all fits: without a break kidnapping is the less likely by kUnbroken.
+/// Two things speak. The contradicted share: of what the map from before s says of a scan, how much speaks
+/// against its place (beams that went through a point that is seen now, and the other way round). And, once,
+/// the break at s: how far scan s contradicts the one before it, moved as the robot moved. A robot that
+/// drifts contradicts its map, too, but from one scan to the next all fits: without a break kidnapping is the
+/// less likely by kUnbroken.
 ///
-/// How large both shares are where all is well, and how much they vary, is learnt from the scans themselves while they are
-/// well; how large they are where the robot is not, from scans put into wrong places on purpose. Where a wrong place
-/// contradicts no more than the right one, nothing is ever said. Both shares are taken as normal with one variance, the larger
-/// of the two.
+/// How large both shares are where all is well, and how much they vary, is learnt from the scans themselves
+/// while they are well; how large they are where the robot is not, from scans put into wrong places on
+/// purpose. Where a wrong place contradicts no more than the right one, nothing is ever said. Both shares are
+/// taken as normal with one variance, the larger of the two.
 ///
-/// Evidence counts by time and way, not by scan: a scan counts whole when kLook_s or kLook_m have passed since the one
-/// before, less else, and never more.
+/// Evidence counts by time and way, not by scan: a scan counts whole when kLook_s or kLook_m have passed
+/// since the one before, less else, and never more.
 ///
-/// Sources: Wald, Annals of Mathematical Statistics 16, 1945; Page, Biometrika 41, 1954. The break as the prior of a change,
-/// and learning both sides while the robot drives, are ours.
+/// Sources: Wald, Annals of Mathematical Statistics 16, 1945; Page, Biometrika 41, 1954. The break as the
+/// prior of a change, and learning both sides while the robot drives, are ours.
 class LostDetector {
  public:
   struct Look {
@@ -40,7 +42,8 @@ class LostDetector {
   bool isLost() const { return evidence_ >= kLost; }
   /// A break, or more that speaks for it than against it.
   bool isInDoubt() const { return evidence_ > kDoubt; }
-  /// A doubt has passed: breaks happen here for other reasons (people, uneven ground), and the next one says less.
+  /// A doubt has passed: breaks happen here for other reasons (people, uneven ground), and the next one says
+  /// less.
   void dismiss();
   /// The evidence starts anew; what was learnt stays.
   void restart() { evidence_ = -kUnbroken; }

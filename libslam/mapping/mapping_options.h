@@ -21,8 +21,8 @@ struct MappingOptions {
   MappingOptions();
 };
 
-/// Rows of the section, of which each type puts its table together: the grid that is drawn, all types; key frames; when a scan is
-/// matched, MRPT's matchers; how `naive` draws.
+/// Rows of the section, of which each type puts its table together: the grid that is drawn, all types; key
+/// frames; when a scan is matched, MRPT's matchers; how `naive` draws.
 using MappingRows = std::vector<core::ParameterTable<MappingOptions>::Row>;
 MappingRows gridRows();
 MappingRows keyFrameRows();

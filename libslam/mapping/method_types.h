@@ -20,8 +20,8 @@ struct MethodType {
   bool goes_on_alone = false;  ///< does without a motion where there is none; [method] odometry may be `none`
   bool continues_maps = false;  ///< SlamMethod::continueMap()
   bool finds_itself = false;    ///< and that without being told where
-  /// Reads [mapping] and its own sections, adds their rows to the report, and makes nothing yet. Errors: InputError for a
-  /// misspelt, impossible or contradictory key.
+  /// Reads [mapping] and its own sections, adds their rows to the report, and makes nothing yet. Errors:
+  /// InputError for a misspelt, impossible or contradictory key.
   std::function<MethodMaker(const core::IniFile&, std::vector<core::ParameterReport>&)> read;
   /// The same as text for MRPT's own program; empty: no program of MRPT runs it.
   std::function<std::string(const core::IniFile&, const std::string& name)> mrpt_config;

@@ -11,7 +11,8 @@ struct Motion {
   Eigen::Matrix3d covariance;  ///< over (x, y, phi) in the previous robot's frame; positive definite
 };
 
-/// Two motions, one after the other, with independent errors; covariance to first order, in the frame before both.
+/// Two motions, one after the other, with independent errors; covariance to first order, in the frame before
+/// both.
 Motion operator*(const Motion& first, const Motion& second);
 
 }  // namespace slam::mapping

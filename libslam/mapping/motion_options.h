@@ -3,8 +3,8 @@
 
 namespace slam::mapping {
 
-/// Section [motion], types rbpf and particles: MRPT's Gaussian motion model. The standard deviations of an increment of
-/// length d (metres) and turn a (radians, absolute) are
+/// Section [motion], types rbpf and particles: MRPT's Gaussian motion model. The standard deviations of an
+/// increment of length d (metres) and turn a (radians, absolute) are
 ///   x, y: sigma_xy_m + sigma_xy_per_m * d + sigma_xy_per_rad * a
 ///   phi:  sigma_turn + sigma_turn_per_m * d + sigma_turn_per_rad * a
 /// (CActionRobotMovement2D, mmGaussian). For increments of the wheels; those estimated from scans bring their

@@ -73,7 +73,8 @@ inline SimpleMapFrame frameOf(const mrpt::maps::CSimpleMap& map, size_t index) {
   return {frame.pose, frame.sf};
 }
 
-/// A copy of both goes into the map; of the observations only the pointers. Every version has the insert() of pointers.
+/// A copy of both goes into the map; of the observations only the pointers. Every version has the insert() of
+/// pointers.
 inline void insertFrame(mrpt::maps::CSimpleMap& map, const mrpt::poses::CPose3DPDFGaussian& pose,
                         const mrpt::obs::CSensoryFrame& observations) {
   map.insert(mrpt::poses::CPose3DPDF::Ptr(std::make_shared<mrpt::poses::CPose3DPDFGaussian>(pose)),

@@ -12,8 +12,9 @@
 
 namespace slam::mapping {
 
-/// A method that is fed in MRPT's own way, with an action and a frame of observations for each step; MRPT's or ours. It is stopped
-/// (MethodError) before its grids grow beyond [mapping] max_map_cells, and MRPT's generator is seeded for each step.
+/// A method that is fed in MRPT's own way, with an action and a frame of observations for each step; MRPT's
+/// or ours. It is stopped (MethodError) before its grids grow beyond [mapping] max_map_cells, and MRPT's
+/// generator is seeded for each step.
 class MrptMethod : public SlamMethod {
  public:
   MrptMethod(std::unique_ptr<mrpt::slam::CMetricMapBuilder> builder, const MappingOptions& mapping,

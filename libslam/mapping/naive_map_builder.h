@@ -16,10 +16,10 @@ namespace slam::mapping {
 /// odometry). With draw = rays whole rays change the occupancy, as in the other methods. The map holds one
 /// occupancy grid; with dots a cell is either fully occupied or unknown.
 ///
-/// Every scan is drawn, or with draw_after = moves those after an increment that is a move or an arc (robot::kindOf; the
-/// increments of argmax are pure, those of other odometry are told apart by it): in a turn in place the original odometry
-/// errs most, and the robot sees little that is new. Scans that are drawn, and the first, become key frames of the simple
-/// map after insert_distance_m or insert_angle_deg.
+/// Every scan is drawn, or with draw_after = moves those after an increment that is a move or an arc
+/// (robot::kindOf; the increments of argmax are pure, those of other odometry are told apart by it): in a
+/// turn in place the original odometry errs most, and the robot sees little that is new. Scans that are
+/// drawn, and the first, become key frames of the simple map after insert_distance_m or insert_angle_deg.
 class NaiveMapBuilder : public mrpt::slam::CMetricMapBuilder {
  public:
   explicit NaiveMapBuilder(const MappingOptions& mapping);

@@ -209,7 +209,8 @@ void ParticleFilter::moveAll(const std::optional<Motion>& motion) {
   }
 }
 
-/// From the Gaussian about the peak: with information = L L', the vector L'^-1 u has the covariance information^-1.
+/// From the Gaussian about the peak: with information = L L', the vector L'^-1 u has the covariance
+/// information^-1.
 void ParticleFilter::drawPose(size_t index) {
   Particle& particle = particles_[index];
   core::RandomStream random(seed_, "particle " + std::to_string(index) + " scan " + std::to_string(scans_));
@@ -225,8 +226,9 @@ void ParticleFilter::findBest() {
     if (particles_[i].total_log_weight > particles_[best_].total_log_weight) best_ = i;
 }
 
-/// Of the best particle's pose against the map, one scan further: an error of the pose before is carried along, the
-/// odometry adds its own, and the match takes the gain (I_scan + I_prior)^-1 I_scan off both and puts the scan's in their place.
+/// Of the best particle's pose against the map, one scan further: an error of the pose before is carried
+/// along, the odometry adds its own, and the match takes the gain (I_scan + I_prior)^-1 I_scan off both and
+/// puts the scan's in their place.
 void ParticleFilter::trackDrift(const core::Pose2& T_before, const Eigen::Matrix3d& motion_covariance,
                                 const Eigen::Matrix3d& prior_information) {
   const Particle& best = particles_[best_];

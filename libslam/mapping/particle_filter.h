@@ -16,8 +16,8 @@
 
 namespace slam::mapping {
 
-/// Section [particles] of type particles. The rows that other types have too (where and how far scans are inserted)
-/// come from [mapping].
+/// Section [particles] of type particles. The rows that other types have too (where and how far scans are
+/// inserted) come from [mapping].
 struct ParticleFilterOptions {
   std::string sampling;  ///< fixed | kld
   int count, least_count, most_count;
@@ -41,8 +41,9 @@ struct ParticleFilterOptions {
 /// What one scan did: the line of a journal.
 struct ParticleStep {
   core::Pose2 T_map_robot;
-  /// Over (x, y, phi) in the map frame, against the true pose from the first scan on: the particles' spread, what scan and
-  /// odometry leave open here, and the drift of the map since the start (ParticleFilter: covariance).
+  /// Over (x, y, phi) in the map frame, against the true pose from the first scan on: the particles' spread,
+  /// what scan and odometry leave open here, and the drift of the map since the start (ParticleFilter:
+  /// covariance).
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   double score = 1;            ///< share of the scan that the best particle's map explains
   double effective_share = 1;  ///< of the particles, before resampling; at insertions only
@@ -52,58 +53,66 @@ struct ParticleStep {
   bool lost = false;                 ///< nothing fits: the pose is the odometry's
 };
 
-/// Particles that keep, with a confidence of 99 %, the Kullback-Leibler distance between what they stand for and the bins
-/// that they fall into below `error` (Fox, "Adapting the sample size in particle filters through KLD-sampling", IJRR
-/// 22(12), 2003, equation 7). 1 for a single bin. REQUIRES error > 0 and bins >= 1 (ContractError).
+/// Particles that keep, with a confidence of 99 %, the Kullback-Leibler distance between what they stand for
+/// and the bins that they fall into below `error` (Fox, "Adapting the sample size in particle filters through
+/// KLD-sampling", IJRR 22(12), 2003, equation 7). 1 for a single bin. REQUIRES error > 0 and bins >= 1
+/// (ContractError).
 size_t kldParticles(size_t bins, double error);
 
-/// Logarithm of the evidence that a scan gives for a particle: the integral of likelihood times motion model over the pose,
-/// in Laplace's approximation, that is their product at the peak times the volume under it. `information`: of both
-/// together, there. Constants that all particles share are left out.
+/// Logarithm of the evidence that a scan gives for a particle: the integral of likelihood times motion model
+/// over the pose, in Laplace's approximation, that is their product at the peak times the volume under it.
+/// `information`: of both together, there. Constants that all particles share are left out.
 double logEvidence(const scanmatch::FieldMatch& match, const Eigen::Matrix3d& information);
 
-/// A Rao-Blackwellised particle filter: every particle is a path and the map that it implies (Grisetti, Stachniss and
-/// Burgard, IEEE T-RO 23(1), 2007). What is different here:
-/// - The map is a gridmap::Grid, so that particles share what they have in common, and scans are matched to it by
-///   scanmatch::alignToField. A single scan is matched in microseconds, so every scan is.
-/// - Proposals are drawn when a scan enters the map, from the Gaussian of matcher and odometry together (there from
-///   samples around the peak), and weighted by the integral over it in Laplace's approximation. Between two insertions
-///   every particle stays at its peak: such scans say the same again, and drawing would add noise only.
-/// - One particle, the best, looks where the motion leads: at the odometry's word, the motion before, the odometry
-///   reversed, and turned by some degrees. The others start from its motion. Odometry that is clearly worse than
-///   another start is distrusted at that scan.
+/// A Rao-Blackwellised particle filter: every particle is a path and the map that it implies (Grisetti,
+/// Stachniss and Burgard, IEEE T-RO 23(1), 2007). What is different here:
+/// - The map is a gridmap::Grid, so that particles share what they have in common, and scans are matched to
+///   it by scanmatch::alignToField. A single scan is matched in microseconds, so every scan is.
+/// - Proposals are drawn when a scan enters the map, from the Gaussian of matcher and odometry together
+///   (there from samples around the peak), and weighted by the integral over it in Laplace's approximation.
+///   Between two insertions every particle stays at its peak: such scans say the same again, and drawing
+///   would add noise only.
+/// - One particle, the best, looks where the motion leads: at the odometry's word, the motion before, the
+///   odometry reversed, and turned by some degrees. The others start from its motion. Odometry that is
+///   clearly worse than another start is distrusted at that scan.
 ///
-/// - The number of particles is fixed, or chosen at every resampling such that the Kullback-Leibler distance to what they
-///   stand for stays below a bound (Fox, IJRR 22(12), 2003; bins over the pose at this scan).
+/// - The number of particles is fixed, or chosen at every resampling such that the Kullback-Leibler distance
+///   to what they stand for stays below a bound (Fox, IJRR 22(12), 2003; bins over the pose at this scan).
 ///
-/// Lost: a scan of which the map explains less than lost_score moves no particle but by the odometry, and enters no map;
-/// so do those after it, until the map explains insert_score of one. After lost_scans of them with returns the filter
-/// gives the old map up for the place where it is: it draws the scan at the odometry's pose and goes on from there.
+/// Lost: a scan of which the map explains less than lost_score moves no particle but by the odometry, and
+/// enters no map; so do those after it, until the map explains insert_score of one. After lost_scans of them
+/// with returns the filter gives the old map up for the place where it is: it draws the scan at the
+/// odometry's pose and goes on from there.
 ///
-/// Reach: scans enter the maps up to rays.max_range_m. A scan of which more than a quarter of the returns lie beyond, as
-/// outdoors, lets it grow for good to where three quarters lie within, so that the maps hold what a scan is matched by.
+/// Reach: scans enter the maps up to rays.max_range_m. A scan of which more than a quarter of the returns lie
+/// beyond, as outdoors, lets it grow for good to where three quarters lie within, so that the maps hold what
+/// a scan is matched by.
 ///
-/// Covariance: resampling makes the particles alike, so that their spread alone tells little of how far the map has drifted.
-/// Every inserted scan keeps the covariance that its pose had. A later one nearby (2 m, 90 degrees) hangs on the surest
-/// of them, and adds its own error against the map: that of the matched points, times drift_scale, and of the
-/// odometry as far as the match leaves it to hold the pose. Where the scan leaves a direction open it hangs on the last one
-/// only, so that the odometry's errors along a corridor add up.
+/// Covariance: resampling makes the particles alike, so that their spread alone tells little of how far the
+/// map has drifted. Every inserted scan keeps the covariance that its pose had. A later one nearby (2 m, 90
+/// degrees) hangs on the surest of them, and adds its own error against the map: that of the matched points,
+/// times drift_scale, and of the odometry as far as the match leaves it to hold the pose. Where the scan
+/// leaves a direction open it hangs on the last one only, so that the odometry's errors along a corridor add
+/// up.
 ///
-/// Journal: `distrusted` (odometry; value = gain in score), `poor` (the map explains less than insert_score; value =
-/// score), `lost` (the first scan; value = score), `recovered` (the map explains a scan again; value = score), `restarted`
-/// (the map goes on from odometry's pose; value = scans lost), `degenerate` (value = share of information along the open
-/// direction), `resampled` (value = effective share of the particles; detail = how many there are now).
+/// Journal: `distrusted` (odometry; value = gain in score), `poor` (the map explains less than insert_score;
+/// value = score), `lost` (the first scan; value = score), `recovered` (the map explains a scan again; value
+/// = score), `restarted` (the map goes on from odometry's pose; value = scans lost), `degenerate` (value =
+/// share of information along the open direction), `resampled` (value = effective share of the particles;
+/// detail = how many there are now).
 ///
-/// Frames: map is the robot's at the first scan. raster, that of the particles' grids, is turned against it: along a wall
-/// that lies in the direction of the cells all noise is cut off at the same border of a cell, which bends the map, while
-/// along any other the errors of the cells cancel (ring A 0.005 instead of 0.03 m). Chance: streams named by particle and scan. Same seed, same bytes,
-/// with any number of threads. Memory: map() of one particle, and what the others differ by.
+/// Frames: map is the robot's at the first scan. raster, that of the particles' grids, is turned against it:
+/// along a wall that lies in the direction of the cells all noise is cut off at the same border of a cell,
+/// which bends the map, while along any other the errors of the cells cancel (ring A 0.005 instead of 0.03
+/// m). Chance: streams named by particle and scan. Same seed, same bytes, with any number of threads. Memory:
+/// map() of one particle, and what the others differ by.
 class ParticleFilter {
  public:
   ParticleFilter(const ParticleFilterOptions& options, std::uint64_t seed);
 
-  /// The pose at this scan. Without a motion the motion before is taken to go on, loosely. The first scan's motion is
-  /// ignored. `others`: what other lidars saw at that moment. REQUIRES a finite motion (ContractError).
+  /// The pose at this scan. Without a motion the motion before is taken to go on, loosely. The first scan's
+  /// motion is ignored. `others`: what other lidars saw at that moment. REQUIRES a finite motion
+  /// (ContractError).
   const ParticleStep& update(const robot::Scan& scan, const std::optional<Motion>& motion,
                              const std::vector<robot::Scan>& others = {});
   const ParticleStep& lastStep() const { return step_; }
@@ -128,7 +137,8 @@ class ParticleFilter {
   std::vector<core::Pose2> poses() const;
   /// Cells stored in all maps, shared ones counted once; counted again at every 32nd insertion.
   double cells() const { return cells_; }
-  /// All maps and paths, what is shared counted once, directories included. Cost: a few 10 us per thousand tiles.
+  /// All maps and paths, what is shared counted once, directories included. Cost: a few 10 us per thousand
+  /// tiles.
   size_t bytes() const;
 
  private:

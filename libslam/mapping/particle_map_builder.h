@@ -14,17 +14,17 @@
 
 namespace slam::mapping {
 
-/// ParticleFilter behind MRPT's interface. Of an action collection the best movement estimation counts (MRPT: scan
-/// matching before odometry), with its covariance; a collection without one leaves the motion open. Of the frame the
-/// first 2D range scan counts; a frame without any is ignored, its motion is kept for the next.
+/// ParticleFilter behind MRPT's interface. Of an action collection the best movement estimation counts (MRPT:
+/// scan matching before odometry), with its covariance; a collection without one leaves the motion open. Of
+/// the frame the first 2D range scan counts; a frame without any is ignored, its motion is kept for the next.
 ///
-/// The pose estimation is a Gaussian with the covariance of ParticleStep. The simple map's key frames are the scans that
-/// entered the particles' maps, at the best particle's corrected poses. The metric map is one occupancy grid of
-/// resolution_m, drawn from the key frames when it is asked for: exactly (gridmap::Grid), and anew when the best
-/// particle's past is another one than at the last time.
+/// The pose estimation is a Gaussian with the covariance of ParticleStep. The simple map's key frames are the
+/// scans that entered the particles' maps, at the best particle's corrected poses. The metric map is one
+/// occupancy grid of resolution_m, drawn from the key frames when it is asked for: exactly (gridmap::Grid),
+/// and anew when the best particle's past is another one than at the last time.
 ///
-/// options.enableMapUpdating = false localises in the map as it is. initialize() with key frames starts from a map
-/// that is drawn of them, in which the robot stands at x0.
+/// options.enableMapUpdating = false localises in the map as it is. initialize() with key frames starts from
+/// a map that is drawn of them, in which the robot stands at x0.
 class ParticleMapBuilder : public mrpt::slam::CMetricMapBuilder {
  public:
   ParticleMapBuilder(const ParticleFilterOptions& filter, const MappingOptions& mapping, std::uint64_t seed);

@@ -51,7 +51,8 @@ size_t ParticleFilter::occupiedBins(const std::vector<size_t>& times) const {
   return bins.size();
 }
 
-/// How often each particle goes on: systematic resampling, of the least number that is enough for the bins it reaches.
+/// How often each particle goes on: systematic resampling, of the least number that is enough for the bins it
+/// reaches.
 std::vector<size_t> ParticleFilter::survivors(const std::vector<double>& weights) const {
   core::RandomStream random(seed_, "resampling scan " + std::to_string(scans_));
   const double chance = random.uniform(), sum = std::accumulate(weights.begin(), weights.end(), 0.0);

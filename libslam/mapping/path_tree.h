@@ -6,15 +6,17 @@
 
 namespace slam::mapping {
 
-/// The pasts of many particles that share their beginnings: a tree in which every pose knows the one before. What no
-/// particle descends from any more is given back at once, so that the size is that of the living branches.
-/// Cost: 40 bytes a pose; extend() and share() constant, release() per pose given back, path() per pose.
+/// The pasts of many particles that share their beginnings: a tree in which every pose knows the one before.
+/// What no particle descends from any more is given back at once, so that the size is that of the living
+/// branches. Cost: 40 bytes a pose; extend() and share() constant, release() per pose given back, path() per
+/// pose.
 class PathTree {
  public:
   using Id = std::int32_t;
   static constexpr Id kNone = -1;
 
-  /// A new leaf after `before` (or kNone: a new root), which it replaces: the caller's hold moves to the leaf.
+  /// A new leaf after `before` (or kNone: a new root), which it replaces: the caller's hold moves to the
+  /// leaf.
   Id extend(Id before, const core::StampedPose& pose);
   /// One more holder of the same leaf; kNone stays kNone.
   Id share(Id leaf);

@@ -179,8 +179,8 @@ core::Pose2 RbpfMethod::process(const MethodStep& step) {
   return T_map_robot;
 }
 
-/// That of the most likely particle. Where the filter only counted wheels (between two updates) the pose is that at the last update,
-/// moved on by the wheels.
+/// That of the most likely particle. Where the filter only counted wheels (between two updates) the pose is
+/// that at the last update, moved on by the wheels.
 std::optional<core::Trajectory> RbpfMethod::finalPath(const core::Trajectory& online) const {
   if (online.size() != steps_ || updates_.empty())
     throw core::ContractError("finalPath: expected the " + std::to_string(steps_) + " poses given online");

@@ -9,8 +9,8 @@ struct RecentMotion {
   double period_s;
 };
 
-/// The motion up to the scan: the odometry's, else that of the step before where that one had odometry. A motion that is itself
-/// from skewed scans would make it worse.
+/// The motion up to the scan: the odometry's, else that of the step before where that one had odometry. A
+/// motion that is itself from skewed scans would make it worse.
 std::optional<RecentMotion> motionUpTo(const StepHistory& history, const robot::Scan& scan,
                                        const core::Pose2& T_previous_robot, bool has_odometry) {
   if (!history.previous_scan) return std::nullopt;

@@ -20,7 +20,8 @@
 namespace slam::mapping {
 namespace {
 
-/// MRPT's ICP stamps a start pose with the clock, and then takes the odometry of a log from the past for stale.
+/// MRPT's ICP stamps a start pose with the clock, and then takes the odometry of a log from the past for
+/// stale.
 class StoppedClock {
  public:
   StoppedClock() {

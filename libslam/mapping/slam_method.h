@@ -39,12 +39,12 @@ struct MethodStep {
   const StepMotion& motion;
 };
 
-/// One SLAM method: scans and motions in, pose and map out. A new one is a class of its own with a MethodType that makes it, and a
-/// line in methodTypes(). Everything that all methods share (where motions come from, deskewing, limits of a log) is done
-/// before, in MapBuilder.
+/// One SLAM method: scans and motions in, pose and map out. A new one is a class of its own with a MethodType
+/// that makes it, and a line in methodTypes(). Everything that all methods share (where motions come from,
+/// deskewing, limits of a log) is done before, in MapBuilder.
 ///
-/// The map frame is the robot's pose at the first scan. Random numbers come from (seed, step number) alone. Errors of
-/// process(): MethodError, of which the caller says the step.
+/// The map frame is the robot's pose at the first scan. Random numbers come from (seed, step number) alone.
+/// Errors of process(): MethodError, of which the caller says the step.
 class SlamMethod {
  public:
   virtual ~SlamMethod() = default;
@@ -59,8 +59,8 @@ class SlamMethod {
   virtual std::optional<Eigen::Matrix3d> poseCovariance() const;
   virtual gridmap::OccupancyRaster map() const;
 
-  /// Goes on in key frames of before instead of an empty map; keep_map: is only localised in them. nullopt: nobody knows where.
-  /// REQUIRES a type that can (MethodType), and that no step was processed.
+  /// Goes on in key frames of before instead of an empty map; keep_map: is only localised in them. nullopt:
+  /// nobody knows where. REQUIRES a type that can (MethodType), and that no step was processed.
   virtual void continueMap(const mrpt::maps::CSimpleMap& key_frames,
                            const std::optional<core::Pose2>& T_map_robot, bool keep_map);
   /// After the last step.
@@ -68,7 +68,8 @@ class SlamMethod {
 
   /// In the order that it happened; scans are counted in steps.
   virtual std::vector<JournalEntry> journal() const { return {}; }
-  /// The path that belongs to the map as it is now, one pose for each of `online`; nullopt: that given online.
+  /// The path that belongs to the map as it is now, one pose for each of `online`; nullopt: that given
+  /// online.
   virtual std::optional<core::Trajectory> finalPath(const core::Trajectory& /*online*/) const { return {}; }
   /// Of each pose of finalPath(); empty: the method does not say.
   virtual std::vector<Eigen::Matrix3d> finalCovariances() const { return {}; }

@@ -45,9 +45,10 @@ SeenMask seenCells(const world::Plan& plan, const core::Trajectory& truth, const
 MapScore scoreMap(const world::Plan& plan, const SeenMask& seen, const world::Plan& map,
                   const core::Pose2& T_world_map, double tolerance_m);
 
-/// Without truth: how sure a map is of its cells. Map entropy: the mean binary entropy (Shannon; bits, 0 to 1) of the cells
-/// that are not `unknown_value`, from occupancy probabilities. Does not see global distortion, and a matter of how many scans a cell
-/// got as much as of their agreement. Without known cells, or with a value outside 0 to 1: NaN.
+/// Without truth: how sure a map is of its cells. Map entropy: the mean binary entropy (Shannon; bits, 0 to
+/// 1) of the cells that are not `unknown_value`, from occupancy probabilities. Does not see global
+/// distortion, and a matter of how many scans a cell got as much as of their agreement. Without known cells,
+/// or with a value outside 0 to 1: NaN.
 double mapEntropy(const std::vector<float>& occupancy, float unknown_value = 0.5F);
 
 }  // namespace slam::metrics

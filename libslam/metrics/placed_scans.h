@@ -7,20 +7,22 @@
 
 namespace slam::metrics {
 
-/// How sharp the points of all scans lie together when each scan is placed at its estimated pose. No truth, no raster.
+/// How sharp the points of all scans lie together when each scan is placed at its estimated pose. No truth,
+/// no raster.
 ///
-/// Local consistency only: scans that agree with their neighbours score well, whatever the map's global distortion. What
-/// it sees is walls drawn twice, a loop that does not close, headings that jitter. The sensor's noise and what moved are
-/// in it, so compare trajectories of one log only.
+/// Local consistency only: scans that agree with their neighbours score well, whatever the map's global
+/// distortion. What it sees is walls drawn twice, a loop that does not close, headings that jitter. The
+/// sensor's noise and what moved are in it, so compare trajectories of one log only.
 struct PointSharpness {
-  /// Mean map entropy (Droeschel and Behnke, ICRA 2018, section on evaluation; in the plane): the mean over the points of
-  /// h = ln det(2 pi e S) / 2, nats, with S the covariance (divided by n) of the points within kNeighbourhood_m, the point
-  /// itself included. Smaller is sharper; ln 2 less is half the area of the spread. Differs from the authors' program in
-  /// two things: points with fewer than kFewestNeighbours others around are left out (it lets them in as 0), and a variance
-  /// of kSmallestSpread_m squared is added along both axes, so that points on one line have an entropy.
+  /// Mean map entropy (Droeschel and Behnke, ICRA 2018, section on evaluation; in the plane): the mean over
+  /// the points of h = ln det(2 pi e S) / 2, nats, with S the covariance (divided by n) of the points within
+  /// kNeighbourhood_m, the point itself included. Smaller is sharper; ln 2 less is half the area of the
+  /// spread. Differs from the authors' program in two things: points with fewer than kFewestNeighbours others
+  /// around are left out (it lets them in as 0), and a variance of kSmallestSpread_m squared is added along
+  /// both axes, so that points on one line have an entropy.
   double mean_map_entropy;
-  /// Median over the same points of the square root of S's smaller eigenvalue, metres: how far the points around lie from the
-  /// line through them. Ours; the authors' "mean plane variance" has the same use.
+  /// Median over the same points of the square root of S's smaller eigenvalue, metres: how far the points
+  /// around lie from the line through them. Ours; the authors' "mean plane variance" has the same use.
   double wall_thickness_m;
   std::size_t points;        ///< whose neighbourhood was looked at
   std::size_t left_out = 0;  ///< of these, with too few neighbours
@@ -29,22 +31,22 @@ inline constexpr double kNeighbourhood_m = 0.3;  ///< as the authors' program ha
 inline constexpr std::size_t kFewestNeighbours = 5;
 inline constexpr double kSmallestSpread_m = 0.001;
 
-/// Looks at `most` of the points, evenly spread over the map, among all of them as neighbours. Points that are not
-/// finite are passed over. No point with neighbours: both figures NaN. REQUIRES most > 0. Cost: about a second for a million points, 40
-/// bytes per point.
+/// Looks at `most` of the points, evenly spread over the map, among all of them as neighbours. Points that
+/// are not finite are passed over. No point with neighbours: both figures NaN. REQUIRES most > 0. Cost: about
+/// a second for a million points, 40 bytes per point.
 PointSharpness pointSharpness(const std::vector<core::Point2>& points, std::size_t most = 20000);
 
-/// How well scans placed at the estimated poses agree with the map that was made from them (scan-to-map consistency). The
-/// two shares are ours; the idea is that of the likelihood field and of the beam model (Thrun, Burgard and Fox,
-/// Probabilistic Robotics, 2005, chapter 6) without their mixture weights. Both are shares of the returns that lie inside
-/// the map's raster; NaN without any.
+/// How well scans placed at the estimated poses agree with the map that was made from them (scan-to-map
+/// consistency). The two shares are ours; the idea is that of the likelihood field and of the beam model
+/// (Thrun, Burgard and Fox, Probabilistic Robotics, 2005, chapter 6) without their mixture weights. Both are
+/// shares of the returns that lie inside the map's raster; NaN without any.
 struct ScanAgreement {
-  /// Ends within kWallReach_m of the centre of an occupied cell: low where poses and map do not belong together, where
-  /// walls were drawn and erased again, where people walked.
+  /// Ends within kWallReach_m of the centre of an occupied cell: low where poses and map do not belong
+  /// together, where walls were drawn and erased again, where people walked.
   double on_wall_share;
-  /// Comes out of an occupied cell again and crosses kWallReach_m or more of what the map calls free before it ends: high
-  /// where a wall is drawn twice. Grazing beams and glass are in it, and every beam of a lidar that the map puts into a
-  /// wall.
+  /// Comes out of an occupied cell again and crosses kWallReach_m or more of what the map calls free before
+  /// it ends: high where a wall is drawn twice. Grazing beams and glass are in it, and every beam of a lidar
+  /// that the map puts into a wall.
   double through_wall_share;
   std::size_t returns = 0;
 };
@@ -53,13 +55,14 @@ inline constexpr double kWallReach_m = 0.10;
 /// Collects scans one by one.
 class PlacedScans {
  public:
-  /// Keeps a reference to the map, which must outlive it. Its T_world_plan places the raster in the map frame.
+  /// Keeps a reference to the map, which must outlive it. Its T_world_plan places the raster in the map
+  /// frame.
   explicit PlacedScans(const world::Plan& map) : map_(map) {}
   explicit PlacedScans(world::Plan&&) = delete;
 
-  /// One scan: returns as points in the lidar's frame. So that a robot that stands still does not outvote one that drives,
-  /// a scan is passed over when its pose is within 0.1 m and 5 degrees of the last one used; a pose that is not finite too.
-  /// Cost: the cells along the beams.
+  /// One scan: returns as points in the lidar's frame. So that a robot that stands still does not outvote one
+  /// that drives, a scan is passed over when its pose is within 0.1 m and 5 degrees of the last one used; a
+  /// pose that is not finite too. Cost: the cells along the beams.
   void add(const core::Pose2& T_map_lidar, const std::vector<core::Point2>& returns_lidar);
 
   ScanAgreement agreement() const;

@@ -14,13 +14,15 @@ struct RelationStatistics {
   double median, max;
 };
 
-/// Error of a trajectory against relations (Kümmerle et al., Autonomous Robots 27(4), 2009): for each relation
-/// E = T_from_to^-1 (x_from^-1 x_to) with x the estimate; its translational error is the length of E's translation, its
-/// rotational error |angle of E|. No alignment, and a distortion far away costs nothing here.
+/// Error of a trajectory against relations (Kümmerle et al., Autonomous Robots 27(4), 2009): for each
+/// relation E = T_from_to^-1 (x_from^-1 x_to) with x the estimate; its translational error is the length of
+/// E's translation, its rotational error |angle of E|. No alignment, and a distortion far away costs nothing
+/// here.
 ///
-/// The pose at a relation's stamp is that of the estimate's pose with the same stamp (to 1 microsecond, the benchmark's
-/// resolution; of several the first). Where there is none it is interpolated between the neighbouring stamps, and
-/// counted; outside the estimate's time span the relation is not scored, and counted. Stamps may be in any order.
+/// The pose at a relation's stamp is that of the estimate's pose with the same stamp (to 1 microsecond, the
+/// benchmark's resolution; of several the first). Where there is none it is interpolated between the
+/// neighbouring stamps, and counted; outside the estimate's time span the relation is not scored, and
+/// counted. Stamps may be in any order.
 struct RelationError {
   RelationStatistics translation_m, rotation_rad;
   std::size_t scored = 0;
@@ -36,9 +38,9 @@ struct RelationError {
 RelationError relationError(const core::Relations& relations, const core::Trajectory& estimate,
                             std::size_t worst = 5);
 
-/// Relations that a truth gives: from each pose to the next one at least `step_m` of path away, and to the nearest
-/// earlier pose within `near_m` that is more than `apart_s` before it (a place seen again), where there is one. Stamps
-/// must not run back. REQUIRES step_m > 0.
+/// Relations that a truth gives: from each pose to the next one at least `step_m` of path away, and to the
+/// nearest earlier pose within `near_m` that is more than `apart_s` before it (a place seen again), where
+/// there is one. Stamps must not run back. REQUIRES step_m > 0.
 core::Relations relationsOf(const core::Trajectory& truth, double step_m, double near_m, double apart_s);
 
 }  // namespace slam::metrics

@@ -21,8 +21,8 @@ enum class Align {
 };
 
 /// Absolute trajectory error (Sturm et al., IROS 2012): the estimate is moved rigidly by alignPositions()
-/// onto the truth, or as `align` says; then distances, and headings. Both frames' origins are therefore irrelevant, but for
-/// Align::kNone.
+/// onto the truth, or as `align` says; then distances, and headings. Both frames' origins are therefore
+/// irrelevant, but for Align::kNone.
 struct TrajectoryError {
   ErrorStatistics position_m;    ///< ATE
   ErrorStatistics heading_rad;   ///< |heading error| after the same alignment

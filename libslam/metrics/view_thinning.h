@@ -5,7 +5,8 @@
 
 namespace slam::metrics {
 
-/// Views from nearly one place tell the same: a pose within 0.1 m and 5 degrees of the last one used is passed over.
+/// Views from nearly one place tell the same: a pose within 0.1 m and 5 degrees of the last one used is
+/// passed over.
 inline bool isNewView(const core::Pose2& last_used, const core::Pose2& pose) {
   constexpr double kThinDistance_m = 0.1;
   constexpr double kThinAngle_rad = core::degToRad(5);

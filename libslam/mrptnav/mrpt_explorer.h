@@ -34,8 +34,9 @@ struct MrptExplorerOptions {
 class MrptStrategy {
  public:
   struct Answer {
-    /// See toMrpt(Decision). Without a map a strategy says how far at most: the drive ends where the disc around the
-    /// footprint would come near to a return of the scan. Empty when finished, or when there is no room ahead.
+    /// See toMrpt(Decision). Without a map a strategy says how far at most: the drive ends where the disc
+    /// around the footprint would come near to a return of the scan. Empty when finished, or when there is no
+    /// room ahead.
     std::vector<mrpt::math::TPose2D> path;
     bool finished = false;  ///< nothing left to explore
     std::string reason;
@@ -47,9 +48,11 @@ class MrptStrategy {
   bool needsMap() const;
   /// The newest map; the reference is not kept.
   void seeMap(const mrpt::maps::COccupancyGridMap2D& grid);
-  /// Every scan between the decisions, where there is time for it: map strategies learn from it where frontiers are walls.
+  /// Every scan between the decisions, where there is time for it: map strategies learn from it where
+  /// frontiers are walls.
   void seeScan(const mrpt::obs::CObservation2DRangeScan& scan, const mrpt::poses::CPose2D& pose);
-  /// Errors: a scan that robot::fromMrpt refuses (InputError); the strategy needs a map and has none (ContractError).
+  /// Errors: a scan that robot::fromMrpt refuses (InputError); the strategy needs a map and has none
+  /// (ContractError).
   Answer decide(const mrpt::obs::CObservation2DRangeScan& scan, const mrpt::poses::CPose2D& pose);
 
  private:
@@ -57,10 +60,11 @@ class MrptStrategy {
   std::unique_ptr<State> state_;
 };
 
-/// A strategy with its motion: one velocity command per scan, safe by the newest scan (see navigate::Driver, which it
-/// wraps: the same scans, poses and maps give its commands).
+/// A strategy with its motion: one velocity command per scan, safe by the newest scan (see navigate::Driver,
+/// which it wraps: the same scans, poses and maps give its commands).
 ///
-///   explorer.wantsMap() ? explorer.setMap(*grid) : ...    then    robot.changeSpeeds(*explorer.next(*scan, pose).command)
+///   if (explorer.wantsMap()) explorer.setMap(*grid);
+///   robot.changeSpeeds(*explorer.next(*scan, pose).command);
 class MrptExplorer {
  public:
   /// Errors: unknown name (InputError); period not positive (ContractError).
@@ -68,14 +72,14 @@ class MrptExplorer {
   /// Built-in values but for the strategy's name.
   explicit MrptExplorer(const std::string& strategy);
   ~MrptExplorer();
-  /// True when the strategy decides at the next call of next() and needs a map for that: reading a large grid costs
-  /// milliseconds, so it is not asked for more often than that.
+  /// True when the strategy decides at the next call of next() and needs a map for that: reading a large grid
+  /// costs milliseconds, so it is not asked for more often than that.
   bool wantsMap() const;
   /// The reference is not kept.
   void setMap(const mrpt::maps::COccupancyGridMap2D& grid);
-  /// `collided`: the bumper cut the last command short. `finished` with a reason when nothing is left to explore, or the
-  /// strategy is stuck. Errors: a scan that robot::fromMrpt refuses (InputError); a map is needed and was never set
-  /// (ContractError).
+  /// `collided`: the bumper cut the last command short. `finished` with a reason when nothing is left to
+  /// explore, or the strategy is stuck. Errors: a scan that robot::fromMrpt refuses (InputError); a map is
+  /// needed and was never set (ContractError).
   MrptMotion next(const mrpt::obs::CObservation2DRangeScan& scan, const mrpt::poses::CPose2D& pose,
                   bool collided = false);
 

@@ -16,8 +16,9 @@ class CPose2D;
 
 namespace slam::mrptnav {
 
-/// A goal navigator (bug algorithms, wall following, ...) for MRPT's robots: to a goal in an unknown place, by scans and
-/// poses, without a map; see navigate::GoalNavigator for what it promises. Goal and poses are in one frame.
+/// A goal navigator (bug algorithms, wall following, ...) for MRPT's robots: to a goal in an unknown place,
+/// by scans and poses, without a map; see navigate::GoalNavigator for what it promises. Goal and poses are in
+/// one frame.
 class MrptNavigator {
  public:
   struct Options {
@@ -25,8 +26,8 @@ class MrptNavigator {
     robot::RobotOptions robot;
     double period_s = 0.2;  ///< between two scans
   };
-  /// name: one of navigate::goalNavigatorNames(). Errors: unknown name (InputError with the nearest one); goal not finite,
-  /// period not positive (ContractError).
+  /// name: one of navigate::goalNavigatorNames(). Errors: unknown name (InputError with the nearest one);
+  /// goal not finite, period not positive (ContractError).
   MrptNavigator(const std::string& name, const mrpt::math::TPoint2D& goal, const Options& options);
   /// Built-in values.
   MrptNavigator(const std::string& name, const mrpt::math::TPoint2D& goal);

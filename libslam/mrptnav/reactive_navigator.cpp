@@ -253,8 +253,8 @@ class ReactiveNavigator : public navigate::GuardedNavigator {
     return core::kPi;
   }
 
-  /// MRPT's paths end at look_ahead_m: its target is the goal or a point on the straight line there, within their
-  /// reach. A new target makes MRPT think anew, so it moves on in strides.
+  /// MRPT's paths end at look_ahead_m: its target is the goal or a point on the straight line there, within
+  /// their reach. A new target makes MRPT think anew, so it moves on in strides.
   void aim(const core::Pose2& T_odom_robot) {
     const double distance_m = goalDistance(T_odom_robot);
     const double share = std::min(1.0, kReachShare * reactive_.look_ahead_m / distance_m);

@@ -21,7 +21,8 @@ world::Cell toCell(COccupancyGridMap2D::cellType log_odds, COccupancyGridMap2D::
   return log_odds <= wall_at_most ? world::Cell::kOccupied : world::Cell::kFree;
 }
 
-/// The plan in which a ray ends wherever MRPT's ends: at walls, and at unknown cells where the threshold stops it there.
+/// The plan in which a ray ends wherever MRPT's ends: at walls, and at unknown cells where the threshold
+/// stops it there.
 bool unknownStops(float threshold) {
   return COccupancyGridMap2D::p2l(0.5F) <= COccupancyGridMap2D::p2l(1 - threshold);
 }

@@ -152,7 +152,8 @@ void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_map_rob
   if (!escaping && decision.ray_m > 0 && options.ray_navigator != "none") startNavigator(T_map_robot);
 }
 
-/// What the newest scan shows besides itself: the obstacles that are remembered, and the w that follows from it.
+/// What the newest scan shows besides itself: the obstacles that are remembered, and the w that follows from
+/// it.
 void Driver::State::sense(const robot::Scan& scan, const core::Pose2& T_map_robot) {
   memory->update(scan, T_map_robot);
   remembered = memory->points();

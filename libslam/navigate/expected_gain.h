@@ -25,8 +25,9 @@ LidarView lidarView(const robot::Scan& scan);
 /// or, as here, in square metres (one bit per cell). In the unknown the ray may be stopped by what is not on
 /// the map yet: what lies behind s metres of unknown counts exp(-s / unknown_path_m), as with obstacles that
 /// are strewn at random. Casting into the map for the expected information follows Stachniss, Grisetti and
-/// Burgard, "Information gain-based exploration using Rao-Blackwellized particle filters" (RSS 2005); the damping in the unknown is ours. A ray stands for its whole wedge (area r dr dphi), so no cell is
-/// counted twice.
+/// Burgard, "Information gain-based exploration using Rao-Blackwellized particle filters" (RSS 2005); the
+/// damping in the unknown is ours. A ray stands for its whole wedge (area r dr dphi), so no cell is counted
+/// twice.
 struct GainProfile {
   std::vector<double> area_m2;  ///< direction i is (i + 0.5) * 2 pi / n in the map frame
   /// Of all directions.

@@ -40,12 +40,12 @@ struct FreeSpace {
   }
 };
 
-/// Reads the states by gridmap::kFreeBelow and kOccupiedAbove; NaN is unknown. Errors: occupancy.size() is not
-/// columns * rows, a size is negative, the resolution is not positive (ContractError).
+/// Reads the states by gridmap::kFreeBelow and kOccupiedAbove; NaN is unknown. Errors: occupancy.size() is
+/// not columns * rows, a size is negative, the resolution is not positive (ContractError).
 FreeSpace readFreeSpace(const gridmap::OccupancyRaster& map);
 
-/// Squared distance in cells from the centre of every cell to the centre of the nearest cell whose state has a
-/// bit of `obstacles`, exact up to reach_cells and reach_cells^2 beyond. In two passes as Felzenszwalb and
+/// Squared distance in cells from the centre of every cell to the centre of the nearest cell whose state has
+/// a bit of `obstacles`, exact up to reach_cells and reach_cells^2 beyond. In two passes as Felzenszwalb and
 /// Huttenlocher, "Distance transforms of sampled functions" (Theory of Computing 8, 2012), but with the
 /// second pass over a window, which the cap allows and which vectorises. REQUIRES 1 <= reach_cells <= 120
 /// (ContractError). Cost: about 2 reach_cells integer operations per cell.

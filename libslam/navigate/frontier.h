@@ -14,7 +14,8 @@ struct Frontier {
   std::vector<std::size_t> cells;  ///< ascending indices into FreeSpace::state, 8-connected
 };
 
-/// All frontiers of at least min_cells cells, by their first cell. The raster's edge counts as unknown beyond.
+/// All frontiers of at least min_cells cells, by their first cell. The raster's edge counts as unknown
+/// beyond.
 std::vector<Frontier> findFrontiers(const FreeSpace& space, std::size_t min_cells);
 
 /// True when the cell is free and has an unknown cell to the left, right, above or below.

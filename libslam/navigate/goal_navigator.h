@@ -42,8 +42,9 @@ struct GoalStep {
 /// a minute on one spot, when the pose is no longer finite, or when it is lost (the reason says which). Time
 /// is the number of calls times the period. No command is longer than the period or faster than the robot,
 /// and none brings the disc around the footprint nearer than 2 cm and one standard deviation of the range to
-/// anything that the lidar shows. With `unseen` = looked_at none leads the disc over floor that was not seen before, and a
-/// robot whose sensor shows nothing goes on by what it remembers. The same scans and poses give the same commands.
+/// anything that the lidar shows. With `unseen` = looked_at none leads the disc over floor that was not seen
+/// before, and a robot whose sensor shows nothing goes on by what it remembers. The same scans and poses give
+/// the same commands.
 class GoalNavigator {
  public:
   virtual ~GoalNavigator() = default;

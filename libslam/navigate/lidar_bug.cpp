@@ -72,7 +72,8 @@ void LidarBug::look(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
   }
 }
 
-/// With a narrow view: where the sensor does not look or shows nothing, what is known from before stands for the reading.
+/// With a narrow view: where the sensor does not look or shows nothing, what is known from before stands for
+/// the reading.
 void LidarBug::recall(const std::array<double, 5>& aside_rad) {
   if (!looksFirst()) return;
   const auto directions = strategicDirections();

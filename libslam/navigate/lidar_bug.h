@@ -17,10 +17,11 @@ namespace slam::navigate {
 ///
 /// Where we differ; the same list stands in lidar_bug.md:
 ///   - the stop radius is 0.22 m, but never less than what the robot's circle needs (lidarBugStopRadius());
-///     configs/navigate/thesis.ini has a robot that fits into it, so there it is the document's to the letter;
-///   - where the wall ends, `wall_end = front` turns until the front is clear and drives on, as described; ours,
-///     `goal`, the default, turns on until the goal's side is clear, because the front of a robot that follows a
-///     wall is clear already;
+///     configs/navigate/thesis.ini has a robot that fits into it, so there it is the document's to the
+///     letter;
+///   - where the wall ends, `wall_end = front` turns until the front is clear and drives on, as described;
+///     ours, `goal`, the default, turns on until the goal's side is clear, because the front of a robot that
+///     follows a wall is clear already;
 ///   - directions are angles and not indices of 275 readings, so that any lidar will do: the nearest reading
 ///     within 3 degrees counts;
 ///   - readings are measured from the robot's centre, wherever the lidar is mounted;
@@ -82,9 +83,9 @@ std::string lidarBugDiagram();
 std::array<double, 5> strategicDirections();
 enum StrategicDirection { kAhead = 0, kLeftAhead = 1, kLeft = 2, kRight = 3, kRightAhead = 4 };
 
-/// The stop radius in force: stop_radius_m, or 3 cm more than guard_m, the distance at which the guard of every
-/// command would stop the robot anyway (the circle around its footprint, 2 cm and one standard deviation of the
-/// range), where that is larger. The default robot (0.4 m square, sigma 1 cm): 0.343 m.
+/// The stop radius in force: stop_radius_m, or 3 cm more than guard_m, the distance at which the guard of
+/// every command would stop the robot anyway (the circle around its footprint, 2 cm and one standard
+/// deviation of the range), where that is larger. The default robot (0.4 m square, sigma 1 cm): 0.343 m.
 double lidarBugStopRadius(const LidarBugOptions& options, double guard_m);
 
 class LidarBug : public GuardedNavigator {

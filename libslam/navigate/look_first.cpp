@@ -44,7 +44,8 @@ void LookFirst::hide(const core::Point2& p_odom) {
 
 bool LookFirst::isFaced(const core::Point2& p_odom) const {
   const core::Point2 p_sensor = core::inverse(T_odom_robot_ * T_robot_sensor_) * p_odom;
-  // Well inside of the view, at whose sides a camera sees less far. A sensor beside the centre may never face what is near.
+  // Well inside of the view, at whose sides a camera sees less far. A sensor beside the centre may never face
+  // what is near.
   return std::abs(core::atan2(p_sensor.y, p_sensor.x)) <= half_view_rad_ / 2 ||
          std::abs(rest(p_odom)) < kTurned_rad;
 }

@@ -10,14 +10,15 @@
 
 namespace slam::navigate {
 
-/// What a careful robot with a narrow view does: floor that its sensor has not shown is unknown, not free, so it looks
-/// there before it drives there.
+/// What a careful robot with a narrow view does: floor that its sensor has not shown is unknown, not free, so
+/// it looks there before it drives there.
 ///
-/// Before a command whose way leads over floor that has not been seen (obstacles::SeenFloor) the robot turns in place until its
-/// sensor faces the nearest such floor. Seen, the way is open. Faced and still not seen, something hides it that stands too near
-/// to be seen itself (a camera's dead zone, a lidar's minimum range): the place then counts as an obstacle until it is seen to be free.
-/// A bearing with a reading, or with none up to the maximum range, shows the floor from the sensor on: whatever stood
-/// nearer than the sensor sees would have hidden it.
+/// Before a command whose way leads over floor that has not been seen (obstacles::SeenFloor) the robot turns
+/// in place until its sensor faces the nearest such floor. Seen, the way is open. Faced and still not seen,
+/// something hides it that stands too near to be seen itself (a camera's dead zone, a lidar's minimum range):
+/// the place then counts as an obstacle until it is seen to be free. A bearing with a reading, or with none
+/// up to the maximum range, shows the floor from the sensor on: whatever stood nearer than the sensor sees
+/// would have hidden it.
 class LookFirst {
  public:
   LookFirst(const robot::RobotOptions& robot, double period_s, const obstacles::LocalObstacleOptions& zone);
@@ -26,8 +27,8 @@ class LookFirst {
   void update(const robot::Scan& scan, const core::Pose2& T_odom_robot);
   /// While it turns to look: the command for this period. Nothing else is to be done then.
   std::optional<robot::Command> looking() const;
-  /// The turn to be made in place of a command that leads over unseen floor; looking() goes on with it. Nothing where all of
-  /// the way has been seen, and for commands that do not drive.
+  /// The turn to be made in place of a command that leads over unseen floor; looking() goes on with it.
+  /// Nothing where all of the way has been seen, and for commands that do not drive.
   std::optional<robot::Command> instead(const robot::Command& command);
   /// Whether the way of a command leads over unseen floor.
   bool leadsOverUnseen(const robot::Command& command) const { return unseenOn(command).has_value(); }

@@ -34,18 +34,18 @@ struct Scene {
   core::Pose2 T_map_robot;
 };
 
-/// What the strategies on the map have in common: read the map, plan the ways, find the frontiers in reach and
-/// viewpoints for them, follow up how it went, and know when nothing is left. The strategies themselves, one
-/// small file each, only say which viewpoint is the best.
+/// What the strategies on the map have in common: read the map, plan the ways, find the frontiers in reach
+/// and viewpoints for them, follow up how it went, and know when nothing is left. The strategies themselves,
+/// one small file each, only say which viewpoint is the best.
 ///
-/// A frontier is in reach when the robot can drive up to it, or to at most look_m short of it in a gap that it
-/// can look but not drive through. Where the lidar has measured a return there is something, also when the map
-/// cannot make up its mind about the cell (a wall along the line between two cells): no frontier.
+/// A frontier is in reach when the robot can drive up to it, or to at most look_m short of it in a gap that
+/// it can look but not drive through. Where the lidar has measured a return there is something, also when the
+/// map cannot make up its mind about the cell (a wall along the line between two cells): no frontier.
 /// A viewpoint is used once, and a frontier cell is given up when it is still one after a look from close by
 /// that showed nothing new, or after two looks. A goal that could not be reached is left alone for some
-/// decisions and given up the second time. When the planning margin leaves nothing to do, the ways are planned
-/// once more for the bare disc (see PlannerOptions::tight_start), if any frontier remains; on a large map that is
-/// the next decision, so that none takes long.
+/// decisions and given up the second time. When the planning margin leaves nothing to do, the ways are
+/// planned once more for the bare disc (see PlannerOptions::tight_start), if any frontier remains; on a large
+/// map that is the next decision, so that none takes long.
 /// Finished when then no viewpoint is left for any frontier of frontier_min_m (or none that `choose` thinks
 /// worth the way); the reason says how many frontiers remain out of reach and how many were given up.
 class MapStrategy : public Strategy {

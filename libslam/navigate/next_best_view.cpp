@@ -18,8 +18,8 @@ struct View {
   std::vector<std::pair<std::size_t, float>> cells;
 };
 
-/// Metres from one viewpoint to another along the ways from the robot to both: back to where they part. An upper
-/// bound that does not cut through walls, as a straight line would.
+/// Metres from one viewpoint to another along the ways from the robot to both: back to where they part. An
+/// upper bound that does not cut through walls, as a straight line would.
 double lengthBetween(const Viewpoint& a, const Viewpoint& b) {
   const std::size_t most = std::min(a.way.size(), b.way.size());
   std::size_t common = 0;

@@ -13,10 +13,10 @@ namespace slam::navigate {
 ///   none       nothing: the newest scan alone
 ///   short      what earlier scans showed within 1.5 m outside of the newest one's angle of view: it forgets
 ///              whatever lies in that angle, also behind an obstacle
-///   local_map  the original local obstacle map, obstacles::LocalObstacleMap, with the zone of [obstacles]: the
-///              visible area is where the scan sees the floor, so what lies hidden or in the dead zone stays.
-///              Returns outside the zone are not put in, and of those in it one per cell of the merge distance,
-///              so that max_points are points worth keeping
+///   local_map  the original local obstacle map, obstacles::LocalObstacleMap, with the zone of [obstacles]:
+///              the visible area is where the scan sees the floor, so what lies hidden or in the dead zone
+///              stays. Returns outside the zone are not put in, and of those in it one per cell of the merge
+///              distance, so that max_points are points worth keeping
 /// Both memories trust the pose between two scans only.
 class ObstacleMemory {
  public:

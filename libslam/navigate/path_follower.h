@@ -11,8 +11,8 @@ namespace slam::navigate {
 
 /// Drives along a path of the map: turns in place to the next waypoint, drives straight at it, turns at the
 /// end so that the lidar covers a place to look at. The path is never trusted: the disc around the footprint
-/// has to fit by the newest scan (and by what is remembered, robot frame: see ObstacleMemory), the speed falls near to obstacles, and a short sidestep is tried where
-/// something is in the way.
+/// has to fit by the newest scan (and by what is remembered, robot frame: see ObstacleMemory), the speed
+/// falls near to obstacles, and a short sidestep is tried where something is in the way.
 class PathFollower {
  public:
   enum class Status { kFollowing, kArrived, kBlocked };

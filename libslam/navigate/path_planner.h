@@ -16,8 +16,8 @@ struct PlannerOptions {
   double node_m = 0.1;      ///< spacing of the planning nodes, at least one cell
   double look_m = 1.0;      ///< how far beyond the places that admit the robot free cells count as in reach
   bool optimistic = false;  ///< unknown cells are no obstacles
-  /// Within 1.5 m of the robot the way may lead a cell nearer to obstacles than radius_m, at the dearest factor:
-  /// a robot that came to where it stands can leave again, though the noisy map has closed in on it.
+  /// Within 1.5 m of the robot the way may lead a cell nearer to obstacles than radius_m, at the dearest
+  /// factor: a robot that came to where it stands can leave again, though the noisy map has closed in on it.
   bool tight_start = false;
 };
 

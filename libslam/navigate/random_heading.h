@@ -4,8 +4,8 @@
 namespace slam::navigate {
 
 /// The least that any other has to beat: turn to a direction drawn evenly from the beams that are longer than
-/// stop_clearance_m and drive (its length / u), u uniform between the two divisors. Where no beam is that long,
-/// turn round by at least a quarter.
+/// stop_clearance_m and drive (its length / u), u uniform between the two divisors. Where no beam is that
+/// long, turn round by at least a quarter.
 class RandomHeading : public Strategy {
  public:
   RandomHeading(const StrategyOptions& options, core::RandomStream random)

@@ -9,8 +9,8 @@ namespace slam::navigate {
 
 /// How far the disc around the square footprint, with a margin of 2 cm and one standard deviation of the
 /// range, can be shifted straight along direction_rad (robot frame) by the returns of this scan; +infinity
-/// when none is in the way. `remembered` are further obstacles, robot frame: see ObstacleMemory. Says nothing of
-/// what no beam saw: see seesAhead().
+/// when none is in the way. `remembered` are further obstacles, robot frame: see ObstacleMemory. Says nothing
+/// of what no beam saw: see seesAhead().
 double discReach(const robot::Scan& scan, double direction_rad, const robot::RobotOptions& robot,
                  const std::vector<core::Point2>& remembered = {});
 
@@ -24,9 +24,10 @@ double safeSpeed(const robot::Scan& scan, const robot::RobotOptions& robot, doub
 
 /// The distance threshold w of canMove() that follows from the robot: R + s + m, with R the circle around the
 /// footprint, s the longest step of one period (max_speed_mps * period_s) and m the margin that discReach()
-/// keeps, 2 cm and one standard deviation of the range. With every range of the sector at least w, the robot can
-/// drive one whole step along any direction of the sector, and at its end the circle still has its margin; so it
-/// stops in time when it asks once per period. The default robot, 5 scans per second, sigma 1 cm: 0.413 m.
+/// keeps, 2 cm and one standard deviation of the range. With every range of the sector at least w, the robot
+/// can drive one whole step along any direction of the sector, and at its end the circle still has its
+/// margin; so it stops in time when it asks once per period. The default robot, 5 scans per second, sigma 1
+/// cm: 0.413 m.
 double stopClearance(const robot::RobotOptions& robot, double period_s, double range_sigma_m);
 
 }  // namespace slam::navigate

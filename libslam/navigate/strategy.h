@@ -24,8 +24,8 @@ enum class FreeWays { kBoth = 0, kFrontOnly = 1, kRearOnly = 2, kNone = 3 };
 FreeWays canMove(const robot::Scan& scan, double clearance_m,
                  const std::vector<core::Point2>& remembered = {});
 
-/// What a strategy decides and why. Without a path: turn by turn_rad, then drive distance_m. With a path: drive
-/// along its waypoints; turn and distance are then not used.
+/// What a strategy decides and why. Without a path: turn by turn_rad, then drive distance_m. With a path:
+/// drive along its waypoints; turn and distance are then not used.
 struct Decision {
   double turn_rad = 0;
   double distance_m = 0;  ///< 0: only turn
@@ -46,8 +46,8 @@ struct Decision {
 class Strategy {
  public:
   virtual ~Strategy() = default;
-  /// T_map_robot: the robot in the frame of the map that seeMap() gave; without a map any frame that stays put,
-  /// such as odometry's.
+  /// T_map_robot: the robot in the frame of the map that seeMap() gave; without a map any frame that stays
+  /// put, such as odometry's.
   virtual Decision decide(const robot::Scan& scan, const core::Pose2& T_map_robot) = 0;
 
   /// True when decide() works on the map. It then throws ContractError when seeMap() was never called.
@@ -87,8 +87,9 @@ struct StrategyOptions {
   double comfort_m;         ///< nearer to obstacles than this a path counts as longer
   double look_m;            ///< how far beyond where it can drive the robot can look into a gap
   bool optimistic;          ///< plan through the unknown as if it were free
-  /// Give up a goal on the way when what it was for has been seen: the repetitive re-checking of Holz, Basilico,
-  /// Amigoni and Behnke, "Evaluating the efficiency of frontier-based exploration strategies" (ROBOTIK 2010).
+  /// Give up a goal on the way when what it was for has been seen: the repetitive re-checking of Holz,
+  /// Basilico, Amigoni and Behnke, "Evaluating the efficiency of frontier-based exploration strategies"
+  /// (ROBOTIK 2010).
   bool recheck;
   double recheck_s;         ///< how often a path is checked by the newest map
   double unknown_path_m;    ///< how far a ray is expected to go through the unknown
@@ -120,17 +121,17 @@ bool strategyNeedsMap(const std::string& name);
 /// ahead is blocked. Asks the strategy again when the current decision is carried out or given up.
 ///
 /// A command is a turn in place or a straight drive, within the robot's limits. The drive stops when CanMove
-/// reports the way blocked (unless the strategy drives by the disc), and never goes farther in one period than
-/// the disc around the footprint can be shifted before it comes near to a return of the newest scan (a margin
-/// of 2 cm and one standard deviation of the range). When nothing was driven before the stop, it goes back by
-/// back_off_m where the rear is free. After `patience` decisions without progress it turns to a random direction
-/// in which the disc can leave, where only the disc has to fit.
+/// reports the way blocked (unless the strategy drives by the disc), and never goes farther in one period
+/// than the disc around the footprint can be shifted before it comes near to a return of the newest scan (a
+/// margin of 2 cm and one standard deviation of the range). When nothing was driven before the stop, it goes
+/// back by back_off_m where the rear is free. After `patience` decisions without progress it turns to a
+/// random direction in which the disc can leave, where only the disc has to fit.
 ///
-/// With `unseen` = looked_at no drive leads the disc over floor that has not been seen: it turns there first, and back
-/// again (see LookFirst); it does not go back over such floor at all.
+/// With `unseen` = looked_at no drive leads the disc over floor that has not been seen: it turns there first,
+/// and back again (see LookFirst); it does not go back over such floor at all.
 ///
-/// A drive along a ray is left to a goal navigator where `ray_navigator` names one; it has four times the time
-/// of the straight drive. All of it goes by the newest scan and by what `memory` keeps.
+/// A drive along a ray is left to a goal navigator where `ray_navigator` names one; it has four times the
+/// time of the straight drive. All of it goes by the newest scan and by what `memory` keeps.
 ///
 /// A decision with a path is followed (see PathFollower) and checked by the newest map every recheck_s. The
 /// exploration ends when the strategy says so, and as "stuck" after give_up_after decisions in a row between
@@ -141,8 +142,8 @@ class Driver {
   Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& options, const robot::RobotOptions& robot,
          double period_s, core::RandomStream random);
   ~Driver();
-  /// True when the strategy needs a map and next() will decide, or has to check the path that it follows: call
-  /// setMap() before next() then. Always false for strategies without a map.
+  /// True when the strategy needs a map and next() will decide, or has to check the path that it follows:
+  /// call setMap() before next() then. Always false for strategies without a map.
   bool wantsMap() const;
   /// The newest map, for the next call of next(); the reference is not kept. May be called more often.
   void setMap(const gridmap::OccupancyRaster& map);

@@ -12,8 +12,8 @@
 namespace slam::navigate {
 
 /// What is known of the obstacles near the robot: the newest scan, what earlier scans showed where the newest
-/// one does not look (see ObstacleMemory), and what the bumper felt. Only what lies near is remembered, so drift
-/// of the pose does little harm.
+/// one does not look (see ObstacleMemory), and what the bumper felt. Only what lies near is remembered, so
+/// drift of the pose does little harm.
 ///
 /// Three radii of the disc that has to fit, all around the robot's centre: no command may bring anything
 /// nearer than guardRadius() (the footprint's circle, 2 cm and one standard deviation of the range); straight

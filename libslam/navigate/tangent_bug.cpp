@@ -132,8 +132,8 @@ GoalStep TangentBug::toGoal(const robot::Scan& scan, const core::Pose2& T_odom_r
   const double goal_rad = goalDirection(T_odom_robot), goal_m = goalDistance(T_odom_robot);
   const double free_m = freeToGoal(T_odom_robot);
   const bool is_open = free_m >= std::min(goal_m, range_m_), is_seen = isSeen(scan, goal_rad);
-  // What the lidar does not look at is not known to be free, but it may be known to be blocked: a turn to a node takes the
-  // goal out of a narrow view.
+  // What the lidar does not look at is not known to be free, but it may be known to be blocked: a turn to a
+  // node takes the goal out of a narrow view.
   if (is_open) {
     p_odom_heading_to_.reset();
     return step(is_seen ? surroundings_.towards(goal_rad, goal_m) : surroundings_.turn(goal_rad));

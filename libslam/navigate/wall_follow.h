@@ -3,11 +3,11 @@
 
 namespace slam::navigate {
 
-/// Keeps a wall on its right hand at wall_distance_m, by the scan alone. Until it has found a wall it drives to
-/// the nearest thing in sight. Then it goes in steps of 0.3 m, each in the first direction, counter-clockwise from
-/// the nearest point of the wall, in which a disc of wall_distance_m can go a step: along the wall, round its end
-/// to the right, away from a corner to the left. Goes round rooms and pillars in the same sense for ever; what
-/// cannot be seen on the way round is not explored.
+/// Keeps a wall on its right hand at wall_distance_m, by the scan alone. Until it has found a wall it drives
+/// to the nearest thing in sight. Then it goes in steps of 0.3 m, each in the first direction,
+/// counter-clockwise from the nearest point of the wall, in which a disc of wall_distance_m can go a step:
+/// along the wall, round its end to the right, away from a corner to the left. Goes round rooms and pillars
+/// in the same sense for ever; what cannot be seen on the way round is not explored.
 class WallFollow : public Strategy {
  public:
   WallFollow(const StrategyOptions& options, core::RandomStream) : options_(options) {}

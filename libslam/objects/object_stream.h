@@ -12,12 +12,13 @@ namespace slam::objects {
 
 /// A log of any format as a stream of MRPT objects, in the order of the file: CActionCollection and
 /// CSensoryFrame, or bare observations. A format that is not MRPT's gives
-///   a laser scan            CObservation2DRangeScan, label = the lidar's name in the log, sensorPose = mounting
+///   a laser scan            CObservation2DRangeScan, label = the lidar's name in the log, sensorPose =
+///                           mounting
 ///   absolute odometry       CObservationOdometry
 ///   the true robot pose     CObservationRobotPose labelled kTruthLabel: never an estimator's input
 ///   text that it must keep  CObservationComment (parameters, remarks)
-/// all with the stamp of the message itself (text without one: a neighbour's); an odometry reading that the log stores with a scan comes right
-/// before that scan with the scan's stamp.
+/// all with the stamp of the message itself (text without one: a neighbour's); an odometry reading that the
+/// log stores with a scan comes right before that scan with the scan's stamp.
 class ObjectSource {
  public:
   virtual ~ObjectSource() = default;
@@ -35,8 +36,8 @@ class ObjectSource {
 
 inline constexpr const char* kTruthLabel = "TRUTH";
 
-/// Streams objects into a file, written beside (path + ".tmp") and renamed by close(). Without close() nothing
-/// is left behind. Same objects, same bytes.
+/// Streams objects into a file, written beside (path + ".tmp") and renamed by close(). Without close()
+/// nothing is left behind. Same objects, same bytes.
 class ObjectSink {
  public:
   virtual ~ObjectSink() = default;

@@ -27,8 +27,8 @@ struct LocalObstacleOptions {
 ///      (sine and cosine once per tick);
 ///   2. points that left the local zone are dropped (its border belongs to it);
 ///   3. points inside the visible area are dropped: what is still there is seen again;
-///   4. of two points closer than merge_distance_m the earlier is kept (the document does not say which): what is seen
-///      last of a thing that leaves the view would eat it away, distance by distance;
+///   4. of two points closer than merge_distance_m the earlier is kept (the document does not say which):
+///      what is seen last of a thing that leaves the view would eat it away, distance by distance;
 ///   5. the obstacles that are seen now are laid over, wherever they are.
 ///
 /// The zone is small on purpose: what odometry has carried astray is soon forgotten. Memory is bounded: after

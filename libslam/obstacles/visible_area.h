@@ -20,8 +20,8 @@ class VisibleArea {
 /// Those of the points that lie in the area, in their order: what an ideal sensor sees of them.
 std::vector<core::Point2> pointsWithin(const VisibleArea& area, const std::vector<core::Point2>& p_robot);
 
-/// The original document's robot frame has y ahead and x to the right. Both frames are right-handed with z up,
-/// so a turn has the same sign in both: counter-clockwise positive.
+/// The original document's robot frame has y ahead and x to the right. Both frames are right-handed with z
+/// up, so a turn has the same sign in both: counter-clockwise positive.
 inline core::Point2 fromOriginalFrame(const core::Point2& p_original) {
   return {p_original.y, -p_original.x};
 }

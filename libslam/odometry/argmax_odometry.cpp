@@ -51,8 +51,8 @@ bool sameBeams(const robot::Scan& a, const robot::Scan& b) {
          std::abs(a.first_angle_rad - b.first_angle_rad) < 1e-3 * a.step_rad;
 }
 
-/// As the document has it: an index that went on by half the circle or more came the other way round, so exactly half a
-/// turn changes its sign.
+/// As the document has it: an index that went on by half the circle or more came the other way round, so
+/// exactly half a turn changes its sign.
 long wrapIndex(long shift, long circle) {
   if (2 * shift >= circle) return shift - circle;
   return 2 * shift <= -circle ? shift + circle : shift;
@@ -67,21 +67,23 @@ std::optional<double> difference(float before, float after) {
 /// ahead and straight behind. Nothing else of the scan is used. The lidar is taken to sit on the robot's
 /// axis, as in the document; of its mounting pose only the heading counts.
 ///
-/// The document's robot scans before and after every command and knows which one it was. So the motion is that between
-/// the scan before the command and this one, however many scans were taken during it; a scan in between says how
-/// far the command has come. Every reading is a difference of what two scans show, so those from scan to scan would add
-/// up to the same, but only where every scan in between has the readings: here one without them moves nothing, and the
-/// next with them makes up for it. What is given is the increment since the scan before: those of a command compose to the
-/// motion of the whole. A robot that was told nothing stood.
+/// The document's robot scans before and after every command and knows which one it was. So the motion is
+/// that between the scan before the command and this one, however many scans were taken during it; a scan in
+/// between says how far the command has come. Every reading is a difference of what two scans show, so those
+/// from scan to scan would add up to the same, but only where every scan in between has the readings: here
+/// one without them moves nothing, and the next with them makes up for it. What is given is the increment
+/// since the scan before: those of a command compose to the motion of the whole. A robot that was told
+/// nothing stood.
 ///
-/// argmax_blind, and argmax where the caller does not say (kUnknown), guesses from scan to scan: a longest range that moved
-/// by at least one beam means a turn, anything else a move.
+/// argmax_blind, and argmax where the caller does not say (kUnknown), guesses from scan to scan: a longest
+/// range that moved by at least one beam means a turn, anything else a move.
 ///
 /// The document takes two move readings and leaves open how they become one step; here the step is the mean
 /// of front and minus rear, or the one that exists (front only for lidars that do not look back).
 ///
-/// The document has no arcs. Here the turn of one is read as any turn, and front and rear along its chord, which lies
-/// half the turn beside the heading before it and as much on the other side of the heading after it.
+/// The document has no arcs. Here the turn of one is read as any turn, and front and rear along its chord,
+/// which lies half the turn beside the heading before it and as much on the other side of the heading after
+/// it.
 class ArgmaxOdometry : public ScanOdometry {
  public:
   explicit ArgmaxOdometry(const ScanOdometryOptions& options) : options_(options) {}

@@ -23,8 +23,8 @@ struct ScanMotion {
   /// What the original document logs: `t` with the turn, or `m` with the two move readings. Each is a reading
   /// of the scan before minus one of the scan after: the turn is positive counter-clockwise; on a move ahead
   /// the front reading is positive (the wall ahead came nearer) and the rear one negative. 0 where there is
-  /// no reading. A method that estimates the whole motion fills in what ideal readings would have been. Of a command
-  /// with scans in between (argmax): the readings of all of it so far. An arc has all three.
+  /// no reading. A method that estimates the whole motion fills in what ideal readings would have been. Of a
+  /// command with scans in between (argmax): the readings of all of it so far. An arc has all three.
   double turn_reading_rad = 0, rear_reading_m = 0, front_reading_m = 0;
 };
 

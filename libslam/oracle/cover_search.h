@@ -13,12 +13,12 @@ class Chance;
 
 /// Short tours over views that together see enough: the views' ways, and the search.
 ///
-/// A tour is an order of views, the start first; it ends at its last. What is seen on the way counts: that of the
-/// views nearest to the nodes passed. The search removes neighbouring stops of the best tour so far and mends what
-/// is missing by the views that show most per metre of detour (ruin and recreate: Schrimpf et al., J. Comput.
-/// Phys. 159, 2000), then leaves out every stop that is not needed and shortens the order by 2-opt (Croes 1958)
-/// and Or-opt (Or 1976); a longer tour is accepted as simulated annealing does. The same every time: its random
-/// stream has a fixed seed.
+/// A tour is an order of views, the start first; it ends at its last. What is seen on the way counts: that of
+/// the views nearest to the nodes passed. The search removes neighbouring stops of the best tour so far and
+/// mends what is missing by the views that show most per metre of detour (ruin and recreate: Schrimpf et al.,
+/// J. Comput. Phys. 159, 2000), then leaves out every stop that is not needed and shortens the order by 2-opt
+/// (Croes 1958) and Or-opt (Or 1976); a longer tour is accepted as simulated annealing does. The same every
+/// time: its random stream has a fixed seed.
 class CoverSearch {
  public:
   using Tour = std::vector<std::int32_t>;

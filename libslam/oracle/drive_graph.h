@@ -8,19 +8,19 @@
 
 namespace slam::oracle {
 
-/// Where a disc can drive on a known plan, as a graph: a node per block of cells that holds a reachable one, at the
-/// reachable cell nearest to the block's middle; an edge to each of the 16 nearest blocks (a chess king's and
-/// knight's moves) to which the straight line runs through reachable cells. Its lengths are those of real ways, at
-/// most 2.7 % above the shortest where nothing stands close by.
+/// Where a disc can drive on a known plan, as a graph: a node per block of cells that holds a reachable one,
+/// at the reachable cell nearest to the block's middle; an edge to each of the 16 nearest blocks (a chess
+/// king's and knight's moves) to which the straight line runs through reachable cells. Its lengths are those
+/// of real ways, at most 2.7 % above the shortest where nothing stands close by.
 ///
-/// Reachable are the cells that metrics::explorableArea() calls so: their centre has room for the disc, and they
-/// are 4-connected with the start's cell or one of its neighbours.
+/// Reachable are the cells that metrics::explorableArea() calls so: their centre has room for the disc, and
+/// they are 4-connected with the start's cell or one of its neighbours.
 class DriveGraph {
  public:
   using Node = std::int32_t;
 
-  /// `block_cells`: side of a block. Keeps a reference to `plan`. A start in a wall or outside the plan has one
-  /// node or none.
+  /// `block_cells`: side of a block. Keeps a reference to `plan`. A start in a wall or outside the plan has
+  /// one node or none.
   DriveGraph(const world::Plan& plan, const core::Point2& start_world, double radius_m, int block_cells);
   DriveGraph(world::Plan&&, const core::Point2&, double, int) = delete;
   /// The side of a block in cells at which there are at most `most_nodes` of them; at least 2.

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kMostNodes = 40000;
-// The search counts samples, the drive cells and what is seen between the views: it is asked for a little more and
-// for a little less than the share, and the shortest drive that reaches it counts.
+// The search counts samples, the drive cells and what is seen between the views: it is asked for a little
+// more and for a little less than the share, and the shortest drive that reaches it counts.
 constexpr double kMore[] = {0.0, 0.003, -0.003, 0.006, -0.006, 0.009};
 constexpr double kMuchMore[] = {0.02, 0.04, 0.08};  // where none of these got there
 

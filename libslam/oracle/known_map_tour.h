@@ -31,13 +31,14 @@ struct KnownMapTour {
 };
 inline constexpr double kCurveStep_m = 0.1;
 
-/// Between what lengths the shortest path lies that explores 90 % and 99 % of the plan, for this robot from this
-/// start. Explored is what metrics::Coverage counts, of the same explorable area as in every exploration table.
+/// Between what lengths the shortest path lies that explores 90 % and 99 % of the plan, for this robot from
+/// this start. Explored is what metrics::Coverage counts, of the same explorable area as in every exploration
+/// table.
 ///
-/// From above: tours that were found (see CoverSearch) and then driven on the plan, one for each share. The robot
-/// keeps to cells that metrics::explorableArea() calls reachable and looks all round every kCurveStep_m, beams as
-/// dense as the lidar's: turning costs time, not path, so a lidar with any field of view could do the same.
-/// Nobody who is scored by his path has to need more; a shorter tour may exist.
+/// From above: tours that were found (see CoverSearch) and then driven on the plan, one for each share. The
+/// robot keeps to cells that metrics::explorableArea() calls reachable and looks all round every
+/// kCurveStep_m, beams as dense as the lidar's: turning costs time, not path, so a lidar with any field of
+/// view could do the same. Nobody who is scored by his path has to need more; a shorter tour may exist.
 ///
 /// From below: see boundBelow().
 struct Oracle {

@@ -10,8 +10,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTight = 1e-9;
 
-/// Grows the y of all sets that still may, at one pace, joins sets when the way between them is paid for, and stops
-/// those whose area is.
+/// Grows the y of all sets that still may, at one pace, joins sets when the way between them is paid for, and
+/// stops those whose area is.
 class Growth {
  public:
   Growth(const Places& places, double lambda) : places_(places), count_(places.area.size()) {

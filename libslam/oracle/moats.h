@@ -11,8 +11,8 @@ struct Places {
   std::vector<std::vector<double>> between;  ///< symmetric
 };
 
-/// The largest bound that the argument of boundBelow(), step 3, gives for a path from the start that misses at most
-/// `spare` of the area, over a ladder of lambdas. At least 0. Cost: cubic in the groups.
+/// The largest bound that the argument of boundBelow(), step 3, gives for a path from the start that misses
+/// at most `spare` of the area, over a ladder of lambdas. At least 0. Cost: cubic in the groups.
 double moatBound(const Places& places, double spare);
 
 }  // namespace slam::oracle

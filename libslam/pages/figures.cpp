@@ -84,7 +84,8 @@ namespace {
 
 constexpr double kSmoothedPerChart = 50;  // windows over the time that a chart shows
 
-/// Root mean square over a window about each moment: of errors that change from scan to scan a chart would show a band.
+/// Root mean square over a window about each moment: of errors that change from scan to scan a chart would
+/// show a band.
 std::vector<core::Point2> smoothedErrors(const report::ReportRun& run, double window_s) {
   std::vector<core::Point2> points;
   double sum = 0;

@@ -85,8 +85,8 @@ std::string logOf(const run::RunFolder& run, const std::string& folder, report::
   return "";
 }
 
-/// Rows in the order of their error, or where no truth is known of how far they are from the others; those without such a
-/// figure last.
+/// Rows in the order of their error, or where no truth is known of how far they are from the others; those
+/// without such a figure last.
 void sortByWorth(std::vector<score::Evaluation>& evaluations, bool has_truth) {
   const auto error = [&](const score::Evaluation& e) {
     const double rmse = has_truth ? e.final_trajectory.position_m.rmse : e.agreement_m;

@@ -22,7 +22,8 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// RFC 4180: rows of fields; a quoted field may hold commas, quotes and line ends. lines[i]: where row i begins.
+/// RFC 4180: rows of fields; a quoted field may hold commas, quotes and line ends. lines[i]: where row i
+/// begins.
 std::vector<std::vector<std::string>> csvRows(const std::string& text) {
   std::vector<std::vector<std::string>> rows;
   bool quoted = false, open = false;
@@ -52,7 +53,8 @@ std::string operationText(const sim::Operation& operation) {
   return text;
 }
 
-/// The whole command that each of the log's scans was taken after or during; none where the two do not belong together.
+/// The whole command that each of the log's scans was taken after or during; none where the two do not belong
+/// together.
 std::vector<std::string> readOperations(const std::string& log_path, std::uint64_t scans) {
   const std::string path = record::logStem(log_path) + ".operations.txt";
   if (!fs::exists(path)) return {};

@@ -15,15 +15,15 @@ std::string resultOf(const core::Manifest& manifest, const std::string& key);
 /// "Sweep: NAME" with the folder's own name.
 std::string pageTitle(const std::string& folder, const std::string& what);
 
-/// A table that toMarkdown() wrote, as people saw it; one that toJson() wrote, with its numbers. Errors: InputError with the
-/// path.
+/// A table that toMarkdown() wrote, as people saw it; one that toJson() wrote, with its numbers. Errors:
+/// InputError with the path.
 report::Table readMarkdownTable(const std::string& path);
 report::Table readJsonTable(const std::string& path);
 /// The text of such a table's cell, "" where it holds a number.
 std::string textIn(const report::CellValue& cell);
 
-/// A CSV with names in its first line: the fields of a column, and the same as numbers (an empty one NaN). Errors:
-/// InputError with file and line.
+/// A CSV with names in its first line: the fields of a column, and the same as numbers (an empty one NaN).
+/// Errors: InputError with file and line.
 class CsvColumns {
  public:
   explicit CsvColumns(const std::string& path);
@@ -45,8 +45,8 @@ void addDownload(report::ReportPage& page, const std::string& path, const std::s
 /// The tables that comparisons and explorations write.
 void addTableDownloads(const std::string& folder, report::ReportPage& page);
 
-/// Fills in the scans, evenly chosen so that there are at most `most`, with the operations that led to them and the
-/// collisions on the way, as record() wrote them beside the log.
+/// Fills in the scans, evenly chosen so that there are at most `most`, with the operations that led to them
+/// and the collisions on the way, as record() wrote them beside the log.
 void readReplay(const std::string& log_path, std::size_t most, core::Progress& progress,
                 report::ReportReplay& replay);
 /// Where a strategy wanted to go, and why, from the exploration.csv and decisions.csv of its folder.
@@ -60,12 +60,13 @@ void fillExplorations(const std::string& folder, core::Progress& progress, repor
 void fillNavigation(const std::string& folder, const core::Manifest& manifest, report::ReportPage& page);
 void fillSweep(const std::string& folder, const core::Manifest& manifest, core::Progress& progress,
                report::ReportPage& page);
-/// Curves of explored share over path and over time: `folders[i]` holds the exploration.csv of the line called `labels[i]`.
+/// Curves of explored share over path and over time: `folders[i]` holds the exploration.csv of the line
+/// called `labels[i]`.
 void addCoverage(const std::vector<std::string>& folders, const std::vector<std::string>& labels,
                  report::ReportPage& page);
 
-/// A run of buildMap() on a log that lies with its truth, as the page shows it: page.runs gets it under `name`,
-/// page.replays[replay] the truth and the plan.
+/// A run of buildMap() on a log that lies with its truth, as the page shows it: page.runs gets it under
+/// `name`, page.replays[replay] the truth and the plan.
 void addRun(const std::string& folder, const std::string& log_path, const std::string& name,
             std::size_t replay, report::ReportPage& page);
 

@@ -29,17 +29,18 @@ struct ExploringRobotOptions {
 /// core::readParameters and record::readRecordConfig (InputError).
 ExploringRobotOptions readExploringRobotOptions(const core::IniFile& ini, const std::string& section);
 
-/// A robot that explores a plan on its own in simulated time: what record::record() does, one scan at a time, so
-/// that the same plan, options and seed give the same scans and odometry as a rawlog of `rasterslam simulate`.
-/// A strategy that needs a map gets that of `slam`, made of the robot's own scans and odometry as in explore::explore(), with
-/// the pose in it; the truth only moves the robot and draws its scans.
+/// A robot that explores a plan on its own in simulated time: what record::record() does, one scan at a time,
+/// so that the same plan, options and seed give the same scans and odometry as a rawlog of
+/// `rasterslam simulate`. A strategy that needs a map gets that of `slam`, made of the robot's own scans and
+/// odometry as in explore::explore(), with the pose in it; the truth only moves the robot and draws its
+/// scans.
 class ExploringRobot {
  public:
   /// Errors: no such plan, no free start, no such method (InputError).
   explicit ExploringRobot(const ExploringRobotOptions& options);
   ~ExploringRobot();
-  /// Drives on for one scan period and looks (the first call only looks). nullopt after `scans` scans, and when
-  /// the strategy has nothing left to explore. Errors: the method diverged (MethodError).
+  /// Drives on for one scan period and looks (the first call only looks). nullopt after `scans` scans, and
+  /// when the strategy has nothing left to explore. Errors: the method diverged (MethodError).
   std::optional<sim::Sensed> next();
 
  private:

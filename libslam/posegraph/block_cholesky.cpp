@@ -26,8 +26,8 @@ std::vector<int> minimumDegreeOrder(int size, const std::vector<std::pair<int, i
   return {indices.data(), indices.data() + indices.size()};
 }
 
-/// Inverse of the lower Cholesky factor of a block. `original`: the diagonal before anything was taken off it. False
-/// when not positive definite.
+/// Inverse of the lower Cholesky factor of a block. `original`: the diagonal before anything was taken off
+/// it. False when not positive definite.
 bool invertPivot(const Eigen::Matrix3d& a, const Eigen::Matrix3d& original, Eigen::Matrix3d& inverse) {
   const double d0 = a(0, 0);
   if (!(d0 > kSmallestPivot * original(0, 0))) return false;
@@ -208,7 +208,8 @@ BlockCholesky::SparseInverse BlockCholesky::sparseInverse() const {
       place[at(row_of_[at(p)])] = p;
       inverse[at(p)].setZero();
     }
-    // sum over k of inverse(i, k) L(k, j), each unordered pair of rows met once, in the column of the smaller.
+    // sum over k of inverse(i, k) L(k, j), each unordered pair of rows met once, in the column of the
+    // smaller.
     for (int p = begin; p < end; ++p) {
       const int i = row_of_[at(p)];
       inverse[at(p)].noalias() -= diagonal[at(i)] * factor_[at(p)];

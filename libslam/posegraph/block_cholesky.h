@@ -5,23 +5,25 @@
 
 namespace slam::posegraph {
 
-/// Sparse Cholesky factorisation of a symmetric positive definite matrix of 3 x 3 blocks, one block row per pose. Rows
-/// are eliminated in the order of approximate minimum degree (Amestoy, Davis and Duff, SIAM J. Matrix Anal. Appl. 17(4),
-/// 1996, as Eigen has it), row by row along the elimination tree (Davis, "Direct methods for sparse linear systems",
-/// 2006, chapter 4). A whole block is one entry of the pattern, so there is a ninth of the indices that Eigen's
-/// SimplicialLLT has to follow.
+/// Sparse Cholesky factorisation of a symmetric positive definite matrix of 3 x 3 blocks, one block row per
+/// pose. Rows are eliminated in the order of approximate minimum degree (Amestoy, Davis and Duff, SIAM J.
+/// Matrix Anal. Appl. 17(4), 1996, as Eigen has it), row by row along the elimination tree (Davis, "Direct
+/// methods for sparse linear systems", 2006, chapter 4). A whole block is one entry of the pattern, so there
+/// is a ninth of the indices that Eigen's SimplicialLLT has to follow.
 ///
 /// Use: analyse() once per pattern; then setZero(), add..., factorize(), solve() as often as wanted.
 /// Deterministic: the same calls give the same bytes.
 class BlockCholesky {
  public:
-  /// `blocks`: (row, column) of the off-diagonal blocks that may be other than zero, either triangle, repetitions
-  /// allowed. REQUIRES indices within 0 .. size-1 and row != column. Cost: about that of one factorisation.
+  /// `blocks`: (row, column) of the off-diagonal blocks that may be other than zero, either triangle,
+  /// repetitions allowed. REQUIRES indices within 0 .. size-1 and row != column. Cost: about that of one
+  /// factorisation.
   void analyse(int size, const std::vector<std::pair<int, int>>& blocks);
 
   void setZero();
   void addDiagonal(int row, const Eigen::Matrix3d& value) { diagonal_[at(position_[at(row)])] += value; }
-  /// `block`: index into analyse()'s list; `value` stands at its (row, column), and its transpose at (column, row).
+  /// `block`: index into analyse()'s list; `value` stands at its (row, column), and its transpose at (column,
+  /// row).
   void addBlock(int block, const Eigen::Matrix3d& value) {
     const Slot slot = slots_[at(block)];
     if (slot.transposed)
@@ -30,8 +32,8 @@ class BlockCholesky {
       values_[at(slot.index)] += value;
   }
 
-  /// Factorises what was added, its scalar diagonal multiplied by 1 + damping. False when it is not positive definite
-  /// (to rounding); then there is no factor. What was added stays.
+  /// Factorises what was added, its scalar diagonal multiplied by 1 + damping. False when it is not positive
+  /// definite (to rounding); then there is no factor. What was added stays.
   bool factorize(double damping = 0);
 
   /// Solves in place. REQUIRES a factor, here and below.
@@ -45,8 +47,9 @@ class BlockCholesky {
   HalfColumn halfColumn(int row) const;
   /// Block (a, b) of the inverse from the half columns of a and b.
   static Eigen::Matrix3d inverseBlock(const HalfColumn& a, const HalfColumn& b);
-  /// Of the inverse: all diagonal blocks, and those at the places of analyse()'s list. By Takahashi's recursion over the
-  /// factor's pattern (Erisman and Tinney, Comm. ACM 18(3), 1975). Cost: about three factorisations.
+  /// Of the inverse: all diagonal blocks, and those at the places of analyse()'s list. By Takahashi's
+  /// recursion over the factor's pattern (Erisman and Tinney, Comm. ACM 18(3), 1975). Cost: about three
+  /// factorisations.
   struct SparseInverse {
     std::vector<Eigen::Matrix3d> diagonal, blocks;
   };

@@ -47,8 +47,8 @@ class Linear {
   int size_ = 0;
 };
 
-/// Which unknowns a node's heading and position are made of. Unknown 0 is the heading of the map's frame, whose position
-/// is the origin; a free node has two of its own: heading, position.
+/// Which unknowns a node's heading and position are made of. Unknown 0 is the heading of the map's frame,
+/// whose position is the origin; a free node has two of its own: heading, position.
 class Unknowns {
  public:
   explicit Unknowns(const PoseGraph& graph) : graph_(graph) {
@@ -96,8 +96,8 @@ class Unknowns {
   int free_ = 0;
 };
 
-/// A Hermitian form as it is summed up, and its product with the unknowns' values: edge by edge, so that it keeps its
-/// digits.
+/// A Hermitian form as it is summed up, and its product with the unknowns' values: edge by edge, so that it
+/// keeps its digits.
 class Form {
  public:
   explicit Form(Vector values) : values_(std::move(values)), product_(Vector::Zero(values_.size())) {}
@@ -133,7 +133,8 @@ class Form {
   std::vector<Eigen::Triplet<Complex>> entries_;
 };
 
-/// The largest diag(s, s, w), as a share of (least of the information's positions, its heading), below the information.
+/// The largest diag(s, s, w), as a share of (least of the information's positions, its heading), below the
+/// information.
 Eigen::Vector3d roundPart(const Eigen::Matrix3d& information) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> positions(information.topLeftCorner<2, 2>(),
                                                                  Eigen::EigenvaluesOnly);
@@ -147,7 +148,8 @@ Eigen::Vector3d roundPart(const Eigen::Matrix3d& information) {
   return Eigen::Vector3d(s, s, w) * share;
 }
 
-/// Adds the form that bounds an edge's chi2 from below and meets it at the graph's poses. False: there is none.
+/// Adds the form that bounds an edge's chi2 from below and meets it at the graph's poses. False: there is
+/// none.
 bool addEdge(const PoseGraph& graph, const Unknowns& unknowns, const Edge& edge, Form& form) {
   const Eigen::Vector3d e = edgeError(edge, graph.poses());
   const Eigen::Vector3d round = roundPart(edge.information);
@@ -159,7 +161,8 @@ bool addEdge(const PoseGraph& graph, const Unknowns& unknowns, const Edge& edge,
   r.add(unknowns.position(edge.from), -1);
   r.add(a, -Complex(edge.T_from_to.x, edge.T_from_to.y));
   form.add(r, round[0] / 2, r);
-  // The error is conj(a z) r, and a + bi times a' + b'i, one of them conjugate, has a dot product for its real part.
+  // The error is conj(a z) r, and a + bi times a' + b'i, one of them conjugate, has a dot product for its
+  // real part.
   form.add(a, std::conj(Complex(tangent[0], tangent[1]) * z), r);
   // w theta^2 + 2 d theta is w (theta - shift)^2 and a constant.
   const double w = round[2];

@@ -9,8 +9,8 @@ namespace {
 // Damping, relative to the diagonal: none while steps go down.
 constexpr double kFirstDamping = 1e-4, kDampingUp = 10, kDampingDown = 0.1, kLeastDamping = 1e-7,
                  kMostDamping = 1e8;
-/// Of a step that would go up, the least share that is tried before it is damped. Damping holds the long waves of a graph
-/// back more than its short ones, and steps go up along the short ones.
+/// Of a step that would go up, the least share that is tried before it is damped. Damping holds the long
+/// waves of a graph back more than its short ones, and steps go up along the short ones.
 constexpr double kLeastShare = 0.1;
 /// chi2 may rise by so much of itself through rounding.
 constexpr double kRounding = 1e-12;
@@ -45,7 +45,8 @@ Descent descend(const PoseGraph& graph, GraphSystem& system, std::vector<core::P
       damping = std::max(kFirstDamping, kDampingUp * damping);
       continue;
     }
-    // The undamped step's fall of chi2 is its length in standard deviations, squared, and bounds that of every pose.
+    // The undamped step's fall of chi2 is its length in standard deviations, squared, and bounds that of
+    // every pose.
     const bool is_last = damping == 0 && predicted <= tolerance * tolerance;
     auto next = moved(graph, system, out.poses, step, 1);
     double next_chi2 = system.linearise(graph, next, weights);

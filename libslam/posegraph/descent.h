@@ -14,8 +14,8 @@ struct Descent {
   bool converged = false;
 };
 
-/// Weighted least squares from `poses`: Gauss-Newton, with steps shortened and then damped (Levenberg) while they
-/// would go up. A step adds to x, y
+/// Weighted least squares from `poses`: Gauss-Newton, with steps shortened and then damped (Levenberg) while
+/// they would go up. A step adds to x, y
 /// and phi in the map's frame. `tolerance` as in OptimizeOptions.
 Descent descend(const PoseGraph& graph, GraphSystem& system, std::vector<core::Pose2> poses,
                 const std::vector<double>& weights, double tolerance, int max_iterations);

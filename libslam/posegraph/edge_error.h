@@ -12,8 +12,9 @@ Eigen::Vector3d edgeError(const core::Pose2& T_map_a, const core::Pose2& T_map_b
 Eigen::Vector3d edgeError(const Edge& edge, const std::vector<core::Pose2>& poses);
 double edgeChi2(const Edge& edge, const std::vector<core::Pose2>& poses);
 
-/// The quadratic that an edge's chi2 is near the present poses: with steps d_a, d_b added to (x, y, phi) of its ends,
-/// chi2 + 2 (g_a d_a + g_b d_b) + d' H d, where H = [aa, ab; ab', bb] leaves the error's curvature out (Gauss-Newton).
+/// The quadratic that an edge's chi2 is near the present poses: with steps d_a, d_b added to (x, y, phi) of
+/// its ends, chi2 + 2 (g_a d_a + g_b d_b) + d' H d, where H = [aa, ab; ab', bb] leaves the error's curvature
+/// out (Gauss-Newton).
 struct EdgeQuadratic {
   double chi2;
   Eigen::Vector3d g_a, g_b;

@@ -128,7 +128,8 @@ void parseLine(const std::string& tag, Fields& fields, const std::string& where,
   fields.requireEnd();
 }
 
-/// Puts the smallest id in the place of all that EQUIV says are the same vertex; edges inside one are dropped.
+/// Puts the smallest id in the place of all that EQUIV says are the same vertex; edges inside one are
+/// dropped.
 void mergeSame(FileContent& content) {
   const auto smallest = [&content](Id id) {
     for (auto it = content.same.find(id); it != content.same.end(); it = content.same.find(id))

@@ -8,7 +8,8 @@
 namespace slam::posegraph {
 namespace {
 
-/// In standard deviations: how near a minimum a certificate is asked for. At a distance d the bound is looser by d^2.
+/// In standard deviations: how near a minimum a certificate is asked for. At a distance d the bound is looser
+/// by d^2.
 constexpr double kFine = 1e-6;
 /// An end is lower than another by at least so much of its chi2.
 constexpr double kLower = 1e-9;

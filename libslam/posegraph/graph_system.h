@@ -7,21 +7,23 @@
 
 namespace slam::posegraph {
 
-/// The normal equations of a graph: one block row per node that is not fixed. What optimize() and Marginals share.
+/// The normal equations of a graph: one block row per node that is not fixed. What optimize() and Marginals
+/// share.
 class GraphSystem {
  public:
-  /// Takes the graph's structure; edges between fixed nodes and edges given as unused are left out. Errors: InputError
-  /// for a node that no chain of used edges ties to a fixed node or to a prior.
+  /// Takes the graph's structure; edges between fixed nodes and edges given as unused are left out. Errors:
+  /// InputError for a node that no chain of used edges ties to a fixed node or to a prior.
   GraphSystem(const PoseGraph& graph, const std::vector<char>& is_used);
 
   /// Fills the equations at these poses, edge i counting `weights[i]` times; returns the weighted chi2.
   double linearise(const PoseGraph& graph, const std::vector<core::Pose2>& poses,
                    const std::vector<double>& weights);
-  /// The Gauss-Newton step of linearise()'s equations, one per variable, and what chi2 should fall by. False when the
-  /// equations are singular. `damping` as in BlockCholesky::factorize().
+  /// The Gauss-Newton step of linearise()'s equations, one per variable, and what chi2 should fall by. False
+  /// when the equations are singular. `damping` as in BlockCholesky::factorize().
   bool step(double damping, std::vector<Eigen::Vector3d>& step, double& predicted);
 
-  /// Covariance of each used edge's error as the equations have it, by edge; zero for the others. REQUIRES a factor.
+  /// Covariance of each used edge's error as the equations have it, by edge; zero for the others. REQUIRES a
+  /// factor.
   std::vector<Eigen::Matrix3d> errorCovariances(const PoseGraph& graph,
                                                 const std::vector<core::Pose2>& poses) const;
   /// The same of one edge, used or not.

@@ -17,10 +17,11 @@ constexpr double kBridgeWeight = 1e-6;
 /// Between rounds poses need not be found to more than so many standard deviations.
 constexpr double kCoarse = 0.03;
 constexpr int kCoarseIterations = 20;
-/// Errors spread: next to a false loop, true ones look false too. Only those near the worst are switched off at once.
+/// Errors spread: next to a false loop, true ones look false too. Only those near the worst are switched off
+/// at once.
 constexpr double kNearWorst = 0.25;
-/// Building: this share of the loops that fit is taken in a round, but at least so many, and all that the graph is
-/// about as sure of as they are themselves.
+/// Building: this share of the loops that fit is taken in a round, but at least so many, and all that the
+/// graph is about as sure of as they are themselves.
 constexpr double kShare = 0.25;
 constexpr size_t kAtLeast = 20;
 constexpr double kSure = 3;  // the trace of a 3 x 3 identity

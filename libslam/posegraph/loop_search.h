@@ -18,18 +18,19 @@ struct LoopChoice {
 
 /// Looks for the loops to switch off, as optimize() describes.
 ///
-/// What a loop costs is judged without removing it: with S the covariance of its error as the graph has it, e its error
-/// and W its information, the graph's chi2 falls by e' (W^-1 - S)^-1 e when a loop that is on is left out, and rises by
-/// e' (W^-1 + S)^-1 e when one that is off is taken in (both to first order; the one is the deletion residual of
-/// regression diagnostics, the other the innovation of a Kalman filter). S of all loops costs three factorisations.
+/// What a loop costs is judged without removing it: with S the covariance of its error as the graph has it, e
+/// its error and W its information, the graph's chi2 falls by e' (W^-1 - S)^-1 e when a loop that is on is
+/// left out, and rises by e' (W^-1 + S)^-1 e when one that is off is taken in (both to first order; the one
+/// is the deletion residual of regression diagnostics, the other the innovation of a Kalman filter). S of all
+/// loops costs three factorisations.
 class LoopSearch {
  public:
   LoopSearch(const PoseGraph& graph, const OptimizeOptions& options);
   /// From the graph's poses and switches.
   LoopChoice improve();
-  /// From its poses and no loop: those that the graph is surest of come first, so that the graph gets surer and the
-  /// next are judged harder (in the spirit of the forward search of Atkinson and Riani, 2000). Where that leaves out many,
-  /// improve() from all loops is tried as well, and what costs less is taken.
+  /// From its poses and no loop: those that the graph is surest of come first, so that the graph gets surer
+  /// and the next are judged harder (in the spirit of the forward search of Atkinson and Riani, 2000). Where
+  /// that leaves out many, improve() from all loops is tried as well, and what costs less is taken.
   LoopChoice build();
   int iterations() const { return iterations_; }
 

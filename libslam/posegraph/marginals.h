@@ -7,20 +7,22 @@
 
 namespace slam::posegraph {
 
-/// How sure a graph is of its poses: covariances at its present poses, from its edges that are on. First-order, so true
-/// after optimize() and for errors well below a radian. Rows and columns are x (m), y (m), phi (rad).
+/// How sure a graph is of its poses: covariances at its present poses, from its edges that are on.
+/// First-order, so true after optimize() and for errors well below a radian. Rows and columns are x (m), y
+/// (m), phi (rad).
 ///
 /// A snapshot: later changes of the graph do not reach it.
 class Marginals {
  public:
-  /// Cost: that of one step of optimize(). Errors: InputError as optimize(); MethodError when the edges leave some
-  /// direction of some pose open, or hold it by no more than rounding. kBounded: then the information is raised by the
-  /// least share of its diagonal that gives an answer, so that what is open has a large variance.
+  /// Cost: that of one step of optimize(). Errors: InputError as optimize(); MethodError when the edges leave
+  /// some direction of some pose open, or hold it by no more than rounding. kBounded: then the information is
+  /// raised by the least share of its diagonal that gives an answer, so that what is open has a large
+  /// variance.
   enum class Open { kRefused, kBounded };
   explicit Marginals(const PoseGraph& graph, Open open = Open::kRefused);
 
-  /// Of the pose in the map's frame; zero for a fixed node. Here and below: REQUIRES nodes of the graph (ContractError).
-  /// Cost: one chain of the elimination tree; all() is cheaper for many.
+  /// Of the pose in the map's frame; zero for a fixed node. Here and below: REQUIRES nodes of the graph
+  /// (ContractError). Cost: one chain of the elimination tree; all() is cheaper for many.
   Eigen::Matrix3d covariance(int node) const;
   /// One per node.
   std::vector<Eigen::Matrix3d> all() const;

@@ -6,7 +6,8 @@
 
 namespace slam::posegraph {
 
-/// Which nodes chains of edges connect, edge by edge as they are joined; fixed nodes and the map are one part.
+/// Which nodes chains of edges connect, edge by edge as they are joined; fixed nodes and the map are one
+/// part.
 class Parts {
  public:
   explicit Parts(const PoseGraph& graph) : root_(static_cast<size_t>(graph.nodeCount()) + 1) {
@@ -35,8 +36,8 @@ class Parts {
   std::vector<int> root_;
 };
 
-/// Nodes that chains of edges that are on connect, ascending, the parts by their smallest node. Fixed nodes and those
-/// that have a prior count as connected with one another.
+/// Nodes that chains of edges that are on connect, ascending, the parts by their smallest node. Fixed nodes
+/// and those that have a prior count as connected with one another.
 std::vector<std::vector<int>> partsOf(const PoseGraph& graph);
 
 /// Errors: InputError for a node that no chain of used edges ties to a fixed node or to a prior.

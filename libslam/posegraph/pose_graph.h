@@ -26,23 +26,23 @@ struct Edge {
   bool on = true;  ///< false: counts for nothing
 };
 
-/// What an optimisation works on: poses to be found, and measurements between them. Plain data with its rules; see
-/// optimize() and Marginals for what can be done with it.
+/// What an optimisation works on: poses to be found, and measurements between them. Plain data with its
+/// rules; see optimize() and Marginals for what can be done with it.
 ///
-/// The error of an edge is e = (R(z)^T (R(a)^T (t_b - t_a) - t_z), angle(b) - angle(a) - angle(z) in (-pi, pi]) with
-/// a, b the poses of its ends and z its measurement: T_from_to^-1 * T_from_to(estimated), which is g2o's EDGE_SE2
-/// (Kümmerle et al., "g2o: a general framework for graph optimization", ICRA 2011). Its chi2 is e' * information * e,
-/// and the graph's chi2 the sum over the edges that are on.
+/// The error of an edge is e = (R(z)^T (R(a)^T (t_b - t_a) - t_z), angle(b) - angle(a) - angle(z) in (-pi,
+/// pi]) with a, b the poses of its ends and z its measurement: T_from_to^-1 * T_from_to(estimated), which is
+/// g2o's EDGE_SE2 (Kümmerle et al., "g2o: a general framework for graph optimization", ICRA 2011). Its chi2
+/// is e' * information * e, and the graph's chi2 the sum over the edges that are on.
 ///
-/// Only differences of poses are measured, so something must hold the graph in place: at least one fixed node, or a
-/// prior, in each connected part.
+/// Only differences of poses are measured, so something must hold the graph in place: at least one fixed
+/// node, or a prior, in each connected part.
 class PoseGraph {
  public:
   /// Returns the node's number: 0, 1, 2 ... REQUIRES a finite pose (ContractError).
   int addNode(const core::Pose2& T_map_node);
-  /// Returns the edge's number: 0, 1, 2 ... REQUIRES two different nodes that exist (or kMap in `from`), finite
-  /// numbers, and information that is symmetric (to 1e-9 of its largest entry), not zero and not indefinite
-  /// (ContractError).
+  /// Returns the edge's number: 0, 1, 2 ... REQUIRES two different nodes that exist (or kMap in `from`),
+  /// finite numbers, and information that is symmetric (to 1e-9 of its largest entry), not zero and not
+  /// indefinite (ContractError).
   int addEdge(const Edge& edge);
 
   /// A fixed node keeps its pose. REQUIRES that the node exists (ContractError), as all below.
@@ -69,8 +69,8 @@ class PoseGraph {
   std::vector<Edge> edges_;
 };
 
-/// What is wrong with an information matrix ("an entry that is not finite", "not symmetric", "zero", "indefinite"), or
-/// "" when an edge may carry it.
+/// What is wrong with an information matrix ("an entry that is not finite", "not symmetric", "zero",
+/// "indefinite"), or "" when an edge may carry it.
 const char* informationProblem(const Eigen::Matrix3d& information);
 
 }  // namespace slam::posegraph

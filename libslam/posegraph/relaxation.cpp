@@ -101,7 +101,8 @@ class Relaxation {
   }
   double knownHeading(int node) const { return node == kMap ? 0 : graph_.pose(node).phi; }
 
-  /// The least of e' W e over all edges, e = t_b - t_a - R_a t_z, W the positions' information in the map's frame.
+  /// The least of e' W e over all edges, e = t_b - t_a - R_a t_z, W the positions' information in the map's
+  /// frame.
   std::vector<core::Pose2> positions() {
     LeastSquares<double> equations(2 * free_);
     for (const Edge& edge : graph_.edges())

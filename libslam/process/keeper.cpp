@@ -27,7 +27,8 @@ extern char** environ;
 namespace slam::process {
 namespace {
 
-/// All that the copy needs, made before fork(2): behind it, only functions that signal-safety(7) lists are called.
+/// All that the copy needs, made before fork(2): behind it, only functions that signal-safety(7) lists are
+/// called.
 struct Start {
   std::array<char*, 4> argv;
   const char* folder;
@@ -117,7 +118,8 @@ void account(const rusage& usage, KeptEnd& end) {
 
 void onChild(int) {}
 
-/// Until the shell has ended or the other end of `control` closes. The shell stays unburied, so that its group's number stays its own.
+/// Until the shell has ended or the other end of `control` closes. The shell stays unburied, so that its
+/// group's number stays its own.
 void watch(const Start& start, pid_t shell, KeptEnd& end) {
   for (;;) {
     siginfo_t info{};
@@ -192,7 +194,8 @@ bool readStat(const char* process, ProcessStat& stat) {
   std::ifstream file("/proc/" + std::string(process) + "/stat");
   std::string text;
   if (!std::getline(file, text)) return false;
-  // Behind the name in brackets, which may hold anything: fields 3 (state), 4 (parent) and 24 (resident pages).
+  // Behind the name in brackets, which may hold anything: fields 3 (state), 4 (parent) and 24 (resident
+  // pages).
   const size_t name_end = text.rfind(')');
   if (name_end == std::string::npos) return false;
   return std::sscanf(

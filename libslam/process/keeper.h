@@ -14,15 +14,17 @@ struct KeptEnd {
   double peak_memory_mb = 0;  ///< resident, of the largest single process
 };
 
-/// A line of /bin/sh, started by a process between it and us, the keeper: a small copy of this one that is the reaper of all
-/// below it (prctl(2), PR_SET_CHILD_SUBREAPER). What its programs leave behind, sessions of their own and daemons too,
-/// becomes the keeper's child, so that it can be counted and killed: when stop() is called, when the shell ends, and
-/// when this process does in whatever way, kill -9 included. What no process can prevent: that a program of the same user
-/// kills the keeper itself (the shell dies with it, what it had detached does not), or has another service start something for it.
+/// A line of /bin/sh, started by a process between it and us, the keeper: a small copy of this one that is
+/// the reaper of all below it (prctl(2), PR_SET_CHILD_SUBREAPER). What its programs leave behind, sessions of
+/// their own and daemons too, becomes the keeper's child, so that it can be counted and killed: when stop()
+/// is called, when the shell ends, and when this process does in whatever way, kill -9 included. What no
+/// process can prevent: that a program of the same user kills the keeper itself (the shell dies with it, what
+/// it had detached does not), or has another service start something for it.
 class Keeper {
  public:
-  /// Standard input is empty, standard output and error go to printedEnd(), no core is dumped, and whoever writes a file beyond
-  /// `largest_file_bytes` gets SIGXFSZ. Errors: IoError when there is no process or pipe left.
+  /// Standard input is empty, standard output and error go to printedEnd(), no core is dumped, and whoever
+  /// writes a file beyond `largest_file_bytes` gets SIGXFSZ. Errors: IoError when there is no process or pipe
+  /// left.
   Keeper(const std::string& shell_line, const std::string& folder, std::uint64_t largest_file_bytes);
   /// Kills all and waits for it.
   ~Keeper();

@@ -21,10 +21,11 @@ struct ProcessOutcome {
   std::string printed;  ///< all, or the first and the last 256 KiB and between them how much is left out
 };
 
-/// Runs a line of /bin/sh in `folder` with standard input closed and waits for it. Time and memory are the kernel's own
-/// account (getrusage(2)). All that it starts, in sessions of their own and as daemons too, is killed (Keeper) when a limit is
-/// broken, when progress.update() throws, which it may ten times a second, when this process ends in whatever way, and
-/// what is left of it when it ends itself. Errors: IoError when it cannot be started.
+/// Runs a line of /bin/sh in `folder` with standard input closed and waits for it. Time and memory are the
+/// kernel's own account (getrusage(2)). All that it starts, in sessions of their own and as daemons too, is
+/// killed (Keeper) when a limit is broken, when progress.update() throws, which it may ten times a second,
+/// when this process ends in whatever way, and what is left of it when it ends itself. Errors: IoError when
+/// it cannot be started.
 ProcessOutcome runMeasured(const std::string& shell_line, const std::string& folder,
                            const ProcessLimits& limits, core::Progress& progress);
 

@@ -9,8 +9,8 @@
 
 namespace slam::process {
 
-/// In the environment of a program that a Worker started: the process that started it. A program of ours that finds it ends
-/// with that process (apps/program.cpp), whatever ends that.
+/// In the environment of a program that a Worker started: the process that started it. A program of ours that
+/// finds it ends with that process (apps/program.cpp), whatever ends that.
 inline constexpr const char* kParentVariable = "RASTERSLAM_PARENT";
 
 /// How a child process ended.
@@ -20,20 +20,22 @@ struct WorkerResult {
   bool killed = false;  ///< by a signal
 };
 
-/// Whether a copy of this process (fork(2)) is whole: it has the calling thread alone, and no lock that another thread
-/// holds is copied with it.
+/// Whether a copy of this process (fork(2)) is whole: it has the calling thread alone, and no lock that
+/// another thread holds is copied with it.
 bool hasOneThread();
 
-/// A child process with standard input closed; its standard output is collected. It ends when it closes its standard output
-/// and exits. Errors: IoError when it cannot be started.
+/// A child process with standard input closed; its standard output is collected. It ends when it closes its
+/// standard output and exits. Errors: IoError when it cannot be started.
 class Worker {
  public:
-  /// A program: command[0] is its path, no shell; kParentVariable is in its environment. error_path: where its standard error goes; "" shares ours.
+  /// A program: command[0] is its path, no shell; kParentVariable is in its environment. error_path: where
+  /// its standard error goes; "" shares ours.
   explicit Worker(const std::vector<std::string>& command, const std::string& error_path = "");
-  /// A copy of this process that does `work` and ends with the exit code that this returns, without the start of a program
-  /// (0.15 s of linking for ours). It has this process's memory but none of the files that exec(2) would close, and it ends
-  /// with this process. What `work` throws ends it with core::exitCodeOf() and one JSON object on its standard output,
-  /// {"error", "exit_code"}, as `rasterslam --json` does. REQUIRES hasOneThread() (ContractError).
+  /// A copy of this process that does `work` and ends with the exit code that this returns, without the start
+  /// of a program (0.15 s of linking for ours). It has this process's memory but none of the files that
+  /// exec(2) would close, and it ends with this process. What `work` throws ends it with core::exitCodeOf()
+  /// and one JSON object on its standard output, {"error", "exit_code"}, as `rasterslam --json` does.
+  /// REQUIRES hasOneThread() (ContractError).
   Worker(const std::function<int()>& work, const std::string& error_path);
   /// Kills and buries a child that still runs.
   ~Worker();
@@ -57,9 +59,9 @@ class Worker {
   std::string out_;
 };
 
-/// Runs a Worker that shares standard error to its end. progress.update() is called about ten times a second; when it
-/// throws Interrupted the child gets SIGINT, is waited for, and the exception goes on. So one method that crashes or grows
-/// cannot take the others with it, and its memory is its own.
+/// Runs a Worker that shares standard error to its end. progress.update() is called about ten times a second;
+/// when it throws Interrupted the child gets SIGINT, is waited for, and the exception goes on. So one method
+/// that crashes or grows cannot take the others with it, and its memory is its own.
 WorkerResult runWorker(const std::vector<std::string>& command, core::Progress& progress);
 
 }  // namespace slam::process

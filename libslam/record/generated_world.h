@@ -7,9 +7,9 @@
 
 namespace slam::record {
 
-/// Draws what `rasterslam world make KIND` draws: one of buildings::buildingKinds() with section [building] of the
-/// configuration, or one of buildings::buildingNames(), whose size is fixed, which takes only a seed. Errors: InputError
-/// (unknown kind or key, impossible size, options for a fixed one).
+/// Draws what `rasterslam world make KIND` draws: one of buildings::buildingKinds() with section [building]
+/// of the configuration, or one of buildings::buildingNames(), whose size is fixed, which takes only a seed.
+/// Errors: InputError (unknown kind or key, impossible size, options for a fixed one).
 buildings::GeneratedBuilding generateWorld(const std::string& kind, const core::IniFile& config,
                                            std::uint64_t seed);
 

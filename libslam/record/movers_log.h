@@ -11,11 +11,12 @@ namespace slam::record {
 ///
 ///     time_s,kind,id,x_m,y_m,heading_rad,state
 ///     1700000000.2,person,0,4.131,2.208,1.571,walking      walking | waiting | pausing
-///     1700000000.2,door,3,7.25,3.1,,closed                 open | closed | held (would close, but somebody stands there)
+///     1700000000.2,door,3,7.25,3.1,,closed                 open | closed | held (would close, but somebody
+///                                                          stands there)
 ///
-/// World frame; the time is that of the scan, and where things are is what the scan saw. Every person at every
-/// scan, every door that moves at the first scan and then when its state has changed. A door's place is the middle
-/// of its opening.
+/// World frame; the time is that of the scan, and where things are is what the scan saw. Every person at
+/// every scan, every door that moves at the first scan and then when its state has changed. A door's place is
+/// the middle of its opening.
 class MoversLog {
  public:
   /// Errors: IoError.

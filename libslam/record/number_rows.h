@@ -4,8 +4,8 @@
 
 namespace slam::record {
 
-/// The rows of a CSV file of plain numbers under a known header; none where there is no such file. Errors: InputError with file
-/// and line for another header, another number of fields, a field that is no number.
+/// The rows of a CSV file of plain numbers under a known header; none where there is no such file. Errors:
+/// InputError with file and line for another header, another number of fields, a field that is no number.
 std::vector<std::vector<double>> readNumberRows(const std::string& path, const std::string& header);
 
 /// The file `ending` beside a log or its truth: "a/run.rawlog" or "a/run.gt.tum" and ".collisions.csv" give

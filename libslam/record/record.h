@@ -45,14 +45,14 @@ struct RecordConfig {
   std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
 };
 
-/// Reads sections [robot], those of readSensor(), [odometry] [strategy] [obstacles] [living] [simulation] [events]; strict but for
-/// `other_sections`, which
+/// Reads sections [robot], those of readSensor(), [odometry] [strategy] [obstacles] [living] [simulation]
+/// [events]; strict but for `other_sections`, which
 /// someone else reads.
 RecordConfig readRecordConfig(const core::IniFile& config,
                               const std::vector<std::string>& other_sections = {});
 
-/// Where the robot starts, world frame: as [simulation] start says; "auto" is a free place in the middle, with the
-/// strategy's clearance where there is one. Errors: no free place, malformed text (InputError).
+/// Where the robot starts, world frame: as [simulation] start says; "auto" is a free place in the middle,
+/// with the strategy's clearance where there is one. Errors: no free place, malformed text (InputError).
 core::Pose2 startPose(const world::Plan& plan, const RecordConfig& config);
 
 /// What the robot finds on this [living] visit: the plan, its furniture moved visit - 1 times.
@@ -75,7 +75,8 @@ struct Recording {
 ///   run.operations.txt    the original document's operation log
 ///   run.movers.csv        where people and doors were, when there are any that move: see MoversLog
 ///   run.collisions.csv    when and where a command was cut short, when any was: see readCollisions()
-///   run.carries.csv       when the robot was kidnapped, from where and where to, if it was: see readCarryFile()
+///   run.carries.csv       when the robot was kidnapped, from where and where to, if it was: see
+///                         readCarryFile()
 ///   run.plan.yaml, .png   the true plan, when it is not the given one: a [living] visit after the first
 ///   run.manifest.json     how to make it again
 /// Each file is written beside and renamed; an error or an interrupt leaves none of them.

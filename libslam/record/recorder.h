@@ -7,16 +7,16 @@
 
 namespace slam::record {
 
-/// Writes what a simulated robot senses and does, as record() documents it: each file grows as it comes, so that memory
-/// does not, and gets its name at finish(). Without finish() nothing is left behind.
+/// Writes what a simulated robot senses and does, as record() documents it: each file grows as it comes, so
+/// that memory does not, and gets its name at finish(). Without finish() nothing is left behind.
 class Recorder {
  public:
   Recorder(const std::string& log_path, const RecordConfig& config);
   ~Recorder();
   /// The first look.
   void begin(const sim::Simulator& simulator, const sim::Sensed& sensed);
-  /// What `command` led to. Commands that are one in the original document's sense (robot::CommandSeries) become one
-  /// operation; `is_whole`: one of its own in any case.
+  /// What `command` led to. Commands that are one in the original document's sense (robot::CommandSeries)
+  /// become one operation; `is_whole`: one of its own in any case.
   void add(const robot::Command& command, const sim::Simulator& simulator, const sim::Sensed& sensed,
            bool is_whole = false);
   /// Closes the log, writes the files beside it, and tells what came out.

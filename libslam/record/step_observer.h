@@ -9,7 +9,8 @@
 
 namespace slam::record {
 
-/// What a loop has after a step: after a scan was taken in, before the next command. Valid during the call only.
+/// What a loop has after a step: after a scan was taken in, before the next command. Valid during the call
+/// only.
 struct Step {
   double time_s;                                ///< since the first scan
   const robot::Scan& scan;                      ///< the new one
@@ -24,9 +25,9 @@ struct Step {
       nullptr;  ///< all that was sensed with the scan; nullptr: the scans come from a log
 };
 
-/// Looks on while a loop of this room works: record(), buildMap(), exploreOnce(), driveToGoal(). It changes nothing: same
-/// input, same bytes, with an observer as without (but for measured times). The loop waits for it, so it may take its time; what it throws
-/// ends the loop as Progress::update() does (core::Interrupted).
+/// Looks on while a loop of this room works: record(), buildMap(), exploreOnce(), driveToGoal(). It changes
+/// nothing: same input, same bytes, with an observer as without (but for measured times). The loop waits for
+/// it, so it may take its time; what it throws ends the loop as Progress::update() does (core::Interrupted).
 class StepObserver {
  public:
   virtual ~StepObserver() = default;

@@ -3,11 +3,11 @@
 
 namespace slam::record {
 
-/// Truth beside a log, as `record()` (STEM.gt.tum, LOG.GT.txt) and logs::convertLog() (STEM.truth.tum) leave it;
-/// "" when there is none.
+/// Truth beside a log, as `record()` (STEM.gt.tum, LOG.GT.txt) and logs::convertLog() (STEM.truth.tum) leave
+/// it; "" when there is none.
 std::string findTruth(const std::string& log_path);
-/// The plan that a log was simulated in, from its manifest: the one beside the log of a later visit; "" when unknown or
-/// no longer the same file.
+/// The plan that a log was simulated in, from its manifest: the one beside the log of a later visit; "" when
+/// unknown or no longer the same file.
 std::string findPlan(const std::string& log_path);
 /// What a log is scored on: what is given, else what the two above find. "" = none.
 struct TruthFiles {

@@ -13,8 +13,8 @@
 namespace slam::report {
 namespace {
 
-/// Advances of the letters from U+0020 to U+007E in thousandths of the size: those of Helvetica, which Liberation Sans
-/// and Arial share.
+/// Advances of the letters from U+0020 to U+007E in thousandths of the size: those of Helvetica, which
+/// Liberation Sans and Arial share.
 constexpr std::array<short, 95> kRegular = {
     278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333,  278, 278, 556, 556, 556,
     556, 556, 556, 556, 556, 556, 556, 278, 278, 584, 584, 584, 556, 1015, 667, 667, 722, 722, 667,
@@ -33,7 +33,8 @@ bool isFinite(Pixel p) {
   return std::isfinite(p.x) && std::isfinite(p.y);
 }
 
-/// Far points are pulled in to where no format overflows; lines still leave the sheet in the same direction, nearly.
+/// Far points are pulled in to where no format overflows; lines still leave the sheet in the same direction,
+/// nearly.
 Pixel reachable(Pixel p) {
   constexpr double kFar = 1e5;
   return {std::clamp(p.x, -kFar, kFar), std::clamp(p.y, -kFar, kFar)};

@@ -15,9 +15,9 @@ struct Colour {
 /// The Okabe-Ito palette (jfly.uni-koeln.de/color, 2008), told apart with any colour vision; in the order in
 /// which lines are given their colour: the strong ones first, yellow last because it is weak on white.
 const std::vector<Colour>& lineColours();
-/// Of the lines of one picture, by their labels: a method that comes along has its own colour in every picture (by the label's
-/// first word: that of "graph graph.keyframe_m=0.5" is graph's), other lines and those whose colour is taken get the first that is
-/// free. Of more than eight lines some share one.
+/// Of the lines of one picture, by their labels: a method that comes along has its own colour in every
+/// picture (by the label's first word: that of "graph graph.keyframe_m=0.5" is graph's), other lines and
+/// those whose colour is taken get the first that is free. Of more than eight lines some share one.
 std::vector<Colour> labelColours(const std::vector<std::string>& labels);
 inline constexpr Colour kOrange{230, 159, 0}, kSkyBlue{86, 180, 233}, kGreen{0, 158, 115}, kBlue{0, 114, 178},
     kVermillion{213, 94, 0}, kPurple{204, 121, 167}, kYellow{240, 228, 66};
@@ -34,9 +34,9 @@ enum class Align { kLeft, kCentre, kRight };
 
 inline constexpr double kTextSize = 17;  ///< of ordinary text in every picture, units
 
-/// Where a picture will stand. Without a width it is for the screen: a unit is a pixel, and each picture takes the room
-/// it needs. With a width the sheet is exactly that wide; pictures that are laid out anew for it (picture.h says which)
-/// have ordinary text of `font_pt`, the others are scaled as a whole.
+/// Where a picture will stand. Without a width it is for the screen: a unit is a pixel, and each picture
+/// takes the room it needs. With a width the sheet is exactly that wide; pictures that are laid out anew for
+/// it (picture.h says which) have ordinary text of `font_pt`, the others are scaled as a whole.
 struct Paper {
   double width_mm = 0;  ///< 0 = the screen
   double font_pt = 8;
@@ -91,9 +91,10 @@ struct LiftClip {};
 using Mark = std::variant<Polyline, Polygon, Circle, Box, Image, Text, Clip, LiftClip>;
 }  // namespace drawing
 
-/// A sheet to draw on: smooth lines, text and rasters, saved as PNG, SVG or PDF from the same drawing. The same calls
-/// give the same bytes; of an SVG on every machine, of the others where the font is the same (Liberation Sans, whose
-/// widths are built in; without it fontconfig chooses another). Positions that are not finite are not drawn.
+/// A sheet to draw on: smooth lines, text and rasters, saved as PNG, SVG or PDF from the same drawing. The
+/// same calls give the same bytes; of an SVG on every machine, of the others where the font is the same
+/// (Liberation Sans, whose widths are built in; without it fontconfig chooses another). Positions that are
+/// not finite are not drawn.
 class Canvas {
  public:
   Canvas(double width, double height, const Paper& paper = {})
@@ -136,16 +137,16 @@ class Canvas {
     marks_.emplace_back(std::move(image));
   }
 
-  /// One line of text, `size` units from line to line as fonts are measured; `at` is on the base line. Bytes that are
-  /// not UTF-8 become U+FFFD, control characters blanks.
+  /// One line of text, `size` units from line to line as fonts are measured; `at` is on the base line. Bytes
+  /// that are not UTF-8 become U+FFFD, control characters blanks.
   void text(Pixel at, const std::string& utf8, double size, Colour colour, Align align = Align::kLeft,
             bool bold = false);
   static double textWidth(const std::string& utf8, double size, bool bold = false);
   /// Cut with "..." so that it is at most `max_width` wide.
   static std::string fitText(const std::string& utf8, double size, double max_width, bool bold = false);
 
-  /// By the path's extension, atomically. Errors: as requirePicturePath(); core::IoError with the path, and then no file
-  /// is left.
+  /// By the path's extension, atomically. Errors: as requirePicturePath(); core::IoError with the path, and
+  /// then no file is left.
   void save(const std::string& path) const;
   std::string toPng() const;
   std::string toSvg() const;

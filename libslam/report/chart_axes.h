@@ -23,8 +23,8 @@ struct Axis {
 Axis axisFromZero(double largest, double fixed_end = 0);
 /// From the values' least to their largest, a little widened; with ticks at round numbers.
 Axis axisAround(const std::vector<double>& values);
-/// From 1, 2 or 5 times a power of ten to such a number, round the values above 0; ticks at powers of ten where there are
-/// three of them, else at all such numbers.
+/// From 1, 2 or 5 times a power of ten to such a number, round the values above 0; ticks at powers of ten
+/// where there are three of them, else at all such numbers.
 Axis logAxis(const std::vector<double>& values);
 
 /// A box between two axes, y up.
@@ -40,8 +40,8 @@ struct AxesView {
 /// Room that labels need round the box of an AxesView, units.
 inline constexpr double kAxesLeft = 66, kAxesRight = 14, kAxesTop = 30, kAxesBottom = 54;
 
-/// Grid lines and their labels, the title of x below and that of y above the box, from the left end of its labels. Without
-/// `x_labels` what stands below is the caller's.
+/// Grid lines and their labels, the title of x below and that of y above the box, from the left end of its
+/// labels. Without `x_labels` what stands below is the caller's.
 void drawAxes(Canvas& canvas, const AxesView& view, const std::string& x_title, const std::string& y_title,
               bool x_labels = true);
 
@@ -80,7 +80,8 @@ class ChartSheet {
              const Paper& paper);
   Canvas& canvas() { return canvas_; }
   const ChartLegend& legend() const { return legend_; }
-  /// Of a chart within its axes, row by row from the upper left; `above` and `below` is the room for its labels there.
+  /// Of a chart within its axes, row by row from the upper left; `above` and `below` is the room for its
+  /// labels there.
   PixelBox box(std::size_t chart, double above, double below) const;
   /// Draws the legend, and saves the sheet.
   void save(const std::string& file);

@@ -27,8 +27,8 @@ double largest(const std::vector<double>& values) {
   return most;
 }
 
-/// Of an error that begins near 0 the first moments alone would stretch the axis down without end: the least twentieth of
-/// the values does not count.
+/// Of an error that begins near 0 the first moments alone would stretch the axis down without end: the least
+/// twentieth of the values does not count.
 std::vector<double> withoutLeast(std::vector<double> values) {
   values.erase(
       std::remove_if(values.begin(), values.end(), [](double v) { return !(std::isfinite(v) && v > 0); }),

@@ -12,8 +12,8 @@ struct Curve {
   enum class Style {
     kLine,
     kMarked,  ///< with a dot at each point
-    /// From the first point to the second, with an end at either: an interval. A second one at y = +infinity: an arrow that
-    /// leaves the chart at its top.
+    /// From the first point to the second, with an end at either: an interval. A second one at y = +infinity:
+    /// an arrow that leaves the chart at its top.
     kWhisker
   };
   std::string label;
@@ -28,10 +28,10 @@ struct Chart {
   bool x_log = false, y_log = false;
 };
 
-/// Charts, each with its own axes (linear ones from 0 on; values that a logarithm has no place for are left out), under one
-/// title, unless it is empty, and over one legend: on the screen side by side, on paper as many side by side as its width
-/// holds. Marked points and whiskers of different labels stand a little apart. Under the rules of the pictures in picture.h.
-/// REQUIRES 1 to 4 charts (ContractError).
+/// Charts, each with its own axes (linear ones from 0 on; values that a logarithm has no place for are left
+/// out), under one title, unless it is empty, and over one legend: on the screen side by side, on paper as
+/// many side by side as its width holds. Marked points and whiskers of different labels stand a little apart.
+/// Under the rules of the pictures in picture.h. REQUIRES 1 to 4 charts (ContractError).
 void drawCharts(const std::vector<Chart>& charts, const std::string& title, const std::string& file,
                 const Paper& paper = {});
 

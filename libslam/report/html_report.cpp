@@ -165,7 +165,8 @@ std::string errorChart(const ReportPage& page) {
                      "Distance between estimated and true position. The scale is logarithmic.", series);
 }
 
-/// Costs jump from scan to scan: lines of several methods can be told apart only when each place is as wide as this.
+/// Costs jump from scan to scan: lines of several methods can be told apart only when each place is as wide
+/// as this.
 constexpr double kCostPlace = 6;
 
 std::string costChart(const ReportPage& page) {

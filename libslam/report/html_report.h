@@ -94,10 +94,10 @@ inline constexpr std::size_t kMostListedEvents =
 inline constexpr std::size_t kMostDownloadBytes = 1
                                                   << 20;  ///< in all; what comes after is named and left out
 
-/// The page as one HTML file that needs neither network nor server. Tables, pictures and plots need no script; the player,
-/// sorting, filtering and zooming do (page/, whose bundle is checked in). Everything from outside is escaped. The same page gives the
-/// same bytes. Scans, beams and long lists are thinned to the bounds above, and the page says so. Errors: ContractError
-/// where lists of a run differ in length.
+/// The page as one HTML file that needs neither network nor server. Tables, pictures and plots need no
+/// script; the player, sorting, filtering and zooming do (page/, whose bundle is checked in). Everything from
+/// outside is escaped. The same page gives the same bytes. Scans, beams and long lists are thinned to the
+/// bounds above, and the page says so. Errors: ContractError where lists of a run differ in length.
 std::string toHtml(const ReportPage& page);
 
 /// Of the page's runs, by their methods (labelColours()).

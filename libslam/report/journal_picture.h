@@ -18,11 +18,12 @@ struct PlacedEvent {
   core::Point2 other_place;  ///< of the scan that it refers to; NaN: none
 };
 
-/// The map and the path with the events where they happened, over a strip of time with a row of ticks per event and, where
-/// there is `optimised`, the graph's error after each. Loops `accepted` and `rejected` are lines between both places;
-/// `degenerate` and `poor` at scans that follow one another, and everything from `lost` to `recovered`, are stretches of the
-/// path; `resampled` and other events are marks. What happens on the way to a loop (`searched`, `found`, `confirmed`, `dropped`)
-/// stands in the strip alone. Under the rules of the pictures in picture.h.
+/// The map and the path with the events where they happened, over a strip of time with a row of ticks per
+/// event and, where there is `optimised`, the graph's error after each. Loops `accepted` and `rejected` are
+/// lines between both places; `degenerate` and `poor` at scans that follow one another, and everything from
+/// `lost` to `recovered`, are stretches of the path; `resampled` and other events are marks. What happens on
+/// the way to a loop (`searched`, `found`, `confirmed`, `dropped`) stands in the strip alone. Under the rules
+/// of the pictures in picture.h.
 void drawJournal(const world::Plan& map, const core::Trajectory& path, const std::vector<PlacedEvent>& events,
                  const std::string& title, const std::string& file, const Paper& paper = {});
 

@@ -9,8 +9,9 @@
 
 namespace slam::report {
 
-/// An estimated map laid over the true plan, point by point: what drawDifference() (picture.h) draws, which says what the
-/// colours mean. T_world_map not finite: the truth alone. REQUIRES a mask of the plan's size (ContractError).
+/// An estimated map laid over the true plan, point by point: what drawDifference() (picture.h) draws, which
+/// says what the colours mean. T_world_map not finite: the truth alone. REQUIRES a mask of the plan's size
+/// (ContractError).
 class MapDifference {
  public:
   MapDifference(const world::Plan& plan, const world::Plan& map, const core::Pose2& T_world_map,

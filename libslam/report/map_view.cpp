@@ -158,7 +158,8 @@ void drawRaster(Canvas& canvas, const MapView& view, const world::Plan& raster,
 
 namespace {
 
-/// Along the whole line, round its corners too; a point that is not finite ends a dash and begins one behind it.
+/// Along the whole line, round its corners too; a point that is not finite ends a dash and begins one behind
+/// it.
 void drawDashes(Canvas& canvas, const std::vector<Pixel>& points, Colour colour, double line_width) {
   constexpr double kDash = 8, kGap = 9;
   std::vector<Pixel> dash;

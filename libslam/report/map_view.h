@@ -32,9 +32,10 @@ Window windowOf(const core::Trajectory& path);
 Window usable(Window window);
 /// Estimates may have gone far astray: they widen a window that the truth gives by a tenth at most.
 Window withEstimates(const Window& truth, const Window& estimates);
-/// One usable window for several maps. A map that has gone to pieces must not shrink the others: each side lies where
-/// it does for half of the maps that have any, or farther out where one reaches there, unless that is more than 0.15 of the
-/// window's longer side; and all of the truth is shown. Without a map: withEstimates().
+/// One usable window for several maps. A map that has gone to pieces must not shrink the others: each side
+/// lies where it does for half of the maps that have any, or farther out where one reaches there, unless that
+/// is more than 0.15 of the window's longer side; and all of the truth is shown. Without a map:
+/// withEstimates().
 Window commonWindow(const std::vector<Window>& maps, const Window& truth, const Window& estimates);
 
 /// A window of the world on a box of a canvas, y up.

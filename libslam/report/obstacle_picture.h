@@ -25,8 +25,8 @@ struct ObstacleZone {
 
 /// The original picture of the local obstacle map, moment by moment: the local zone from above with ahead up,
 /// grey where only memory knows, white where the sensor looks; obstacles seen now, obstacles remembered, and
-/// rings where they really are. Under the rules of the pictures in picture.h. REQUIRES 1 to 12 panels and a zone
-/// with an area (ContractError).
+/// rings where they really are. Under the rules of the pictures in picture.h. REQUIRES 1 to 12 panels and a
+/// zone with an area (ContractError).
 void drawObstacles(const std::vector<ObstaclePanel>& panels, const ObstacleZone& zone,
                    const std::string& title, const std::string& file, const Paper& paper = {});
 

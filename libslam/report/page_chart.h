@@ -15,7 +15,8 @@ struct PageCurve {
   std::string note;                  ///< what to say of it in the legend
 };
 
-/// A chart that can be read without script and asked with it: its values under the pointer, lines switched on and off.
+/// A chart that can be read without script and asked with it: its values under the pointer, lines switched on
+/// and off.
 struct PageChart {
   std::string id, caption, x_title, y_title;  ///< with units: "path (m)"
   std::vector<PageCurve> curves;
@@ -23,9 +24,9 @@ struct PageChart {
   double duration_s = 0;  ///< above 0: x is the time of the replay in seconds, and the axis ends here
 };
 
-/// The chart as `figure`: SVG with its legend. Both axes from 0, or the lower logarithmic where all x are above 0 and
-/// spread over more than a factor of 50. Long lines are thinned to what differs by less than half a unit of the drawing.
-/// "" where no point is finite. The same chart gives the same bytes.
+/// The chart as `figure`: SVG with its legend. Both axes from 0, or the lower logarithmic where all x are
+/// above 0 and spread over more than a factor of 50. Long lines are thinned to what differs by less than half
+/// a unit of the drawing. "" where no point is finite. The same chart gives the same bytes.
 std::string chartElement(const PageChart& chart);
 
 }  // namespace slam::report

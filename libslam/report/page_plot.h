@@ -11,23 +11,25 @@
 
 namespace slam::report {
 
-// Pieces of the HTML report: pictures as PNG, plots as SVG that needs no script. The same input gives the same bytes.
+// Pieces of the HTML report: pictures as PNG, plots as SVG that needs no script. The same input gives the
+// same bytes.
 
 /// "#0072b2"
 std::string cssColour(Colour colour);
 /// A small square of the colour, for legends.
 std::string swatchElement(Colour colour);
 
-/// A raster over a window of the world as PNG, walls dark, free white, unknown grey: about a pixel per cell of
-/// `cell_m`, at most kMostPixels on a side. T_world_raster not finite: all unknown.
+/// A raster over a window of the world as PNG, walls dark, free white, unknown grey: about a pixel per cell
+/// of `cell_m`, at most kMostPixels on a side. T_world_raster not finite: all unknown.
 std::string rasterPng(const world::Plan& raster, const core::Pose2& T_world_raster, const Window& window,
                       double cell_m);
 /// The same of a difference, in its colours.
 std::string differencePng(const MapDifference& difference, const Window& window, double cell_m);
 inline constexpr int kMostPixels = 1000;
 
-/// A path's outline for an SVG whose units are metres, y down: the fewest of its points that draw the same line to within
-/// `tolerance_m` (Douglas and Peucker, Cartographica 10(2), 1973). Breaks at points that are not finite.
+/// A path's outline for an SVG whose units are metres, y down: the fewest of its points that draw the same
+/// line to within `tolerance_m` (Douglas and Peucker, Cartographica 10(2), 1973). Breaks at points that are
+/// not finite.
 std::string pathOutline(const std::vector<core::Point2>& points, double tolerance_m);
 
 /// Classes of error, the same in every report, so that colours compare.
@@ -57,8 +59,8 @@ struct TimeSeries {
   std::vector<double> time_s,
       value;  ///< as long as one another; what is not finite or above 0 breaks the line
 };
-/// A chart with a logarithmic axis; long lines are drawn by the highest of the values that share a place, `place_width`
-/// wide (the drawing is 720). "" where nothing is to be drawn. `id` is the element's.
+/// A chart with a logarithmic axis; long lines are drawn by the highest of the values that share a place,
+/// `place_width` wide (the drawing is 720). "" where nothing is to be drawn. `id` is the element's.
 std::string timeChart(const std::vector<TimeSeries>& series, const std::string& id,
                       const std::string& y_title, double duration_s, double place_width = 0.5);
 

@@ -9,8 +9,8 @@ namespace slam::report {
 
 // The HTML report's player, and the grounds that its maps stand on.
 
-/// What of one world the maps of a page show, and how fine. Replays in the same plan share it, and all that shows them
-/// moves together.
+/// What of one world the maps of a page show, and how fine. Replays in the same plan share it, and all that
+/// shows them moves together.
 struct Ground {
   Window window;
   double cell_m = 0.05;
@@ -30,8 +30,8 @@ std::string planId(std::size_t ground);
 /// Of what lies under paths: the true plan, else the map of the best run; "" where there is none.
 std::string groundPictureId(const ReportPage& page, const Grounds& grounds, std::size_t ground);
 
-/// Those listed of a run or a replay: all of them where they are at most kMostListedEvents; else every n-th of the kinds
-/// that are too many, and all of the rarer ones. In their order.
+/// Those listed of a run or a replay: all of them where they are at most kMostListedEvents; else every n-th
+/// of the kinds that are too many, and all of the rarer ones. In their order.
 template <class Event>
 struct Listed {
   std::vector<Event> events;
@@ -40,8 +40,8 @@ struct Listed {
 Listed<PlacedEvent> listed(const std::vector<PlacedEvent>& events);
 Listed<ReportMoment> listed(const std::vector<ReportMoment>& moments);
 
-/// The whole section, and the data for the script; both "" where there is nothing to replay. The data is JSON that may stand
-/// in a `script`: nothing in it can end the element.
+/// The whole section, and the data for the script; both "" where there is nothing to replay. The data is JSON
+/// that may stand in a `script`: nothing in it can end the element.
 struct ReplayParts {
   std::string section, data;
 };

@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// What sorts: the number itself, not its rounded text; of "0.5 [0.4, 0.6]" the first, of "<0.001" less than that.
+/// What sorts: the number itself, not its rounded text; of "0.5 [0.4, 0.6]" the first, of "<0.001" less than
+/// that.
 std::string sortValue(const CellValue& cell) {
   double number = kNan;
   if (const auto* value = std::get_if<double>(&cell)) {

@@ -13,8 +13,8 @@ namespace slam::report {
 /// What names mean.
 using Meanings = std::map<std::string, std::string>;
 
-/// A table that can be sorted and filtered; its columns explain themselves, by key or title, when pointed at and in a list
-/// below. The first kMostTableRows rows, and how many there are; the notes.
+/// A table that can be sorted and filtered; its columns explain themselves, by key or title, when pointed at
+/// and in a list below. The first kMostTableRows rows, and how many there are; the notes.
 std::string tableElement(const Table& table, const Meanings& meanings);
 
 /// A list of names and meanings that opens and closes, in this order; "" for none.

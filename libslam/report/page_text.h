@@ -5,8 +5,8 @@
 
 namespace slam::report {
 
-/// Text as it may stand in HTML, between tags and in quoted attributes: & < > " ' escaped; bytes that are not UTF-8 become
-/// U+FFFD, control characters blanks.
+/// Text as it may stand in HTML, between tags and in quoted attributes: & < > " ' escaped; bytes that are not
+/// UTF-8 become U+FFFD, control characters blanks.
 std::string htmlText(std::string_view utf8);
 /// The same without escaping: valid UTF-8 on one line.
 std::string plainText(std::string_view utf8);

@@ -18,13 +18,14 @@ struct DrawnPath {
   bool is_truth = false;
 };
 
-// All pictures: PNG, SVG or PDF by the file's extension, the same input gives the same bytes, written atomically
-// (core::IoError with the path). For the screen at least 600 pixels wide, at most 2000 on either side; for paper exactly as
-// wide as that, the layout made for it (drawn with the text of the size asked for). Legend and scale bar stand in a strip below the map.
-// Colours are the Okabe-Ito palette (safe for colour-blind readers), given to paths by label in the order of
-// first use. Walls are dark, free space white, the unknown grey. What is shown is the part of the world that
-// holds walls and the true path; estimates may widen it by a tenth and are cut where they leave it. Points
-// that are not finite break a path. Rasters lie where their T_world_plan
+// All pictures: PNG, SVG or PDF by the file's extension, the same input gives the same bytes, written
+// atomically (core::IoError with the path). For the screen at least 600 pixels wide, at most 2000 on either
+// side; for paper exactly as wide as that, the layout made for it (drawn with the text of the size asked
+// for). Legend and scale bar stand in a strip below the map. Colours are the Okabe-Ito palette (safe for
+// colour-blind readers), given to paths by label in the order of first use. Walls are dark, free space white,
+// the unknown grey. What is shown is the part of the world that holds walls and the true path; estimates may
+// widen it by a tenth and are cut where they leave it. Points that are not finite break a path. Rasters lie
+// where their T_world_plan
 // says.
 
 /// Places to mark with a dot, in the frame of the picture's plan.
@@ -42,10 +43,10 @@ void drawPlan(const world::Plan& plan, const std::vector<DrawnPath>& paths, cons
 /// An estimated map over the true plan. A wall cell of one agrees when the other has a wall within two cells
 /// (of the coarser raster; the legend states it in metres); agreeing walls are dark, walls of the map alone
 /// one colour, walls of the truth alone another. Of the truth only wall cells that touch free space can be
-/// missed; the inside of a block is plain. With `seen` (what the robot could see) walls that were never in its
-/// view are no longer missed but pale, under a name of their own; without it every wall can be missed, whether
-/// the robot was there or not. T_world_map not finite: the truth alone. REQUIRES a mask of the plan's size
-/// (ContractError).
+/// missed; the inside of a block is plain. With `seen` (what the robot could see) walls that were never in
+/// its view are no longer missed but pale, under a name of their own; without it every wall can be missed,
+/// whether the robot was there or not. T_world_map not finite: the truth alone. REQUIRES a mask of the plan's
+/// size (ContractError).
 void drawDifference(const world::Plan& plan, const world::Plan& map, const core::Pose2& T_world_map,
                     const std::string& title, const std::string& file,
                     const metrics::SeenMask* seen = nullptr, const Paper& paper = {});

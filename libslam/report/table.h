@@ -36,18 +36,19 @@ std::string shownText(const CellValue& cell, const Column& column);
 std::string toText(const Table& table);
 /// Caption in bold, a GitHub-flavoured table, notes as paragraphs.
 std::string toMarkdown(const Table& table);
-/// What toMarkdown() wrote, read back as people saw it: columns whose key is their title, cells that are text, with "-" and
-/// the digits shown. No rows where there is no table.
+/// What toMarkdown() wrote, read back as people saw it: columns whose key is their title, cells that are
+/// text, with "-" and the digits shown. No rows where there is no table.
 Table fromMarkdown(const std::string& markdown);
-/// A table float with booktabs' rules (needs the package booktabs; UTF-8): caption, tabular, notes in small print below.
-/// What LaTeX would read as a command is escaped; "--" is NaN, a minus sign and infinity are set as mathematics.
+/// A table float with booktabs' rules (needs the package booktabs; UTF-8): caption, tabular, notes in small
+/// print below. What LaTeX would read as a command is escaped; "--" is NaN, a minus sign and infinity are set
+/// as mathematics.
 std::string toLatex(const Table& table);
 /// RFC 4180: header of keys, lines end with CR LF; numbers with the digits that read back the same. No
 /// caption, no notes.
 std::string toCsv(const Table& table);
-/// What toCsv() wrote, or any RFC 4180 file with a header (lines may end with LF alone): columns whose title is their key;
-/// what reads as a number is one, an empty field NaN. Errors: InputError with path and line: no header, a row of another
-/// length, a quote that does not end.
+/// What toCsv() wrote, or any RFC 4180 file with a header (lines may end with LF alone): columns whose title
+/// is their key; what reads as a number is one, an empty field NaN. Errors: InputError with path and line: no
+/// header, a row of another length, a quote that does not end.
 Table fromCsv(const std::string& csv, const std::string& path);
 /// {"caption": text, "columns": [{"key", "title"}], "rows": [{key: value}], "notes": [text]}
 std::string toJson(const Table& table);

@@ -6,7 +6,8 @@
 
 namespace slam::report {
 
-/// Index of the column with that key. Errors: InputError that begins with the path of the table's file, and names the nearest key.
+/// Index of the column with that key. Errors: InputError that begins with the path of the table's file, and
+/// names the nearest key.
 std::size_t columnOf(const Table& table, const std::string& key, const std::string& path);
 /// A cell as text: of a number the digits that read back the same, "" for NaN.
 std::string textOf(const CellValue& cell);

@@ -79,7 +79,8 @@ struct LatexColumn {
 };
 using Columns = std::vector<const LatexColumn*>;
 
-/// Whether a cell of a column is its best: as people read it, so that equal ones are all best; none where all are equal.
+/// Whether a cell of a column is its best: as people read it, so that equal ones are all best; none where all
+/// are equal.
 std::vector<bool> bestOf(const Table& table, std::size_t index, const LatexOptions& options) {
   const auto& column = table.columns[index];
   std::vector<bool> best(table.rows.size(), false);

@@ -132,7 +132,8 @@ void appendRows(std::string& text, const Columns& columns, size_t rows) {
   }
 }
 
-/// Columns that name a row: the leading ones with text, as long as half of the width is left for others; at least one.
+/// Columns that name a row: the leading ones with text, as long as half of the width is left for others; at
+/// least one.
 size_t keyCount(const std::vector<TextColumn>& columns, size_t width) {
   size_t keys = 0, used = 0;
   while (keys < columns.size() && !columns[keys].right && used + columns[keys].width <= width / 2)

@@ -43,7 +43,8 @@ void requireSensible(const LidarOptions& options);
 
 /// Where the scans say that the lidar sits, T_robot_lidar.
 core::Pose2 mountingPose(const LidarOptions& options);
-/// Where it sits: mountingPose() with the mounting error added coordinate by coordinate, in the robot's frame.
+/// Where it sits: mountingPose() with the mounting error added coordinate by coordinate, in the robot's
+/// frame.
 core::Pose2 trueMountingPose(const LidarOptions& options);
 /// Angle between neighbouring beams: fov / (beams - 1), or 2 pi / beams for a full circle.
 double beamStep(const LidarOptions& options);
@@ -62,8 +63,8 @@ double statedSigma(const LidarOptions& options);
 double secondsBeforeLastBeam(const LidarOptions& options, int beam);
 
 /// Turns exact ranges (infinity = nothing hit) into what the sensor reports: limits, noise, drop-outs, then
-/// the nearest multiple of quantum_m. Two draws per beam whatever happens, so that the same beam gets the same
-/// noise under other options. A reading that would be 0 or less is lost; none reaches max_range_m.
+/// the nearest multiple of quantum_m. Two draws per beam whatever happens, so that the same beam gets the
+/// same noise under other options. A reading that would be 0 or less is lost; none reaches max_range_m.
 void applyLidarErrors(const LidarOptions& options, core::RandomStream& random, std::vector<float>& ranges_m);
 
 }  // namespace slam::robot

@@ -31,7 +31,8 @@ class WheelEncoder {
 /// 2. Each wheel slips: after every exponential length of true travel (slips_per_m on average, per wheel) it
 ///    turns in vain, in the direction of travel, by a length uniform in 0 .. 2 slip_m.
 /// 3. A wheel whose radius is larger than assumed by the share e reports 1 / (1 + e) of its travel.
-/// 4. The encoder counts whole ticks of tick_m; what is left counts in the next step, so that nothing is lost.
+/// 4. The encoder counts whole ticks of tick_m; what is left counts in the next step, so that nothing is
+///    lost.
 /// 5. Both become an increment about the assumed base wheel_base_m, on the arc of a steady drive.
 /// 6. sampleOdometry(): the noise and systematic errors of the older rows.
 /// 7. With `gyro`, the heading is the gyroscope's, and the translation is turned by half of the difference.
@@ -45,8 +46,8 @@ class WheelEncoder {
 class Odometer {
  public:
   Odometer(const OdometryOptions& options, std::uint64_t seed);
-  /// The increment reported for what the robot truly did; `elapsed_s` is the time since the last update, which
-  /// is longer than driven.duration_s where a collision ended the drive early.
+  /// The increment reported for what the robot truly did; `elapsed_s` is the time since the last update,
+  /// which is longer than driven.duration_s where a collision ended the drive early.
   core::Pose2 update(const Command& driven, double elapsed_s);
 
  private:

@@ -14,12 +14,13 @@ struct UserCommand {
   int line = 0;       ///< of the file that it stands in
 };
 
-/// One line: "move 1.5" in metres or "turn 25" in degrees, '#' begins a comment. nullopt for a line with neither.
-/// Errors: InputError for anything else, for 0, for more than 1000 m or 360 degrees; `where` stands before it.
+/// One line: "move 1.5" in metres or "turn 25" in degrees, '#' begins a comment. nullopt for a line with
+/// neither. Errors: InputError for anything else, for 0, for more than 1000 m or 360 degrees; `where` stands
+/// before it.
 std::optional<UserCommand> parseUserCommand(const std::string& line, const std::string& where);
 
-/// All lines of a text; `name` stands for the file in errors. Errors: as above, with the line; InputError when there is no command
-/// at all.
+/// All lines of a text; `name` stands for the file in errors. Errors: as above, with the line; InputError
+/// when there is no command at all.
 std::vector<UserCommand> parseUserCommands(const std::string& text, const std::string& name);
 
 /// "move 1.5", "turn 25": the line that it is read from.

@@ -31,8 +31,8 @@ namespace slam::run {
 namespace {
 
 /// Peak memory of this process from construction on, over its size then. Linux lets a process forget its own
-/// peak. Pages of files that have come meanwhile (mostly code that ran for the first time) are not counted: how many those are
-/// depends on what the process did before.
+/// peak. Pages of files that have come meanwhile (mostly code that ran for the first time) are not counted:
+/// how many those are depends on what the process did before.
 class MemoryMeter {
  public:
   MemoryMeter() {
@@ -138,7 +138,8 @@ double lidarReach(const std::string& log_path) {
   return first->scan.max_range_m;
 }
 
-/// The map as key frames: the file itself, that of a folder, or views drawn in a grid, which go into the output.
+/// The map as key frames: the file itself, that of a folder, or views drawn in a grid, which go into the
+/// output.
 std::string keyFramesOf(const Continuation& continuation, const std::string& log_path,
                         const std::string& output) {
   const std::string& map = continuation.folder;
@@ -201,8 +202,8 @@ struct Taken {
   double time_s = 0;  ///< of the scan at work, since the first
 };
 
-/// Does a part of the work that a method may fail in, or an interrupt end: run.stopped says so then. The first reason stays.
-/// What comes before the first scan is taken in leaves nothing to keep.
+/// Does a part of the work that a method may fail in, or an interrupt end: run.stopped says so then. The
+/// first reason stays. What comes before the first scan is taken in leaves nothing to keep.
 void stoppable(MapRun& run, const Taken& taken, bool keep_partial, const std::function<void()>& work) {
   const auto stop = [&](Stop::Reason reason, const std::string& why) {
     if (!run.stopped) run.stopped = {reason, static_cast<int>(run.estimate.size()), taken.time_s, why};
@@ -337,8 +338,8 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   // Before anything else takes memory.
   const double peak_memory_mb = measure_memory ? memory.peakMb() : std::numeric_limits<double>::quiet_NaN();
   if (observer) observer->onFinished(method);
-  // Scans and poses pair up in the log's order, which is the robot's; a trajectory's order is that of the stamps, which
-  // run back in some logs.
+  // Scans and poses pair up in the log's order, which is the robot's; a trajectory's order is that of the
+  // stamps, which run back in some logs.
   std::optional<core::Trajectory> final_path;
   ask([&] { final_path = mapping::finalPath(method, run.estimate); });
   const auto in_log_order = final_path.value_or(run.estimate);

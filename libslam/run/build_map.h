@@ -45,26 +45,32 @@ struct Continuation {
   std::string folder;  ///< that buildMap() wrote, a .simplemap, or a grid map (isGridMap()); "" begins a map
   bool localise_only = false;  ///< its map stays: the folder gets the same map files, and a path
   std::optional<core::Pose2>
-      T_map_robot;  ///< at the first scan, in the frame of that map; none: where that run ended, and with localise_only
-                    ///< anywhere, where the method is of type graph
+      T_map_robot;  ///< at the first scan, in the frame of that map; none: where that run ended, and with
+                    ///< localise_only anywhere, where the method is of type graph
 };
 
 /// Runs a SLAM method over a log and writes a folder:
 ///   trajectory.tum   map.yaml + map.png   map.gridmap.gz   map.simplemap   map.3Dscene   timing.csv
-///   graph.g2o (of type graph)   trajectory_final.tum (where mapping::finalPath() has one)   covariances.csv (of the poses given online, where the method
-///   gives any: pose_covariances.h; covariances_final.csv: of the others)   journal.csv (where the method keeps one)   manifest.json
-/// An external method (external_method.h) has printed.txt instead of timing.csv, what it printed; this, like its poses, is as repeatable as the program is.
-/// Trajectories are written in the order of their stamps, which in a log may run back. The manifest's results also hold
-/// what needs the scans to say it: sharpness of the points and agreement of scans and map (keys `self.*`; self_score.h),
-/// placed at the final poses where there are any. The folder appears whole or not at all. Same log, config and seed: the same bytes but for timing.csv and
-/// the manifest. `measure_memory` only makes sense while nothing else runs in this process. Errors:
-/// InputError (log, config, a method that cannot go on in a map), MethodError (the method failed at the first scan, or is an
-/// external program that failed). A robot that is lost in the end (lostInTheEnd()) is no error: all is written, and the
-/// manifest's results say `lost`.
-/// A method that fails later is no error either: the folder holds what was mapped before, without what the method can no
-/// longer give (such as covariances, or a map that has come apart) and without `self.*`; the journal ends with `failed`,
-/// the manifest's results say `status` = incomplete and `failed` = where and why. keep_partial: an interrupt likewise
-/// (`interrupted`), unless no scan was taken in; without it an interrupt leaves nothing (core::Interrupted).
+///   manifest.json
+///   trajectory_final.tum    where mapping::finalPath() has one
+///   covariances.csv         of the poses given online, where the method gives any (pose_covariances.h);
+///                           covariances_final.csv: of the others
+///   graph.g2o               of type graph
+///   journal.csv             where the method keeps one
+/// An external method (external_method.h) has printed.txt instead of timing.csv, what it printed; this, like
+/// its poses, is as repeatable as the program is. Trajectories are written in the order of their stamps,
+/// which in a log may run back. The manifest's results also hold what needs the scans to say it: sharpness of
+/// the points and agreement of scans and map (keys `self.*`; self_score.h), placed at the final poses where
+/// there are any. The folder appears whole or not at all. Same log, config and seed: the same bytes but for
+/// timing.csv and the manifest. `measure_memory` only makes sense while nothing else runs in this process.
+/// Errors: InputError (log, config, a method that cannot go on in a map), MethodError (the method failed at
+/// the first scan, or is an external program that failed). A robot that is lost in the end (lostInTheEnd())
+/// is no error: all is written, and the manifest's results say `lost`.
+/// A method that fails later is no error either: the folder holds what was mapped before, without what the
+/// method can no longer give (such as covariances, or a map that has come apart) and without `self.*`; the
+/// journal ends with `failed`, the manifest's results say `status` = incomplete and `failed` = where and why.
+/// keep_partial: an interrupt likewise (`interrupted`), unless no scan was taken in; without it an interrupt
+/// leaves nothing (core::Interrupted).
 MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
                 core::Manifest manifest, core::Progress& progress, bool measure_memory = true,

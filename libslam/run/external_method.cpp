@@ -114,7 +114,8 @@ std::string scansText(const std::vector<ScanPlace>& scans) {
   return text;
 }
 
-/// The log as the program wants it, in a folder of its own: the truth that the conversion leaves beside it goes.
+/// The log as the program wants it, in a folder of its own: the truth that the conversion leaves beside it
+/// goes.
 void writeLog(const ExternalMethod& method, const std::string& log_path, const std::string& label,
               const Files& files, core::Progress& progress) {
   logs::LogConversion conversion;
@@ -271,8 +272,8 @@ class PathChecker {
   size_t last_scan_ = 0;
 };
 
-/// The pose at `scan` between the given ones at `before` and `after`: the odometry from the one, and of what it then misses the other
-/// by the share of the scans passed.
+/// The pose at `scan` between the given ones at `before` and `after`: the odometry from the one, and of what
+/// it then misses the other by the share of the scans passed.
 core::Pose2 filled(const std::vector<ScanPlace>& scans, const std::vector<std::optional<core::Pose2>>& poses,
                    std::optional<size_t> before, size_t scan, std::optional<size_t> after) {
   const auto moved = [&](size_t from, size_t to) {
@@ -429,7 +430,8 @@ ExternalRun runExternalMethod(const ExternalMethod& method, const std::string& l
     run.violations.emplace_back("{output}: the program did not write it, expected a trajectory in TUM form");
     return run;
   }
-  // A line of eight numbers takes some 80 bytes; what is far longer is no path of these scans, and is not read.
+  // A line of eight numbers takes some 80 bytes; what is far longer is no path of these scans, and is not
+  // read.
   const auto bytes = fs::file_size(files.output), most = kLeastPathBytes + kPoseBytes * scans.size();
   if (bytes > most) {
     run.violations.push_back("{output}: found " + std::to_string(bytes) + " bytes, expected at most " +

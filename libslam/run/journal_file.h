@@ -8,8 +8,8 @@
 
 namespace slam::run {
 
-/// A journal's entry with its time and place: a line of journal.csv. Which events there are is for the method to say
-/// (mapping::GraphSlam, mapping::ParticleFilter).
+/// A journal's entry with its time and place: a line of journal.csv. Which events there are is for the method
+/// to say (mapping::GraphSlam, mapping::ParticleFilter).
 struct JournalLine {
   int scan = 0;
   double time_s = 0;  ///< since the log's first scan
@@ -26,15 +26,16 @@ std::vector<JournalLine> placedJournal(const std::vector<mapping::JournalEntry>&
                                        const std::vector<double>& stamps_s, const core::Trajectory& path);
 
 std::string journalCsv(const std::vector<JournalLine>& journal);
-/// Reads it back; columns by their names in the first line, so that more may be there. Errors: InputError with file and line.
+/// Reads it back; columns by their names in the first line, so that more may be there. Errors: InputError
+/// with file and line.
 std::vector<JournalLine> readJournal(const std::string& path);
 /// For people: aligned columns, at most 80 wide but for a long detail.
 std::string journalText(const std::vector<JournalLine>& journal);
 
 /// Where the robot got lost for good: the first `lost` that no `recovered` or `found again` follows.
 std::optional<JournalLine> lostInTheEnd(const std::vector<JournalLine>& journal);
-/// Share of the log's time, from its first to its last scan, that lies between a `lost` and the next `recovered` or `found
-/// again` (or the end). 0 for an empty journal and a log of no length.
+/// Share of the log's time, from its first to its last scan, that lies between a `lost` and the next
+/// `recovered` or `found again` (or the end). 0 for an empty journal and a log of no length.
 double lostShare(const std::vector<JournalLine>& journal, double log_seconds);
 /// "lost at scan 812 (83.2 s)"
 std::string lostText(const JournalLine& lost);

@@ -4,8 +4,8 @@
 
 namespace slam::run {
 
-/// An estimated map as a plan in the map frame, as it is written to map.png: occupied above gridmap::kOccupiedAbove, free
-/// below kFreeBelow, unknown between.
+/// An estimated map as a plan in the map frame, as it is written to map.png: occupied above
+/// gridmap::kOccupiedAbove, free below kFreeBelow, unknown between.
 world::Plan toPlan(const gridmap::OccupancyRaster& map);
 
 }  // namespace slam::run

@@ -25,11 +25,12 @@ struct RunFolder {
 };
 /// Errors: InputError naming the file that is missing or broken.
 RunFolder loadRun(const std::string& folder);
-/// The log that a run was made from, as its manifest names it: of older ones the input that is no map, configuration or plan. ""
-/// where there is none.
+/// The log that a run was made from, as its manifest names it: of older ones the input that is no map,
+/// configuration or plan. "" where there is none.
 std::string logInput(const core::Manifest& manifest);
 
-/// A number among a run's results. Errors: InputError that names the key, where it is missing; NaN where it is no number.
+/// A number among a run's results. Errors: InputError that names the key, where it is missing; NaN where it
+/// is no number.
 double resultOf(const core::Manifest& manifest, const std::string& key, const std::string& folder);
 /// The same of a figure that not every run has: NaN where it is missing.
 double resultIfThere(const core::Manifest& manifest, const std::string& key);

@@ -10,8 +10,8 @@
 
 namespace slam::run {
 
-/// What the robot was commanded to do before this scan, where somebody knows it (argmax asks). `wheels`: the increment since
-/// the scan before by the log's own odometry, where it has one.
+/// What the robot was commanded to do before this scan, where somebody knows it (argmax asks). `wheels`: the
+/// increment since the scan before by the log's own odometry, where it has one.
 using CommandBefore =
     std::function<odometry::Commanded(const robot::Scan& scan, const std::optional<core::Pose2>& wheels)>;
 
@@ -31,22 +31,24 @@ struct ScanOdometryLogReport {
   std::string skipped;           ///< the source's words
 };
 
-/// A log with odometry from its scans alone in place of its own: an MRPT rawlog for stock programs, which need
-/// odometry (rbpf-slam stops without). Reads any format of openLog(); writes gzip inside, beside and renamed at the
-/// end. The output holds no movement but ours: CActionRobotMovement2D and 3D and CObservationOdometry of the log, also
-/// inside frames, are left out. All else passes, written again by this version of MRPT.
+/// A log with odometry from its scans alone in place of its own: an MRPT rawlog for stock programs, which
+/// need odometry (rbpf-slam stops without). Reads any format of openLog(); writes gzip inside, beside and
+/// renamed at the end. The output holds no movement but ours: CActionRobotMovement2D and 3D and
+/// CObservationOdometry of the log, also inside frames, are left out. All else passes, written again by this
+/// version of MRPT.
 ///
-/// Action form: before each frame one CActionCollection: other actions of the log, and the motion since the scan before
-/// as odometry::toMrptActions() has it (mean, covariance, motion model), stamped as the scan. A frame without a scan of
-/// the lidar gets no motion, and the next one with a scan all of it; of several scans in a frame the first counts.
-/// Observation form: before each scan a CObservationOdometry "ODOMETRY", the motions composed from the origin; the
-/// form has no room for covariance. rbpf-slam crashes on that form: give `form` kActionFrame for it.
+/// Action form: before each frame one CActionCollection: other actions of the log, and the motion since the
+/// scan before as odometry::toMrptActions() has it (mean, covariance, motion model), stamped as the scan. A
+/// frame without a scan of the lidar gets no motion, and the next one with a scan all of it; of several scans
+/// in a frame the first counts. Observation form: before each scan a CObservationOdometry "ODOMETRY", the
+/// motions composed from the origin; the form has no room for covariance. rbpf-slam crashes on that form:
+/// give `form` kActionFrame for it.
 ///
-/// A stamp that is missing is that of the newest object before. The first motion is null. Memory does not grow with
-/// the log. The same log, the same bytes.
+/// A stamp that is missing is that of the newest object before. The first motion is null. Memory does not
+/// grow with the log. The same log, the same bytes.
 /// Errors (InputError): those of openLog() and inForm(); unknown method; no scan of the lidar, or one that
-/// robot::fromMrpt refuses (with its place); frames and bare scans of the lidar in one log without `form`; a first
-/// scan without any stamp.
+/// robot::fromMrpt refuses (with its place); frames and bare scans of the lidar in one log without `form`; a
+/// first scan without any stamp.
 ScanOdometryLogReport writeScanOdometry(const std::string& path, const std::string& output,
                                         const ScanOdometryLogOptions& options, core::Progress& progress);
 

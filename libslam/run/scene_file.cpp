@@ -47,7 +47,8 @@ void save(const COpenGLScene& scene, const std::string& file) {
 using mrpt::img::TColor;
 using Triangle = mrpt::opengl::TTriangle;
 
-/// What an object draws, as opaque triangles: lines and points as broad as `line_m`, what is transparent as on white.
+/// What an object draws, as opaque triangles: lines and points as broad as `line_m`, what is transparent as
+/// on white.
 void addTriangles(const mrpt::opengl::CRenderizable& object, double line_m,
                   std::vector<std::pair<Triangle, TColor>>& triangles) {
   const auto onWhite = [](const TColor& colour) {
@@ -94,8 +95,9 @@ void addTriangles(const mrpt::opengl::CRenderizable& object, double line_m,
   }
 }
 
-/// A layer as triangles with a texture, a set for each colour. Seen from 50 m SceneViewer3D's depth buffer of 16 bits holds all
-/// layers for equally far, and what is drawn first stays: MRPT draws what has a texture, as the maps have, from near to far.
+/// A layer as triangles with a texture, a set for each colour. Seen from 50 m SceneViewer3D's depth buffer of
+/// 16 bits holds all layers for equally far, and what is drawn first stays: MRPT draws what has a texture, as
+/// the maps have, from near to far.
 viewer::Layer painted(const viewer::Layer& layer, double line_m) {
   std::vector<std::pair<Triangle, TColor>> triangles;
   addTriangles(*layer, line_m, triangles);
@@ -171,8 +173,9 @@ void insertGraph(COpenGLScene& scene, const mapping::GraphSlam& slam, double lin
   if (!loops.empty()) insert(scene, viewer::loopsLayer(loops, line_m), {}, line_m);
 }
 
-/// From the ground up: what is transparent lets through only what was drawn before it. The wider the scene is, the farther
-/// apart the layers lie, so that a viewer's depth buffer tells them apart when all of it is looked at.
+/// From the ground up: what is transparent lets through only what was drawn before it. The wider the scene
+/// is, the farther apart the layers lie, so that a viewer's depth buffer tells them apart when all of it is
+/// looked at.
 void stackLayers(COpenGLScene& scene, const report::Window& window) {
   const double stretch = std::max(1.0, std::max(window.width(), window.height()) / kUnstretched_m);
   auto& viewport = *scene.getViewport("main");

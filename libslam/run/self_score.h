@@ -14,8 +14,8 @@ struct SelfScore {
   metrics::ScanAgreement agreement;
 };
 
-/// Reads the log once more and places scan i at path[i]; `map` in the map frame (toPlan()). REQUIRES one pose per scan,
-/// in the order of the file (ContractError). Errors: as logs::LogReader.
+/// Reads the log once more and places scan i at path[i]; `map` in the map frame (toPlan()). REQUIRES one pose
+/// per scan, in the order of the file (ContractError). Errors: as logs::LogReader.
 SelfScore selfScore(const std::string& log_path, const core::Trajectory& path, const world::Plan& map,
                     core::Progress& progress, const std::string& lidars = "");
 

@@ -11,8 +11,8 @@ namespace slam::run {
 struct Stop {
   enum class Reason { kFailed, kInterrupted };
   Reason reason = Reason::kFailed;
-  int scan =
-      0;  ///< that was not taken in, counted from 0; the number of scans when the method failed after the last
+  int scan = 0;  ///< that was not taken in, counted from 0; the number of scans when the method failed after
+                 ///< the last
   double time_s = 0;  ///< of that scan, since the log's first
   std::string why;    ///< of a failure, one line
 };
@@ -26,8 +26,9 @@ std::string eventOf(const Stop& stop);
 /// The journal's last line, at the last scan that was taken in.
 JournalLine stopLine(const Stop& stop, const core::Pose2& T_map_robot);
 
-/// Does what a method is asked to do. Whatever it throws because it has failed becomes a core::MethodError of one line. What
-/// says nothing about the method goes on as it is: core::Interrupted, core::IoError, and memory that ran out.
+/// Does what a method is asked to do. Whatever it throws because it has failed becomes a core::MethodError of
+/// one line. What says nothing about the method goes on as it is: core::Interrupted, core::IoError, and
+/// memory that ran out.
 void insideMethod(const std::function<void()>& work);
 
 }  // namespace slam::run

@@ -7,13 +7,13 @@
 
 namespace slam::scanmatch {
 
-/// How near the map's surfaces are, on a raster, and the best of every window of 2^k x 2^k cells: what a search over
-/// many poses needs (Olson, "Real-time correlative scan matching", ICRA 2009; branch and bound: Hess et al., "Real-time
-/// loop closure in 2D LIDAR SLAM", ICRA 2016).
+/// How near the map's surfaces are, on a raster, and the best of every window of 2^k x 2^k cells: what a
+/// search over many poses needs (Olson, "Real-time correlative scan matching", ICRA 2009; branch and bound:
+/// Hess et al., "Real-time loop closure in 2D LIDAR SLAM", ICRA 2016).
 class LikelihoodPyramid {
  public:
-  /// Around the points (map frame). A cell at distance d of the nearest point has the value exp(-d^2 / (2 sigma^2)),
-  /// cut off beyond three cells.
+  /// Around the points (map frame). A cell at distance d of the nearest point has the value exp(-d^2 / (2
+  /// sigma^2)), cut off beyond three cells.
   LikelihoodPyramid(const std::vector<core::Point2>& points, double cell_m, double sigma_m, int levels) {
     build(points, cell_m, sigma_m, levels);
   }
@@ -25,7 +25,8 @@ class LikelihoodPyramid {
   double cellSize() const { return cell_m_; }
   core::Point2 origin() const { return origin_; }
   int levels() const { return static_cast<int>(levels_.size()); }
-  /// Greatest value, 0..255, of the cells [column, column + 2^level) x [row, row + 2^level); indices may lie outside.
+  /// Greatest value, 0..255, of the cells [column, column + 2^level) x [row, row + 2^level); indices may lie
+  /// outside.
   int value(int level, int column, int row) const {
     const int c = column + pad_, r = row + pad_;
     if (c < 0 || r < 0 || c >= side_x_ || r >= side_y_) return 0;
@@ -50,9 +51,9 @@ struct SearchResult {
   double score;  ///< mean value of the points, 0..1
 };
 
-/// The best pose of the window about `centre` on a lattice of the pyramid's cells and of such turns that the farthest
-/// point moves by a cell; nothing when none scores `least_score`. Exhaustive: no better pose of the lattice exists. Of
-/// equal ones the first in a fixed order.
+/// The best pose of the window about `centre` on a lattice of the pyramid's cells and of such turns that the
+/// farthest point moves by a cell; nothing when none scores `least_score`. Exhaustive: no better pose of the
+/// lattice exists. Of equal ones the first in a fixed order.
 std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::vector<core::Point2>& points,
                                        const core::Pose2& centre, const SearchWindow& window,
                                        double least_score);

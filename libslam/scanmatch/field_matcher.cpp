@@ -11,8 +11,8 @@ namespace {
 
 using gridmap::Cell;
 
-/// Such points are corners, or walls whose noise hides their direction. The nearest surface is where the scan before saw
-/// it: at full weight they hold every scan back along a corridor, by 2 % of the way on ring B.
+/// Such points are corners, or walls whose noise hides their direction. The nearest surface is where the scan
+/// before saw it: at full weight they hold every scan back along a corridor, by 2 % of the way on ring B.
 constexpr double kWithoutNormal = 0.1;
 
 /// The field at a point, in cells.
@@ -38,14 +38,16 @@ bool fieldAt(const gridmap::Grid& grid, double u, double v, FieldVector& field) 
   }
   constexpr double kUnit = 1 / Cell::kShiftsPerCell;
   field.x = sx * kUnit, field.y = sy * kUnit;
-  // Between two surfaces the vectors cancel. About one wall they disagree by half a cell at most in each direction.
+  // Between two surfaces the vectors cancel. About one wall they disagree by half a cell at most in each
+  // direction.
   const double length2 = field.x * field.x + field.y * field.y;
   field.squared = length2 + std::max(0.0, squares * kUnit * kUnit - length2 - 0.5);
   return true;
 }
 
-/// Square of the distance that a point's robust weight comes from, in cells. Along its own surface (unit normal nx, ny)
-/// a tenth counts: where beams meet a wall far apart, the nearest return of the map is elsewhere on the same wall.
+/// Square of the distance that a point's robust weight comes from, in cells. Along its own surface (unit
+/// normal nx, ny) a tenth counts: where beams meet a wall far apart, the nearest return of the map is
+/// elsewhere on the same wall.
 double squaredError(const FieldVector& field, double nx, double ny) {
   if (nx == 0 && ny == 0) return field.squared;
   constexpr double kAlong = 0.1;

@@ -27,8 +27,8 @@ struct FieldMatch {
   double residual_m =
       0;  ///< root mean square distance from the surfaces, by the robust weights; 0: nothing matched
   int iterations = 0;
-  /// The scan leaves a direction open, as in a corridor (also: nothing matched at all). Which one, as a unit vector in
-  /// the map frame, and how open: the standard deviations along it and across, from the scan alone.
+  /// The scan leaves a direction open, as in a corridor (also: nothing matched at all). Which one, as a unit
+  /// vector in the map frame, and how open: the standard deviations along it and across, from the scan alone.
   bool degenerate = false;
   core::Point2 free_direction{1, 0};
   double free_sigma_m = 0, fixed_sigma_m = 0;
@@ -36,12 +36,13 @@ struct FieldMatch {
 
 /// Gauss-Newton on the grid's field from T_start.
 ///
-/// Residual: the field's vector to the nearest surface, bilinear between the four cell centres around the point. Of a
-/// point with a normal only the part along the normal counts, of one without both parts, at a tenth of the weight. The
-/// field's derivative across a surface is -1 and that is what is used, in the direction of the point's own normal: the
-/// derivative of the interpolated vectors along a wall is the noise of the wall's cells, and would hold the scan along
-/// corridors (point to line: Censi, ICRA 2008; robust weights as in Black and Rangarajan, IJCV 1996). Points without a
-/// surface within the grid's reach count as unexplained.
+/// Residual: the field's vector to the nearest surface, bilinear between the four cell centres around the
+/// point. Of a point with a normal only the part along the normal counts, of one without both parts, at a
+/// tenth of the weight. The field's derivative across a surface is -1 and that is what is used, in the
+/// direction of the point's own normal: the derivative of the interpolated vectors along a wall is the noise
+/// of the wall's cells, and would hold the scan along corridors (point to line: Censi, ICRA 2008; robust
+/// weights as in Black and Rangarajan, IJCV 1996). Points without a surface within the grid's reach count as
+/// unexplained.
 /// Cost: about 10 ns per point and iteration.
 FieldMatch alignToField(const std::vector<SurfacePoint>& points, const gridmap::Grid& grid,
                         const core::Pose2& T_start, const PosePrior& prior, const FieldMatchOptions& options);

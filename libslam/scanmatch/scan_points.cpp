@@ -8,7 +8,8 @@
 namespace slam::scanmatch {
 namespace {
 
-/// Two returns of neighbouring beams lie on one surface unless it would be seen at more than about 80 degrees.
+/// Two returns of neighbouring beams lie on one surface unless it would be seen at more than about 80
+/// degrees.
 constexpr double kSteepest = 6;
 /// The same for the patch that a return stands for, at about 85 degrees.
 constexpr double kPatchSteepest = 12;
@@ -73,9 +74,9 @@ Returns returnsOf(const robot::Scan& scan, double max_range_m) {
 /// Beyond so many times the spacing a point lies on another surface than the one kept before it.
 constexpr double kJump = 4;
 
-/// Which of the points stay: each about the spacing from the one kept before it. A point's own range has no say in whether it
-/// stays: were the first kept that lies far enough, those whose noise carries them on in the scan's direction would be
-/// preferred, walls would turn all the same way, and so would the path.
+/// Which of the points stay: each about the spacing from the one kept before it. A point's own range has no
+/// say in whether it stays: were the first kept that lies far enough, those whose noise carries them on in
+/// the scan's direction would be preferred, walls would turn all the same way, and so would the path.
 std::vector<int> keptOf(const Returns& returns, double spacing_m, double step_rad, const core::Point2& eye) {
   const auto& points = returns.points;
   const double spacing2 = spacing_m * spacing_m;

@@ -18,14 +18,15 @@ struct ScanPointOptions {
       0.4;  ///< neighbours within this belong to the surface; two to twenty beams to each side
 };
 
-/// The returns of a scan, thinned to `spacing_m` along the beams: near surfaces, which a scan samples far more
-/// densely than the map can use, would outvote far ones.
+/// The returns of a scan, thinned to `spacing_m` along the beams: near surfaces, which a scan samples far
+/// more densely than the map can use, would outvote far ones.
 std::vector<SurfacePoint> surfacePoints(const robot::Scan& scan, const ScanPointOptions& options);
 
-/// A return, robot frame (m), and the piece of surface that it stands for, from half way to the beam before to half way
-/// to the beam behind: its standard deviation along the surface. Far along a wall beams strike metres apart, and where
-/// between two of them a wall was struck says nothing of the wall. Where no neighbour lies on the same surface: what the
-/// beams leave open sideways. The lidar is on the left of `along`: (-along_y, along_x) points to its side.
+/// A return, robot frame (m), and the piece of surface that it stands for, from half way to the beam before
+/// to half way to the beam behind: its standard deviation along the surface. Far along a wall beams strike
+/// metres apart, and where between two of them a wall was struck says nothing of the wall. Where no neighbour
+/// lies on the same surface: what the beams leave open sideways. The lidar is on the left of `along`:
+/// (-along_y, along_x) points to its side.
 struct PatchPoint {
   float x = 0, y = 0;
   float along_x = 0, along_y = 0;

@@ -10,10 +10,11 @@ namespace {
 
 /// A neighbourhood this flat (variance across to along) is a wall.
 constexpr double kFlat = 0.15;
-/// Two faces of a wall have so many points each, at least, and their means are so many standard deviations apart, squared.
+/// Two faces of a wall have so many points each, at least, and their means are so many standard deviations
+/// apart, squared.
 constexpr double kLeastOfFace = 3, kApart2 = 4;
-/// On the mixed term: more than what rounding to float may take off the determinant, so that a surfel's information is
-/// positive semidefinite as it is stored.
+/// On the mixed term: more than what rounding to float may take off the determinant, so that a surfel's
+/// information is positive semidefinite as it is stored.
 constexpr double kHeldBack = 1 - 2.5e-7;
 
 /// Whether two directions are more than 120 degrees apart: normals of single points err much.
@@ -83,7 +84,8 @@ SurfelMap::Sums& SurfelMap::faceOf(std::int32_t index, double ax, double ay) {
   return sums_[face];
 }
 
-/// Whether points seen from opposite sides lie apart, each on its own side: otherwise they are one thin or rough thing.
+/// Whether points seen from opposite sides lie apart, each on its own side: otherwise they are one thin or
+/// rough thing.
 bool SurfelMap::areTwoFaces(const Sums& front, const Sums& back) {
   if (front.n < kLeastOfFace || back.n < kLeastOfFace) return false;
   // From back to front, of any length: both sides of the comparison grow with its square.

@@ -8,22 +8,24 @@
 
 namespace slam::scanmatch {
 
-/// The points of several scans as one Gaussian per cell, pooled over the cell's neighbourhood: on a wall a flat one,
-/// in clutter a round one (the normal distributions transform: Biber and Strasser, IROS 2003).
+/// The points of several scans as one Gaussian per cell, pooled over the cell's neighbourhood: on a wall a
+/// flat one, in clutter a round one (the normal distributions transform: Biber and Strasser, IROS 2003).
 struct Surfel {
   float x, y;        ///< mean, from the map's origin
   float xx, xy, yy;  ///< information matrix (inverse covariance), 1/m^2
-  /// A wall whose two faces were both seen, apart from each other, has a surfel of each: the mean normal of this one, towards
-  /// the lidar, of any length, and the index of the other; -1: one face only.
+  /// A wall whose two faces were both seen, apart from each other, has a surfel of each: the mean normal of
+  /// this one, towards the lidar, of any length, and the index of the other; -1: one face only.
   float nx, ny;
   std::int32_t back;
 };
 
-/// A square window of such cells, in the map frame (m). Points per cell are kept, and surfels made of them on demand.
+/// A square window of such cells, in the map frame (m). Points per cell are kept, and surfels made of them on
+/// demand.
 class SurfelMap {
  public:
-  /// Cells of `cell_m`; `blur_m` is added to every Gaussian as an isotropic standard deviation. `two_sided`: the faces of a
-  /// thin wall are kept apart; without it they are fused, which a coarse match from far off needs.
+  /// Cells of `cell_m`; `blur_m` is added to every Gaussian as an isotropic standard deviation. `two_sided`:
+  /// the faces of a thin wall are kept apart; without it they are fused, which a coarse match from far off
+  /// needs.
   SurfelMap(double cell_m, double blur_m, bool two_sided = false)
       : cell_m_(cell_m), blur_m_(blur_m), two_sided_(two_sided) {}
 
@@ -35,8 +37,8 @@ class SurfelMap {
   core::Point2 origin() const { return origin_; }
   /// Whether the map has anything to say there: see clear(). Coordinates from origin().
   bool covers(double x, double y) const { return x >= 0 && y >= 0 && x < extent_m_ && y < extent_m_; }
-  /// nullptr where no surface is near. Coordinates from origin(). Of a wall with two faces the one that was seen first. A surfel
-  /// is made when it is first asked for, so that two threads must not ask the same map.
+  /// nullptr where no surface is near. Coordinates from origin(). Of a wall with two faces the one that was
+  /// seen first. A surfel is made when it is first asked for, so that two threads must not ask the same map.
   const Surfel* at(double x, double y) const {
     if (!(x >= 0 && y >= 0 && x < extent_m_ && y < extent_m_)) return nullptr;
     const auto column = static_cast<std::int64_t>(x * per_cell_),
@@ -46,7 +48,8 @@ class SurfelMap {
     if (index == kUnknown) index = makeSurfel(cell);
     return index < 0 ? nullptr : &surfels_[static_cast<size_t>(index)];
   }
-  /// The same for a point whose surface has this normal (of any length; towards the lidar): the face on its side.
+  /// The same for a point whose surface has this normal (of any length; towards the lidar): the face on its
+  /// side.
   const Surfel* at(double x, double y, double nx, double ny) const {
     const Surfel* surfel = at(x, y);
     if (!surfel || surfel->back < 0 || surfel->nx * nx + surfel->ny * ny >= 0) return surfel;

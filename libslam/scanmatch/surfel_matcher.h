@@ -11,7 +11,8 @@ namespace slam::scanmatch {
 struct MatchOptions {
   int max_iterations = 10;
   double kernel = 3;  ///< Geman-McClure, in standard deviations of a surfel
-  /// The same for the prior, on position and heading apart: what contradicts the scan lets go. 0: a plain Gaussian.
+  /// The same for the prior, on position and heading apart: what contradicts the scan lets go. 0: a plain
+  /// Gaussian.
   double prior_kernel = 0;
   /// How much of a point's information counts: neighbouring beams err together.
   double information_scale = 1;
@@ -21,12 +22,12 @@ struct MatchResult {
   core::Pose2 T_map_robot;
   /// Over x, y (m) and phi (rad) in the map frame: of the scan alone, and with what was left of the prior.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero(), posterior_information = Eigen::Matrix3d::Zero();
-  double score =
-      0;  ///< mean robust weight of the points within the map's window, 0..1: the share of the scan that it explains
+  double score = 0;  ///< mean robust weight of the points within the map's window, 0..1: the share of the
+                     ///< scan that it explains
 };
 
-/// Gauss-Newton from T_start: the points (robot frame) to the surfels of the cells that they fall into. Without points
-/// the start, and no information. Cost: some 10 ns per point and iteration.
+/// Gauss-Newton from T_start: the points (robot frame) to the surfels of the cells that they fall into.
+/// Without points the start, and no information. Cost: some 10 ns per point and iteration.
 MatchResult alignToSurfels(const std::vector<PatchPoint>& points, const SurfelMap& map,
                            const core::Pose2& T_start, const PosePrior& prior, const MatchOptions& options);
 
@@ -38,8 +39,8 @@ struct ViewInformation {
 };
 struct MatchEvidence {
   std::vector<ViewInformation> by_view;  ///< ascending
-  /// Sums over the points of their squared residuals in standard deviations of the surfels, of the dimensions that
-  /// these measure, and of products with the residuals of the points after it, up to kLags.
+  /// Sums over the points of their squared residuals in standard deviations of the surfels, of the dimensions
+  /// that these measure, and of products with the residuals of the points after it, up to kLags.
   static constexpr int kLags = 5;
   double squared = 0, dimensions = 0;
   std::array<double, kLags> lagged{};
@@ -47,8 +48,8 @@ struct MatchEvidence {
 MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap& map,
                          const core::Pose2& T_map_robot, double kernel);
 
-/// The score at a pose, without any alignment; over every `stride`-th point. Points outside of the map's window are not held
-/// against the pose, as long as a quarter of all lies inside.
+/// The score at a pose, without any alignment; over every `stride`-th point. Points outside of the map's
+/// window are not held against the pose, as long as a quarter of all lies inside.
 double surfelScore(const std::vector<PatchPoint>& points, const SurfelMap& map,
                    const core::Pose2& T_map_robot, double kernel, int stride);
 

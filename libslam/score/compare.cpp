@@ -84,7 +84,8 @@ void scoreByRelations(const std::vector<run::RunFolder>& runs, const core::Relat
   core::writeFileAtomically(output + "/worst_relations.csv", report::toCsv(worst));
 }
 
-/// Under the tables: which methods took the kinds of the commands from the wheels, and which took skewed scans.
+/// Under the tables: which methods took the kinds of the commands from the wheels, and which took skewed
+/// scans.
 void noteCommands(const std::vector<run::RunFolder>& runs, const std::vector<report::Table*>& tables) {
   for (const auto& run : runs) {
     const auto from = run.manifest.results.find("commands_from");

@@ -20,8 +20,8 @@ struct CompareRequest {
   std::string truth_path;  ///< "" = look beside the log (see findTruth())
   std::string
       truth_plan_path;  ///< plan to score maps on; "" = the simulated plan, or the one in the log's manifest
-  /// Relations to score every path by; "" = none. Belongs to log_path. Errors: when none of them lies within the log's
-  /// time.
+  /// Relations to score every path by; "" = none. Belongs to log_path. Errors: when none of them lies within
+  /// the log's time.
   std::string relations_path;
   record::RecordConfig record;       ///< for plan_path
   std::vector<std::string> methods;  ///< names in configs/methods or paths of .ini files
@@ -52,10 +52,13 @@ struct Comparison {
 
 /// Simulates if asked, runs every method on the same log, scores, draws, and writes into `output`:
 ///   log/run.rawlog (and its truth)   when simulated
-///   METHOD/                          one buildMap() folder per method, with difference.png where a plan is known, and truth and plan in its map.3Dscene
+///   METHOD/                          one buildMap() folder per method, with difference.png where a plan is
+///                                    known, and truth and plan in its map.3Dscene
 ///   scores.txt .md .tex              accuracy, the main figures
-///   scores.csv .json                 accuracy, all figures; like the two above the same bytes for the same seed, any number of threads
-///   relations.txt .csv .json         with relations: the error of every path against them; worst_relations.csv
+///   scores.csv .json                 accuracy, all figures; like the two above the same bytes for the same
+///                                    seed, any number of threads
+///   relations.txt .csv .json         with relations: the error of every path against them;
+///                                    worst_relations.csv
 ///   cost.csv .json                   time and memory: differ from run to run
 ///   maps.png paths.png scan.png      pictures
 ///   manifest.json                    how to make it again

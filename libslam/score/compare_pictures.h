@@ -9,7 +9,8 @@
 
 namespace slam::score {
 
-/// maps.png, paths.png and scan.png of a comparison, and in each run's folder its difference from the plan, where that is known.
+/// maps.png, paths.png and scan.png of a comparison, and in each run's folder its difference from the plan,
+/// where that is known.
 void drawPictures(const std::vector<run::RunFolder>& runs, const std::vector<Evaluation>& evaluations,
                   const std::optional<Truth>& truth, const std::string& log_path, const std::string& output,
                   core::Progress& progress);

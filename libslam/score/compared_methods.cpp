@@ -41,8 +41,8 @@ void requireUsed(const CompareRequest& request, const std::vector<ComparedMethod
                              "', expected a section of a method that is compared");
 }
 
-/// The note of a method that failed on the way: what it had mapped is there to look at, and no row of figures, for they
-/// would stand beside those of the whole log.
+/// The note of a method that failed on the way: what it had mapped is there to look at, and no row of
+/// figures, for they would stand beside those of the whole log.
 std::string keptText(const std::string& where_and_why) {
   return where_and_why + "; what it had mapped is kept";
 }

@@ -26,8 +26,9 @@ std::vector<ComparedMethod> loadMethods(const CompareRequest& request);
 /// program.
 bool isSameRun(const ComparedMethod& method, const std::string& log_path, std::uint64_t seed);
 
-/// Runs those that are not reused side by side, each in a process of its own where the request names the program; each is independent,
-/// so the number of threads changes nothing but the time. What goes wrong with a method alone is its failure.
+/// Runs those that are not reused side by side, each in a process of its own where the request names the
+/// program; each is independent, so the number of threads changes nothing but the time. What goes wrong with
+/// a method alone is its failure.
 void runMethods(std::vector<ComparedMethod>& methods, const std::string& log_path,
                 const CompareRequest& request, const core::Manifest& manifest, core::Progress& progress);
 

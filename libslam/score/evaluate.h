@@ -28,10 +28,12 @@ struct Alignment {
   metrics::Align how = metrics::Align::kSe2;
   core::Pose2 T_truth_map;  ///< with kNone: where the map's frame lies in the truth's
 };
-/// A run that was localised in a known map is not aligned: where it says that the robot is has to be right. Others by SE(2).
+/// A run that was localised in a known map is not aligned: where it says that the robot is has to be right.
+/// Others by SE(2).
 Alignment alignmentOf(const core::Manifest& manifest);
-/// Where the frame of the map that a run was localised in lies, by the true path of the run that made the map: its first pose
-/// against the truth's. Errors: InputError where that run's folder or path cannot be read, or shares no stamp with the truth.
+/// Where the frame of the map that a run was localised in lies, by the true path of the run that made the
+/// map: its first pose against the truth's. Errors: InputError where that run's folder or path cannot be
+/// read, or shares no stamp with the truth.
 core::Pose2 mapFrame(const core::Manifest& manifest, const std::string& map_truth_path);
 
 /// All figures of one run. Without truth the first three blocks are NaN; without plan the map score is.
@@ -43,8 +45,8 @@ struct Evaluation {
   metrics::TrajectoryError final_trajectory;  ///< of the final path: the same where nothing is corrected
   metrics::RelativeError per_metre, per_second;
   metrics::MapScore map;
-  /// Whether the covariances of the online poses are consistent (poseNees(), stats::consistency()), and those of the final
-  /// poses; NaN where there are none.
+  /// Whether the covariances of the online poses are consistent (poseNees(), stats::consistency()), and those
+  /// of the final poses; NaN where there are none.
   double anees, within_50_share, within_95_share, singular_share;
   double anees_final, within_50_share_final, within_95_share_final, singular_share_final;
   run::Cost cost;
@@ -70,14 +72,14 @@ enum class Detail { kShort, kFull };
 
 /// Accuracy of several runs against the truth: one row each. The same bytes for the same seed.
 report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Truth& truth, Detail detail);
-/// What can be said without truth: length, end pose, sharpness of points and map, agreement of the scans with the map and
-/// of the method with the others.
+/// What can be said without truth: length, end pose, sharpness of points and map, agreement of the scans with
+/// the map and of the method with the others.
 report::Table agreementTable(const std::vector<Evaluation>& evaluations, Detail detail);
 /// Time and memory; differs from run to run.
 report::Table costTable(const std::vector<Evaluation>& evaluations);
 
-/// Sets agreement_m of each: the median over the other runs of the ATE between the two estimates. runs[i] belongs to
-/// evaluations[i] where their methods are equal; a failed method has none.
+/// Sets agreement_m of each: the median over the other runs of the ATE between the two estimates. runs[i]
+/// belongs to evaluations[i] where their methods are equal; a failed method has none.
 void setAgreement(const std::vector<run::RunFolder>& runs, std::vector<Evaluation>& evaluations);
 
 /// One metric: the row that feeds every table and `rasterslam list metrics`.

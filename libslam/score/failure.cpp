@@ -53,7 +53,8 @@ double lengthOf(const core::Pose2& error) {
   return core::hypot(error.x, error.y);
 }
 
-/// The pair in (from, to] at which the motion's error grows most, a radian counting as much as jump_m / jump_rad metres.
+/// The pair in (from, to] at which the motion's error grows most, a radian counting as much as jump_m /
+/// jump_rad metres.
 std::size_t onsetIn(const std::vector<Pair>& pairs, std::size_t from, std::size_t to,
                     const FailureLimits& limits) {
   std::size_t onset = to;

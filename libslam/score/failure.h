@@ -25,10 +25,10 @@ struct FailureLimits {
 
 /// Where the estimate left the truth.
 struct Divergence {
-  /// kJump: the error of the motion over the last window_s (as in relativeErrorOverTime()) exceeds jump_m or jump_rad. So does
-  /// an estimate that is put right; so the position's error, start laid on start, must have grown, by half of jump_m or of
-  /// the motion's error if that is less, or (where the heading jumps) must not have shrunk by as much.
-  /// kDrift: no jump, but the position's error exceeds drift_m.
+  /// kJump: the error of the motion over the last window_s (as in relativeErrorOverTime()) exceeds jump_m or
+  /// jump_rad. So does an estimate that is put right; so the position's error, start laid on start, must have
+  /// grown, by half of jump_m or of the motion's error if that is less, or (where the heading jumps) must not
+  /// have shrunk by as much. kDrift: no jump, but the position's error exceeds drift_m.
   enum Kind { kJump, kDrift } kind = kJump;
   double time_s = 0;   ///< since the first pose: of a jump the scan in its window that the error grew most at
   core::Point2 place;  ///< true, world frame
@@ -47,9 +47,9 @@ struct WrongLoop {
   double apart_m = 0;  ///< in truth
   double apart_in_map_m = 0;
 };
-/// Of the journal's lines `accepted`, those whose places are farther apart in truth than in the map (as the path is in the
-/// end) by more than wrong_loop_m. scan_stamps_s: by the journal's scans; lines beyond it, or outside the truth's time, are
-/// left out.
+/// Of the journal's lines `accepted`, those whose places are farther apart in truth than in the map (as the
+/// path is in the end) by more than wrong_loop_m. scan_stamps_s: by the journal's scans; lines beyond it, or
+/// outside the truth's time, are left out.
 std::vector<WrongLoop> wrongLoops(const core::Trajectory& truth, const std::vector<run::JournalLine>& journal,
                                   const std::vector<double>& scan_stamps_s, const FailureLimits& limits = {});
 
@@ -69,11 +69,11 @@ std::optional<WorstRegion> worstRegion(const world::Plan& plan, const metrics::S
 struct FailureReport {
   std::optional<Divergence> divergence;
   std::vector<WrongLoop> wrong_loops;  ///< of the whole run
-  /// What journal, collisions and odometry say around the divergence, one entry per kind of event in the order of time:
-  /// "degenerate 12 times, 83.1 to 85.0 s".
+  /// What journal, collisions and odometry say around the divergence, one entry per kind of event in the
+  /// order of time: "degenerate 12 times, 83.1 to 85.0 s".
   std::vector<std::string> around;
-  /// The gravest of these: kidnapped | false loop closure | collision | slip (the odometry was wrong, or distrusted) |
-  /// lost | degenerate | unknown; "" where nothing diverged.
+  /// The gravest of these: kidnapped | false loop closure | collision | slip (the odometry was wrong, or
+  /// distrusted) | lost | degenerate | unknown; "" where nothing diverged.
   std::string suspect;
   std::optional<WorstRegion> region;  ///< where a plan is known and something diverged
 };
@@ -86,8 +86,8 @@ struct FailureEvidence {
 };
 FailureReport explainFailure(const run::RunFolder& run, const Truth& truth, const FailureEvidence& evidence,
                              const FailureLimits& limits = {});
-/// The run's journal.csv, the collisions and carries beside the truth, and the odometry of the log ("" for none), where they are. Errors:
-/// InputError.
+/// The run's journal.csv, the collisions and carries beside the truth, and the odometry of the log ("" for
+/// none), where they are. Errors: InputError.
 FailureEvidence readEvidence(const run::RunFolder& run, const std::string& truth_path,
                              const std::string& log_path);
 

@@ -21,13 +21,14 @@ std::vector<RpeStep> parseRpeSteps(const std::string& text, const std::string& o
 report::Table rpeTable(const core::Trajectory& truth, const core::Trajectory& estimate,
                        const std::vector<RpeStep>& steps);
 
-/// A path by itself against the truth: its absolute errors, in one row. Errors: InputError where no stamp is common.
+/// A path by itself against the truth: its absolute errors, in one row. Errors: InputError where no stamp is
+/// common.
 report::Table pathTable(const std::string& name, const core::Trajectory& truth,
                         const core::Trajectory& estimate, const Alignment& alignment);
 
-/// Whether the estimate moves when the truth does: correlation of distances, or of turns, over 1 s, whichever is higher. An
-/// estimate may be far off and still moves in time; one of another drive does not. NaN with less than 10 s in common or
-/// where the truth never changes its pace.
+/// Whether the estimate moves when the truth does: correlation of distances, or of turns, over 1 s, whichever
+/// is higher. An estimate may be far off and still moves in time; one of another drive does not. NaN with
+/// less than 10 s in common or where the truth never changes its pace.
 double motionAgreement(const core::Trajectory& truth, const core::Trajectory& estimate);
 /// Below this the truth is that of another run.
 inline constexpr double kLeastMotionAgreement = 0.3;

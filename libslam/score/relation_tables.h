@@ -16,15 +16,17 @@ struct RelationScore {
   metrics::RelationError error;
 };
 
-/// Of a run: its path, or where the method corrects its past the final path first and then the one given online.
+/// Of a run: its path, or where the method corrects its past the final path first and then the one given
+/// online.
 std::vector<RelationScore> scoreByRelations(const run::RunFolder& run, const core::Relations& relations);
 
-/// One row per path: mean, deviation and maximum of the translational and of the rotational error (Kümmerle et al. 2009),
-/// how many relations were scored; kFull also the squares and medians. The notes state how poses at the relations' stamps are found.
+/// One row per path: mean, deviation and maximum of the translational and of the rotational error (Kümmerle
+/// et al. 2009), how many relations were scored; kFull also the squares and medians. The notes state how
+/// poses at the relations' stamps are found.
 report::Table relationTable(const std::vector<RelationScore>& scores, Detail detail);
 
-/// The relations that each path fits worst: when, what the relation says, what the path has. kShort puts a motion into one
-/// cell, "x y yaw" in metres and degrees; kFull gives each number a column.
+/// The relations that each path fits worst: when, what the relation says, what the path has. kShort puts a
+/// motion into one cell, "x y yaw" in metres and degrees; kFull gives each number a column.
 report::Table worstRelationsTable(const core::Relations& relations, const std::vector<RelationScore>& scores,
                                   Detail detail);
 

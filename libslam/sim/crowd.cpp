@@ -26,8 +26,9 @@ constexpr double kArrived_m = 0.3, kNearEnough_m = 1.2, kSlow_mps = 0.1;
 constexpr double kGivesWay_m = 0.4;
 constexpr std::int64_t kGivesWayTicks = 20, kLostTicks = 20, kNearEnoughTicks = 40;
 
-// Legs: width of the track and its place are our choice within the body's disc. 1.9 steps a second at an ordinary
-// pace: Murray, Drought and Kory, Journal of Bone and Joint Surgery 46-A(2), 1964, men's free walking.
+// Legs: width of the track and its place are our choice within the body's disc. 1.9 steps a second at an
+// ordinary pace: Murray, Drought and Kory, Journal of Bone and Joint Surgery 46-A(2), 1964, men's free
+// walking.
 constexpr double kLegRadius_m = 0.06, kHalfTrack_m = 0.08, kStepsPerSecond = 1.9;
 
 Point2 operator-(const Point2& a, const Point2& b) {
@@ -53,7 +54,8 @@ std::int64_t toTicks(double seconds) {
   return static_cast<std::int64_t>(seconds / kTick_s);
 }
 
-/// When two discs whose centres touch at `reach` meet: `to` from one to the other, `closing` the speed towards it.
+/// When two discs whose centres touch at `reach` meet: `to` from one to the other, `closing` the speed
+/// towards it.
 double timeToContact(const Point2& to, const Point2& closing, double reach_m) {
   const double a = dot(closing, closing), b = dot(to, closing), c = dot(to, to) - reach_m * reach_m;
   if (b <= 0) return std::numeric_limits<double>::infinity();
@@ -296,7 +298,8 @@ void Crowd::appendBodies(std::vector<Disc>& bodies) const {
       bodies.push_back({person.p, options_.radius_m});
       continue;
     }
-    // A leg that stands is passed at the walking speed: half a step ahead of the body to half a step behind it.
+    // A leg that stands is passed at the walking speed: half a step ahead of the body to half a step behind
+    // it.
     const double room_m = options_.radius_m - kLegRadius_m;
     const double most_m = std::sqrt(std::max(0.0, room_m * room_m - kHalfTrack_m * kHalfTrack_m));
     const double half_step_m = std::min(most_m, length(person.velocity_mps) / (2 * kStepsPerSecond));

@@ -25,17 +25,17 @@ struct Person {
 
 /// People who walk from place to place, past each other, the walls and the robot.
 ///
-/// A person goes for a place drawn from its own stream ("person N") on the way that Walkways knows, and now and
-/// then stays there. Every 0.1 s it looks for the direction that leads nearest to its next corner, given how far
-/// it could walk each way, at the speed it likes, before it met a wall or where somebody will be then; it slows
-/// down so that what it might meet stays half a second away, and takes half a second to change its velocity:
-/// Moussaid, Helbing and Theraulaz, PNAS 108(17), 2011. Ours: a sight of 6 m, 19 directions over 148 degrees, of
-/// equals the right-hand one, and no forces between bodies, for none ever touch. Who gets nowhere for 3 to 9 s
-/// turns back. Who stays at a place leaves it when the robot comes within 0.5 m; who is within 0.4 m of the robot and
-/// held up, or approached by it, steps away from it.
+/// A person goes for a place drawn from its own stream ("person N") on the way that Walkways knows, and now
+/// and then stays there. Every 0.1 s it looks for the direction that leads nearest to its next corner, given
+/// how far it could walk each way, at the speed it likes, before it met a wall or where somebody will be
+/// then; it slows down so that what it might meet stays half a second away, and takes half a second to change
+/// its velocity: Moussaid, Helbing and Theraulaz, PNAS 108(17), 2011. Ours: a sight of 6 m, 19 directions
+/// over 148 degrees, of equals the right-hand one, and no forces between bodies, for none ever touch. Who
+/// gets nowhere for 3 to 9 s turns back. Who stays at a place leaves it when the robot comes within 0.5 m;
+/// who is within 0.4 m of the robot and held up, or approached by it, steps away from it.
 ///
-/// Always: everybody stands where Walkways::canStand(); no two discs overlap; nobody comes nearer to the robot's
-/// disc than 10 cm by their own step. The robot may come nearer.
+/// Always: everybody stands where Walkways::canStand(); no two discs overlap; nobody comes nearer to the
+/// robot's disc than 10 cm by their own step. The robot may come nearer.
 class Crowd {
  public:
   /// `robot`: nobody begins within 0.5 m of it. InputError when the plan has no room for so many.
@@ -50,8 +50,8 @@ class Crowd {
 
   const std::vector<Person>& people() const { return people_; }
   double radius_m() const { return options_.radius_m; }
-  /// What a lidar meets of the people, in the plan frame: their discs, or two legs each within the disc. Legs swing
-  /// along the heading, one forward while the other stands, in step with the speed.
+  /// What a lidar meets of the people, in the plan frame: their discs, or two legs each within the disc. Legs
+  /// swing along the heading, one forward while the other stands, in step with the speed.
   void appendBodies(std::vector<Disc>& bodies) const;
 
  private:

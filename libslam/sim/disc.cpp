@@ -17,8 +17,8 @@ class Fan {
  public:
   Fan(double first_rad, double step_rad, size_t beams) : first_(first_rad), step_(step_rad), beams_(beams) {}
 
-  /// Calls visit(i) for every beam within half_width of the bearing, and perhaps its neighbours: rounding must
-  /// not lose a beam that grazes. A beam is visited once per turn in which it looks there.
+  /// Calls visit(i) for every beam within half_width of the bearing, and perhaps its neighbours: rounding
+  /// must not lose a beam that grazes. A beam is visited once per turn in which it looks there.
   template <class Visit>
   void visit(double bearing_rad, double half_width_rad, const Visit& visit) const {
     const double last = static_cast<double>(beams_) - 1;

@@ -11,14 +11,14 @@ namespace slam::sim {
 
 enum class DoorState { kOpen, kClosed, kHeld };  ///< held: would close, but somebody stands there
 
-/// Doors that open and close by themselves. Each draws from its own stream ("door N", N its place in the plan's
-/// list) whether it does, and then each of its times; it begins open.
+/// Doors that open and close by themselves. Each draws from its own stream ("door N", N its place in the
+/// plan's list) whether it does, and then each of its times; it begins open.
 class Doors {
  public:
   Doors(const world::Plan& plan, const LivingOptions& options, std::uint64_t seed);
 
-  /// One tick of sim::kTick_ns. `bodies`: people and robot in the plan frame; a door does not close while one is
-  /// in it or within `keep_m` of it. Returns the indices (into all()) of the doors whose cells changed.
+  /// One tick of sim::kTick_ns. `bodies`: people and robot in the plan frame; a door does not close while one
+  /// is in it or within `keep_m` of it. Returns the indices (into all()) of the doors whose cells changed.
   const std::vector<size_t>& tick(const std::vector<Disc>& bodies, double keep_m);
 
   struct MovingDoor {

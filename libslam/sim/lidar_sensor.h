@@ -22,7 +22,8 @@ namespace slam::sim {
 /// stamp too, and subtracting latency_s from the stamps of the scans puts all right. What moves in the scene
 /// is seen as it stands at the stamp. Before its first command the robot has stood still.
 ///
-/// Place. Beams start where the lidar truly sits; the scan states the mounting pose that it was meant to have.
+/// Place. Beams start where the lidar truly sits; the scan states the mounting pose that it was meant to
+/// have.
 ///
 /// Width. With a beam_width_deg each beam is robot::kRaysPerBeam rays that robot::beamRange() makes one of.
 ///
@@ -30,13 +31,13 @@ namespace slam::sim {
 /// (world::surfaceAt()), glass answers, mirrors or lets through as robot::glassEcho() and
 /// robot::glassReflectance() draw it, for each ray anew; a range is the length of the whole way. Transmission
 /// does not bend or weaken. The way of a ray ends at its kMostTurns-th pane or mirror: no return. Dark
-/// surfaces beyond dark_range_m give none. A mirror that a pane touches from behind is a wall to rays through the
-/// pane. What is in the scene and not in its plan is plain.
+/// surfaces beyond dark_range_m give none. A mirror that a pane touches from behind is a wall to rays through
+/// the pane. What is in the scene and not in its plan is plain.
 ///
 /// Rays: exact, or with ray = original as world::castOriginalRay(); to that one all materials are plain.
 ///
-/// Streams: the name, "lidar" (as robot::applyLidarErrors()), with " mixed" and with " glass". Effects that are off neither
-/// draw nor cost.
+/// Streams: the name, "lidar" (as robot::applyLidarErrors()), with " mixed" and with " glass". Effects that
+/// are off neither draw nor cost.
 class LidarSensor {
  public:
   static constexpr int kMostTurns = 16;

@@ -13,12 +13,12 @@
 
 namespace slam::sim {
 
-/// What stands around the robot at the present moment: what a ray meets and what a body bumps into. Walls, doors
-/// that are closed, people.
+/// What stands around the robot at the present moment: what a ray meets and what a body bumps into. Walls,
+/// doors that are closed, people.
 class Scene {
  public:
-  /// Keeps a reference to `plan`, which must outlive it and not change. `robot`: its disc at the start, world frame.
-  /// InputError where there is no room for the people, or doors are to move and the plan has none.
+  /// Keeps a reference to `plan`, which must outlive it and not change. `robot`: its disc at the start, world
+  /// frame. InputError where there is no room for the people, or doors are to move and the plan has none.
   Scene(const world::Plan& plan, const LivingOptions& living, std::uint64_t seed, const Disc& robot);
   /// Nothing moves.
   explicit Scene(const world::Plan& plan);

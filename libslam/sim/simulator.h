@@ -53,29 +53,31 @@ struct Collision {
 
 /// The true world in motion: advances the truth by one command and senses it. Has its own clock (start_time_s
 /// plus the durations of the commands, summed in whole nanoseconds so that nothing drifts), its own random
-/// streams (those of LidarSensor and robot::Odometer), and no noise on the truth. The disc around the footprint never enters a
-/// wall: a command that would collide is cut at the last free moment (to 1 mm of travel) and recorded; time
-/// still passes. A turn in place never collides, for the disc is free. Where people walk or doors move, they do so at
-/// whole ticks of the world's own clock, however time is cut into commands, and stand still in between: driving
-/// into them is a collision, and they never walk or close into the robot. Between two checks of the path (at
-/// most a quarter of a cell or 1 cm apart) the disc may cut a wall's corner by less than 0.1 mm.
+/// streams (those of LidarSensor and robot::Odometer), and no noise on the truth. The disc around the
+/// footprint never enters a wall: a command that would collide is cut at the last free moment (to 1 mm of
+/// travel) and recorded; time still passes. A turn in place never collides, for the disc is free. Where
+/// people walk or doors move, they do so at whole ticks of the world's own clock, however time is cut into
+/// commands, and stand still in between: driving into them is a collision, and they never walk or close into
+/// the robot. Between two checks of the path (at most a quarter of a cell or 1 cm apart) the disc may cut a
+/// wall's corner by less than 0.1 mm.
 ///
 /// Chance of the places that orders leave open: stream "carry".
-/// The robot may be kidnapped (carryAt(), carryNow()): at that moment, also amid a command, the truth jumps. The wheels do
-/// not notice: dead reckoning goes by the command alone, and the rest of the command is driven from the new place, unless an obstacle
-/// has ended it. A place where a person stands or a door is shut just then is waited for: the robot is put down before the first command that
-/// finds it free.
+/// The robot may be kidnapped (carryAt(), carryNow()): at that moment, also amid a command, the truth jumps.
+/// The wheels do not notice: dead reckoning goes by the command alone, and the rest of the command is driven
+/// from the new place, unless an obstacle has ended it. A place where a person stands or a door is shut just
+/// then is waited for: the robot is put down before the first command that finds it free.
 ///
-/// Errors: lidar options that contradict each other (robot::requireSensible()); start not finite, in a wall, outside the plan or nearer to either than the disc's radius (InputError naming the pose
-/// and the radius); a command that is not finite or has a negative duration (ContractError).
+/// Errors: lidar options that contradict each other (robot::requireSensible()); start not finite, in a wall,
+/// outside the plan or nearer to either than the disc's radius (InputError naming the pose and the radius); a
+/// command that is not finite or has a negative duration (ContractError).
 class Simulator {
  public:
   static constexpr double kStartTime_s = 1700000000.0;
 
   /// Keeps a reference to `plan`, which must outlive it and not change. `living`: what else moves; of it the
-  /// visit is not the simulator's to know, `plan` is what this visit finds. `camera`: what looks in place of the lidar; of
-  /// `lidar`, which should be robot::asLidar() then, nothing is used. Makes a world::SectorCaster: some
-  /// milliseconds per million cells, and 8 bytes per cell.
+  /// visit is not the simulator's to know, `plan` is what this visit finds. `camera`: what looks in place of
+  /// the lidar; of `lidar`, which should be robot::asLidar() then, nothing is used. Makes a
+  /// world::SectorCaster: some milliseconds per million cells, and 8 bytes per cell.
   Simulator(const world::Plan& plan, const robot::RobotOptions& robot, const robot::LidarOptions& lidar,
             const robot::OdometryOptions& odometry, const core::Pose2& start, std::uint64_t seed,
             double start_time_s = kStartTime_s, const LivingOptions& living = {},
@@ -84,8 +86,9 @@ class Simulator {
             const robot::OdometryOptions&, const core::Pose2&, std::uint64_t, double = 0,
             const LivingOptions& = {}, const std::optional<robot::FloorCamera>& = {}) = delete;
 
-  /// Mounts one more lidar, which then looks whenever the first does (its own rate says only how long its sweep takes). Before the
-  /// first look. Its random streams are of its label, so that the first one's noise stays as it was.
+  /// Mounts one more lidar, which then looks whenever the first does (its own rate says only how long its
+  /// sweep takes). Before the first look. Its random streams are of its label, so that the first one's noise
+  /// stays as it was.
   void mount(const NamedLidar& lidar, std::uint64_t seed);
 
   /// The first look, before any command. Looking again draws new noise and moves nothing else.
@@ -93,8 +96,8 @@ class Simulator {
   /// Carries out one command and looks. A command of duration 0 only looks.
   Sensed step(const robot::Command& command);
 
-  /// Has the robot kidnapped at the moments of `orders` (since the first scan; may be called once, before the first command).
-  /// Errors: InputError for a place without room for the robot, as for the start.
+  /// Has the robot kidnapped at the moments of `orders` (since the first scan; may be called once, before the
+  /// first command). Errors: InputError for a place without room for the robot, as for the start.
   void carryAt(const std::vector<CarryOrder>& orders);
   /// The same before the next command. An order that still waits for its place is dropped.
   void carryNow(const core::Pose2& T_world_robot);
@@ -118,10 +121,11 @@ class Simulator {
 
   /// Carries out the orders that are due, as far as their places are free.
   void carryIfDue();
-  /// Moves the truth by a command, or by a part of one, and time with it. Returns the seconds of it that were driven.
+  /// Moves the truth by a command, or by a part of one, and time with it. Returns the seconds of it that were
+  /// driven.
   double advance(const robot::Command& command);
-  /// Seconds of the command until the disc would bump into something as it stands now, looking from from_s on,
-  /// where it is free; to_s when it does not until then.
+  /// Seconds of the command until the disc would bump into something as it stands now, looking from from_s
+  /// on, where it is free; to_s when it does not until then.
   double freeDuration(const robot::Command& command, double from_s, double to_s) const;
   /// The same over the whole command while the world goes on.
   double driveInLivingWorld(const robot::Command& command);

@@ -47,7 +47,8 @@ core::Point2 Walkways::centreOf(size_t cell) const {
 }
 
 void Walkways::fill(const world::Plan& plan, int x0, int y0, int x1, int y1, Mask& mask) const {
-  // One can stand on a free cell without a wall within reach_ of its centre. Half widths of that disc by rows:
+  // One can stand on a free cell without a wall within reach_ of its centre. Half widths of that disc by
+  // rows:
   const int most = static_cast<int>(std::floor(reach_ + 0.5));
   std::vector<int> half_widths;
   for (int dy = 0; dy <= most; ++dy) {
@@ -179,7 +180,8 @@ void Walkways::drawPlaces(const world::Plan& plan, const std::vector<std::uint32
   if (places_.empty()) places_.push_back(region.front());
 }
 
-/// Costs from a place to all that is within a walk, by buckets (Dial, Communications of the ACM 12(11), 1969).
+/// Costs from a place to all that is within a walk, by buckets (Dial, Communications of the ACM 12(11),
+/// 1969).
 void Walkways::flood(size_t from, std::vector<size_t>& reached) {
   const int longest =
       std::min<int>(kNotReached - 1, static_cast<int>(kStraight * kLongestWalk_m / resolution_m_));

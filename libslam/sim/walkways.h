@@ -9,16 +9,17 @@
 
 namespace slam::sim {
 
-/// Where people of one radius can stand in a plan, places worth walking to, and the ways between them. All in the
-/// plan frame, in metres. Only whole cells are told apart: a point can be stood on when the person fits wherever it
-/// is in that cell, so up to 0.7 of a cell beside a wall is given away, and no rounding puts anybody into a wall.
+/// Where people of one radius can stand in a plan, places worth walking to, and the ways between them. All in
+/// the plan frame, in metres. Only whole cells are told apart: a point can be stood on when the person fits
+/// wherever it is in that cell, so up to 0.7 of a cell beside a wall is given away, and no rounding puts
+/// anybody into a wall.
 ///
 /// Everything here is +, -, *, / and sqrt or whole numbers, which every machine rounds alike.
 class Walkways {
  public:
-  /// `p_start`: people live in the part of the plan that they could reach from there; in the largest part when
-  /// nobody could stand within 1 m of it. Places are drawn from (seed, "places"): one per 12 m2, 6 to 256 of
-  /// them, where there is room for others to pass. Doors count as open. Memory: 4 bytes per cell.
+  /// `p_start`: people live in the part of the plan that they could reach from there; in the largest part
+  /// when nobody could stand within 1 m of it. Places are drawn from (seed, "places"): one per 12 m2, 6 to
+  /// 256 of them, where there is room for others to pass. Doors count as open. Memory: 4 bytes per cell.
   Walkways(const world::Plan& plan, double radius_m, std::uint64_t seed, const core::Point2& p_start);
 
   /// Looks at the plan's cells x0 .. x1-1 by y0 .. y1-1 again: from now on they are what canStand() and
@@ -39,8 +40,8 @@ class Walkways {
     size_t to;                          ///< the place
     std::vector<core::Point2> corners;  ///< from place to place, both included; straight and clear between
   };
-  /// Ways to a few other places within a walk of 30 m, found when first asked for; never empty, but a plan with one
-  /// place has the way to itself.
+  /// Ways to a few other places within a walk of 30 m, found when first asked for; never empty, but a plan
+  /// with one place has the way to itself.
   const std::vector<Way>& waysFrom(size_t place);
 
  private:

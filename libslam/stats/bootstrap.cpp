@@ -65,8 +65,8 @@ std::vector<double> resampled(const Strata& strata, const IndexStatistic& statis
   return values;
 }
 
-/// Efron 1987, equation 7.3: a sixth of the skewness of the influences, here the jackknife's; of several strata as
-/// Davison and Hinkley have it. 0 where all are equal.
+/// Efron 1987, equation 7.3: a sixth of the skewness of the influences, here the jackknife's; of several
+/// strata as Davison and Hinkley have it. 0 where all are equal.
 double jackknifeAcceleration(const Strata& strata, const IndexStatistic& statistic) {
   double squares = 0, cubes = 0;
   for (const auto& units : strata) {
@@ -149,7 +149,8 @@ double between(double below, double above) {
   return std::isinf(below) ? below : below + (above - below) / 2;
 }
 
-/// median() of values drawn by their indices, thousands of times: counts how often each was drawn, in their order.
+/// median() of values drawn by their indices, thousands of times: counts how often each was drawn, in their
+/// order.
 class MedianOfDrawn {
  public:
   explicit MedianOfDrawn(const std::vector<double>& values)

@@ -42,7 +42,8 @@ std::vector<double> differences(const std::vector<double>& a, const std::vector<
   return result;
 }
 
-/// Twice the rank of each magnitude, counted from 1: whole numbers, since equal ones share the mean of their ranks.
+/// Twice the rank of each magnitude, counted from 1: whole numbers, since equal ones share the mean of their
+/// ranks.
 std::vector<std::size_t> doubledRanks(const std::vector<double>& values) {
   std::vector<std::size_t> order(values.size()), ranks(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -129,7 +130,8 @@ PairedTest wilcoxonSignedRank(const std::vector<double>& a, const std::vector<do
     test.p = twoSided(shareUpTo(ranks, smaller));
     return test;
   }
-  // In doubled ranks the mean is total / 2, the variance the sum of squares / 4, and the correction of 1/2 is 1.
+  // In doubled ranks the mean is total / 2, the variance the sum of squares / 4, and the correction of 1/2 is
+  // 1.
   const double off = static_cast<double>(total) / 2 - static_cast<double>(smaller);
   const double z = std::max(0.0, off - 1) / (std::sqrt(squares) / 2);
   test.p = twoSided(boost::math::cdf(boost::math::complement(boost::math::normal(), z)));

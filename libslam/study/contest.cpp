@@ -21,8 +21,8 @@ constexpr int kResamples = 2000;
 constexpr std::uint64_t kSeeds = 1000000000;  // seeds are drawn below it
 constexpr double kAlpha = 0.05;
 
-/// An entry as a suite's list has it: the name of a method, or a path from the suite's folder, so that none of the machine stands in
-/// what is written.
+/// An entry as a suite's list has it: the name of a method, or a path from the suite's folder, so that none
+/// of the machine stands in what is written.
 std::string listed(const std::string& entry, const std::string& folder, const fs::path& suite_folder) {
   if (entry.find_first_of("/.") == std::string::npos) return entry;
   const fs::path path = folder.empty() ? fs::absolute(entry) : fs::path(folder) / entry;

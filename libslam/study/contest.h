@@ -19,10 +19,10 @@ struct ContestRequest {
   std::string folder;      ///< that relative paths of entries start from; "": where the program runs
 };
 
-/// The sweep of a contest. Every generated world gets a seed of the stream "contest worlds", every drive one of "contest drives", so
-/// that the same --seed gives the same contest, and another one gives buildings that nobody has tuned on. A suite without generated
-/// worlds keeps its plans. Errors (InputError): as readSuite(); fewer than two entries; an entry that is no file and no method; two of one
-/// name.
+/// The sweep of a contest. Every generated world gets a seed of the stream "contest worlds", every drive one
+/// of "contest drives", so that the same --seed gives the same contest, and another one gives buildings that
+/// nobody has tuned on. A suite without generated worlds keeps its plans. Errors (InputError): as
+/// readSuite(); fewer than two entries; an entry that is no file and no method; two of one name.
 sweep::Suite contestSuite(const ContestRequest& request);
 
 /// Who stands where.
@@ -31,10 +31,11 @@ struct Standings {
   report::Table full;                ///< the same with what went wrong in a column
   std::vector<std::string> verdict;  ///< sentences
 };
-/// From the runs of a contest's sweep: place, median of the metric with interval, mean rank over the drives, failed runs, group (entries
-/// that share a letter cannot be told apart: stats::rankingGroups(), 5 %, ranked within each setting), what went wrong in the first run
-/// that failed. Entries whose groups overlap with the best one's share the first place. A failed run is worse than any other. results[i]
-/// is of plan.runs[i]; drives in which a run is missing do not count. The same bytes for the same results.
+/// From the runs of a contest's sweep: place, median of the metric with interval, mean rank over the drives,
+/// failed runs, group (entries that share a letter cannot be told apart: stats::rankingGroups(), 5 %, ranked
+/// within each setting), what went wrong in the first run that failed. Entries whose groups overlap with the
+/// best one's share the first place. A failed run is worse than any other. results[i] is of plan.runs[i];
+/// drives in which a run is missing do not count. The same bytes for the same results.
 Standings standingsOf(const sweep::SweepPlan& plan, const SweepResults& results);
 
 }  // namespace slam::study

@@ -40,7 +40,8 @@ core::IniFile suiteOfWorld(const std::string& world) {
   return ini;
 }
 
-/// Whether a parameter of the simulation takes whole numbers. Errors: InputError when it takes no numbers, or is none.
+/// Whether a parameter of the simulation takes whole numbers. Errors: InputError when it takes no numbers, or
+/// is none.
 bool takesWholeNumbers(const std::string& key) {
   std::vector<std::string> known;
   for (const auto& parameter : record::readRecordConfig(core::IniFile()).parameters) {

@@ -31,11 +31,11 @@ struct StressSuite {
   bool is_of_world = false;
 };
 
-/// KEY is one of the simulation ("lidar.fov_deg", "odometry.slips_per_m", "living.people"), which then is an axis of
-/// faults, each laid over everything else; or `world.` and a key of [building] ("world.width_m"), for the worlds that are
-/// generated. Without steps 6 values. A parameter that takes whole numbers gets whole numbers. Errors (InputError): as
-/// readSuite() and readValueRange(); unknown key; a suite that has faults of its own (but built-in), or logs that exist
-/// already; world.KEY where a world is not generated.
+/// KEY is one of the simulation ("lidar.fov_deg", "odometry.slips_per_m", "living.people"), which then is an
+/// axis of faults, each laid over everything else; or `world.` and a key of [building] ("world.width_m"), for
+/// the worlds that are generated. Without steps 6 values. A parameter that takes whole numbers gets whole
+/// numbers. Errors (InputError): as readSuite() and readValueRange(); unknown key; a suite that has faults of
+/// its own (but built-in), or logs that exist already; world.KEY where a world is not generated.
 StressSuite stressSuite(const StressRequest& request);
 
 /// What a method has to keep to.
@@ -44,17 +44,17 @@ struct StressLimits {
   double error = 0;  ///< of the suite's metric, in its unit; 0: none
 };
 
-/// Where a method breaks. It is broken at a value when there the exact 95 % interval of its failure rate lies above the limit,
-/// or that of its median error lies above the error's limit; what the seeds do not prove is not called broken. With a limit
-/// of 0.1 that takes 2 failures of 2, 3 of 5, 4 of 10 (proportion.h).
+/// Where a method breaks. It is broken at a value when there the exact 95 % interval of its failure rate lies
+/// above the limit, or that of its median error lies above the error's limit; what the seeds do not prove is
+/// not called broken. With a limit of 0.1 that takes 2 failures of 2, 3 of 5, 4 of 10 (proportion.h).
 struct BreakingPoint {
   std::string method;
   std::vector<double> broken;   ///< values, ascending
   std::vector<double> unknown;  ///< values without any run
-  /// For people: "holds everywhere", "breaks at 90 and below (holds at 156)", "broken everywhere", and what lies between.
-  /// "At v and below" says that it is broken at v and at every smaller value that was tried. "Holds everywhere" is said only
-  /// where no run failed; failures that prove nothing are told: "not proven to break; failed, too few to prove it: 1 of 3 at
-  /// 90".
+  /// For people: "holds everywhere", "breaks at 90 and below (holds at 156)", "broken everywhere", and what
+  /// lies between. "At v and below" says that it is broken at v and at every smaller value that was tried.
+  /// "Holds everywhere" is said only where no run failed; failures that prove nothing are told: "not proven
+  /// to break; failed, too few to prove it: 1 of 3 at 90".
   std::string text;
 };
 
@@ -66,10 +66,10 @@ struct StressResult {
   std::vector<report::Chart> charts;  ///< median error and failure rate over the value, whiskers = intervals
 };
 
-/// Statistics of a stress suite's runs, pooled over the other axes (drawn within each of their settings, settingsOf()) and the
-/// seeds. A failed run counts as worse than any other
-/// (rankedValue()). results[i] is of plan.runs[i]. REQUIRES a metric of which less is better for an error limit
-/// (InputError). The same bytes for the same results.
+/// Statistics of a stress suite's runs, pooled over the other axes (drawn within each of their settings,
+/// settingsOf()) and the seeds. A failed run counts as worse than any other
+/// (rankedValue()). results[i] is of plan.runs[i]. REQUIRES a metric of which less is better for an error
+/// limit (InputError). The same bytes for the same results.
 StressResult stress(const StressSuite& suite, const sweep::SweepPlan& plan, const SweepResults& results,
                     const StressLimits& limits);
 

@@ -20,7 +20,8 @@ double numberIn(const report::Table& table, std::size_t row, const std::string& 
   return std::get<double>(table.rows[row][columnOf(table, key)]);
 }
 
-/// Whether the first row is the worse one. Rows of `all`, one per setting; a median that is not there is no worse than any.
+/// Whether the first row is the worse one. Rows of `all`, one per setting; a median that is not there is no
+/// worse than any.
 bool isWorse(const sweep::SweepPlan& plan, const report::Table& all, std::size_t one, std::size_t other) {
   const double rate = numberIn(all, one, "failure_rate"), other_rate = numberIn(all, other, "failure_rate");
   if (rate != other_rate) return rate > other_rate;

@@ -9,8 +9,8 @@ namespace slam::study {
 struct SweepBrief {
   /// The rows of all settings together, without the axes; where there is a single setting the whole summary.
   report::Table overall;
-  /// One row per method: the setting with the highest failure rate, of equals that with the worst metric. No rows where there is
-  /// a single setting. A setting without a run of the method does not count.
+  /// One row per method: the setting with the highest failure rate, of equals that with the worst metric. No
+  /// rows where there is a single setting. A setting without a run of the method does not count.
   report::Table worst;
 };
 

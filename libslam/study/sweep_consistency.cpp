@@ -46,8 +46,8 @@ std::pair<stats::Estimate, std::size_t> meanOf(const SweepResults& results,
   return {stats::meanInterval(values, options), values.size()};
 }
 
-/// Of ANEES, and of the share of singular covariances: more of them than lie outside of the ellipsoid of 95 % anyway are
-/// overconfident whatever the others say.
+/// Of ANEES, and of the share of singular covariances: more of them than lie outside of the ellipsoid of 95 %
+/// anyway are overconfident whatever the others say.
 std::string verdictOn(const stats::Estimate& anees, double singular_share) {
   if (singular_share > 0.05) return "overconfident";
   if (std::isnan(anees.value)) return "-";

@@ -7,9 +7,10 @@
 
 namespace slam::study {
 
-/// Where and why the runs of a sweep failed: one row per run that failed (isFailed()) or was at some time farther off than
-/// FailureLimits::drift_m (ate_max_m), with what its cell in `folder` says of it (failure.json). A run that left no path has
-/// only its status and message. The same bytes for the same cells.
+/// Where and why the runs of a sweep failed: one row per run that failed (isFailed()) or was at some time
+/// farther off than FailureLimits::drift_m (ate_max_m), with what its cell in `folder` says of it
+/// (failure.json). A run that left no path has only its status and message. The same bytes for the same
+/// cells.
 struct SweepFailures {
   report::Table main;  ///< for people: what, where, suspect
   report::Table all;

@@ -26,8 +26,8 @@ std::vector<std::string> methodNames(const sweep::SweepPlan& plan);
 
 /// What a log has on all axes: one setting, with any seed.
 std::string settingKey(const sweep::PlannedLog& log);
-/// For MeanOptions::strata and its like: of each run (indices) the number of its setting, which is everything but method
-/// and seed. None where no setting has two of the runs: then settings are what is drawn.
+/// For MeanOptions::strata and its like: of each run (indices) the number of its setting, which is everything
+/// but method and seed. None where no setting has two of the runs: then settings are what is drawn.
 std::vector<std::size_t> settingsOf(const sweep::SweepPlan& plan, const std::vector<std::size_t>& runs);
 
 /// The runs of one setting, which differ in seed and method only; or of all settings together.
@@ -36,7 +36,8 @@ struct SweepGroup {
   std::vector<std::vector<std::size_t>> methods;  ///< by method, its runs in the order of the plan
   std::vector<std::size_t> settings = {};         ///< of each of these, of all together; else none
 };
-/// All together first, where there are several settings, then the settings in the order of the plan; methods as `names`.
+/// All together first, where there are several settings, then the settings in the order of the plan; methods
+/// as `names`.
 std::vector<SweepGroup> groupsOf(const sweep::SweepPlan& plan, const std::vector<std::string>& names);
 
 /// What stands in a row for these axes: the group's place on each, or "all".

@@ -30,11 +30,13 @@ struct MergedSweep {
 ///   summary.txt .md .tex .csv .json   statistics over the seeds
 ///   consistency.txt .md .tex .csv .json   whether the covariances are consistent: sweepConsistency()
 ///   failures.csv .json .txt       where and why runs failed: sweepFailures()
-///   cost.csv .json, cost_summary.txt .csv   time and memory: differ from run to run, as nothing else here does
+///   cost.csv .json, cost_summary.txt .csv   time and memory: differ from run to run, as nothing else here
+///                                           does
 ///   index.sqlite                  writeSweepIndex()
 ///   manifest.json                 command line, how many are missing
-/// Cells of other folders are linked (or copied) into output/cells. A missing or damaged cell is a row that says "missing".
-/// Errors: folders of different sweeps, one cell with two different results, naming both (InputError).
+/// Cells of other folders are linked (or copied) into output/cells. A missing or damaged cell is a row that
+/// says "missing". Errors: folders of different sweeps, one cell with two different results, naming both
+/// (InputError).
 MergedSweep mergeSweep(const MergeRequest& request, core::Manifest manifest, core::Progress& progress);
 
 }  // namespace slam::study

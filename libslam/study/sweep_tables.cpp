@@ -179,8 +179,8 @@ double highOf(const stats::Estimate& estimate) {
   return estimate.interval ? estimate.interval->high : kNan;
 }
 
-/// Says so where there are too few seeds for any difference in one setting to count. `runs_of_group`: of each setting and
-/// method, the number of runs.
+/// Says so where there are too few seeds for any difference in one setting to count. `runs_of_group`: of each
+/// setting and method, the number of runs.
 void addSeedNote(const sweep::SweepPlan& plan, const std::map<std::string, std::size_t>& runs_of_group,
                  report::Table& table) {
   const std::size_t comparisons = methodNames(plan).size() - 1;

@@ -15,18 +15,19 @@ struct ValueRange {
   std::vector<std::string> list;
 };
 
-/// Reads `30..360`, `30..360:12` (steps, at least 2), `0.01..1:log`, `0.01..1:5:log`, or a list `1, 2, 5` (any texts).
-/// Errors: InputError that begins with `place`: not one of these, high not above low, ends that are not above 0 with log.
+/// Reads `30..360`, `30..360:12` (steps, at least 2), `0.01..1:log`, `0.01..1:5:log`, or a list `1, 2, 5`
+/// (any texts). Errors: InputError that begins with `place`: not one of these, high not above low, ends that
+/// are not above 0 with log.
 ValueRange readValueRange(const std::string& text, const std::string& place);
 
 /// The values of a range from low to high, rounded to six digits; of a list its numbers in ascending order.
-/// whole: rounded to whole numbers, those that fall together once. Errors: InputError that begins with `place`: a
-/// list's text that is no number, or given twice.
+/// whole: rounded to whole numbers, those that fall together once. Errors: InputError that begins with
+/// `place`: a list's text that is no number, or given twice.
 std::vector<double> spacedValues(const ValueRange& range, int steps_if_not_said, bool whole,
                                  const std::string& place);
 
-/// One value by chance, uniform over the range (its logarithm with log; the list's entries), as it stands in an .ini, with
-/// four digits. A range between whole numbers gives whole numbers.
+/// One value by chance, uniform over the range (its logarithm with log; the list's entries), as it stands in
+/// an .ini, with four digits. A range between whole numbers gives whole numbers.
 std::string drawValue(const ValueRange& range, core::RandomStream& random);
 
 }  // namespace slam::study

@@ -16,8 +16,9 @@ namespace slam::sweep {
 ///   cost.json     time and memory: differ from run to run
 ///   failure.json  of a run that left the truth (firstDivergence()): where and why, see readFailure()
 ///   stderr.txt    what a crashed one said last, if anything
-/// and of a log what record() writes (with plan.yaml where the building was generated), of a run a folder `run` of what
-/// buildMap() writes (Suite keep = paths: without the forms for MRPT's viewers), of a method that failed on the way likewise.
+/// and of a log what record() writes (with plan.yaml where the building was generated), of a run a folder
+/// `run` of what buildMap() writes (Suite keep = paths: without the forms for MRPT's viewers), of a method
+/// that failed on the way likewise.
 
 /// result.json.
 struct CellResult {
@@ -48,16 +49,17 @@ struct CellInputs {
   CellLimits limits;
 };
 
-/// Does the cell whose cell.json lies in `folder`, and writes everything else beside it, result.json last. A method that
-/// fails or takes more memory than it may is a result; only what has nothing to do with the cell is an error: IoError,
-/// Interrupted, InputError for a broken cell.json or a plan that is no longer the planned one. The limits of time (SIGXCPU)
-/// and memory are the process's own from then on, so this is for a process that does nothing else.
+/// Does the cell whose cell.json lies in `folder`, and writes everything else beside it, result.json last. A
+/// method that fails or takes more memory than it may is a result; only what has nothing to do with the cell
+/// is an error: IoError, Interrupted, InputError for a broken cell.json or a plan that is no longer the
+/// planned one. The limits of time (SIGXCPU) and memory are the process's own from then on, so this is for a
+/// process that does nothing else.
 void workOnCell(const std::string& folder, const CellInputs& inputs, core::Progress& progress);
 
 /// Writes cost.json and, last, result.json: what has a result is complete.
 void writeCellResult(const std::string& folder, const CellResult& result, const CellCost& cost);
-/// The same for a cell that could not say itself how it ended: whatever it left is removed first, but for cell.json and
-/// stderr.txt.
+/// The same for a cell that could not say itself how it ended: whatever it left is removed first, but for
+/// cell.json and stderr.txt.
 void writeLostCell(const std::string& folder, const CellResult& result, const CellCost& cost);
 
 /// What there is of a cell.
@@ -66,8 +68,8 @@ struct CellState {
   std::string reason;  ///< of kDamaged: one line with the path
   CellResult result;
 };
-/// Complete: cell.json hashes to `id`, result.json belongs to it, its files are there in their size; with `check_bytes` in
-/// their bytes too.
+/// Complete: cell.json hashes to `id`, result.json belongs to it, its files are there in their size; with
+/// `check_bytes` in their bytes too.
 CellState readCell(const std::string& folder, const std::string& id, bool check_bytes = false);
 CellCost readCellCost(const std::string& folder);
 

@@ -10,9 +10,9 @@
 
 namespace slam::sweep {
 
-/// Section [suite]: the axes of a sweep, lists separated by commas. What is crossed with what: worlds x robots x lidars x
-/// odometry x strategies x faults x seeds makes the logs that are simulated, and with `logs` x seeds x methods x
-/// [parameters METHOD] the runs.
+/// Section [suite]: the axes of a sweep, lists separated by commas. What is crossed with what: worlds x
+/// robots x lidars x odometry x strategies x faults x seeds makes the logs that are simulated, and with
+/// `logs` x seeds x methods x [parameters METHOD] the runs.
 struct SuiteOptions {
   std::string worlds, logs, robots, lidars, odometry, strategies, faults, methods, seeds, baseline, metric,
       keep;
@@ -79,30 +79,34 @@ struct Suite {
 
 /// Reads a suite. Besides [suite] and [limits] its sections are
 ///   [robot] [lidar] [odometry] [strategy] [living] [simulation]   as in --config, for all simulated logs
-///   [robot NAME] [lidar NAME] [odometry NAME] [strategy NAME] [fault NAME]   a value of that axis: keys `section.key`
+///   [robot NAME] [lidar NAME] [odometry NAME] [strategy NAME] [fault NAME]   a value of that axis: keys
+///                                                                            `section.key`
 ///       laid over, and `base` (an .ini, or a lidar by name) to start from
 ///   [world NAME]       kind, seed and the keys of [building]; or plan
-///   [log NAME]         path, and truth, plan, relations where they are known (default: as findTruth() and findPlan() say)
+///   [log NAME]         path, and truth, plan, relations where they are known (default: as findTruth() and
+///                      findPlan() say)
 ///   [method NAME]      base, a method by name or .ini, and keys `section.key` over it
 ///   [parameters NAME]  keys `section.key`, each with a list of values: the grid for the method of that name
 ///   [tune] [tune.parameters]   what tune() reads; no part of the sweep
 /// An entry of a list is the name of such a section, or else: for worlds a world by name, a plan's file or
-/// KIND:seed=3:width_m=40; for logs a file; for lidars a name of configs/lidars; for strategies a strategy's name; for
-/// methods a name of configs/methods; for all of them but worlds and logs an .ini file; `built-in` for no overlay. Layers,
-/// weakest first: built-in, the suite's own sections, robot, lidar, odometry, strategy, fault.
+/// KIND:seed=3:width_m=40; for logs a file; for lidars a name of configs/lidars; for strategies a strategy's
+/// name; for methods a name of configs/methods; for all of them but worlds and logs an .ini file; `built-in`
+/// for no overlay. Layers, weakest first: built-in, the suite's own sections, robot, lidar, odometry,
+/// strategy, fault.
 ///
-/// A method may be an external program (external_method.h): its line is part of what decides a cell, what it starts is not,
-/// so after a change of that program a sweep takes --overwrite.
+/// A method may be an external program (external_method.h): its line is part of what decides a cell, what it
+/// starts is not, so after a change of that program a sweep takes --overwrite.
 ///
-/// Relative paths start from the suite's folder. Errors, all before anything runs (InputError, with the line where there
-/// is one): unknown section, key, name or value; a section that no list names; a name twice; a seed twice; files that are
-/// missing or broken; a combination whose values do not fit.
+/// Relative paths start from the suite's folder. Errors, all before anything runs (InputError, with the line
+/// where there is one): unknown section, key, name or value; a section that no list names; a name twice; a
+/// seed twice; files that are missing or broken; a combination whose values do not fit.
 /// `folder` takes the place of the suite's folder unless "".
 /// A file in YAML (core::parseYaml()) means the .ini that it stands for.
 Suite readSuite(const std::string& path, const std::string& folder = "");
 /// Whether a file is a suite by its name, one in YAML by its section `suite`: plans have that ending too.
 bool isSuiteFile(const std::string& path);
-/// The same of a suite that is not in a file as it stands: `path` stands for it in errors and gives it its name.
+/// The same of a suite that is not in a file as it stands: `path` stands for it in errors and gives it its
+/// name.
 Suite readSuite(const core::IniFile& ini, const std::string& path, const std::string& folder);
 
 /// The configuration of a simulated log: all layers.

@@ -11,8 +11,8 @@
 
 namespace slam::sweep {
 
-/// What reads one suite: the file, and which of its sections were named by a list. The checks and the order stand in suite_reader.cpp, what one
-/// word of a list means in suite_entries.cpp.
+/// What reads one suite: the file, and which of its sections were named by a list. The checks and the order
+/// stand in suite_reader.cpp, what one word of a list means in suite_entries.cpp.
 class SuiteReader {
  public:
   SuiteReader(const std::string& path, const std::string& folder);

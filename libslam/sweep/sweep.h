@@ -37,19 +37,20 @@ struct SweepOutcome {
 ///   manifest.json   command line
 ///   cells/ID/       one folder per cell, see cell.h; it appears whole or not at all
 ///   partial/        cells in flight, one folder per process that runs them, locked while that process lives
-/// Any number of processes may work in one folder, on one machine or several with a common disk (flock(2) must work
-/// there), on different shards or on the same.
+/// Any number of processes may work in one folder, on one machine or several with a common disk (flock(2)
+/// must work there), on different shards or on the same.
 ///
-/// Each cell is a process of its own: a copy of this one where that is sound (hasOneThread()), else `PROGRAM bench cell
-/// FOLDER ...`; both give the same bytes.
+/// Each cell is a process of its own: a copy of this one where that is sound (hasOneThread()), else
+/// `PROGRAM bench cell FOLDER ...`; both give the same bytes.
 ///
-/// Limits ([limits] of the suite) end a cell as a result: "timeout", "out of memory"; so does a signal that its own doing
-/// raised: "crashed". A cell that was killed from outside is tried three times and then left for --resume. A log that
-/// cannot be made fails its runs. Whatever stops the sweep (an error, an interrupt, kill -9) loses the cells in flight at
-/// most; their folders are removed at once or by the next sweep in this folder.
+/// Limits ([limits] of the suite) end a cell as a result: "timeout", "out of memory"; so does a signal that
+/// its own doing raised: "crashed". A cell that was killed from outside is tried three times and then left
+/// for --resume. A log that cannot be made fails its runs. Whatever stops the sweep (an error, an interrupt,
+/// kill -9) loses the cells in flight at most; their folders are removed at once or by the next sweep in this
+/// folder.
 ///
-/// The cells' results do not depend on jobs, shards or the order of work. Errors: InputError (an output that is not ours, or
-/// holds another sweep), IoError (the disk is full), core::Interrupted.
+/// The cells' results do not depend on jobs, shards or the order of work. Errors: InputError (an output that
+/// is not ours, or holds another sweep), IoError (the disk is full), core::Interrupted.
 SweepOutcome sweep(const Sweep& sweep, const SweepRequest& request, const core::Manifest& manifest,
                    core::Progress& progress);
 

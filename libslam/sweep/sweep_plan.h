@@ -9,8 +9,8 @@
 
 namespace slam::sweep {
 
-/// One log of a sweep: made once, mapped by every method. `world` is the name of an existing log where there is nothing to
-/// simulate; then the other axes are "-" and the seed is 0.
+/// One log of a sweep: made once, mapped by every method. `world` is the name of an existing log where there
+/// is nothing to simulate; then the other axes are "-" and the seed is 0.
 struct PlannedLog {
   std::string id;
   std::string world, robot, lidar, odometry, strategy, fault;
@@ -26,7 +26,8 @@ struct PlannedRun {
   std::string method, parameters;  ///< as in SuiteMethod
 };
 
-/// The cells of a sweep, in the order of its lists (the last list runs fastest). plan.json of a sweep's folder.
+/// The cells of a sweep, in the order of its lists (the last list runs fastest). plan.json of a sweep's
+/// folder.
 struct SweepPlan {
   std::string name;          ///< the suite's file name without suffix
   std::string code;          ///< core::codeVersion() that made the ids
@@ -37,8 +38,9 @@ struct SweepPlan {
   std::vector<PlannedRun> runs;
 };
 
-/// A suite and its cells. specs[i] is the text that names all that decides the cell: its configuration after all layers,
-/// seed, the bytes of its inputs (as hashes) and the code; the id is the beginning of its SHA-256.
+/// A suite and its cells. specs[i] is the text that names all that decides the cell: its configuration after
+/// all layers, seed, the bytes of its inputs (as hashes) and the code; the id is the beginning of its
+/// SHA-256.
 struct Sweep {
   Suite suite;
   SweepPlan plan;
@@ -48,12 +50,12 @@ struct Sweep {
 
 /// Lists the cells. Errors: two cells that are the same (InputError).
 Sweep planSweep(Suite suite);
-/// Reads a suite and lists its cells; of the copy suite.ini in a sweep's folder the very cells of that sweep, whose
-/// relative paths still start from where the suite came from. Errors: as readSuite() and planSweep().
+/// Reads a suite and lists its cells; of the copy suite.ini in a sweep's folder the very cells of that sweep,
+/// whose relative paths still start from where the suite came from. Errors: as readSuite() and planSweep().
 Sweep planSweep(const std::string& suite_path);
 
-/// plan.json in a folder: the same bytes for the same suite and code. The suite's folder is written as seen from there, so that
-/// both can be moved together, and no path of one machine stands in results.
+/// plan.json in a folder: the same bytes for the same suite and code. The suite's folder is written as seen
+/// from there, so that both can be moved together, and no path of one machine stands in results.
 std::string toJson(const SweepPlan& plan, const std::string& folder);
 /// Whether two plans have the same cells, wherever their suites lie.
 bool areSame(const SweepPlan& a, const SweepPlan& b);

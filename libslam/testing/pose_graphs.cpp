@@ -17,7 +17,8 @@ posegraph::Edge measure(const DrivenGraph& driven, int from, int to, posegraph::
       core::between(driven.truth[static_cast<size_t>(from)], driven.truth[static_cast<size_t>(to)]);
   posegraph::Edge edge;
   edge.from = from, edge.to = to, edge.kind = kind;
-  // The error is that of the estimate seen from the measurement, so the measurement is truth times its inverse.
+  // The error is that of the estimate seen from the measurement, so the measurement is truth times its
+  // inverse.
   const double sigma_m = noise * kSigma_m, sigma_rad = noise * kSigma_rad;
   core::Pose2 error;
   error.x = random.normal(sigma_m), error.y = random.normal(sigma_m), error.phi = random.normal(sigma_rad);

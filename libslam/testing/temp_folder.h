@@ -15,7 +15,8 @@ class TempFolder : public core::ScratchFolder {
   TempFolder& operator=(const TempFolder&) = delete;
 };
 
-/// What a folder, and all below it, holds of outputs that were not finished: names of core::PendingFile and core::OutputLock.
+/// What a folder, and all below it, holds of outputs that were not finished: names of core::PendingFile and
+/// core::OutputLock.
 std::vector<std::string> leftoversIn(const std::string& folder);
 
 /// What a program printed and how it ended. The command is a shell line; standard input is /dev/null.
@@ -28,8 +29,8 @@ CommandResult runCommand(const std::string& shell_line);
 /// True when the program is on the PATH.
 bool programExists(const std::string& name);
 
-/// $RASTERSLAM_REAL_DATA or ../shared/data beside the source tree: real logs and plans; empty when absent, and
-/// then a test that needs it skips.
+/// $RASTERSLAM_REAL_DATA or ../shared/data beside the source tree: real logs and plans; empty when absent,
+/// and then a test that needs it skips.
 std::string realDataFolder(const std::string& source_dir);
 
 }  // namespace slam::testing

@@ -9,11 +9,12 @@
 #include "libslam/robot/scan.h"
 #include "libslam/world/plan.h"
 
-/// What a scene is made of, one function per layer. Every function makes one named object, flat, of MRPT's stock classes
-/// (any MRPT program shows it), in the frame that it says; place() puts it into another one. Layers lie some centimetres above each
-/// other in the order below, so that they hide each other as sheets of paper do, seen from above as well as aslant.
-/// Colours: the Okabe-Ito palette (report/canvas.h). Points that are not finite are left out, and break lines.
-/// `line_m` is a line's width in metres: OpenGL's own lines are a pixel wide at most.
+/// What a scene is made of, one function per layer. Every function makes one named object, flat, of MRPT's
+/// stock classes (any MRPT program shows it), in the frame that it says; place() puts it into another one.
+/// Layers lie some centimetres above each other in the order below, so that they hide each other as sheets of
+/// paper do, seen from above as well as aslant. Colours: the Okabe-Ito palette (report/canvas.h). Points that
+/// are not finite are left out, and break lines. `line_m` is a line's width in metres: OpenGL's own lines are
+/// a pixel wide at most.
 namespace slam::viewer {
 
 using Layer = mrpt::opengl::CRenderizable::Ptr;
@@ -40,13 +41,14 @@ double heightOf(const char* name);
 /// Puts a layer from its own frame into the scene's, at its own height.
 void place(const Layer& layer, const core::Pose2& T_scene_layer);
 
-/// A true plan, world frame: walls grey, free light, unknown a little darker. Materials: glass sky blue, mirrors purple, dark ones
-/// black.
+/// A true plan, world frame: walls grey, free light, unknown a little darker. Materials: glass sky blue,
+/// mirrors purple, dark ones black.
 Layer planLayer(const world::Plan& plan);
 /// An estimated map, map frame: occupied dark, free white, the unknown not there at all.
 Layer mapLayer(const gridmap::OccupancyRaster& map);
 
-/// The original drawing, robot frame: a square, the circle around it that must stay free, and which way is ahead.
+/// The original drawing, robot frame: a square, the circle around it that must stay free, and which way is
+/// ahead.
 Layer robotLayer(double side_m, double line_m);
 /// A dot at each return and some rays to them, robot frame.
 Layer scanLayer(const robot::Scan& scan);
@@ -87,7 +89,8 @@ struct StrategicView {
   double stop_radius_m = 0;
   std::vector<core::Point2> projected;  ///< where the readings of the strategic directions end
 };
-/// The stop radius as a dashed circle, the strategic directions as lines with a dot at their end, robot frame.
+/// The stop radius as a dashed circle, the strategic directions as lines with a dot at their end, robot
+/// frame.
 Layer strategicLayer(const StrategicView& view, double line_m);
 
 /// What a strategy chose from, and what.

@@ -73,7 +73,8 @@ std::optional<core::Point2> placeAt(const report::Pixel& pixel, const Camera& ca
   if (steepness < kFlattest) return std::nullopt;
   const double m_per_pixel = camera.zoom_m / (2 * std::min(width, height));
   const double right_m = (pixel.x - width / 2) * m_per_pixel;
-  // What lies farther away on the floor is higher up in the picture, the less so the flatter the camera looks.
+  // What lies farther away on the floor is higher up in the picture, the less so the flatter the camera
+  // looks.
   const double up_m = (height / 2 - pixel.y) * m_per_pixel;
   const double away_m = (up_m - height_m * core::cos(elevation_rad)) / steepness;
   const auto [s, c] = core::sinCos(azimuth_rad);
@@ -138,7 +139,8 @@ void LiveScene::show(const Snapshot& snapshot, const PanelState& panel) {
     setLayer(name, layer);
   };
   const auto& T_scene_map = snapshot.T_scene_map;
-  // What is transparent lets through what was drawn before it, so the order is that of the heights; only the map is costly.
+  // What is transparent lets through what was drawn before it, so the order is that of the heights; only the
+  // map is costly.
   if (is_new_map)
     set(kMapLayer, snapshot.map != nullptr, T_scene_map, [&] { return mapLayer(*snapshot.map); });
   set(kTruthLayer, snapshot.truth.size() > 1, {}, [&] { return truthLayer(snapshot.truth, line_m_); });

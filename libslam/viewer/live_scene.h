@@ -28,23 +28,25 @@ struct WindowSize {
 
 /// The camera that shows all of a rectangle from above.
 Camera cameraOver(const report::Window& area, const WindowSize& size);
-/// Where that camera shows a point, without perspective and from above: pixels from the window's upper left corner.
+/// Where that camera shows a point, without perspective and from above: pixels from the window's upper left
+/// corner.
 report::Pixel pixelOf(const core::Point2& p_scene, const Camera& camera, const WindowSize& size);
 
-/// The other way round, from whichever side the camera looks: the place of what stands at a pixel, height_m above the floor (a
-/// layer's: heightOf()). nullopt where the camera looks along the floor.
+/// The other way round, from whichever side the camera looks: the place of what stands at a pixel, height_m
+/// above the floor (a layer's: heightOf()). nullopt where the camera looks along the floor.
 std::optional<core::Point2> placeAt(const report::Pixel& pixel, const Camera& camera, const WindowSize& size,
                                     double height_m = 0);
 
-/// The scene of a live window: the layers in the viewport "main", over its lower left corner the bar of the scale in "scale",
-/// the side panel in "panel". Nothing here needs a display.
+/// The scene of a live window: the layers in the viewport "main", over its lower left corner the bar of the
+/// scale in "scale", the side panel in "panel". Nothing here needs a display.
 /// Not to be changed while another thread renders it.
 class LiveScene {
  public:
   /// `plan`: the true one, nullptr when it is not known. The scene frame is then the map's, which grows.
   LiveScene(const world::Plan* plan, double robot_side_m, const WindowSize& size);
 
-  /// Shows a moment. Layers that are the same as before stay (the map by its pointer); what the moment has not is taken out.
+  /// Shows a moment. Layers that are the same as before stay (the map by its pointer); what the moment has
+  /// not is taken out.
   void show(const Snapshot& snapshot, const PanelState& panel);
   void setPanel(const PanelState& state);
   /// Which layers are not drawn: keys of layerSwitches(), in any order. What is not shown is still there.
@@ -78,7 +80,8 @@ class LiveScene {
   Snapshot shown_;
 };
 
-/// Renders a scene without a window, as PNG. Needs EGL, as Mesa has it, and no display. Errors: IoError when there is none.
+/// Renders a scene without a window, as PNG. Needs EGL, as Mesa has it, and no display. Errors: IoError when
+/// there is none.
 std::string renderPng(LiveScene& scene, const Camera& camera);
 
 }  // namespace slam::viewer

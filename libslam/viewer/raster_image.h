@@ -9,8 +9,8 @@ struct Texel {
   std::uint8_t red = 0, green = 0, blue = 0, alpha = 255;
 };
 
-/// A raster as a texture that any graphics card takes: `reduction` squared cells become one texel, the most important of
-/// them, so that thin walls stay. Row 0 is that of the raster.
+/// A raster as a texture that any graphics card takes: `reduction` squared cells become one texel, the most
+/// important of them, so that thin walls stay. Row 0 is that of the raster.
 struct RasterImage {
   int columns = 0, rows = 0, reduction = 1;
   std::vector<Texel> texels;

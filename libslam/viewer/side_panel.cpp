@@ -188,7 +188,8 @@ double legendHeight(const PanelLayout& layout, size_t rows) {
          layout.row_pitch * std::ceil(static_cast<double>(rows) / static_cast<double>(layout.legend_columns));
 }
 
-/// The first layout that holds everything, else the smallest with what finds room. `rows` and `lines` as they will be drawn.
+/// The first layout that holds everything, else the smallest with what finds room. `rows` and `lines` as they
+/// will be drawn.
 PanelLayout layOut(const Snapshot& snapshot, const PanelState& state, size_t lines, double height) {
   const bool has_keys = !state.keys.empty();
   const size_t rows = has_keys ? state.keys.size() : legendRows(snapshot).size();

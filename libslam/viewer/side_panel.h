@@ -22,10 +22,11 @@ struct PanelState {
   std::string hidden;         ///< keys of the layerSwitches() that are off; grey in the legend
 };
 
-/// The column beside the scene, PNG: what runs and where the robot is, the scan as range over angle, the obstacles around
-/// the robot (white in view, grey zone), what the colours mean with the key that switches each layer, and how to get help.
-/// In a low window the parts are smaller; from 500 pixels on nothing of the legend and the help is left out, below that first
-/// the obstacles, then the scan. The same input gives the same bytes.
+/// The column beside the scene, PNG: what runs and where the robot is, the scan as range over angle, the
+/// obstacles around the robot (white in view, grey zone), what the colours mean with the key that switches
+/// each layer, and how to get help. In a low window the parts are smaller; from 500 pixels on nothing of the
+/// legend and the help is left out, below that first the obstacles, then the scan. The same input gives the
+/// same bytes.
 std::string sidePanel(const Snapshot& snapshot, const PanelState& state, int height);
 
 /// The bar of the scale, PNG: a length in metres and how many pixels it has.

@@ -12,8 +12,8 @@
 
 namespace slam::viewer {
 
-/// All that a scene shows of one moment, as plain data: what may be handed from one thread to another, and what tests make
-/// by hand. The scene's frame is the world where the truth is known, else the map's.
+/// All that a scene shows of one moment, as plain data: what may be handed from one thread to another, and
+/// what tests make by hand. The scene's frame is the world where the truth is known, else the map's.
 struct Snapshot {
   std::string title;   ///< what runs: "explore flat"
   std::string method;  ///< who estimates and decides: "icp_exact, nearest_frontier"

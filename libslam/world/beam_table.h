@@ -5,9 +5,9 @@
 
 namespace slam::world {
 
-/// Where the beams of a lidar point: made once per lidar, so that a scan costs no sine and cosine per beam. Beam i
-/// is at first_angle_rad + i * step_rad in the lidar frame. Any order, any angle; the fast casters like neighbours
-/// in the table to be neighbours in the world.
+/// Where the beams of a lidar point: made once per lidar, so that a scan costs no sine and cosine per beam.
+/// Beam i is at first_angle_rad + i * step_rad in the lidar frame. Any order, any angle; the fast casters
+/// like neighbours in the table to be neighbours in the world.
 class BeamTable {
  public:
   BeamTable() = default;
@@ -30,8 +30,8 @@ struct Rotation {
   explicit Rotation(double angle_rad);
   double cosine, sine;
 
-  /// The beam as seen from the frame that this rotation turns into: the products and the sum are rounded one by
-  /// one, here and in every caster.
+  /// The beam as seen from the frame that this rotation turns into: the products and the sum are rounded one
+  /// by one, here and in every caster.
   core::Point2 operator*(const core::Point2& beam) const {
     return {cosine * beam.x - sine * beam.y, sine * beam.x + cosine * beam.y};
   }

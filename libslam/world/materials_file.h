@@ -6,8 +6,8 @@
 
 namespace slam::world {
 
-/// The picture of what a plan's walls are made of: as large as the plan's picture, one colour per material, so
-/// that it can be painted over a copy of it in any editor that neither smooths nor compresses with loss.
+/// The picture of what a plan's walls are made of: as large as the plan's picture, one colour per material,
+/// so that it can be painted over a copy of it in any editor that neither smooths nor compresses with loss.
 ///
 ///   plain    gray 0, 205, 254 or 255 (what plan pictures are made of), or a pixel that is not opaque
 ///   glass    blue 0 0 255    or gray 29

@@ -23,9 +23,10 @@ struct Picture {
 };
 
 /// Reads bmp, png, pgm (P2, P5) or jpg, told apart by content, not by suffix; 8 or 16 bits, gray, colour,
-/// palette, with or without alpha, that of 32-bit BMPs too (decodeBmp32(): 0 everywhere means none). The file is checked for completeness before it is decoded, because
-/// decoders return half pictures with no more than a warning. Errors (InputError with the path): missing, a
-/// folder, none of these formats, truncated or damaged, no pixel, larger than kMaxPlanSide or kMaxPlanCells.
+/// palette, with or without alpha, that of 32-bit BMPs too (decodeBmp32(): 0 everywhere means none). The file
+/// is checked for completeness before it is decoded, because decoders return half pictures with no more than
+/// a warning. Errors (InputError with the path): missing, a folder, none of these formats, truncated or
+/// damaged, no pixel, larger than kMaxPlanSide or kMaxPlanCells.
 Picture readPicture(const std::string& path);
 
 struct Colour {

@@ -48,17 +48,19 @@ struct PlanOptions {
 };
 
 /// Reads a plan: a ROS map yaml (by its suffix; image, resolution, origin, negate, thresholds, mode
-/// trinary/scale/raw, and ours: materials, see materials_file.h; of `options` only allow_empty counts), or a picture bmp, png, pgm, jpg with `options`.
+/// trinary/scale/raw, and ours: materials, see materials_file.h; of `options` only allow_empty counts), or a
+/// picture bmp, png, pgm, jpg with `options`.
 ///
 /// Gray is the mean of the colours, 8 or 16 bits. A bare picture with an alpha channel that is not opaque
 /// everywhere follows the original raster lidar: alpha at its maximum is an obstacle, anything less is free,
-/// whatever the colour; an opaque picture goes by gray level. The alpha of 32-bit BMPs counts unless it is 0 everywhere. In a ROS map pixels that are not opaque are unknown. mode scale is
-/// read as trinary (what lies between the thresholds is unknown either way); mode raw takes the 8-bit pixel
-/// as the occupancy in percent, above 100 unknown, and ignores negate.
+/// whatever the colour; an opaque picture goes by gray level. The alpha of 32-bit BMPs counts unless it is 0
+/// everywhere. In a ROS map pixels that are not opaque are unknown. mode scale is read as trinary (what lies
+/// between the thresholds is unknown either way); mode raw takes the 8-bit pixel as the occupancy in percent,
+/// above 100 unknown, and ignores negate.
 ///
 /// Errors (InputError, one line with path and key): missing, a folder, truncated or not a picture, yaml that
-/// names a missing picture, materials that readMaterials() refuses, a door outside the plan or over a cell that is
-/// not free, unknown or duplicate key, key missing / malformed / out of range, no obstacle at
+/// names a missing picture, materials that readMaterials() refuses, a door outside the plan or over a cell
+/// that is not free, unknown or duplicate key, key missing / malformed / out of range, no obstacle at
 /// all, no free cell at all, more than 2^28 cells or 2^15 on a side (the reach of castRay's proof).
 Plan loadPlan(const std::string& path, const PlanOptions& options = {});
 

@@ -30,8 +30,8 @@ double castRay(const Plan& plan, const core::Point2& origin_world, double angle_
 /// axes; in cells. Here the plan's symmetries hold to the bit, ties apart.
 double castRayInCells(const Plan& plan, const core::Point2& origin, const core::Point2& direction);
 
-/// All beams of a table; out gets one range each. Beam i runs along the table's direction turned by the heading as
-/// Rotation does it, which is castRay() along the sum of the angles but for some 1e-16.
+/// All beams of a table; out gets one range each. Beam i runs along the table's direction turned by the
+/// heading as Rotation does it, which is castRay() along the sum of the angles but for some 1e-16.
 void castScan(const Plan& plan, const core::Pose2& T_world_lidar, const BeamTable& beams, double max_range_m,
               std::vector<float>& out_ranges_m);
 

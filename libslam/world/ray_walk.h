@@ -115,9 +115,9 @@ inline core::Point2 rayDirection(const Plan& plan, double angle_rad) {
   return core::polar(1, angle_in_plan);
 }
 
-/// A ray in metres along a unit vector in the plan's axes from a cast in cells: `cast(direction, limit)` answers
-/// the distance in cells and may answer anything greater than `limit` for hits beyond it. Infinity beyond
-/// max_range_m; <= 0 means no limit.
+/// A ray in metres along a unit vector in the plan's axes from a cast in cells: `cast(direction, limit)`
+/// answers the distance in cells and may answer anything greater than `limit` for hits beyond it. Infinity
+/// beyond max_range_m; <= 0 means no limit.
 template <class Cast>
 double castInMetres(const Plan& plan, const core::Point2& direction, double max_range_m, Cast cast) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();

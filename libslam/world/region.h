@@ -4,8 +4,8 @@
 
 namespace slam::world {
 
-/// Marked cells begin .. end-1 (indices into the raster) of one row, with an unmarked cell or the edge at both
-/// ends.
+/// Marked cells begin .. end-1 (indices into the raster) of one row, with an unmarked cell or the edge at
+/// both ends.
 struct RegionRun {
   size_t begin, end;
   size_t region;  ///< the first run of the 4-connected region to which it belongs

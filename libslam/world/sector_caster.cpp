@@ -131,7 +131,8 @@ class BlockCast {
       march.first_u = u - view.major.begin;
       march.first_v = v - view.minor.begin;
       march.end_row = view.minor.end - v;
-      // Two columns more than the range needs: rounding must not end a march before the last hit within range.
+      // Two columns more than the range needs: rounding must not end a march before the last hit within
+      // range.
       march.last_column = static_cast<std::int32_t>(std::min(limit_m_ / resolution_m_, 1e6)) + 2;
       march.origin_u = view.major.origin - u;
       march.origin_v = view.minor.origin - v;

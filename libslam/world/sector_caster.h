@@ -15,13 +15,13 @@ enum class Instructions { kPortable, kAvx2, kAvx512, kFastest };
 /// False for what this processor lacks.
 bool isSupported(Instructions instructions);
 
-/// castRay() and castScan() with the same bits on every ray, many times faster once a SectorTable is made of the
-/// plan. castScan() advances all beams of a scan together, one look-up each per pass, eight or sixteen at a time
-/// where the processor has the registers; it is the fast one.
+/// castRay() and castScan() with the same bits on every ray, many times faster once a SectorTable is made of
+/// the plan. castScan() advances all beams of a scan together, one look-up each per pass, eight or sixteen at
+/// a time where the processor has the registers; it is the fast one.
 ///
-/// Memory: 8 bytes per cell, and one more row and column. Construction: some milliseconds per million cells, paid
-/// back by some dozens of scans. The plan is not needed afterwards. Calls from several threads at once are safe,
-/// but for update().
+/// Memory: 8 bytes per cell, and one more row and column. Construction: some milliseconds per million cells,
+/// paid back by some dozens of scans. The plan is not needed afterwards. Calls from several threads at once
+/// are safe, but for update().
 class SectorCaster {
  public:
   /// ContractError for instructions that the processor lacks.
@@ -33,8 +33,8 @@ class SectorCaster {
   /// Beams first .. first + count - 1 of the table only; out_ranges_m gets `count` ranges.
   void castBeams(const core::Pose2& T_world_lidar, const BeamTable& beams, int first, int count,
                  double max_range_m, float* out_ranges_m) const;
-  /// The same scan from every pose, one after the other in out_ranges_m. Up to `threads` threads; the ranges do not
-  /// depend on how many.
+  /// The same scan from every pose, one after the other in out_ranges_m. Up to `threads` threads; the ranges
+  /// do not depend on how many.
   void castScans(const std::vector<core::Pose2>& T_world_lidars, const BeamTable& beams, double max_range_m,
                  int threads, std::vector<float>& out_ranges_m) const;
   /// As world::castRay().

@@ -24,11 +24,12 @@ namespace {
 constexpr int kNever = 0, kFace = 1, kAbove = 2;
 static_assert((kNeverHits + 1) % 256 == kNever && kWall + 1 == kFace && kWallAbove + 1 == kAbove);
 
-// The row of a column in float, fv + (k - fu) * m, errs from its value in double by less than 4 * 2^-24 of itself
-// and 2^-23 of a cell: each of fu, fv, k - fu, m and the result is rounded once, by half a unit in the last place
-// (2^-24 of itself). Twice that is allowed for.
+// The row of a column in float, fv + (k - fu) * m, errs from its value in double by less than 4 * 2^-24 of
+// itself and 2^-23 of a cell: each of fu, fv, k - fu, m and the result is rounded once, by half a unit in the
+// last place (2^-24 of itself). Twice that is allowed for.
 constexpr float kRowError = 0x1.0p-21F, kFixedError = 2 * kRowError;
-// In 2^-40 of a cell: the slope errs by half of one per column, of at most 2^15, the start and the double by less.
+// In 2^-40 of a cell: the slope errs by half of one per column, of at most 2^15, the start and the double by
+// less.
 constexpr int kFixedBits = 40;
 constexpr std::int64_t kFixedOne = std::int64_t{1} << kFixedBits, kFixedRowError = std::int64_t{1} << 15;
 
@@ -79,8 +80,8 @@ SLAM_INLINE void finishEnds(OctantMarch& octant) {
   octant.any_ambiguous = ambiguous != 0;
 }
 
-// As RayEntry::distance(), which bounds what it finds by two more quotients. Here they are spared where a product
-// shows that they change nothing: but for entries within rounding of a corner, everywhere.
+// As RayEntry::distance(), which bounds what it finds by two more quotients. Here they are spared where a
+// product shows that they change nothing: but for entries within rounding of a corner, everywhere.
 SLAM_INLINE void measureHits(const double* __restrict major, const double* __restrict minor,
                              const Hit* __restrict hits, int count, const HitFrame& frame,
                              float* __restrict ranges_m) {

@@ -15,16 +15,16 @@ struct AimedBeams {
   std::int32_t octant[kMarchBlock];               ///< Octant::index()
 };
 
-/// Where a ray ended, columns and rows counted from the origin's cell: column * 2^16, plus row + 1 where it came into
-/// the cell above that row instead of through the column's near face.
+/// Where a ray ended, columns and rows counted from the origin's cell: column * 2^16, plus row + 1 where it
+/// came into the cell above that row instead of through the column's near face.
 using Hit = std::uint32_t;
 constexpr Hit kNoHit = 0xFFFFFFFF;
-/// A march may compute in float with an error bound. A ray that came so near to a grid line that the bound does not
-/// tell its row ends with this, and has to be cast again in double; few do.
+/// A march may compute in float with an error bound. A ray that came so near to a grid line that the bound
+/// does not tell its row ends with this, and has to be cast again in double; few do.
 constexpr Hit kAmbiguousHit = 0xFFFFFFFE;
 
-/// Rays of one octant from one origin, and those that have ended. A ray is on the near face of its column. The arrays
-/// have room for all rays and kMarchPadding more.
+/// Rays of one octant from one origin, and those that have ended. A ray is on the near face of its column.
+/// The arrays have room for all rays and kMarchPadding more.
 struct OctantMarch {
   const std::uint8_t* codes;      ///< of the octant, as SectorTable has them
   std::int32_t tiles;             ///< along the minor axis
@@ -59,8 +59,8 @@ struct ScanKernel {
               AimedBeams& beams);
   /// Adds beams begin .. end-1 of the block, at the near face of `column`.
   void (*begin)(OctantMarch& octant, const AimedBeams& beams, int begin, int end, int column);
-  /// Advances every ray to its end, one look-up each per pass through all octants: the rays look at independent
-  /// cells, so their waiting times overlap as they cannot in a loop over one ray.
+  /// Advances every ray to its end, one look-up each per pass through all octants: the rays look at
+  /// independent cells, so their waiting times overlap as they cannot in a loop over one ray.
   void (*march)(OctantMarch* octants, int count);
   /// Ranges in metres of `count` beams of one octant; of ambiguous hits, anything.
   void (*measure)(const double* major, const double* minor, const Hit* hits, int count, const HitFrame& frame,

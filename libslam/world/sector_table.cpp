@@ -38,8 +38,8 @@ inline std::uint8_t codeBefore(std::uint8_t successors) {
   return static_cast<std::uint8_t>(code + (code < kLongestSkip));
 }
 
-/// `count` codes of one column from its walls (one more of them) and from the codes of the column after it (one
-/// more as well).
+/// `count` codes of one column from its walls (one more of them) and from the codes of the column after it
+/// (one more as well).
 void fillColumn(const std::uint8_t* __restrict wall, const std::uint8_t* __restrict next, int count,
                 std::uint8_t* __restrict codes) {
   for (int v = 0; v < count; ++v) {
@@ -119,8 +119,8 @@ void forEachOctant(AnyOctant do_octant) {
       for (const bool y_falls : {false, true}) do_octant(Octant{x_is_major, x_falls, y_falls});
 }
 
-/// Carries a change of walls in `changed_u` by `changed_v` to all codes of the octant that depend on it: from the
-/// last column back to the first that nothing changed in.
+/// Carries a change of walls in `changed_u` by `changed_v` to all codes of the octant that depend on it: from
+/// the last column back to the first that nothing changed in.
 void updateOctant(const Plan& plan, const Octant& octant, const Span& changed_u, const Span& changed_v,
                   int tiles, std::uint8_t* codes) {
   const int size_v = octant.x_is_major ? plan.rows : plan.columns;

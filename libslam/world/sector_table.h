@@ -7,8 +7,8 @@
 
 namespace slam::world {
 
-/// What the table says of a ray in cell (u, v), where it came in through the face u or began. A code n from 2 to
-/// 254 means that columns u to u + n - 2 are free (or outside) for every ray of the octant and that column
+/// What the table says of a ray in cell (u, v), where it came in through the face u or began. A code n from 2
+/// to 254 means that columns u to u + n - 2 are free (or outside) for every ray of the octant and that column
 /// u + n - 1 exists.
 constexpr std::uint8_t kWall = 0, kWallAbove = 1, kLongestSkip = 254, kNeverHits = 255;
 
@@ -19,27 +19,27 @@ struct Octant {
   std::size_t index() const { return (x_is_major ? 4U : 0U) + (x_falls ? 2U : 0U) + (y_falls ? 1U : 0U); }
 };
 
-/// For each octant of direction and each cell of a plan, how many columns of the major axis a ray may skip whatever
-/// its slope: K(u, v) = 1 + min(K(u + 1, v), K(u + 1, v + 1)) where (u, v) and (u, v + 1) are free. The walk of
-/// castRay() may restart at any column, so a skip costs no exactness.
+/// For each octant of direction and each cell of a plan, how many columns of the major axis a ray may skip
+/// whatever its slope: K(u, v) = 1 + min(K(u + 1, v), K(u + 1, v + 1)) where (u, v) and (u, v + 1) are free.
+/// The walk of castRay() may restart at any column, so a skip costs no exactness.
 ///
-/// Memory: 8 bytes per cell, and one more row and column of cells outside the plan, rounded up to whole tiles: cells
-/// lie in tiles of 8 x 8, one cache line each, because the rays of a scan look at neighbouring cells of neighbouring
-/// columns.
+/// Memory: 8 bytes per cell, and one more row and column of cells outside the plan, rounded up to whole
+/// tiles: cells lie in tiles of 8 x 8, one cache line each, because the rays of a scan look at neighbouring
+/// cells of neighbouring columns.
 class SectorTable {
  public:
   /// ContractError for a plan of more than 2^15 cells on a side.
   explicit SectorTable(const Plan& plan);
 
-  /// Cells x0 .. x1-1 by y0 .. y1-1 of the plan have other walls now: the table becomes what a new one would be.
-  /// REQUIRES a plan of the same size that differs from the known one nowhere else. Cost: the cells from which the
-  /// change is seen within 254 columns.
+  /// Cells x0 .. x1-1 by y0 .. y1-1 of the plan have other walls now: the table becomes what a new one would
+  /// be. REQUIRES a plan of the same size that differs from the known one nowhere else. Cost: the cells from
+  /// which the change is seen within 254 columns.
   void update(const Plan& plan, int x0, int y0, int x1, int y1);
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  /// Codes over cells counted from the octant's own corner: cell (u, v) is at offsetOf(tiles(octant), u, v). Three
-  /// bytes behind the last code of all octants may be read.
+  /// Codes over cells counted from the octant's own corner: cell (u, v) is at offsetOf(tiles(octant), u, v).
+  /// Three bytes behind the last code of all octants may be read.
   const std::uint8_t* codes(const Octant& octant) const {
     return codes_.get() + octant.index() * octant_size_;
   }

@@ -9,8 +9,8 @@ namespace slam::world {
 /// The first wall on a ray, and what it is.
 struct WallHit {
   double distance_m;  ///< as castRay()
-  /// To where the ray leaves this wall: the first cell that is free, unknown or of another material; +infinity
-  /// when the plan ends before.
+  /// To where the ray leaves this wall: the first cell that is free, unknown or of another material;
+  /// +infinity when the plan ends before.
   double leaves_m;
   int column, row;  ///< the occupied cell
   int face_x,
@@ -21,8 +21,8 @@ struct WallHit {
 /// nullopt where castRay() without a limit gives infinity. Cost: as castRay().
 std::optional<WallHit> findWall(const Plan& plan, const core::Point2& origin_world, double angle_rad);
 
-/// True when no wall within a thousandth of a cell of a point is of another material than plain: then a ray that
-/// ends there met a plain wall or none, and findWall() need not be asked.
+/// True when no wall within a thousandth of a cell of a point is of another material than plain: then a ray
+/// that ends there met a plain wall or none, and findWall() need not be asked.
 bool isPlainAt(const Plan& plan, const core::Point2& p_world);
 
 /// What plane the raster's faces around a hit stand for.
@@ -31,10 +31,10 @@ struct Surface {
   double steps_m;       ///< how far the raster's steps may stand out of the plane; 0 along the plan's axes
 };
 
-/// From the contour of the wall: the chain of faces of the same material through the one that was hit, up to 40
-/// faces either way, is cut where it turns back or turns a corner, which is where two runs of more than one face
-/// meet; what is left is the staircase of a straight line. Its first and last step give the direction; a lone
-/// step that of the two half runs beside it; no step an axis.
+/// From the contour of the wall: the chain of faces of the same material through the one that was hit, up to
+/// 40 faces either way, is cut where it turns back or turns a corner, which is where two runs of more than
+/// one face meet; what is left is the staircase of a straight line. Its first and last step give the
+/// direction; a lone step that of the two half runs beside it; no step an axis.
 ///
 /// Exact for walls along the plan's axes, also beside corners, ends and other materials, and for slopes 1 : n
 /// of which two steps are in reach; for other straight walls off by at most one cell over the steps in reach,

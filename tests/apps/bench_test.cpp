@@ -160,7 +160,8 @@ TEST_F(Bench, WhatGoesWrongWithOneCellIsARow) {
 #if defined(__SANITIZE_ADDRESS__)
   GTEST_SKIP() << "the address sanitizer does not live within a limit of memory";
 #endif
-  // Particles with rasters of 1 cm take hundreds of MB; a limit that the first map already breaks stands for a filter that diverges.
+  // Particles with rasters of 1 cm take hundreds of MB; a limit that the first map already breaks stands for
+  // a filter that diverges.
   write(folder / "limits.ini",
         replaced(kTiny, "naive_wheel, naive\nseeds = 1..2", "naive_wheel, hungry, cramped\nseeds = 1") +
             "[method hungry]\nbase = rbpf\nmapping.resolution_m = 0.01\n"

@@ -15,8 +15,8 @@ namespace {
 using nlohmann::json;
 using ::testing::HasSubstr;
 
-/// Once round a square of 4 x 5 steps of a metre, with odometry that turns a degree too far at each corner, and a loop
-/// that says the truth. `wrong`: also one that does not.
+/// Once round a square of 4 x 5 steps of a metre, with odometry that turns a degree too far at each corner,
+/// and a loop that says the truth. `wrong`: also one that does not.
 void writeSquare(const std::string& path, bool wrong) {
   std::ostringstream text;
   double x = 0, y = 0, phi = 0;

@@ -1,4 +1,5 @@
-// learn, new and contest: what the program says around lessons. Whole lessons are worked through by tests/learn/course.py.
+// learn, new and contest: what the program says around lessons. Whole lessons are worked through by
+// tests/learn/course.py.
 #include <gmock/gmock.h>
 
 #include <filesystem>

@@ -156,7 +156,8 @@ TEST(MainJob, SameSeedSameBytesWithOneAndTwoThreads) {
 
 TEST(MainJob, AnInterruptedComparisonResumes) {
   const testing::TempFolder folder;
-  // The program is stopped at its first progress report after the first method's folder has appeared. The second waits.
+  // The program is stopped at its first progress report after the first method's folder has appeared. The
+  // second waits.
   std::ofstream(folder / "waits.ini")
       << "[method]\ntype = external\ncommand = until ls {here} | grep -q go; do sleep 0.05; done && "
          R"(awk '{ printf "%s %s %s 0 0 0 %.9f %.9f\n", $1, $2, $3, sin($4 / 2), cos($4 / 2) }' {scans} > {output})"

@@ -92,7 +92,8 @@ TEST_F(Outputs, HaveOneWriter) {
 }
 
 TEST_F(Outputs, AreWrittenByNobodyWhenCompareWasKilled) {
-  // The method's process is long; it has to end when that which measures it is killed, and the next can go on at once.
+  // The method's process is long; it has to end when that which measures it is killed, and the next can go on
+  // at once.
   const auto killed = shell(
       "\"$R\" simulate office_loop -o long.rawlog --duration 600 --seed 3 -q >/dev/null && "
       "{ \"$R\" compare long.rawlog -o killed --methods rbpf_exact -q & compare=$!; "

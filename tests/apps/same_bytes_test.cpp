@@ -1,4 +1,5 @@
-/// The same bytes on machines of other kinds: the C library and OpenCV are told that the processor cannot do what it can.
+/// The same bytes on machines of other kinds: the C library and OpenCV are told that the processor cannot do
+/// what it can.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,7 +14,8 @@ namespace slam::apps {
 namespace {
 namespace fs = std::filesystem;
 
-/// For glibc (before 2.33 the names end in _Usable; those that it does not know are passed over), and for OpenCV.
+/// For glibc (before 2.33 the names end in _Usable; those that it does not know are passed over), and for
+/// OpenCV.
 const std::string kPlain =
     "GLIBC_TUNABLES=glibc.cpu.hwcaps="
     "-AVX2,-AVX512F,-FMA,-FMA4,-AVX2_Usable,-AVX512F_Usable,-FMA_Usable,-FMA4_Usable "

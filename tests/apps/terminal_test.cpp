@@ -15,7 +15,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// What a command says to a terminal of that many columns, which is both its outputs; 0 columns: one that does not know.
+/// What a command says to a terminal of that many columns, which is both its outputs; 0 columns: one that
+/// does not know.
 std::string onTerminal(const std::string& arguments, int columns, const std::string& folder) {
   winsize size{};
   size.ws_col = static_cast<unsigned short>(columns), size.ws_row = 24;

@@ -65,7 +65,8 @@ TEST(ViewCommand, AScreenshotShowsTheRobotWhereItStarts) {
   const auto picture = cv::imread(folder / "out.png");
   ASSERT_EQ(picture.cols, 1000);
   ASSERT_EQ(picture.rows, 700);
-  // The plan of 13.6 x 10.6 m fills 670 x 700 pixels but for 5 % of air all round; (4, 3) is in the lower left quarter.
+  // The plan of 13.6 x 10.6 m fills 670 x 700 pixels but for 5 % of air all round; (4, 3) is in the lower
+  // left quarter.
   const double pixels_per_m = 670 / 13.6 / 1.1;
   const auto robot = spotOf(picture, {0, 94, 213});
   EXPECT_GT(robot.pixels, 0.5 * 0.36 * pixels_per_m * pixels_per_m);
@@ -201,8 +202,8 @@ TEST(ViewCommand, ADriverTypesACommandAndCarriesTheRobotByTheMouse) {
     if (!testing::programExists(program))
       GTEST_SKIP() << program << " is missing (Debian: apt install xvfb xauth xdotool)";
   const testing::TempFolder folder;
-  // The scene is 950 x 800 pixels and the flat 13.6 x 10.6 m: from above 63.5 pixels are a metre, its middle is in the
-  // middle. The robot starts at (4, 3) and is dragged to (11, 3) as soon as the window is there.
+  // The scene is 950 x 800 pixels and the flat 13.6 x 10.6 m: from above 63.5 pixels are a metre, its middle
+  // is in the middle. The robot starts at (4, 3) and is dragged to (11, 3) as soon as the window is there.
   core::writeFileAtomically(
       folder / "hand.sh",
       "'" RASTERSLAM_PROGRAM

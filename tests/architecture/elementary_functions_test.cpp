@@ -1,4 +1,5 @@
-// Nothing of the library calls a function whose last bits the C library, Eigen or OpenCV choose by the processor.
+// Nothing of the library calls a function whose last bits the C library, Eigen or OpenCV choose by the
+// processor.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -39,7 +40,8 @@ bool isWord(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
 }
 
-/// Called as std::sin(), ::sin() or sin(), or handed on as std::sin; not core::sin(), scan.log() or `LogReader log(path)`.
+/// Called as std::sin(), ::sin() or sin(), or handed on as std::sin; not core::sin(), scan.log() or
+/// `LogReader log(path)`.
 bool isForeign(const std::string& code, std::size_t begin, std::size_t end) {
   static const std::set<std::string> kFunctions = {
       "sin",   "cos",   "tan",   "asin", "acos", "atan",   "atan2",  "sincos", "sinh", "cosh",  "tanh",

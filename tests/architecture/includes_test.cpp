@@ -11,7 +11,9 @@
 namespace {
 namespace fs = std::filesystem;
 
-// Who may include whom. The truth wall: nothing on the robot's side (navigate, odometry, mapping) may name a room that knows the truth (world, buildings, check, sim, metrics, oracle, report); only the rooms from `record` to `pages`, and those above, see both.
+// Who may include whom. The truth wall: nothing on the robot's side (navigate, odometry, mapping) may name a
+// room that knows the truth (world, buildings, check, sim, metrics, oracle, report); only the rooms from
+// `record` to `pages`, and those above, see both.
 const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"core", {}},
     {"robot", {"core"}},
@@ -125,7 +127,8 @@ TEST(Includes, AViolationIsSeen) {
   EXPECT_EQ(problemsOf("x.cpp", "mapping", "#include \"libslam/core/pose2.h\"\n"), "");
 }
 
-// A room's CMake target must not link what its includes may not name, or the linker would open a door in the wall.
+// A room's CMake target must not link what its includes may not name, or the linker would open a door in the
+// wall.
 TEST(Includes, RoomsLinkOnlyWhatTheyMayInclude) {
   static const std::regex kRooms(R"re(ROOMS([a-z_\s]*))re"), kAlias(R"re((?:^|[^a-z])slam::([a-z]+))re");
   for (const auto& [room, allowed] : kMayInclude) {

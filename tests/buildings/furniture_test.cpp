@@ -45,7 +45,8 @@ std::vector<char> waysOf(const world::Plan& plan, double radius_m) {
   return ways;
 }
 
-/// The number of the 4-connected part of every cell that is a way, 0 for the others; by spreading the least number.
+/// The number of the 4-connected part of every cell that is a way, 0 for the others; by spreading the least
+/// number.
 std::vector<int> partsOf(const std::vector<char>& ways, int columns) {
   std::vector<int> parts(ways.size(), 0);
   for (size_t i = 0; i < ways.size(); ++i) parts[i] = ways[i] ? static_cast<int>(i) + 1 : 0;

@@ -255,7 +255,8 @@ TEST(GeneratedHall, IsOneOpenRoomWithPillarsSoFarApartWhereAsked) {
   options.clutter = 0, options.pillars_m = 20;
   const world::Plan plan = generateBuilding("hall", options, 1).plan;
   EXPECT_EQ(brokenPromiseOf(plan, options), "");
-  // 9 x 5 pillars of 0.45 m, which are 5 x 5 cells at most; without racks, and the office in the corner apart.
+  // 9 x 5 pillars of 0.45 m, which are 5 x 5 cells at most; without racks, and the office in the corner
+  // apart.
   EXPECT_LE(innerWallCells(plan), 45U * 25 + 200);
   EXPECT_GE(innerWallCells(plan), 45U * 16);
   options.pillars_m = 0;

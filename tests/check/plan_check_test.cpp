@@ -58,7 +58,8 @@ class PlanChecks : public ::testing::Test {
   testing::TempFolder folder_;
 };
 
-/// Two rooms of 6 x 9 m side by side; an opening of `outer_px` in the left one's outer wall, one of 1.5 m between them. 5 cm.
+/// Two rooms of 6 x 9 m side by side; an opening of `outer_px` in the left one's outer wall, one of 1.5 m
+/// between them. 5 cm.
 cv::Mat twoRooms(int outer_px) {
   cv::Mat picture(240, 320, CV_8U, cv::Scalar(255));
   cv::rectangle(picture, cv::Rect(30, 20, 250, 190), cv::Scalar(0), cv::FILLED);
@@ -103,8 +104,8 @@ cv::Mat roomOnPaper() {
   box(sheet, 40, 40, 160, 140, 255);
   return sheet;
 }
-/// The middles of the architect's rooms that a disc of 0.283 m (the circle around the usual robot) reaches from
-/// where it starts; clearances between cell centres, so half a cell on the safe side.
+/// The middles of the architect's rooms that a disc of 0.283 m (the circle around the usual robot) reaches
+/// from where it starts; clearances between cell centres, so half a cell on the safe side.
 int roomsReached(const world::Plan& plan, const ArchitectPlan& drawn) {
   const auto start = world::findStartPose(plan, 0.283);
   if (!start) return 0;

@@ -25,7 +25,8 @@ using Function2 = double (*)(double, double);
 using Reference = long double (*)(long double);
 using Reference2 = long double (*)(long double, long double);
 
-/// Units in the last place of the double nearest to `wanted`, which x87's extended precision gives to 64 bits.
+/// Units in the last place of the double nearest to `wanted`, which x87's extended precision gives to 64
+/// bits.
 double ulpsOff(double found, long double wanted) {
   const auto nearest = static_cast<double>(wanted);
   if (found == nearest || (std::isnan(found) && std::isnan(nearest))) return 0;
@@ -73,9 +74,9 @@ class Elementary : public ::testing::Test {
   RandomStream random{1, "arguments"};
 };
 
-// The largest errors over 2 000 000 arguments of each kind, in units: 0.88 for sine and cosine, 2.3 for the tangent, 1.06 for
-// atan2, 1.01 for atan, 2.3 for asin, 1.5 for acos, 0.507 for exp, exp2, log, log2, log10 and cbrt, 1.0 for log1p, 0.71 for
-// pow, 1.16 for hypot.
+// The largest errors over 2 000 000 arguments of each kind, in units: 0.88 for sine and cosine, 2.3 for the
+// tangent, 1.06 for atan2, 1.01 for atan, 2.3 for asin, 1.5 for acos, 0.507 for exp, exp2, log, log2, log10
+// and cbrt, 1.0 for log1p, 0.71 for pow, 1.16 for hypot.
 TEST_F(Elementary, SinesAreGoodToOneUlpAtAnyAngle) {
   const auto usual = [&] { return within(-10, 10); };
   const auto large = [&] { return within(-1e6, 1e6); };
@@ -181,8 +182,8 @@ TEST(ElementaryValues, ZerosInfinitiesAndNoNumbersAreThoseOfC) {
 }
 
 #if !defined(__SANITIZE_ADDRESS__)
-// MRPT and OpenCV, too, call ours in a program of ours: apps/same_bits.cpp. The C library's differ at some arguments in a
-// hundred.
+// MRPT and OpenCV, too, call ours in a program of ours: apps/same_bits.cpp. The C library's differ at some
+// arguments in a hundred.
 TEST(ElementaryValues, AreThoseOfTheWholeProgram) {
   RandomStream random(4, "arguments");
   for (int i = 0; i < 2000; ++i) {
@@ -202,7 +203,8 @@ TEST(ElementaryValues, AreThoseOfTheWholeProgram) {
 }
 #endif
 
-// Eigen and the compiler itself sum in another order, or fuse, where they may use what not every x86-64 processor can do.
+// Eigen and the compiler itself sum in another order, or fuse, where they may use what not every x86-64
+// processor can do.
 TEST(ElementaryValues, TheCompilerIsTakenForTheLeastProcessor) {
 #if defined(__AVX__) || defined(__FMA__) || defined(__SSE3__) || defined(__FAST_MATH__)
   FAIL() << "expected a build without -march=native and -ffast-math: its results are not those of other "
@@ -214,7 +216,8 @@ TEST(ElementaryValues, RootsOfCubesAreExact) {
   for (int n = -1000; n <= 1000; ++n) EXPECT_EQ(cbrt(1.0 * n * n * n), n);
 }
 
-// They are made for rounding to nearest. Another mode, which a caller may have set, costs digits; no table is left.
+// They are made for rounding to nearest. Another mode, which a caller may have set, costs digits; no table is
+// left.
 TEST(ElementaryValues, OtherRoundingModesCostDigitsOnly) {
   RandomStream random(5, "arguments");
   std::vector<double> arguments;
@@ -244,7 +247,8 @@ TEST(ElementaryValues, BothAtOnceAreTheSameBits) {
   }
 }
 
-// One hash for every processor, compiler, build type and C library: FNV-1a over the bits of what the functions give.
+// One hash for every processor, compiler, build type and C library: FNV-1a over the bits of what the
+// functions give.
 TEST(ElementaryValues, TheBitsAreTheSameOnEveryMachine) {
   RandomStream random(3, "arguments");
   std::uint64_t hash = 0xcbf29ce484222325ULL;

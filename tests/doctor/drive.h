@@ -14,8 +14,8 @@
 
 namespace slam::doctor {
 
-/// A drive in figures of eight through a room of straight walls with a gap to the outside, and what can be wrong with
-/// its log.
+/// A drive in figures of eight through a room of straight walls with a gap to the outside, and what can be
+/// wrong with its log.
 struct Drive {
   int scans = 300;
   double period_s = 0.2;

@@ -22,8 +22,8 @@ TEST(LogCheck, AHealthyLogGetsNotesOnly) {
   EXPECT_THAT(said(result.findings, "format"), HasSubstr("MRPT rawlog, observations only, 899 objects"));
   EXPECT_THAT(said(result.findings, "lidar"),
               HasSubstr("300 scans of 181 beams over 180.00 deg (as the log says)"));
-  // Everything that the log states is found again from its scans. Tolerances: about three times the scatter seen
-  // over seeds of the noise.
+  // Everything that the log states is found again from its scans. Tolerances: about three times the scatter
+  // seen over seeds of the noise.
   const auto& f = result.figures;
   ASSERT_TRUE(f.view.is_observable);
   EXPECT_NEAR(f.view.factor.value, 1, 0.01);
@@ -452,7 +452,8 @@ TEST_F(RealLog, IntelHasStampsThatRunBackPausesAndAnOdometerThatDrifts) {
     ASSERT_TRUE(odometry.clock.is_observable);
     EXPECT_NEAR(odometry.clock.offset_s.value, 0, 0.02);
   }
-  // Recording paused for up to 3.5 s; its odometry is the worst of the benchmark's (drift of 3 deg per metre).
+  // Recording paused for up to 3.5 s; its odometry is the worst of the benchmark's (drift of 3 deg per
+  // metre).
   EXPECT_EQ(complaintKeys(result), std::set<std::string>({"gaps", "heading"}));
   ASSERT_TRUE(f.ranges.spike);
   EXPECT_NEAR(f.ranges.spike->peak_m, 81.83, 0.006);
@@ -467,7 +468,8 @@ TEST_F(RealLog, FreiburgStatesItsLidarBehindTheCentre) {
   EXPECT_TRUE(f.is_view_given);
   EXPECT_DOUBLE_EQ(f.ranges.T_robot_lidar.x, -0.04);
   EXPECT_THAT(said(result.findings, "mounting"), HasSubstr("note: x -0.040 m"));
-  // 0.12 s: a sweep of 360 readings takes 0.19 s over this lidar's line of 38400 baud, and is stamped after it.
+  // 0.12 s: a sweep of 360 readings takes 0.19 s over this lidar's line of 38400 baud, and is stamped after
+  // it.
   for (const auto& odometry : f.odometry) {
     ASSERT_TRUE(odometry.clock.is_observable);
     EXPECT_NEAR(odometry.clock.offset_s.value, 0.12, 0.03);

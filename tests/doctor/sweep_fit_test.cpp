@@ -10,7 +10,8 @@ namespace {
 
 constexpr double kPeriod_s = 0.1;
 
-/// The drive of a robot that turns left, not at all, and right in turn, with a lidar whose sweep takes so long (negative: clockwise).
+/// The drive of a robot that turns left, not at all, and right in turn, with a lidar whose sweep takes so
+/// long (negative: clockwise).
 SweepFit fitOf(double duration_s, double turn_rad, int scans = 90) {
   const auto walls = mapping::test::smallRoom();
   core::RandomStream random(1, "noise");

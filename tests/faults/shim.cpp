@@ -1,6 +1,7 @@
-// For tests alone, by LD_PRELOAD: the n-th call of a kind fails, as on a full disk, with too many open files, no process or no
-// memory left. RASTERSLAM_FAULT=KIND:N:MARK, KIND one of write, open, rename, fork, memory; counted from the start of main() on.
-// When it fails a call, the file MARK is made. Processes that the program starts are left alone, unless KIND ends by '+'.
+// For tests alone, by LD_PRELOAD: the n-th call of a kind fails, as on a full disk, with too many open files,
+// no process or no memory left. RASTERSLAM_FAULT=KIND:N:MARK, KIND one of write, open, rename, fork, memory;
+// counted from the start of main() on. When it fails a call, the file MARK is made. Processes that the
+// program starts are left alone, unless KIND ends by '+'.
 #include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>

@@ -12,8 +12,8 @@
 
 namespace slam::fuzz {
 
-/// One file per process, in memory where the system has a place for that: what the readers under test want is a path.
-/// The name ends as `suffix` says.
+/// One file per process, in memory where the system has a place for that: what the readers under test want is
+/// a path. The name ends as `suffix` says.
 inline const std::string& fileHolding(const std::uint8_t* data, std::size_t size, const char* suffix) {
   static const std::string path = [suffix] {
     const std::string folder = std::filesystem::is_directory("/dev/shm") ? "/dev/shm" : "/tmp";
@@ -25,7 +25,8 @@ inline const std::string& fileHolding(const std::uint8_t* data, std::size_t size
   return path;
 }
 
-/// Runs the reader; to refuse the input is right, by InputError. Any other exception ends the process, as a crash does.
+/// Runs the reader; to refuse the input is right, by InputError. Any other exception ends the process, as a
+/// crash does.
 template <class Reader>
 int refuseOrRead(Reader&& reader) {
   try {

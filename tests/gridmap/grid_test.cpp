@@ -208,8 +208,8 @@ TEST(Grid, GrowsInAllFourDirections) {
   EXPECT_LT(far.tiles(), 5 * near.tiles() + 20);
 }
 
-// The story of the stock grid's insertion, which turns every scan by half a beam: here the last beam ends in the cell
-// that it measured.
+// The story of the stock grid's insertion, which turns every scan by half a beam: here the last beam ends in
+// the cell that it measured.
 TEST(Grid, EveryBeamEndsWhereItPoints) {
   robot::Scan scan;
   const int beams = 181;

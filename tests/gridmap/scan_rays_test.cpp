@@ -5,7 +5,8 @@
 namespace slam::gridmap {
 namespace {
 
-/// Four beams, from straight ahead to the left, a quarter of a turn apart: a return, no return, a lost reading, a far return.
+/// Four beams, from straight ahead to the left, a quarter of a turn apart: a return, no return, a lost
+/// reading, a far return.
 robot::Scan fourBeams() {
   robot::Scan scan;
   scan.step_rad = core::kPi / 2, scan.max_range_m = 20;

@@ -290,7 +290,8 @@ TEST(LogFormats, AreToldByContentWhateverTheName) {
   EXPECT_THROW(formatOf("ODOM \x01\n"), core::InputError);
 }
 
-// --- The way back -------------------------------------------------------------------------------------------
+// --- The way back
+// -------------------------------------------------------------------------------------------
 
 std::string throughRawlog(const std::string& text, std::optional<RawlogForm> form = std::nullopt) {
   const testing::TempFolder folder;

@@ -121,7 +121,8 @@ TEST(LogInfo, AgreesWithRawlogEditOnTheMalagaLoop) {
   EXPECT_NEAR(info.last_time_s, 1137834284.788331, 0.5e-6) << "rawlog-edit prints 6 decimals";
 }
 
-/// MRPT 2.14 no longer reads the rotating scans of its own files: its rawlog-edit finds one object, without a time.
+/// MRPT 2.14 no longer reads the rotating scans of its own files: its rawlog-edit finds one object, without a
+/// time.
 bool mrptReads(const std::filesystem::path& log) {
   const auto seen = testing::runCommand("rawlog-edit --info -i '" + log.string() + "'");
   return seen.out.find("Earliest timestamp                : 0.000000") == std::string::npos;

@@ -166,7 +166,8 @@ TEST(Mcap, WithoutItsEndGivesWhatIsThereThenSaysSo) {
                           "did not finish it)"));
 }
 
-// --- Foxglove's library on Node -----------------------------------------------------------------------------
+// --- Foxglove's library on Node
+// -----------------------------------------------------------------------------
 
 class McapNpm : public ::testing::Test {
  protected:

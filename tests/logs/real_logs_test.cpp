@@ -1,5 +1,5 @@
-// Every real and simulated CARMEN log beside the project, against a reading of its lines that shares nothing with the
-// library's.
+// Every real and simulated CARMEN log beside the project, against a reading of its lines that shares nothing
+// with the library's.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mrpt/io/CFileGZInputStream.h>
@@ -121,7 +121,8 @@ double secondsOf(const mrpt::obs::CObservation& observation) {
   return objects::secondsFromMrptTicks(observation.timestamp.time_since_epoch().count());
 }
 
-// MRPT counts in steps of 1e-7 s, which is coarser than a double for fr079's clock, that started with the computer.
+// MRPT counts in steps of 1e-7 s, which is coarser than a double for fr079's clock, that started with the
+// computer.
 constexpr double kHalfTick_s = 0.51e-7;
 
 void expectOdometry(const SourceLine& line, const CObservationOdometry& odometry) {
@@ -147,8 +148,8 @@ void expectScan(const RealLog& log, const SourceLine& line, const CObservation2D
                 core::degToRad(log.first_deg + log.step_deg * static_cast<double>(i)), 1e-6);
 }
 
-/// Word by word; where text differs, as numbers. The fields that may differ: logger_timestamp, the last; the laser
-/// pose, by the rounding of the sixth decimal, as it is made from odometry and mounting.
+/// Word by word; where text differs, as numbers. The fields that may differ: logger_timestamp, the last; the
+/// laser pose, by the rounding of the sixth decimal, as it is made from odometry and mounting.
 void expectSameLine(const std::string& source, const std::string& back, size_t& other_text) {
   const auto a = wordsOf(source), b = wordsOf(back);
   ASSERT_EQ(a.size(), b.size()) << source;

@@ -1,5 +1,6 @@
-// Whatever scans and odometry come: nothing throws, and nothing that is given back is not finite. RASTERSLAM_DRIVES says
-// how many drives each test tries (5000 are some 10^5 scans); by default few enough for every run of the tests.
+// Whatever scans and odometry come: nothing throws, and nothing that is given back is not finite.
+// RASTERSLAM_DRIVES says how many drives each test tries (5000 are some 10^5 scans); by default few enough
+// for every run of the tests.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -139,7 +140,8 @@ TEST(AnyScans, LeaveTheMatchersFinite) {
 }
 
 TEST(AnyScans, GiveInformationWithoutNegativeEigenvaluesWhereverSurfelsAreSeen) {
-  // Far along one wall without noise, as seen in every direction: rank is lost, and rounding has the last word.
+  // Far along one wall without noise, as seen in every direction: rank is lost, and rounding has the last
+  // word.
   scanmatch::SurfelMap map(0.1, 0.001);
   for (int turn = 0; turn < 100; ++turn) {
     const double phi = 0.063 * turn;

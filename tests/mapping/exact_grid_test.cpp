@@ -179,7 +179,8 @@ TEST(ExactGrid, SurvivesAFileAndACopy) {
   EXPECT_NE(copy->getRawMap(), grid.getRawMap());
 }
 
-// The stock grid cleared 17.5 m (half of its limit) for an 8 m lidar, and as much through a wall for a lost reading.
+// The stock grid cleared 17.5 m (half of its limit) for an 8 m lidar, and as much through a wall for a lost
+// reading.
 TEST(ExactGrid, ClearsNoReturnsAsFarAsTheLidarSeesAndNothingForLostReadings) {
   robot::Scan scan;
   scan.time_s = 1.6e9;

@@ -1,6 +1,6 @@
-// The bytes of all that our own methods say, on three short drives: poses given online and in the end, covariances of
-// both, journal. They may only change with a commit that says why, since every published table of an older version
-// changes with them.
+// The bytes of all that our own methods say, on three short drives: poses given online and in the end,
+// covariances of both, journal. They may only change with a commit that says why, since every published table
+// of an older version changes with them.
 #include <gtest/gtest.h>
 
 #include <cstring>

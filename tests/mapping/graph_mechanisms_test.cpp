@@ -98,8 +98,8 @@ std::vector<Wall> eight() {
   return walls;
 }
 
-// The left round is closed first; then, through the right one, the robot comes back to where it was ten metres after its
-// start: 60 m by its wheels, and 40 m through the loop that is closed.
+// The left round is closed first; then, through the right one, the robot comes back to where it was ten
+// metres after its start: 60 m by its wheels, and 40 m through the loop that is closed.
 TEST(GraphMechanisms, AClosedLoopShortensTheWayOfTheNext) {
   Lidar lidar;
   lidar.fov_rad = 2 * core::kPi * 359 / 360, lidar.beams = 360;
@@ -114,8 +114,8 @@ TEST(GraphMechanisms, AClosedLoopShortensTheWayOfTheNext) {
   for (size_t i = 1; i < ways.size(); ++i) EXPECT_LT(ways[i], 50) << i;
 }
 
-// A round of hardly more than what links reach: from where the robot was first, its latest keyframes are within reach. They
-// agree with it wherever it thinks that it is.
+// A round of hardly more than what links reach: from where the robot was first, its latest keyframes are
+// within reach. They agree with it wherever it thinks that it is.
 TEST(GraphMechanisms, NoLoopIsConfirmedByTheKeyframesJustDriven) {
   int loop_edges = 0;
   std::string events;
@@ -158,7 +158,8 @@ std::vector<Wall> yard() {
   return walls;
 }
 
-// The wheels count metres without their sign, and turns with it, as Freiburg 079's do; a scan every metre or so.
+// The wheels count metres without their sign, and turns with it, as Freiburg 079's do; a scan every metre or
+// so.
 TEST(GraphMechanisms, BackwardsMotionCountedForwardsIsFoundWithItsTurns) {
   for (const size_t forth : {3, 6, 9}) {
     std::vector<core::Pose2> path;
@@ -174,8 +175,8 @@ TEST(GraphMechanisms, BackwardsMotionCountedForwardsIsFoundWithItsTurns) {
   }
 }
 
-// Without odometry, two scans a second, up to 90 degrees and half a metre apart: how far two scans are searched for the motion
-// between them goes by the time between them.
+// Without odometry, two scans a second, up to 90 degrees and half a metre apart: how far two scans are
+// searched for the motion between them goes by the time between them.
 TEST(GraphMechanisms, FastTurnsAreFoundWithoutOdometryHoweverFarApartScansAre) {
   std::vector<core::Pose2> path;
   core::Pose2 T{7, 5, 0};
@@ -192,8 +193,9 @@ TEST(GraphMechanisms, FastTurnsAreFoundWithoutOdometryHoweverFarApartScansAre) {
   EXPECT_LT(worstError(graph.poses(), log.truth), 0.05);
 }
 
-/// A robot that turns on the spot by so much a scan; some of its scans, the last but four, show what it would see turned
-/// otherwise: somebody turned a door or a table, or it tilts. Its wheels are right. The error of its last scan.
+/// A robot that turns on the spot by so much a scan; some of its scans, the last but four, show what it would
+/// see turned otherwise: somebody turned a door or a table, or it tilts. Its wheels are right. The error of
+/// its last scan.
 double errorBehindStrayScans(double turn_rad, double stray_rad, int stray) {
   constexpr int kFirst = 5, kAfter = 4;
   std::vector<core::Pose2> path, seen;
@@ -206,8 +208,8 @@ double errorBehindStrayScans(double turn_rad, double stray_rad, int stray) {
   return lastError(log);
 }
 
-// What is seen then explains more than what the wheels say, so that they are let go, and the robot's own scans confirm it; as
-// soon as the map from before fits where the wheels have it, it is back.
+// What is seen then explains more than what the wheels say, so that they are let go, and the robot's own
+// scans confirm it; as soon as the map from before fits where the wheels have it, it is back.
 TEST(GraphMechanisms, OdometryThatWasLetGoMayHaveBeenRightAfterAll) {
   EXPECT_LT(errorBehindStrayScans(0.8, 1.5, 2), 0.1);
   EXPECT_LT(errorBehindStrayScans(0.8, -1.5, 3), 0.1);
@@ -245,8 +247,8 @@ Consistency consistency(size_t first, size_t last, int drives, const GraphOption
   return mean;
 }
 
-// Before the second keyframe only the match against the first is unsure. Over many kinds of buildings they are true
-// (benchmarks/results/consistency.csv.xz). A tenth or ten times as much is neither.
+// Before the second keyframe only the match against the first is unsure. Over many kinds of buildings they
+// are true (benchmarks/results/consistency.csv.xz). A tenth or ten times as much is neither.
 TEST(GraphMechanisms, CovariancesBesideTheFirstKeyframeKeepTheirSize) {
   GraphOptions options;
   options.keyframe_distance_m = 10, options.keyframe_score = 0;

@@ -189,8 +189,8 @@ TEST(GraphSlam, ClosesNoLoopWhosePlaceIsNotDistinctEnough) {
 
 TEST(GraphSlam, SaysThatItIsLostWhenItIsCarriedAwayAndJoinsWhatItMapsThenToTheRest) {
   auto log = drive(ring(), lapsAround(4), {}, 0);
-  // Lifted in the second lap, in the middle of a corridor, and put down in the next corner, turned; odometry saw nothing of
-  // it.
+  // Lifted in the second lap, in the middle of a corridor, and put down in the next corner, turned; odometry
+  // saw nothing of it.
   const size_t lap = log.scans.size() / 4, lifted = lap + 90, put_down = lap + 188;
   for (auto* list : {&log.truth, &log.increments})
     list->erase(list->begin() + static_cast<long>(lifted), list->begin() + static_cast<long>(put_down));
@@ -213,7 +213,8 @@ TEST(GraphSlam, SaysThatItIsLostWhenItIsCarriedAwayAndJoinsWhatItMapsThenToTheRe
 
 TEST(GraphSlam, IsCarriedAwayTwiceAndJoinsBothParts) {
   auto log = drive(ring(), lapsAround(4), {}, 0);
-  // Both times from the middle of a corridor to its end, turned; the second time before the first part can be joined.
+  // Both times from the middle of a corridor to its end, turned; the second time before the first part can be
+  // joined.
   const size_t lap = log.scans.size() / 4;
   const std::pair<size_t, size_t> carried[] = {{lap + 230, lap + 320}, {lap + 90, lap + 188}};
   for (const auto& [lifted, put_down] : carried) {
@@ -262,7 +263,8 @@ TEST(GraphSlam, JoinsWhatWasNoKidnappingNearWhereOdometryHasIt) {
   for (size_t i = 0, n = walls.size(); i < n; ++i)
     walls.push_back({{20 - walls[i].a.x, 14 - walls[i].a.y}, {20 - walls[i].b.x, 14 - walls[i].b.y}});
   auto log = drive(walls, lapsAround(2), {}, 0);
-  // For five metres the lidar sees another building, which fits itself: a robot that tilts, a curtain that is drawn.
+  // For five metres the lidar sees another building, which fits itself: a robot that tilts, a curtain that is
+  // drawn.
   const size_t begin = log.scans.size() / 2 + 40, end = begin + 50;
   const auto elsewhere = rectangle(-2, -1.5, 12, 4);
   core::RandomStream chance(5, "elsewhere");

@@ -34,7 +34,8 @@ LostDetector settled(double rate_hz, double speed_mps, double mean = 0.03) {
   return detector;
 }
 
-/// Seconds until it is lost when from now on every scan contradicts by `share`, after a break; endless after a minute.
+/// Seconds until it is lost when from now on every scan contradicts by `share`, after a break; endless after
+/// a minute.
 double secondsToNotice(LostDetector& detector, double from_s, double period_s, double speed_mps, double share,
                        double first_break) {
   for (double t = period_s; t < 60; t += period_s) {
@@ -74,7 +75,8 @@ TEST(LostDetector, TakesHoursOfABusyPlaceForNoLoss) {
 }
 
 TEST(LostDetector, TakesPeopleWhoWalkAboutForNoLoss) {
-  // Half of every scan is people: the map contradicts it more than keyframes of late do, and so does the scan before it.
+  // Half of every scan is people: the map contradicts it more than keyframes of late do, and so does the scan
+  // before it.
   auto detector = settled(5, 0.5);
   for (int i = 0; i < 100; ++i) {
     detector.look(seen(100 + 0.2 * i, 0.1, 0.4, 0.5));

@@ -85,8 +85,8 @@ TEST_P(EveryMethod, PrintsNothing) {
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();
   {
-    // Things that make MRPT talk: matches that are never good enough, a scan that fits nothing, and a clock that
-    // runs back.
+    // Things that make MRPT talk: matches that are never good enough, a scan that fits nothing, and a clock
+    // that runs back.
     std::vector<std::string> settings;
     if (std::string(GetParam()) == "particles")
       settings = {"mapping.insert_distance_m=0"};
@@ -115,8 +115,8 @@ TEST(MapBuilder, MatchersBeatTheirOdometryInTheSmallRoom) {
   const auto& truth = drive.truth.back();
   const double wheel_error_rad =
       std::abs(core::angleDifference(runDrive(wheel, drive).back().pose.phi, truth.phi));
-  // Exact scans, cells and points 5 cm apart: about a cell, and for ICP a cell seen at 4 m. The filter matches
-  // every 5th point to cell centres, which errs by up to 1.6 degrees over seeds in so small a room.
+  // Exact scans, cells and points 5 cm apart: about a cell, and for ICP a cell seen at 4 m. The filter
+  // matches every 5th point to cell centres, which errs by up to 1.6 degrees over seeds in so small a room.
   const std::map<std::string, double> tolerance_deg = {{"icp", 0.7}, {"rbpf_exact", 1.8}, {"particles", 0.5}};
   for (const auto& [name, tolerance] : tolerance_deg) {
     auto method = makeMethod(name);

@@ -1,4 +1,5 @@
-/// Files of MRPT's objects whose sizes are damaged: one clear line, and no more memory than a file of a map can need.
+/// Files of MRPT's objects whose sizes are damaged: one clear line, and no more memory than a file of a map
+/// can need.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mrpt/io/CMemoryStream.h>

@@ -1,4 +1,5 @@
-// What every registered method has to do, whichever it is: a new line in methodTypes() is tested by these without another one here.
+// What every registered method has to do, whichever it is: a new line in methodTypes() is tested by these
+// without another one here.
 #include "libslam/mapping/method_types.h"
 
 #include <gmock/gmock.h>

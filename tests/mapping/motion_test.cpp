@@ -37,7 +37,8 @@ TEST(Motion, TwoAfterOneAnotherHaveTheCovarianceOfTheirComposition) {
   EXPECT_EQ(both.T_previous_robot.phi, T.phi);
 }
 
-// Turned by a right angle: what was uncertain ahead is uncertain sideways, and the turn's error shows where the way ends.
+// Turned by a right angle: what was uncertain ahead is uncertain sideways, and the turn's error shows where
+// the way ends.
 TEST(Motion, AnErrorOfTheTurnShowsAcrossTheWayAfterIt) {
   const Motion turn{{0, 0, core::kPi / 2}, Eigen::Vector3d(0, 0, 0.01).asDiagonal()};
   const Motion ahead{{2, 0, 0}, Eigen::Vector3d(0.25, 0, 0).asDiagonal()};

@@ -14,8 +14,8 @@
 namespace slam::mapping {
 namespace {
 
-/// Two laps through a square ring corridor, 16 m outside and 2 m wide, with niches; ranges with 1 cm of noise, wheels
-/// that turn 4 % too far, drift to the left and drive 3 % too long.
+/// Two laps through a square ring corridor, 16 m outside and 2 m wide, with niches; ranges with 1 cm of
+/// noise, wheels that turn 4 % too far, drift to the left and drive 3 % too long.
 struct Ring {
   std::vector<robot::Scan> scans;
   std::vector<core::Pose2> wheels, truth;  ///< T_previous_robot; T_start_robot
@@ -262,8 +262,8 @@ TEST(ParticleFilter, ACorridorIsDegenerateAndHeldByTheWheelsAlong) {
   EXPECT_GT(step.covariance(0, 0), 4 * step.covariance(1, 1));
 }
 
-// Normalised estimation error squared, 3 degrees of freedom, of the poses given online. The bounds are wide: two runs in one
-// building are few.
+// Normalised estimation error squared, 3 degrees of freedom, of the poses given online. The bounds are wide:
+// two runs in one building are few.
 TEST(ParticleFilter, TheCovarianceCoversTheDriftOfTheMap) {
   double nees = 0;
   int poses = 0;
@@ -297,8 +297,8 @@ TEST(ParticleFilter, TheDriftIsForgottenWhereTheMapIsOld) {
 }
 
 // Fox 2003, equation 7 worked by hand: 2 bins: (1 / 0.1) (1 - 2/9 + sqrt(2/9) 2.3263)^3 = 65.86; 101 bins:
-// (100 / 0.1) (1 - 2/900 + sqrt(2/900) 2.3263)^3 = 1358.2. The exact quantiles of chi-square, 6.635 and 135.81, give
-// 66.35 and 1358.1.
+// (100 / 0.1) (1 - 2/900 + sqrt(2/900) 2.3263)^3 = 1358.2. The exact quantiles of chi-square, 6.635 and
+// 135.81, give 66.35 and 1358.1.
 TEST(KldParticles, FollowTheBoundOfFox) {
   EXPECT_EQ(kldParticles(1, 0.05), 1U);
   EXPECT_EQ(kldParticles(2, 0.05), 66U);
@@ -368,7 +368,8 @@ TEST(ParticleFilter, ParticlesShareWhatTheyHaveInCommon) {
   EXPECT_LT(many.bytes(), 15 * one.bytes());
 }
 
-/// The ring's walls five times as large: house fronts around a yard of 80 m, nothing else within reach of indoor settings.
+/// The ring's walls five times as large: house fronts around a yard of 80 m, nothing else within reach of
+/// indoor settings.
 robot::Scan scanInYard(const core::Pose2& T, core::RandomStream& noise) {
   std::vector<test::Wall> walls = ringWalls();
   walls.resize(20);  // without the block in its middle

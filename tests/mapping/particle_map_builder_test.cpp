@@ -47,7 +47,8 @@ TEST(ParticleMapBuilder, EveryPoseComesWithItsCovariance) {
   EXPECT_EQ(finalPath(method, online)->back().pose.x, mean.x());
 }
 
-// The map as MRPT has it is the map as our own grid has it: same walls, free where the robot drove, unknown outside.
+// The map as MRPT has it is the map as our own grid has it: same walls, free where the robot drove, unknown
+// outside.
 TEST(ParticleMapBuilder, PublishesWhatTheKeyFramesSaw) {
   auto method = makeMethod();
   const auto drive = test::driveThroughRoom();

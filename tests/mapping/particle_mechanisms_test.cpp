@@ -12,8 +12,8 @@ namespace {
 
 using namespace test_drives;
 
-// In one dimension of three the integral can be done by hand: a likelihood exp(-l (x - a)^2 / 2) times a motion
-// model exp(-p (x - b)^2 / 2) integrates to exp(-(a - b)^2 l p / (2 (l + p))) sqrt(2 pi / (l + p)).
+// In one dimension of three the integral can be done by hand: a likelihood exp(-l (x - a)^2 / 2) times a
+// motion model exp(-p (x - b)^2 / 2) integrates to exp(-(a - b)^2 l p / (2 (l + p))) sqrt(2 pi / (l + p)).
 TEST(ParticleMechanisms, TheEvidenceIsTheIntegralOfLikelihoodTimesMotionModel) {
   const auto evidence = [](double l, double p, double apart) {
     const double peak = apart * p / (l + p);

@@ -15,9 +15,9 @@ struct RandomStep {
   bool has_odometry = true;
 };
 
-/// Steps as no robot would give them, of one lidar drawn at random: from 2 beams on, over any angle; scans of one wall, of
-/// a circle, of nothing, of noise, the same again; readings that are no numbers; odometry that stands still, leaps, or
-/// is missing.
+/// Steps as no robot would give them, of one lidar drawn at random: from 2 beams on, over any angle; scans of
+/// one wall, of a circle, of nothing, of noise, the same again; readings that are no numbers; odometry that
+/// stands still, leaps, or is missing.
 class RandomSteps {
  public:
   /// most_beams: at least 2. leap_m: of odometry, in one step.

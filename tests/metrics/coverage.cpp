@@ -28,9 +28,9 @@ std::vector<std::string> drawn(const ExplorableArea& area) {
 }
 
 TEST(ExplorableArea, IsWhatTheDiscReachesAndWhatItSeesFromThere) {
-  // The disc of radius 0.6 fits into the room on the left, not through the gap one cell wide; it looks through the
-  // gap into the right room: into the row of its corners only at slopes from 0.6 to 0.71, which miss its column
-  // beside the gap. Nobody sees the cell in the block.
+  // The disc of radius 0.6 fits into the room on the left, not through the gap one cell wide; it looks
+  // through the gap into the right room: into the row of its corners only at slopes from 0.6 to 0.71, which
+  // miss its column beside the gap. Nobody sees the cell in the block.
   const auto plan = drawnPlan({"##############",  //
                                "#.....#....###",  //
                                "#.....#....#.#",  //
@@ -62,8 +62,8 @@ TEST(ExplorableArea, ASmallerDiscGoesThroughTheGapAndAShortLidarSeesLess) {
   const auto corridor = drawnPlan({"#########",  //
                                    "#.......#",  //
                                    "#########"});
-  // Too wide to move at all: it sees from its own cell, which begins 1, 2, ... metres from the others' centres
-  // less half a cell.
+  // Too wide to move at all: it sees from its own cell, which begins 1, 2, ... metres from the others'
+  // centres less half a cell.
   EXPECT_EQ(explorableArea(corridor, {1.5, 1.5}, 0.6, 3.4).cells, 4U);
   EXPECT_EQ(explorableArea(corridor, {1.5, 1.5}, 0.6, 3.6).cells, 5U);
 }
@@ -93,8 +93,8 @@ world::Plan randomPlan(std::uint64_t seed) {
   return drawnPlan(lines, 0.5);
 }
 
-// The definition once more, by brute force: reachable cells by repetition until nothing changes, sight by small
-// steps along each ray of the reference caster.
+// The definition once more, by brute force: reachable cells by repetition until nothing changes, sight by
+// small steps along each ray of the reference caster.
 TEST(ExplorableArea, EqualsItsDefinitionByBruteForce) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const auto plan = randomPlan(seed);
@@ -136,7 +136,8 @@ TEST(ExplorableArea, EqualsItsDefinitionByBruteForce) {
         }
         differing += expected != (area.explorable[static_cast<size_t>(y * 22 + x)] != 0);
       }
-    // A diagonal ray through a corner of cells enters one more of them in the exact walk; small steps jump it.
+    // A diagonal ray through a corner of cells enters one more of them in the exact walk; small steps jump
+    // it.
     EXPECT_LE(differing, 1) << "seed " << seed;
     EXPECT_GT(area.cells, 3U) << "seed " << seed;
   }

@@ -75,8 +75,8 @@ TEST(MapStructure, CountsOccupiedCellsAmongTheKnownOnes) {
   EXPECT_EQ(mapStructure(drawn({".?"})).occupied_share, 0);
 }
 
-// What a reader counts in the drawing, whatever the angle, the walls' thickness and the cells: a square room has four
-// corners and an area shut in; where two walls meet or one ends is a corner too.
+// What a reader counts in the drawing, whatever the angle, the walls' thickness and the cells: a square room
+// has four corners and an area shut in; where two walls meet or one ends is a corner too.
 TEST(MapStructure, CountsCornersEndsAndCrossingsOfWallsAtAnyAngle) {
   for (const double resolution_m : {0.05, 0.1})
     for (const double thickness_cells : {1.42, 2.2, 4.0})

@@ -88,7 +88,8 @@ std::vector<Point2> wall(double apart_m) {
   return points;
 }
 
-// A wall seen twice from poses that are 10 cm apart: half the distance is the deviation from the line between.
+// A wall seen twice from poses that are 10 cm apart: half the distance is the deviation from the line
+// between.
 TEST(PointSharpness, AWallThatIsDrawnTwiceIsThickAndLessSharp) {
   EXPECT_NEAR(pointSharpness(wall(0)).wall_thickness_m, 0, kExact);
   // The circle holds a few points less of the other row than of a point's own.
@@ -214,7 +215,8 @@ TEST(PlacedScans, SkimmingAWallIsNotGoingThroughIt) {
                                "....................",  //
                                "....................",  //
                                "####################"});
-  // 0.15 m below the upper wall, along 1.6 m: the beam ends inside the wall's cells, which it enters before its end.
+  // 0.15 m below the upper wall, along 1.6 m: the beam ends inside the wall's cells, which it enters before
+  // its end.
   const core::Pose2 lidar{0.05, 0.15, 0};
   const auto skimming = agreementOf(corridor, lidar, {{1.6, 0.17}});
   EXPECT_EQ(skimming.on_wall_share, 1);

@@ -17,7 +17,8 @@ core::Trajectory straight() {
 }
 
 TEST(RelationError, IsTheLengthAndTheAngleOfWhatIsLeftOfTheRelation) {
-  // Annotated: a metre ahead; driven: a metre ahead, twice as far as said, and a turn that was said to be a bit less.
+  // Annotated: a metre ahead; driven: a metre ahead, twice as far as said, and a turn that was said to be a
+  // bit less.
   const core::Relations relations = {{10, 11, {1, 0, 0}},
                                      {10, 12, {1.9, 0, 0}},
                                      {12, 13, {0, 0, kPi / 2 - 0.1}},

@@ -65,8 +65,8 @@ TEST(GridCaster, GivesTheExactRangesOfThePlan) {
   EXPECT_EQ(returns, 271);
 }
 
-// A drop-in replacement: with the same arguments MRPT's own is the same to the step of its march, but where it stepped
-// over a corner.
+// A drop-in replacement: with the same arguments MRPT's own is the same to the step of its march, but where
+// it stepped over a corner.
 TEST(GridCaster, AgreesWithMrptToItsStep) {
   for (const bool with_unknown : {false, true})
     for (const bool right_to_left : {true, false})

@@ -6,8 +6,8 @@
 
 namespace slam::navigate {
 
-/// A map drawn as text, the top line first: '#' occupied, '.' free, anything else unknown. Its lower left corner
-/// is the origin.
+/// A map drawn as text, the top line first: '#' occupied, '.' free, anything else unknown. Its lower left
+/// corner is the origin.
 inline gridmap::OccupancyRaster drawnMap(const std::vector<std::string>& lines, double resolution_m = 1) {
   gridmap::OccupancyRaster map;
   map.rows = static_cast<int>(lines.size());

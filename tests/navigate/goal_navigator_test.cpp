@@ -342,8 +342,8 @@ TEST(GrownObstacles, AreMeasuredRight) {
   EXPECT_EQ(boundaries[1].crossings, 0);
 }
 
-// Lumelsky and Stepanov, Algorithmica 2 (1987): P <= D + 1.5 * sum of p_i over the obstacles that meet the disc
-// of radius D around the goal.
+// Lumelsky and Stepanov, Algorithmica 2 (1987): P <= D + 1.5 * sum of p_i over the obstacles that meet the
+// disc of radius D around the goal.
 TEST(Bug1Bound, HoldsInEveryDrawnScene) {
   for (const auto& [name, scene] : reachableScenes()) {
     const auto drive = driveTo(scene, "bug1", exactLidar(), exactOdometry());

@@ -14,7 +14,8 @@ namespace {
 
 using core::degToRad;
 
-/// A look of 60 degrees from 0.1 m ahead of the robot's centre: `everywhere_m` but at `other` {degrees, range}.
+/// A look of 60 degrees from 0.1 m ahead of the robot's centre: `everywhere_m` but at `other` {degrees,
+/// range}.
 robot::Scan look(float everywhere_m, const std::vector<std::pair<int, float>>& other = {}) {
   robot::Scan scan;
   scan.first_angle_rad = degToRad(-30), scan.step_rad = degToRad(1);
@@ -30,7 +31,8 @@ LookFirst careful() {
 }
 const robot::Command kAhead{0.5, 0, 0.2}, kBack{-0.5, 0, 0.2}, kTurn{0, 1, 0.2};
 
-/// Turns and looks as it says, in the open, until it has looked enough for the command. Returns by how much it turned.
+/// Turns and looks as it says, in the open, until it has looked enough for the command. Returns by how much
+/// it turned.
 double lookAround(LookFirst& robot, core::Pose2& T_odom_robot, const robot::Command& command) {
   double turned_rad = 0;
   for (int i = 0; i < 100; ++i) {

@@ -169,8 +169,8 @@ TEST(MapStrategies, DropAGoalThatHasBeenSeenAndAPathThatIsBlocked) {
   EXPECT_TRUE(strategy->isStillGood(decision, pose, 0));
 }
 
-// A wall along the line between two rows of cells: the map flickers between them and shows no wall at all, but
-// the lidar measures one.
+// A wall along the line between two rows of cells: the map flickers between them and shows no wall at all,
+// but the lidar measures one.
 TEST(MapStrategies, SeeNoFrontierWhereTheLidarMeasuresAWall) {
   const auto map = enlarged({"########", "#......?", "#......?", "#......?", "########"}, 8, 0.05);
   const core::Pose2 pose{1.4, 1.0, 0};

@@ -1,4 +1,5 @@
-// The numbers that the original document gives for motion, exploration and goal navigation, each at its border.
+// The numbers that the original document gives for motion, exploration and goal navigation, each at its
+// border.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

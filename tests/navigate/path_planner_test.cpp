@@ -168,7 +168,8 @@ gridmap::OccupancyRaster roomsWithGap(int gap_cells) {
   return drawnMap(lines, 0.05);
 }
 
-// A robot of radius 0.283 m fits through 13 cells of 0.05 m by the map, and with a cell less on each side through 11.
+// A robot of radius 0.283 m fits through 13 cells of 0.05 m by the map, and with a cell less on each side
+// through 11.
 TEST(PathPlanner, LeavesATightPlaceOnlyWhereTheRobotStandsInIt) {
   const auto space = readFreeSpace(roomsWithGap(11));
   const auto reachesTheOtherRoom = [&](double radius_m, bool tight_start, const core::Point2& robot) {

@@ -6,8 +6,8 @@
 
 #include "tests/odometry/scene.h"
 
-// What the two methods that go on from the step before do, scene by scene; correlation_odometry_test.cpp holds
-// the same for the one that searches.
+// What the two methods that go on from the step before do, scene by scene; correlation_odometry_test.cpp
+// holds the same for the one that searches.
 namespace slam::odometry {
 namespace {
 

@@ -10,7 +10,8 @@
 namespace slam::oracle {
 namespace {
 
-/// 0.1 m cells: a corridor with rooms to its left and right behind narrow doors; the start is in the corridor.
+/// 0.1 m cells: a corridor with rooms to its left and right behind narrow doors; the start is in the
+/// corridor.
 world::Plan rooms() {
   const std::string wall(61, '#'), corridor = "#" + std::string(59, '.') + "#";
   const std::string row =
@@ -65,8 +66,9 @@ TEST(Oracle, DrivesWhereTheRobotFitsAndSeesTheShare) {
   EXPECT_LE(oracle.to_90.length_m, oracle.to_99.length_m);
   EXPECT_LE(oracle.below_90_m, oracle.to_90.length_m);
   EXPECT_LE(oracle.below_99_m, oracle.to_99.length_m);
-  // Six rooms of 2 x 1.5 m along 6 m of corridor. To look into the four in the corners is 1.5 m to one end, the
-  // whole way to the other, and steps aside; to stand in the middle of all six and come back to the corridor is 20 m.
+  // Six rooms of 2 x 1.5 m along 6 m of corridor. To look into the four in the corners is 1.5 m to one end,
+  // the whole way to the other, and steps aside; to stand in the middle of all six and come back to the
+  // corridor is 20 m.
   EXPECT_GT(oracle.to_99.length_m, 4.0);
   EXPECT_LT(oracle.to_99.length_m, 16.0);
   EXPECT_GT(oracle.below_99_m, 1.0);

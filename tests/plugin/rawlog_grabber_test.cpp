@@ -34,8 +34,8 @@ mrpt::hwdrivers::CGenericSensor::Ptr makeSensor() {
   return mrpt::hwdrivers::CGenericSensor::createSensorPtr("SimulatedLidar");
 }
 
-/// Runs the recorder until the sensor has said that it is done. The recorder ends at a key on its standard input,
-/// which therefore has to stay open until then. The limits only matter when something is broken.
+/// Runs the recorder until the sensor has said that it is done. The recorder ends at a key on its standard
+/// input, which therefore has to stay open until then. The limits only matter when something is broken.
 testing::CommandResult grab(const testing::TempFolder& folder, const std::string& config) {
   std::ofstream(folder / "grab.ini") << config;
   return testing::runCommand("cd '" + folder.path() + "' && mkfifo done && timeout 600 head -c 1 done | " +
@@ -123,8 +123,8 @@ TEST_F(RawlogGrabber, RecordsTheSimulatedLidar) {
   }
   EXPECT_EQ(log.sensorLabel(), "LASER");
   EXPECT_LE(scans, kScans);
-  // Each time it writes, the recorder leaves half of what it holds for the next time, and never gets it out at the
-  // end: half of all is certain, whatever the machine's load.
+  // Each time it writes, the recorder leaves half of what it holds for the next time, and never gets it out
+  // at the end: half of all is certain, whatever the machine's load.
   EXPECT_GE(scans, kScans / 2);
   EXPECT_LE(log.counts().odometry_readings, static_cast<std::uint64_t>(scans) + 1);
 }

@@ -19,7 +19,8 @@ core::Pose2 anyPose(core::RandomStream& random) {
 }
 
 TEST(EdgeError, IsWhereTheEstimateIsSeenFromTheMeasurement) {
-  // a looks along y; b is 2 m ahead of it, turned left by 90 degrees. Measured: 1 m ahead, 0.5 m left, turned by 80.
+  // a looks along y; b is 2 m ahead of it, turned left by 90 degrees. Measured: 1 m ahead, 0.5 m left, turned
+  // by 80.
   const core::Pose2 a{1, 1, kPi / 2}, b{1, 3, kPi}, z{1, 0.5, core::degToRad(80)};
   const Eigen::Vector3d e = edgeError(a, b, z);
   // Left over in a's frame: (1, -0.5), which the measured frame, turned by 80 degrees, sees so:

@@ -70,7 +70,8 @@ TEST(G2o, LinesAreReadInAnyOrder) {
 }
 
 TEST(G2o, VerticesThatOnlyEdgesNameAreChained) {
-  // 4 hangs on 3 by odometry and on 0 by a loop that says otherwise: odometry goes first, whatever the order of lines.
+  // 4 hangs on 3 by odometry and on 0 by a loop that says otherwise: odometry goes first, whatever the order
+  // of lines.
   const G2oGraph read =
       parsed("EDGE_SE2 0 4 99 0 0" + kUnit + "VERTEX_SE2 2 10 0 1.5707963267948966\n" + "EDGE_SE2 3 4 2 0 0" +
              kUnit + "EDGE_SE2 2 3 1 0 0" + kUnit + "EDGE_SE2 1 2 1 0 1.5707963267948966" + kUnit +

@@ -41,7 +41,8 @@ Eigen::Matrix3d someInformation(core::RandomStream& random) {
   return (m + m.transpose()) / 2;
 }
 
-/// Some nodes, each measured from two others or from the map, with errors of a size that makes several minima.
+/// Some nodes, each measured from two others or from the map, with errors of a size that makes several
+/// minima.
 PoseGraph smallGraph(core::RandomStream& random, double noise) {
   PoseGraph graph;
   const int nodes = 5;
@@ -92,7 +93,8 @@ TEST(Certificate, PosesThatAreNoMinimumAreNotCertified) {
 }
 
 TEST(Certificate, NoPosesAreBelowTheBound) {
-  // Brute force: descents from many starts. Information of any shape, errors up to where there are several minima.
+  // Brute force: descents from many starts. Information of any shape, errors up to where there are several
+  // minima.
   core::RandomStream random(3, "bound");
   int certified = 0, several = 0;
   for (int trial = 0; trial < 60; ++trial) {

@@ -23,8 +23,8 @@ double rmsDistance(const PoseGraph& a, const PoseGraph& b) {
   return std::sqrt(sum / a.nodeCount());
 }
 
-/// A corridor of `nodes` metres, 1 cm and 0.01 rad an edge, chained; and the corridor's end seen from its start by a
-/// loop that errs by `error_m`.
+/// A corridor of `nodes` metres, 1 cm and 0.01 rad an edge, chained; and the corridor's end seen from its
+/// start by a loop that errs by `error_m`.
 PoseGraph corridor(int nodes, double error_m) {
   PoseGraph graph;
   graph.addNode({});
@@ -45,8 +45,8 @@ PoseGraph corridor(int nodes, double error_m) {
 }
 
 TEST(LoopSearch, ALoopIsJudgedByWhatItCostsTheWholeGraph) {
-  // 24 edges of 1 cm and the loop's own 1 cm: 25 variances of 1 cm^2, a standard deviation of 5 cm. The limit, chi2 30,
-  // lies at 5.48 of them, 27.4 cm; the loop's own chi2 is then only 30 / 25.
+  // 24 edges of 1 cm and the loop's own 1 cm: 25 variances of 1 cm^2, a standard deviation of 5 cm. The
+  // limit, chi2 30, lies at 5.48 of them, 27.4 cm; the loop's own chi2 is then only 30 / 25.
   for (const char* how : {"local", "global"})
     for (const auto& [error_m, is_wrong] :
          {std::pair{0.26, false}, {0.29, true}, {-0.26, false}, {-0.29, true}}) {

@@ -54,8 +54,8 @@ TEST(Optimize, TwoMeasurementsOfOnePoseAreWeighed) {
 }
 
 TEST(Optimize, ALoopsErrorIsSharedByTheEdgesOfASquare) {
-  // Four metres round a square, each turn 90 degrees; the last edge is measured 0.4 m too long. All headings are sure,
-  // so the four edges share: those along y in their length, those along x sideways.
+  // Four metres round a square, each turn 90 degrees; the last edge is measured 0.4 m too long. All headings
+  // are sure, so the four edges share: those along y in their length, those along x sideways.
   PoseGraph graph;
   const core::Pose2 step{1, 0, kPi / 2};
   graph.addNode({0, 0, 0});
@@ -282,7 +282,8 @@ TEST(Optimize, OptionsAreChecked) {
   EXPECT_THROW(optimize(graph, options), core::ContractError);
 }
 
-// The data's README: chi2 at the file's start and at the optimum (SE-Sync's copies of the Intel and Manhattan graphs).
+// The data's README: chi2 at the file's start and at the optimum (SE-Sync's copies of the Intel and Manhattan
+// graphs).
 TEST(Optimize, ReachesTheKnownOptimumOfIntel) {
   auto graph = realGraph("intel");
   if (!graph) GTEST_SKIP() << "no posegraphs/intel.g2o.xz";

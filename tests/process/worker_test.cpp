@@ -94,12 +94,14 @@ TEST_F(WorkerCopy, AProcessOfSeveralThreadsIsNotCopied) {
   other.join();
 }
 
-/// What a line of the shell does that says so into the pipe `line_out`, then waits for a minute, and would say that it survived.
+/// What a line of the shell does that says so into the pipe `line_out`, then waits for a minute, and would
+/// say that it survived.
 std::string sayAndWait(const std::string& line_out) {
   return "(echo started; sleep 60; echo survived) > '" + line_out + "'";
 }
 
-/// A pipe with a name, of which this test holds the reading end: it ends when no process is left that could write.
+/// A pipe with a name, of which this test holds the reading end: it ends when no process is left that could
+/// write.
 class Witness {
  public:
   explicit Witness(const std::string& path) : path_(path) { EXPECT_EQ(mkfifo(path.c_str(), 0600), 0); }

@@ -31,8 +31,8 @@ core::Trajectory originalDeadReckoning(const std::string& log_path,
   return path;
 }
 
-/// The operation log says all that the original dead reckoning does, for a lidar that looks back (two readings
-/// of every move) and one that does not, and one whose beams end without a return.
+/// The operation log says all that the original dead reckoning does, for a lidar that looks back (two
+/// readings of every move) and one that does not, and one whose beams end without a return.
 TEST(ReplayOperations, GivesThePathOfTheOriginalDeadReckoningOnTheSameLog) {
   const auto plan = world::loadPlan(core::resolvePlan("flat"));
   struct Lidar {

@@ -48,7 +48,8 @@ TEST(Sensors, WithANarrowViewDriveByTheLocalObstacleMapUnlessToldOtherwise) {
 }
 
 TEST(Sensors, WithADeadZoneStopBeforeIt) {
-  // Ymin = 0.1 + 0.458 m from the robot's centre; CanMove with the 0.45 m of a lidar would ask for what is never seen.
+  // Ymin = 0.1 + 0.458 m from the robot's centre; CanMove with the 0.45 m of a lidar would ask for what is
+  // never seen.
   const auto config = readRecordConfig(ini("[sensor]\nkind = camera\n"));
   EXPECT_NEAR(config.strategy.stop_clearance_m, 0.558 + config.robot.max_speed_mps / 5, 0.01);
   EXPECT_EQ(readRecordConfig(ini("[sensor]\nkind = camera\n[strategy]\nstop_clearance_m = 0.3\n"))

@@ -9,7 +9,8 @@
 namespace slam::record {
 namespace {
 
-// A drive by a person's commands has their file among its inputs; in the order of the names it may come before the plan.
+// A drive by a person's commands has their file among its inputs; in the order of the names it may come
+// before the plan.
 TEST(FindPlan, TakesAPlanAmongTheInputsAndNothingElse) {
   const testing::TempFolder folder;
   core::Manifest manifest;

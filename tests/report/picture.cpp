@@ -330,7 +330,8 @@ TEST(CommonWindow, ShowsAllOfMapsThatDifferALittle) {
   EXPECT_LT(commonWindow({one, one, astray}, {}, {}).x1, 110);
 }
 
-// A plan that is larger than its neighbours is shown whole: only then do walls stand in its part of the picture.
+// A plan that is larger than its neighbours is shown whole: only then do walls stand in its part of the
+// picture.
 TEST(DrawPanels, ShowsTruePlansWholeHoweverUnlikeTheirSizes) {
   const TempFolder folder;
   world::Plan yard;

@@ -20,7 +20,8 @@ double rangeInRoom(const core::Pose2& T_room_lidar, double angle_rad) {
 
 constexpr double kPeriod_s = 0.2;
 
-/// What a spinning lidar sees of the room when the robot drives `T_previous_robot` a period and is at T_room_robot at the end.
+/// What a spinning lidar sees of the room when the robot drives `T_previous_robot` a period and is at
+/// T_room_robot at the end.
 Scan sweptScan(const core::Pose2& T_room_robot, const core::Pose2& T_previous_robot, const Sweep& sweep,
                int beams, double fov_rad) {
   Scan scan;

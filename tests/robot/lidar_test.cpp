@@ -79,8 +79,8 @@ TEST(Quantum, MakesReadingsItsMultiples) {
 TEST(Quantum, AddsTheVarianceOfAUniformError) {
   LidarOptions options = exactLidar();
   options.sigma_m = 0.02, options.quantum_m = 0.05;
-  // Sheppard: quantum^2 / 12 more; noise of 0.4 quanta leaves exp(-2 pi^2 0.16) = 4 % of ripple, so no mean of
-  // an odd place is meant: halfway between two multiples the ripple of the mean is 0.
+  // Sheppard: quantum^2 / 12 more; noise of 0.4 quanta leaves exp(-2 pi^2 0.16) = 4 % of ripple, so no mean
+  // of an odd place is meant: halfway between two multiples the ripple of the mean is 0.
   const double expected_m = std::hypot(0.02, 0.05 / std::sqrt(12.0));
   const double ripple_m = 0.05 * std::exp(-2 * core::kPi * core::kPi * 0.16);
   EXPECT_NEAR(standardDeviation(read(options, 3.025), 3.025), expected_m,

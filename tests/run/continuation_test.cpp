@@ -121,7 +121,8 @@ TEST_F(TwoHalves, MethodsThatCannotSaySo) {
   EXPECT_FALSE(std::filesystem::exists(*folder_ / "x"));
 }
 
-// Intel's stamps run back, so that the path through trajectory.tum, which is in the order of stamps, goes back and forth.
+// Intel's stamps run back, so that the path through trajectory.tum, which is in the order of stamps, goes
+// back and forth.
 TEST_F(TwoHalves, LengthAndEndAreThoseOfTheLogsOrder) {
   auto run = loadRun(*folder_ / "whole");
   const auto as_run = score::evaluate(run, {});

@@ -130,7 +130,8 @@ TEST_F(TwoLidars, EveryMethodTakesThem) {
         runOf(method, *folder_ / "two.rawlog", *folder_ / (method + "_front"), {"method.lidars=LASER"});
     EXPECT_EQ(front.results.at("lidars"), "LASER") << method;
     EXPECT_EQ(both.map.estimate.size(), front.map.estimate.size()) << method;
-    // A map of both differs from one of the front; nowhere is it worse by more than 5 mm, which the noise may do.
+    // A map of both differs from one of the front; nowhere is it worse by more than 5 mm, which the noise may
+    // do.
     EXPECT_NE(core::readTextFile(*folder_ / (method + "/map.png")),
               core::readTextFile(*folder_ / (method + "_front/map.png")))
         << method;

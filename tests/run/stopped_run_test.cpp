@@ -25,8 +25,8 @@ using ::testing::HasSubstr;
 
 constexpr int kBadScan = 60;
 
-/// A log of the flat whose odometry jumps a thousand kilometres at scan kBadScan, where no grid can follow; and its first
-/// part alone.
+/// A log of the flat whose odometry jumps a thousand kilometres at scan kBadScan, where no grid can follow;
+/// and its first part alone.
 class BrokenOdometry : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

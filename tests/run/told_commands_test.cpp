@@ -88,7 +88,8 @@ TEST_F(ToldCommands, RefuseTheOperationLogOfALongerLog) {
   EXPECT_FALSE(fs::exists(folder_ / "naive"));
 }
 
-/// The operations that a drive by hand leaves: standing, both keys held, ahead, and two commands of the same kind.
+/// The operations that a drive by hand leaves: standing, both keys held, ahead, and two commands of the same
+/// kind.
 TEST(OperationsOfADrive, HoldMovesTurnsAndArcsAndNoRest) {
   const testing::TempFolder folder;
   const std::vector<record::Order> orders = {

@@ -137,8 +137,8 @@ TEST(FieldMatcher, APersonInTheWayDoesNotPullTheMatch) {
   EXPECT_LT(match.score, 0.95);
 }
 
-// Points whose direction the noise hides once held the scan where the map's returns were: the robot lagged by 2 % of its
-// way along a corridor.
+// Points whose direction the noise hides once held the scan where the map's returns were: the robot lagged by
+// 2 % of its way along a corridor.
 TEST(FieldMatcher, PointsWithoutANormalHardlyHoldAScanAlongACorridor) {
   const auto walls = corridor(0.4);
   const core::Pose2 start{0, 0, 0.4};

@@ -63,8 +63,8 @@ TEST(ScanPoints, AreThinnedToTheirSpacing) {
   for (size_t i = 1; i < points.size(); ++i) EXPECT_LE(core::distance(points[i - 1].p, points[i].p), 0.3);
 }
 
-// Were points preferred that lie far from the one kept before, a wall would be turned: out where the ranges of neighbouring
-// beams grow, in where they shrink.
+// Were points preferred that lie far from the one kept before, a wall would be turned: out where the ranges
+// of neighbouring beams grow, in where they shrink.
 TEST(ScanPoints, AreThinnedWithoutRegardToTheirNoise) {
   Lidar lidar;
   lidar.noise_m = 0.02;

@@ -79,7 +79,8 @@ TEST(SurfelMap, KeepsTheTwoFacesOfAThinWallApart) {
 }
 
 TEST(SurfelMap, ARoughSurfaceSeenFromAllAroundIsOneThing) {
-  // A bush: points all over a disc of 15 cm, with normals to the side from which each was seen, whichever that is.
+  // A bush: points all over a disc of 15 cm, with normals to the side from which each was seen, whichever
+  // that is.
   core::RandomStream chance(3, "bush");
   SurfelMap map(0.1, 0.03, true);
   map.clear({}, 5);

@@ -71,7 +71,8 @@ TEST(RelationTables, SayOfTheWorstWhenWhatAndHowFarOff) {
   EXPECT_EQ(worstRelationsTable(kTwo, scores, Detail::kFull).columns.size(), 11U);
 }
 
-/// Errors that have exactly this mean and sample deviation: as many above as below, and one in the middle when odd.
+/// Errors that have exactly this mean and sample deviation: as many above as below, and one in the middle
+/// when odd.
 std::vector<core::Pose2> errorsWith(size_t count, double mean_m, double deviation_m) {
   const double n = static_cast<double>(count);
   const double off_m = count % 2 == 1 ? deviation_m : deviation_m * std::sqrt((n - 1) / n);
@@ -91,8 +92,9 @@ struct Reference {
   double mean_m, deviation_m;
 };
 
-/// The annotated logs of the benchmark, with what the literature's particle filter reaches on them. Its path files are
-/// not published with the relations; these tests build paths and relations whose error is known to be that.
+/// The annotated logs of the benchmark, with what the literature's particle filter reaches on them. Its path
+/// files are not published with the relations; these tests build paths and relations whose error is known to
+/// be that.
 class ReferenceFigures : public ::testing::TestWithParam<Reference> {
  protected:
   void SetUp() override {
@@ -147,8 +149,8 @@ TEST_P(ReferenceFigures, AreWhatRelationsOfThatErrorAtTheBenchmarksStampsScore) 
   EXPECT_NEAR(read.translation_m.deviation, GetParam().deviation_m, 2e-6);
 }
 
-// What it proves: the same for the benchmark's own motions, as far as one path can have chosen errors against them: along
-// a spanning forest of the relations. The others close loops and cannot be chosen too.
+// What it proves: the same for the benchmark's own motions, as far as one path can have chosen errors against
+// them: along a spanning forest of the relations. The others close loops and cannot be chosen too.
 TEST_P(ReferenceFigures, AreWhatAPathOfThatErrorAlongTheBenchmarksOwnRelationsScores) {
   std::map<double, size_t> index_of;
   for (const auto& relation : relations_)

@@ -48,7 +48,8 @@ TEST(CameraSensors, SeeTheFootOfAnObstacleWhereItStands) {
 TEST(CameraSensors, SayWhereTheFloorIsFreeAndNothingOfTheDeadZone) {
   const auto away = look(exactCamera(), {2, 6, 0});
   EXPECT_EQ(away.ranges_m[away.ranges_m.size() / 2], robot::kNoReturn) << "the wall is 5.4 m away";
-  // The wall's face 0.4 m before the camera's foot, the floor is seen from 0.458 m on: the wall hides all of it.
+  // The wall's face 0.4 m before the camera's foot, the floor is seen from 0.458 m on: the wall hides all of
+  // it.
   const auto close = look(exactCamera(), {7.0, 6, 0});
   for (const float range_m : close.ranges_m) EXPECT_FALSE(robot::isReturn(range_m) && range_m < 0.458);
   EXPECT_TRUE(std::isnan(close.ranges_m[close.ranges_m.size() / 2]));

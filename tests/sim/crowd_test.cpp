@@ -70,7 +70,8 @@ TEST(Crowd, StepsAwayFromARobotThatComesNear) {
 }
 
 TEST(Crowd, WalksAtTheSpeedsThatPeopleLike) {
-  // One at a time in a large hall, so that nobody is held up; the fastest of the time is the speed that is liked.
+  // One at a time in a large hall, so that nobody is held up; the fastest of the time is the speed that is
+  // liked.
   LivingOptions options = people(1);
   const world::Plan plan = hall(20, 20, 0.2);
   const int count = 300;
@@ -86,8 +87,9 @@ TEST(Crowd, WalksAtTheSpeedsThatPeopleLike) {
     sum += fastest, sum2 += fastest * fastest;
   }
   const double mean = sum / count, sigma = std::sqrt(sum2 / count - mean * mean);
-  // Truncation at 2 sigma leaves 0.880 sigma = 0.229 m/s; of 300 people the mean deviates by 0.0132 m/s and the
-  // deviation by 0.0093: four of each. The last hundredth is not reached, at a relaxation of 0.5 s, on short ways.
+  // Truncation at 2 sigma leaves 0.880 sigma = 0.229 m/s; of 300 people the mean deviates by 0.0132 m/s and
+  // the deviation by 0.0093: four of each. The last hundredth is not reached, at a relaxation of 0.5 s, on
+  // short ways.
   EXPECT_NEAR(mean, 1.34, 4 * 0.0132 + 0.01);
   EXPECT_NEAR(sigma, 0.88 * 0.26, 4 * 0.0093 + 0.01);
 }
@@ -104,7 +106,8 @@ TEST(Crowd, TheSameSeedGivesTheSameWaysAndAnotherDoesNot) {
   EXPECT_NE(placesAfter(1), placesAfter(2));
 }
 
-// The bytes that seed 1 gives; kept over compilers and build types. They may only change with a commit that says why.
+// The bytes that seed 1 gives; kept over compilers and build types. They may only change with a commit that
+// says why.
 TEST(Crowd, HasGoldenBytes) {
   const world::Plan plan = twoRooms();
   Crowd crowd(plan, people(8), 1, {{3, 3}, 0.3});

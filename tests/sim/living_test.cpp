@@ -163,7 +163,8 @@ TEST(LivingWorld, DrivingIntoAPersonIsACollisionAndAPersonWhoComesNearIsNone) {
   EXPECT_TRUE(sensed.collided);
   ASSERT_EQ(simulator.collisions().size(), 1U);
   const double gap_m = core::distance(core::position(simulator.truth()), person) - kRobotRadius_m - 0.25;
-  // It was met where it stood within the first tick or a step later: half a metre is what 25 ms at 20 m/s are.
+  // It was met where it stood within the first tick or a step later: half a metre is what 25 ms at 20 m/s
+  // are.
   EXPECT_GE(gap_m, 0);
   EXPECT_LT(gap_m, 0.5);
 }
@@ -260,7 +261,8 @@ TEST(LivingWorld, DoorsKeepTheirTimes) {
     EXPECT_GE(lengths[i], 1 - 0.025);
     EXPECT_LE(lengths[i], 3);
   }
-  // Uniform within half of the mean: a deviation of 0.29 means of one, of 200 one of 0.0204 means; four of them.
+  // Uniform within half of the mean: a deviation of 0.29 means of one, of 200 one of 0.0204 means; four of
+  // them.
   EXPECT_NEAR(open_s / 200, 4, 4 * 4 * 0.0204);
   EXPECT_NEAR(closed_s / 200, 2, 4 * 2 * 0.0204);
 }

@@ -3,8 +3,8 @@
 
 namespace slam::sim {
 
-/// Two rooms of 6 x 6 m at 5 cm, side by side, walls 10 cm thick; in the middle wall a doorway of 1 m at y = 3 m, with a
-/// door.
+/// Two rooms of 6 x 6 m at 5 cm, side by side, walls 10 cm thick; in the middle wall a doorway of 1 m at y =
+/// 3 m, with a door.
 inline world::Plan twoRooms() {
   world::Plan plan;
   plan.name = "two rooms";

@@ -17,8 +17,8 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Test A of 26 neurologically impaired children: Efron and Tibshirani, An Introduction to the Bootstrap, 1993, table
-// 14.1.
+// Test A of 26 neurologically impaired children: Efron and Tibshirani, An Introduction to the Bootstrap,
+// 1993, table 14.1.
 const std::vector<double> kSpatialTest = {48, 36, 20, 29, 42, 42, 20, 42, 22, 41, 45, 14, 6,
                                           0,  33, 28, 34, 4,  32, 24, 47, 41, 24, 26, 30, 41};
 
@@ -35,8 +35,8 @@ TEST(Bootstrap, GivesEfronAndTibshiranisIntervalOfAVariance) {
   options.confidence = 0.9;
   const auto estimate = bootstrapInterval(kSpatialTest.size(), statistic, options);
   EXPECT_NEAR(estimate.value, 171.5, 0.05);
-  // Their table 14.2, from 2000 resamples: (115.8, 259.6), the percentile interval (100.8, 233.9). A 5 % point of 2000
-  // resamples has a standard error of some 2 below and 4 above.
+  // Their table 14.2, from 2000 resamples: (115.8, 259.6), the percentile interval (100.8, 233.9). A 5 %
+  // point of 2000 resamples has a standard error of some 2 below and 4 above.
   ASSERT_TRUE(estimate.interval);
   EXPECT_NEAR(estimate.interval->low, 115.8, 4);
   EXPECT_NEAR(estimate.interval->high, 259.6, 8);

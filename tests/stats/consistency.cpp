@@ -68,8 +68,8 @@ TEST(Consistency, OfTrueCovariancesIsOne) {
   EXPECT_NEAR(result->anees.value, 1, 0.035);
   EXPECT_NEAR(result->coverage50.value, 0.5, 0.021);
   EXPECT_NEAR(result->coverage95.value, 0.95, 0.01);
-  // Independent errors: the interval over runs is as wide as one over samples, 2 * 1.96 * 0.0115, give or take what the
-  // spread of 50 runs says.
+  // Independent errors: the interval over runs is as wide as one over samples, 2 * 1.96 * 0.0115, give or
+  // take what the spread of 50 runs says.
   EXPECT_NEAR(result->anees.interval->high - result->anees.interval->low, 0.045, 0.012);
 }
 

@@ -14,8 +14,8 @@ namespace {
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Nine patients' depression factor before and after a tranquilizer: Hollander and Wolfe, Nonparametric Statistical
-// Methods, table 3.1.
+// Nine patients' depression factor before and after a tranquilizer: Hollander and Wolfe, Nonparametric
+// Statistical Methods, table 3.1.
 const std::vector<double> kBefore = {1.83, 0.50, 1.62, 2.48, 1.68, 1.88, 1.55, 3.06, 1.30};
 const std::vector<double> kAfter = {0.878, 0.647, 0.598, 2.05, 1.06, 1.29, 1.06, 3.14, 1.29};
 
@@ -56,8 +56,8 @@ TEST(SignedRank, GivesHollanderAndWolfesDepressionExample) {
 }
 
 TEST(SignedRank, GivesDarwinsMaizeExample) {
-  // Heights of crossed minus self-fertilised plants, eighths of an inch (Fisher, The Design of Experiments, 1935); W- = 24
-  // and p = 0.041259765625 in SciPy's manual, scipy.stats.wilcoxon.
+  // Heights of crossed minus self-fertilised plants, eighths of an inch (Fisher, The Design of Experiments,
+  // 1935); W- = 24 and p = 0.041259765625 in SciPy's manual, scipy.stats.wilcoxon.
   const std::vector<double> differences = {6, 8, 14, 16, 23, 24, 28, 29, 41, -48, 49, 56, 60, -67, 75};
   const auto test = wilcoxonSignedRank(zeros(differences), differences);
   EXPECT_EQ(test.statistic, 24);

@@ -15,7 +15,8 @@ namespace {
 using Answer = SeedsNeeded::Answer;
 
 TEST(SeedsNeeded, FollowTheFormulaByHand) {
-  // Mean 0.5, standard deviation sqrt(1 + 1/3): ((1.959964 + 0.841621) * 1.154701 / 0.5)^2 * pi / 3 = 43.84, so 44.
+  // Mean 0.5, standard deviation sqrt(1 + 1/3): ((1.959964 + 0.841621) * 1.154701 / 0.5)^2 * pi / 3 = 43.84,
+  // so 44.
   const std::vector<double> differences = {1.5, -0.5, 1.5, -0.5};
   const auto needed = moreSeedsNeeded(differences);
   EXPECT_EQ(needed.answer, Answer::kMore);

@@ -78,7 +78,8 @@ TEST(SweepTables, AmongMoreMethodsMoreSeedsAreNeeded) {
 
 TEST(SweepConsistency, SaysWhoIsOverconfidentAndWhoSaysNothing) {
   TwoMethods sweep;
-  // `good` is overconfident online (ANEES 1.5, 2, ..., 6) and of the final poses neither (0.5 and 1.5 in turn); `bad` states nothing.
+  // `good` is overconfident online (ANEES 1.5, 2, ..., 6) and of the final poses neither (0.5 and 1.5 in
+  // turn); `bad` states nothing.
   for (std::size_t i = 0; i < sweep.results.size(); i += 2) {
     const double seed = static_cast<double>(i / 2 + 1);
     auto& figures = sweep.results[i]->figures;
@@ -233,11 +234,13 @@ TEST(SweepTables, AllTogetherIsDrawnAndRankedWithinEachSetting) {
   EXPECT_DOUBLE_EQ(numberIn(summary.all, 0, "ate_final_m"), 0.3);
   EXPECT_DOUBLE_EQ(numberIn(summary.all, 0, "ate_final_m_low"), 0.3);
   EXPECT_DOUBLE_EQ(numberIn(summary.all, 0, "ate_final_m_high"), 0.3);
-  // Better once in the office, whose two seeds are all that varies: with one degree of freedom that excludes nothing.
+  // Better once in the office, whose two seeds are all that varies: with one degree of freedom that excludes
+  // nothing.
   EXPECT_DOUBLE_EQ(numberIn(summary.all, 0, "better"), 0.25);
   EXPECT_NEAR(numberIn(summary.all, 0, "better_low"), 0, 1e-3);
   EXPECT_NEAR(numberIn(summary.all, 0, "better_high"), 1, 1e-3);
-  // Ranks 1, 2 and 1, 2 of which a 1 is for `good`; in one row they would be 1, 2, 3, 4 and the 3 (p = 0.625).
+  // Ranks 1, 2 and 1, 2 of which a 1 is for `good`; in one row they would be 1, 2, 3, 4 and the 3 (p =
+  // 0.625).
   EXPECT_DOUBLE_EQ(numberIn(summary.all, 0, "p"), 0.375);
   EXPECT_EQ(textIn(summary.all, 0, "more_seeds"), "-");
   EXPECT_THAT(summary.main.notes, ::testing::Contains(HasSubstr("drawing within each setting")));

@@ -221,7 +221,8 @@ TEST(LiveScene, ThePictureHasEverythingWhereItBelongs) {
   EXPECT_TRUE(isNear(*picture, at(2.12, 1.2), report::kVermillion));
   EXPECT_TRUE(isNear(*picture, at(2, 1.9), {226, 228, 232}));
   EXPECT_TRUE(isNear(*picture, at(-3.95, 0), {150, 150, 155}));  // the plan's wall
-  // The map's lowest row is a wall, from its own origin on; above it is white floor, and one cell that it does not know.
+  // The map's lowest row is a wall, from its own origin on; above it is white floor, and one cell that it
+  // does not know.
   EXPECT_TRUE(isNear(*picture, at(-0.5, -1.95), {30, 30, 30}, 30));
   EXPECT_TRUE(isNear(*picture, at(-0.5, -1.5), {255, 255, 255}));
   EXPECT_TRUE(isNear(*picture, at(0.95, -1.05), {226, 228, 232}));

@@ -84,8 +84,8 @@ class Bmps : public ::testing::Test {
 };
 
 TEST_F(Bmps, OfThirtyTwoBitsTakeAlpha255ForAnObstacleWhateverItsColour) {
-  // Walls in opaque orange on a transparent ground, as System.Drawing saves a bitmap. Orange is brighter than the
-  // threshold, so that by brightness there would be no wall at all.
+  // Walls in opaque orange on a transparent ground, as System.Drawing saves a bitmap. Orange is brighter than
+  // the threshold, so that by brightness there would be no wall at all.
   EXPECT_EQ(drawing(kBottomUp.bytes()), "#.#/...") << "alpha 254 is free";
 }
 

@@ -9,8 +9,8 @@
 
 namespace slam::world {
 
-/// A plan as drawn: the first line is the top row; '#' occupied, '.' free, '?' unknown; 'G' glass, 'M' mirror,
-/// 'D' dark are occupied too, and only with one of them has the plan materials. 1 m cells.
+/// A plan as drawn: the first line is the top row; '#' occupied, '.' free, '?' unknown; 'G' glass, 'M'
+/// mirror, 'D' dark are occupied too, and only with one of them has the plan materials. 1 m cells.
 inline Plan drawnPlan(const std::vector<std::string>& lines, double resolution_m = 1.0) {
   Plan plan;
   plan.name = "drawn";

@@ -88,8 +88,9 @@ TEST(OriginalRays, EqualTheWalkAlongAllPixelsOfTheLine) {
 }
 
 TEST(OriginalRays, AreHalfAPixelAcrossLongerThanExactOnes) {
-  // A room whose walls cross the longer axis of every ray, from its middle pixel: 0.5 / max(|cos|, |sin|) more before the
-  // rounding to whole pixels, and that has no bias over many directions. Mean over the circle: 2 / pi asinh(1) = 0.561.
+  // A room whose walls cross the longer axis of every ray, from its middle pixel: 0.5 / max(|cos|, |sin|)
+  // more before the rounding to whole pixels, and that has no bias over many directions. Mean over the
+  // circle: 2 / pi asinh(1) = 0.561.
   constexpr int kSide = 801;
   std::vector<std::string> lines(kSide, "#" + std::string(kSide - 2, '.') + "#");
   lines.front() = lines.back() = std::string(kSide, '#');

@@ -60,8 +60,9 @@ class Canvas {
 
   /// No piece is placed on these, until others are given: the ways through doors.
   void keepFree(std::vector<Rect> places) { kept_free_ = std::move(places); }
-  /// True where a piece leaves every way open and what is to be kept free: each of its sides is either flush with something solid all
-  /// along, or has a passage of free cells before it; not both of two opposite sides are flush.
+  /// True where a piece leaves every way open and what is to be kept free: each of its sides is either flush
+  /// with something solid all along, or has a passage of free cells before it; not both of two opposite sides
+  /// are flush.
   bool leavesWaysOpen(const Rect& piece) const;
   /// Draws a piece where it leaves every way open; else returns false and draws nothing.
   bool place(const Rect& piece, Shape shape = Shape::kSolid, Side back = Side::kSouth);

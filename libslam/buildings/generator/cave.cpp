@@ -10,8 +10,8 @@
 namespace slam::buildings {
 namespace {
 
-/// Value noise (Perlin's lattice without gradients; Ebert et al., Texturing and Modeling, 3rd ed., 2002, ch. 2)
-/// in whole numbers: random values at lattice points `period` cells apart, between them blended smoothly.
+/// Value noise (Perlin's lattice without gradients; Ebert et al., Texturing and Modeling, 3rd ed., 2002, ch.
+/// 2) in whole numbers: random values at lattice points `period` cells apart, between them blended smoothly.
 class Noise {
  public:
   Noise(core::RandomStream& random, int width, int height, int period)

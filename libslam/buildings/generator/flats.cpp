@@ -6,7 +6,8 @@
 namespace slam::buildings {
 namespace {
 
-/// A flat in coordinates of its own: u along its front from 0 to `length`, v from the front inwards to `depth`.
+/// A flat in coordinates of its own: u along its front from 0 to `length`, v from the front inwards to
+/// `depth`.
 class Flat {
  public:
   Flat(Site& site, const Rect& rect, Side front)
@@ -124,8 +125,9 @@ class Flat {
     }
   }
 
-  /// The living room at the end of the hall, across the flat; at its ends a kitchen and in long flats one more
-  /// room, both entered from it. The rooms of outer_ open to it where they lie along it, else to its neighbour.
+  /// The living room at the end of the hall, across the flat; at its ends a kitchen and in long flats one
+  /// more room, both entered from it. The rooms of outer_ open to it where they lie along it, else to its
+  /// neighbour.
   void carveLiving(int h0, int h1, int d) {
     const int w = site_.wall, v0 = d + w, least = site_.cells(320);
     int u0 = 0, u1 = length_;

@@ -32,9 +32,9 @@ struct FloorPlan {
   int between;                  ///< between two rows back to back: a wall, or a court for daylight
 };
 
-/// Long corridors in x at the distance of two rows of rooms; two or more are joined by a corridor at each end,
-/// and by cross corridors that are not aligned from block to block. A narrow site has one corridor, or one with
-/// rooms on one side. Carves the corridors. Too small: InputError.
+/// Long corridors in x at the distance of two rows of rooms; two or more are joined by a corridor at each
+/// end, and by cross corridors that are not aligned from block to block. A narrow site has one corridor, or
+/// one with rooms on one side. Carves the corridors. Too small: InputError.
 Floor layFloor(Site& site, const std::string& kind, const FloorPlan& plan);
 
 /// A row's rooms: each reaches at least `least` along the corridor (REQUIRES that of the row), those at the
@@ -45,7 +45,8 @@ struct RowRoom {
 };
 std::vector<RowRoom> cutRow(Site& site, const Row& row, int least, int most);
 
-/// A block as two rows with a wall or a court between their backs, or as one row where it is too shallow for two.
+/// A block as two rows with a wall or a court between their backs, or as one row where it is too shallow for
+/// two.
 std::vector<Row> rowsOf(Site& site, const Rect& block, int least_depth, int between);
 
 Side opposite(Side side);

@@ -149,8 +149,8 @@ void placePiece(Site& site, core::RandomStream& random, const Room& room, const 
   }
 }
 
-/// Two rows of desks face to face over the screen between them, drawers and chairs so close that no robot fits
-/// in between.
+/// Two rows of desks face to face over the screen between them, drawers and chairs so close that no robot
+/// fits in between.
 void drawIsland(Site& site, core::RandomStream& random, int x, int y, int desks) {
   const int desk = site.cells(150), half = site.cells(65), drawers = site.cells(40), chair = site.cells(45);
   const int screen = site.cells(10) / 2 + 1;

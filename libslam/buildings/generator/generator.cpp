@@ -48,7 +48,8 @@ void transpose(world::Plan& plan) {
   std::swap(plan.columns, plan.rows);
 }
 
-/// A door that a filled pocket has shut is none any more, and where a window was hollowed out there is no glass.
+/// A door that a filled pocket has shut is none any more, and where a window was hollowed out there is no
+/// glass.
 void tidy(world::Plan& plan) {
   const auto isShut = [&plan](const world::Door& door) {
     for (int row = door.y0; row < door.y1; ++row)

@@ -90,7 +90,8 @@ class Hall {
                                 site_.cells(60));
   }
 
-  /// Double racks with aisles, cross aisles, a free strip before the gates in the south, pillars in the racks.
+  /// Double racks with aisles, cross aisles, a free strip before the gates in the south, pillars in the
+  /// racks.
   void furnishRacks(core::RandomStream& random, const Rect& r) {
     const int depth = site_.cells(220), aisle = site_.corridor,
               staging = std::min(site_.cells(900), r.height() / 4);

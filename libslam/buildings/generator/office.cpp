@@ -82,7 +82,8 @@ class Office {
   int shaft() const { return site_.cells(250); }
   int coreWidth() const { return shaft() + lobby() + toilets() + 2 * site_.wall; }
 
-  /// Offices left and right of a core: shafts of lifts and stairs, a lobby that joins both corridors, toilets.
+  /// Offices left and right of a core: shafts of lifts and stairs, a lobby that joins both corridors,
+  /// toilets.
   void carveCoreBlock(const Rect& block) {
     const int w = site_.wall, spare = block.width() - coreWidth() - 2 * w;
     const int left = std::max(

@@ -47,8 +47,8 @@ struct Site {
   int cells(int length_cm) const { return canvas.scale().cells(length_cm); }
   /// A doorway in the wall `front` of a room, beside it: `at` cells from the plan's west or south end.
   Rect doorway(const Rect& room, Side front, int at, int width) const;
-  /// A doorway of a room somewhere between low and high along its front; in the middle when there is no choice.
-  /// REQUIRES high - low >= door.
+  /// A doorway of a room somewhere between low and high along its front; in the middle when there is no
+  /// choice. REQUIRES high - low >= door.
   void addDoor(const Rect& room, Side front, int low, int high);
   void addRoom(const Rect& rect, Use use, Side front);
   /// Carves the room too.

@@ -9,8 +9,8 @@
 class @Name@ {
  public:
   @Name@();
-  /// T_map_robot at the new scan; the map's frame is the robot's at the first one. T_previous_current: the motion since the
-  /// scan before, as the wheels have it.
+  /// T_map_robot at the new scan; the map's frame is the robot's at the first one. T_previous_current: the
+  /// motion since the scan before, as the wheels have it.
   slam::core::Pose2 update(const slam::robot::Scan& scan, const slam::core::Pose2& T_previous_current);
 
  private:

@@ -2,8 +2,9 @@
 #include "libslam/explore/reach_goal.h"
 #include "libslam/navigate/guarded_navigator.h"
 
-/// How to get to a goal with the lidar only. The base class keeps away from what the lidar shows and ends the drive: at the goal, at
-/// the time limit, after a minute on one spot (libslam/navigate/guarded_navigator.h); this one says which way to go.
+/// How to get to a goal with the lidar only. The base class keeps away from what the lidar shows and ends the
+/// drive: at the goal, at the time limit, after a minute on one spot (libslam/navigate/guarded_navigator.h);
+/// this one says which way to go.
 class @Name@ : public slam::navigate::GuardedNavigator {
  public:
   @Name@(const slam::navigate::NavigateOptions& options, const slam::navigate::GoalTask& task)

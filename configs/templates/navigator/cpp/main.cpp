@@ -1,4 +1,5 @@
-// @name@ [PLAN [X,Y [OUTPUT [SEED]]]]: drives to a goal, once by @name@ and once by tangent, scored on the true plan.
+// @name@ [PLAN [X,Y [OUTPUT [SEED]]]]: drives to a goal, once by @name@ and once by tangent, scored on the
+// true plan.
 #include <cstdlib>
 #include <exception>
 #include <iostream>

@@ -1,7 +1,8 @@
 #include "@name@.h"
 
-// Edit here. scene.viewpoints are the places to look from, the cheapest way first; each has its way (length_m, cost_m) and the frontier that
-// it is for. This one takes the last, the farthest: a robot that drives more than it looks.
+// Edit here. scene.viewpoints are the places to look from, the cheapest way first; each has its way
+// (length_m, cost_m) and the frontier that it is for. This one takes the last, the farthest: a robot that
+// drives more than it looks.
 std::optional<@Name@::Choice> @Name@::choose(const slam::navigate::Scene& scene) {
   const std::size_t chosen = scene.viewpoints.size() - 1;
   return Choice{chosen, scene.viewpoints[chosen].cost_m, "the farthest", std::nullopt};

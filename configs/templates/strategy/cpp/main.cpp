@@ -1,4 +1,5 @@
-// @name@ [PLAN [OUTPUT [SEED [SECONDS]]]]: lets a robot explore a plan, once by @name@ and once by nearest_frontier, scored on the true plan.
+// @name@ [PLAN [OUTPUT [SEED [SECONDS]]]]: lets a robot explore a plan, once by @name@ and once by
+// nearest_frontier, scored on the true plan.
 #include <cstdlib>
 #include <exception>
 #include <iostream>
