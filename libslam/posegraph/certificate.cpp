@@ -12,16 +12,13 @@
 #include "libslam/core/elementary.h"
 #include "libslam/posegraph/edge_error.h"
 #include "libslam/posegraph/parts.h"
+#include "libslam/posegraph/unit_complex.h"
 
 namespace slam::posegraph {
 namespace {
 
 using Complex = std::complex<double>;
 
-Complex unit(double phi_rad) {
-  const auto [sine, cosine] = core::sinCos(phi_rad);
-  return {cosine, sine};
-}
 using Vector = Eigen::VectorXcd;
 using Matrix = Eigen::SparseMatrix<Complex>;
 
@@ -63,7 +60,7 @@ class Unknowns {
     if (node == kMap)
       out.add(0, 1);
     else if (first(node) < 0)
-      out.add(0, unit(graph_.pose(node).phi));
+      out.add(0, unitComplex(graph_.pose(node).phi));
     else
       out.add(first(node), 1);
     return out;
@@ -83,7 +80,7 @@ class Unknowns {
     for (int node = 0; node < graph_.nodeCount(); ++node)
       if (first(node) >= 0) {
         const core::Pose2& pose = graph_.pose(node);
-        out[first(node)] = unit(pose.phi);
+        out[first(node)] = unitComplex(pose.phi);
         out[first(node) + 1] = {pose.x, pose.y};
       }
     return out;
@@ -155,7 +152,7 @@ bool addEdge(const PoseGraph& graph, const Unknowns& unknowns, const Edge& edge,
   const Eigen::Vector3d round = roundPart(edge.information);
   const Eigen::Vector3d tangent = (edge.information - Eigen::Matrix3d(round.asDiagonal())) * e;
   const Linear a = unknowns.heading(edge.from), b = unknowns.heading(edge.to);
-  const Complex z = unit(edge.T_from_to.phi);
+  const Complex z = unitComplex(edge.T_from_to.phi);
   // In the map's frame: t_b - t_a - a t_z.
   Linear r = unknowns.position(edge.to);
   r.add(unknowns.position(edge.from), -1);
@@ -171,7 +168,7 @@ bool addEdge(const PoseGraph& graph, const Unknowns& unknowns, const Edge& edge,
   if (!(std::abs(off) < core::kPi)) return false;
   const double bend = std::abs(off) < 1e-8 ? 1 : off / core::sin(off);
   Linear turn = b;
-  turn.add(a, -z * unit(shift));
+  turn.add(a, -z * unitComplex(shift));
   form.add(turn, w * bend / 2, turn);
   return true;
 }

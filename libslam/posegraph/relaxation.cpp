@@ -9,16 +9,12 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/posegraph/parts.h"
+#include "libslam/posegraph/unit_complex.h"
 
 namespace slam::posegraph {
 namespace {
 
 using Complex = std::complex<double>;
-
-Complex unit(double phi_rad) {
-  const auto [sine, cosine] = core::sinCos(phi_rad);
-  return {cosine, sine};
-}
 
 Eigen::Matrix2d rotation(double phi_rad) {
   const auto [sine, cosine] = core::sinCos(phi_rad);
@@ -80,7 +76,7 @@ class Relaxation {
     for (const Edge& edge : graph_.edges()) {
       const double w = edge.information(2, 2);
       if (!edge.on || w <= 0) continue;
-      const Complex z = unit(edge.T_from_to.phi);
+      const Complex z = unitComplex(edge.T_from_to.phi);
       const int a = variable(edge.from), b = variable(edge.to);
       if (a >= 0) equations.add(a, a, w);
       if (b >= 0) equations.add(b, b, w);
@@ -88,9 +84,9 @@ class Relaxation {
         equations.add(b, a, -w * z);
         equations.add(a, b, -w * std::conj(z));
       } else if (b >= 0) {
-        equations.addRight(b, w * z * unit(knownHeading(edge.from)));
+        equations.addRight(b, w * z * unitComplex(knownHeading(edge.from)));
       } else if (a >= 0) {
-        equations.addRight(a, w * std::conj(z) * unit(knownHeading(edge.to)));
+        equations.addRight(a, w * std::conj(z) * unitComplex(knownHeading(edge.to)));
       }
     }
     const auto found = equations.solve();

@@ -23,33 +23,67 @@ double countedPoints(size_t points, int outside) {
   return std::max(all - outside, kLeastInside * all);
 }
 
+/// A point's place beside the surfel that it falls on.
+struct Beside {
+  const Surfel* surfel;  ///< nullptr: none
+  double rx, ry;         ///< the point from the robot, map axes
+  double nx, ny;         ///< its normal, towards the lidar, of any length
+  double dx, dy;         ///< from the surfel's mean
+  double ax, ay;         ///< the surfel's information times that
+  double q, w;           ///< squared distance in standard deviations; robust weight
+};
+
+/// Points of a scan with the robot at a pose.
+class AtPose {
+ public:
+  AtPose(const SurfelMap& map, const core::Pose2& T, double kernel)
+      : map_(map),
+        turn_(core::sinCos(T.phi)),
+        tx_(T.x - map.origin().x),
+        ty_(T.y - map.origin().y),
+        inverse_kernel2_(1 / (kernel * kernel)) {}
+
+  Beside beside(const PatchPoint& point) const {
+    const auto [s, c] = turn_;
+    Beside b{};
+    b.rx = c * point.x - s * point.y, b.ry = s * point.x + c * point.y;
+    b.nx = -(s * point.along_x + c * point.along_y), b.ny = c * point.along_x - s * point.along_y;
+    b.surfel = map_.at(tx_ + b.rx, ty_ + b.ry, b.nx, b.ny);
+    if (!b.surfel) return b;
+    b.dx = tx_ + b.rx - b.surfel->x, b.dy = ty_ + b.ry - b.surfel->y;
+    b.ax = b.surfel->xx * b.dx + b.surfel->xy * b.dy, b.ay = b.surfel->xy * b.dx + b.surfel->yy * b.dy;
+    b.q = b.dx * b.ax + b.dy * b.ay;
+    const double root = 1 / (1 + b.q * inverse_kernel2_);
+    b.w = root * root;
+    return b;
+  }
+  bool isOutside(const Beside& b) const { return !map_.covers(tx_ + b.rx, ty_ + b.ry); }
+
+ private:
+  const SurfelMap& map_;
+  core::SinCos turn_;
+  double tx_, ty_, inverse_kernel2_;
+};
+
 System accumulate(const std::vector<PatchPoint>& points, const SurfelMap& map, const core::Pose2& T,
                   double kernel) {
-  const auto [s, c] = core::sinCos(T.phi);
-  const double tx = T.x - map.origin().x, ty = T.y - map.origin().y;
-  const double inverse_kernel2 = 1 / (kernel * kernel);
+  const AtPose at_pose(map, T, kernel);
   double hxx = 0, hxy = 0, hyy = 0, hxt = 0, hyt = 0, htt = 0, gx = 0, gy = 0, gt = 0, weights = 0;
   int outside = 0;
   for (const auto& point : points) {
-    const double rx = c * point.x - s * point.y, ry = s * point.x + c * point.y;
-    const Surfel* surfel = map.at(tx + rx, ty + ry, -(s * point.along_x + c * point.along_y),
-                                  c * point.along_x - s * point.along_y);
-    if (!surfel) {
-      outside += !map.covers(tx + rx, ty + ry);
+    const Beside b = at_pose.beside(point);
+    if (!b.surfel) {
+      outside += at_pose.isOutside(b);
       continue;
     }
-    const double dx = tx + rx - surfel->x, dy = ty + ry - surfel->y;
-    const double ax = surfel->xx * dx + surfel->xy * dy, ay = surfel->xy * dx + surfel->yy * dy;
-    const double q = dx * ax + dy * ay;
-    const double root = 1 / (1 + q * inverse_kernel2);
-    const double w = root * root;
+    const double rx = b.rx, ry = b.ry, w = b.w;
     weights += w;
     // J = [1 0 -ry; 0 1 rx]
-    const double lxx = w * surfel->xx, lxy = w * surfel->xy, lyy = w * surfel->yy;
+    const double lxx = w * b.surfel->xx, lxy = w * b.surfel->xy, lyy = w * b.surfel->yy;
     const double jx = -lxx * ry + lxy * rx, jy = -lxy * ry + lyy * rx;
     hxx += lxx, hxy += lxy, hyy += lyy;
     hxt += jx, hyt += jy, htt += -ry * jx + rx * jy;
-    const double wax = w * ax, way = w * ay;
+    const double wax = w * b.ax, way = w * b.ay;
     gx += wax, gy += way, gt += -ry * wax + rx * way;
   }
   System system;
@@ -98,37 +132,28 @@ MatchResult alignToSurfels(const std::vector<PatchPoint>& points, const SurfelMa
 MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap& map, const core::Pose2& T,
                          double kernel) {
   MatchEvidence evidence;
-  const auto [s, c] = core::sinCos(T.phi);
-  const double tx = T.x - map.origin().x, ty = T.y - map.origin().y;
-  const double inverse_kernel2 = 1 / (kernel * kernel);
+  const AtPose at_pose(map, T, kernel);
   std::array<double, MatchEvidence::kLags> before{};  // the newest first
   for (const auto& point : points) {
-    const double rx = c * point.x - s * point.y, ry = s * point.x + c * point.y;
-    const double nx = -(s * point.along_x + c * point.along_y), ny = c * point.along_x - s * point.along_y;
-    const Surfel* surfel = map.at(tx + rx, ty + ry, nx, ny);
+    const Beside b = at_pose.beside(point);
     double residual = 0;
-    if (surfel) {
-      const double dx = tx + rx - surfel->x, dy = ty + ry - surfel->y;
-      const double ax = surfel->xx * dx + surfel->xy * dy, ay = surfel->xy * dx + surfel->yy * dy;
-      const double q = dx * ax + dy * ay;
-      const double root = 1 / (1 + q * inverse_kernel2);
-      const double w = root * root;
+    if (const Surfel* surfel = b.surfel) {
       const int view = map.firstViewOf(*surfel);
       auto at = std::lower_bound(evidence.by_view.begin(), evidence.by_view.end(), view,
                                  [](const ViewInformation& known, int v) { return known.view < v; });
       if (at == evidence.by_view.end() || at->view != view)
         at = evidence.by_view.insert(at, {view, Eigen::Matrix3d::Zero()});
       Eigen::Matrix<double, 2, 3> J;
-      J << 1, 0, -ry, 0, 1, rx;
+      J << 1, 0, -b.ry, 0, 1, b.rx;
       Eigen::Matrix2d L;
       L << surfel->xx, surfel->xy, surfel->xy, surfel->yy;
-      at->information += w * J.transpose() * L * J;
+      at->information += b.w * J.transpose() * L * J;
       const double trace = surfel->xx + surfel->yy;
       const double det =
           static_cast<double>(surfel->xx) * surfel->yy - static_cast<double>(surfel->xy) * surfel->xy;
-      evidence.squared += w * q;
-      evidence.dimensions += w * trace * trace / (trace * trace - 2 * det);
-      residual = std::sqrt(w * q) * (nx * dx + ny * dy < 0 ? -1 : 1);
+      evidence.squared += b.w * b.q;
+      evidence.dimensions += b.w * trace * trace / (trace * trace - 2 * det);
+      residual = std::sqrt(b.w * b.q) * (b.nx * b.dx + b.ny * b.dy < 0 ? -1 : 1);
     }
     for (size_t lag = 0; lag < before.size(); ++lag) evidence.lagged[lag] += residual * before[lag];
     std::rotate(before.begin(), before.end() - 1, before.end());

@@ -1,6 +1,7 @@
 #!/bin/bash
 # Puts one bug at a time into a copy of the sources, builds the room's tests and counts how many bugs they notice.
-#   tests/mutation/run.sh [-l LIST] [-w FOLDER] [-j JOBS] [ROOM | NUMBER ...]
+#   tests/mutation/run.sh [-c] [-l LIST] [-w FOLDER] [-j JOBS] [ROOM | NUMBER ...]
+# -c: only checks that every line's text stands in its file, once.
 # LIST (tests/mutation/list.txt) has a line per bug, fields parted by " @ ":
 #   FILE under libslam/ @ TEXT that stands in it once @ what stands there instead (\n: the end of a line) @ what a user would see of it
 # Chosen by room or by line number; all without. FOLDER holds the copy and its build, and is kept when it is given; so the next run is quick.
@@ -8,29 +9,35 @@
 # 1: fewer; 2: a line that cannot be carried out (no such text, or it does not compile).
 set -u
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/../.." && pwd)
-list=$root/tests/mutation/list.txt work='' jobs=2
-while getopts l:w:j: option; do
+list=$root/tests/mutation/list.txt work='' jobs=2 checks_only=no
+while getopts cl:w:j: option; do
   case $option in
+    c) checks_only=yes ;;
     l) list=$OPTARG ;;
     w) work=$OPTARG ;;
     j) jobs=$OPTARG ;;
-    *) sed -n '2,9s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+    *) sed -n '2,10s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
   esac
 done
 shift $((OPTIND - 1))
 chosen=" $* "
-if [ -z "$work" ]; then
-  work=$(mktemp -d) || exit 2
-  trap 'rm -rf "$work"' EXIT
-fi
-mkdir -p "$work/tree" && work=$(cd "$work" && pwd) || exit 2
 
-# Changed files only, so that what was built stays.
-files() { (cd "$root" && git ls-files -co --exclude-standard | while IFS= read -r file; do [ -e "$file" ] && echo "$file"; done | sort); }
-files | tar c -C "$root" -T - | tar x --keep-newer-files -C "$work/tree" 2> /dev/null
-(cd "$work/tree" && find . -path ./build -prune -o -type f -printf '%P\n' | sort | comm -23 - <(files) | xargs -r -d '\n' rm -f)
-build=$work/tree/build/release  # where the presets build, so that a compiler cache knows what it has compiled
-cmake -S "$work/tree" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DRASTERSLAM_WERROR=OFF > "$work/configure.txt" 2>&1 || { cat "$work/configure.txt"; exit 2; }
+stands_once() { OLD=$old perl -0ne '$n += () = /\Q$ENV{OLD}\E/g; END { exit($n == 1 ? 0 : 1) }' "$1"; }
+
+prepare() {
+  if [ -z "$work" ]; then
+    work=$(mktemp -d) || exit 2
+    trap 'rm -rf "$work"' EXIT
+  fi
+  mkdir -p "$work/tree" && work=$(cd "$work" && pwd) || exit 2
+
+  # Changed files only, so that what was built stays.
+  files() { (cd "$root" && git ls-files -co --exclude-standard | while IFS= read -r file; do [ -e "$file" ] && echo "$file"; done | sort); }
+  files | tar c -C "$root" -T - | tar x --keep-newer-files -C "$work/tree" 2> /dev/null
+  (cd "$work/tree" && find . -path ./build -prune -o -type f -printf '%P\n' | sort | comm -23 - <(files) | xargs -r -d '\n' rm -f)
+  build=$work/tree/build/release  # where the presets build, so that a compiler cache knows what it has compiled
+  cmake -S "$work/tree" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DRASTERSLAM_WERROR=OFF > "$work/configure.txt" 2>&1 || { cat "$work/configure.txt"; exit 2; }
+}
 
 # Whose tests try a room that has no program of its own.
 tests_of() { case $1 in bags | objects) echo logs ;; sweep) echo apps ;; *) echo "$1" ;; esac; }
@@ -38,6 +45,7 @@ filter_of() { case $1 in sweep) echo 'Bench*' ;; *) echo '*' ;; esac; }
 builds() { cmake --build "$build" -j "$jobs" --target "test_$(tests_of "$1")" > "$work/build.txt" 2>&1; }
 passes() { (cd "$build" && timeout 600 "tests/test_$(tests_of "$1")" --gtest_brief=1 --gtest_filter="$(filter_of "$1")" > "$work/tests.txt" 2>&1); }
 
+[ $checks_only = yes ] || prepare
 declare -A all noticed ready
 broken=0 number=0
 while IFS= read -r line; do
@@ -49,6 +57,12 @@ while IFS= read -r line; do
   old=${old//\\n/$'\n'} new=${new//\\n/$'\n'}
   room=${file%%/*}
   [ "$chosen" = "  " ] || [[ $chosen == *" $room "* ]] || [[ $chosen == *" $number "* ]] || continue
+  if ! stands_once "$root/libslam/$file"; then
+    echo "line $number: '$old' stands not once in $file"
+    broken=1
+    continue
+  fi
+  [ $checks_only = no ] || continue
   if [ -z "${ready[$room]-}" ]; then
     if ! builds "$room" || ! passes "$room"; then
       echo "$room: its tests fail as it is: $work/build.txt, $work/tests.txt"
@@ -58,10 +72,8 @@ while IFS= read -r line; do
   fi
   path=$work/tree/libslam/$file
   cp -p "$path" "$work/kept"
-  if ! OLD=$old NEW=$new perl -0pi -e '$n = s/\Q$ENV{OLD}\E/$ENV{NEW}/g; END { exit($n == 1 ? 0 : 1) }' "$path"; then
-    echo "line $number: '$old' stands not once in $file"
-    broken=1
-  elif ! builds "$room"; then
+  OLD=$old NEW=$new perl -0pi -e 's/\Q$ENV{OLD}\E/$ENV{NEW}/' "$path"
+  if ! builds "$room"; then
     echo "line $number: does not compile: $(grep -m1 error: "$work/build.txt")"
     broken=1
   else
