@@ -13,6 +13,9 @@ namespace {
 constexpr double kSteepest = 6;
 /// The same for the patch that a return stands for, at about 85 degrees.
 constexpr double kPatchSteepest = 12;
+/// So far to each side returns tell together how a surface lies: less than a corner rounds off, more than
+/// their noise.
+constexpr double kSurface_m = 0.15;
 constexpr int kLeastNeighbours = 2, kMostNeighbours = 20;
 
 double squaredDistance(const core::Point2& a, const core::Point2& b) {
@@ -101,6 +104,36 @@ std::vector<int> keptOf(const Returns& returns, double spacing_m, double step_ra
   return kept;
 }
 
+/// From a return to the next one on its surface: the mean over the returns about it, since noise hides the
+/// direction of a single gap. Where no neighbour lies on the surface: what the beams leave open sideways.
+core::Point2 meanGap(const Returns& returns, int k, double step_rad, const core::Point2& eye) {
+  const auto& [points, beams] = returns;
+  const int n = static_cast<int>(points.size());
+  const core::Point2& p = points[k];
+  const double spot_m = std::sqrt(squaredDistance(p, eye)) * step_rad;
+  const double farthest2 = kPatchSteepest * kPatchSteepest * spot_m * spot_m;
+  // The returns of neighbouring beams, each on one surface with the one before, as far as the reach.
+  const auto lastTowards = [&](int step, double reach2) {
+    int at = k;
+    for (int next = k + step; next >= 0 && next < n; at = next, next += step)
+      if (std::abs(beams[next] - beams[at]) != 1 || squaredDistance(points[next], points[at]) >= farthest2 ||
+          squaredDistance(points[next], p) >= reach2)
+        break;
+    return at;
+  };
+  int first = lastTowards(-1, kSurface_m * kSurface_m), last = lastTowards(1, kSurface_m * kSurface_m);
+  if (first == last) {
+    // To the nearer of its neighbours: the other one may lie behind an edge.
+    first = lastTowards(-1, farthest2), last = lastTowards(1, farthest2);
+    first = std::max(first, k - 1), last = std::min(last, k + 1);
+    if (first < k && last > k)
+      (squaredDistance(points[first], p) <= squaredDistance(points[last], p) ? last : first) = k;
+  }
+  if (first == last) return {-(p.y - eye.y) * step_rad, (p.x - eye.x) * step_rad};
+  const double gaps = last - first;
+  return {(points[last].x - points[first].x) / gaps, (points[last].y - points[first].y) / gaps};
+}
+
 }  // namespace
 
 core::Point2 position(const PatchPoint& point) {
@@ -116,23 +149,14 @@ PatchPoint operator*(const core::Pose2& T, const PatchPoint& p) {
 
 std::vector<PatchPoint> patchPoints(const robot::Scan& scan, const ScanPointOptions& options) {
   const Returns returns = returnsOf(scan, options.max_range_m);
-  const auto& [points, beams] = returns;
-  const int n = static_cast<int>(points.size());
+  const auto& points = returns.points;
   const core::Point2 eye{scan.T_robot_lidar.x, scan.T_robot_lidar.y};
   const auto kept = keptOf(returns, options.spacing_m, scan.step_rad, eye);
   std::vector<PatchPoint> result;
   result.reserve(kept.size());
   for (const int k : kept) {
     const core::Point2& p = points[k];
-    const double spot_m = std::sqrt(squaredDistance(p, eye)) * scan.step_rad;
-    // To the nearer of its neighbours: the other one may lie behind an edge.
-    double shortest2 = kPatchSteepest * kPatchSteepest * spot_m * spot_m;
-    core::Point2 gap{-(p.y - eye.y) * scan.step_rad, (p.x - eye.x) * scan.step_rad};
-    for (const int other : {k - 1, k + 1}) {
-      if (other < 0 || other >= n || std::abs(beams[other] - beams[k]) != 1) continue;
-      const double away2 = squaredDistance(points[other], p);
-      if (away2 < shortest2) shortest2 = away2, gap = {points[other].x - p.x, points[other].y - p.y};
-    }
+    const core::Point2 gap = meanGap(returns, k, scan.step_rad, eye);
     // Uniform over half of the gap to each side, with the lidar on the left.
     const bool is_left = gap.x * (eye.y - p.y) - gap.y * (eye.x - p.x) >= 0;
     const double share = (is_left ? 0.5 : -0.5) / std::sqrt(3.0);
