@@ -1,5 +1,11 @@
 #include "libslam/mapping/scan_deskewer.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/core/elementary.h"
+#include "libslam/mapping/information.h"
+
 namespace slam::mapping {
 namespace {
 
@@ -22,7 +28,69 @@ std::optional<RecentMotion> motionUpTo(const StepHistory& history, const robot::
   return std::nullopt;
 }
 
+/// Points of both scans, as far as scans are compared.
+constexpr scanmatch::ScanPointOptions kSpacing{0.05, 30, 0.4};
+/// Odometry's standard deviations in a fifth of a second, and per metre or radian; beyond so many of them it
+/// loses its hold.
+constexpr double kNominal_s = 0.2, kOdometry_m = 0.02, kOdometry_rad = 0.01, kOdometryShare = 0.1;
+constexpr double kOdometryKernel = 2;
+/// Neighbouring beams err together.
+constexpr double kInformationScale = 0.2;
+/// A match that explains less corrects nothing; one that explains more needs no other start; and another
+/// start has to explain so much more.
+constexpr double kLeastScore = 0.5, kSurely = 0.9, kStartGain = 0.02;
+/// What odometry errs by skews the scan, and the skew the match, by about a tenth: once more leaves a
+/// hundredth.
+constexpr int kMoreRounds = 1;
+
+bool areOfOneLidar(const robot::Scan& a, const robot::Scan& b) {
+  const core::Pose2 &A = a.T_robot_lidar, &B = b.T_robot_lidar;
+  return A.x == B.x && A.y == B.y && A.phi == B.phi;
+}
+
 }  // namespace
+
+/// The motion of which the scan, deskewed by `guess`, tells, and how much of it that explains.
+scanmatch::MatchResult ScanDeskewer::matched(const robot::Scan& deskewed, const core::Pose2& guess,
+                                             const scanmatch::PosePrior& odometry) const {
+  const auto points = scanmatch::patchPoints(deskewed, kSpacing);
+  scanmatch::MatchOptions options;
+  options.information_scale = kInformationScale;
+  options.prior_kernel = kOdometryKernel;
+  scanmatch::MatchResult result;
+  result.T_map_robot = guess;
+  for (const auto* map : {&coarse_, &fine_})
+    result = scanmatch::alignToSurfels(points, *map, result.T_map_robot, odometry, options);
+  return result;
+}
+
+/// By the motion that odometry gives, or the last one goes on where that explains more (wheels slip), each as
+/// the scan before corrects it.
+robot::Scan ScanDeskewer::deskewedByMatch(const StepHistory& history, const robot::Scan& scan,
+                                          const core::Pose2& T_previous_robot, double period_s,
+                                          const robot::Sweep& sweep) {
+  const auto before = scanmatch::patchPoints(*history.previous_scan, kSpacing);
+  for (auto* map : {&coarse_, &fine_}) map->clear({}, kSpacing.max_range_m), map->add(before, {});
+  const double root = std::sqrt(std::clamp(period_s, 0.0, 2.0) / kNominal_s);
+  scanmatch::PosePrior odometry;
+  odometry.mean = T_previous_robot;
+  odometry.information = poseInformation(
+      kOdometry_m * root + kOdometryShare * core::hypot(T_previous_robot.x, T_previous_robot.y),
+      kOdometry_rad * root + kOdometryShare * std::abs(T_previous_robot.phi));
+  robot::Scan result = robot::deskewed(scan, T_previous_robot, period_s, sweep);
+  auto match = matched(result, T_previous_robot, odometry);
+  if (match.score < kSurely && history.last_period_s > 0) {
+    const core::Pose2 T = core::interpolate({}, history.T_previous_last, period_s / history.last_period_s);
+    const auto other = matched(robot::deskewed(scan, T, period_s, sweep), T, odometry);
+    if (other.score > match.score + kStartGain) match = other;
+  }
+  for (int round = 0; match.score > kLeastScore; ++round) {
+    result = robot::deskewed(scan, match.T_map_robot, period_s, sweep);
+    if (round == kMoreRounds) break;
+    match = matched(result, match.T_map_robot, odometry);
+  }
+  return result;
+}
 
 std::optional<robot::Scan> ScanDeskewer::deskewed(const StepHistory& history, const robot::Scan& scan,
                                                   std::optional<robot::Sweep> sweep,
@@ -34,6 +102,8 @@ std::optional<robot::Scan> ScanDeskewer::deskewed(const StepHistory& history, co
   const auto motion = motionUpTo(history, scan, T_previous_robot, has_odometry);
   if (!motion) return std::nullopt;
   ++counts_.set_right;
+  if (has_odometry && areOfOneLidar(*history.previous_scan, scan))
+    return deskewedByMatch(history, scan, motion->T_previous_robot, motion->period_s, *sweep);
   return robot::deskewed(scan, motion->T_previous_robot, motion->period_s, *sweep);
 }
 

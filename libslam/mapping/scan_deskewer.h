@@ -4,6 +4,7 @@
 #include "libslam/mapping/method_options.h"
 #include "libslam/mapping/step_motion.h"
 #include "libslam/robot/deskew.h"
+#include "libslam/scanmatch/surfel_matcher.h"
 
 namespace slam::mapping {
 
@@ -14,6 +15,8 @@ struct SweptScans {
 };
 
 /// Takes out of scans what the robot's motion did to them, where the method wants that and it can be known.
+/// The motion is the odometry's, corrected by matching the scan to the one before of the same lidar: a step's
+/// odometry errs by more than what the beams of one sweep may be off.
 class ScanDeskewer {
  public:
   explicit ScanDeskewer(const MethodOptions& method) : method_(method) {}
@@ -25,8 +28,15 @@ class ScanDeskewer {
   const SweptScans& counts() const { return counts_; }
 
  private:
+  scanmatch::MatchResult matched(const robot::Scan& deskewed, const core::Pose2& guess,
+                                 const scanmatch::PosePrior& odometry) const;
+  robot::Scan deskewedByMatch(const StepHistory& history, const robot::Scan& scan,
+                              const core::Pose2& T_previous_robot, double period_s,
+                              const robot::Sweep& sweep);
+
   MethodOptions method_;
   SweptScans counts_;
+  scanmatch::SurfelMap coarse_{0.2, 0.04}, fine_{0.1, 0.02};  ///< of the scan before
 };
 
 }  // namespace slam::mapping
