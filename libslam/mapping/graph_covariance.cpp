@@ -19,8 +19,6 @@ using core::Pose2;
 constexpr double kBothViews = 2;
 /// Of a covariance's eigenvalues, against the largest: below, they are rounding.
 constexpr double kLeastShare = 1e-15;
-/// An edge tells so much of every direction, at least, and against the one that it tells most of.
-constexpr double kLeastInformation = 1e-6, kLeastOfMost = 1e-9;
 
 /// How the error of a pose at `from` shows in one that is firmly joined to it and lies at `to`; map frame.
 Eigen::Matrix3d moved(const Point2& from, const Point2& to) {
@@ -82,6 +80,12 @@ void GraphSlam::estimateCovariance(const Expected& e, const scanmatch::MatchResu
       stays * (since * from_keyframe_ * since.transpose() + Q) * stays.transpose(), kLeastShare, 0);
 }
 
+/// What a scan's pose errs by beyond its keyframe's. Both were matched to a map, each with its own noise; but
+/// the first keyframe's pose is given, and what is matched to it errs by both views' noise.
+Eigen::Matrix3d GraphSlam::driftSinceKeyframe() const {
+  return lastKeyframe() == 0 ? from_keyframe_ + kBothViews * noise_ : from_keyframe_;
+}
+
 /// From where the newest keyframe's pose is known, and how well: by what its covariance has grown since, and
 /// no better than one match tells.
 void GraphSlam::noteMatch() {
@@ -110,7 +114,7 @@ posegraph::PoseGraph GraphSlam::witnesses() const {
   const auto& edges = graph_.edges();
   const auto add = [&](posegraph::Edge edge, const Eigen::Matrix3d& information) {
     edge.T_from_to = core::between(graph_.pose(edge.from), graph_.pose(edge.to));
-    edge.information = withoutNegatives(information, kLeastOfMost, kLeastInformation);
+    edge.information = edgeInformation(information, 0);
     result.addEdge(edge);
   };
   for (int k = 1; k < graph_.nodeCount(); ++k) {
@@ -151,7 +155,7 @@ std::vector<Eigen::Matrix3d> GraphSlam::covariances() const {
     const Eigen::Matrix3d J =
         moved(core::position(T_map_keyframe), core::position(T_map_keyframe * record.T_keyframe_robot));
     result.push_back(J * keyframes[static_cast<size_t>(record.keyframe)] * J.transpose() +
-                     record.match_covariance);
+                     record.drift_covariance);
   }
   return result;
 }

@@ -268,7 +268,7 @@ void GraphSlam::moveHeldBackTo(int k) {
   for (int i = std::max(first - held_back_ + 1, 0); i < first; ++i) {
     auto& record = records_[static_cast<size_t>(i)];
     const Pose2 T_map_robot = graph_.pose(record.keyframe) * record.T_keyframe_robot;
-    record = {k, core::between(T_map_keyframe, T_map_robot), record.match_covariance};
+    record = {k, core::between(T_map_keyframe, T_map_robot), record.drift_covariance};
   }
 }
 

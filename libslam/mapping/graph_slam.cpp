@@ -1,4 +1,5 @@
 #include "libslam/mapping/graph_slam.h"
+#include "libslam/mapping/graph_search.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +29,10 @@ graph::LevelMaps::LevelMaps(const GraphOptions& o, bool two_sided)
       coarse(4 * o.cell_m, o.blur_m + 0.07) {}
 
 GraphSlam::GraphSlam(const GraphOptions& options)
-    : options_(options), maps_(options, true), scratch_(options, false) {}
+    : options_(options),
+      maps_(options, true),
+      scratch_(options, false),
+      pass_map_(options.cell_m, options.blur_m, true) {}
 
 void GraphSlam::note(const char* event, double value, int other_keyframe, const std::string& detail) {
   journal_.push_back({static_cast<int>(records_.size()), event, value,
@@ -83,7 +87,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
   }
   if (options_.loops && isCutOff(lastKeyframe()) && doubt_.begins < 0)
     lookForPart(parts_.back().begin, lastKeyframe());
-  records_.push_back({lastKeyframe(), T_keyframe_robot_, step.match_covariance});
+  records_.push_back({lastKeyframe(), T_keyframe_robot_, step.drift_covariance});
   keepScan(scan);
   return step;
 }
@@ -154,6 +158,58 @@ int GraphSlam::addOdometryEdge(int k) {
   return graph_.addEdge(edge);
 }
 
+/// Ties keyframe k to those that it was matched to. Those of an earlier pass may not lie as these do: each
+/// pass gets the pose that a match to it alone gives, so that an edge says what was measured between its
+/// ends, and not where their mean was.
+void GraphSlam::addMatchEdges(int k, const Pose2& T_map_robot, const Eigen::Matrix3d& information) {
+  std::vector<int> lately, before;
+  for (const int other : map_keyframes_) {
+    const bool is_late = std::abs(path_m_ - keyframe(other).path_m) < options_.map_path_m;
+    (is_late ? lately : before).push_back(other);
+  }
+  const bool are_two = !lately.empty() && !before.empty();
+  const auto partners = partnersOf(k, map_keyframes_, T_map_robot);
+  for (const auto* pass : {&lately, &before}) {
+    Pose2 T = T_map_robot;
+    Eigen::Matrix3d told = information;
+    double share = static_cast<double>(std::max<size_t>(partners.size(), 1));
+    std::vector<int> own;
+    for (const int partner : partners)
+      if (std::find(pass->begin(), pass->end(), partner) != pass->end()) own.push_back(partner);
+    if (own.empty()) continue;
+    if (are_two) {
+      const auto matched = matchToPass(k, *pass, T_map_robot);
+      if (!matched && pass == &before) continue;
+      if (matched)
+        T = matched->T_map_robot, told = matched->information, share = static_cast<double>(own.size());
+    }
+    for (const int partner : own) {
+      posegraph::Edge edge;
+      edge.from = partner, edge.to = k;
+      edge.T_from_to = core::between(graph_.pose(partner), T);
+      edge.information = edgeInformation(told, T.phi) / share;
+      graph_.addEdge(edge);
+      link(partner, k);
+    }
+  }
+}
+
+/// Keyframe k matched to these alone, from where it lies; nothing where that is another place.
+std::optional<scanmatch::MatchResult> GraphSlam::matchToPass(int k, const std::vector<int>& pass,
+                                                             const Pose2& T_map_robot) {
+  pass_map_.clear(core::position(T_map_robot), kMapReach_m);
+  for (const int other : pass) pass_map_.add(keyframe(other).points, graph_.pose(other), other);
+  scanmatch::PosePrior flat;
+  flat.mean = T_map_robot;
+  flat.information.setIdentity();
+  const auto matched = alignToSurfels(keyframe(k).points, pass_map_, T_map_robot, flat, matchOptions(10));
+  if (matched.score < options_.loop_confirm_score ||
+      core::distance(matched.T_map_robot, T_map_robot) > kConfirmStep_m ||
+      std::abs(core::angleDifference(matched.T_map_robot.phi, T_map_robot.phi)) > kConfirmTurn_rad)
+    return std::nullopt;
+  return matched;
+}
+
 void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
                             const Eigen::Matrix3d& information) {
   const int k = graph_.addNode(T_map_robot);
@@ -166,17 +222,7 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> poi
   } else {
     keyframes_.back().odometry_edge = addOdometryEdge(k);
     if (doubt_.begins != k) link(k - 1, k);
-    const auto partners = partnersOf(k, map_keyframes_, T_map_robot);
-    const Eigen::Matrix3d share = edgeInformation(information, T_map_robot.phi) /
-                                  static_cast<double>(std::max<size_t>(partners.size(), 1));
-    for (const int partner : partners) {
-      posegraph::Edge edge;
-      edge.from = partner, edge.to = k;
-      edge.T_from_to = core::between(graph_.pose(partner), T_map_robot);
-      edge.information = share;
-      graph_.addEdge(edge);
-      link(partner, k);
-    }
+    addMatchEdges(k, T_map_robot, information);
     noteMatch();
   }
   from_keyframe_.setZero();

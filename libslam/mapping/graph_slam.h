@@ -80,8 +80,8 @@ class GraphSlam {
 
   struct Step {
     core::Pose2 T_map_robot;
-    /// Map frame: x, y (m), phi (rad). Of the pose in the map; and against the keyframes around alone.
-    Eigen::Matrix3d pose_covariance = Eigen::Matrix3d::Zero(), match_covariance = Eigen::Matrix3d::Zero();
+    /// Map frame: x, y (m), phi (rad). Of the pose in the map; and of its drift since the newest keyframe.
+    Eigen::Matrix3d pose_covariance = Eigen::Matrix3d::Zero(), drift_covariance = Eigen::Matrix3d::Zero();
     double score = 1;  ///< share of the scan that the map explains
     bool is_keyframe = false;
   };
@@ -162,6 +162,9 @@ class GraphSlam {
   // graph_slam.cpp: keyframes and their edges
   void addKeyframe(const robot::Scan& scan, std::vector<scanmatch::PatchPoint> points,
                    const core::Pose2& T_map_robot, const Eigen::Matrix3d& information);
+  void addMatchEdges(int keyframe, const core::Pose2& T_map_robot, const Eigen::Matrix3d& information);
+  std::optional<scanmatch::MatchResult> matchToPass(int keyframe, const std::vector<int>& pass,
+                                                    const core::Pose2& T_map_robot);
   int addOdometryEdge(int keyframe);
   std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
                               const core::Pose2& T_map_robot) const;
@@ -262,6 +265,7 @@ class GraphSlam {
   void noteMatch();
   void estimateCovariance(const Expected& expected, const scanmatch::MatchResult& result);
   double variancePerPoint() const;
+  Eigen::Matrix3d driftSinceKeyframe() const;
 
   // graph_loops.cpp: places seen again
   void closeLoops();
@@ -378,6 +382,7 @@ class GraphSlam {
   int join_first_ = 0, join_last_ = -1;   ///< keyframes that are the trail else
   mutable LevelMaps scratch_;             ///< of mapOf()
   scanmatch::LikelihoodPyramid pyramid_;  ///< of findLoop()
+  scanmatch::SurfelMap pass_map_;         ///< of one pass through a place
   // Scratch of keyframesAround().
   mutable std::vector<double> reached_;
   mutable std::vector<int> touched_;

@@ -328,7 +328,7 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   step.score = result.score;
   noteEvidence(points, T, maps_.fine);
   estimateCovariance(e, result);
-  step.match_covariance = from_keyframe_;
+  step.drift_covariance = driftSinceKeyframe();
   step.pose_covariance = covariance_;
   return step;
 }
@@ -360,9 +360,10 @@ void GraphSlam::forgetWheels() {
 /// Puts odometry's word in place of a match.
 void GraphSlam::keepTo(const Pose2& predicted, const Pose2& increment, Step& step) {
   step.T_map_robot = predicted;
-  step.match_covariance +=
+  const Eigen::Matrix3d drift =
       held_back_ * covarianceOf(poseInformation(options_.odometry_xy_m, options_.odometry_turn_rad));
-  step.pose_covariance += step.match_covariance;
+  step.drift_covariance += drift;
+  step.pose_covariance += drift;
   T_previous_robot_ = increment;
   T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), predicted);
 }

@@ -32,7 +32,7 @@ struct Keyframe {
 struct Record {
   int keyframe;
   core::Pose2 T_keyframe_robot;
-  Eigen::Matrix3d match_covariance;  ///< against the keyframe; map frame, as it was
+  Eigen::Matrix3d drift_covariance;  ///< since the keyframe; map frame, as it was
 };
 struct Link {
   int to;

@@ -48,7 +48,7 @@ TEST(AnyScans, LeaveTheGraphFinite) {
       const RandomStep given = steps.next();
       const auto step = graph.process(given.scan, given.T_previous_robot, given.has_odometry);
       ASSERT_TRUE(core::isFinite(step.T_map_robot)) << i;
-      ASSERT_TRUE(isCovariance(step.match_covariance)) << i << "\n" << step.match_covariance;
+      ASSERT_TRUE(isCovariance(step.drift_covariance)) << i << "\n" << step.drift_covariance;
       ASSERT_TRUE(isCovariance(step.pose_covariance)) << i << "\n" << step.pose_covariance;
       ASSERT_TRUE(step.score >= 0 && step.score <= 1) << i << " " << step.score;
     }

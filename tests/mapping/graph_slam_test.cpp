@@ -141,10 +141,10 @@ TEST(GraphSlam, IsUnsureWhereTheScanSaysNothing) {
   const auto log = drive(ring(), lapsAround(1), {}, 0);
   GraphSlam graph{GraphOptions()};
   for (size_t i = 0; i < 20; ++i) graph.process(log.scans[i], log.increments[i], true);
-  const auto seen = graph.process(log.scans[20], log.increments[20], true).match_covariance;
+  const auto seen = graph.process(log.scans[20], log.increments[20], true).drift_covariance;
   auto blind = log.scans[21];
   for (float& range : blind.ranges_m) range = robot::kNoReturn;
-  const auto unseen = graph.process(blind, log.increments[21], true).match_covariance;
+  const auto unseen = graph.process(blind, log.increments[21], true).drift_covariance;
   EXPECT_GT(unseen(0, 0), 4 * seen(0, 0));
   EXPECT_LT(unseen(0, 0), 1);
 }
