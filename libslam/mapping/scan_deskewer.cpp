@@ -43,6 +43,10 @@ constexpr double kLeastScore = 0.5, kSurely = 0.9, kStartGain = 0.02;
 /// hundredth.
 constexpr int kMoreRounds = 1;
 
+/// Of the time between scans: in a longer sweep too much of what the match finds is skew of the scan before,
+/// and errors would be handed on from scan to scan.
+constexpr double kLongestShare = 0.5;
+
 bool areOfOneLidar(const robot::Scan& a, const robot::Scan& b) {
   const core::Pose2 &A = a.T_robot_lidar, &B = b.T_robot_lidar;
   return A.x == B.x && A.y == B.y && A.phi == B.phi;
@@ -102,7 +106,8 @@ std::optional<robot::Scan> ScanDeskewer::deskewed(const StepHistory& history, co
   const auto motion = motionUpTo(history, scan, T_previous_robot, has_odometry);
   if (!motion) return std::nullopt;
   ++counts_.set_right;
-  if (has_odometry && areOfOneLidar(*history.previous_scan, scan))
+  if (has_odometry && sweep->duration_s <= kLongestShare * motion->period_s &&
+      areOfOneLidar(*history.previous_scan, scan))
     return deskewedByMatch(history, scan, motion->T_previous_robot, motion->period_s, *sweep);
   return robot::deskewed(scan, motion->T_previous_robot, motion->period_s, *sweep);
 }

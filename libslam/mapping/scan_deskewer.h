@@ -15,8 +15,8 @@ struct SweptScans {
 };
 
 /// Takes out of scans what the robot's motion did to them, where the method wants that and it can be known.
-/// The motion is the odometry's, corrected by matching the scan to the one before of the same lidar: a step's
-/// odometry errs by more than what the beams of one sweep may be off.
+/// The motion is the odometry's; where a sweep takes up to half of the time between scans, as a match to the
+/// scan before of the same lidar corrects it: a step's odometry errs by more than its beams may be off.
 class ScanDeskewer {
  public:
   explicit ScanDeskewer(const MethodOptions& method) : method_(method) {}

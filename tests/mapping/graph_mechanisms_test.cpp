@@ -247,6 +247,39 @@ Consistency consistency(size_t first, size_t last, int drives, const GraphOption
   return mean;
 }
 
+// A map in which two visits of a place lie 15 cm apart. What ties a new keyframe to each of them is what was
+// measured, so that the graph can bring them together; a match to both at once lies in between.
+TEST(GraphMechanisms, EveryPassThroughAPlaceIsMeasuredByItself) {
+  const core::Pose2 place{9, 1, 0}, off{0, 0.15, 0};
+  std::vector<core::Pose2> path;
+  for (const double x : {-0.6, -0.2, 0.2, 0.6}) path.push_back(place * core::Pose2{x, 0, 0});
+  path.push_back({10, 13, 0});  // 12 m there and back
+  path.push_back({1, 13, 0});
+  path.push_back({10, 13, 0});
+  for (const double x : {-0.5, -0.1, 0.3, 0.7}) path.push_back(place * core::Pose2{x, 0, 0});
+  path.push_back(place), path.push_back(place * core::Pose2{0.35, 0, 0});
+  const auto log = drive(ring(), path, {}, 0);
+  const size_t known = path.size() - 2;
+  GraphOptions options;
+  options.loops = false;
+  GraphSlam graph(options);
+  for (size_t i = 0; i < known; ++i)
+    graph.addKnownKeyframe(log.scans[i], i < 7 ? path[i] : core::Pose2{} * off * path[i]);
+  graph.startAt(place);
+  graph.process(log.scans[known], {}, true);
+  ASSERT_TRUE(graph.process(log.scans[known + 1], {0.35, 0, 0}, true).is_keyframe);
+  const int newest = graph.graph().nodeCount() - 1;
+  int first_visit = 0, second_visit = 0;
+  for (const auto& edge : graph.graph().edges()) {
+    if (edge.to != newest || edge.from >= static_cast<int>(known)) continue;
+    ++(edge.from < 4 ? first_visit : second_visit);
+    const auto measured = core::between(path[static_cast<size_t>(edge.from)], path.back());
+    EXPECT_LT(core::distance(edge.T_from_to, measured), 0.03) << edge.from;
+  }
+  EXPECT_GE(first_visit, 1);
+  EXPECT_GE(second_visit, 1);
+}
+
 // Before the second keyframe only the match against the first is unsure. Over many kinds of buildings they
 // are true (benchmarks/results/consistency.csv.xz). A tenth or ten times as much is neither.
 TEST(GraphMechanisms, CovariancesBesideTheFirstKeyframeKeepTheirSize) {

@@ -2,13 +2,15 @@
 #include <gtest/gtest.h>
 
 #include "libslam/mapping/map_builder.h"
+#include "libslam/mapping/scan_deskewer.h"
 #include "tests/mapping/small_room.h"
 
 namespace slam::mapping {
 namespace {
 
-/// driveThroughRoom() with exact odometry, each scan swept over the whole period before its stamp.
-test::Drive sweptDrive() {
+/// driveThroughRoom() with exact odometry, each scan swept over the period before its stamp, or a share of
+/// it.
+test::Drive sweptDrive(double share = 1) {
   auto drive = test::driveThroughRoom();
   const auto walls = test::smallRoom();
   const core::Pose2 T_room_start{0, 0, -0.2};
@@ -20,7 +22,7 @@ test::Drive sweptDrive() {
     for (size_t beam = 0; beam < ranges_m.size(); ++beam) {
       const double ago = 1 - static_cast<double>(beam) / static_cast<double>(ranges_m.size() - 1);
       const core::Pose2 T_room_then =
-          T_room_start * drive.truth[i] * core::interpolate({}, T_robot_previous, ago);
+          T_room_start * drive.truth[i] * core::interpolate({}, T_robot_previous, share * ago);
       ranges_m[beam] = static_cast<float>(test::castRay(walls, T_room_then, entry.scan.angle(beam)));
     }
   }
@@ -90,6 +92,48 @@ TEST(Sweep, WithoutOdometryTheScansStayAndAreCounted) {
   EXPECT_EQ(worstHeading(told, drive, &swept), as_they_are);
   EXPECT_EQ(swept.swept, drive.entries.size() - 1);
   EXPECT_EQ(swept.set_right, 0U);
+}
+
+/// How far a scan of sweptDrive() is from what the lidar would have seen at its stamp: the median over the
+/// beams.
+double skewOf(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+  const auto walls = test::smallRoom();
+  const core::Pose2 T_room_robot = core::Pose2{0, 0, -0.2} * T_map_robot;
+  std::vector<double> off_m;
+  for (size_t beam = 0; beam < scan.ranges_m.size(); ++beam)
+    if (robot::isReturn(scan.ranges_m[beam]))
+      off_m.push_back(std::abs(scan.ranges_m[beam] - test::castRay(walls, T_room_robot, scan.angle(beam))));
+  std::nth_element(off_m.begin(), off_m.begin() + static_cast<long>(off_m.size() / 2), off_m.end());
+  return off_m[off_m.size() / 2];
+}
+
+/// Each scan of the drive deskewed, with odometry that is wrong by this heading, forth and back.
+double meanSkew(double wrong_rad) {
+  const auto drive = sweptDrive(0.25);
+  MethodOptions options;
+  options.sweep_s = 0.05;
+  ScanDeskewer deskewer(options);
+  StepHistory history;
+  double sum_m = 0;
+  for (size_t i = 0; i < drive.entries.size(); ++i) {
+    const auto& entry = drive.entries[i];
+    core::Pose2 T_previous_robot = entry.T_previous_robot;
+    T_previous_robot.phi += i % 2 ? wrong_rad : -wrong_rad;
+    const auto deskewed = deskewer.deskewed(history, entry.scan, {}, T_previous_robot, true);
+    const robot::Scan& scan = deskewed ? *deskewed : entry.scan;
+    if (i > 0) sum_m += skewOf(scan, drive.truth[i]);
+    history.note(scan, entry.T_previous_robot, drive.truth[i]);
+    history.last_had_odometry = true;
+  }
+  return sum_m / static_cast<double>(drive.entries.size() - 1);
+}
+
+TEST(Sweep, WhatOdometryErrsSkewsNoScan) {
+  const double exact_m = meanSkew(0);
+  EXPECT_LT(exact_m, 0.002);
+  EXPECT_LT(meanSkew(0.03), exact_m + 0.0004);
+  // A wheel that slips.
+  EXPECT_LT(meanSkew(0.12), exact_m + 0.0004);
 }
 
 }  // namespace

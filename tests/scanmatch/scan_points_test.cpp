@@ -110,6 +110,21 @@ TEST(ScanPoints, StandForTheWallUpToHalfWayToTheNextBeam) {
   EXPECT_GT(far, 8);
 }
 
+// Two neighbouring returns a centimetre apart and as noisy tell no direction.
+TEST(ScanPoints, LieAlongTheirWallHoweverCloseTheBeams) {
+  Lidar lidar;
+  lidar.fov_rad = core::kPi / 2, lidar.beams = 181, lidar.noise_m = 0.02;
+  core::RandomStream chance(1, "lidar");
+  int all = 0, along = 0;
+  for (int i = 0; i < 50; ++i)
+    for (const auto& point : patchPoints(look({{{1.5, -3}, {1.5, 3}}}, {}, lidar, chance), {})) {
+      if (std::abs(point.y) > 1) continue;
+      ++all, along += std::abs(point.along_y) > 2 * std::abs(point.along_x);
+    }
+  ASSERT_GT(all, 500);
+  EXPECT_GT(along, 0.95 * all);
+}
+
 TEST(ScanPoints, StandForWhatTheirBeamLeavesOpenSidewaysWhereNoNeighbourIsNear) {
   robot::Scan scan;
   scan.first_angle_rad = -0.01, scan.step_rad = 0.01;
