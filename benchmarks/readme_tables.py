@@ -67,7 +67,7 @@ FAILED_M = 1
 
 
 ORIGINAL_LIDAR = "thesis_360"
-NEWER = ("naive", "naive_blind", "graph")  # run anew by the suite `original`, on the same logs and on those of its own lidar
+NEWER = ("naive", "naive_blind", "particles", "graph")  # run anew by the suite `original`, on the same logs and on those of its own lidar
 
 
 def standard_line(name, what, mine, costs, with_cost=True):

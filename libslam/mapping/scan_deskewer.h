@@ -8,7 +8,7 @@
 
 namespace slam::mapping {
 
-/// What became of the scans that a turning lidar swept.
+/// What became of the scans that a spinning lidar swept.
 struct SweptScans {
   std::uint64_t swept = 0;      ///< of a known sweep, after the first
   std::uint64_t set_right = 0;  ///< of these
