@@ -36,7 +36,8 @@ namespace slam::mapping {
 /// The keyframes near are those that chains of links of `map_path_m` reach, so that a place seen again is not
 /// mixed in before its loop is closed.
 /// Every keyframe gets edges to the keyframes it was matched to, weighed with the match's information,
-/// provided that their beams agree with its points; and a weak one from odometry.
+/// provided that their beams agree with its points; and a weak one from odometry. Those of an earlier pass
+/// through the place are matched by themselves: an edge says what was measured between its ends.
 /// Loops: the last metres of the path are searched for, by branch and bound, around every place that drift
 /// could have carried apart; what is found is followed for some keyframes, each of which must fit the old map
 /// by itself, and accepted together, unless the graph as a whole then contradicts what was measured on the
