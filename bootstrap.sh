@@ -118,19 +118,19 @@ done
 case "$verb" in
   build)
     install_missing "${packages[@]}"
-    build release 4 programs
+    build release 13 programs
     say "the program is build/release/apps/rasterslam"
     ;;
   demo)
     install_missing "${packages[@]}"
-    build release 4 programs
+    build release 13 programs
     build/release/apps/rasterslam demo "${arguments[@]}"
     ;;
   test)
     install_missing "${packages[@]}"
     mapfile -t extras < <(available_packages "${format_packages[@]}" "${oracle_packages[@]}")
     install_missing "${extras[@]}"
-    build release 8
+    build release 20
     ctest --preset release -j "$(nproc)" "${arguments[@]}"
     ;;
   schedulers)
@@ -155,12 +155,12 @@ case "$verb" in
     ;;
   bench)
     install_missing "${packages[@]}" "${bench_packages[@]}"
-    build bench 9
+    build bench 20
     build/release/benchmarks/rasterslam_bench "${arguments[@]}"
     ;;
   package)
     install_missing "${packages[@]}" "${package_packages[@]}"
-    build package 5
+    build package 13
     (cd build/package && cpack >&2)
     lintian --fail-on error build/package/packages/*.deb
     say "install them with: apt-get install ./build/package/packages/*.deb"
@@ -176,12 +176,12 @@ case "$verb" in
     ;;
   clang)
     install_missing "${packages[@]}" "${clang_packages[@]}"
-    build clang 10
+    build clang 20
     ctest --preset clang -j "$(nproc)" "${arguments[@]}"
     ;;
   sanitize)
     install_missing "${packages[@]}"
-    build debug 20
+    build debug 40
     ctest --preset debug -j "$(nproc)" "${arguments[@]}"
     ;;
   tidy)
@@ -194,7 +194,7 @@ case "$verb" in
     ;;
   attack)
     install_missing "${packages[@]}"
-    build release 4 programs
+    build release 13 programs
     cmake --build --preset release --target rasterslam_faults >&2
     attacked=0
     tests/fuzz/campaign.py build/release/apps/rasterslam "${arguments[@]}" || attacked=1
