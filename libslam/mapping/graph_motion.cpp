@@ -3,6 +3,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/mapping/graph_slam.h"
+#include "libslam/mapping/step_motion.h"
 #include "libslam/odometry/scan_odometry.h"
 
 namespace slam::mapping {
@@ -36,11 +37,8 @@ Pose2 goneOn(const Pose2& T, double times) {
 /// What is there to go by: the time since the scan before, and the last scan of the same lidar.
 void GraphSlam::noteScan(const robot::Scan& scan, bool has_odometry) {
   if (seen_.empty()) return;
-  const auto isSameLidar = [&](const Seen& seen) {
-    const Pose2 &a = seen.scan.T_robot_lidar, &b = scan.T_robot_lidar;
-    return a.x == b.x && a.y == b.y && a.phi == b.phi;
-  };
-  const auto same = std::find_if(seen_.begin(), seen_.end(), isSameLidar);
+  const auto same = std::find_if(seen_.begin(), seen_.end(),
+                                 [&](const Seen& seen) { return areOfOneLidar(seen.scan, scan); });
   before_ = same == seen_.end() ? -1 : static_cast<int>(same - seen_.begin());
   const bool is_first = !(period_s_ > 0);
   const double since_s = scan.time_s - previous_time_s_;

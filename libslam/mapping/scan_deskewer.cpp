@@ -47,11 +47,6 @@ constexpr int kMoreRounds = 1;
 /// and errors would be handed on from scan to scan.
 constexpr double kLongestShare = 0.5;
 
-bool areOfOneLidar(const robot::Scan& a, const robot::Scan& b) {
-  const core::Pose2 &A = a.T_robot_lidar, &B = b.T_robot_lidar;
-  return A.x == B.x && A.y == B.y && A.phi == B.phi;
-}
-
 }  // namespace
 
 /// The motion of which the scan, deskewed by `guess`, tells, and how much of it that explains.

@@ -27,10 +27,13 @@ core::Pose2 asMrptHasIt(const core::Pose2& pose) {
 
 }  // namespace
 
-bool StepHistory::isReference(const robot::Scan& scan) const {
-  if (!reference_scan) return true;
-  const core::Pose2 &a = reference_scan->T_robot_lidar, &b = scan.T_robot_lidar;
+bool areOfOneLidar(const robot::Scan& scan_a, const robot::Scan& scan_b) {
+  const core::Pose2 &a = scan_a.T_robot_lidar, &b = scan_b.T_robot_lidar;
   return a.x == b.x && a.y == b.y && a.phi == b.phi;
+}
+
+bool StepHistory::isReference(const robot::Scan& scan) const {
+  return !reference_scan || areOfOneLidar(*reference_scan, scan);
 }
 
 void StepHistory::note(const robot::Scan& scan, const core::Pose2& T_previous_robot,

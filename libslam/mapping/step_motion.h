@@ -9,6 +9,9 @@
 
 namespace slam::mapping {
 
+/// Whether two scans come from one lidar of the robot: each is known by its mounting.
+bool areOfOneLidar(const robot::Scan& a, const robot::Scan& b);
+
 /// What is remembered of the steps so far.
 struct StepHistory {
   std::optional<robot::Scan> previous_scan;
