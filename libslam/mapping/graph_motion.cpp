@@ -11,8 +11,6 @@ namespace {
 
 using core::Pose2;
 
-/// What the noise of odometry is given for.
-constexpr double kNominalPeriod_s = 0.2;
 /// A step counts as this long at least and at most: between a burst of scans and a log that was paused.
 constexpr double kLeastPeriod_s = 1e-3, kMostPeriod_s = 2;
 /// Stamps of real logs leap to and fro: the noise of a step goes by the mean of some twenty.

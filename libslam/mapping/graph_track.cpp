@@ -18,9 +18,6 @@ using scanmatch::MatchResult;
 using scanmatch::PatchPoint;
 using scanmatch::PosePrior;
 
-/// Neighbouring beams err together, and surfels are estimates: a point tells a fifth of what an independent
-/// one would.
-constexpr double kInformationScale = 0.2;
 /// Another start must explain this much more than odometry's to be taken at all.
 constexpr double kStartGain = 0.02;
 /// In standard deviations of odometry: a match farther from it has let it go.

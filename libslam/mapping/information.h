@@ -3,6 +3,12 @@
 
 namespace slam::mapping {
 
+/// Neighbouring beams err together, and surfels are estimates: a point of a match tells a fifth of what an
+/// independent one would.
+inline constexpr double kInformationScale = 0.2;
+/// The time that odometry's standard deviations are given for; they grow with its root.
+inline constexpr double kNominalPeriod_s = 0.2;
+
 /// Over (x, y, phi), m and rad, without correlation. REQUIRES positive standard deviations.
 Eigen::Matrix3d poseInformation(double sigma_xy_m, double sigma_turn_rad);
 

@@ -29,13 +29,14 @@ std::optional<RecentMotion> motionUpTo(const StepHistory& history, const robot::
 }
 
 /// Points of both scans, as far as scans are compared.
-constexpr scanmatch::ScanPointOptions kSpacing{0.05, 30, 0.4};
-/// Odometry's standard deviations in a fifth of a second, and per metre or radian; beyond so many of them it
+constexpr scanmatch::ScanPointOptions kSpacing = [] {
+  scanmatch::ScanPointOptions options;
+  options.max_range_m = 30;
+  return options;
+}();
+/// Odometry's standard deviations over kNominalPeriod_s, and per metre or radian; beyond so many of them it
 /// loses its hold.
-constexpr double kNominal_s = 0.2, kOdometry_m = 0.02, kOdometry_rad = 0.01, kOdometryShare = 0.1;
-constexpr double kOdometryKernel = 2;
-/// Neighbouring beams err together.
-constexpr double kInformationScale = 0.2;
+constexpr double kOdometry_m = 0.02, kOdometry_rad = 0.01, kOdometryShare = 0.1, kOdometryKernel = 2;
 /// A match that explains less corrects nothing; one that explains more needs no other start; and another
 /// start has to explain so much more.
 constexpr double kLeastScore = 0.5, kSurely = 0.9, kStartGain = 0.02;
@@ -70,7 +71,7 @@ robot::Scan ScanDeskewer::deskewedByMatch(const StepHistory& history, const robo
                                           const robot::Sweep& sweep) {
   const auto before = scanmatch::patchPoints(*history.previous_scan, kSpacing);
   for (auto* map : {&coarse_, &fine_}) map->clear({}, kSpacing.max_range_m), map->add(before, {});
-  const double root = std::sqrt(std::clamp(period_s, 0.0, 2.0) / kNominal_s);
+  const double root = std::sqrt(std::clamp(period_s, 0.0, 2.0) / kNominalPeriod_s);
   scanmatch::PosePrior odometry;
   odometry.mean = T_previous_robot;
   odometry.information = poseInformation(
