@@ -6,7 +6,7 @@
 #include <mrpt/random/RandomGenerators.h>
 #include <mrpt/slam/CMetricMapBuilderRBPF.h>
 #include "libslam/core/resources.h"
-#include "libslam/mapping/mrpt_compat.h"
+#include "libslam/builders/mrpt_compat.h"
 #include "libslam/mrptnav/mrpt_explorer.h"
 #include "libslam/record/record.h"
 #include "libslam/robot/mrpt_types.h"
@@ -30,7 +30,7 @@ int main() {
     mrpt::obs::CSensoryFrame frame;
     frame.insert(scan);
     slam.processActionObservation(actions, frame);
-    const auto& maps = slam::mapping::compat::asReference(slam.getCurrentlyBuiltMetricMap());
+    const auto& maps = slam::builders::compat::asReference(slam.getCurrentlyBuiltMetricMap());
     const auto map = maps.mapByClass<mrpt::maps::COccupancyGridMap2D>();
     const mrpt::poses::CPose2D pose(slam.getCurrentPoseEstimation()->getMeanVal());
     if (explorer.wantsMap()) explorer.setMap(*map);

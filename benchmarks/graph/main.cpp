@@ -13,7 +13,7 @@
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
-#include "libslam/mapping/graph_slam.h"
+#include "libslam/graph/graph_slam.h"
 #include "libslam/metrics/relation_error.h"
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/process/cpu_time.h"
@@ -53,7 +53,7 @@ double rounded(double value, double step) {
 
 void runOnce(const BenchLog& log, const Variant& variant, int seed) {
   slam::core::RandomStream noise(static_cast<std::uint64_t>(seed), "jitter");
-  slam::mapping::GraphSlam graph{slam::mapping::GraphOptions()};
+  slam::graph::GraphSlam graph{slam::graph::GraphOptions()};
   Trajectory online;
   double cpu_s = 0;
   Pose2 T_odom_before;

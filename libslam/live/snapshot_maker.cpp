@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "libslam/mapping/graph_slam.h"
+#include "libslam/graph/graph_slam.h"
 #include "libslam/metrics/trajectory_error.h"
 
 namespace slam::live {
@@ -19,7 +19,7 @@ bool isSame(const navigate::Decision& a, const navigate::Decision& b) {
          a.path.size() == b.path.size() && a.goal.x == b.goal.x && a.goal.y == b.goal.y;
 }
 
-void addGraph(const mapping::GraphSlam& graph, viewer::Snapshot& snapshot) {
+void addGraph(const graph::GraphSlam& graph, viewer::Snapshot& snapshot) {
   snapshot.nodes.clear(), snapshot.edges.clear(), snapshot.loops.clear();
   const auto& poses = graph.graph().poses();
   for (const auto& pose : poses) snapshot.nodes.push_back(core::position(pose));

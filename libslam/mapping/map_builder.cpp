@@ -12,18 +12,18 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/memory_guard.h"
-#include "libslam/mapping/mrpt_method.h"
 #include "libslam/mapping/step_motion.h"
+#include "libslam/methods/mrpt_method.h"
 
 namespace slam::mapping {
 
 struct MapBuilder::State {
-  State(const MethodConfig& config, const MethodType& method_type)
+  State(const MethodConfig& config, const methods::MethodType& method_type)
       : type(method_type),
         motions(config.method, config.scan_odometry, method_type.goes_on_alone),
         deskewer(config.method) {}
 
-  const MethodType& type;
+  const methods::MethodType& type;
   StepMotions motions;
   ScanDeskewer deskewer;
   StepHistory history;
@@ -97,9 +97,9 @@ mrpt::slam::CMetricMapBuilder& mrptBuilder(const MapBuilder& method) {
 
 void continueMap(MapBuilder& method, const std::string& simplemap_path,
                  const std::optional<core::Pose2>& T_map_robot, bool keep_map) {
-  const MethodType& type = method.state->type;
-  const auto continues = [](const MethodType& one) { return one.continues_maps; };
-  const auto finds = [](const MethodType& one) { return one.finds_itself; };
+  const methods::MethodType& type = method.state->type;
+  const auto continues = [](const methods::MethodType& one) { return one.continues_maps; };
+  const auto finds = [](const methods::MethodType& one) { return one.finds_itself; };
   if (!type.continues_maps)
     throw core::InputError("method " + method.name + " of type " + method.type +
                            " cannot go on in a map, expected type " + methodTypesWhich(continues));
@@ -113,7 +113,7 @@ void continueMap(MapBuilder& method, const std::string& simplemap_path,
   } catch (const core::MethodError&) {
     throw;
   } catch (const std::exception& error) {
-    throw core::InputError(simplemap_path + ": cannot be gone on with: " + firstLine(error.what()));
+    throw core::InputError(simplemap_path + ": cannot be gone on with: " + methods::firstLine(error.what()));
   }
   method.state->history.T_map_robot = T_map_robot.value_or(core::Pose2{});
 }
@@ -145,9 +145,10 @@ core::Pose2 processScan(MapBuilder& method, const robot::Scan& raw_scan, const c
   const robot::Scan& scan = corrected ? *corrected : raw_scan;
   state.time_s = growingTime(scan.time_s, state.time_s, state.steps == 0);
   try {
-    const StepMotion motion = state.motions.next(state.history, scan, T_previous_robot, has_odometry);
+    const methods::StepMotion motion =
+        state.motions.next(state.history, scan, T_previous_robot, has_odometry);
     const core::Pose2 T_map_robot = method.method->process({state.steps, state.time_s, scan, others, motion});
-    requireFinite(T_map_robot, "the pose");
+    methods::requireFinite(T_map_robot, "the pose");
     const core::Pose2 T_last_robot = core::between(state.history.T_map_robot, T_map_robot);
     state.history.note(scan, state.motions.asFed(motion, T_last_robot), T_map_robot);
   } catch (const core::MethodError& error) {
@@ -174,7 +175,7 @@ void finishMap(MapBuilder& method) {
   method.method->finish();
 }
 
-std::vector<JournalEntry> journalOf(const MapBuilder& method) {
+std::vector<core::JournalEntry> journalOf(const MapBuilder& method) {
   return method.method->journal();
 }
 
@@ -186,7 +187,7 @@ std::vector<core::Pose2> particlePoses(const MapBuilder& method) {
   return method.method->particlePoses();
 }
 
-const GraphSlam* graphSlamOf(const MapBuilder& method) {
+const graph::GraphSlam* graphSlamOf(const MapBuilder& method) {
   return method.method->graph();
 }
 

@@ -7,19 +7,21 @@
 #include <vector>
 
 #include "libslam/core/ini.h"
+#include "libslam/core/journal.h"
 #include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/gridmap/occupancy_raster.h"
-#include "libslam/mapping/journal.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/mapping/scan_deskewer.h"
 #include "libslam/robot/deskew.h"
 #include "libslam/robot/motion_kind.h"
 #include "libslam/robot/scan.h"
 
-namespace slam::mapping {
-
+namespace slam::graph {
 class GraphSlam;
+}
+
+namespace slam::mapping {
 
 /// A SLAM method ready to run, and what feeds it: processScan().
 struct MapBuilder {
@@ -33,7 +35,7 @@ struct MapBuilder {
   std::string odometry;  ///< which increments it is fed: [method] odometry
   std::string lidars;    ///< whose scans it wants: [method] lidars
   std::vector<core::ParameterReport> parameters;
-  std::unique_ptr<SlamMethod> method;
+  std::unique_ptr<methods::SlamMethod> method;
 
   struct State;
   std::unique_ptr<State> state;  ///< between the scans
@@ -114,7 +116,7 @@ gridmap::OccupancyRaster currentMap(const MapBuilder& method);
 void finishMap(MapBuilder& method);
 
 /// What the method says of its own work, in the order it happened; empty for the methods that say nothing.
-std::vector<JournalEntry> journalOf(const MapBuilder& method);
+std::vector<core::JournalEntry> journalOf(const MapBuilder& method);
 
 /// The path that belongs to the map as it is now, where the method keeps another one than it gave online: for
 /// rbpf and particles that of the most likely particle, whose map currentMap() is; for graph the poses as its
@@ -128,7 +130,7 @@ std::optional<core::Trajectory> finalPath(const MapBuilder& method, const core::
 std::vector<core::Pose2> particlePoses(const MapBuilder& method);
 
 /// The graph of type graph, nullptr for the others. Lives as long as the method.
-const GraphSlam* graphSlamOf(const MapBuilder& method);
+const graph::GraphSlam* graphSlamOf(const MapBuilder& method);
 
 /// Writes map.yaml + map.png (ROS map_server, trinary), map.gridmap.gz (a plain COccupancyGridMap2D) and
 /// map.simplemap (stock MRPT classes only) into an existing folder; of type graph that has mapped also
@@ -137,9 +139,5 @@ const GraphSlam* graphSlamOf(const MapBuilder& method);
 void saveMaps(const MapBuilder& method, const std::string& folder);
 /// The last two of these alone: of a map that is too large to be drawn.
 void saveKeyFrames(const MapBuilder& method, const std::string& folder);
-
-/// Registers our map classes with MRPT, so that an .ini can name them: mapping::registerMaps(). Also done by
-/// loading librasterslam-mrpt.so into a stock program (LD_PRELOAD).
-void registerMaps();
 
 }  // namespace slam::mapping

@@ -14,15 +14,15 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "libslam/builders/map_grid.h"
+#include "libslam/builders/mrpt_compat.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/memory_guard.h"
+#include "libslam/graph/graph_slam.h"
 #include "libslam/gridmap/mrpt_grid.h"
-#include "libslam/mapping/graph_slam.h"
 #include "libslam/mapping/key_frames.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/mapping/map_grid.h"
-#include "libslam/mapping/mrpt_compat.h"
 #include "libslam/posegraph/g2o_io.h"
 #include "libslam/robot/mrpt_types.h"
 
@@ -93,7 +93,7 @@ void writeRosMap(const gridmap::OccupancyRaster& map, const std::string& folder)
 
 void saveMaps(const MapBuilder& method, const std::string& folder) {
   writeRosMap(currentMap(method), folder);
-  writeObject(plainCopy(*gridOf(mrptBuilder(method))), folder + "/map.gridmap.gz");
+  writeObject(plainCopy(*builders::gridOf(mrptBuilder(method))), folder + "/map.gridmap.gz");
   saveKeyFrames(method, folder);
 }
 
@@ -106,7 +106,7 @@ void writeKeyFrames(const std::vector<KeyFrame>& key_frames, const std::string& 
     frame.insert(observation);
     mrpt::poses::CPose3DPDFGaussian pose;
     pose.mean = mrpt::poses::CPose3D(mrpt::poses::CPose2D(robot::toMrpt(key_frame.T_map_robot)));
-    compat::insertFrame(map, pose, frame);
+    builders::compat::insertFrame(map, pose, frame);
   }
   writeObject(map, path);
 }
@@ -132,7 +132,7 @@ void saveKeyFrames(const MapBuilder& method, const std::string& folder) {
   mrpt::maps::CSimpleMap key_frames;
   mrptBuilder(method).getCurrentlyBuiltMap(key_frames);
   writeObject(key_frames, folder + "/map.simplemap");
-  const GraphSlam* slam = graphSlamOf(method);
+  const graph::GraphSlam* slam = graphSlamOf(method);
   const bool has_mapped = mrptBuilder(method).options.enableMapUpdating;
   if (slam != nullptr && has_mapped) posegraph::writeG2oFile(slam->graph(), {}, folder + "/graph.g2o");
 }

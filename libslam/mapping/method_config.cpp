@@ -9,7 +9,7 @@
 namespace slam::mapping {
 namespace {
 
-bool goesOnAlone(const MethodType& type) {
+bool goesOnAlone(const methods::MethodType& type) {
   return type.goes_on_alone;
 }
 
@@ -60,7 +60,7 @@ std::string toMrptConfig(const core::IniFile& config, const std::string& name) {
   const auto& mrpt_config = methodType(type).mrpt_config;
   if (mrpt_config) return mrpt_config(config, name);
   const auto* given = config.find("method", "type");
-  const auto hasProgram = [](const MethodType& one) { return one.mrpt_config != nullptr; };
+  const auto hasProgram = [](const methods::MethodType& one) { return one.mrpt_config != nullptr; };
   throw core::InputError((given != nullptr ? given->origin : name) +
                          ": section [method], key 'type': found '" + type + "', expected " +
                          methodTypesWhich(hasProgram) + ": no MRPT program runs the " + type + " method");

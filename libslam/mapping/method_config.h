@@ -15,7 +15,7 @@ struct MethodConfig {
   MethodOptions method;
   odometry::ScanOdometryOptions scan_odometry;
   std::vector<core::ParameterReport> report;  ///< all parameters, those of the type, too
-  MethodMaker make;
+  methods::MethodMaker make;
 };
 
 /// Errors (InputError): every misspelt, impossible or contradictory key; a section that the type does not

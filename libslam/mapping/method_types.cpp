@@ -1,32 +1,32 @@
 #include "libslam/mapping/method_types.h"
 
 #include "libslam/core/error.h"
-#include "libslam/mapping/graph_method.h"
-#include "libslam/mapping/icp_method.h"
-#include "libslam/mapping/naive_method.h"
-#include "libslam/mapping/particle_method.h"
-#include "libslam/mapping/rbpf_method.h"
+#include "libslam/methods/graph_method.h"
+#include "libslam/methods/icp_method.h"
+#include "libslam/methods/naive_method.h"
+#include "libslam/methods/particle_method.h"
+#include "libslam/methods/rbpf_method.h"
 
 namespace slam::mapping {
 
-const std::vector<MethodType>& methodTypes() {
-  static const std::vector<MethodType> kTypes = {
-      naiveMethod(),     //
-      icpMethod(),       //
-      rbpfMethod(),      //
-      particleMethod(),  //
-      graphMethod(),     //
+const std::vector<methods::MethodType>& methodTypes() {
+  static const std::vector<methods::MethodType> kTypes = {
+      methods::naiveMethod(),     //
+      methods::icpMethod(),       //
+      methods::rbpfMethod(),      //
+      methods::particleMethod(),  //
+      methods::graphMethod(),     //
   };
   return kTypes;
 }
 
-const MethodType& methodType(const std::string& name) {
+const methods::MethodType& methodType(const std::string& name) {
   for (const auto& type : methodTypes())
     if (type.name == name) return type;
   throw core::ContractError("no type of method '" + name + "'");
 }
 
-std::string methodTypesWhich(const std::function<bool(const MethodType&)>& is) {
+std::string methodTypesWhich(const std::function<bool(const methods::MethodType&)>& is) {
   std::vector<std::string> names;
   for (const auto& type : methodTypes())
     if (is(type)) names.push_back(type.name);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "libslam/core/elementary.h"
-#include "libslam/mapping/information.h"
+#include "libslam/scanmatch/information.h"
 
 namespace slam::mapping {
 namespace {
@@ -55,7 +55,7 @@ scanmatch::MatchResult ScanDeskewer::matched(const robot::Scan& deskewed, const 
                                              const scanmatch::PosePrior& odometry) const {
   const auto points = scanmatch::patchPoints(deskewed, kSpacing);
   scanmatch::MatchOptions options;
-  options.information_scale = kInformationScale;
+  options.information_scale = scanmatch::kInformationScale;
   options.prior_kernel = kOdometryKernel;
   scanmatch::MatchResult result;
   result.T_map_robot = guess;
@@ -71,10 +71,10 @@ robot::Scan ScanDeskewer::deskewedByMatch(const StepHistory& history, const robo
                                           const robot::Sweep& sweep) {
   const auto before = scanmatch::patchPoints(*history.previous_scan, kSpacing);
   for (auto* map : {&coarse_, &fine_}) map->clear({}, kSpacing.max_range_m), map->add(before, {});
-  const double root = std::sqrt(std::clamp(period_s, 0.0, 2.0) / kNominalPeriod_s);
+  const double root = std::sqrt(std::clamp(period_s, 0.0, 2.0) / scanmatch::kNominalPeriod_s);
   scanmatch::PosePrior odometry;
   odometry.mean = T_previous_robot;
-  odometry.information = poseInformation(
+  odometry.information = scanmatch::poseInformation(
       kOdometry_m * root + kOdometryShare * core::hypot(T_previous_robot.x, T_previous_robot.y),
       kOdometry_rad * root + kOdometryShare * std::abs(T_previous_robot.phi));
   robot::Scan result = robot::deskewed(scan, T_previous_robot, period_s, sweep);
@@ -103,7 +103,7 @@ std::optional<robot::Scan> ScanDeskewer::deskewed(const StepHistory& history, co
   if (!motion) return std::nullopt;
   ++counts_.set_right;
   if (has_odometry && sweep->duration_s <= kLongestShare * motion->period_s &&
-      areOfOneLidar(*history.previous_scan, scan))
+      robot::areOfOneLidar(*history.previous_scan, scan))
     return deskewedByMatch(history, scan, motion->T_previous_robot, motion->period_s, *sweep);
   return robot::deskewed(scan, motion->T_previous_robot, motion->period_s, *sweep);
 }

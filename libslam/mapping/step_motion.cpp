@@ -27,13 +27,8 @@ core::Pose2 asMrptHasIt(const core::Pose2& pose) {
 
 }  // namespace
 
-bool areOfOneLidar(const robot::Scan& scan_a, const robot::Scan& scan_b) {
-  const core::Pose2 &a = scan_a.T_robot_lidar, &b = scan_b.T_robot_lidar;
-  return a.x == b.x && a.y == b.y && a.phi == b.phi;
-}
-
 bool StepHistory::isReference(const robot::Scan& scan) const {
-  return !reference_scan || areOfOneLidar(*reference_scan, scan);
+  return !reference_scan || robot::areOfOneLidar(*reference_scan, scan);
 }
 
 void StepHistory::note(const robot::Scan& scan, const core::Pose2& T_previous_robot,
@@ -87,14 +82,14 @@ odometry::ScanMotion StepMotions::fromScans(const StepHistory& history, const ro
   return motion;
 }
 
-StepMotion StepMotions::next(const StepHistory& history, const robot::Scan& scan,
-                             const core::Pose2& T_previous_robot, bool has_odometry) {
+methods::StepMotion StepMotions::next(const StepHistory& history, const robot::Scan& scan,
+                                      const core::Pose2& T_previous_robot, bool has_odometry) {
   if (goes_on_alone_) return nextAlone(history, scan, T_previous_robot, has_odometry);
   const bool is_first = !history.previous_scan;
   const bool from_scans = method_.odometry != "wheel" || (!has_odometry && !is_first);
   if (from_scans) {
     const odometry::ScanMotion motion = fromScans(history, scan);
-    requireFinite(motion.T_previous_current, "the motion estimated from the scans");
+    methods::requireFinite(motion.T_previous_current, "the motion estimated from the scans");
     // The original method stays what it was: how far, it never asks the wheels.
     const bool ask_wheels = !motion.reliable && has_odometry && method_.odometry != "argmax" &&
                             method_.odometry != "argmax_blind";
@@ -103,26 +98,27 @@ StepMotion StepMotions::next(const StepHistory& history, const robot::Scan& scan
     scan_odometry_saw_previous_ = false;
   }
   const core::Pose2 increment = is_first ? core::Pose2{} : T_previous_robot;
-  requireFinite(increment, "the odometry");
+  methods::requireFinite(increment, "the odometry");
   return {increment, true, std::nullopt};
 }
 
-core::Pose2 StepMotions::asFed(const StepMotion& motion, const core::Pose2& T_previous_robot) const {
+core::Pose2 StepMotions::asFed(const methods::StepMotion& motion, const core::Pose2& T_previous_robot) const {
   if (!goes_on_alone_) return asMrptHasIt(motion.T_previous_robot);
   return motion.is_known ? motion.T_previous_robot : T_previous_robot;
 }
 
 /// Where there is no odometry such a method knows better than two scans alone.
-StepMotion StepMotions::nextAlone(const StepHistory& history, const robot::Scan& scan,
-                                  const core::Pose2& T_previous_robot, bool has_odometry) {
-  StepMotion motion{T_previous_robot, has_odometry, std::nullopt};
+methods::StepMotion StepMotions::nextAlone(const StepHistory& history, const robot::Scan& scan,
+                                           const core::Pose2& T_previous_robot, bool has_odometry) {
+  methods::StepMotion motion{T_previous_robot, has_odometry, std::nullopt};
   if (method_.odometry == "none") {
     motion.is_known = false;
   } else if (method_.odometry != "wheel") {
     motion.T_previous_robot = fromScans(history, scan).T_previous_current;
     motion.is_known = true;
   }
-  if (history.previous_scan && motion.is_known) requireFinite(motion.T_previous_robot, "the odometry");
+  if (history.previous_scan && motion.is_known)
+    methods::requireFinite(motion.T_previous_robot, "the odometry");
   return motion;
 }
 

@@ -4,13 +4,10 @@
 #include <vector>
 
 #include "libslam/mapping/method_options.h"
-#include "libslam/mapping/slam_method.h"
+#include "libslam/methods/slam_method.h"
 #include "libslam/robot/motion_kind.h"
 
 namespace slam::mapping {
-
-/// Whether two scans come from one lidar of the robot: each is known by its mounting.
-bool areOfOneLidar(const robot::Scan& a, const robot::Scan& b);
 
 /// What is remembered of the steps so far.
 struct StepHistory {
@@ -35,18 +32,18 @@ class StepMotions {
   void setCommands(std::vector<robot::Commanded> commands) { commands_ = std::move(commands); }
 
   /// Errors: MethodError for a motion that is not finite.
-  StepMotion next(const StepHistory& history, const robot::Scan& scan, const core::Pose2& T_previous_robot,
-                  bool has_odometry);
+  methods::StepMotion next(const StepHistory& history, const robot::Scan& scan,
+                           const core::Pose2& T_previous_robot, bool has_odometry);
   /// The motion as the method took it, which made T_previous_robot of it.
-  core::Pose2 asFed(const StepMotion& motion, const core::Pose2& T_previous_robot) const;
+  core::Pose2 asFed(const methods::StepMotion& motion, const core::Pose2& T_previous_robot) const;
   /// Before next(): what the robot was told at this step, as far as anybody knows.
   void noteCommand(const robot::Commanded& commanded, std::uint64_t step, const core::Pose2& T_previous_robot,
                    bool has_odometry);
 
  private:
   odometry::ScanMotion fromScans(const StepHistory& history, const robot::Scan& scan);
-  StepMotion nextAlone(const StepHistory& history, const robot::Scan& scan,
-                       const core::Pose2& T_previous_robot, bool has_odometry);
+  methods::StepMotion nextAlone(const StepHistory& history, const robot::Scan& scan,
+                                const core::Pose2& T_previous_robot, bool has_odometry);
 
   MethodOptions method_;
   odometry::ScanOdometryOptions scan_odometry_options_;

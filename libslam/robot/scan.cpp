@@ -13,4 +13,9 @@ std::vector<core::Point2> scanPoints(const Scan& scan) {
   return points;
 }
 
+bool areOfOneLidar(const Scan& scan_a, const Scan& scan_b) {
+  const core::Pose2 &a = scan_a.T_robot_lidar, &b = scan_b.T_robot_lidar;
+  return a.x == b.x && a.y == b.y && a.phi == b.phi;
+}
+
 }  // namespace slam::robot

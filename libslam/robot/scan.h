@@ -37,6 +37,9 @@ struct Scan {
   }
 };
 
+/// Whether two scans come from one lidar of the robot: each is known by its mounting.
+bool areOfOneLidar(const Scan& a, const Scan& b);
+
 /// The points of all returns, in the robot frame, in beam order.
 std::vector<core::Point2> scanPoints(const Scan& scan);
 

@@ -50,7 +50,7 @@ class Row {
 
 }  // namespace
 
-std::vector<JournalLine> placedJournal(const std::vector<mapping::JournalEntry>& journal,
+std::vector<JournalLine> placedJournal(const std::vector<core::JournalEntry>& journal,
                                        const std::vector<double>& stamps_s, const core::Trajectory& path) {
   std::vector<JournalLine> lines;
   for (const auto& entry : journal) {

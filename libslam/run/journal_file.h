@@ -3,13 +3,13 @@
 #include <string>
 #include <vector>
 
+#include "libslam/core/journal.h"
 #include "libslam/core/pose2.h"
-#include "libslam/mapping/journal.h"
 
 namespace slam::run {
 
 /// A journal's entry with its time and place: a line of journal.csv. Which events there are is for the method
-/// to say (mapping::GraphSlam, mapping::ParticleFilter).
+/// to say (graph::GraphSlam, particles::ParticleFilter).
 struct JournalLine {
   int scan = 0;
   double time_s = 0;  ///< since the log's first scan
@@ -22,7 +22,7 @@ struct JournalLine {
 };
 
 /// stamps_s and path: of every scan, in the log's order; not empty.
-std::vector<JournalLine> placedJournal(const std::vector<mapping::JournalEntry>& journal,
+std::vector<JournalLine> placedJournal(const std::vector<core::JournalEntry>& journal,
                                        const std::vector<double>& stamps_s, const core::Trajectory& path);
 
 std::string journalCsv(const std::vector<JournalLine>& journal);

@@ -18,7 +18,7 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/mapping/graph_slam.h"
+#include "libslam/graph/graph_slam.h"
 #include "libslam/report/map_view.h"
 #include "libslam/report/page_text.h"
 #include "libslam/viewer/layers.h"
@@ -159,7 +159,7 @@ double lineWidth(const report::Window& window) {
   return kLineShare * std::max(window.width(), window.height());
 }
 
-void insertGraph(COpenGLScene& scene, const mapping::GraphSlam& slam, double line_m) {
+void insertGraph(COpenGLScene& scene, const graph::GraphSlam& slam, double line_m) {
   const auto& graph = slam.graph();
   std::vector<core::Point2> nodes;
   for (const auto& pose : graph.poses()) nodes.push_back(core::position(pose));

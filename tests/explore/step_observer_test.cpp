@@ -9,7 +9,7 @@
 #include "libslam/core/files.h"
 #include "libslam/core/resources.h"
 #include "libslam/explore/explore.h"
-#include "libslam/mapping/graph_slam.h"
+#include "libslam/graph/graph_slam.h"
 #include "libslam/record/record.h"
 #include "libslam/run/build_map.h"
 #include "libslam/testing/temp_folder.h"

@@ -8,10 +8,10 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/mapping/graph_slam.h"
+#include "libslam/graph/graph_slam.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/mapping/particle_filter.h"
 #include "libslam/odometry/scan_odometry.h"
+#include "libslam/particles/particle_filter.h"
 #include "libslam/scanmatch/correlative_search.h"
 #include "libslam/scanmatch/field_matcher.h"
 #include "libslam/scanmatch/surfel_matcher.h"
@@ -41,9 +41,9 @@ TEST(AnyScans, LeaveTheGraphFinite) {
     SCOPED_TRACE(drive);
     // A leap of kilometres as well as one of metres: loops are searched for where the robot comes back.
     RandomSteps steps(static_cast<std::uint64_t>(drive), 400, drive % 2 == 0 ? 1e6 : 3);
-    GraphOptions options;
+    graph::GraphOptions options;
     options.refine_rounds = drive % 4 == 0 ? 1 : 0;
-    GraphSlam graph(options);
+    graph::GraphSlam graph(options);
     for (int i = 0; i < kStepsPerDrive; ++i) {
       const RandomStep given = steps.next();
       const auto step = graph.process(given.scan, given.T_previous_robot, given.has_odometry);
@@ -63,16 +63,16 @@ TEST(AnyScans, LeaveTheParticlesFinite) {
   for (int drive = 0; drive < drives(60); ++drive) {
     SCOPED_TRACE(drive);
     RandomSteps steps(static_cast<std::uint64_t>(drive), 400, 3);
-    ParticleFilterOptions options;
+    particles::ParticleFilterOptions options;
     options.count = 3, options.lost_scans = 5;
-    ParticleFilter filter(options, 1);
+    particles::ParticleFilter filter(options, 1);
     for (int i = 0; i < kStepsPerDrive; ++i) {
       const RandomStep given = steps.next();
       const core::Pose2& move = given.T_previous_robot;
       const double xy = 0.02 + 0.1 * std::hypot(move.x, move.y), turn = 0.01 + 0.2 * std::abs(move.phi);
-      std::optional<Motion> motion;
+      std::optional<particles::Motion> motion;
       if (given.has_odometry)
-        motion = Motion{move, Eigen::Vector3d(xy * xy, xy * xy, turn * turn).asDiagonal()};
+        motion = particles::Motion{move, Eigen::Vector3d(xy * xy, xy * xy, turn * turn).asDiagonal()};
       const auto& step = filter.update(given.scan, motion);
       ASSERT_TRUE(core::isFinite(step.T_map_robot)) << i;
       ASSERT_TRUE(isCovariance(step.covariance)) << i << "\n" << step.covariance;
@@ -154,7 +154,7 @@ TEST(AnyScans, GiveInformationWithoutNegativeEigenvaluesWhereverSurfelsAreSeen) 
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(matched.information, Eigen::EigenvaluesOnly);
     ASSERT_GT(parts.eigenvalues()[2], 1e6);
     ASSERT_GE(parts.eigenvalues()[0], -1e-14 * parts.eigenvalues()[2]) << turn;
-    const auto edge = edgeInformation(matched.information, phi);
+    const auto edge = scanmatch::edgeInformation(matched.information, phi);
     ASSERT_STREQ(posegraph::informationProblem(edge), "") << turn;
   }
 }
@@ -163,12 +163,12 @@ TEST(AnyScans, InformationOfAnyRankGivesACovariance) {
   for (const Eigen::Vector3d& diagonal :
        {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1e9, 0, 0), Eigen::Vector3d(1e9, -1, 1),
         Eigen::Vector3d(-1, -2, -3), Eigen::Vector3d(1e-10, 1e9, 1e-10)}) {
-    EXPECT_TRUE(isCovariance(covarianceOf(diagonal.asDiagonal()))) << diagonal.transpose();
-    EXPECT_STREQ(posegraph::informationProblem(edgeInformation(diagonal.asDiagonal(), 0.7)), "")
+    EXPECT_TRUE(isCovariance(scanmatch::covarianceOf(diagonal.asDiagonal()))) << diagonal.transpose();
+    EXPECT_STREQ(posegraph::informationProblem(scanmatch::edgeInformation(diagonal.asDiagonal(), 0.7)), "")
         << diagonal.transpose();
   }
   const Eigen::Matrix3d sure = Eigen::Vector3d(4, 25, 100).asDiagonal();
-  EXPECT_TRUE(covarianceOf(sure).isApprox(sure.inverse(), 1e-12));
+  EXPECT_TRUE(scanmatch::covarianceOf(sure).isApprox(sure.inverse(), 1e-12));
 }
 
 }  // namespace

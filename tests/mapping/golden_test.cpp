@@ -8,7 +8,7 @@
 
 #include "libslam/core/files.h"
 #include "libslam/mapping/map_builder.h"
-#include "tests/mapping/drawn_drives.h"
+#include "tests/graph/drawn_drives.h"
 
 namespace slam::mapping {
 namespace {

@@ -12,9 +12,9 @@
 #include <filesystem>
 #include <thread>
 
+#include "libslam/builders/mrpt_compat.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/mapping/mrpt_compat.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/mapping/small_room.h"
 
@@ -321,7 +321,7 @@ TEST(MapFiles, TheGridFileIsAStockGridWithTheSameCells) {
   const auto object = mrpt::serialization::archiveFrom(file).ReadObject();
   ASSERT_STREQ(object->GetRuntimeClass()->className, "mrpt::maps::COccupancyGridMap2D");
   const auto& grid = dynamic_cast<const mrpt::maps::COccupancyGridMap2D&>(*object);
-  const auto& maps = compat::asReference(mrptBuilder(method).getCurrentlyBuiltMetricMap());
+  const auto& maps = builders::compat::asReference(mrptBuilder(method).getCurrentlyBuiltMetricMap());
   EXPECT_EQ(grid.getRawMap(), maps.mapByClass<mrpt::maps::COccupancyGridMap2D>()->getRawMap());
 }
 

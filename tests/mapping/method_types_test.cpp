@@ -18,7 +18,7 @@
 
 namespace slam::mapping {
 
-void PrintTo(const MethodType& type, std::ostream* out) {
+void PrintTo(const methods::MethodType& type, std::ostream* out) {
   *out << type.name;
 }
 
@@ -42,7 +42,7 @@ std::string errorOf(const std::string& type, const std::string& more) {
   return "(no error)";
 }
 
-class EveryType : public ::testing::TestWithParam<MethodType> {
+class EveryType : public ::testing::TestWithParam<methods::MethodType> {
  protected:
   MapBuilder make(std::uint64_t seed = 3) const {
     return makeMapBuilder(configOf(GetParam().name), "m", seed);
@@ -202,11 +202,11 @@ TEST(MethodTypes, HaveDifferentNames) {
 }
 
 TEST(MethodTypes, AreListedInASentence) {
-  EXPECT_EQ(methodTypesWhich([](const MethodType&) { return false; }), "");
-  EXPECT_EQ(methodTypesWhich([](const MethodType& type) { return type.name == "icp"; }), "icp");
-  EXPECT_EQ(
-      methodTypesWhich([](const MethodType& type) { return type.name != "naive" && type.name != "graph"; }),
-      "icp, rbpf or particles");
+  EXPECT_EQ(methodTypesWhich([](const methods::MethodType&) { return false; }), "");
+  EXPECT_EQ(methodTypesWhich([](const methods::MethodType& type) { return type.name == "icp"; }), "icp");
+  EXPECT_EQ(methodTypesWhich(
+                [](const methods::MethodType& type) { return type.name != "naive" && type.name != "graph"; }),
+            "icp, rbpf or particles");
 }
 
 }  // namespace

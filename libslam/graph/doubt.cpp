@@ -1,0 +1,275 @@
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/core/elementary.h"
+#include "libslam/graph/graph_slam.h"
+
+namespace slam::graph {
+namespace {
+
+using core::Pose2;
+using scanmatch::PatchPoint;
+using scanmatch::PosePrior;
+
+/// A doubt that passes within this time, and within a keyframe's distance, leaves nothing in the map: a
+/// glitch, somebody who stands before the lidar.
+constexpr double kHold_s = 0.5;
+/// A scan of which less is known than this share says nothing.
+constexpr double kTold = 0.1;
+/// Standard deviations of where a kidnapped robot was put down: anywhere.
+constexpr double kGap_m = 30, kGap_rad = 3;
+/// Keyframes that are all learnt from; then one in so many.
+constexpr int kLearntSoon = 20;
+/// Of what a scan sees the next one sees this share at least, as a rule.
+constexpr double kShared = 0.6;
+/// In standard deviations of odometry.
+constexpr double kMissed = 4;
+/// Two scans that contradict each other more than this are matched to each other.
+constexpr double kAskScans = 0.1;
+constexpr double kGoldenAngle_rad = 2.399963;
+/// A wrong place that is matched nearer to the right heading is none.
+constexpr double kFoundBack_rad = 0.3;
+
+}  // namespace
+
+/// How far a scan and the last one of its lidar contradict each other after a motion, 0..1: of the points
+/// that the one before speaks of, those in whose place it saw that there is nothing. It has to speak of
+/// kShared of them; what is missing there counts, too. 0 without a scan before.
+double GraphSlam::brokenBy(const std::vector<PatchPoint>& points, const Pose2& T_previous_robot) const {
+  if (before() == nullptr) return 0;
+  const View seen = view(before()->scan, before()->T_seen_robot * T_previous_robot, points);
+  const double shared =
+      std::max<double>(seen.agreed + seen.passed, kShared * static_cast<double>(points.size()));
+  return shared > 0 ? 1 - seen.agreed / shared : 0;
+}
+
+/// The motion since the scan before by which the two scans contradict each other least, and by how much: as
+/// odometry has it, as matched, or, where these do not fit, as the two scans alone have it.
+Break GraphSlam::breakBefore(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+                             const Pose2& T_previous_robot, const Pose2& T_previous_matched,
+                             bool has_odometry) const {
+  if (before() == nullptr || points.empty()) return {T_previous_robot, std::nan("")};
+  Break best{T_previous_robot, 1};
+  const auto consider = [&](const Pose2& T) {
+    const double conflict = brokenBy(points, T);
+    if (conflict < best.contradicted) best = {T, conflict};
+  };
+  // What wheels cannot have missed is a break, however well the scans fit.
+  const Prediction odometry = predict(T_previous_robot, has_odometry);
+  const auto isPossible = [&](const Pose2& T) {
+    return core::distance(T, T_previous_robot) < kMissed * odometry.sigma_xy_m &&
+           std::abs(core::angleDifference(T.phi, T_previous_robot.phi)) < kMissed * odometry.sigma_turn_rad;
+  };
+  consider(T_previous_robot);
+  if (isPossible(T_previous_matched)) consider(T_previous_matched);
+  if (best.contradicted > kAskScans)
+    if (const auto motion = motionFromScans(scan); motion && isPossible(*motion)) consider(*motion);
+  return best;
+}
+
+/// Of what speaks of a scan's place, the share that speaks against it, when the map explains so much of the
+/// scan.
+double Told::against(double explained) const {
+  const double against = contradicted * telling;
+  return against + explained > 0 ? against / (against + explained) : 0;
+}
+
+/// What keyframes and a scan at a pose say of each other: their beams of its points, and its beams of theirs,
+/// on average. Without the scan: their beams alone.
+Told GraphSlam::toldBy(const std::vector<int>& viewers, const std::vector<PatchPoint>& points,
+                       const Pose2& T_map_robot, const robot::Scan* scan) const {
+  Told told;
+  if (viewers.empty() || points.empty()) return told;
+  const auto add = [](const View& seen, size_t asked, double& passed, double& share) {
+    const double all = static_cast<double>((asked + kStride - 1) / kStride);
+    passed += seen.passed / all;
+    share += (seen.agreed + seen.passed) / all;
+  };
+  for (const int viewer : viewers) {
+    double passed = 0, theirs = 0, its = 0;
+    const Pose2 T_viewer_scan = core::between(graph_.pose(viewer), T_map_robot);
+    add(view(keyframe(viewer).seen, T_viewer_scan, points, kStride), points.size(), passed, theirs);
+    const auto& known = keyframe(viewer).points;
+    if (scan != nullptr && !known.empty())
+      add(view(*scan, core::inverse(T_viewer_scan), known, kStride), known.size(), passed, its);
+    if (theirs + its > 0) told.contradicted += passed / (theirs + its);
+    told.telling += std::max(theirs, its);
+  }
+  told.contradicted /= static_cast<double>(viewers.size());
+  told.telling /= static_cast<double>(viewers.size());
+  return told;
+}
+
+/// What a scan says of whether the robot was kidnapped. A scan that the map explains does not contradict it,
+/// whatever beams went through where somebody stands now.
+void GraphSlam::lookWhetherLost(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+                                const Step& step, const Pose2& increment, double broken) {
+  Told told;
+  double explained = step.score;
+  if (doubt_.begins < 0) {
+    told = toldBy(firstOf(map_keyframes_, kAskedViewers), points, step.T_map_robot, &scan);
+  } else {
+    told = trackBefore(scan, points, increment, explained);
+    // People who walk about contradict what was seen a moment ago, too.
+    const auto own = toldBy(firstOf(map_keyframes_, kAskedViewers), points, step.T_map_robot, &scan);
+    told.contradicted = std::max(told.contradicted - own.contradicted, 0.0);
+  }
+  LostDetector::Look look{};
+  look.time_s = scan.time_s;
+  look.moved_m = core::hypot(increment.x, increment.y);
+  look.broken = broken;
+  look.contradicted = told.against(explained);
+  look.telling = std::min(told.contradicted * told.telling + explained, 1.0);
+  look.may_be_lost = explained < options_.lost_score;
+  lost_.look(look);
+  if (look.telling < kTold) doubt_.untold_m += look.moved_m;
+}
+
+/// While in doubt: where the robot is if it was not kidnapped, by the map from before, and what that says of
+/// the scan. Odometry leads, within its noise.
+Told GraphSlam::trackBefore(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+                            const Pose2& increment, double& explained) {
+  const Prediction step = predict(increment, true);
+  PosePrior prior;
+  prior.mean = doubt_.T_map_robot * increment;
+  prior.information = scanmatch::poseInformation(step.sigma_xy_m, step.sigma_turn_rad);
+  const auto matched = match(points, *doubt_.maps, prior.mean, prior, 0, true);
+  const auto as_matched =
+      toldBy(keyframesBeforeDoubt(matched.T_map_robot), points, matched.T_map_robot, &scan);
+  const auto as_led = toldBy(keyframesBeforeDoubt(prior.mean), points, prior.mean, &scan);
+  const bool fits = as_matched.contradicted <= as_led.contradicted;
+  doubt_.T_map_robot = fits ? matched.T_map_robot : prior.mean;
+  doubt_.information = fits ? matched.information : prior.information;
+  explained = matched.score;
+  return fits ? as_matched : as_led;
+}
+
+/// What a scan contradicts where the robot is not: turned on the spot, and matched again as a kidnapped robot
+/// would be.
+void GraphSlam::learnWrongPlace(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+                                const Pose2& T_map_robot) {
+  // Often in the beginning, seldom when much is known.
+  ++wrong_places_;
+  if (wrong_places_ > kLearntSoon && wrong_places_ % kLearntSoon != 0) return;
+  const auto viewers = firstOf(map_keyframes_, kAskedViewers);
+  if (viewers.empty() || points.empty()) return;
+  const double turn = 0.5 + std::fmod(wrong_places_ * kGoldenAngle_rad, 2 * core::kPi - 1);
+  const Pose2 wrong{T_map_robot.x, T_map_robot.y, T_map_robot.phi + turn};
+  scanmatch::PosePrior flat;
+  flat.mean = wrong;
+  flat.information.setIdentity();
+  const auto matched = match(points, maps_, wrong, flat, 0, true);
+  if (std::abs(core::angleDifference(matched.T_map_robot.phi, T_map_robot.phi)) < kFoundBack_rad) return;
+  lost_.learnWrong(toldBy(viewers, points, matched.T_map_robot, &scan).against(matched.score));
+}
+
+/// The keyframes from before the doubt that can say most of a pose: the nearest.
+std::vector<int> GraphSlam::keyframesBeforeDoubt(const Pose2& T_map_robot) const {
+  std::vector<int> before;
+  for (const int k : keyframesWithin(core::position(T_map_robot), options_.map_radius_m)) {
+    if (k < doubt_.begins && componentOf(k) == componentOf(doubt_.begins)) before.push_back(k);
+    if (static_cast<int>(before.size()) == kAskedViewers) break;
+  }
+  return before;
+}
+
+/// Whether a scan is believed. In doubt the robot first waits, moved as the two scans and odometry have it;
+/// then it maps on by itself, in a map of its own, which stays part of the rest when the doubt passes.
+Trust GraphSlam::weighDoubt(const Pose2& T_before, const Break& seam, Step& step) {
+  if (doubt_.begins >= 0) {
+    if (!lost_.isInDoubt()) return Trust::kBack;
+    if (doubt_.untold_m > options_.map_radius_m && !lost_.isLost()) {
+      // The robot has left what was known before: nothing will prove it any more.
+      endDoubt();
+    }
+    return Trust::kWell;
+  }
+  if (!lost_.isInDoubt()) {
+    if (held_back_ > 0) lost_.dismiss();
+    held_back_ = 0, doubt_ = {};
+    return Trust::kWell;
+  }
+  ++held_back_;
+  doubt_.held_s += period_s_;
+  keepTo(T_before * seam.T_previous_robot, seam.T_previous_robot, step);
+  doubt_.held_m += core::hypot(seam.T_previous_robot.x, seam.T_previous_robot.y);
+  const bool waits =
+      doubt_.held_s < kHold_s && doubt_.held_m < options_.keyframe_distance_m && !lost_.isLost();
+  return waits ? Trust::kHeldBack : Trust::kOwnMap;
+}
+
+/// The next keyframe begins a map of its own, for as long as the doubt lasts.
+void GraphSlam::beginOwnMap() {
+  forgetWheels();
+  doubt_.begins = graph_.nodeCount();
+  doubt_.maps = std::make_shared<LevelMaps>(maps_);
+  doubt_.T_map_robot = currentPose();
+  map_keyframes_.clear();
+  evidence_.by_view.clear();  // of the place where the robot is not
+}
+
+/// All is well again, and the robot is where the map from before has it. That map goes on from here; what was
+/// mapped meanwhile hangs on it by odometry alone, and no scan is matched to it any more.
+void GraphSlam::comeBack(const robot::Scan& scan, std::vector<PatchPoint> points, Step& step) {
+  const Pose2 T_map_robot = doubt_.T_map_robot;
+  const Eigen::Matrix3d information = doubt_.information;
+  const int before = doubt_.begins - 1, k = graph_.nodeCount();
+  forgetWheels();
+  map_keyframes_ = keyframesBeforeDoubt(T_map_robot);
+  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T_map_robot);
+  noteEvidence(points, T_map_robot, doubt_.maps->fine);
+  doubt_.begins = k;  // no link to the keyframe before
+  addKeyframe(scan, std::move(points), T_map_robot, information);
+  link(before, k);
+  lost_.dismiss();
+  doubt_ = {};
+  held_back_ = 0;
+  const core::Point2 centre = core::position(graph_.pose(k));
+  setMap(keyframesAround(k, centre, options_.map_path_m, options_.map_radius_m), centre);
+  step.pose_covariance = covariance_;
+}
+
+/// The doubt ends without an answer: what was mapped meanwhile is a part of the rest.
+void GraphSlam::endDoubt() {
+  link(doubt_.begins - 1, doubt_.begins);
+  lost_.dismiss();
+  doubt_ = {};
+  held_back_ = 0;
+}
+
+/// What was mapped since the doubt began is a part of the map whose place in the rest is not known.
+void GraphSlam::startElsewhere(double score) {
+  note("lost", score);
+  const int k = doubt_.begins;
+  posegraph::Edge gap = graph_.edges()[static_cast<size_t>(keyframe(k).odometry_edge)];
+  graph_.setOn(keyframe(k).odometry_edge, false);
+  gap.information = scanmatch::poseInformation(kGap_m, kGap_rad);
+  keyframes_[static_cast<size_t>(k)].odometry_edge = graph_.addEdge(gap);
+  covariance_ = scanmatch::covarianceOf(gap.information);
+  for (int i = k; i < graph_.nodeCount(); ++i) {
+    keyframes_[static_cast<size_t>(i)].path_m += kGapPath_m;
+    keyframes_[static_cast<size_t>(i)].covariance = covariance_;
+    keyframes_[static_cast<size_t>(i)].root = scanmatch::rootOf(covariance_);
+  }
+  path_m_ += kGapPath_m;
+  searched_m_ = path_m_;
+  moveHeldBackTo(k);
+  beginPart(k);
+  hypotheses_.clear();
+  lost_.restart();
+  doubt_ = {};
+  held_back_ = 0;
+}
+
+/// The scans that were held back when the doubt began belong to the new part.
+void GraphSlam::moveHeldBackTo(int k) {
+  const Pose2& T_map_keyframe = graph_.pose(k);
+  const int first = keyframe(k).scan;
+  for (int i = std::max(first - held_back_ + 1, 0); i < first; ++i) {
+    auto& record = records_[static_cast<size_t>(i)];
+    const Pose2 T_map_robot = graph_.pose(record.keyframe) * record.T_keyframe_robot;
+    record = {k, core::between(T_map_keyframe, T_map_robot), record.drift_covariance};
+  }
+}
+
+}  // namespace slam::graph

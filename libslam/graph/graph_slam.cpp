@@ -1,0 +1,253 @@
+#include "libslam/graph/graph_slam.h"
+#include "libslam/graph/search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "libslam/core/elementary.h"
+#include "libslam/core/error.h"
+
+namespace slam::graph {
+namespace {
+
+using core::Point2;
+using core::Pose2;
+using scanmatch::PatchPoint;
+
+/// An edge of odometry that was not to be trusted.
+constexpr double kDistrustedFactor = 5;
+constexpr int kPartnerStep = 3;
+/// Of a keyframe that was known before: journal entries refer to no scan then.
+constexpr int kOfEarlierRun = -1;
+
+}  // namespace
+
+LevelMaps::LevelMaps(const GraphOptions& o, bool two_sided)
+    : fine(o.cell_m, o.blur_m, two_sided),
+      middle(2 * o.cell_m, o.blur_m + 0.02),
+      coarse(4 * o.cell_m, o.blur_m + 0.07) {}
+
+GraphSlam::GraphSlam(const GraphOptions& options)
+    : options_(options),
+      maps_(options, true),
+      scratch_(options, false),
+      pass_map_(options.cell_m, options.blur_m, true) {}
+
+void GraphSlam::note(const char* event, double value, int other_keyframe, const std::string& detail) {
+  journal_.push_back({static_cast<int>(records_.size()), event, value,
+                      other_keyframe < 0 ? -1 : keyframe(other_keyframe).scan, detail});
+}
+
+Pose2 GraphSlam::currentPose() const {
+  return graph_.pose(lastKeyframe()) * T_keyframe_robot_;
+}
+
+void GraphSlam::link(int a, int b) {
+  const double length_m = core::distance(graph_.pose(a), graph_.pose(b));
+  links_[static_cast<size_t>(a)].push_back({b, length_m});
+  links_[static_cast<size_t>(b)].push_back({a, length_m});
+}
+
+GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previous_robot,
+                                   bool has_odometry) {
+  if (scan.ranges_m.size() < 2) throw core::ContractError("GraphSlam: a scan of fewer than 2 beams");
+  noteScan(scan, has_odometry);
+  Step step;
+  if (keyframes_.empty()) {
+    addKeyframe(scan, pointsOf(scan), {}, Eigen::Matrix3d::Zero());
+    step.is_keyframe = true;
+  } else {
+    std::vector<PatchPoint> points;
+    Eigen::Matrix3d information;
+    const Pose2 increment = has_odometry ? T_previous_robot : T_previous_robot_;
+    const Pose2 T_before = currentPose();
+    step = track(scan, T_previous_robot, has_odometry, points, information);
+    const Pose2 matched = core::between(T_before, step.T_map_robot);
+    const Break seam = breakBefore(scan, points, increment, matched, has_odometry);
+    lookWhetherLost(scan, points, step, has_odometry ? increment : matched, seam.contradicted);
+    const Trust trust = weighDoubt(T_before, seam, step);
+    step.is_keyframe =
+        trust == Trust::kOwnMap ||
+        (trust == Trust::kWell &&
+         (core::hypot(T_keyframe_robot_.x, T_keyframe_robot_.y) > options_.keyframe_distance_m ||
+          std::abs(T_keyframe_robot_.phi) > options_.keyframe_angle_rad ||
+          step.score < options_.keyframe_score));
+    if (trust == Trust::kBack) {
+      comeBack(scan, points, step);
+      step.is_keyframe = true;
+    } else if (step.is_keyframe) {
+      if (doubt_.begins < 0) learnWrongPlace(scan, points, step.T_map_robot);
+      if (trust == Trust::kOwnMap) beginOwnMap();
+      addKeyframe(scan, std::move(points), step.T_map_robot, information);
+      step.pose_covariance = covariance_;
+    }
+    if (lost_.isLost() && doubt_.begins >= 0) startElsewhere(step.score);
+    step.T_map_robot = currentPose();
+  }
+  if (options_.loops && isCutOff(lastKeyframe()) && doubt_.begins < 0)
+    lookForPart(parts_.back().begin, lastKeyframe());
+  records_.push_back({lastKeyframe(), T_keyframe_robot_, step.drift_covariance});
+  keepScan(scan);
+  return step;
+}
+
+void GraphSlam::addKnownKeyframe(const robot::Scan& scan, const Pose2& T_map_robot) {
+  if (!records_.empty()) throw core::ContractError("GraphSlam: known keyframes come before the first scan");
+  const Pose2 T_last = keyframes_.empty() ? Pose2{} : graph_.pose(lastKeyframe());
+  T_odometry_ = core::between(T_last, T_map_robot);
+  path_m_ += core::hypot(T_odometry_.x, T_odometry_.y);
+  const bool loops = std::exchange(options_.loops, false);
+  addKeyframe(scan, pointsOf(scan), T_map_robot, scanmatch::poseInformation(0.02, 0.005));
+  keyframes_.back().scan = kOfEarlierRun;
+  options_.loops = loops;
+}
+
+void GraphSlam::startAt(const Pose2& T_map_robot) {
+  if (keyframes_.empty()) throw core::ContractError("GraphSlam: startAt() without a map");
+  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T_map_robot);
+  T_previous_robot_ = {};
+  odometry_holds_ = false;
+  covariance_.setZero(), from_keyframe_.setZero();
+  forgetWheels();
+  lost_.restart();
+  doubt_ = {};
+  is_lost_ = false;
+  joins_.clear(), trail_.clear();
+  setMapNear(core::position(T_map_robot));
+}
+
+/// Two partners of a keyframe are so many keyframes apart: neighbours would say the same twice.
+bool GraphSlam::isApart(int keyframe, const std::vector<int>& others) {
+  return std::none_of(others.begin(), others.end(),
+                      [&](int other) { return std::abs(other - keyframe) < kPartnerStep; });
+}
+
+/// The keyframes that a match is shared among: the nearest, not two in a row, and only those whose beams
+/// agree.
+std::vector<int> GraphSlam::partnersOf(int k, const std::vector<int>& near, const Pose2& T_map_robot) const {
+  std::vector<int> partners;
+  const auto& points = keyframe(k).points;
+  for (const int other : near) {
+    if (other == k) continue;
+    if (!isApart(other, partners)) continue;
+    if (other != k - 1) {
+      const View seen = view(other, core::between(graph_.pose(other), T_map_robot), points);
+      if (seen.conflict() > options_.link_conflict ||
+          seen.agreed < options_.link_agreed * static_cast<double>(points.size()))
+        continue;
+    }
+    partners.push_back(other);
+    if (static_cast<int>(partners.size()) == options_.edges_per_keyframe) break;
+  }
+  return partners;
+}
+
+/// What the scans cannot see, odometry has to hold; where it was wrong, the matched motion stands in for it,
+/// weakly.
+int GraphSlam::addOdometryEdge(int k) {
+  posegraph::Edge edge;
+  edge.from = k - 1, edge.to = k;
+  edge.T_from_to = odometry_holds_ ? T_odometry_ : core::between(graph_.pose(k - 1), graph_.pose(k));
+  const double factor = odometry_holds_ ? 1 : kDistrustedFactor;
+  const double move_m = core::hypot(edge.T_from_to.x, edge.T_from_to.y),
+               turn_rad = std::abs(edge.T_from_to.phi);
+  edge.information = scanmatch::poseInformation(
+      factor * (options_.odometry_xy_m + options_.odometry_xy_per_m * move_m),
+      factor * (options_.odometry_turn_rad + options_.odometry_turn_per_rad * turn_rad));
+  return graph_.addEdge(edge);
+}
+
+/// Ties keyframe k to those that it was matched to. Those of an earlier pass may not lie as these do: each
+/// pass gets the pose that a match to it alone gives, so that an edge says what was measured between its
+/// ends, and not where their mean was.
+void GraphSlam::addMatchEdges(int k, const Pose2& T_map_robot, const Eigen::Matrix3d& information) {
+  std::vector<int> lately, before;
+  for (const int other : map_keyframes_) {
+    const bool is_late = std::abs(path_m_ - keyframe(other).path_m) < options_.map_path_m;
+    (is_late ? lately : before).push_back(other);
+  }
+  const bool are_two = !lately.empty() && !before.empty();
+  const auto partners = partnersOf(k, map_keyframes_, T_map_robot);
+  for (const auto* pass : {&lately, &before}) {
+    Pose2 T = T_map_robot;
+    Eigen::Matrix3d told = information;
+    double share = static_cast<double>(std::max<size_t>(partners.size(), 1));
+    std::vector<int> own;
+    for (const int partner : partners)
+      if (std::find(pass->begin(), pass->end(), partner) != pass->end()) own.push_back(partner);
+    if (own.empty()) continue;
+    if (are_two) {
+      const auto matched = matchToPass(k, *pass, T_map_robot);
+      if (!matched && pass == &before) continue;
+      if (matched)
+        T = matched->T_map_robot, told = matched->information, share = static_cast<double>(own.size());
+    }
+    for (const int partner : own) {
+      posegraph::Edge edge;
+      edge.from = partner, edge.to = k;
+      edge.T_from_to = core::between(graph_.pose(partner), T);
+      edge.information = scanmatch::edgeInformation(told, T.phi) / share;
+      graph_.addEdge(edge);
+      link(partner, k);
+    }
+  }
+}
+
+/// Keyframe k matched to these alone, from where it lies; nothing where that is another place.
+std::optional<scanmatch::MatchResult> GraphSlam::matchToPass(int k, const std::vector<int>& pass,
+                                                             const Pose2& T_map_robot) {
+  pass_map_.clear(core::position(T_map_robot), kMapReach_m);
+  for (const int other : pass) pass_map_.add(keyframe(other).points, graph_.pose(other), other);
+  scanmatch::PosePrior flat;
+  flat.mean = T_map_robot;
+  flat.information.setIdentity();
+  const auto matched = alignToSurfels(keyframe(k).points, pass_map_, T_map_robot, flat, matchOptions(10));
+  if (matched.score < options_.loop_confirm_score ||
+      core::distance(matched.T_map_robot, T_map_robot) > kConfirmStep_m ||
+      std::abs(core::angleDifference(matched.T_map_robot.phi, T_map_robot.phi)) > kConfirmTurn_rad)
+    return std::nullopt;
+  return matched;
+}
+
+void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
+                            const Eigen::Matrix3d& information) {
+  const int k = graph_.addNode(T_map_robot);
+  keyframes_.push_back({static_cast<int>(records_.size()), scan, std::move(points), path_m_, -1,
+                        by_wheels_.has_value(), -1, Eigen::Matrix3d::Zero(), noise_, covariance_,
+                        scanmatch::rootOf(covariance_ + noise_)});
+  links_.emplace_back();
+  if (k == 0) {
+    graph_.setFixed(0);
+  } else {
+    keyframes_.back().odometry_edge = addOdometryEdge(k);
+    if (doubt_.begins != k) link(k - 1, k);
+    addMatchEdges(k, T_map_robot, information);
+    noteMatch();
+  }
+  from_keyframe_.setZero();
+  T_keyframe_robot_ = {};
+  T_odometry_ = {};
+  odometry_holds_ = true;
+  if (options_.loops && k > 0) closeLoops();
+  const Point2 centre = core::position(currentPose());
+  setMap(keyframesAround(k, centre, options_.map_path_m, options_.map_radius_m), centre);
+}
+
+std::vector<Pose2> GraphSlam::poses() const {
+  std::vector<Pose2> result;
+  result.reserve(records_.size());
+  for (const auto& record : records_)
+    result.push_back(graph_.pose(record.keyframe) * record.T_keyframe_robot);
+  return result;
+}
+
+void GraphSlam::finish() {
+  if (keyframes_.empty()) return;
+  if (options_.loops) joinRemainingParts();
+  if (options_.loops) searchRemainingLoops();
+  noteWhatStaysApart();
+  if (options_.refine_rounds > 0) refine();
+}
+
+}  // namespace slam::graph

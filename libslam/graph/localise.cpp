@@ -1,0 +1,113 @@
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/core/error.h"
+#include "libslam/graph/graph_slam.h"
+#include "libslam/graph/search.h"
+
+namespace slam::graph {
+namespace {
+
+using core::Pose2;
+using scanmatch::PatchPoint;
+
+/// Where less of a scan than this falls on what is mapped, the robot has left the map.
+constexpr double kLeastKnown = 0.5;
+/// A scan fits where it lies, within this.
+constexpr double kSame_m = 0.5, kSame_rad = 0.2;
+
+}  // namespace
+
+void GraphSlam::startAnywhere() {
+  if (keyframes_.empty()) throw core::ContractError("GraphSlam: startAnywhere() without a map");
+  startAt(graph_.pose(0));
+  beLost(0);
+}
+
+GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_previous_robot,
+                                    bool has_odometry) {
+  if (keyframes_.empty()) throw core::ContractError("GraphSlam: localise() without a map");
+  std::vector<PatchPoint> points;
+  Eigen::Matrix3d information;
+  noteScan(scan, has_odometry);
+  Pose2 increment = has_odometry ? T_previous_robot : T_previous_robot_;
+  if (is_lost_ && !has_odometry) increment = motionFromScans(scan).value_or(increment);
+  const Pose2 predicted = currentPose() * increment;
+  Step step;
+  if (is_lost_) {
+    points = pointsOf(scan);
+    step.score = 0;
+    step.T_map_robot = predicted;
+    ++held_back_;
+    keepTo(predicted, increment, step);
+    if (searchWhileLost(points, step)) {
+      is_lost_ = false;
+      held_back_ = 0;
+      lost_.restart();
+      trail_.clear();
+      searchAnew();
+      note("recovered", step.score);
+    }
+  } else {
+    const Pose2 T_before = currentPose();
+    step = track(scan, T_previous_robot, has_odometry, points, information);
+    const Break seam =
+        breakBefore(scan, points, increment, core::between(T_before, step.T_map_robot), has_odometry);
+    lookWhetherLost(scan, points, step, increment, seam.contradicted);
+    // A robot that has left the map is not searched for: odometry leads it back. What little fits would
+    // mislead it; and it is back when a scan fits as a whole.
+    const bool was_outside = is_outside_;
+    is_outside_ =
+        knownShare(points, predicted) < kLeastKnown || (was_outside && !fitsMap(points, step.T_map_robot));
+    if (is_outside_ != was_outside) note(is_outside_ ? "outside" : "inside", step.score);
+    if (is_outside_ || lost_.isInDoubt()) {
+      ++held_back_;
+      keepTo(predicted, increment, step);
+    } else {
+      held_back_ = 0;
+    }
+    if (lost_.isLost()) beLost(step.score);
+  }
+  odometry_holds_ = false;
+  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), step.T_map_robot);
+  if (!is_lost_) setMapNear(core::position(step.T_map_robot));
+  records_.push_back({lastKeyframe(), T_keyframe_robot_, step.drift_covariance});
+  keepScan(scan);
+  return step;
+}
+
+/// While nobody knows where the robot is: by its wheels, and by what it has seen since, all over the map.
+bool GraphSlam::searchWhileLost(const std::vector<PatchPoint>& points, Step& step) {
+  const Pose2 here = currentPose();
+  if (trail_.empty() || core::distance(trail_.back().T_trail_robot, here) > options_.keyframe_distance_m ||
+      std::abs(core::angleDifference(trail_.back().T_trail_robot.phi, here.phi)) >
+          options_.keyframe_angle_rad)
+    trail_.push_back({here, points});
+  const Join* found = workOnJoins(kAnyComponent);
+  if (found == nullptr) return false;
+  step.T_map_robot = found->forth.T_map_robot * core::between(trailPose(found->forth.at), here);
+  step.score = found->score;
+  return true;
+}
+
+/// Whether a scan as a whole fits the map near a pose: explained, and seen through by no beam.
+bool GraphSlam::fitsMap(const std::vector<PatchPoint>& points, const Pose2& T_map_robot) const {
+  const auto around =
+      firstOf(keyframesWithin(core::position(T_map_robot), options_.map_radius_m), options_.map_keyframes);
+  if (around.empty()) return false;
+  const auto matched = matchFreely(points, around, T_map_robot);
+  return matched.score >= options_.recover_score &&
+         core::distance(matched.T_map_robot, T_map_robot) < kSame_m &&
+         std::abs(core::angleDifference(matched.T_map_robot.phi, T_map_robot.phi)) < kSame_rad &&
+         meanConflict(firstOf(around, kViewers), matched.T_map_robot, points) < options_.loop_conflict;
+}
+
+void GraphSlam::beLost(double score) {
+  note("lost", score);
+  is_lost_ = true, is_outside_ = false;
+  lost_.restart();
+  trail_.clear();
+  searchAnew();
+}
+
+}  // namespace slam::graph

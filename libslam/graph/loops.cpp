@@ -1,0 +1,387 @@
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <unordered_set>
+
+#include "libslam/core/elementary.h"
+#include "libslam/graph/graph_slam.h"
+#include "libslam/graph/search.h"
+#include "libslam/posegraph/optimize.h"
+#include "libslam/scanmatch/correlative_search.h"
+
+namespace slam::graph {
+namespace {
+
+using core::Point2;
+using core::Pose2;
+using scanmatch::PatchPoint;
+using scanmatch::PosePrior;
+
+/// The search turns by this much at least, and more per metre of path.
+constexpr double kSearchTurn_rad = 0.1, kSearchTurnPerMetre_rad = 0.002, kSearchTurnMost_rad = 0.6;
+/// Places tried in one search.
+constexpr int kMostPlaces = 2;
+/// Points that are searched with, at most.
+constexpr size_t kMostQueryPoints = 150;
+/// Windows up to this reach, of views of which half lies this near, are searched on the finest raster; and
+/// how much coarser it may become.
+constexpr double kFineReach_m = 16, kFineView_m = 8, kCoarsest = 2;
+/// Travel to the next search, by the last one's window; never so far that two searches share no scan.
+constexpr double kPausePerReach = 0.1;
+constexpr double kDistinctShifts_m[] = {-1.5, -1, -0.6, -0.35, 0.35, 0.6, 1, 1.5};
+constexpr double kDistinctKernel = 3;
+/// A robot that seemed to be kidnapped may have driven on where it was: a place of another part is searched
+/// for, too, this near to where odometry has it, and farther by what drift allows.
+constexpr double kNoGap_m = 0.5;
+
+/// Half of the points lie within this distance of the robot.
+double viewRadius(const std::vector<Point2>& points) {
+  if (points.empty()) return 0;
+  std::vector<double> distances;
+  for (const auto& p : points) distances.push_back(core::hypot(p.x, p.y));
+  const auto middle = distances.begin() + static_cast<long>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::vector<Point2> searchPoints(const std::vector<PatchPoint>& points, size_t most) {
+  const auto kept = thinned(points, kQuerySpacing_m);
+  std::vector<Point2> result;
+  const size_t count = std::min(most, kept.size());
+  for (size_t i = 0; i < count; ++i) result.push_back(position(kept[i * kept.size() / count]));
+  return result;
+}
+
+std::vector<PatchPoint> thinned(const std::vector<PatchPoint>& points, double side_m) {
+  std::unordered_set<std::int64_t> taken;
+  std::vector<PatchPoint> kept;
+  for (const auto& p : points) {
+    const auto column = static_cast<std::int64_t>(std::floor(p.x / side_m));
+    const auto row = static_cast<std::int64_t>(std::floor(p.y / side_m));
+    if (taken.insert(column * (std::int64_t{1} << 32) + row).second) kept.push_back(p);
+  }
+  return kept;
+}
+
+/// Length of the shortest way from a keyframe to every earlier one, along the path driven and through closed
+/// loops: what the drift between them grows with.
+std::vector<double> GraphSlam::pathTo(int k) const {
+  // Gates 2 i and 2 i + 1 are the two ends of closure i, which lie in one place.
+  std::vector<int> gates;
+  for (const auto& [a, b] : closures_) gates.push_back(a), gates.push_back(b);
+  const auto along = [&](int a, int b) { return std::abs(keyframe(a).path_m - keyframe(b).path_m); };
+  std::vector<double> way(gates.size());
+  std::vector<char> done(gates.size(), 0);
+  for (size_t g = 0; g < gates.size(); ++g) way[g] = along(gates[g], k);
+  for (size_t round = 0; round < gates.size(); ++round) {
+    size_t next = gates.size();
+    for (size_t g = 0; g < gates.size(); ++g)
+      if (!done[g] && (next == gates.size() || way[g] < way[next])) next = g;
+    done[next] = 1;
+    for (size_t g = 0; g < gates.size(); ++g)
+      way[g] = std::min(way[g], way[next] + ((next ^ 1U) == g ? 0 : along(gates[next], gates[g])));
+  }
+  std::vector<double> result(static_cast<size_t>(k));
+  for (int i = 0; i < k; ++i) {
+    double shortest = along(i, k);
+    for (size_t g = 0; g < gates.size(); ++g) shortest = std::min(shortest, way[g] + along(gates[g], i));
+    result[static_cast<size_t>(i)] = shortest;
+  }
+  return result;
+}
+
+/// By how much a match explains more than the same moved along the direction of movement that it holds least:
+/// what makes the place unlike its neighbours along a corridor.
+double GraphSlam::distinctness(const std::vector<PatchPoint>& points, const LevelMaps& maps,
+                               const scanmatch::MatchResult& matched) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> movement(matched.information.topLeftCorner<2, 2>());
+  const Eigen::Vector2d weakest = movement.eigenvectors().col(0);
+  const Pose2& T = matched.T_map_robot;
+  const double here = surfelScore(points, maps.middle, T, kDistinctKernel, 1);
+  double elsewhere = 0;
+  for (const double shift_m : kDistinctShifts_m)
+    elsewhere =
+        std::max(elsewhere, surfelScore(points, maps.middle,
+                                        {T.x + shift_m * weakest.x(), T.y + shift_m * weakest.y(), T.phi},
+                                        kDistinctKernel, 1));
+  return here - elsewhere;
+}
+
+/// Parts that begin after keyframe a, up to b.
+int GraphSlam::gapsBetween(int a, int b) const {
+  return static_cast<int>(std::count_if(parts_.begin(), parts_.end(),
+                                        [&](const Part& part) { return part.begin > a && part.begin <= b; }));
+}
+
+/// Looks for a place where the scans of the keyframes [query_first, query_last] around k were seen before.
+std::optional<Hypothesis> GraphSlam::findLoop(int k, int query_first, int query_last) {
+  const Pose2 T = graph_.pose(k);
+  auto way = pathTo(k);
+  const int component = componentOf(k);
+  for (int old = 0; old < k; ++old)
+    if (componentOf(old) != component)
+      way[static_cast<size_t>(old)] =
+          keyframe(k).path_m - keyframe(old).path_m - gapsBetween(old, k) * kGapPath_m;
+  const auto reachOf = [&](int old) {
+    const double least_m = componentOf(old) == component ? options_.loop_reach_m : kNoGap_m;
+    return std::min(least_m + options_.loop_reach_per_m * way[static_cast<size_t>(old)],
+                    options_.loop_reach_most_m);
+  };
+  std::vector<char> is_local(keyframes_.size(), 0);
+  for (const int local : keyframesAround(k, core::position(T), options_.map_path_m, 1e9))
+    is_local[static_cast<size_t>(local)] = 1;
+  std::vector<std::pair<double, int>> candidates;
+  for (int old = 0; old < k; ++old) {
+    if (is_local[static_cast<size_t>(old)]) continue;
+    const double away_m = core::distance(graph_.pose(old), T);
+    if (away_m < reachOf(old) + 1) candidates.push_back({away_m, old});
+  }
+  if (candidates.empty()) return std::nullopt;
+  std::sort(candidates.begin(), candidates.end());
+
+  std::vector<PatchPoint> query;
+  for (int i = query_last; i >= query_first; --i) {
+    const Pose2 T_k_i = core::between(T, graph_.pose(i));
+    for (const auto& point : keyframe(i).points) query.push_back(T_k_i * point);
+  }
+  const auto search_points = searchPoints(query, kMostQueryPoints);
+  const auto match_points = thinned(query, kQueryMatchSpacing_m);
+
+  const double view_m = viewRadius(search_points);
+  searched_reach_m_ = 0;
+  std::vector<char> is_tried(keyframes_.size(), 0);
+  int places = 0;
+  for (const auto& [away_m, old] : candidates) {
+    if (is_tried[static_cast<size_t>(old)]) continue;
+    if (++places > kMostPlaces) break;
+    const Point2 centre = core::position(graph_.pose(old));
+    for (const int tried : keyframesAround(old, centre, options_.map_path_m, 1e9))
+      is_tried[static_cast<size_t>(tried)] = 1;
+    auto around = keyframesAround(old, centre, kPlacePath_m, kPlaceRadius_m);
+    around.erase(std::remove_if(around.begin(), around.end(),
+                                [&](int a) { return is_local[static_cast<size_t>(a)] != 0; }),
+                 around.end());
+    around = firstOf(std::move(around), options_.map_keyframes);
+    // A wide window is searched on a coarser raster: it costs as its cube. So is a wide view: the angle
+    // between two beams leaves it no finer detail, and every turn that it tells apart costs.
+    const double coarser =
+        std::clamp(std::max(reachOf(old) / kFineReach_m, view_m / kFineView_m), 1.0, kCoarsest);
+    pyramid_.build(placeAround(around), coarser * kSearchCell_m, coarser * kSearchSigma_m, kSearchLevels);
+    const scanmatch::SearchWindow window{
+        reachOf(old), std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * way[static_cast<size_t>(old)],
+                               kSearchTurnMost_rad)};
+    searched_reach_m_ = std::max(searched_reach_m_, window.half_xy_m);
+    const auto found = searchBest(pyramid_, search_points, T, window, options_.loop_search_score);
+    if (!found) continue;
+    note("searched", found->score, old);
+    const auto matched = matchFreely(match_points, around, found->T_map_robot, coarser > 1);
+    std::vector<int> viewers;
+    for (const int a : around)
+      if (core::distance(graph_.pose(a), matched.T_map_robot) <= kViewerDistance_m) viewers.push_back(a);
+    const double conflict =
+        meanConflict(firstOf(std::move(viewers), kViewers), matched.T_map_robot, keyframe(k).points);
+    if (matched.score < options_.loop_score || conflict > 2 * options_.loop_conflict) continue;
+    note("found", matched.score, old);
+    Hypothesis hypothesis;
+    hypothesis.keyframe = k, hypothesis.old_keyframe = old;
+    hypothesis.T_map_robot = matched.T_map_robot;
+    hypothesis.begun_m = path_m_;
+    return hypothesis;
+  }
+  return std::nullopt;
+}
+
+/// The points of these keyframes, map frame.
+std::vector<Point2> GraphSlam::placeAround(const std::vector<int>& keyframes) const {
+  std::vector<Point2> place;
+  for (const int k : keyframes)
+    for (const auto& point : keyframe(k).points) place.push_back(graph_.pose(k) * position(point));
+  return place;
+}
+
+/// A match of keyframe k to the nearest of `around`.
+void GraphSlam::addLoopEdges(std::vector<posegraph::Edge>& edges, const std::vector<int>& around, int k,
+                             const scanmatch::MatchResult& matched) const {
+  const size_t partners = std::min<size_t>(around.size(), kConfirmEdges);
+  for (size_t i = 0; i < partners; ++i) {
+    posegraph::Edge edge;
+    edge.from = around[i], edge.to = k;
+    edge.T_from_to = core::between(graph_.pose(around[i]), matched.T_map_robot);
+    edge.information = scanmatch::edgeInformation(matched.information, matched.T_map_robot.phi) /
+                       static_cast<double>(kConfirmEdges);
+    edge.kind = posegraph::EdgeKind::kLoop;
+    edges.push_back(edge);
+  }
+}
+
+/// Whether keyframe k by itself fits the old map where the hypothesis puts it; the hypothesis moves on to k
+/// then.
+bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
+  const Pose2 expected =
+      hypothesis.T_map_robot * core::between(graph_.pose(hypothesis.keyframe), graph_.pose(k));
+  std::vector<int> around;
+  for (const int old : keyframesAround(hypothesis.old_keyframe, core::position(expected), options_.map_path_m,
+                                       options_.map_radius_m)) {
+    const bool is_old = old < k && keyframe(k).path_m - keyframe(old).path_m > options_.map_path_m / 2;
+    if (is_old && static_cast<int>(around.size()) < options_.map_keyframes) around.push_back(old);
+  }
+  if (around.empty()) return false;
+  const LevelMaps& maps = mapOf(around, core::position(expected));
+  PosePrior prior;
+  prior.mean = expected;
+  prior.information.diagonal() << 100, 100, 1000;
+  const auto& points = keyframe(k).points;
+  const auto matched = match(points, maps, expected, prior, 0, false);
+  if (matched.score < options_.loop_confirm_score ||
+      meanConflict(firstOf(around, kViewers), matched.T_map_robot, points) >= options_.loop_conflict ||
+      core::distance(matched.T_map_robot, expected) > kConfirmStep_m ||
+      std::abs(core::angleDifference(matched.T_map_robot.phi, expected.phi)) > kConfirmTurn_rad)
+    return false;
+  hypothesis.evidence += distinctness(points, maps, matched);
+  addLoopEdges(hypothesis.edges, around, k, matched);
+  hypothesis.keyframe = k, hypothesis.old_keyframe = around.front();
+  hypothesis.T_map_robot = matched.T_map_robot;
+  ++hypothesis.confirmations;
+  return true;
+}
+
+/// Follows the hypotheses to the newest keyframe, accepts what is confirmed, and searches for more.
+void GraphSlam::closeLoops() {
+  const int k = lastKeyframe();
+  for (size_t i = 0; i < hypotheses_.size();) {
+    Hypothesis& hypothesis = hypotheses_[i];
+    if (!confirm(hypothesis, k)) ++hypothesis.failures;
+    if (hypothesis.failures > kMostFailures) {
+      note("dropped", hypothesis.confirmations, hypothesis.old_keyframe);
+      hypotheses_.erase(hypotheses_.begin() + static_cast<long>(i));
+    } else if (hypothesis.confirmations >= options_.loop_confirmations &&
+               hypothesis.evidence >= options_.loop_distinctness &&
+               path_m_ - hypothesis.begun_m >= options_.loop_confirm_m) {
+      const Hypothesis confirmed = hypothesis;
+      hypotheses_.clear();
+      accept(confirmed);
+    } else {
+      ++i;
+    }
+  }
+  // A wide search is dear, and what it would find is still there some metres on.
+  const double pause_m =
+      std::max(options_.loop_every_m, std::min(kPausePerReach * searched_reach_m_, options_.loop_path_m / 2));
+  if (path_m_ - searched_m_ < pause_m) return;
+  searched_m_ = path_m_;
+  int first = k;
+  while (first > 0 && k - first < kMostQueryKeyframes &&
+         path_m_ - keyframe(first - 1).path_m < options_.loop_path_m)
+    --first;
+  if (auto found = findLoop(k, first, k)) follow(*found);
+}
+
+/// A hypothesis about the newest keyframe joins those that are followed, unless one of them says the same.
+void GraphSlam::follow(Hypothesis& found) {
+  const int k = found.keyframe;
+  for (const auto& known : hypotheses_) {
+    const Pose2 expected = known.T_map_robot * core::between(graph_.pose(known.keyframe), graph_.pose(k));
+    if (core::distance(expected, found.T_map_robot) < 0.5 &&
+        std::abs(core::angleDifference(expected.phi, found.T_map_robot.phi)) < 0.1)
+      return;
+  }
+  if (confirm(found, k)) hypotheses_.push_back(found);
+}
+
+/// With the whole path known a place can be looked at from both sides, and what drift had carried out of
+/// reach may have come near.
+void GraphSlam::searchRemainingLoops() {
+  hypotheses_.clear();
+  const int n = graph_.nodeCount();
+  double searched_m = -1e9;
+  for (int k = 0; k < n; ++k) {
+    const double at_m = keyframe(k).path_m;
+    if (at_m - searched_m < 2 * options_.loop_every_m) continue;
+    searched_m = at_m;
+    int first = k, last = k;
+    while (first > 0 && at_m - keyframe(first - 1).path_m < options_.loop_path_m / 2) --first;
+    while (last + 1 < n && keyframe(last + 1).path_m - at_m < options_.loop_path_m / 2) ++last;
+    const auto found = findLoop(k, first, last);
+    if (!found) continue;
+    Hypothesis forth = *found, back = *found;
+    for (int i = k; i <= last; ++i) confirm(forth, i);
+    for (int i = k - 1; i >= first; --i) confirm(back, i);
+    const int confirmations = forth.confirmations + back.confirmations;
+    if (confirmations < options_.loop_confirmations || 2 * confirmations < last - first + 1 ||
+        forth.evidence + back.evidence < options_.loop_distinctness)
+      continue;
+    forth.edges.insert(forth.edges.end(), back.edges.begin(), back.edges.end());
+    accept(forth);
+  }
+}
+
+bool GraphSlam::accept(const Hypothesis& hypothesis) {
+  const int k = hypothesis.keyframe, old = hypothesis.old_keyframe;
+  note("confirmed", hypothesis.confirmations, old, "distinct by " + std::to_string(hypothesis.evidence));
+  const auto poses_before = graph_.poses();
+  const double chi2_before = graph_.chi2();
+  const double way_m = k > old ? pathTo(k)[static_cast<size_t>(old)] : pathTo(old)[static_cast<size_t>(k)];
+  const int component = componentOf(k), old_component = componentOf(old);
+  const bool joins = component != old_component;
+  // The one that holds the map's origin stays.
+  const bool old_moves = joins && component == 0;
+  if (joins) {
+    const Pose2 T_map_part = hypothesis.T_map_robot * core::inverse(graph_.pose(k));
+    const Pose2 T = old_moves ? core::inverse(T_map_part) : T_map_part;
+    for (int i = 0; i < graph_.nodeCount(); ++i)
+      if (componentOf(i) == (old_moves ? old_component : component)) graph_.setPose(i, T * graph_.pose(i));
+  }
+  std::vector<int> edges;
+  loop_begins_.push_back(static_cast<int>(graph_.edges().size()));
+  for (const auto& edge : hypothesis.edges) edges.push_back(graph_.addEdge(edge));
+  const double chi2 = optimiseGraph();
+  if (chi2 - chi2_before > options_.loop_chi2_per_m * way_m) {
+    // Nothing that was measured on the way allows for this.
+    for (const int edge : edges) graph_.setOn(edge, false);
+    for (int i = 0; i < graph_.nodeCount(); ++i) graph_.setPose(i, poses_before[static_cast<size_t>(i)]);
+    note("rejected", chi2 - chi2_before, old);
+    return false;
+  }
+  for (const auto& edge : hypothesis.edges) link(edge.from, edge.to);
+  closures_.push_back({old, k});
+  settle();
+  searched_m_ = path_m_;
+  note("accepted", way_m, old);
+  // What a loop ties to the rest needs no doubt.
+  if (doubt_.begins > old && doubt_.begins <= k) endDoubt();
+  if (joins) {
+    const bool was_cut_off = isCutOff(lastKeyframe());
+    joinComponents(component, old_component);
+    const bool is_back = was_cut_off && !isCutOff(lastKeyframe());
+    note(is_back ? "recovered" : "joined", is_back ? hypothesis.evidence : way_m, old);
+  }
+  note("optimised", chi2);
+  return true;
+}
+
+/// After the keyframes have moved.
+void GraphSlam::settle() {
+  forgetWheels();
+  for (size_t i = 0; i < links_.size(); ++i)
+    for (Link& link : links_[i])
+      link.length_m = core::distance(graph_.pose(static_cast<int>(i)), graph_.pose(link.to));
+  const auto covariances = keyframeCovariances();
+  for (size_t i = 0; i < covariances.size(); ++i) {
+    keyframes_[i].covariance = covariances[i];
+    keyframes_[i].root = scanmatch::rootOf(covariances[i] + keyframes_[i].noise);
+  }
+  covariance_ = covariances.back();
+  ++revision_;
+}
+
+double GraphSlam::optimiseGraph() {
+  // Loops are judged whole, by accept(); one edge of a loop is no loop.
+  posegraph::OptimizeOptions options;
+  options.robust = "none";
+  return optimize(graph_, options).final_chi2;
+}
+
+}  // namespace slam::graph

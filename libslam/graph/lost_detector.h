@@ -1,0 +1,73 @@
+#pragma once
+
+namespace slam::graph {
+
+/// Tells from scan after scan whether a robot was kidnapped: Page's cumulative sum of the log likelihood
+/// ratio (a repeated sequential probability ratio test) of "is elsewhere since scan s" over "is where the map
+/// says".
+///
+/// Two things speak. The contradicted share: of what the map from before s says of a scan, how much speaks
+/// against its place (beams that went through a point that is seen now, and the other way round). And, once,
+/// the break at s: how far scan s contradicts the one before it, moved as the robot moved. A robot that
+/// drifts contradicts its map, too, but from one scan to the next all fits: without a break kidnapping is the
+/// less likely by kUnbroken.
+///
+/// How large both shares are where all is well, and how much they vary, is learnt from the scans themselves
+/// while they are well; how large they are where the robot is not, from scans put into wrong places on
+/// purpose. Where a wrong place contradicts no more than the right one, nothing is ever said. Both shares are
+/// taken as normal with one variance, the larger of the two.
+///
+/// Evidence counts by time and way, not by scan: a scan counts whole when kLook_s or kLook_m have passed
+/// since the one before, less else, and never more.
+///
+/// Sources: Wald, Annals of Mathematical Statistics 16, 1945; Page, Biometrika 41, 1954. The break as the
+/// prior of a change, and learning both sides while the robot drives, are ours.
+class LostDetector {
+ public:
+  struct Look {
+    double time_s;        ///< times that run back count as none
+    double moved_m;       ///< since the look before, by odometry
+    double contradicted;  ///< 0..1; NaN counts as nothing
+    double telling;       ///< share, 0..1, of the scan of which the map says anything
+    double broken;        ///< what the scan before says, 0..1; NaN: nothing
+    /// False where the map explains so much of the scan that it cannot speak for kidnapping.
+    bool may_be_lost = true;
+  };
+  void look(const Look& look);
+  /// What a scan that was put into a wrong place on purpose says. Anything not finite counts as nothing.
+  void learnWrong(double contradicted);
+
+  /// For "is elsewhere", in nats, -kUnbroken or more.
+  double evidence() const { return evidence_; }
+  bool isLost() const { return evidence_ >= kLost; }
+  /// A break, or more that speaks for it than against it.
+  bool isInDoubt() const { return evidence_ > kDoubt; }
+  /// A doubt has passed: breaks happen here for other reasons (people, uneven ground), and the next one says
+  /// less.
+  void dismiss();
+  /// The evidence starts anew; what was learnt stays.
+  void restart() { evidence_ = -kUnbroken; }
+
+  static constexpr double kLook_s = 0.4, kLook_m = 0.5;
+  /// One false alarm in exp(kLost) looks (1.2 million) at most, as far as the model holds.
+  static constexpr double kLost = 14, kDoubt = -2;
+  static constexpr double kUnbroken = 30;
+  /// A break says so much less for every doubt that was dismissed; of these kForgotten looks leave a third.
+  static constexpr double kPerDismissed = 2.5, kForgotten = 300;
+  /// One look says at most so much, however large the likelihood ratio is: the model's tails are not known.
+  static constexpr double kMostPerLook = 2.5;
+
+ private:
+  struct Learnt {
+    double mean, variance, weight;
+    void add(double value, double its_weight, double most_weight);
+  };
+  double ratio(double share, const Learnt& well) const;
+
+  // What is expected before anything was seen counts as much as the weights say.
+  Learnt well_{0.03, 0.003, 20}, unbroken_{0.03, 0.003, 20}, wrong_{0.7, 0.05, 4};
+  double evidence_ = -kUnbroken, dismissed_ = 0, last_time_s_ = 0;
+  bool has_time_ = false;
+};
+
+}  // namespace slam::graph

@@ -1,0 +1,96 @@
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/core/elementary.h"
+#include "libslam/graph/graph_slam.h"
+#include "libslam/odometry/scan_odometry.h"
+
+namespace slam::graph {
+namespace {
+
+using core::Pose2;
+
+/// A step counts as this long at least and at most: between a burst of scans and a log that was paused.
+constexpr double kLeastPeriod_s = 1e-3, kMostPeriod_s = 2;
+/// Stamps of real logs leap to and fro: the noise of a step goes by the mean of some twenty.
+constexpr double kPeriodGain = 0.05;
+/// The last motion goes on, to within what a robot may do otherwise per second, where nothing measures it.
+constexpr double kUnknown_mps = 2.5, kUnknown_radps = 2.5, kUnknownMost = 1;
+/// Two scans are searched for the motion of an indoor robot between them, at most so fast and so far; beyond,
+/// little is seen twice.
+constexpr double kFastest_mps = 3, kFastest_radps = 4, kFarthest_m = 4;
+
+/// A motion at the same speed and turn rate, for `times` the time.
+Pose2 goneOn(const Pose2& T, double times) {
+  // Along an arc the chord turns by half of the turn.
+  const double half = T.phi / 2;
+  const double length = std::abs(half) > 1e-9 ? core::sin(times * half) / core::sin(half) : times;
+  const double turn = (times - 1) * half, c = core::cos(turn), s = core::sin(turn);
+  return {length * (c * T.x - s * T.y), length * (s * T.x + c * T.y), core::wrapToPi(times * T.phi)};
+}
+
+}  // namespace
+
+/// What is there to go by: the time since the scan before, and the last scan of the same lidar.
+void GraphSlam::noteScan(const robot::Scan& scan, bool has_odometry) {
+  if (seen_.empty()) return;
+  const auto same = std::find_if(seen_.begin(), seen_.end(),
+                                 [&](const Seen& seen) { return robot::areOfOneLidar(seen.scan, scan); });
+  before_ = same == seen_.end() ? -1 : static_cast<int>(same - seen_.begin());
+  const bool is_first = !(period_s_ > 0);
+  const double since_s = scan.time_s - previous_time_s_;
+  const double before_s = is_first ? scanmatch::kNominalPeriod_s : period_s_;
+  period_s_ = since_s > 0 ? std::clamp(since_s, kLeastPeriod_s, kMostPeriod_s) : before_s;
+  mean_period_s_ = is_first ? period_s_ : mean_period_s_ + kPeriodGain * (period_s_ - mean_period_s_);
+  if (!has_odometry && !is_first && period_s_ != before_s)
+    T_previous_robot_ = goneOn(T_previous_robot_, std::clamp(period_s_ / before_s, 0.2, 5.0));
+}
+
+/// After a scan was taken in.
+void GraphSlam::keepScan(const robot::Scan& scan) {
+  for (auto& seen : seen_) seen.T_seen_robot = seen.T_seen_robot * T_previous_robot_;
+  if (before_ < 0) {
+    before_ = static_cast<int>(seen_.size());
+    seen_.emplace_back();
+  }
+  seen_[static_cast<size_t>(before_)] = {scan, {}};
+  previous_time_s_ = scan.time_s;
+}
+
+/// The last scan of the lidar that made the one at hand; null without one that says anything.
+const Seen* GraphSlam::before() const {
+  if (before_ < 0 || seen_[static_cast<size_t>(before_)].scan.ranges_m.size() < 2) return nullptr;
+  return &seen_[static_cast<size_t>(before_)];
+}
+
+Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has_odometry) const {
+  Prediction result;
+  result.T_previous_robot = has_odometry ? T_previous_robot : T_previous_robot_;
+  const Pose2& T = result.T_previous_robot;
+  const double root = std::sqrt((mean_period_s_ > 0 ? mean_period_s_ : scanmatch::kNominalPeriod_s) /
+                                scanmatch::kNominalPeriod_s);
+  result.sigma_xy_m = root * options_.odometry_xy_m + options_.odometry_xy_per_m * core::hypot(T.x, T.y);
+  result.sigma_turn_rad =
+      root * options_.odometry_turn_rad + options_.odometry_turn_per_rad * std::abs(T.phi);
+  if (!has_odometry) {
+    result.sigma_xy_m += std::min(kUnknown_mps * period_s_, kUnknownMost);
+    result.sigma_turn_rad += std::min(kUnknown_radps * period_s_, kUnknownMost);
+  }
+  return result;
+}
+
+/// The robot's motion since the scan before, from this scan and the last one of its lidar alone; nothing
+/// where they leave it open.
+std::optional<Pose2> GraphSlam::motionFromScans(const robot::Scan& scan) const {
+  if (before() == nullptr) return std::nullopt;
+  odometry::ScanOdometryOptions options;
+  options.max_turn_rad = std::clamp(kFastest_radps * period_s_, options.max_turn_rad, core::kPi);
+  options.max_move_m = std::clamp(kFastest_mps * period_s_, options.max_move_m, kFarthest_m);
+  const auto odometry = odometry::makeScanOdometry(options);
+  odometry->update(before()->scan);
+  const auto motion = odometry->update(scan);
+  if (!motion.reliable) return std::nullopt;
+  return core::inverse(before()->T_seen_robot) * motion.T_previous_current;
+}
+
+}  // namespace slam::graph

@@ -1,0 +1,32 @@
+#pragma once
+#include <vector>
+
+#include "libslam/scanmatch/scan_points.h"
+
+namespace slam::graph {
+
+/// The raster of searches by branch and bound, and its surfaces' width.
+inline constexpr double kSearchCell_m = 0.1, kSearchSigma_m = 0.12;
+inline constexpr int kSearchLevels = 6;
+inline constexpr double kQuerySpacing_m = 0.4, kQueryMatchSpacing_m = 0.1;
+/// The old map around a place: within this path and radius of a keyframe.
+inline constexpr double kPlacePath_m = 15, kPlaceRadius_m = 10;
+/// Of the newest path, at most so many are searched for together.
+inline constexpr int kMostQueryKeyframes = 30;
+/// Old keyframes whose view of the new points is asked, and how near they are.
+inline constexpr int kViewers = 6;
+inline constexpr double kViewerDistance_m = 4;
+
+/// A place that is followed may be corrected by this much from keyframe to keyframe, and fail so often.
+inline constexpr double kConfirmStep_m = 0.3, kConfirmTurn_rad = 0.06;
+inline constexpr int kMostFailures = 2;
+/// Edges that one match makes.
+inline constexpr int kConfirmEdges = 4;
+
+/// One point per square of this side, in the order they come.
+std::vector<scanmatch::PatchPoint> thinned(const std::vector<scanmatch::PatchPoint>& points, double side_m);
+
+/// What a search asks: one point per kQuerySpacing_m, at most so many, evenly of all.
+std::vector<core::Point2> searchPoints(const std::vector<scanmatch::PatchPoint>& points, size_t most);
+
+}  // namespace slam::graph

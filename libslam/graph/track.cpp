@@ -1,0 +1,380 @@
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "libslam/core/elementary.h"
+#include "libslam/core/error.h"
+#include "libslam/core/rigid_motion2.h"
+#include "libslam/graph/graph_slam.h"
+
+namespace slam::graph {
+namespace {
+
+using core::Point2;
+using core::Pose2;
+using scanmatch::MatchResult;
+using scanmatch::PatchPoint;
+using scanmatch::PosePrior;
+
+/// Another start must explain this much more than odometry's to be taken at all.
+constexpr double kStartGain = 0.02;
+/// In standard deviations of odometry: a match farther from it has let it go.
+constexpr double kLetGo = 3;
+constexpr double kStartTurns_rad[] = {-0.15, -0.07, 0.07, 0.15};
+/// The lattice of recover().
+constexpr int kLatticeTurns = 10, kLatticeSteps = 4;
+constexpr double kLatticeTurn_rad = 0.03, kLatticeStep_m = 0.1, kRecoverGain = 0.05;
+/// Least share of the information along the worst direction of movement; below, a corridor or an open field.
+constexpr double kDegenerate = 0.02;
+
+/// Odometry's errors are taken as normal to so many standard deviations, and with the tails of Cauchy's
+/// distribution beyond.
+constexpr double kTail = 2;
+/// What speaks against backwards motion that was counted forwards, in nats.
+constexpr double kBackwards = 1;
+/// What a scan says for a pose, in nats, when all of it is explained: neighbouring beams err together.
+constexpr double kNatsPerScan = 10;
+
+/// What odometry with a step's standard deviations holds against a pose where it has another, in nats.
+double heldAgainst(const Pose2& T, const Pose2& T_odometry, double sigma_xy_m, double sigma_turn_rad) {
+  const double off = core::distance(T, T_odometry) / sigma_xy_m,
+               turned = core::angleDifference(T.phi, T_odometry.phi) / sigma_turn_rad;
+  return core::log1p((off * off + turned * turned) / (kTail * kTail));
+}
+
+}  // namespace
+
+scanmatch::MatchOptions GraphSlam::matchOptions(int max_iterations) {
+  scanmatch::MatchOptions options;
+  options.kernel = kKernel;
+  options.information_scale = scanmatch::kInformationScale;
+  options.max_iterations = max_iterations;
+  return options;
+}
+
+std::vector<PatchPoint> GraphSlam::pointsOf(const robot::Scan& scan) const {
+  scanmatch::ScanPointOptions options;
+  options.spacing_m = options_.point_spacing_m;
+  options.max_range_m = options_.max_range_m;
+  return patchPoints(scan, options);
+}
+
+MatchResult GraphSlam::match(const std::vector<PatchPoint>& points, const LevelMaps& maps,
+                             const Pose2& T_start, const PosePrior& prior, double prior_kernel,
+                             bool with_coarse) const {
+  auto options = matchOptions(3);
+  options.prior_kernel = prior_kernel;
+  Pose2 T = T_start;
+  if (with_coarse) T = alignToSurfels(points, maps.coarse, T, prior, options).T_map_robot;
+  T = alignToSurfels(points, maps.middle, T, prior, options).T_map_robot;
+  options.max_iterations = 10;
+  return alignToSurfels(points, maps.fine, T, prior, options);
+}
+
+/// To the map of these keyframes, from a pose near the right one, without regard to any prior.
+MatchResult GraphSlam::matchFreely(const std::vector<PatchPoint>& points, const std::vector<int>& keyframes,
+                                   const Pose2& T_start, bool with_coarse) const {
+  const LevelMaps& maps = mapOf(keyframes, core::position(T_start));
+  PosePrior flat;
+  flat.mean = T_start;
+  flat.information.setIdentity();
+  return match(points, maps, T_start, flat, 0, with_coarse);
+}
+
+/// A map of these keyframes, until the next one is asked for.
+const LevelMaps& GraphSlam::mapOf(const std::vector<int>& keyframes, const Point2& centre) const {
+  fill(scratch_, keyframes, centre);
+  return scratch_;
+}
+
+void GraphSlam::fill(LevelMaps& maps, const std::vector<int>& keyframes, const Point2& centre) const {
+  for (auto* map : {&maps.fine, &maps.middle, &maps.coarse}) {
+    map->clear(centre, kMapReach_m);
+    for (const int k : keyframes) map->add(keyframe(k).points, graph_.pose(k), k);
+  }
+}
+
+/// Keyframes that chains of links of at most path_m connect with `start`, within radius_m of the centre, the
+/// nearest first. Chains do not lead far outside of the circle.
+std::vector<int> GraphSlam::keyframesAround(int start, const Point2& centre, double path_m,
+                                            double radius_m) const {
+  const auto& poses = graph_.poses();
+  reached_.resize(keyframes_.size(), -1);
+  touched_.clear(), queue_.clear();
+  reached_[static_cast<size_t>(start)] = 0;
+  touched_.push_back(start);
+  queue_.push_back({0, start});
+  const double near2 = radius_m * radius_m, far2 = 2.25 * near2;
+  std::vector<std::pair<double, int>> near;
+  while (!queue_.empty()) {
+    std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
+    const auto [length_m, k] = queue_.back();
+    queue_.pop_back();
+    if (length_m > reached_[static_cast<size_t>(k)]) continue;
+    const double dx = poses[static_cast<size_t>(k)].x - centre.x,
+                 dy = poses[static_cast<size_t>(k)].y - centre.y;
+    const double away2 = dx * dx + dy * dy;
+    if (away2 <= near2 && !keyframe(k).unsure) near.push_back({away2, k});
+    if (away2 > far2) continue;
+    for (const Link& link : links_[static_cast<size_t>(k)]) {
+      const double reach = length_m + link.length_m;
+      double& best = reached_[static_cast<size_t>(link.to)];
+      if (reach > path_m || (best >= 0 && best <= reach)) continue;
+      if (best < 0) touched_.push_back(link.to);
+      best = reach;
+      queue_.push_back({reach, link.to});
+      std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
+    }
+  }
+  for (const int k : touched_) reached_[static_cast<size_t>(k)] = -1;
+  std::sort(near.begin(), near.end());
+  std::vector<int> result;
+  result.reserve(near.size());
+  for (const auto& item : near) result.push_back(item.second);
+  return result;
+}
+
+std::vector<int> GraphSlam::firstOf(std::vector<int> keyframes, int most) {
+  if (static_cast<int>(keyframes.size()) > most) keyframes.resize(static_cast<size_t>(most));
+  return keyframes;
+}
+
+/// Makes the map that the next scan is matched to of the first of these.
+void GraphSlam::setMap(const std::vector<int>& near, const Point2& centre) {
+  map_keyframes_ = firstOf(near, options_.map_keyframes);
+  fill(maps_, map_keyframes_, centre);
+}
+
+/// All keyframes within the radius, however they are linked, the nearest first.
+std::vector<int> GraphSlam::keyframesWithin(const Point2& centre, double radius_m) const {
+  std::vector<std::pair<double, int>> near;
+  for (int k = 0; k < graph_.nodeCount(); ++k) {
+    const double away_m = core::distance(core::position(graph_.pose(k)), centre);
+    if (away_m <= radius_m && !keyframe(k).unsure) near.push_back({away_m, k});
+  }
+  std::sort(near.begin(), near.end());
+  std::vector<int> keyframes;
+  keyframes.reserve(near.size());
+  for (const auto& item : near) keyframes.push_back(item.second);
+  return keyframes;
+}
+
+/// For a map that is finished.
+void GraphSlam::setMapNear(const Point2& centre) {
+  setMap(keyframesWithin(centre, options_.map_radius_m), centre);
+}
+
+/// The best pose on a lattice around the predicted one, refined without regard to odometry.
+std::optional<MatchResult> GraphSlam::recover(const std::vector<PatchPoint>& points, const Pose2& predicted,
+                                              const Pose2& matched) const {
+  Pose2 best = matched;
+  const double before = surfelScore(points, maps_.middle, matched, kKernel, 2);
+  double best_score = before;
+  for (int turn = -kLatticeTurns; turn <= kLatticeTurns; ++turn)
+    for (int x = -kLatticeSteps; x <= kLatticeSteps; ++x)
+      for (int y = -kLatticeSteps; y <= kLatticeSteps; ++y) {
+        const Pose2 candidate{predicted.x + kLatticeStep_m * x, predicted.y + kLatticeStep_m * y,
+                              predicted.phi + kLatticeTurn_rad * turn};
+        const double score = surfelScore(points, maps_.middle, candidate, kKernel, 2);
+        if (score > best_score) best_score = score, best = candidate;
+      }
+  if (!(best_score > before)) return std::nullopt;
+  PosePrior weak;
+  weak.mean = best;
+  weak.information.diagonal() << 10, 10, 10;
+  return match(points, maps_, best, weak, 0, false);
+}
+
+/// What is known of a scan's pose before it is matched.
+Expected GraphSlam::expect(const Pose2& T_previous_robot, bool has_odometry) const {
+  Expected e;
+  e.step = predict(T_previous_robot, has_odometry);
+  e.has_odometry = has_odometry;
+  const Pose2& increment = e.step.T_previous_robot;
+  e.T_before = currentPose();
+  e.predicted = e.T_before * increment;
+  // Some robots count backwards motion forwards, and turns as they are.
+  e.backwards = e.T_before * Pose2{-increment.x, -increment.y, increment.phi};
+  e.by_wheels = by_wheels_.value_or(e.T_before) * increment;
+  return e;
+}
+
+/// The start that explains most of a scan, odometry's unless another is better by more than kStartGain.
+Start GraphSlam::bestStart(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+                           const Expected& e) const {
+  const double own = surfelScore(points, maps_.coarse, e.predicted, kKernel, kStride);
+  Start best{e.predicted, kStartGain};
+  const auto consider = [&](const Pose2& candidate) {
+    const double gain = surfelScore(points, maps_.coarse, candidate, kKernel, kStride) - own;
+    if (gain > best.gain) best = {candidate, gain};
+  };
+  consider(e.T_before * T_previous_robot_);
+  consider(e.backwards);
+  if (by_wheels_) consider(e.by_wheels);
+  for (const double turn : kStartTurns_rad) consider({e.predicted.x, e.predicted.y, e.predicted.phi + turn});
+  if (!e.has_odometry || best.gain > options_.distrust_gain)
+    if (const auto motion = motionFromScans(scan)) consider(e.T_before * *motion);
+  return best;
+}
+
+/// What odometry holds against a pose, in nats.
+double GraphSlam::unlikely(const Pose2& T, const Expected& e) const {
+  const auto by = [&](const Pose2& T_odometry) {
+    return heldAgainst(T, T_odometry, e.step.sigma_xy_m, e.step.sigma_turn_rad);
+  };
+  const double held = std::min(by(e.predicted), kBackwards + by(e.backwards));
+  return by_wheels_ ? std::min(held, by(e.by_wheels)) : held;
+}
+
+/// How far the scan before contradicts a pose: from where that was matched, or where wheels have it.
+double GraphSlam::brokenAt(const Pose2& T, const std::vector<PatchPoint>& points, const Expected& e) const {
+  const double matched = brokenBy(points, core::between(e.T_before, T));
+  return by_wheels_ ? std::min(matched, brokenBy(points, core::between(*by_wheels_, T))) : matched;
+}
+
+/// Whether scan, map and the scan before say more for a match than odometry says against it.
+bool GraphSlam::isBetter(const MatchResult& other, const MatchResult& than, double least_gain,
+                         const std::vector<PatchPoint>& points, const Expected& e) const {
+  const double against = unlikely(other.T_map_robot, e) - unlikely(than.T_map_robot, e);
+  const double least = std::max(least_gain, against / kNatsPerScan);
+  const double gained = gain(points, other.T_map_robot, than.T_map_robot);
+  const double less_broken = brokenAt(than.T_map_robot, points, e) - brokenAt(other.T_map_robot, points, e);
+  if (other.score >= options_.recover_score) return gained + std::max(less_broken, 0.0) > least;
+  // Wheels are worth more than an explanation of less than half.
+  if (e.has_odometry && toldScore(points, other.T_map_robot) < options_.lost_score) return false;
+  return gained + less_broken > least;
+}
+
+bool GraphSlam::isPoor(const MatchResult& result, const std::vector<PatchPoint>& points) const {
+  return result.score < options_.recover_score &&
+         toldScore(points, result.T_map_robot) < options_.recover_score;
+}
+
+/// The best match of a scan to the map around, and whether odometry was dropped for it.
+std::pair<MatchResult, bool> GraphSlam::bestMatch(const robot::Scan& scan,
+                                                  const std::vector<PatchPoint>& points, const Expected& e) {
+  const auto [T_step, sigma_xy, sigma_turn] = e.step;
+  const Start start = bestStart(scan, points, e);
+  PosePrior prior;
+  prior.mean = e.predicted;
+  prior.information = scanmatch::poseInformation(sigma_xy, sigma_turn);
+  MatchResult result = match(points, maps_, e.predicted, prior, options_.odometry_kernel, true);
+  bool distrusted = false;
+  if (core::distance(result.T_map_robot, e.predicted) > kLetGo * sigma_xy) {
+    // Odometry is let go for a better match only, not along a corridor that holds nothing.
+    const auto held = match(points, maps_, e.predicted, prior, 0, true);
+    const MatchResult free = std::exchange(result, held);
+    if (isBetter(free, result, kStartGain, points, e)) result = free;
+  }
+  if (start.gain > kStartGain) {
+    const bool contradicted = start.gain > options_.distrust_gain;
+    PosePrior elsewhere = prior;
+    if (contradicted) {
+      elsewhere.mean = start.T_map_robot;
+      elsewhere.information = scanmatch::poseInformation(3 * sigma_xy + 0.1, 3 * sigma_turn + 0.05);
+    }
+    const auto other = match(points, maps_, start.T_map_robot, elsewhere, options_.odometry_kernel, true);
+    if (isBetter(other, result, kStartGain, points, e)) {
+      result = other;
+      distrusted = contradicted;
+      if (distrusted) note("distrusted", start.gain);
+    }
+  }
+  if (isPoor(result, points)) {
+    const auto other = recover(points, e.predicted, result.T_map_robot);
+    if (other && isBetter(*other, result, kRecoverGain, points, e)) {
+      result = *other;
+      distrusted = true;
+      note("rematched", result.score);
+    }
+  }
+  return {result, distrusted};
+}
+
+/// Matches a scan to the map around. Fills in its points and the information that they give, map axes.
+GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previous_robot, bool has_odometry,
+                                 std::vector<PatchPoint>& points, Eigen::Matrix3d& information) {
+  points = pointsOf(scan);
+  const Expected e = expect(T_previous_robot, has_odometry);
+  const auto [result, distrusted] = bestMatch(scan, points, e);
+  const Pose2& T = result.T_map_robot;
+  const bool is_poor = isPoor(result, points);
+  if (is_poor) note("poor", result.score);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> movement(result.information.topLeftCorner<2, 2>(),
+                                                                Eigen::EigenvaluesOnly);
+  const double share = movement.eigenvalues()(1) > 0
+                           ? std::max(movement.eigenvalues()(0), 0.0) / movement.eigenvalues()(1)
+                           : 0;
+  if (share < kDegenerate) note("degenerate", share);
+
+  odometry_holds_ = odometry_holds_ && has_odometry && !distrusted;
+  const auto isFarFrom = [&](const Pose2& from) {
+    return core::distance(T, from) > kLetGo * e.step.sigma_xy_m ||
+           std::abs(core::angleDifference(T.phi, from.phi)) > kLetGo * e.step.sigma_turn_rad;
+  };
+  followWheels(e.by_wheels, has_odometry && isFarFrom(e.predicted), isFarFrom(e.by_wheels), !is_poor);
+  information = result.information;
+  T_previous_robot_ = core::between(e.T_before, T);
+  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T);
+  T_odometry_ = T_odometry_ * e.step.T_previous_robot;
+  path_m_ += core::hypot(T_previous_robot_.x, T_previous_robot_.y);
+  Step step;
+  step.T_map_robot = T;
+  step.score = result.score;
+  noteEvidence(points, T, maps_.fine);
+  estimateCovariance(e, result);
+  step.drift_covariance = driftSinceKeyframe();
+  step.pose_covariance = covariance_;
+  return step;
+}
+
+/// Where odometry alone has the robot since it was let go, for as long as it may have been right after all.
+/// It was not when some scans in a row are explained; it was when the robot is there again, and then the
+/// keyframes in between lie wrong. Meanwhile they do not vouch for themselves.
+void GraphSlam::followWheels(const Pose2& T_wheels, bool let_go, bool is_elsewhere, bool is_explained) {
+  if (!by_wheels_ && !let_go) return;
+  if (!by_wheels_) unsure_from_ = graph_.nodeCount(), explained_ = 0, let_go_m_ = path_m_;
+  by_wheels_ = T_wheels;
+  explained_ = is_explained ? explained_ + 1 : 0;
+  // Beyond the map from before nothing will tell.
+  const bool is_right =
+      explained_ >= options_.loop_confirmations || path_m_ - let_go_m_ > options_.map_radius_m / 2;
+  if (is_right)
+    forgetWheels();
+  else if (!is_elsewhere)
+    by_wheels_.reset();
+}
+
+/// What was matched since odometry was let go is believed.
+void GraphSlam::forgetWheels() {
+  if (!by_wheels_) return;
+  for (int k = unsure_from_; k < graph_.nodeCount(); ++k) keyframes_[static_cast<size_t>(k)].unsure = false;
+  by_wheels_.reset();
+}
+
+/// Puts odometry's word in place of a match.
+void GraphSlam::keepTo(const Pose2& predicted, const Pose2& increment, Step& step) {
+  step.T_map_robot = predicted;
+  const Eigen::Matrix3d drift = held_back_ * scanmatch::covarianceOf(scanmatch::poseInformation(
+                                                 options_.odometry_xy_m, options_.odometry_turn_rad));
+  step.drift_covariance += drift;
+  step.pose_covariance += drift;
+  T_previous_robot_ = increment;
+  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), predicted);
+}
+
+/// Share of a scan's points that fall on a mapped surface, or near one.
+double GraphSlam::knownShare(const std::vector<PatchPoint>& points, const Pose2& T_map_robot) const {
+  const Point2 origin = maps_.coarse.origin();
+  const core::RigidMotion2 T_map_points(T_map_robot);
+  int known = 0;
+  for (const auto& point : points) {
+    const Point2 p_map = T_map_points * position(point);
+    known += maps_.coarse.at(p_map.x - origin.x, p_map.y - origin.y) != nullptr;
+  }
+  return points.empty() ? 0 : static_cast<double>(known) / static_cast<double>(points.size());
+}
+
+}  // namespace slam::graph

@@ -1,0 +1,162 @@
+#pragma once
+#include <Eigen/Core>
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "libslam/core/pose2.h"
+#include "libslam/graph/graph_options.h"
+#include "libslam/posegraph/pose_graph.h"
+#include "libslam/robot/scan.h"
+#include "libslam/scanmatch/surfel_matcher.h"
+
+/// What GraphSlam keeps: its keyframes, the places that it follows, and what it thinks of the robot. For
+/// graph_*.cpp only.
+namespace slam::graph {
+
+struct Keyframe {
+  int scan;  ///< counted from 0
+  robot::Scan seen;
+  std::vector<scanmatch::PatchPoint> points;  ///< robot frame
+  double path_m;                              ///< driven since the start
+  int odometry_edge;                          ///< to the keyframe before
+  bool unsure = false;                        ///< no scan is matched to it: see followWheels()
+  // covariance.cpp
+  int matched_to = -1;          ///< keyframe that saw first what it was matched to, most of it; -1: none
+  Eigen::Matrix3d information;  ///< what is known of its pose from there; body frame
+  Eigen::Matrix3d noise;        ///< of its pose against the map as it was; map frame, like those that follow
+  Eigen::Matrix3d covariance;   ///< of its pose in the map
+  Eigen::Matrix3d root;         ///< of the covariance with which what it saw first lies in the map; symmetric
+};
+struct Record {
+  int keyframe;
+  core::Pose2 T_keyframe_robot;
+  Eigen::Matrix3d drift_covariance;  ///< since the keyframe; map frame, as it was
+};
+struct Link {
+  int to;
+  double length_m;
+};
+/// Surfels of the same points with cells of one, two and four times cell_m. `two_sided`: the finest keep the
+/// faces of thin walls apart; for a robot that is tracked, not for one whose place is looked for.
+struct LevelMaps {
+  scanmatch::SurfelMap fine, middle, coarse;
+  LevelMaps(const GraphOptions& options, bool two_sided);
+};
+/// A step as odometry has it, or else the motion before, and standard deviations.
+struct Prediction {
+  core::Pose2 T_previous_robot;
+  double sigma_xy_m, sigma_turn_rad;
+};
+/// What is known of a scan's pose before it is matched; map frame.
+struct Expected {
+  Prediction step;
+  bool has_odometry;
+  core::Pose2 T_before, predicted;
+  core::Pose2 backwards;  ///< should odometry's metres be those of a motion backwards
+  core::Pose2 by_wheels;  ///< see GraphSlam::followWheels()
+};
+/// Where matching begins, and how much more than from odometry's pose is explained there.
+struct Start {
+  core::Pose2 T_map_robot;
+  double gain;
+};
+/// A place that may have been recognised, while it is followed.
+struct Hypothesis {
+  int keyframe;             ///< that it has come to
+  int old_keyframe;         ///< nearest of the old ones there
+  core::Pose2 T_map_robot;  ///< of `keyframe`, as the old ones have it
+  double begun_m;
+  int confirmations = 0, failures = 0;
+  double evidence = 0;  ///< sum of distinctness()
+  std::vector<posegraph::Edge> edges;
+};
+/// Keyframes from `begin` to the next part's; parts of one component have known places in one another.
+struct Part {
+  int begin, component;
+};
+/// What a part of the map, or a robot that is lost in a finished map, has seen in a row: poses among
+/// themselves.
+struct TrailPoint {
+  core::Pose2 T_trail_robot;
+  std::vector<scanmatch::PatchPoint> points;
+};
+/// Where a trail is on its way through another map.
+struct Cursor {
+  int at;  ///< in the trail
+  core::Pose2 T_map_robot;
+};
+struct Box {
+  core::Point2 least, most;  ///< map frame
+  void add(const core::Point2& p) {
+    least = {std::min(least.x, p.x), std::min(least.y, p.y)};
+    most = {std::max(most.x, p.x), std::max(most.y, p.y)};
+  }
+  double diagonal_m() const { return core::distance(least, most); }
+};
+/// What a point of a trail says for a place, in nats, and the share of its scan about which the map says
+/// nothing there.
+struct Said {
+  double nats, unknown;
+};
+/// A place of a trail in another part of the map, while the rest of the trail is held against it, to both
+/// sides.
+struct Join {
+  int place;  ///< keyframe where it was found
+  Cursor forth, back;
+  int back_to;  ///< the trail is not asked farther back
+  int asked = 0, told = 0, fitting = 0, failures = 0;
+  double evidence = 0, distinct = 0;  ///< nats; sum of distinctness()
+  std::map<int, Said> says;           ///< of every point of the trail that was asked
+  std::vector<Cursor> placed;         ///< points of the trail that fit
+  Box fits, followed;                 ///< where the trail fits, and where nothing contradicts it
+  int proved = 0;                     ///< places, times kHeadings, that were shown not to be as good
+  int proof_from = 0;                 ///< points that have to fit before the proof goes on
+  int old_keyframe = 0;               ///< nearest at `forth`
+  int places_left = 0;                ///< of the whole map, not looked at yet since it was found
+  double score = 0;
+  std::vector<posegraph::Edge> edges;
+};
+/// A place that a trail was followed through until it failed, and the extent over which it fitted.
+struct Refuted {
+  core::Pose2 T_map_trail;
+  double fits_m;
+};
+/// What a keyframe's beams say of a point: one ended there; they went on behind it; or neither.
+enum class Sight { kAgreed, kPassed, kUnseen };
+/// The same of another keyframe's points.
+struct View {
+  int agreed = 0, passed = 0;  ///< seen too; beams went on behind the point
+  double conflict() const;
+};
+
+/// The last scan of a lidar, and how the robot has moved from there to the scan before the one at hand.
+struct Seen {
+  robot::Scan scan;
+  core::Pose2 T_seen_robot;
+};
+/// How a scan joins the last one of its lidar.
+struct Break {
+  core::Pose2 T_previous_robot;
+  double contradicted;  ///< see brokenBy(); NaN: there is nothing to compare
+};
+/// Since scans speak for kidnapping.
+struct Doubt {
+  int begins = -1;  ///< first keyframe of the map that is made meanwhile; before there is one: -1
+  double held_s = 0, held_m = 0, untold_m = 0;
+  /// Where the robot is if all is well, and the map from before.
+  core::Pose2 T_map_robot;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  std::shared_ptr<const LevelMaps> maps;
+};
+/// kOwnMap: a map of its own begins; kBack: it ends well.
+enum class Trust { kWell, kHeldBack, kOwnMap, kBack };
+/// What keyframes say of a scan: the share of its points about which they say anything, and of these, those
+/// in whose place there was nothing.
+struct Told {
+  double contradicted = 0, telling = 0;
+  double against(double explained) const;
+};
+
+}  // namespace slam::graph

@@ -1,0 +1,18 @@
+#pragma once
+#include <Eigen/Core>
+
+#include "libslam/core/pose2.h"
+
+namespace slam::particles {
+
+/// The motion since the scan before, as the wheels or the scans alone tell it.
+struct Motion {
+  core::Pose2 T_previous_robot;
+  Eigen::Matrix3d covariance;  ///< over (x, y, phi) in the previous robot's frame; positive definite
+};
+
+/// Two motions, one after the other, with independent errors; covariance to first order, in the frame before
+/// both.
+Motion operator*(const Motion& first, const Motion& second);
+
+}  // namespace slam::particles

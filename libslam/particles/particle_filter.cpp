@@ -1,0 +1,403 @@
+#include "libslam/particles/particle_filter.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <set>
+#include <string>
+#include <tuple>
+
+#include "libslam/core/elementary.h"
+#include "libslam/core/error.h"
+#include "libslam/core/random.h"
+
+namespace slam::particles {
+
+using scanmatch::FieldMatch;
+using scanmatch::FieldMatchOptions;
+using scanmatch::PosePrior;
+using scanmatch::SurfacePoint;
+
+namespace {
+
+/// A start has to beat the odometry's by this before it is taken.
+constexpr double kStartMargin = 0.02;
+/// Every n-th point is enough to compare starts.
+constexpr int kStartStride = 3;
+constexpr std::uint64_t kCountEvery = 32;
+constexpr int kWideIterations = 4, kGuideIterations = 8;
+/// Spread of a motion that nobody measured (0.5 m, 0.5 rad), or that is distrusted.
+constexpr double kUnknownSigma = 0.5;
+/// No lidar of a robot sees farther, and a reading in error must not fill the memory.
+constexpr double kFarthest_m = 100;
+constexpr double kDistrustFactor = 3, kDistrustSigma_m = 0.1, kDistrustSigma_rad = 0.05;
+
+/// Of an increment's covariance, in the frame that its mean lives in.
+Eigen::Matrix3d rotated(const Eigen::Matrix3d& matrix, double phi) {
+  const auto [s, c] = core::sinCos(phi);
+  Eigen::Matrix3d R;
+  R << c, -s, 0, s, c, 0, 0, 0, 1;
+  return R * matrix * R.transpose();
+}
+
+Eigen::Matrix3d unknownCovariance() {
+  return kUnknownSigma * kUnknownSigma * Eigen::Matrix3d::Identity();
+}
+
+/// How an error of the first pose shows in the second, which hangs on it.
+Eigen::Matrix3d carry(const core::Pose2& from, const core::Pose2& to) {
+  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
+  F(0, 2) = from.y - to.y, F(1, 2) = to.x - from.x;
+  return F;
+}
+
+core::Pose2 moved(const core::Pose2& T, const Eigen::Vector3d& by) {
+  return {T.x + by.x(), T.y + by.y(), core::wrapToPi(T.phi + by.z())};
+}
+
+gridmap::GridOptions gridOptions(const ParticleFilterOptions& options) {
+  gridmap::GridOptions grid;
+  grid.cell_m = options.cell_m;
+  grid.hit_probability = options.hit_probability;
+  grid.pass_probability = options.pass_probability;
+  // As far as a scan may be off and still find the wall.
+  grid.reach_cells = std::clamp(static_cast<int>(std::lround(0.4 / options.cell_m)), 2, 16);
+  return grid;
+}
+
+}  // namespace
+
+ParticleFilterOptions::ParticleFilterOptions() {
+  table().setDefaults(*this);
+}
+
+const core::ParameterTable<ParticleFilterOptions>& ParticleFilterOptions::table() {
+  using O = ParticleFilterOptions;
+  static const core::ParameterTable<O> kTable(
+      "particles",
+      {{"sampling",
+        &O::sampling,
+        "fixed",
+        {"fixed", "kld"},
+        "number of particles: count, or what the spread of their poses needs"},
+       {"count", &O::count, 30, 1, 10000, "number of particles; with kld: at the start"},
+       {"least_count", &O::least_count, 10, 1, 10000, "kld: never fewer"},
+       {"most_count", &O::most_count, 100, 1, 10000, "kld: never more"},
+       {"kld_error", &O::kld_error, 0.1, 0.001, 10.0,
+        "kld: bound on the Kullback-Leibler distance, kept in 99 % of the cases"},
+       {"kld_bin_m", &O::kld_bin_m, 0.02, 0.001, 10.0, "kld: bin of x and y"},
+       {"kld_bin_deg", &O::kld_bin_rad, 0.5, 0.01, 360.0, "kld: bin of the heading"},
+       {"threads", &O::threads, 1, 1, 256, "changes the time alone, not the result"},
+       {"cell_m", &O::cell_m, 0.07, 0.02, 0.5,
+        "cells of the particles' maps; surfaces are kept finer than that"},
+       {"point_spacing_m", &O::point_spacing_m, 0.02, 0.001, 1.0, "smallest distance between matched points"},
+       {"sigma_m", &O::sigma_m, 0.03, 0.001, 1.0, "of a point from the surface that it lies on"},
+       {"kernel_m", &O::kernel_m, 0.12, 0.005, 5.0,
+        "a point this far from every surface counts for a quarter"},
+       {"wide_kernel_m", &O::wide_kernel_m, 0.2, 0.01, 5.0, "the same while the start is chosen"},
+       {"information_scale", &O::information_scale, 0.2, 0.001, 1.0,
+        "how much of a point's information counts: neighbouring beams err together"},
+       {"drift_scale", &O::drift_scale, 0.5, 0.0, 1000.0,
+        "on the covariance of a match where it adds to the drift: the next scans err alike"},
+       {"iterations", &O::iterations, 3, 1, 100, "of Gauss-Newton, from the best particle's motion"},
+       {"proposal_scale", &O::proposal_scale, 0.2, 0.0, 10.0,
+        "on the standard deviations that are drawn from"},
+       {"evidence_scale", &O::evidence_scale, 1.0, 0.0, 1.0,
+        "exponent on the weights: one scan's errors are the next one's too"},
+       {"resample_below", &O::resample_below, 0.5, 0.0, 1.0, "effective share of particles that triggers it"},
+       {"distrust_score", &O::distrust_score, 0.1, 0.0, 1.0,
+        "odometry is distrusted where another start explains so much more of the scan"},
+       {"insert_score", &O::insert_score, 0.6, 0.0, 1.0, "a scan of which the map explains less is inserted"},
+       {"lost_score", &O::lost_score, 0.4, 0.0, 1.0, "below this the filter calls itself lost"},
+       {"lost_scans", &O::lost_scans, 50, 1, 1000000, "lost for so many, it draws on from where it is"},
+       {"hit_probability", &O::hit_probability, 0.8, 0.51, 0.97, "occupied, where one scan has a return"},
+       {"pass_probability", &O::pass_probability, 0.45, 0.12, 0.49, "occupied, where one scan saw through"}});
+  return kTable;
+}
+
+ParticleFilter::ParticleFilter(const ParticleFilterOptions& options, std::uint64_t seed)
+    : options_(options), seed_(seed), team_(options.threads) {
+  point_options_.spacing_m = options.point_spacing_m;
+  match_options_.sigma_m = options.sigma_m;
+  match_options_.kernel_m = options.kernel_m;
+  match_options_.information_scale = options.information_scale;
+  match_options_.max_iterations = options.iterations;
+  particles_.assign(static_cast<size_t>(options.count), Particle(gridOptions(options)));
+  for (Particle& particle : particles_) particle.T_raster_robot = rasterFromMap();
+}
+
+void ParticleFilter::note(const char* event, double value, const std::string& detail) {
+  journal_.push_back({static_cast<int>(scans_), event, value, -1, detail});
+}
+
+void ParticleFilter::start(const core::Pose2& T_map_robot,
+                           const std::vector<std::pair<gridmap::ScanRays, core::Pose2>>& known) {
+  if (scans_ > 0) throw core::ContractError("ParticleFilter::start: scans were seen already");
+  for (const auto& [rays, T_map_seen] : known) particles_[0].grid.insert(rays, rasterFromMap() * T_map_seen);
+  particles_[0].T_raster_robot = rasterFromMap() * T_map_robot;
+  for (Particle& particle : particles_) particle = particles_[0];
+  step_.T_map_robot = T_map_robot;
+  map_is_known_ = !known.empty();
+}
+
+ParticleFilter::Guidance ParticleFilter::guide(const std::vector<SurfacePoint>& points,
+                                               const std::optional<Motion>& motion) {
+  const Particle& best = particles_[best_];
+  const core::Pose2 T_before = best.T_raster_robot;
+  Guidance guidance;
+  guidance.expected = motion ? motion->T_previous_robot : velocity_;
+  Eigen::Matrix3d covariance = motion ? motion->covariance : unknownCovariance();
+
+  const core::Pose2 predicted = T_before * guidance.expected;
+  const auto score = [&](const core::Pose2& T) {
+    return scanmatch::fieldScore(points, best.grid, T, options_.wide_kernel_m, kStartStride);
+  };
+  std::vector<core::Pose2> others = {T_before * velocity_, T_before * core::inverse(guidance.expected)};
+  for (const double turn_rad : {-0.15, -0.07, 0.07, 0.15})
+    others.push_back({predicted.x, predicted.y, predicted.phi + turn_rad});
+  const double predicted_score = score(predicted);
+  core::Pose2 start = predicted;
+  double start_score = predicted_score + kStartMargin;
+  for (const core::Pose2& other : others)
+    if (const double other_score = score(other); other_score > start_score)
+      start = other, start_score = other_score;
+  if (motion && start_score > predicted_score + options_.distrust_score) {
+    step_.odometry_distrusted = true;
+    note("distrusted", start_score - predicted_score);
+    guidance.expected = core::between(T_before, start);
+    covariance *= 2 * kDistrustFactor * kDistrustFactor;
+    covariance.diagonal() +=
+        2 * Eigen::Vector3d(kDistrustSigma_m * kDistrustSigma_m, kDistrustSigma_m * kDistrustSigma_m,
+                            kDistrustSigma_rad * kDistrustSigma_rad);
+  }
+  guidance.information = covariance.inverse();
+
+  const PosePrior prior{T_before * guidance.expected, rotated(guidance.information, T_before.phi)};
+  FieldMatchOptions wide = match_options_, fine = match_options_;
+  wide.kernel_m = options_.wide_kernel_m, wide.max_iterations = kWideIterations;
+  fine.max_iterations = kGuideIterations;
+  const FieldMatch rough = scanmatch::alignToField(points, best.grid, start, prior, wide);
+  guidance.match = scanmatch::alignToField(points, best.grid, rough.T_map_robot, prior, fine);
+  guidance.moved = core::between(T_before, guidance.match.T_map_robot);
+  return guidance;
+}
+
+void ParticleFilter::matchAll(const std::vector<SurfacePoint>& points, const Guidance& guidance) {
+  team_.forEach(particles_.size(), [&](size_t i) {
+    Particle& particle = particles_[i];
+    const PosePrior prior{particle.T_raster_robot * guidance.expected,
+                          rotated(guidance.information, particle.T_raster_robot.phi)};
+    particle.match =
+        i == best_ ? guidance.match
+                   : scanmatch::alignToField(points, particle.grid, particle.T_raster_robot * guidance.moved,
+                                             prior, match_options_);
+    particle.information = particle.match.information + prior.information;
+    particle.T_raster_robot = particle.match.T_map_robot;
+  });
+}
+
+/// By the odometry alone; without any, nowhere.
+void ParticleFilter::moveAll(const std::optional<Motion>& motion) {
+  velocity_ = motion ? motion->T_previous_robot : core::Pose2{};
+  for (Particle& particle : particles_) {
+    particle.T_raster_robot = particle.T_raster_robot * velocity_;
+    particle.match = {};
+  }
+}
+
+/// From the Gaussian about the peak: with information = L L', the vector L'^-1 u has the covariance
+/// information^-1.
+void ParticleFilter::drawPose(size_t index) {
+  Particle& particle = particles_[index];
+  core::RandomStream random(seed_, "particle " + std::to_string(index) + " scan " + std::to_string(scans_));
+  const double x = random.normal(), y = random.normal(), z = random.normal();
+  const Eigen::LLT<Eigen::Matrix3d> factor(particle.information);
+  const Eigen::Vector3d drawn = options_.proposal_scale * factor.matrixU().solve(Eigen::Vector3d(x, y, z));
+  if (drawn.allFinite()) particle.T_raster_robot = moved(particle.T_raster_robot, drawn);
+}
+
+void ParticleFilter::findBest() {
+  best_ = 0;
+  for (size_t i = 1; i < particles_.size(); ++i)
+    if (particles_[i].total_log_weight > particles_[best_].total_log_weight) best_ = i;
+}
+
+/// Of the best particle's pose against the map, one scan further: an error of the pose before is carried
+/// along, the odometry adds its own, and the match takes the gain (I_scan + I_prior)^-1 I_scan off both and
+/// puts the scan's in their place.
+void ParticleFilter::trackDrift(const core::Pose2& T_before, const Eigen::Matrix3d& motion_covariance,
+                                const Eigen::Matrix3d& prior_information) {
+  const Particle& best = particles_[best_];
+  const Eigen::Matrix3d F = carry(T_before, best.T_raster_robot);
+  const Eigen::Matrix3d posterior = (best.match.information + prior_information).inverse();
+  const Eigen::Matrix3d gain = posterior * best.match.information, kept = Eigen::Matrix3d::Identity() - gain;
+  const Eigen::Matrix3d predicted = F * local_covariance_ * F.transpose() + motion_covariance;
+  const double noise = best.match.residual_m / options_.sigma_m;
+  local_covariance_ = kept * predicted * kept.transpose() + noise * noise * options_.drift_scale * posterior *
+                                                                best.match.information *
+                                                                posterior.transpose();
+}
+
+/// What the map around a pose is off by.
+Eigen::Matrix3d ParticleFilter::mapCovariance(const core::Pose2& T) const {
+  constexpr double kNear_m = 2;
+  if (anchors_.empty()) return Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d surest = Eigen::Matrix3d::Zero();
+  double least = std::numeric_limits<double>::infinity();
+  for (size_t i = step_.degenerate || step_.lost ? anchors_.size() - 1 : 0; i < anchors_.size(); ++i) {
+    const core::Pose2& T_anchor = anchors_[i].T_raster_robot;
+    const bool is_near = core::distance(T_anchor, T) < kNear_m &&
+                         std::abs(core::angleDifference(T_anchor.phi, T.phi)) < core::kPi / 2;
+    if (!is_near && i + 1 < anchors_.size()) continue;
+    const Eigen::Matrix3d F = carry(T_anchor, T);
+    const Eigen::Matrix3d covariance = F * anchors_[i].covariance * F.transpose();
+    // Radians count as the metres that they move a wall by at 3 m.
+    const double size = covariance(0, 0) + covariance(1, 1) + 9 * covariance(2, 2);
+    if (size < least) least = size, surest = covariance;
+  }
+  return surest;
+}
+
+void ParticleFilter::estimateCovariance() {
+  const core::Pose2& T = particles_[best_].T_raster_robot;
+  double most = particles_[0].log_weight, sum = 0;
+  for (const Particle& particle : particles_) most = std::max(most, particle.log_weight);
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Particle& particle : particles_) {
+    const double weight = core::exp(particle.log_weight - most);
+    const Eigen::Vector3d off(particle.T_raster_robot.x - T.x, particle.T_raster_robot.y - T.y,
+                              core::angleDifference(particle.T_raster_robot.phi, T.phi));
+    sum += weight, mean += weight * off;
+    spread += weight * off * off.transpose();
+  }
+  mean /= sum;
+  const Eigen::Matrix3d own = mapCovariance(T) + local_covariance_;
+  if (step_.inserted) {
+    anchors_.push_back({T, own});
+    local_covariance_.setZero();
+  }
+  step_.covariance = rotated(own + spread / sum - mean * mean.transpose(), mapFromRaster().phi);
+}
+
+void ParticleFilter::reachFarther(const robot::Scan& scan) {
+  std::vector<float> returns_m;
+  std::copy_if(scan.ranges_m.begin(), scan.ranges_m.end(), std::back_inserter(returns_m), robot::isReturn);
+  if (returns_m.empty()) return;
+  const auto quartile = returns_m.begin() + static_cast<std::ptrdiff_t>(returns_m.size() * 3 / 4);
+  std::nth_element(returns_m.begin(), quartile, returns_m.end());
+  options_.rays.max_range_m =
+      std::max(options_.rays.max_range_m, std::min(kFarthest_m, std::ceil(static_cast<double>(*quartile))));
+  point_options_.max_range_m = std::max(point_options_.max_range_m, options_.rays.max_range_m);
+}
+
+void ParticleFilter::findPlace(const std::vector<SurfacePoint>& points, const std::optional<Motion>& motion) {
+  const core::Pose2 T_before = particles_[best_].T_raster_robot;
+  const Guidance guidance = guide(points, motion);
+  step_.score = guidance.match.score;
+  step_.degenerate = guidance.match.degenerate;
+  if (step_.score < (lost_ ? options_.insert_score : options_.lost_score)) {
+    if (!lost_) note("lost", step_.score);
+    step_.lost = lost_ = true;
+    if (!points.empty()) ++lost_scans_;
+    moveAll(motion);
+    trackDrift(T_before, motion ? rotated(motion->covariance, T_before.phi) : unknownCovariance(),
+               Eigen::Matrix3d::Identity());
+    return;
+  }
+  if (lost_) note("recovered", step_.score);
+  lost_ = false, lost_scans_ = 0;
+  if (step_.score < options_.insert_score) note("poor", step_.score);
+  if (step_.degenerate) {
+    const double share = guidance.match.fixed_sigma_m / guidance.match.free_sigma_m;
+    note("degenerate", share * share);
+  }
+  matchAll(points, guidance);
+  velocity_ = guidance.moved;
+  const Eigen::Matrix3d prior_information = rotated(guidance.information, T_before.phi);
+  trackDrift(T_before, prior_information.inverse(), prior_information);
+}
+
+const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::optional<Motion>& motion,
+                                           const std::vector<robot::Scan>& others) {
+  if (motion && !(core::isFinite(motion->T_previous_robot) && motion->covariance.allFinite()))
+    throw core::ContractError("ParticleFilter::update: the motion is not finite");
+  const bool is_first = scans_ == 0 && !map_is_known_;
+  step_ = {};
+  reachFarther(scan);
+  for (const auto& other : others) reachFarther(other);
+  if (!is_first) {
+    auto points = scanmatch::surfacePoints(scan, point_options_);
+    for (const auto& other : others) {
+      const auto more = scanmatch::surfacePoints(other, point_options_);
+      points.insert(points.end(), more.begin(), more.end());
+    }
+    findPlace(points, scans_ == 0 ? std::nullopt : motion);
+  }
+  const bool restarted = mapping_ && lost_ && lost_scans_ >= options_.lost_scans;
+  if (restarted) {
+    note("restarted", lost_scans_);
+    lost_ = false, lost_scans_ = 0;
+  }
+  const core::Pose2& T = particles_[best_].T_raster_robot;
+  const bool is_news = step_.score < options_.insert_score ||
+                       core::distance(T, T_inserted_) > options_.insert_distance_m ||
+                       std::abs(core::angleDifference(T.phi, T_inserted_.phi)) > options_.insert_angle_rad;
+  step_.inserted = mapping_ && (is_first || restarted || (!lost_ && is_news));
+  if (step_.inserted) {
+    const bool is_matched = !is_first && !restarted;
+    if (is_matched) weigh();
+    std::vector<gridmap::ScanRays> seen = {gridmap::scanRays(scan, options_.rays)};
+    for (const auto& other : others) seen.push_back(gridmap::scanRays(other, options_.rays));
+    team_.forEach(particles_.size(), [&](size_t i) {
+      if (is_matched) drawPose(i);
+      for (const auto& rays : seen) particles_[i].grid.insert(rays, particles_[i].T_raster_robot);
+    });
+  }
+  for (Particle& particle : particles_)
+    particle.leaf = paths_.extend(particle.leaf, {scan.time_s, particle.T_raster_robot});
+  if (step_.inserted) {
+    if (!is_first) resample();
+    findBest();
+    T_inserted_ = particles_[best_].T_raster_robot;
+    if (insertions_++ % kCountEvery == 0)
+      cells_ = static_cast<double>(distinctTiles()) * gridmap::Grid::tileBytes() / sizeof(gridmap::Cell);
+  }
+  estimateCovariance();
+  step_.T_map_robot = mapFromRaster() * particles_[best_].T_raster_robot;
+  ++scans_;
+  return step_;
+}
+
+core::Trajectory ParticleFilter::path() const {
+  core::Trajectory path = paths_.path(particles_[best_].leaf);
+  for (core::StampedPose& pose : path) pose.pose = mapFromRaster() * pose.pose;
+  return path;
+}
+
+std::vector<core::Pose2> ParticleFilter::poses() const {
+  std::vector<core::Pose2> poses;
+  poses.reserve(particles_.size());
+  for (const Particle& particle : particles_) poses.push_back(mapFromRaster() * particle.T_raster_robot);
+  return poses;
+}
+
+size_t ParticleFilter::distinctTiles() const {
+  std::vector<const void*> tiles;
+  for (const Particle& particle : particles_) particle.grid.appendTiles(tiles);
+  std::sort(tiles.begin(), tiles.end());
+  tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
+  return tiles.size();
+}
+
+size_t ParticleFilter::bytes() const {
+  size_t directories = 0;
+  for (const Particle& particle : particles_) directories += particle.grid.directoryBytes();
+  return distinctTiles() * gridmap::Grid::tileBytes() + directories + paths_.bytes();
+}
+
+}  // namespace slam::particles
