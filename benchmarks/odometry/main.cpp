@@ -18,6 +18,7 @@
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/navigate/driver.h"
 #include "libslam/navigate/strategy.h"
 #include "libslam/record/record.h"
 #include "libslam/report/table.h"

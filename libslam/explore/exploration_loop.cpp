@@ -13,6 +13,7 @@
 #include "libslam/explore/loop_localiser.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/navigate/driver.h"
 #include "libslam/navigate/return_to_start.h"
 #include "libslam/process/cpu_time.h"
 #include "libslam/record/carry_file.h"

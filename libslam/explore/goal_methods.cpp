@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "libslam/core/error.h"
-#include "libslam/navigate/lidar_bug.h"
-#include "libslam/navigate/surroundings.h"
+#include "libslam/goals/lidar_bug.h"
+#include "libslam/goals/surroundings.h"
 
 namespace slam::explore {
 namespace {
@@ -12,14 +12,14 @@ const std::string kMrptReactive = "mrpt_reactive";
 }
 
 std::vector<std::string> goalMethodNames() {
-  auto names = navigate::goalNavigatorNames();
+  auto names = goals::goalNavigatorNames();
   if (mrptnav::reactiveNavigationAvailable()) names.push_back(kMrptReactive);
   return names;
 }
 
 std::string goalMethodMeaning(const std::string& name) {
   if (name == kMrptReactive) return "MRPT's own CReactiveNavigationSystem; no guarantee";
-  return navigate::goalNavigatorMeaning(name);
+  return goals::goalNavigatorMeaning(name);
 }
 
 void requireGoalMethod(const std::string& name) {
@@ -31,24 +31,24 @@ void requireGoalMethod(const std::string& name) {
                          core::didYouMean(name, names));
 }
 
-std::unique_ptr<navigate::GoalNavigator> makeGoalMethod(const std::string& name,
-                                                        const navigate::NavigateOptions& options,
-                                                        const mrptnav::ReactiveOptions& mrpt_reactive,
-                                                        const navigate::GoalTask& task) {
+std::unique_ptr<goals::GoalNavigator> makeGoalMethod(const std::string& name,
+                                                     const goals::NavigateOptions& options,
+                                                     const mrptnav::ReactiveOptions& mrpt_reactive,
+                                                     const goals::GoalTask& task) {
   requireGoalMethod(name);
   if (name == kMrptReactive) return mrptnav::makeReactiveNavigator(mrpt_reactive, options, task);
-  return navigate::makeGoalNavigator(name, options, task);
+  return goals::makeGoalNavigator(name, options, task);
 }
 
 std::optional<StrategicOverlay> strategicOverlay(const std::string& method,
-                                                 const navigate::NavigateOptions& options,
+                                                 const goals::NavigateOptions& options,
                                                  const robot::RobotOptions& robot,
                                                  const robot::LidarOptions& lidar) {
   if (method != "lidar_bug") return std::nullopt;
-  const navigate::Surroundings surroundings(robot, options.clearance_m, 1 / lidar.rate_hz);
+  const goals::Surroundings surroundings(robot, options.clearance_m, 1 / lidar.rate_hz);
   const double guard_m = surroundings.guardRadius() + lidar.sigma_m;
-  const auto directions = navigate::strategicDirections();
-  return StrategicOverlay{navigate::lidarBugStopRadius(options.lidar_bug, guard_m),
+  const auto directions = goals::strategicDirections();
+  return StrategicOverlay{goals::lidarBugStopRadius(options.lidar_bug, guard_m),
                           {directions.begin(), directions.end()}};
 }
 

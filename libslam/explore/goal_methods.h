@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "libslam/goals/goal_navigator.h"
 #include "libslam/mrptnav/reactive_navigator.h"
-#include "libslam/navigate/goal_navigator.h"
 #include "libslam/robot/drive.h"
 #include "libslam/robot/lidar.h"
 
@@ -18,11 +18,11 @@ std::vector<std::string> goalMethodNames();
 std::string goalMethodMeaning(const std::string& name);
 /// InputError with the nearest known name.
 void requireGoalMethod(const std::string& name);
-/// Errors: as requireGoalMethod(), navigate::makeGoalNavigator() and mrptnav::makeReactiveNavigator().
-std::unique_ptr<navigate::GoalNavigator> makeGoalMethod(const std::string& name,
-                                                        const navigate::NavigateOptions& options,
-                                                        const mrptnav::ReactiveOptions& mrpt_reactive,
-                                                        const navigate::GoalTask& task);
+/// Errors: as requireGoalMethod(), goals::makeGoalNavigator() and mrptnav::makeReactiveNavigator().
+std::unique_ptr<goals::GoalNavigator> makeGoalMethod(const std::string& name,
+                                                     const goals::NavigateOptions& options,
+                                                     const mrptnav::ReactiveOptions& mrpt_reactive,
+                                                     const goals::GoalTask& task);
 
 /// What the original `lidar_bug` looks at, for pictures, robot frame.
 struct StrategicOverlay {
@@ -31,7 +31,7 @@ struct StrategicOverlay {
 };
 /// nullopt for the other methods.
 std::optional<StrategicOverlay> strategicOverlay(const std::string& method,
-                                                 const navigate::NavigateOptions& options,
+                                                 const goals::NavigateOptions& options,
                                                  const robot::RobotOptions& robot,
                                                  const robot::LidarOptions& lidar);
 

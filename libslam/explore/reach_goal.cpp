@@ -13,9 +13,9 @@
 #include "libslam/core/number_list.h"
 #include "libslam/explore/goal_methods.h"
 #include "libslam/explore/goal_picture.h"
+#include "libslam/goals/surroundings.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/navigate/surroundings.h"
 #include "libslam/record/carry_file.h"
 #include "libslam/record/recorder.h"
 #include "libslam/record/sensor.h"
@@ -27,7 +27,7 @@
 namespace slam::explore {
 namespace {
 
-using navigate::GoalStatus;
+using goals::GoalStatus;
 
 std::string describe(const core::Point2& p) {
   char text[64];
@@ -101,20 +101,20 @@ record::RecordConfig recordConfigOf(const ReachGoalConfig& config) {
 /// True when no way leads to the goal for the disc with the clearance that the methods keep.
 bool isOutOfReach(const ReachGoalRequest& request) {
   const auto& config = request.config;
-  const navigate::Surroundings keeps(config.robot, config.navigate.clearance_m, 1 / config.lidar.rate_hz);
+  const goals::Surroundings keeps(config.robot, config.navigate.clearance_m, 1 / config.lidar.rate_hz);
   return !world::shortestPath(request.plan, core::position(request.T_world_start), request.p_world_goal,
                               keeps.followRadius() + config.lidar.sigma_m, config.navigate.goal_tolerance_m);
 }
 
 std::string resultOf(const GoalRun& run) {
-  if (run.right) return navigate::statusName(run.status);
+  if (run.right) return goals::statusName(run.status);
   switch (run.status) {
     case GoalStatus::kReached:
       return "missed";
     case GoalStatus::kUnreachable:
       return "wrong: unreachable";
     default:
-      return navigate::statusName(run.status);
+      return goals::statusName(run.status);
   }
 }
 
@@ -156,7 +156,7 @@ report::Table tableOf(const ReachGoalRequest& request, const GoalComparison& com
 }
 
 /// Every change of the step, also those that the next one of the same period undid.
-void addChanges(const navigate::GoalStep& step, double time_s, const core::Pose2& T_world_robot,
+void addChanges(const goals::GoalStep& step, double time_s, const core::Pose2& T_world_robot,
                 std::vector<StateChange>& changes) {
   std::vector<core::Point2> p_world_projected;
   for (const auto& p_robot : step.p_robot_projected) p_world_projected.push_back(T_world_robot * p_robot);
@@ -245,8 +245,8 @@ ReachGoalConfig readReachGoalConfig(const core::IniFile& given) {
   core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
   core::readParameters(ini, sim::LivingOptions::table(), config.living, report);
   config.carries = sim::readCarries(ini, report);
-  core::readParameters(ini, navigate::NavigateOptions::table(), config.navigate, report);
-  core::readParameters(ini, navigate::LidarBugOptions::table(), config.navigate.lidar_bug, report);
+  core::readParameters(ini, goals::NavigateOptions::table(), config.navigate, report);
+  core::readParameters(ini, goals::LidarBugOptions::table(), config.navigate.lidar_bug, report);
   core::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.navigate.obstacles, report);
   core::readParameters(ini, mrptnav::ReactiveOptions::table(), config.mrpt_reactive, report);
   sim::requireBefore(config.carries, config.navigate.time_limit_s);
@@ -263,7 +263,7 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
   std::optional<record::Recorder> recorder;
   if (!folder.empty()) recorder.emplace(folder + "/run.rawlog", recordConfigOf(config));
   const core::Point2 p_start_goal = core::inverse(request.T_world_start) * request.p_world_goal;
-  const navigate::GoalTask task{p_start_goal, config.robot, period_s};
+  const goals::GoalTask task{p_start_goal, config.robot, period_s};
   const OwnNavigator* own = ownOf(request, method);
   const auto navigator = own ? own->make(config.navigate, task)
                              : makeGoalMethod(method, config.navigate, config.mrpt_reactive, task);
@@ -281,7 +281,7 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
     run.truth.push_back({simulator.time_s(), simulator.truth()});
     path.add(simulator.truth(), simulator.carries());
     progress.update(elapsed_s / config.navigate.time_limit_s, elapsed_s);
-    navigate::GoalStep step;
+    goals::GoalStep step;
     try {
       const core::Pose2 T_start_robot = pose_source.update(sensed);
       run.estimate.push_back({simulator.time_s(), request.T_world_start * T_start_robot});

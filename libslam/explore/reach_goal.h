@@ -11,8 +11,8 @@
 #include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
+#include "libslam/goals/goal_navigator.h"
 #include "libslam/mrptnav/reactive_navigator.h"
-#include "libslam/navigate/goal_navigator.h"
 #include "libslam/record/step_observer.h"
 #include "libslam/report/table.h"
 #include "libslam/robot/lidar.h"
@@ -30,7 +30,7 @@ struct ReachGoalConfig {
   std::optional<robot::FloorCamera> camera;  ///< looks in place of the lidar
   robot::OdometryOptions odometry;
   sim::LivingOptions living;
-  navigate::NavigateOptions navigate;
+  goals::NavigateOptions navigate;
   mrptnav::ReactiveOptions mrpt_reactive;
   std::vector<sim::CarryOrder> carries;           ///< when and where somebody carries the robot
   std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
@@ -40,11 +40,10 @@ struct ReachGoalConfig {
 ReachGoalConfig readReachGoalConfig(const core::IniFile& config);
 
 /// A navigator that is not one of the library's: its name in tables and folders, and what makes it, as
-/// navigate::makeGoalNavigator() does.
+/// goals::makeGoalNavigator() does.
 struct OwnNavigator {
   std::string name;
-  std::function<std::unique_ptr<navigate::GoalNavigator>(const navigate::NavigateOptions&,
-                                                         const navigate::GoalTask&)>
+  std::function<std::unique_ptr<goals::GoalNavigator>(const goals::NavigateOptions&, const goals::GoalTask&)>
       make;
 };
 
@@ -73,7 +72,7 @@ struct StateChange {
 /// How one method fared.
 struct GoalRun {
   std::string method;
-  navigate::GoalStatus status = navigate::GoalStatus::kMoving;
+  goals::GoalStatus status = goals::GoalStatus::kMoving;
   std::string reason;
   double time_s = 0, path_m = 0, goal_distance_m = 0;  ///< the true ones
   size_t collisions = 0;

@@ -1,4 +1,5 @@
 #include "libslam/mrptnav/mrpt_explorer.h"
+#include "libslam/navigate/driver.h"
 
 #include <mrpt/maps/COccupancyGridMap2D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
@@ -7,7 +8,7 @@
 #include <algorithm>
 
 #include "libslam/gridmap/mrpt_grid.h"
-#include "libslam/navigate/safe_motion.h"
+#include "libslam/paths/safe_motion.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::mrptnav {
@@ -60,7 +61,7 @@ MrptStrategy::Answer MrptStrategy::decide(const mrpt::obs::CObservation2DRangeSc
   auto decision = state_->strategy->decide(seen, T_map_robot);
   // Without a map a strategy says how far at most; a driver of ours stops where the way ends.
   decision.distance_m = std::min(
-      {decision.distance_m, seen.max_range_m, navigate::discReach(seen, decision.turn_rad, state_->robot)});
+      {decision.distance_m, seen.max_range_m, paths::discReach(seen, decision.turn_rad, state_->robot)});
   return {toMrpt(decision, T_map_robot), decision.finished, decision.reason};
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "libslam/mrptnav/mrpt_motion.h"
+#include "libslam/navigate/driver.h"
 #include "libslam/navigate/strategy.h"
 #include "libslam/robot/drive.h"
 

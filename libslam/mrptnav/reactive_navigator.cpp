@@ -15,16 +15,16 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/navigate/guarded_navigator.h"
+#include "libslam/goals/guarded_navigator.h"
 #include "libslam/robot/mrpt_types.h"
 
 namespace slam::mrptnav {
 namespace {
 
+using goals::GoalStatus;
+using goals::GoalStep;
 using mrpt::kinematics::CVehicleVelCmd;
 using mrpt::kinematics::CVehicleVelCmd_DiffDriven;
-using navigate::GoalStatus;
-using navigate::GoalStep;
 
 constexpr double kEpoch_s = 1e9;                      // MRPT takes a time of 0 for none
 constexpr double kReachShare = 0.8;                   // of look_ahead_m: paths that bend end nearer
@@ -134,7 +134,7 @@ std::string octagon(double radius_m, double (*coordinate)(double)) {
 
 /// MRPT's file with our robot in it.
 mrpt::config::CConfigFileMemory configurationFor(const ReactiveOptions& options,
-                                                 const navigate::GoalTask& task) {
+                                                 const goals::GoalTask& task) {
   mrpt::config::CConfigFileMemory config(core::readTextFile(options.config));
   const std::string reactive = "CReactiveNavigationSystem", common = "CAbstractPTGBasedReactive";
   const double radius_m = robot::circumscribedRadius(task.robot) + options.clearance_m;
@@ -160,10 +160,10 @@ mrpt::config::CConfigFileMemory configurationFor(const ReactiveOptions& options,
   return config;
 }
 
-class ReactiveNavigator : public navigate::GuardedNavigator {
+class ReactiveNavigator : public goals::GuardedNavigator {
  public:
-  ReactiveNavigator(const ReactiveOptions& options, const navigate::NavigateOptions& navigate_options,
-                    const navigate::GoalTask& task)
+  ReactiveNavigator(const ReactiveOptions& options, const goals::NavigateOptions& navigate_options,
+                    const goals::GoalTask& task)
       : GuardedNavigator(navigate_options, task), reactive_(options), navigation_(robot_) {
     try {
       const core::ScratchFolder scratch;
@@ -288,9 +288,9 @@ bool reactiveNavigationAvailable() {
   return true;
 }
 
-std::unique_ptr<navigate::GoalNavigator> makeReactiveNavigator(
-    const ReactiveOptions& options, const navigate::NavigateOptions& navigate_options,
-    const navigate::GoalTask& task) {
+std::unique_ptr<goals::GoalNavigator> makeReactiveNavigator(const ReactiveOptions& options,
+                                                            const goals::NavigateOptions& navigate_options,
+                                                            const goals::GoalTask& task) {
   const bool finite = std::isfinite(task.p_odom_goal.x) && std::isfinite(task.p_odom_goal.y);
   if (!finite || !(task.period_s > 0))
     throw core::ContractError("makeReactiveNavigator: expected a finite goal and a positive period");

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "libslam/core/parameters.h"
-#include "libslam/navigate/goal_navigator.h"
+#include "libslam/goals/goal_navigator.h"
 
 namespace slam::mrptnav {
 
@@ -36,8 +36,8 @@ bool reactiveNavigationAvailable();
 ///
 /// Errors: not available, or the configuration is missing or refused by MRPT (InputError); goal not finite,
 /// period not positive (ContractError). Cost: about 1 s to build, 1 ms per call.
-std::unique_ptr<navigate::GoalNavigator> makeReactiveNavigator(
-    const ReactiveOptions& options, const navigate::NavigateOptions& navigate_options,
-    const navigate::GoalTask& task);
+std::unique_ptr<goals::GoalNavigator> makeReactiveNavigator(const ReactiveOptions& options,
+                                                            const goals::NavigateOptions& navigate_options,
+                                                            const goals::GoalTask& task);
 
 }  // namespace slam::mrptnav

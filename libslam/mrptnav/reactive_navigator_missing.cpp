@@ -7,9 +7,9 @@ bool reactiveNavigationAvailable() {
   return false;
 }
 
-std::unique_ptr<navigate::GoalNavigator> makeReactiveNavigator(const ReactiveOptions&,
-                                                               const navigate::NavigateOptions&,
-                                                               const navigate::GoalTask&) {
+std::unique_ptr<goals::GoalNavigator> makeReactiveNavigator(const ReactiveOptions&,
+                                                            const goals::NavigateOptions&,
+                                                            const goals::GoalTask&) {
   throw core::InputError(
       "mrpt_reactive: this program was built without MRPT's module nav; install libmrpt-nav-dev and build "
       "again");

@@ -1,16 +1,19 @@
+#include "libslam/navigate/driver.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <optional>
 
 #include "libslam/core/error.h"
-#include "libslam/navigate/goal_navigator.h"
-#include "libslam/navigate/look_first.h"
-#include "libslam/navigate/obstacle_memory.h"
-#include "libslam/navigate/path_follower.h"
-#include "libslam/navigate/safe_motion.h"
+#include "libslam/goals/goal_navigator.h"
+#include "libslam/goals/look_first.h"
 #include "libslam/navigate/strategy.h"
-#include "libslam/navigate/view.h"
+#include "libslam/paths/free_ways.h"
+#include "libslam/paths/obstacle_memory.h"
+#include "libslam/paths/path_follower.h"
+#include "libslam/paths/safe_motion.h"
+#include "libslam/paths/view.h"
 
 namespace slam::navigate {
 namespace {
@@ -46,7 +49,7 @@ struct Driver::State {
   double target_heading_rad = 0;
   core::Pose2 T_map_begin = {};  ///< where the present drive or backing began
 
-  PathFollower follower = {};
+  paths::PathFollower follower = {};
   bool had_map = false;
   bool map_is_new = false;    ///< given since the last command
   int periods_unchecked = 0;  ///< since the path was last checked by a map
@@ -54,10 +57,10 @@ struct Driver::State {
   double most_known_m2 = 0;   ///< when there was last any news
   int barren = 0;             ///< decisions in a row without news
 
-  std::unique_ptr<ObstacleMemory> memory = nullptr;
+  std::unique_ptr<paths::ObstacleMemory> memory = nullptr;
   std::vector<core::Point2> remembered = {};  ///< robot frame
-  std::optional<LookFirst> look_first = std::nullopt;
-  std::unique_ptr<GoalNavigator> navigator = nullptr;
+  std::optional<goals::LookFirst> look_first = std::nullopt;
+  std::unique_ptr<goals::GoalNavigator> navigator = nullptr;
   bool collided = false;   ///< by the last command
   bool w_follows = false;  ///< stop_clearance_m is that of stopClearance()
 
@@ -77,21 +80,21 @@ struct Driver::State {
   bool checkIsDue() const { return periods_unchecked * period_s >= options.recheck_s; }
 
   double reach(const robot::Scan& scan, double direction_rad) const {
-    return discReach(scan, direction_rad, robot, remembered);
+    return paths::discReach(scan, direction_rad, robot, remembered);
   }
   /// By the rule that the strategy drives by.
   bool frontIsFree(const robot::Scan& scan) const {
     if (escaping) return true;
-    if (strategy->drivesByDisc()) return seesAhead(scan);
-    const FreeWays ways = canMove(scan, options.stop_clearance_m, remembered);
-    return ways == FreeWays::kBoth || ways == FreeWays::kFrontOnly;
+    if (strategy->drivesByDisc()) return paths::seesAhead(scan);
+    const paths::FreeWays ways = paths::canMove(scan, options.stop_clearance_m, remembered);
+    return ways == paths::FreeWays::kBoth || ways == paths::FreeWays::kFrontOnly;
   }
   bool rearIsFree(const robot::Scan& scan) const {
     const double body_m = robot::circumscribedRadius(robot);
     const double clearance_m =
         strategy->drivesByDisc() ? std::min(body_m, options.stop_clearance_m) : options.stop_clearance_m;
-    const FreeWays ways = canMove(scan, clearance_m, remembered);
-    return ways == FreeWays::kBoth || ways == FreeWays::kRearOnly;
+    const paths::FreeWays ways = paths::canMove(scan, clearance_m, remembered);
+    return ways == paths::FreeWays::kBoth || ways == paths::FreeWays::kRearOnly;
   }
   robot::Command straight(double distance_m) const { return {distance_m / period_s, 0, period_s}; }
   robot::Command stand() const { return {0, 0, period_s}; }
@@ -141,7 +144,7 @@ void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_map_rob
   escaping = failures >= options.patience;
   decision = escaping ? escape(scan) : strategy->decide(scan, T_map_robot);
   if (!decision.path.empty()) {
-    follower = PathFollower(decision.path, decision.look_at);
+    follower = paths::PathFollower(decision.path, decision.look_at);
     periods_unchecked = 0;
     phase = Phase::kFollowing;
     return;
@@ -162,7 +165,7 @@ void Driver::State::sense(const robot::Scan& scan, const core::Pose2& T_map_robo
     for (const auto& p_robot : look_first->hidden()) remembered.push_back(p_robot);
   }
   if (!w_follows) return;
-  options.stop_clearance_m = stopClearance(robot, period_s, scan.range_sigma_m);
+  options.stop_clearance_m = paths::stopClearance(robot, period_s, scan.range_sigma_m);
   strategy->setStopClearance(options.stop_clearance_m);
 }
 
@@ -177,7 +180,7 @@ std::optional<robot::Command> Driver::State::look(const robot::Command& command)
 void Driver::State::startNavigator(const core::Pose2& T_map_robot) {
   const double distance_m = std::min(decision.distance_m, decision.ray_m - options.stop_clearance_m);
   if (distance_m <= kRayTolerance_m) return;
-  NavigateOptions ways;
+  goals::NavigateOptions ways;
   ways.goal_tolerance_m = kRayTolerance_m;
   ways.memory = options.memory == "none" ? ways.memory : options.memory;
   ways.obstacles = options.obstacles;
@@ -185,14 +188,15 @@ void Driver::State::startNavigator(const core::Pose2& T_map_robot) {
   ways.time_limit_s =
       kRayPatience * (core::kPi / robot.max_turn_rate_radps + distance_m / robot.max_speed_mps);
   const core::Point2 p_robot_end = core::polar(distance_m, decision.turn_rad);
-  navigator = makeGoalNavigator(options.ray_navigator, ways, {T_map_robot * p_robot_end, robot, period_s});
+  navigator =
+      goals::makeGoalNavigator(options.ray_navigator, ways, {T_map_robot * p_robot_end, robot, period_s});
   phase = Phase::kNavigating;
 }
 
 std::optional<robot::Command> Driver::State::navigate(const robot::Scan& scan,
                                                       const core::Pose2& T_map_robot) {
-  const GoalStep step = navigator->next(scan, T_map_robot, collided);
-  if (step.status == GoalStatus::kMoving) return step.command;
+  const goals::GoalStep step = navigator->next(scan, T_map_robot, collided);
+  if (step.status == goals::GoalStatus::kMoving) return step.command;
   navigator.reset();
   const bool moved = core::distance(T_map_begin, T_map_robot) >= kShortestDrive_m;
   endDrive(T_map_robot);
@@ -206,7 +210,7 @@ Decision Driver::State::escape(const robot::Scan& scan) {
   };
   std::vector<Way> ways;
   double last_rad = -core::kPi;
-  for (const auto& beam : seenBeams(scan)) {
+  for (const auto& beam : paths::seenBeams(scan)) {
     if (beam.angle_rad - last_rad < kEscapeStep_rad) continue;
     last_rad = beam.angle_rad;
     const double reach_m = std::min(beam.range_m, reach(scan, beam.angle_rad));
@@ -278,8 +282,8 @@ std::optional<robot::Command> Driver::State::follow(const robot::Scan& scan, con
   }
   ++periods_unchecked;
   const auto step = follower.next(scan, T_map_robot, robot, options.slow_clearance_m, period_s, remembered);
-  if (step.status == PathFollower::Status::kFollowing) return step.command;
-  const bool arrived = step.status == PathFollower::Status::kArrived;
+  if (step.status == paths::PathFollower::Status::kFollowing) return step.command;
+  const bool arrived = step.status == paths::PathFollower::Status::kArrived;
   strategy->tellOutcome(decision, arrived);
   if (arrived)
     failures = 0;
@@ -307,7 +311,7 @@ Driver::Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& option
     throw core::ContractError("Driver: expected a positive period");
   strategy->setRobot(robot);
   state_ = std::make_unique<State>(State{std::move(strategy), options, robot, period_s, random});
-  state_->memory = makeObstacleMemory(options.memory, options.obstacles);
+  state_->memory = paths::makeObstacleMemory(options.memory, options.obstacles);
   if (options.unseen == "looked_at") state_->look_first.emplace(robot, period_s, options.obstacles);
   state_->w_follows = options.stop_clearance_m == 0;
 }

@@ -16,7 +16,7 @@ std::optional<MapStrategy::Choice> InformationGain::choose(const Scene& scene) {
   for (std::size_t i = 0; i < scene.viewpoints.size(); ++i) {
     const Viewpoint& viewpoint = scene.viewpoints[i];
     const auto profile =
-        expectedGain(scene.space, viewpoint.p_map, scene.view, options().unknown_path_m, kDirections);
+        paths::expectedGain(scene.space, viewpoint.p_map, scene.view, options().unknown_path_m, kDirections);
     const double look_rad = profile.bestHeading(scene.view);
     const double gain_m2 = profile.within(scene.view, look_rad);
     if (gain_m2 < options().gain_min_m2) continue;

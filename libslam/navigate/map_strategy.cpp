@@ -26,14 +26,14 @@ constexpr std::size_t kMostCellsForTwoPlans = 1500000;  // in one decision of le
 constexpr double kNews_m2 = 0.1;                        // less new area than this may be the map's noise
 
 /// Where the robot stands nothing else does, whatever the noisy map says.
-void clearBody(FreeSpace& space, const core::Point2& p_map, double radius_m) {
+void clearBody(paths::FreeSpace& space, const core::Point2& p_map, double radius_m) {
   const int column = space.columnOf(p_map.x), row = space.rowOf(p_map.y);
   const int reach = static_cast<int>(std::ceil(radius_m / space.resolution_m));
   for (int r = row - reach; r <= row + reach; ++r)
     for (int c = column - reach; c <= column + reach; ++c)
       if (c > 0 && r > 0 && c + 1 < space.columns && r + 1 < space.rows &&
           core::distance(space.centreOf(space.index(c, r)), p_map) < radius_m)
-        space.state[space.index(c, r)] = kFreeCell;
+        space.state[space.index(c, r)] = paths::kFreeCell;
 }
 
 bool isNearer(const Viewpoint& a, const Viewpoint& b) {
@@ -43,7 +43,7 @@ bool isNearer(const Viewpoint& a, const Viewpoint& b) {
 }  // namespace
 
 void MapStrategy::seeMap(const gridmap::OccupancyRaster& map) {
-  space_ = readFreeSpace(map);
+  space_ = paths::readFreeSpace(map);
 }
 
 bool MapStrategy::isSpent(const core::Point2& p_map) const {
@@ -71,11 +71,11 @@ void MapStrategy::seeScan(const robot::Scan& scan, const core::Pose2& T_map_robo
 }
 
 /// The map with an obstacle in every frontier cell at which the lidar has measured a return.
-FreeSpace MapStrategy::withoutFalseFrontiers() const {
-  FreeSpace looking = *space_;
-  for (const auto& frontier : findFrontiers(*space_, 1))
+paths::FreeSpace MapStrategy::withoutFalseFrontiers() const {
+  paths::FreeSpace looking = *space_;
+  for (const auto& frontier : paths::findFrontiers(*space_, 1))
     for (const std::size_t cell : frontier.cells)
-      if (returns_.count(placeOf(space_->centreOf(cell))) != 0) looking.state[cell] = kOccupiedCell;
+      if (returns_.count(placeOf(space_->centreOf(cell))) != 0) looking.state[cell] = paths::kOccupiedCell;
   return looking;
 }
 
@@ -92,12 +92,13 @@ void MapStrategy::judgeLook() {
 
 /// Of every frontier the cells that are in reach and not given up; counts the frontiers of which less than
 /// min_cells are.
-std::vector<Frontier> MapStrategy::openFrontiers(const FreeSpace& looking, const PathPlanner& planner,
-                                                 std::size_t min_cells) {
+std::vector<paths::Frontier> MapStrategy::openFrontiers(const paths::FreeSpace& looking,
+                                                        const paths::PathPlanner& planner,
+                                                        std::size_t min_cells) {
   out_of_reach_ = abandoned_ = 0;
-  std::vector<Frontier> open;
-  for (auto& frontier : findFrontiers(looking, min_cells)) {
-    Frontier kept;
+  std::vector<paths::Frontier> open;
+  for (auto& frontier : paths::findFrontiers(looking, min_cells)) {
+    paths::Frontier kept;
     std::size_t reached = 0;
     for (const std::size_t cell : frontier.cells) {
       if (!planner.accessOf(planner.nodeOf(cell))) continue;
@@ -114,11 +115,11 @@ std::vector<Frontier> MapStrategy::openFrontiers(const FreeSpace& looking, const
 }
 
 /// As near to the frontiers as the robot can, by cost; without the ways.
-std::vector<Viewpoint> MapStrategy::viewpointsFor(const PathPlanner& planner,
-                                                  const std::vector<Frontier>& frontiers) const {
+std::vector<Viewpoint> MapStrategy::viewpointsFor(const paths::PathPlanner& planner,
+                                                  const std::vector<paths::Frontier>& frontiers) const {
   std::vector<Viewpoint> viewpoints;
   for (std::size_t f = 0; f < frontiers.size(); ++f) {
-    std::set<std::pair<double, PathPlanner::Node>> by_cost;
+    std::set<std::pair<double, paths::PathPlanner::Node>> by_cost;
     for (const std::size_t cell : frontiers[f].cells) {
       const auto node = planner.accessOf(planner.nodeOf(cell));
       if (node) by_cost.emplace(planner.cost(*node), *node);
@@ -140,7 +141,7 @@ std::vector<Viewpoint> MapStrategy::viewpointsFor(const PathPlanner& planner,
 }
 
 /// With their ways and, where wanted, with viewpoints short of them.
-std::vector<Viewpoint> MapStrategy::withWays(const PathPlanner& planner,
+std::vector<Viewpoint> MapStrategy::withWays(const paths::PathPlanner& planner,
                                              std::vector<Viewpoint> viewpoints) const {
   std::vector<Viewpoint> standoffs;
   for (auto& viewpoint : viewpoints) {
@@ -180,18 +181,19 @@ Decision MapStrategy::finishedDecision() const {
   return decision;
 }
 
-PathPlanner MapStrategy::plan(const FreeSpace& driving, bool bare, const core::Pose2& T_map_robot) const {
-  PlannerOptions planning;
+paths::PathPlanner MapStrategy::plan(const paths::FreeSpace& driving, bool bare,
+                                     const core::Pose2& T_map_robot) const {
+  paths::PlannerOptions planning;
   planning.radius_m = robot::circumscribedRadius(robot_) + (bare ? 0 : options_.plan_margin_m);
   planning.comfort_m = std::max(planning.radius_m, options_.comfort_m);
   planning.look_m = options_.look_m;
   planning.optimistic = options_.optimistic;
   planning.tight_start = bare;
-  return PathPlanner(driving, planning, core::position(T_map_robot));
+  return paths::PathPlanner(driving, planning, core::position(T_map_robot));
 }
 
 /// Nothing when there is nowhere to go by this plan.
-std::optional<Decision> MapStrategy::goOn(const PathPlanner& planner, const FreeSpace& looking,
+std::optional<Decision> MapStrategy::goOn(const paths::PathPlanner& planner, const paths::FreeSpace& looking,
                                           const robot::Scan& scan, const core::Pose2& T_map_robot) {
   const auto min_cells = static_cast<std::size_t>(
       std::max(1.0, std::ceil(options_.frontier_min_m / space_->resolution_m - 1e-9)));
@@ -209,14 +211,15 @@ std::optional<Decision> MapStrategy::goOn(const PathPlanner& planner, const Free
     const auto begin = viewpoints.begin() + static_cast<std::ptrdiff_t>(first);
     const auto count = std::min(kViewpointsAtATime, viewpoints.size() - first);
     const auto some = withWays(planner, {begin, begin + static_cast<std::ptrdiff_t>(count)});
-    if (const auto choice = choose({looking, planner, frontiers, some, lidarView(scan), T_map_robot}))
+    if (const auto choice = choose({looking, planner, frontiers, some, paths::lidarView(scan), T_map_robot}))
       return decisionFor(planner, frontiers, some, *choice);
   }
   abandoned_ += frontiers.size();
   return std::nullopt;
 }
 
-Decision MapStrategy::decisionFor(const PathPlanner& planner, const std::vector<Frontier>& frontiers,
+Decision MapStrategy::decisionFor(const paths::PathPlanner& planner,
+                                  const std::vector<paths::Frontier>& frontiers,
                                   const std::vector<Viewpoint>& viewpoints, const Choice& choice) {
   const Viewpoint& chosen = viewpoints[choice.viewpoint];
   Decision decision;
@@ -250,15 +253,15 @@ Decision MapStrategy::decide(const robot::Scan& scan, const core::Pose2& T_map_r
   judgeLook();
   target_.clear();
   known_before_ = space_->known;
-  const FreeSpace looking = withoutFalseFrontiers();
-  FreeSpace driving = *space_;
-  closeGaps(driving);
+  const paths::FreeSpace looking = withoutFalseFrontiers();
+  paths::FreeSpace driving = *space_;
+  paths::closeGaps(driving);
   bool has_start = false;
   const bool only_bare = std::exchange(bare_next_, false);
   for (const bool bare : {false, true}) {
     if (only_bare && !bare) continue;
     if (bare) clearBody(driving, core::position(T_map_robot), robot::circumscribedRadius(robot_));
-    const PathPlanner planner = plan(driving, bare, T_map_robot);
+    const paths::PathPlanner planner = plan(driving, bare, T_map_robot);
     if (!planner.hasStart()) continue;
     has_start = true;
     if (auto decision = goOn(planner, looking, scan, T_map_robot)) return *std::move(decision);
@@ -288,7 +291,7 @@ bool MapStrategy::isStillGood(const Decision& decision, const core::Pose2& T_map
       for (int dc = -reach; dc <= reach; ++dc)
         if (core::hypot(dc, dr) * space_->resolution_m <= radius_m &&
             space_->contains(column + dc, row + dr) &&
-            space_->state[space_->index(column + dc, row + dr)] == kOccupiedCell)
+            space_->state[space_->index(column + dc, row + dr)] == paths::kOccupiedCell)
           return true;
     return false;
   };
@@ -308,7 +311,7 @@ bool MapStrategy::isStillGood(const Decision& decision, const core::Pose2& T_map
   for (const auto& p : target_) {
     const int column = space_->columnOf(p.x), row = space_->rowOf(p.y);
     left += column > 0 && row > 0 && column + 1 < space_->columns && row + 1 < space_->rows &&
-            isFrontierCell(*space_, space_->index(column, row)) && returns_.count(placeOf(p)) == 0;
+            paths::isFrontierCell(*space_, space_->index(column, row)) && returns_.count(placeOf(p)) == 0;
   }
   return static_cast<double>(left) >= kWorthGoing * static_cast<double>(target_.size());
 }

@@ -5,32 +5,32 @@
 #include <unordered_set>
 #include <vector>
 
-#include "libslam/navigate/expected_gain.h"
-#include "libslam/navigate/free_space.h"
-#include "libslam/navigate/frontier.h"
-#include "libslam/navigate/path_planner.h"
 #include "libslam/navigate/strategy.h"
+#include "libslam/paths/expected_gain.h"
+#include "libslam/paths/free_space.h"
+#include "libslam/paths/frontier.h"
+#include "libslam/paths/path_planner.h"
 
 namespace slam::navigate {
 
 /// A place to look from.
 struct Viewpoint {
-  PathPlanner::Node node = 0;
+  paths::PathPlanner::Node node = 0;
   core::Point2 p_map;
-  std::vector<PathPlanner::Node> way;  ///< from the robot
-  double length_m = 0;                 ///< of the way
-  double cost_m = 0;                   ///< of the way, in metres of comfortable driving
-  std::size_t frontier = 0;            ///< which of Scene::frontiers it is for
-  bool at_frontier = true;             ///< as near to the frontier as the robot can; else on the way there
+  std::vector<paths::PathPlanner::Node> way;  ///< from the robot
+  double length_m = 0;                        ///< of the way
+  double cost_m = 0;                          ///< of the way, in metres of comfortable driving
+  std::size_t frontier = 0;                   ///< which of Scene::frontiers it is for
+  bool at_frontier = true;  ///< as near to the frontier as the robot can; else on the way there
 };
 
 /// What a map strategy chooses from.
 struct Scene {
-  const FreeSpace& space;  ///< with an obstacle where a border of the unknown turned out to be one
-  const PathPlanner& planner;
-  const std::vector<Frontier>& frontiers;    ///< those in reach that have not been given up
-  const std::vector<Viewpoint>& viewpoints;  ///< by cost, never empty
-  LidarView view;
+  const paths::FreeSpace& space;  ///< with an obstacle where a border of the unknown turned out to be one
+  const paths::PathPlanner& planner;
+  const std::vector<paths::Frontier>& frontiers;  ///< those in reach that have not been given up
+  const std::vector<Viewpoint>& viewpoints;       ///< by cost, never empty
+  paths::LidarView view;
   core::Pose2 T_map_robot;
 };
 
@@ -79,24 +79,24 @@ class MapStrategy : public Strategy {
  private:
   using Place = std::int64_t;  ///< a cell's place in the map frame, whatever the raster's extent
   Place placeOf(const core::Point2& p_map) const;
-  FreeSpace withoutFalseFrontiers() const;
+  paths::FreeSpace withoutFalseFrontiers() const;
   void judgeLook();
-  PathPlanner plan(const FreeSpace& driving, bool bare, const core::Pose2& T_map_robot) const;
-  std::optional<Decision> goOn(const PathPlanner& planner, const FreeSpace& looking, const robot::Scan& scan,
-                               const core::Pose2& T_map_robot);
-  std::vector<Frontier> openFrontiers(const FreeSpace& looking, const PathPlanner& planner,
-                                      std::size_t min_cells);
-  std::vector<Viewpoint> viewpointsFor(const PathPlanner& planner,
-                                       const std::vector<Frontier>& frontiers) const;
-  std::vector<Viewpoint> withWays(const PathPlanner& planner, std::vector<Viewpoint> viewpoints) const;
-  Decision decisionFor(const PathPlanner& planner, const std::vector<Frontier>& frontiers,
+  paths::PathPlanner plan(const paths::FreeSpace& driving, bool bare, const core::Pose2& T_map_robot) const;
+  std::optional<Decision> goOn(const paths::PathPlanner& planner, const paths::FreeSpace& looking,
+                               const robot::Scan& scan, const core::Pose2& T_map_robot);
+  std::vector<paths::Frontier> openFrontiers(const paths::FreeSpace& looking,
+                                             const paths::PathPlanner& planner, std::size_t min_cells);
+  std::vector<Viewpoint> viewpointsFor(const paths::PathPlanner& planner,
+                                       const std::vector<paths::Frontier>& frontiers) const;
+  std::vector<Viewpoint> withWays(const paths::PathPlanner& planner, std::vector<Viewpoint> viewpoints) const;
+  Decision decisionFor(const paths::PathPlanner& planner, const std::vector<paths::Frontier>& frontiers,
                        const std::vector<Viewpoint>& viewpoints, const Choice& choice);
   bool isSpent(const core::Point2& p_map) const;
   Decision finishedDecision() const;
 
   StrategyOptions options_;
   robot::RobotOptions robot_;
-  std::optional<FreeSpace> space_;
+  std::optional<paths::FreeSpace> space_;
   std::vector<core::Point2> target_;  ///< the frontier cells that the present goal is for
   std::vector<core::Point2> spent_;   ///< viewpoints that have been looked from
   struct Failure {

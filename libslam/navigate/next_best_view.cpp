@@ -70,7 +70,7 @@ std::optional<MapStrategy::Choice> NextBestView::choose(const Scene& scene) {
   std::vector<View> views;
   for (const auto& viewpoint : scene.viewpoints) {
     const auto profile =
-        expectedGain(scene.space, viewpoint.p_map, scene.view, options().unknown_path_m, kDirections);
+        paths::expectedGain(scene.space, viewpoint.p_map, scene.view, options().unknown_path_m, kDirections);
     const double look_rad = profile.bestHeading(scene.view);
     const double gain_m2 = profile.within(scene.view, look_rad);
     if (gain_m2 < options().gain_min_m2) continue;
@@ -83,8 +83,8 @@ std::optional<MapStrategy::Choice> NextBestView::choose(const Scene& scene) {
                    [](const View& a, const View& b) { return a.worth > b.worth; });
   views.resize(std::min(views.size(), kMostViews));
   for (auto& view : views)
-    view.cells = expectedCells(scene.space, view.viewpoint->p_map, scene.view, view.look_rad,
-                               options().unknown_path_m, kDirections);
+    view.cells = paths::expectedCells(scene.space, view.viewpoint->p_map, scene.view, view.look_rad,
+                                      options().unknown_path_m, kDirections);
 
   std::vector<char> shown(scene.space.state.size(), 0);
   const View* best = nullptr;

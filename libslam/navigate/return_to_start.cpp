@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "libslam/core/error.h"
-#include "libslam/navigate/path_planner.h"
+#include "libslam/paths/path_planner.h"
 
 namespace slam::navigate {
 namespace {
@@ -23,13 +23,13 @@ navigate::Decision ReturnToStart::decide(const robot::Scan& /*scan*/, const core
   if (!space_) throw core::ContractError("ReturnToStart: decides by a map and was given none");
   if (core::distance(core::position(T_map_robot), core::Point2{}) <= kBackAtStart_m)
     return finishedBecause("back at the start");
-  navigate::FreeSpace driving = *space_;
-  navigate::closeGaps(driving);
-  navigate::PlannerOptions planning;
+  paths::FreeSpace driving = *space_;
+  paths::closeGaps(driving);
+  paths::PlannerOptions planning;
   planning.radius_m = robot::circumscribedRadius(robot_) + options_.plan_margin_m;
   planning.comfort_m = std::max(planning.radius_m, options_.comfort_m);
   planning.look_m = options_.look_m;
-  const navigate::PathPlanner planner(driving, planning, core::position(T_map_robot));
+  const paths::PathPlanner planner(driving, planning, core::position(T_map_robot));
   const int column = driving.columnOf(0), row = driving.rowOf(0);
   if (!planner.hasStart() || !driving.contains(column, row))
     return finishedBecause("no way back to the start: the map calls no place near the robot free");

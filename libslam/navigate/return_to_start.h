@@ -1,8 +1,8 @@
 #pragma once
 #include <optional>
 
-#include "libslam/navigate/free_space.h"
 #include "libslam/navigate/strategy.h"
+#include "libslam/paths/free_space.h"
 
 namespace slam::navigate {
 
@@ -14,13 +14,13 @@ class ReturnToStart : public navigate::Strategy {
       : options_(options), robot_(robot) {}
   navigate::Decision decide(const robot::Scan& scan, const core::Pose2& T_map_robot) override;
   bool needsMap() const override { return true; }
-  void seeMap(const gridmap::OccupancyRaster& map) override { space_ = navigate::readFreeSpace(map); }
+  void seeMap(const gridmap::OccupancyRaster& map) override { space_ = paths::readFreeSpace(map); }
   bool drivesByDisc() const override { return true; }
 
  private:
   navigate::StrategyOptions options_;
   robot::RobotOptions robot_;
-  std::optional<navigate::FreeSpace> space_;
+  std::optional<paths::FreeSpace> space_;
 };
 /// This near it is back.
 inline constexpr double kBackAtStart_m = 0.3;

@@ -3,15 +3,15 @@
 #include <type_traits>
 
 #include "libslam/core/error.h"
-#include "libslam/navigate/goal_navigator.h"
+#include "libslam/goals/goal_navigator.h"
 #include "libslam/navigate/information_gain.h"
 #include "libslam/navigate/longest_ray.h"
 #include "libslam/navigate/nearest_frontier.h"
 #include "libslam/navigate/next_best_view.h"
-#include "libslam/navigate/obstacle_memory.h"
 #include "libslam/navigate/quadrant.h"
 #include "libslam/navigate/random_heading.h"
 #include "libslam/navigate/wall_follow.h"
+#include "libslam/paths/obstacle_memory.h"
 
 namespace slam::navigate {
 namespace {
@@ -45,7 +45,7 @@ constexpr Entry kStrategies[] = {
     entry<NextBestView>("next_best_view", "on the map: gain against travel, with the view after it in mind")};
 
 std::vector<std::string> rayNavigators() {
-  auto names = goalNavigatorNames();
+  auto names = goals::goalNavigatorNames();
   names.insert(names.begin(), "none");
   return names;
 }
@@ -95,7 +95,7 @@ const core::ParameterTable<StrategyOptions>& StrategyOptions::table() {
         "with less than this between the disc and an obstacle a path is driven more slowly"},
        {"ray_navigator", &O::ray_navigator, "none", rayNavigators(),
         "who drives along a ray, round what is in the way; none: straight ahead"},
-       {"memory", &O::memory, "none", obstacleMemoryNames(),
+       {"memory", &O::memory, "none", paths::obstacleMemoryNames(),
         "of obstacles that the newest scan does not show: none, within 1.5 m, or the local map of "
         "[obstacles]"},
        {"unseen",

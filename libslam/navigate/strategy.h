@@ -14,16 +14,6 @@
 
 namespace slam::navigate {
 
-/// Which ways are free, after the original document's CanMove: 0 both, 1 only front, 2 only rear, 3 neither.
-enum class FreeWays { kBoth = 0, kFrontOnly = 1, kRearOnly = 2, kNone = 3 };
-
-/// Front sector: beams within +-45 degrees of the heading; rear: within +-45 degrees of straight back. A way
-/// is blocked when any return in its sector lies nearer than clearance_m to the robot's centre, and when the
-/// lidar does not see that sector: when its readings (lost ones do not count) cover less than half of it. A
-/// remembered obstacle (robot frame, see ObstacleMemory) blocks like a return.
-FreeWays canMove(const robot::Scan& scan, double clearance_m,
-                 const std::vector<core::Point2>& remembered = {});
-
 /// What a strategy decides and why. Without a path: turn by turn_rad, then drive distance_m. With a path:
 /// drive along its waypoints; turn and distance are then not used.
 struct Decision {
@@ -116,47 +106,5 @@ std::vector<std::string> strategyNames();
 std::string strategyMeaning(const std::string& name);
 /// Whether it works on the map. REQUIRES a name of strategyNames() (ContractError).
 bool strategyNeedsMap(const std::string& name);
-
-/// Turns decisions into commands of one scan period each, looks at every scan, and stops early when the way
-/// ahead is blocked. Asks the strategy again when the current decision is carried out or given up.
-///
-/// A command is a turn in place or a straight drive, within the robot's limits. The drive stops when CanMove
-/// reports the way blocked (unless the strategy drives by the disc), and never goes farther in one period
-/// than the disc around the footprint can be shifted before it comes near to a return of the newest scan (a
-/// margin of 2 cm and one standard deviation of the range). When nothing was driven before the stop, it goes
-/// back by back_off_m where the rear is free. After `patience` decisions without progress it turns to a
-/// random direction in which the disc can leave, where only the disc has to fit.
-///
-/// With `unseen` = looked_at no drive leads the disc over floor that has not been seen: it turns there first,
-/// and back again (see LookFirst); it does not go back over such floor at all.
-///
-/// A drive along a ray is left to a goal navigator where `ray_navigator` names one; it has four times the
-/// time of the straight drive. All of it goes by the newest scan and by what `memory` keeps.
-///
-/// A decision with a path is followed (see PathFollower) and checked by the newest map every recheck_s. The
-/// exploration ends when the strategy says so, and as "stuck" after give_up_after decisions in a row between
-/// which the map did not grow. The same scans, poses, maps and random stream give the same commands.
-class Driver {
- public:
-  /// Errors: period_s not positive, no strategy (ContractError).
-  Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& options, const robot::RobotOptions& robot,
-         double period_s, core::RandomStream random);
-  ~Driver();
-  /// True when the strategy needs a map and next() will decide, or has to check the path that it follows:
-  /// call setMap() before next() then. Always false for strategies without a map.
-  bool wantsMap() const;
-  /// The newest map, for the next call of next(); the reference is not kept. May be called more often.
-  void setMap(const gridmap::OccupancyRaster& map);
-  /// The command for the next period. `collided`: the last command ended in a collision. T_map_robot: the
-  /// robot in the frame of the map; without a map in odometry's frame. Errors: the strategy needs a map and
-  /// setMap() was never called (ContractError).
-  robot::Command next(const robot::Scan& scan, const core::Pose2& T_map_robot, bool collided);
-  bool finished() const;
-  const Decision& currentDecision() const;
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
 
 }  // namespace slam::navigate

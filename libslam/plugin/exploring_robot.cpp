@@ -1,4 +1,5 @@
 #include "libslam/plugin/exploring_robot.h"
+#include "libslam/navigate/driver.h"
 
 #include <algorithm>
 

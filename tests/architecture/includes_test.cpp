@@ -36,8 +36,10 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"scanmatch", {"core", "robot", "gridmap"}},
     {"posegraph", {"core"}},
     {"obstacles", {"core", "robot"}},
-    {"navigate", {"core", "robot", "gridmap", "obstacles"}},
-    {"mrptnav", {"core", "robot", "gridmap", "navigate"}},
+    {"paths", {"core", "robot", "gridmap", "obstacles"}},
+    {"goals", {"core", "robot", "obstacles", "paths"}},
+    {"navigate", {"core", "robot", "gridmap", "obstacles", "paths", "goals"}},
+    {"mrptnav", {"core", "robot", "gridmap", "paths", "goals", "navigate"}},
     {"odometry", {"core", "robot"}},
     {"graph", {"core", "robot", "gridmap", "odometry", "posegraph", "scanmatch"}},
     {"particles", {"core", "robot", "gridmap", "scanmatch"}},
@@ -48,15 +50,16 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"doctor", {"core", "robot", "objects", "logs", "odometry"}},
     // both: from the floor up; each may include those that stand above it here and nothing below
     {"process", {"core"}},
-    {"record", {"core", "robot", "world", "buildings", "logs", "sim", "odometry", "mapping", "navigate"}},
+    {"record",
+     {"core", "robot", "world", "buildings", "logs", "sim", "odometry", "mapping", "paths", "navigate"}},
     {"run",
-     {"core", "stats", "robot", "gridmap", "world", "objects", "logs", "sim", "odometry", "mapping",
+     {"core", "stats", "robot", "gridmap", "world", "objects", "logs", "sim", "odometry", "graph", "mapping",
       "metrics", "report", "viewer", "process", "record"}},
     {"score",
      {"core", "stats", "world", "logs", "sim", "mapping", "metrics", "report", "process", "record", "run"}},
     {"explore",
-     {"core", "robot", "world", "logs", "sim", "mapping", "obstacles", "navigate", "mrptnav", "metrics",
-      "oracle", "report", "process", "record", "run", "score"}},
+     {"core", "robot", "world", "logs", "sim", "mapping", "obstacles", "goals", "navigate", "mrptnav",
+      "metrics", "oracle", "report", "process", "record", "run", "score"}},
     {"sweep", {"core", "logs", "mapping", "report", "process", "record", "run", "score"}},
     {"study", {"core", "stats", "buildings", "mapping", "report", "score", "sweep"}},
     {"learn", {"core",    "stats",    "robot",     "gridmap", "world",    "buildings", "logs",
@@ -64,8 +67,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
                "process", "record",   "run",       "score",   "explore",  "sweep",     "study"}},
     {"pages", {"core", "world", "logs", "sim", "metrics", "report", "record", "run", "score", "study"}},
     {"live",
-     {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "obstacles", "navigate", "mapping",
-      "record", "run", "score", "viewer"}},
+     {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "obstacles", "navigate", "graph",
+      "mapping", "record", "run", "score", "viewer"}},
     {"plugin", {"core", "robot", "objects", "logs", "world", "sim", "navigate", "mapping", "record", "run"}},
     {"testing", {"core", "robot", "posegraph", "world"}},
 };
@@ -106,8 +109,8 @@ TEST(Includes, EveryRoomKeepsToTheTable) {
 
 TEST(Includes, TheTableHoldsTheTruthWall) {
   for (const std::string robot_side :
-       {"gridmap", "scanmatch", "posegraph", "obstacles", "navigate", "mrptnav", "odometry", "graph",
-        "particles", "builders", "methods", "mapping"})
+       {"gridmap", "scanmatch", "posegraph", "obstacles", "paths", "goals", "navigate", "mrptnav", "odometry",
+        "graph", "particles", "builders", "methods", "mapping"})
     for (const std::string truth_side :
          {"world", "buildings", "check", "sim", "metrics", "oracle", "report", "process", "record", "run",
           "score", "explore", "sweep", "study", "learn", "pages", "objects", "bags", "logs"})

@@ -13,7 +13,7 @@ namespace slam::explore {
 namespace {
 
 TEST(StrategicOverlay, HasTheOriginalFiguresAndOnlyForItsMethod) {
-  const navigate::NavigateOptions options;
+  const goals::NavigateOptions options;
   robot::RobotOptions robot;
   robot.side_m = 0.1;  // fits into the original stop radius
   const auto overlay = strategicOverlay("lidar_bug", options, robot, {});

@@ -173,7 +173,7 @@ TEST(NavigateInLivingWorld, RunsToItsEnd) {
   request.T_world_start = *world::findStartPose(request.plan, 0.6);
   request.p_world_goal = {request.T_world_start.x + 3, request.T_world_start.y + 2};
   const auto run = driveToGoal(request, "tangent", core::silentProgress());
-  EXPECT_NE(run.status, navigate::GoalStatus::kMoving);
+  EXPECT_NE(run.status, goals::GoalStatus::kMoving);
 }
 
 }  // namespace

@@ -10,10 +10,10 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/resources.h"
+#include "libslam/goals/lidar_bug.h"
+#include "libslam/goals/surroundings.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
-#include "libslam/navigate/lidar_bug.h"
-#include "libslam/navigate/surroundings.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::explore {
@@ -47,18 +47,18 @@ ReachGoalRequest roomRequest(const std::string& output, bool with_box) {
 }
 
 /// Gives up at once.
-class Quitter : public navigate::GoalNavigator {
+class Quitter : public goals::GoalNavigator {
  public:
-  navigate::GoalStep next(const robot::Scan& /*scan*/, const core::Pose2& /*T_odom_robot*/,
-                          bool /*collided*/) override {
-    return {{}, navigate::GoalStatus::kGaveUp, "gave up", "too far"};
+  goals::GoalStep next(const robot::Scan& /*scan*/, const core::Pose2& /*T_odom_robot*/,
+                       bool /*collided*/) override {
+    return {{}, goals::GoalStatus::kGaveUp, "gave up", "too far"};
   }
 };
 
 TEST(ReachGoal, TakesANavigatorFromOutside) {
   const testing::TempFolder folder;
   auto request = roomRequest(folder / "out", false);
-  request.own = {{"quitter", [](const navigate::NavigateOptions&, const navigate::GoalTask&) {
+  request.own = {{"quitter", [](const goals::NavigateOptions&, const goals::GoalTask&) {
                     return std::make_unique<Quitter>();
                   }}};
   request.methods = {"quitter", "tangent"};
@@ -98,8 +98,8 @@ TEST(ReachGoal, ACarriedRobotDoesNotKnowAndTheTruthDoes) {
   const auto comparison = reachGoal(request, {}, core::silentProgress());
   const auto& run = comparison.runs.at(0);
   ASSERT_EQ(run.carries.size(), 1U);
-  EXPECT_EQ(run.status, navigate::GoalStatus::kReached);  // by its wheels
-  EXPECT_FALSE(run.right);                                // but not truly
+  EXPECT_EQ(run.status, goals::GoalStatus::kReached);  // by its wheels
+  EXPECT_FALSE(run.right);                             // but not truly
   EXPECT_LT(run.path_m, core::pathLength(run.truth) - 0.5);
   EXPECT_THAT(report::toText(comparison.table), HasSubstr("tangent: kidnapped at 2.0 s from"));
   EXPECT_TRUE(fs::exists(folder / "out/tangent/run.carries.csv"));
@@ -122,7 +122,7 @@ TEST(ReachGoal, WritesPathsStatesPicturesAndTheTable) {
   ASSERT_TRUE(comparison.shortest_m.has_value());
   EXPECT_NEAR(*comparison.shortest_m, 2.45, 0.06);  // ends within 0.1 m, at the centre of a cell
   for (const auto& run : comparison.runs) {
-    EXPECT_EQ(run.status, navigate::GoalStatus::kReached);
+    EXPECT_EQ(run.status, goals::GoalStatus::kReached);
     EXPECT_EQ(run.collisions, 0U);
     EXPECT_EQ(run.truth.size(), run.estimate.size());
     EXPECT_EQ(logs::readTum(folder / ("out/" + run.method + "/truth.tum")).size(), run.truth.size());
@@ -149,11 +149,11 @@ TEST(ReachGoal, WritesEveryTransitionOfTheOriginalBugAndWhereItsFiveDirectionsLe
   size_t within_a_period = 0;
   for (size_t i = 1; i < changes.size(); ++i) {
     EXPECT_EQ(changes[i].from, changes[i - 1].to);
-    const auto& rows = navigate::lidarBugTransitions();
+    const auto& rows = goals::lidarBugTransitions();
     EXPECT_TRUE(std::any_of(rows.begin(), rows.end(),
                             [&](const auto& row) {
-                              return navigate::lidarBugStateName(row.from) == changes[i].from &&
-                                     navigate::lidarBugStateName(row.to) == changes[i].to;
+                              return goals::lidarBugStateName(row.from) == changes[i].from &&
+                                     goals::lidarBugStateName(row.to) == changes[i].to;
                             }))
         << changes[i].from << " to " << changes[i].to << ": a transition is missing between them";
     within_a_period += changes[i].time_s == changes[i - 1].time_s;
@@ -172,10 +172,9 @@ TEST(ReachGoal, HasTheOriginalNavigationToTheLetterAmongTheConfigurations) {
       readReachGoalConfig(core::IniFile::load(core::configsFolder() + "/navigate/thesis.ini"));
   EXPECT_EQ(config.navigate.lidar_bug.wall_end, "front");
   EXPECT_EQ(config.lidar.beams, 275);
-  const navigate::Surroundings keeps(config.robot, config.navigate.clearance_m, 0.2);
-  EXPECT_EQ(
-      navigate::lidarBugStopRadius(config.navigate.lidar_bug, keeps.guardRadius() + config.lidar.sigma_m),
-      0.22);
+  const goals::Surroundings keeps(config.robot, config.navigate.clearance_m, 0.2);
+  EXPECT_EQ(goals::lidarBugStopRadius(config.navigate.lidar_bug, keeps.guardRadius() + config.lidar.sigma_m),
+            0.22);
 }
 
 TEST(ReachGoal, DrivesByTheLocalObstacleMapWhenAsked) {
@@ -204,7 +203,7 @@ TEST(ReachGoal, IsRightWhenItSaysThatNoWayLeadsThere) {
   const auto comparison = reachGoal(request, {}, core::silentProgress());
   EXPECT_FALSE(comparison.shortest_m.has_value());
   EXPECT_EQ(comparison.wrong, 0);
-  for (const auto& run : comparison.runs) EXPECT_EQ(run.status, navigate::GoalStatus::kUnreachable);
+  for (const auto& run : comparison.runs) EXPECT_EQ(run.status, goals::GoalStatus::kUnreachable);
   EXPECT_THAT(report::toText(comparison.table), HasSubstr("No way of the disc"));
 }
 
@@ -215,7 +214,7 @@ TEST(ReachGoal, CountsAMethodThatGaveUpAsWrong) {
   request.config.navigate.time_limit_s = 1;
   const auto comparison = reachGoal(request, {}, core::silentProgress());
   EXPECT_EQ(comparison.wrong, 1);
-  EXPECT_EQ(comparison.runs[0].status, navigate::GoalStatus::kGaveUp);
+  EXPECT_EQ(comparison.runs[0].status, goals::GoalStatus::kGaveUp);
 }
 
 TEST(ReachGoal, DrivesByThePoseOfASlamMethod) {
@@ -285,7 +284,7 @@ TEST(ReachGoal, DrivesWithMrptsNavigationWhereItIsThere) {
     GTEST_SKIP() << "built without MRPT's module nav, or without mrpt-common's configuration";
   request.config.mrpt_reactive.look_ahead_m = 1.5;  // MRPT's preparations cost its square
   const auto run = driveToGoal(request, "mrpt_reactive", core::silentProgress());
-  EXPECT_EQ(run.status, navigate::GoalStatus::kReached) << run.reason;
+  EXPECT_EQ(run.status, goals::GoalStatus::kReached) << run.reason;
   EXPECT_EQ(run.collisions, 0U);
   ASSERT_FALSE(run.changes.empty());
   EXPECT_EQ(run.changes.front().to, "reactive");

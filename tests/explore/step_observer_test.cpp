@@ -1,4 +1,5 @@
 #include "libslam/record/step_observer.h"
+#include "libslam/navigate/driver.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -14,6 +14,7 @@
 #include "libslam/mrptnav/mrpt_explorer.h"
 #include "libslam/mrptnav/mrpt_navigator.h"
 #include "libslam/mrptnav/reactive_navigator.h"
+#include "libslam/navigate/driver.h"
 #include "libslam/robot/mrpt_types.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/world/plan.h"
@@ -159,9 +160,9 @@ class EveryNavigator : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(EveryNavigator, DrivesToTheGoalByTheCommandsThatItGivesAnyway) {
   const mrpt::math::TPoint2D goal(4.2, 1.2);
-  navigate::NavigateOptions limits;
+  goals::NavigateOptions limits;
   MrptNavigator navigator(GetParam(), goal);
-  const auto twin = navigate::makeGoalNavigator(GetParam(), limits, {{goal.x, goal.y}, {}, kPeriod_s});
+  const auto twin = goals::makeGoalNavigator(GetParam(), limits, {{goal.x, goal.y}, {}, kPeriod_s});
   Drive drive;
   MrptMotion motion;
   for (int step = 0; step < 1500 && !motion.finished; ++step) {
@@ -171,18 +172,18 @@ TEST_P(EveryNavigator, DrivesToTheGoalByTheCommandsThatItGivesAnyway) {
     EXPECT_EQ(navigator.status(), expected.status);
     drive.step(commandOf(motion));
   }
-  EXPECT_EQ(navigator.status(), navigate::GoalStatus::kReached) << motion.reason;
+  EXPECT_EQ(navigator.status(), goals::GoalStatus::kReached) << motion.reason;
   EXPECT_LT(drive.pose().distance2DTo(goal.x, goal.y), 0.3);
 }
 
-INSTANTIATE_TEST_SUITE_P(Navigators, EveryNavigator, ::testing::ValuesIn(navigate::goalNavigatorNames()),
+INSTANTIATE_TEST_SUITE_P(Navigators, EveryNavigator, ::testing::ValuesIn(goals::goalNavigatorNames()),
                          [](const auto& test) { return test.param; });
 
 TEST(MrptNavigator, TakesMrptsOwnReactiveNavigationToo) {
   if (!reactiveNavigationAvailable()) GTEST_SKIP() << "built without MRPT's module nav";
   ReactiveOptions reactive;
   reactive.look_ahead_m = 2;
-  navigate::GoalTask task;
+  goals::GoalTask task;
   task.p_odom_goal = {4.2, 1.2};
   MrptNavigator navigator(makeReactiveNavigator(reactive, {}, task), kPeriod_s);
   Drive drive;
@@ -191,7 +192,7 @@ TEST(MrptNavigator, TakesMrptsOwnReactiveNavigationToo) {
     motion = navigator.next(drive.scan(), drive.pose(), drive.collided());
     drive.step(commandOf(motion));
   }
-  EXPECT_EQ(navigator.status(), navigate::GoalStatus::kReached) << motion.reason;
+  EXPECT_EQ(navigator.status(), goals::GoalStatus::kReached) << motion.reason;
 }
 
 TEST(MrptExplorer, SaysWhichStrategiesThereAre) {

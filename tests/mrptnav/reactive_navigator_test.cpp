@@ -13,7 +13,7 @@
 namespace slam::mrptnav {
 namespace {
 
-using navigate::GoalStatus;
+using goals::GoalStatus;
 using world::Cell;
 using world::Plan;
 
@@ -39,7 +39,7 @@ void wall(Plan& plan, double x0, double y0, double x1, double y1) {
 }
 
 struct Drive {
-  navigate::GoalStep end;
+  goals::GoalStep end;
   core::Trajectory truth;
   size_t collisions = 0;
   core::Pose2 T_odom_robot;
@@ -52,9 +52,9 @@ Drive drive(const Plan& plan, const core::Pose2& start, const core::Point2& p_wo
   robot::LidarOptions lidar;
   lidar.fov_rad = core::degToRad(270);
   lidar.max_range_m = 12;
-  navigate::NavigateOptions limits;
+  goals::NavigateOptions limits;
   limits.time_limit_s = time_limit_s;
-  navigate::GoalTask task;
+  goals::GoalTask task;
   task.p_odom_goal = core::inverse(start) * p_world_goal;
   task.period_s = 1 / lidar.rate_hz;
   sim::Simulator simulator(plan, task.robot, lidar, {}, start, seed);
@@ -168,7 +168,7 @@ TEST_F(ReactiveNavigator, NamesAConfigurationThatIsMissingOrNotOne) {
 }
 
 TEST_F(ReactiveNavigator, RefusesATaskWithoutAGoalOrAPeriod) {
-  navigate::GoalTask task;
+  goals::GoalTask task;
   task.p_odom_goal.x = NAN;
   EXPECT_THROW(makeReactiveNavigator({}, {}, task), core::ContractError);
   task = {};

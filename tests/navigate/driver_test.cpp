@@ -4,7 +4,9 @@
 
 #include "libslam/buildings/building.h"
 #include "libslam/core/error.h"
+#include "libslam/navigate/driver.h"
 #include "libslam/navigate/strategy.h"
+#include "libslam/paths/free_ways.h"
 #include "tests/navigate/scenes.h"
 
 namespace slam::navigate {

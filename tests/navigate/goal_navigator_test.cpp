@@ -1,4 +1,4 @@
-#include "libslam/navigate/goal_navigator.h"
+#include "libslam/goals/goal_navigator.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,14 +21,14 @@ using namespace scenes;
 
 /// The guard's distance and the clearance: how far from walls the boundary of the grown obstacles runs.
 double followRadius(const robot::LidarOptions& lidar) {
-  const NavigateOptions options;
+  const goals::NavigateOptions options;
   return robot::circumscribedRadius(robot::RobotOptions()) + 0.02 + lidar.sigma_m + options.clearance_m;
 }
 
 // ---- the contract, for every method
 
 class EveryNavigator : public ::testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Methods, EveryNavigator, ::testing::ValuesIn(goalNavigatorNames()),
+INSTANTIATE_TEST_SUITE_P(Methods, EveryNavigator, ::testing::ValuesIn(goals::goalNavigatorNames()),
                          [](const auto& method) { return method.param; });
 
 robot::Scan emptyScan(float range_m) {
@@ -40,16 +40,16 @@ robot::Scan emptyScan(float range_m) {
   return scan;
 }
 
-std::unique_ptr<GoalNavigator> navigatorTo(const std::string& method, const core::Point2& goal,
-                                           double limit_s = 100) {
-  NavigateOptions options;
+std::unique_ptr<goals::GoalNavigator> navigatorTo(const std::string& method, const core::Point2& goal,
+                                                  double limit_s = 100) {
+  goals::NavigateOptions options;
   options.time_limit_s = limit_s;
-  return makeGoalNavigator(method, options, {goal, robot::RobotOptions(), 0.2});
+  return goals::makeGoalNavigator(method, options, {goal, robot::RobotOptions(), 0.2});
 }
 
 TEST_P(EveryNavigator, CrossesAnOpenRoom) {
   const auto drive = driveTo(openRoom(), GetParam(), exactLidar(), exactOdometry());
-  EXPECT_EQ(drive.status, GoalStatus::kReached) << drive.reason;
+  EXPECT_EQ(drive.status, goals::GoalStatus::kReached) << drive.reason;
   EXPECT_LE(drive.goal_distance_m, 0.1 + 1e-9);
   EXPECT_LE(drive.path_m, 4.1);  // 4.01 m as the crow flies, 0.1 m for the turn on the way
   EXPECT_EQ(drive.collisions, 0U);
@@ -57,7 +57,7 @@ TEST_P(EveryNavigator, CrossesAnOpenRoom) {
 
 TEST_P(EveryNavigator, IsThereAtOnceWhenTheGoalIsTheStart) {
   const auto step = navigatorTo(GetParam(), {0, 0})->next(emptyScan(3), {}, false);
-  EXPECT_EQ(step.status, GoalStatus::kReached);
+  EXPECT_EQ(step.status, goals::GoalStatus::kReached);
   EXPECT_EQ(step.command.speed_mps, 0);
   EXPECT_EQ(step.command.turn_rate_radps, 0);
 }
@@ -65,46 +65,47 @@ TEST_P(EveryNavigator, IsThereAtOnceWhenTheGoalIsTheStart) {
 TEST_P(EveryNavigator, DrivesWhereNothingReturns) {
   const auto navigator = navigatorTo(GetParam(), {3, -2});
   core::Pose2 T_odom_robot;
-  GoalStep step;
-  for (int i = 0; i < 200 && step.status == GoalStatus::kMoving; ++i) {
+  goals::GoalStep step;
+  for (int i = 0; i < 200 && step.status == goals::GoalStatus::kMoving; ++i) {
     step = navigator->next(emptyScan(robot::kNoReturn), T_odom_robot, false);
     T_odom_robot = T_odom_robot * robot::driveMotion(step.command);
   }
-  EXPECT_EQ(step.status, GoalStatus::kReached);
+  EXPECT_EQ(step.status, goals::GoalStatus::kReached);
 }
 
 TEST_P(EveryNavigator, GivesUpWithoutAnyValidReading) {
   const auto navigator = navigatorTo(GetParam(), {3, 0});
-  GoalStep step;
+  goals::GoalStep step;
   for (int i = 0; i < 30; ++i) {
     step = navigator->next(emptyScan(robot::kLostReading), {}, false);
     EXPECT_EQ(step.command.speed_mps, 0);
   }
-  EXPECT_EQ(step.status, GoalStatus::kGaveUp);
+  EXPECT_EQ(step.status, goals::GoalStatus::kGaveUp);
   EXPECT_EQ(step.reason, "no valid reading for 5 s");
 }
 
 TEST_P(EveryNavigator, GivesUpAtTheTimeLimitAndWhenThePoseIsLost) {
   const auto navigator = navigatorTo(GetParam(), {100, 0}, 2);
-  GoalStep step;
+  goals::GoalStep step;
   for (int i = 0; i < 12; ++i) step = navigator->next(emptyScan(robot::kNoReturn), {0.5 * i, 0, 0}, false);
-  EXPECT_EQ(step.status, GoalStatus::kGaveUp);
+  EXPECT_EQ(step.status, goals::GoalStatus::kGaveUp);
   EXPECT_EQ(step.reason, "time limit of 2 s of the robot's time");
   const core::Pose2 lost{std::nan(""), 0, 0};
-  EXPECT_EQ(navigatorTo(GetParam(), {1, 0})->next(emptyScan(3), lost, false).status, GoalStatus::kGaveUp);
+  EXPECT_EQ(navigatorTo(GetParam(), {1, 0})->next(emptyScan(3), lost, false).status,
+            goals::GoalStatus::kGaveUp);
 }
 
 TEST_P(EveryNavigator, EndsWhenItIsBoxedIn) {
   // Something all round nearer than the guard lets it move.
   const auto navigator = navigatorTo(GetParam(), {3, 0});
-  GoalStep step;
+  goals::GoalStep step;
   core::Pose2 T_odom_robot;
-  for (int i = 0; i < 400 && step.status == GoalStatus::kMoving; ++i) {
+  for (int i = 0; i < 400 && step.status == goals::GoalStatus::kMoving; ++i) {
     step = navigator->next(emptyScan(0.3F), T_odom_robot, false);
     T_odom_robot = T_odom_robot * robot::driveMotion(step.command);
   }
-  EXPECT_NE(step.status, GoalStatus::kMoving);
-  EXPECT_NE(step.status, GoalStatus::kReached);
+  EXPECT_NE(step.status, goals::GoalStatus::kMoving);
+  EXPECT_NE(step.status, goals::GoalStatus::kReached);
   EXPECT_LT(std::hypot(T_odom_robot.x, T_odom_robot.y), 0.03);
 }
 
@@ -126,13 +127,13 @@ TEST_P(EveryNavigator, NeverCollidesInACommittedWorldWithNoise) {
     scene.start = *start;
     robot::LidarOptions lidar;
     lidar.beams = 181;
-    NavigateOptions options;
+    goals::NavigateOptions options;
     options.time_limit_s = 80;
     for (const double side : {-1.0, 1.0}) {
       scene.goal = {start->x + side * 6, start->y + side * 2.5};
       const auto drive = driveTo(scene, GetParam(), lidar, robot::OdometryOptions(), options, 3);
       EXPECT_EQ(drive.collisions, 0U) << name;
-      EXPECT_NE(drive.status, GoalStatus::kMoving);
+      EXPECT_NE(drive.status, goals::GoalStatus::kMoving);
     }
   }
 }
@@ -142,10 +143,10 @@ TEST_P(EveryNavigator, FeelsItsWayWhereTheLidarSeesNothing) {
   GoalScene scene{room(4, 3), {1, 1.5, 0}, {8, 1.5}};
   for (auto& cell : scene.plan.cells) cell = world::Cell::kFree;
   fill(scene.plan, 0, 0, 0.1, 0.1);  // a plan needs a wall somewhere
-  NavigateOptions options;
+  goals::NavigateOptions options;
   options.time_limit_s = 300;
   const auto drive = driveTo(scene, GetParam(), exactLidar(), exactOdometry(), options);
-  EXPECT_NE(drive.status, GoalStatus::kReached);
+  EXPECT_NE(drive.status, goals::GoalStatus::kReached);
   EXPECT_GT(drive.collisions, 0U);
 }
 
@@ -162,7 +163,7 @@ TEST_P(TextbookBug, ReachesEveryGoalThatCanBeReached) {
       robot::LidarOptions lidar = exactLidar();
       if (noisy) lidar = robot::LidarOptions(), lidar.beams = 271;
       const auto drive = driveTo(scene, GetParam(), lidar, exactOdometry());
-      EXPECT_EQ(drive.status, GoalStatus::kReached) << name << ": " << drive.reason;
+      EXPECT_EQ(drive.status, goals::GoalStatus::kReached) << name << ": " << drive.reason;
       EXPECT_LE(drive.goal_distance_m, 0.1 + 1e-9) << name;
       EXPECT_EQ(drive.collisions, 0U) << name;
     }
@@ -174,17 +175,17 @@ TEST_P(TextbookBug, SaysOfEveryOtherGoalThatItCannotBeReached) {
       robot::LidarOptions lidar = exactLidar();
       if (noisy) lidar = robot::LidarOptions(), lidar.beams = 271;
       const auto drive = driveTo(scene, GetParam(), lidar, exactOdometry());
-      EXPECT_EQ(drive.status, GoalStatus::kUnreachable) << name << ": " << drive.reason;
+      EXPECT_EQ(drive.status, goals::GoalStatus::kUnreachable) << name << ": " << drive.reason;
       EXPECT_EQ(drive.collisions, 0U) << name;
     }
 }
 
 TEST_P(TextbookBug, TurnsTheOtherWayWhenAsked) {
-  NavigateOptions options;
+  goals::NavigateOptions options;
   options.turn = "right";
   for (const auto& scene : {pillar(), trap()}) {
     const auto drive = driveTo(scene, GetParam(), exactLidar(), exactOdometry(), options);
-    EXPECT_EQ(drive.status, GoalStatus::kReached) << drive.reason;
+    EXPECT_EQ(drive.status, goals::GoalStatus::kReached) << drive.reason;
   }
 }
 
@@ -208,7 +209,7 @@ TEST_P(TextbookBug, FindsThroughGeneratedMazes) {
     robot::LidarOptions lidar = exactLidar(4);
     lidar.beams = 240;
     const auto drive = driveTo(mazeScene(seed), GetParam(), lidar, exactOdometry());
-    EXPECT_EQ(drive.status, GoalStatus::kReached) << seed << ": " << drive.reason;
+    EXPECT_EQ(drive.status, goals::GoalStatus::kReached) << seed << ": " << drive.reason;
     EXPECT_EQ(drive.collisions, 0U) << seed;
   }
 }
@@ -223,7 +224,7 @@ TEST_P(TextbookBug, KnowsThatAWalledInGoalOfAMazeCannotBeReached) {
   robot::LidarOptions lidar = exactLidar(4);
   lidar.beams = 240;
   const auto drive = driveTo(scene, GetParam(), lidar, exactOdometry());
-  EXPECT_EQ(drive.status, GoalStatus::kUnreachable) << drive.reason;
+  EXPECT_EQ(drive.status, goals::GoalStatus::kUnreachable) << drive.reason;
 }
 
 // ---- the published bounds
@@ -369,25 +370,25 @@ TEST(Bug2Bound, HoldsInEveryDrawnScene) {
   }
 }
 
-TEST(TangentBug, SeesItsWayRoundAPillarWithoutTouchingIt) {
+TEST(goals::TangentBug, SeesItsWayRoundAPillarWithoutTouchingIt) {
   const auto drive = driveTo(pillar(), "tangent", exactLidar(), exactOdometry());
   // Over the nearer corner the disc's way is 5.22 m.
   EXPECT_LE(drive.path_m, 5.5);
   EXPECT_THAT(drive.states, ::testing::ElementsAre("to goal", "reached"));
 }
 
-TEST(TangentBug, SavesWayWithALongerRange) {
-  NavigateOptions near;
+TEST(goals::TangentBug, SavesWayWithALongerRange) {
+  goals::NavigateOptions near;
   near.sensor_range_m = 1.0;
   const auto blind = driveTo(pillar(), "tangent", exactLidar(8), exactOdometry(), near);
   const auto far = driveTo(pillar(), "tangent", exactLidar(8), exactOdometry());
-  EXPECT_EQ(blind.status, GoalStatus::kReached) << blind.reason;
+  EXPECT_EQ(blind.status, goals::GoalStatus::kReached) << blind.reason;
   EXPECT_LT(far.path_m, blind.path_m - 0.1);
 }
 
 TEST(GoalNavigators, AreMadeByName) {
   try {
-    makeGoalNavigator("bug3", {}, {});
+    goals::makeGoalNavigator("bug3", {}, {});
     FAIL() << "no error";
   } catch (const core::InputError& error) {
     EXPECT_STREQ(
@@ -395,10 +396,10 @@ TEST(GoalNavigators, AreMadeByName) {
         "method of navigation: found 'bug3', expected one of bug1, bug2, tangent, lidar_bug; did you "
         "mean 'bug1'?");
   }
-  EXPECT_THROW(makeGoalNavigator("bug1", {}, {{std::nan(""), 0}, {}, 0.2}), core::ContractError);
-  EXPECT_THROW(makeGoalNavigator("bug1", {}, {{1, 0}, {}, 0.0}), core::ContractError);
-  for (const auto& name : goalNavigatorNames()) EXPECT_NE(goalNavigatorMeaning(name), "");
-  EXPECT_THROW(goalNavigatorMeaning("bug3"), core::ContractError);
+  EXPECT_THROW(goals::makeGoalNavigator("bug1", {}, {{std::nan(""), 0}, {}, 0.2}), core::ContractError);
+  EXPECT_THROW(goals::makeGoalNavigator("bug1", {}, {{1, 0}, {}, 0.0}), core::ContractError);
+  for (const auto& name : goals::goalNavigatorNames()) EXPECT_NE(goals::goalNavigatorMeaning(name), "");
+  EXPECT_THROW(goals::goalNavigatorMeaning("bug3"), core::ContractError);
 }
 
 }  // namespace

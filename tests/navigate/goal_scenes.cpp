@@ -22,23 +22,23 @@ robot::LidarOptions exactLidar(double max_range_m) {
 }
 
 GoalDrive driveTo(const GoalScene& scene, const std::string& method, const robot::LidarOptions& lidar,
-                  const robot::OdometryOptions& odometry, const NavigateOptions& options, std::uint64_t seed,
-                  const std::optional<robot::FloorCamera>& camera) {
+                  const robot::OdometryOptions& odometry, const goals::NavigateOptions& options,
+                  std::uint64_t seed, const std::optional<robot::FloorCamera>& camera) {
   const robot::RobotOptions robot;
   const double period_s = 1 / lidar.rate_hz;
   sim::Simulator simulator(scene.plan, robot, lidar, odometry, scene.start, seed,
                            sim::Simulator::kStartTime_s, {}, camera);
   const core::Point2 p_odom_goal = core::inverse(scene.start) * scene.goal;
-  const auto navigator = makeGoalNavigator(method, options, {p_odom_goal, robot, period_s});
+  const auto navigator = goals::makeGoalNavigator(method, options, {p_odom_goal, robot, period_s});
   GoalDrive drive;
   sim::Sensed sensed = simulator.sense();
   while (true) {
     drive.truth.push_back({simulator.time_s(), simulator.truth()});
-    const GoalStep step = navigator->next(sensed.scan, sensed.T_odom_robot, sensed.collided);
+    const goals::GoalStep step = navigator->next(sensed.scan, sensed.T_odom_robot, sensed.collided);
     if (drive.states.empty() || drive.states.back() != step.state) drive.states.push_back(step.state);
     drive.status = step.status;
     drive.reason = step.reason;
-    if (step.status != GoalStatus::kMoving) break;
+    if (step.status != goals::GoalStatus::kMoving) break;
     sensed = simulator.step(step.command);
   }
   drive.end = core::position(simulator.truth());
@@ -48,8 +48,8 @@ GoalDrive driveTo(const GoalScene& scene, const std::string& method, const robot
   return drive;
 }
 
-GoalDrive driveByCamera(const GoalScene& scene, const std::string& method, const NavigateOptions& options,
-                        std::uint64_t seed) {
+GoalDrive driveByCamera(const GoalScene& scene, const std::string& method,
+                        const goals::NavigateOptions& options, std::uint64_t seed) {
   const robot::FloorCamera camera;
   return driveTo(scene, method, robot::asLidar(camera), exactOdometry(), options, seed, camera);
 }

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/navigate/goal_navigator.h"
+#include "libslam/goals/goal_navigator.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/world/plan.h"
 
@@ -16,7 +16,7 @@ robot::LidarOptions exactLidar(double max_range_m = 6);
 
 /// A drive to a goal.
 struct GoalDrive {
-  GoalStatus status = GoalStatus::kMoving;
+  goals::GoalStatus status = goals::GoalStatus::kMoving;
   std::string reason;
   std::vector<std::string> states;  ///< in the order in which they were entered
   core::Trajectory truth;
@@ -32,11 +32,11 @@ struct GoalScene {
 };
 
 GoalDrive driveTo(const GoalScene& scene, const std::string& method, const robot::LidarOptions& lidar,
-                  const robot::OdometryOptions& odometry, const NavigateOptions& options = {},
+                  const robot::OdometryOptions& odometry, const goals::NavigateOptions& options = {},
                   std::uint64_t seed = 1, const std::optional<robot::FloorCamera>& camera = std::nullopt);
 /// The same with the default floor camera in place of a lidar and exact wheels.
-GoalDrive driveByCamera(const GoalScene& scene, const std::string& method, const NavigateOptions& options,
-                        std::uint64_t seed = 1);
+GoalDrive driveByCamera(const GoalScene& scene, const std::string& method,
+                        const goals::NavigateOptions& options, std::uint64_t seed = 1);
 
 // Drawn places, 8 x 8 m and smaller. The goal can be reached in the first group and cannot in the second.
 GoalScene openRoom();

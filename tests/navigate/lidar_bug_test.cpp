@@ -1,4 +1,4 @@
-#include "libslam/navigate/lidar_bug.h"
+#include "libslam/goals/lidar_bug.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@
 namespace slam::navigate {
 namespace {
 
-using State = LidarBugState;
-using Event = LidarBugEvent;
+using State = goals::LidarBugState;
+using Event = goals::LidarBugEvent;
 using namespace scenes;
 
 bool isEnd(State state) {
@@ -22,53 +22,54 @@ bool isEnd(State state) {
 
 TEST(LidarBugTable, HasOneRowPerStateAndEvent) {
   std::set<std::pair<State, Event>> seen;
-  for (const auto& row : lidarBugTransitions())
+  for (const auto& row : goals::lidarBugTransitions())
     EXPECT_TRUE(seen.insert({row.from, row.event}).second)
-        << lidarBugStateName(row.from) << ", " << lidarBugEventName(row.event);
+        << goals::lidarBugStateName(row.from) << ", " << goals::lidarBugEventName(row.event);
 }
 
 TEST(LidarBugTable, ReachesEveryStateAndLeavesAllButTheTwoEnds) {
   std::set<State> reached{State::kTurnToGoal};
-  for (int rounds = 0; rounds < kLidarBugStates; ++rounds)
-    for (const auto& row : lidarBugTransitions())
+  for (int rounds = 0; rounds < goals::kLidarBugStates; ++rounds)
+    for (const auto& row : goals::lidarBugTransitions())
       if (reached.count(row.from)) reached.insert(row.to);
-  EXPECT_EQ(reached.size(), static_cast<size_t>(kLidarBugStates));
-  for (int i = 0; i < kLidarBugStates; ++i) {
+  EXPECT_EQ(reached.size(), static_cast<size_t>(goals::kLidarBugStates));
+  for (int i = 0; i < goals::kLidarBugStates; ++i) {
     const auto state = static_cast<State>(i);
     std::set<Event> events;
-    for (const auto& row : lidarBugTransitions())
+    for (const auto& row : goals::lidarBugTransitions())
       if (row.from == state) events.insert(row.event);
-    EXPECT_EQ(events.count(Event::kGoalReached), isEnd(state) ? 0U : 1U) << lidarBugStateName(state);
-    EXPECT_EQ(events.count(Event::kEnded), isEnd(state) ? 0U : 1U) << lidarBugStateName(state);
+    EXPECT_EQ(events.count(Event::kGoalReached), isEnd(state) ? 0U : 1U) << goals::lidarBugStateName(state);
+    EXPECT_EQ(events.count(Event::kEnded), isEnd(state) ? 0U : 1U) << goals::lidarBugStateName(state);
     EXPECT_EQ(events.empty(), isEnd(state));
   }
 }
 
 TEST(LidarBugTable, NamesEveryStateAndEventOnce) {
   std::set<std::string> names;
-  for (int i = 0; i < kLidarBugStates; ++i) names.insert(lidarBugStateName(static_cast<State>(i)));
-  EXPECT_EQ(names.size(), static_cast<size_t>(kLidarBugStates));
+  for (int i = 0; i < goals::kLidarBugStates; ++i)
+    names.insert(goals::lidarBugStateName(static_cast<State>(i)));
+  EXPECT_EQ(names.size(), static_cast<size_t>(goals::kLidarBugStates));
   std::set<std::string> events;
-  for (const auto& row : lidarBugTransitions()) events.insert(lidarBugEventName(row.event));
+  for (const auto& row : goals::lidarBugTransitions()) events.insert(goals::lidarBugEventName(row.event));
   EXPECT_EQ(events.size(), static_cast<size_t>(Event::kEnded) + 1);
 }
 
 // The committed picture is made from the table; when this fails, the new one lies beside the test's program.
 TEST(LidarBugTable, IsTheDiagramInTheDocumentation) {
-  const std::string path = std::string(RASTERSLAM_SOURCE_DIR) + "/libslam/navigate/lidar_bug.md";
+  const std::string path = std::string(RASTERSLAM_SOURCE_DIR) + "/libslam/goals/lidar_bug.md";
   std::string committed;
   try {
     committed = core::readTextFile(path);
   } catch (const std::exception&) {
   }
-  if (committed != lidarBugDiagram())
-    core::writeFileAtomically(std::string(RASTERSLAM_BINARY_DIR) + "/lidar_bug.md", lidarBugDiagram());
-  EXPECT_EQ(committed, lidarBugDiagram());
+  if (committed != goals::lidarBugDiagram())
+    core::writeFileAtomically(std::string(RASTERSLAM_BINARY_DIR) + "/lidar_bug.md", goals::lidarBugDiagram());
+  EXPECT_EQ(committed, goals::lidarBugDiagram());
 }
 
 // Indices 0, 28, 68, 207, 247 of 275 readings over 360 degrees; those above the half turn lie on the right.
 TEST(StrategicDirections, AreTheOriginalOnes) {
-  const auto directions = strategicDirections();
+  const auto directions = goals::strategicDirections();
   EXPECT_EQ(directions[kAhead], 0);
   EXPECT_NEAR(core::radToDeg(directions[kLeftAhead]), 37, 0.5);  // 36.65: the document rounds
   EXPECT_NEAR(core::radToDeg(directions[kLeft]), 89, 0.1);
@@ -91,19 +92,19 @@ robot::Scan scanWith(const std::vector<std::pair<int, float>>& obstacles) {
 /// Shows one scan after another at one place; returns the states.
 class Shown {
  public:
-  Shown() : navigator_(makeGoalNavigator("lidar_bug", {}, {{10, 0}, robot::RobotOptions(), 0.2})) {}
+  Shown() : navigator_(goals::makeGoalNavigator("lidar_bug", {}, {{10, 0}, robot::RobotOptions(), 0.2})) {}
   std::string show(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
     step_ = navigator_->next(scan, T_odom_robot, false);
     return step_.state;
   }
-  const GoalStep& step() const { return step_; }
+  const goals::GoalStep& step() const { return step_; }
 
  private:
-  std::unique_ptr<GoalNavigator> navigator_;
-  GoalStep step_;
+  std::unique_ptr<goals::GoalNavigator> navigator_;
+  goals::GoalStep step_;
 };
 
-TEST(LidarBug, TurnsToTheGoalAndDrives) {
+TEST(goals::LidarBug, TurnsToTheGoalAndDrives) {
   Shown bug;
   EXPECT_EQ(bug.show(scanWith({}), {0, 0, 1}), "TURN TO GOAL");
   EXPECT_LT(bug.step().command.turn_rate_radps, 0);
@@ -113,7 +114,7 @@ TEST(LidarBug, TurnsToTheGoalAndDrives) {
   EXPECT_EQ(bug.step().reason, "faces the goal");
 }
 
-TEST(LidarBug, AvoidsWhatIsAheadOnTheSideWithRoom) {
+TEST(goals::LidarBug, AvoidsWhatIsAheadOnTheSideWithRoom) {
   Shown bug;
   // Ahead within 0.6 m, and the right side taken.
   EXPECT_EQ(bug.show(scanWith({{0, 0.55F}, {-89, 0.38F}}), {}), "AVOID TURN");
@@ -127,7 +128,7 @@ TEST(LidarBug, AvoidsWhatIsAheadOnTheSideWithRoom) {
   EXPECT_EQ(bug.show(scanWith({}), {0.45, 0.55, 0.5}), "TURN TO GOAL");
 }
 
-TEST(LidarBug, KeepsTheWallsDistanceByTurning) {
+TEST(goals::LidarBug, KeepsTheWallsDistanceByTurning) {
   for (const double side : {1.0, -1.0}) {
     Shown bug;
     const int degrees = static_cast<int>(89 * side), oblique = static_cast<int>(37 * side);
@@ -143,7 +144,7 @@ TEST(LidarBug, KeepsTheWallsDistanceByTurning) {
   }
 }
 
-TEST(LidarBug, BacksOffFromABumpInFrontAndAdvancesFromOneBehind) {
+TEST(goals::LidarBug, BacksOffFromABumpInFrontAndAdvancesFromOneBehind) {
   for (const int degrees : {30, 85, -85, 99, 150, -150, -99}) {
     Shown bug;
     bug.show(scanWith({}), {});
@@ -154,12 +155,12 @@ TEST(LidarBug, BacksOffFromABumpInFrontAndAdvancesFromOneBehind) {
   }
 }
 
-TEST(LidarBug, TakesReadingsUnderACentimetreAsInvalid) {
+TEST(goals::LidarBug, TakesReadingsUnderACentimetreAsInvalid) {
   Shown bug;
   EXPECT_EQ(bug.show(scanWith({{0, 0.005F}}), {}), "DRIVE FORWARD");
 }
 
-TEST(LidarBug, ClearsTheFrontAfterSeveralBumpsInARow) {
+TEST(goals::LidarBug, ClearsTheFrontAfterSeveralBumpsInARow) {
   Shown bug;
   const auto bump = scanWith({{20, 0.32F}});
   std::string state = bug.show(scanWith({}), {});
@@ -177,22 +178,22 @@ TEST(LidarBug, ClearsTheFrontAfterSeveralBumpsInARow) {
   EXPECT_EQ(bug.show(scanWith({}), T_odom_robot), "AVOID DRIVE");
 }
 
-TEST(LidarBug, RecoversFromBeingMovedByTurningToTheGoalAgain) {
+TEST(goals::LidarBug, RecoversFromBeingMovedByTurningToTheGoalAgain) {
   Shown bug;
   EXPECT_EQ(bug.show(scanWith({}), {}), "DRIVE FORWARD");
   EXPECT_EQ(bug.show(scanWith({}), {4, 3, 2}), "TURN TO GOAL");
 }
 
-TEST(LidarBug, PassesAPillarAndTwoDoorsAndCirclesInATrap) {
+TEST(goals::LidarBug, PassesAPillarAndTwoDoorsAndCirclesInATrap) {
   for (const auto& scene : {pillar(), doors(), pillars()}) {
     const auto drive = driveTo(scene, "lidar_bug", exactLidar(), exactOdometry());
-    EXPECT_EQ(drive.status, GoalStatus::kReached) << drive.reason;
+    EXPECT_EQ(drive.status, goals::GoalStatus::kReached) << drive.reason;
     EXPECT_EQ(drive.collisions, 0U);
   }
-  NavigateOptions options;
+  goals::NavigateOptions options;
   options.time_limit_s = 300;
   const auto drive = driveTo(trap(), "lidar_bug", exactLidar(), exactOdometry(), options);
-  EXPECT_EQ(drive.status, GoalStatus::kGaveUp);  // the way it breaks: no memory of having been here
+  EXPECT_EQ(drive.status, goals::GoalStatus::kGaveUp);  // the way it breaks: no memory of having been here
   EXPECT_THAT(drive.states, ::testing::Contains("WALL FOLLOW"));
 }
 

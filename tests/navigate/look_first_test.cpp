@@ -1,11 +1,12 @@
-#include "libslam/navigate/look_first.h"
+#include "libslam/goals/look_first.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "libslam/navigate/goal_navigator.h"
+#include "libslam/goals/goal_navigator.h"
+#include "libslam/navigate/driver.h"
 #include "libslam/navigate/strategy.h"
 #include "tests/navigate/goal_scenes.h"
 
@@ -26,14 +27,14 @@ robot::Scan look(float everywhere_m, const std::vector<std::pair<int, float>>& o
   return scan;
 }
 
-LookFirst careful() {
+goals::LookFirst careful() {
   return {robot::RobotOptions(), 0.2, obstacles::LocalObstacleOptions()};
 }
 const robot::Command kAhead{0.5, 0, 0.2}, kBack{-0.5, 0, 0.2}, kTurn{0, 1, 0.2};
 
 /// Turns and looks as it says, in the open, until it has looked enough for the command. Returns by how much
 /// it turned.
-double lookAround(LookFirst& robot, core::Pose2& T_odom_robot, const robot::Command& command) {
+double lookAround(goals::LookFirst& robot, core::Pose2& T_odom_robot, const robot::Command& command) {
   double turned_rad = 0;
   for (int i = 0; i < 100; ++i) {
     robot.update(look(robot::kNoReturn), T_odom_robot);
@@ -47,7 +48,7 @@ double lookAround(LookFirst& robot, core::Pose2& T_odom_robot, const robot::Comm
   return std::numeric_limits<double>::infinity();
 }
 
-TEST(LookFirst, LooksToBothSidesBeforeTheFirstStepAndThenDrivesOn) {
+TEST(goals::LookFirst, LooksToBothSidesBeforeTheFirstStepAndThenDrivesOn) {
   auto robot = careful();
   core::Pose2 T_odom_robot;
   robot.update(look(robot::kNoReturn), T_odom_robot);
@@ -65,7 +66,7 @@ TEST(LookFirst, LooksToBothSidesBeforeTheFirstStepAndThenDrivesOn) {
   EXPECT_FALSE(robot.leadsOverUnseen(kBack)) << "it came from there";
 }
 
-TEST(LookFirst, TakesWhatHidesTheFloorForAnObstacleUntilItSeesTheFloor) {
+TEST(goals::LookFirst, TakesWhatHidesTheFloorForAnObstacleUntilItSeesTheFloor) {
   auto robot = careful();
   const auto wall = look(robot::kLostReading);  // something in the dead zone hides all floor
   robot.update(wall, {});
@@ -85,7 +86,7 @@ TEST(LookFirst, TakesWhatHidesTheFloorForAnObstacleUntilItSeesTheFloor) {
   EXPECT_TRUE(robot.hidden().empty()) << "it has gone";
 }
 
-TEST(LookFirst, KnowsTheFloorBeforeItsMinimumRangeByWhatItShowsBeyond) {
+TEST(goals::LookFirst, KnowsTheFloorBeforeItsMinimumRangeByWhatItShowsBeyond) {
   auto robot = careful();
   robot.update(look(2), {});
   const robot::Command creep{0.02, 0, 0.2};
@@ -95,16 +96,16 @@ TEST(LookFirst, KnowsTheFloorBeforeItsMinimumRangeByWhatItShowsBeyond) {
 
 struct ByCamera {
   const char *method, *scene;
-  GoalStatus end;
+  goals::GoalStatus end;
 };
 class CameraNavigation : public testing::TestWithParam<ByCamera> {};
 INSTANTIATE_TEST_SUITE_P(Drives, CameraNavigation,
-                         testing::Values(ByCamera{"bug1", "pillar", GoalStatus::kReached},
-                                         ByCamera{"bug2", "doors", GoalStatus::kReached},
-                                         ByCamera{"tangent", "doors", GoalStatus::kReached},
-                                         ByCamera{"tangent", "pillars", GoalStatus::kReached},
-                                         ByCamera{"lidar_bug", "pillar", GoalStatus::kReached},
-                                         ByCamera{"bug2", "start in a box", GoalStatus::kUnreachable}),
+                         testing::Values(ByCamera{"bug1", "pillar", goals::GoalStatus::kReached},
+                                         ByCamera{"bug2", "doors", goals::GoalStatus::kReached},
+                                         ByCamera{"tangent", "doors", goals::GoalStatus::kReached},
+                                         ByCamera{"tangent", "pillars", goals::GoalStatus::kReached},
+                                         ByCamera{"lidar_bug", "pillar", goals::GoalStatus::kReached},
+                                         ByCamera{"bug2", "start in a box", goals::GoalStatus::kUnreachable}),
                          [](const auto& drive) {
                            std::string name = std::string(drive.param.method) + "_" + drive.param.scene;
                            for (auto& letter : name)
@@ -115,14 +116,14 @@ INSTANTIATE_TEST_SUITE_P(Drives, CameraNavigation,
 TEST_P(CameraNavigation, ComesToTheRightEndWithoutACollision) {
   auto all = scenes::reachableScenes();
   for (auto& scene : scenes::unreachableScenes()) all.push_back(std::move(scene));
-  NavigateOptions options;  // as record::withCameraDefaults() has them
+  goals::NavigateOptions options;  // as record::withCameraDefaults() has them
   options.memory = "local_map", options.unseen = "looked_at", options.time_limit_s = 300;
   for (const auto& [name, scene] : all) {
     if (name != GetParam().scene) continue;
     const auto drive = scenes::driveByCamera(scene, GetParam().method, options);
     EXPECT_EQ(drive.status, GetParam().end) << drive.reason;
     EXPECT_EQ(drive.collisions, 0U);
-    if (GetParam().end == GoalStatus::kReached) {
+    if (GetParam().end == goals::GoalStatus::kReached) {
       EXPECT_LT(drive.goal_distance_m, 0.15);
     }
     return;

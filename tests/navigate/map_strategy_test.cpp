@@ -84,8 +84,8 @@ TEST(MapStrategies, FinishInAClosedRoomAndSayWhatIsLeft) {
 
 TEST(MapStrategies, GiveAPathThatKeepsItsDistanceAndEndsAtTheGoal) {
   const auto map = enlarged(kClosetAndHall, 8, 0.05);
-  const auto space = readFreeSpace(map);
-  const auto clearance = squaredClearance(space, kOccupiedCell | kUnknownCell, 20);
+  const auto space = paths::readFreeSpace(map);
+  const auto clearance = paths::squaredClearance(space, paths::kOccupiedCell | paths::kUnknownCell, 20);
   for (const auto& name : mapStrategies()) {
     const auto decision = decideOn(name, map, kBetween);
     ASSERT_FALSE(decision.path.empty()) << name;

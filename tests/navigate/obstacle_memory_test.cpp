@@ -1,12 +1,13 @@
-#include "libslam/navigate/obstacle_memory.h"
+#include "libslam/paths/obstacle_memory.h"
+#include "libslam/navigate/driver.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "libslam/core/error.h"
-#include "libslam/navigate/safe_motion.h"
-#include "libslam/navigate/surroundings.h"
+#include "libslam/goals/surroundings.h"
+#include "libslam/paths/safe_motion.h"
 #include "tests/navigate/goal_scenes.h"
 #include "tests/navigate/scenes.h"
 
@@ -28,10 +29,10 @@ robot::Scan sector(int fov_deg, const std::vector<std::pair<int, float>>& ranges
 }
 
 class EveryMemory : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Memories, EveryMemory, testing::ValuesIn(obstacleMemoryNames()));
+INSTANTIATE_TEST_SUITE_P(Memories, EveryMemory, testing::ValuesIn(paths::obstacleMemoryNames()));
 
 TEST_P(EveryMemory, HasNothingOfTheNewestScanItself) {
-  const auto memory = makeObstacleMemory(GetParam(), {});
+  const auto memory = paths::makeObstacleMemory(GetParam(), {});
   EXPECT_TRUE(memory->points().empty());
   memory->update(sector(60, {{0, 1}, {20, 1}}), {});
   EXPECT_TRUE(memory->points().empty());
@@ -40,7 +41,7 @@ TEST_P(EveryMemory, HasNothingOfTheNewestScanItself) {
 }
 
 TEST_P(EveryMemory, KeepsWhatTheRobotTurnsAwayFromUnlessItKeepsNothing) {
-  const auto memory = makeObstacleMemory(GetParam(), {});
+  const auto memory = paths::makeObstacleMemory(GetParam(), {});
   memory->update(sector(60, {{0, 1}}), {2, 3, 0});
   memory->update(sector(60, {}), {2, 3, core::kPi / 2});
   const auto points = memory->points();
@@ -57,19 +58,19 @@ TEST_P(EveryMemory, KeepsWhatTheRobotTurnsAwayFromUnlessItKeepsNothing) {
 }
 
 TEST_P(EveryMemory, DrivesThePillarSceneWithANarrowViewAndADeadZone) {
-  NavigateOptions options;
+  goals::NavigateOptions options;
   options.memory = GetParam();
   auto lidar = scenes::exactLidar();
   lidar.fov_rad = degToRad(90), lidar.beams = 91;
   const auto drive = scenes::driveTo(scenes::pillar(), "tangent", lidar, scenes::exactOdometry(), options);
   if (GetParam() == "none") return;  // forgets what it drives past; nothing is promised
-  EXPECT_EQ(drive.status, GoalStatus::kReached) << drive.reason;
+  EXPECT_EQ(drive.status, goals::GoalStatus::kReached) << drive.reason;
   EXPECT_EQ(drive.collisions, 0U);
 }
 
-TEST(ObstacleMemory, OfTheLocalMapKeepsWhatAnObstacleHidesWhereTheShortOneForgetsIt) {
+TEST(paths::ObstacleMemory, OfTheLocalMapKeepsWhatAnObstacleHidesWhereTheShortOneForgetsIt) {
   const auto remembered = [](const std::string& name) {
-    const auto memory = makeObstacleMemory(name, {});
+    const auto memory = paths::makeObstacleMemory(name, {});
     memory->update(sector(60, {{0, 1.2F}}), {});
     memory->update(sector(60, {{0, 0.5F}}), {});  // somebody stands before it
     return memory->points().size();
@@ -78,10 +79,10 @@ TEST(ObstacleMemory, OfTheLocalMapKeepsWhatAnObstacleHidesWhereTheShortOneForget
   EXPECT_EQ(remembered("short"), 0U);
 }
 
-TEST(ObstacleMemory, OfTheLocalMapIsItsZone) {
+TEST(paths::ObstacleMemory, OfTheLocalMapIsItsZone) {
   obstacles::LocalObstacleOptions zone;
   zone.width_m = 3, zone.front_m = 4, zone.rear_m = 0.5;
-  const auto memory = makeObstacleMemory("local_map", zone);
+  const auto memory = paths::makeObstacleMemory("local_map", zone);
   memory->update(sector(60, {{0, 3.9F}, {30, 3.5F}}), {});  // (3.03, 1.75): outside the zone's width
   memory->update(sector(60, {}), {0, 0, -core::kPi / 2});  // what was ahead is 3.9 m to the left: outside too
   EXPECT_TRUE(memory->points().empty());
@@ -92,10 +93,10 @@ TEST(ObstacleMemory, OfTheLocalMapIsItsZone) {
   EXPECT_TRUE(memory->points().empty()) << "1.4 m behind, where the zone reaches 0.5 m";
 }
 
-TEST(ObstacleMemory, OfTheLocalMapHasRoomForALidarWithMoreBeamsThanPoints) {
+TEST(paths::ObstacleMemory, OfTheLocalMapHasRoomForALidarWithMoreBeamsThanPoints) {
   obstacles::LocalObstacleOptions zone;
   zone.max_points = 50;
-  const auto memory = makeObstacleMemory("local_map", zone);
+  const auto memory = paths::makeObstacleMemory("local_map", zone);
   std::vector<std::pair<int, float>> wall;
   for (int degrees = -90; degrees <= 90; ++degrees) wall.push_back({degrees, 0.3F});
   memory->update(sector(180, wall), {});
@@ -104,19 +105,19 @@ TEST(ObstacleMemory, OfTheLocalMapHasRoomForALidarWithMoreBeamsThanPoints) {
   EXPECT_LE(memory->points().size(), 50U);
 }
 
-TEST(ObstacleMemory, RefusesAnUnknownName) {
-  EXPECT_THROW(makeObstacleMemory("long", {}), core::ContractError);
+TEST(paths::ObstacleMemory, RefusesAnUnknownName) {
+  EXPECT_THROW(paths::makeObstacleMemory("long", {}), core::ContractError);
 }
 
 TEST(SafeMotion, CountsWhatIsRememberedLikeWhatIsSeen) {
   const robot::RobotOptions robot;
   const auto empty = sector(360, {});
   const std::vector<core::Point2> ahead = {{1, 0}}, behind = {{-0.4, 0}};
-  EXPECT_EQ(discReach(empty, 0, robot), INFINITY);
-  EXPECT_NEAR(discReach(empty, 0, robot, ahead), 1 - 0.2 * std::sqrt(2) - 0.02, 1e-12);
-  EXPECT_EQ(canMove(empty, 0.5, behind), FreeWays::kFrontOnly);
-  EXPECT_EQ(canMove(empty, 0.3, behind), FreeWays::kBoth);
-  EXPECT_LT(safeSpeed(empty, robot, 0.2, behind), safeSpeed(empty, robot, 0.2));
+  EXPECT_EQ(paths::discReach(empty, 0, robot), INFINITY);
+  EXPECT_NEAR(paths::discReach(empty, 0, robot, ahead), 1 - 0.2 * std::sqrt(2) - 0.02, 1e-12);
+  EXPECT_EQ(paths::canMove(empty, 0.5, behind), paths::FreeWays::kFrontOnly);
+  EXPECT_EQ(paths::canMove(empty, 0.3, behind), paths::FreeWays::kBoth);
+  EXPECT_LT(paths::safeSpeed(empty, robot, 0.2, behind), paths::safeSpeed(empty, robot, 0.2));
 }
 
 /// Wants straight ahead for ever.

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "libslam/core/error.h"
-#include "libslam/navigate/lidar_bug.h"
-#include "libslam/navigate/safe_motion.h"
+#include "libslam/goals/lidar_bug.h"
+#include "libslam/navigate/driver.h"
 #include "libslam/navigate/strategy.h"
-#include "libslam/navigate/view.h"
+#include "libslam/paths/free_ways.h"
+#include "libslam/paths/safe_motion.h"
+#include "libslam/paths/view.h"
 #include "tests/navigate/goal_scenes.h"
 #include "tests/navigate/scenes.h"
 
@@ -36,18 +38,20 @@ robot::Scan originalScan(size_t readings, float everywhere_m,
 
 // First and last eighth ahead, 3/8 to 5/8 behind: of 800 readings 0..100 and 700..799, and 300..500.
 TEST(OriginalCanMove, HasItsSectorsAtEighthsOfTheScan) {
-  const auto blockedBy = [](size_t index) { return canMove(originalScan(800, 5, {{index, 0.4F}}), 0.5); };
+  const auto blockedBy = [](size_t index) {
+    return paths::canMove(originalScan(800, 5, {{index, 0.4F}}), 0.5);
+  };
   for (const size_t front : {0, 1, 99, 100, 700, 701, 799})
-    EXPECT_EQ(blockedBy(front), FreeWays::kRearOnly) << front;
+    EXPECT_EQ(blockedBy(front), paths::FreeWays::kRearOnly) << front;
   for (const size_t rear : {300, 301, 400, 499, 500})
-    EXPECT_EQ(blockedBy(rear), FreeWays::kFrontOnly) << rear;
+    EXPECT_EQ(blockedBy(rear), paths::FreeWays::kFrontOnly) << rear;
   for (const size_t aside : {101, 200, 299, 501, 600, 699})
-    EXPECT_EQ(blockedBy(aside), FreeWays::kBoth) << aside;
+    EXPECT_EQ(blockedBy(aside), paths::FreeWays::kBoth) << aside;
 }
 
 TEST(OriginalCanMove, AnswersWithTheNumbersZeroToThree) {
   const auto answer = [](std::vector<std::pair<size_t, float>> near) {
-    return static_cast<int>(canMove(originalScan(360, 5, near), 0.5));
+    return static_cast<int>(paths::canMove(originalScan(360, 5, near), 0.5));
   };
   EXPECT_EQ(answer({}), 0);                            // both free
   EXPECT_EQ(answer({{180, 0.499F}}), 1);               // only front
@@ -58,20 +62,20 @@ TEST(OriginalCanMove, AnswersWithTheNumbersZeroToThree) {
 
 TEST(OriginalCanMove, TakesWFromTheRobotsCircleAndItsStep) {
   robot::RobotOptions robot;
-  EXPECT_NEAR(stopClearance(robot, 0.2, 0.01), 0.2 * std::sqrt(2) + 0.1 + 0.02 + 0.01, 1e-12);
+  EXPECT_NEAR(paths::stopClearance(robot, 0.2, 0.01), 0.2 * std::sqrt(2) + 0.1 + 0.02 + 0.01, 1e-12);
   robot.max_speed_mps = 1;
-  EXPECT_NEAR(stopClearance(robot, 0.2, 0.01), 0.2 * std::sqrt(2) + 0.2 + 0.02 + 0.01, 1e-12);
+  EXPECT_NEAR(paths::stopClearance(robot, 0.2, 0.01), 0.2 * std::sqrt(2) + 0.2 + 0.02 + 0.01, 1e-12);
 }
 
 // What w promises: one whole step into any direction of the free sector, and the circle still has its margin.
 TEST(OriginalCanMove, WithThatWAStepIntoTheSectorKeepsTheMargin) {
   const robot::RobotOptions robot;
-  const double w_m = stopClearance(robot, 0.2, 0), step_m = robot.max_speed_mps * 0.2;
+  const double w_m = paths::stopClearance(robot, 0.2, 0), step_m = robot.max_speed_mps * 0.2;
   for (int wall = -45; wall <= 45; wall += 5) {
     auto scan = originalScan(360, 20, {{static_cast<size_t>((wall + 360) % 360), static_cast<float>(w_m)}});
-    ASSERT_EQ(canMove(scan, w_m - 1e-6), FreeWays::kBoth);
+    ASSERT_EQ(paths::canMove(scan, w_m - 1e-6), paths::FreeWays::kBoth);
     for (int drive = -45; drive <= 45; drive += 5)
-      EXPECT_GE(discReach(scan, degToRad(drive), robot), step_m - 1e-6) << wall << " " << drive;
+      EXPECT_GE(paths::discReach(scan, degToRad(drive), robot), step_m - 1e-6) << wall << " " << drive;
   }
 }
 
@@ -103,7 +107,7 @@ TEST(OriginalQuadrants, AreNinetyDegreesEachFromTheHeading) {
   const std::vector<std::pair<double, int>> borders = {{0, 0},     {89.9, 0}, {90, 1},    {179.9, 1},
                                                        {180.1, 2}, {269, 2},  {270.1, 3}, {359.9, 3}};
   for (const auto& [degrees, quadrant] : borders)
-    EXPECT_EQ(quadrantOf(degToRad(degrees)), quadrant) << degrees;
+    EXPECT_EQ(paths::quadrantOf(degToRad(degrees)), quadrant) << degrees;
 }
 
 TEST(OriginalQuadrants, DoNotChooseWhatLeadsBackWithin45Degrees) {
@@ -127,15 +131,15 @@ robot::RobotOptions smallRobot() {
 }
 
 /// One look of a bug that drives towards a goal 10 m ahead.
-GoalStep look(const robot::Scan& scan, const robot::RobotOptions& robot = smallRobot(),
-              const NavigateOptions& options = {}) {
-  const auto bug = makeGoalNavigator("lidar_bug", options, {{10, 0}, robot, 0.2});
+goals::GoalStep look(const robot::Scan& scan, const robot::RobotOptions& robot = smallRobot(),
+                     const goals::NavigateOptions& options = {}) {
+  const auto bug = goals::makeGoalNavigator("lidar_bug", options, {{10, 0}, robot, 0.2});
   bug->next(originalScan(275, 5, {}), {}, false);
   return bug->next(scan, {}, false);
 }
 
 TEST(OriginalBug, StopsForWhatIsNearerThan22Centimetres) {
-  const LidarBugOptions options;
+  const goals::LidarBugOptions options;
   EXPECT_EQ(options.stop_radius_m, 0.22);
   EXPECT_EQ(look(originalScan(275, 5, {{80, 0.219F}})).state, "STUCK LEAVE");
   EXPECT_EQ(look(originalScan(275, 5, {{80, 0.221F}})).state, "DRIVE FORWARD");
@@ -144,14 +148,14 @@ TEST(OriginalBug, StopsForWhatIsNearerThan22Centimetres) {
 TEST(OriginalBug, StopsEarlierWhereTheRobotsCircleDoesNotFit) {
   const robot::RobotOptions robot;  // 0.4 m square
   const double guard_m = 0.2 * std::sqrt(2) + 0.02;
-  EXPECT_DOUBLE_EQ(lidarBugStopRadius({}, guard_m), guard_m + 0.03);
-  EXPECT_DOUBLE_EQ(lidarBugStopRadius({}, 0.18), 0.22);
+  EXPECT_DOUBLE_EQ(goals::lidarBugStopRadius({}, guard_m), guard_m + 0.03);
+  EXPECT_DOUBLE_EQ(goals::lidarBugStopRadius({}, 0.18), 0.22);
   EXPECT_EQ(look(originalScan(275, 5, {{80, 0.332F}}), robot).state, "STUCK LEAVE");
   EXPECT_EQ(look(originalScan(275, 5, {{80, 0.334F}}), robot).state, "DRIVE FORWARD");
 }
 
 TEST(OriginalBug, TakesReadingsBelowACentimetreAsInvalidAndFromThereOnAsABump) {
-  EXPECT_EQ(LidarBugOptions().invalid_below_m, 0.01);
+  EXPECT_EQ(goals::LidarBugOptions().invalid_below_m, 0.01);
   EXPECT_EQ(look(originalScan(275, 5, {{80, 0.0099F}})).state, "DRIVE FORWARD");
   EXPECT_EQ(look(originalScan(275, 5, {{80, 0.0101F}})).state, "STUCK LEAVE");
 }
@@ -189,7 +193,7 @@ TEST(OriginalBug, ReadsTheFiveIndicesAndProjectsThePlaceReachedThatWay) {
 TEST(OriginalBug, DrivesAtAGoalThatIsNearWhateverStandsBesideAndStopsThere) {
   const auto beside = originalScan(275, 5, {{68, 0.3F}});
   for (const double goal_m : {0.7, 0.9}) {  // near_goal_m is 0.8
-    const auto bug = makeGoalNavigator("lidar_bug", {}, {{goal_m, 0}, smallRobot(), 0.2});
+    const auto bug = goals::makeGoalNavigator("lidar_bug", {}, {{goal_m, 0}, smallRobot(), 0.2});
     EXPECT_EQ(bug->next(beside, {}, false).state == "DRIVE AT GOAL", goal_m < 0.8);
     const auto there = bug->next(beside, {goal_m - 0.05, 0, 0}, false);
     EXPECT_EQ(there.state, "REACHED");
@@ -198,7 +202,7 @@ TEST(OriginalBug, DrivesAtAGoalThatIsNearWhateverStandsBesideAndStopsThere) {
 }
 
 TEST(OriginalBug, TellsEveryTransitionOfAPeriod) {
-  const auto bug = makeGoalNavigator("lidar_bug", {}, {{10, 0}, smallRobot(), 0.2});
+  const auto bug = goals::makeGoalNavigator("lidar_bug", {}, {{10, 0}, smallRobot(), 0.2});
   // Faces the goal with something before it: two transitions at the first look.
   const auto step = bug->next(originalScan(275, 5, {{0, 0.5F}}), {}, false);
   ASSERT_EQ(step.changes.size(), 2U);
@@ -215,10 +219,10 @@ TEST(OriginalBug, TellsEveryTransitionOfAPeriod) {
 }
 
 /// Brings a bug to its wall's end with the goal far aside, and looks once more.
-GoalStep atTheWallsEnd(const std::string& wall_end) {
-  NavigateOptions options;
+goals::GoalStep atTheWallsEnd(const std::string& wall_end) {
+  goals::NavigateOptions options;
   options.lidar_bug.wall_end = wall_end;
-  const auto bug = makeGoalNavigator("lidar_bug", options, {{10, 0}, smallRobot(), 0.2});
+  const auto bug = goals::makeGoalNavigator("lidar_bug", options, {{10, 0}, smallRobot(), 0.2});
   const auto wall = originalScan(275, 5, {{206, 0.4F}, {207, 0.4F}, {208, 0.4F}});
   bug->next(originalScan(275, 5, {{0, 0.5F}, {207, 0.35F}}), {}, false);
   bug->next(wall, {0, 0, 1.5}, false);
@@ -238,11 +242,11 @@ TEST(OriginalBug, DrivesOnWhereTheWallEndsAsSoonAsTheFrontIsClear) {
 }
 
 TEST(OriginalBug, StillPassesWhatTheDefaultPasses) {
-  NavigateOptions options;
+  goals::NavigateOptions options;
   options.lidar_bug.wall_end = "front";
   const auto drive =
       scenes::driveTo(scenes::pillar(), "lidar_bug", scenes::exactLidar(), scenes::exactOdometry(), options);
-  EXPECT_EQ(drive.status, GoalStatus::kReached) << drive.reason;
+  EXPECT_EQ(drive.status, goals::GoalStatus::kReached) << drive.reason;
   EXPECT_EQ(drive.collisions, 0U);
 }
 

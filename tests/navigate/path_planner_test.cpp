@@ -1,4 +1,4 @@
-#include "libslam/navigate/path_planner.h"
+#include "libslam/paths/path_planner.h"
 
 #include <gtest/gtest.h>
 
@@ -12,27 +12,28 @@ namespace slam::navigate {
 namespace {
 
 /// Every free cell admits the robot, a node is a cell, and nothing costs more than its length.
-PlannerOptions pointRobot() {
-  PlannerOptions options;
+paths::PlannerOptions pointRobot() {
+  paths::PlannerOptions options;
   options.radius_m = options.comfort_m = 0.1;
   options.node_m = 1;
   options.look_m = 0;
   return options;
 }
 
-PathPlanner::Node nodeAt(const PathPlanner& planner, const FreeSpace& space, double x, double y) {
+paths::PathPlanner::Node nodeAt(const paths::PathPlanner& planner, const paths::FreeSpace& space, double x,
+                                double y) {
   return planner.nodeOf(space.index(space.columnOf(x), space.rowOf(y)));
 }
 
-TEST(PathPlanner, FindsTheShortestWayAsTheSearchOverAllCellsDoes) {
+TEST(paths::PathPlanner, FindsTheShortestWayAsTheSearchOverAllCellsDoes) {
   core::RandomStream random(1, "maze");
   for (int trial = 0; trial < 5; ++trial) {
     gridmap::OccupancyRaster map;
     map.columns = 14, map.rows = 11, map.resolution_m = 1;
     for (int i = 0; i < map.columns * map.rows; ++i)
       map.occupancy.push_back(i != 0 && random.chance(0.35) ? 0.9F : 0.1F);
-    const auto space = readFreeSpace(map);
-    const PathPlanner planner(space, pointRobot(), {0.5, 0.5});
+    const auto space = paths::readFreeSpace(map);
+    const paths::PathPlanner planner(space, pointRobot(), {0.5, 0.5});
     // Bellman's relaxation until nothing changes: slow and plain.
     std::vector<double> cost(space.state.size(), 1e9);
     cost[space.index(1, 1)] = 0;
@@ -43,7 +44,7 @@ TEST(PathPlanner, FindsTheShortestWayAsTheSearchOverAllCellsDoes) {
           for (int dr = -1; dr <= 1; ++dr)
             for (int dc = -1; dc <= 1; ++dc) {
               const size_t from = space.index(column + dc, row + dr), to = space.index(column, row);
-              if (space.state[from] != kFreeCell || space.state[to] != kFreeCell) continue;
+              if (space.state[from] != paths::kFreeCell || space.state[to] != paths::kFreeCell) continue;
               const double step = dr && dc ? 1.4 : dr || dc ? 1.0 : 0.0;
               if (cost[from] + step < cost[to] - 1e-9) cost[to] = cost[from] + step, changed = true;
             }
@@ -60,28 +61,28 @@ TEST(PathPlanner, FindsTheShortestWayAsTheSearchOverAllCellsDoes) {
   }
 }
 
-TEST(PathPlanner, DoesNotReachAPocketBehindWallsNorTheUnknown) {
-  const auto space = readFreeSpace(drawnMap({"#######", "#..#..#", "#..#..?", "#######"}));
-  const PathPlanner planner(space, pointRobot(), {1.5, 1.5});
+TEST(paths::PathPlanner, DoesNotReachAPocketBehindWallsNorTheUnknown) {
+  const auto space = paths::readFreeSpace(drawnMap({"#######", "#..#..#", "#..#..?", "#######"}));
+  const paths::PathPlanner planner(space, pointRobot(), {1.5, 1.5});
   EXPECT_TRUE(planner.isReached(nodeAt(planner, space, 2.5, 2.5)));
   for (const double x : {3.5, 4.5, 5.5, 6.5}) EXPECT_FALSE(planner.isReached(nodeAt(planner, space, x, 1.5)));
   EXPECT_EQ(planner.reachedCount(), 4u);
 }
 
-TEST(PathPlanner, DrivesThroughTheUnknownOnlyWhenOptimistic) {
-  const auto space = readFreeSpace(drawnMap({"#######", "#..?..#", "#..?..#", "#######"}));
+TEST(paths::PathPlanner, DrivesThroughTheUnknownOnlyWhenOptimistic) {
+  const auto space = paths::readFreeSpace(drawnMap({"#######", "#..?..#", "#..?..#", "#######"}));
   auto options = pointRobot();
-  EXPECT_FALSE(PathPlanner(space, options, {1.5, 1.5}).isReached(space.columns + 3));
-  const PathPlanner careful(space, options, {1.5, 1.5});
+  EXPECT_FALSE(paths::PathPlanner(space, options, {1.5, 1.5}).isReached(space.columns + 3));
+  const paths::PathPlanner careful(space, options, {1.5, 1.5});
   EXPECT_FALSE(careful.isReached(nodeAt(careful, space, 5.5, 1.5)));
   options.optimistic = true;
-  const PathPlanner bold(space, options, {1.5, 1.5});
+  const paths::PathPlanner bold(space, options, {1.5, 1.5});
   EXPECT_TRUE(bold.isReached(nodeAt(bold, space, 5.5, 1.5)));
 }
 
 /// Two rooms of 2 m x 2.6 m with a door of 0.9 m at the bottom of the wall between them.
-FreeSpace twoRooms() {
-  return readFreeSpace(
+paths::FreeSpace twoRooms() {
+  return paths::readFreeSpace(
       enlarged({"##########################",  // 1 m is 5 characters of 4 cells of 5 cm
                 "#..........##............#", "#..........##............#", "#..........##............#",
                 "#..........##............#", "#..........##............#", "#........................#",
@@ -90,11 +91,11 @@ FreeSpace twoRooms() {
                4, 0.05));
 }
 
-TEST(PathPlanner, PassesADoorInItsMiddle) {
+TEST(paths::PathPlanner, PassesADoorInItsMiddle) {
   const auto space = twoRooms();
-  PlannerOptions options;
+  paths::PlannerOptions options;
   options.radius_m = 0.333;
-  const PathPlanner planner(space, options, {1.0, 1.9});
+  const paths::PathPlanner planner(space, options, {1.0, 1.9});
   const auto goal = nodeAt(planner, space, 4.4, 1.9);
   ASSERT_TRUE(planner.isReached(goal));
   const auto path = planner.shortened(planner.way(goal));
@@ -115,11 +116,11 @@ TEST(PathPlanner, PassesADoorInItsMiddle) {
   EXPECT_GT(planner.cost(goal), planner.length(planner.way(goal)));  // the door is dear
 }
 
-TEST(PathPlanner, DoesNotFitThroughADoorThatIsTooNarrowButLooksIn) {
+TEST(paths::PathPlanner, DoesNotFitThroughADoorThatIsTooNarrowButLooksIn) {
   const auto space = twoRooms();
-  PlannerOptions options;
+  paths::PlannerOptions options;
   options.radius_m = 0.45;
-  const PathPlanner planner(space, options, {1.0, 1.9});
+  const paths::PathPlanner planner(space, options, {1.0, 1.9});
   EXPECT_FALSE(planner.isReached(nodeAt(planner, space, 4.4, 1.9)));
   const auto access = planner.accessOf(nodeAt(planner, space, 2.5, 1.0));
   ASSERT_TRUE(access);  // in the door, 0.6 m from where it can stand
@@ -127,12 +128,12 @@ TEST(PathPlanner, DoesNotFitThroughADoorThatIsTooNarrowButLooksIn) {
   EXPECT_FALSE(planner.accessOf(nodeAt(planner, space, 4.4, 1.9)));
 }
 
-TEST(PathPlanner, LeavesAPlaceThatDoesNotAdmitTheRobot) {
+TEST(paths::PathPlanner, LeavesAPlaceThatDoesNotAdmitTheRobot) {
   const auto space = twoRooms();
-  PlannerOptions options;
+  paths::PlannerOptions options;
   options.radius_m = 0.333;
   const core::Point2 robot{0.3, 2.3};  // 0.1 m from two walls
-  const PathPlanner planner(space, options, robot);
+  const paths::PathPlanner planner(space, options, robot);
   ASSERT_TRUE(planner.hasStart());
   const auto goal = nodeAt(planner, space, 1.2, 1.2);
   ASSERT_TRUE(planner.isReached(goal));
@@ -141,20 +142,20 @@ TEST(PathPlanner, LeavesAPlaceThatDoesNotAdmitTheRobot) {
   EXPECT_GE(path.size(), 2u);
 }
 
-TEST(PathPlanner, HasNoStartInsideOfNothingKnown) {
-  const auto space = readFreeSpace(drawnMap({"????", "????"}));
-  EXPECT_FALSE(PathPlanner(space, pointRobot(), {1, 1}).hasStart());
-  EXPECT_FALSE(PathPlanner(space, pointRobot(), {100, 1}).hasStart());
-  EXPECT_FALSE(PathPlanner(space, pointRobot(), {std::nan(""), 1}).hasStart());
-  const auto walled = readFreeSpace(drawnMap({"#####", "#?#.#", "#####"}));
-  EXPECT_FALSE(PathPlanner(walled, pointRobot(), {1.5, 1.5}).hasStart());  // free only behind a wall
+TEST(paths::PathPlanner, HasNoStartInsideOfNothingKnown) {
+  const auto space = paths::readFreeSpace(drawnMap({"????", "????"}));
+  EXPECT_FALSE(paths::PathPlanner(space, pointRobot(), {1, 1}).hasStart());
+  EXPECT_FALSE(paths::PathPlanner(space, pointRobot(), {100, 1}).hasStart());
+  EXPECT_FALSE(paths::PathPlanner(space, pointRobot(), {std::nan(""), 1}).hasStart());
+  const auto walled = paths::readFreeSpace(drawnMap({"#####", "#?#.#", "#####"}));
+  EXPECT_FALSE(paths::PathPlanner(walled, pointRobot(), {1.5, 1.5}).hasStart());  // free only behind a wall
 }
 
-TEST(PathPlanner, RefusesSenselessClearances) {
-  const auto space = readFreeSpace(drawnMap({"."}));
+TEST(paths::PathPlanner, RefusesSenselessClearances) {
+  const auto space = paths::readFreeSpace(drawnMap({"."}));
   auto options = pointRobot();
   options.comfort_m = 0.05;
-  EXPECT_THROW(PathPlanner(space, options, {}), core::ContractError);
+  EXPECT_THROW(paths::PathPlanner(space, options, {}), core::ContractError);
 }
 
 /// Two rooms of 2 m at 0.05 m, joined by a gap through 0.1 m of wall; from x = 0 to 4.1, y = 0 to 2.
@@ -170,14 +171,14 @@ gridmap::OccupancyRaster roomsWithGap(int gap_cells) {
 
 // A robot of radius 0.283 m fits through 13 cells of 0.05 m by the map, and with a cell less on each side
 // through 11.
-TEST(PathPlanner, LeavesATightPlaceOnlyWhereTheRobotStandsInIt) {
-  const auto space = readFreeSpace(roomsWithGap(11));
+TEST(paths::PathPlanner, LeavesATightPlaceOnlyWhereTheRobotStandsInIt) {
+  const auto space = paths::readFreeSpace(roomsWithGap(11));
   const auto reachesTheOtherRoom = [&](double radius_m, bool tight_start, const core::Point2& robot) {
-    PlannerOptions options;
+    paths::PlannerOptions options;
     options.radius_m = radius_m;
     options.look_m = 0;
     options.tight_start = tight_start;
-    const PathPlanner planner(space, options, robot);
+    const paths::PathPlanner planner(space, options, robot);
     EXPECT_TRUE(planner.hasStart());
     return planner.isReached(nodeAt(planner, space, 3.5, 1.0));
   };

@@ -1,0 +1,336 @@
+#include "libslam/paths/path_planner.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "libslam/core/error.h"
+
+namespace slam::paths {
+namespace {
+
+// A diagonal step is 7 where a straight one is 5 (1.4 for the root of 2); times a factor in quarters.
+constexpr int kStraight = 5, kDiagonal = 7, kOne = 4;
+constexpr int kDearest = 4 * kOne;
+constexpr std::size_t kBuckets = 128;  // above the dearest step, kDiagonal * kDearest = 112
+constexpr double kEscape_m = 1.5;
+constexpr double kStartRing_m = 0.3;
+// Nobody wants to drive where the robot does not fit: leaving such a place costs as the dearest driving.
+constexpr double kEscapeFactor = 4;
+// From 15 cells on best_cell_ would overflow.
+constexpr int kMostCellsPerNode = 15;
+
+struct Direction {
+  int dc, dr, cost;
+};
+constexpr std::array<Direction, 8> kDirections = {{{1, 0, kStraight},
+                                                   {0, 1, kStraight},
+                                                   {-1, 0, kStraight},
+                                                   {0, -1, kStraight},
+                                                   {1, 1, kDiagonal},
+                                                   {-1, 1, kDiagonal},
+                                                   {-1, -1, kDiagonal},
+                                                   {1, -1, kDiagonal}}};
+constexpr std::uint8_t kNoDirection = 255;
+
+/// Least squared distance of centres, in cells, at which a disc of radius_m clears the obstacle cell's square
+/// when it meets one of its sides.
+std::int16_t squaredCells(double radius_m, double resolution_m) {
+  const double cells = radius_m / resolution_m + 0.5;
+  return static_cast<std::int16_t>(std::ceil(cells * cells - 1e-9));
+}
+
+}  // namespace
+
+PathPlanner::PathPlanner(const FreeSpace& space, const PlannerOptions& options,
+                         const core::Point2& p_map_robot)
+    : space_(space), options_(options), robot_(p_map_robot) {
+  if (!(options.radius_m > 0) || !(options.comfort_m >= options.radius_m) || !(options.node_m > 0))
+    throw core::ContractError("PathPlanner: expected 0 < radius_m <= comfort_m and a positive node_m");
+  per_node_ =
+      std::clamp(static_cast<int>(std::lround(options.node_m / space.resolution_m)), 1, kMostCellsPerNode);
+  unit_m_ = per_node_ * space.resolution_m / (kStraight * kOne);
+  admitted_ = squaredCells(options.radius_m, space.resolution_m);
+  comfort_ = squaredCells(options.comfort_m, space.resolution_m);
+  const int reach = static_cast<int>(std::ceil(std::sqrt(comfort_))) + 1;
+  const auto obstacles =
+      static_cast<std::uint8_t>(options.optimistic ? kOccupiedCell : kOccupiedCell | kUnknownCell);
+  clearance_ = squaredClearance(space, obstacles, reach);
+  factor_of_.assign(static_cast<std::size_t>(reach * reach) + 1, 0);
+  for (std::size_t d = static_cast<std::size_t>(admitted_); d < factor_of_.size(); ++d) {
+    const double near = std::sqrt(admitted_), far = std::sqrt(comfort_), here = std::sqrt(d);
+    const double closeness = far > near ? std::clamp((far - here) / (far - near), 0.0, 1.0) : 0.0;
+    factor_of_[d] = static_cast<std::uint8_t>(std::lround(kOne + closeness * (kDearest - kOne)));
+  }
+  makeNodes();
+  tight_ = admitted_;
+  if (options.tight_start) openStart();
+  spread();
+  spreadLook();
+}
+
+void PathPlanner::makeNodes() {
+  columns_ = (space_.columns + per_node_ - 1) / per_node_ + 2;
+  rows_ = (space_.rows + per_node_ - 1) / per_node_ + 2;
+  const auto count = static_cast<std::size_t>(columns_) * rows_;
+  factor_.assign(count, 0);
+  best_cell_.assign(count, 0);
+  std::vector<std::int16_t> best(static_cast<std::size_t>(columns_));
+  for (int row = 1; row + 1 < rows_; ++row) {
+    std::fill(best.begin(), best.end(), std::int16_t{-1});
+    std::uint8_t* const best_cell = best_cell_.data() + static_cast<std::size_t>(row) * columns_;
+    for (int dr = 0; dr < per_node_; ++dr) {
+      const int cell_row = (row - 1) * per_node_ + dr;
+      if (cell_row >= space_.rows) break;
+      const std::int16_t* clearance = clearance_.data() + space_.index(0, cell_row);
+      for (int cell_column = 0, node = 1; cell_column < space_.columns; ++node)
+        for (int dc = 0; dc < per_node_ && cell_column < space_.columns; ++dc, ++cell_column)
+          if (clearance[cell_column] > best[static_cast<std::size_t>(node)]) {
+            best[static_cast<std::size_t>(node)] = clearance[cell_column];
+            best_cell[node] = static_cast<std::uint8_t>(dr * per_node_ + dc);
+          }
+    }
+    std::uint8_t* const factor = factor_.data() + static_cast<std::size_t>(row) * columns_;
+    for (int node = 1; node + 1 < columns_; ++node)
+      if (best[static_cast<std::size_t>(node)] >= 0)
+        factor[node] = factor_of_[static_cast<std::size_t>(best[static_cast<std::size_t>(node)])];
+  }
+}
+
+void PathPlanner::openStart() {
+  const double tight_m = std::max(options_.radius_m - space_.resolution_m, space_.resolution_m);
+  tight_ = squaredCells(tight_m, space_.resolution_m);
+  const int column = space_.columnOf(robot_.x), row = space_.rowOf(robot_.y);
+  if (!std::isfinite(robot_.x) || !std::isfinite(robot_.y) || !space_.contains(column, row)) return;
+  const Node here = nodeOf(space_.index(column, row));
+  const int reach = static_cast<int>(std::ceil(kEscape_m / (per_node_ * space_.resolution_m)));
+  for (int r = std::max(1, here / columns_ - reach); r <= std::min(rows_ - 2, here / columns_ + reach); ++r)
+    for (int c = std::max(1, here % columns_ - reach); c <= std::min(columns_ - 2, here % columns_ + reach);
+         ++c) {
+      const Node node = r * columns_ + c;
+      if (factor_[static_cast<std::size_t>(node)] == 0 && clearance_[cellOf(node)] >= tight_ &&
+          core::distance(pointOf(node), robot_) <= kEscape_m)
+        factor_[static_cast<std::size_t>(node)] = kDearest;
+    }
+}
+
+std::size_t PathPlanner::cellOf(Node node) const {
+  const int cell = best_cell_[static_cast<std::size_t>(node)];
+  const int column = (node % columns_ - 1) * per_node_ + cell % per_node_;
+  const int row = (node / columns_ - 1) * per_node_ + cell / per_node_;
+  return space_.index(column, row);
+}
+
+PathPlanner::Node PathPlanner::nodeOf(std::size_t cell) const {
+  const auto width = static_cast<std::size_t>(space_.columns);
+  const int column = static_cast<int>(cell % width) / per_node_ + 1;
+  const int row = static_cast<int>(cell / width) / per_node_ + 1;
+  return row * columns_ + column;
+}
+
+/// Two admitted cells of neighbouring nodes may lie a few cells apart, with something between them.
+bool PathPlanner::passes(Node a, Node b) const {
+  if (per_node_ == 1) return true;
+  const auto width = static_cast<std::size_t>(space_.columns);
+  const std::size_t cell_a = cellOf(a), cell_b = cellOf(b);
+  const auto middle = [&](std::size_t u, std::size_t v) { return static_cast<int>((u + v) / 2); };
+  const auto between =
+      space_.index(middle(cell_a % width, cell_b % width), middle(cell_a / width, cell_b / width));
+  const bool near_start = tight_ < admitted_ && core::distance(space_.centreOf(between), robot_) <= kEscape_m;
+  return clearance_[between] >= (near_start ? tight_ : admitted_);
+}
+
+std::vector<std::pair<PathPlanner::Node, std::int32_t>> PathPlanner::startNodes() const {
+  struct Way {
+    Node node;
+    double distance_m;
+  };
+  const int column = space_.columnOf(robot_.x), row = space_.rowOf(robot_.y);
+  if (!std::isfinite(robot_.x) || !std::isfinite(robot_.y) || !space_.contains(column, row)) return {};
+  const Node here = nodeOf(space_.index(column, row));
+  if (factor_[static_cast<std::size_t>(here)] != 0) return {{here, 0}};
+  std::vector<Way> ways;
+  double nearest_m = kEscape_m;
+  const int reach = static_cast<int>(std::ceil(kEscape_m / (per_node_ * space_.resolution_m)));
+  for (int r = std::max(1, here / columns_ - reach); r <= std::min(rows_ - 2, here / columns_ + reach); ++r)
+    for (int c = std::max(1, here % columns_ - reach); c <= std::min(columns_ - 2, here % columns_ + reach);
+         ++c) {
+      const Node node = r * columns_ + c;
+      if (factor_[static_cast<std::size_t>(node)] == 0) continue;
+      const core::Point2 p = pointOf(node);
+      const double distance_m = core::distance(p, robot_);
+      if (distance_m > nearest_m + kStartRing_m) continue;
+      const int steps = static_cast<int>(std::ceil(2 * distance_m / space_.resolution_m));
+      bool free = true;
+      for (int i = 0; i <= steps && free; ++i) {
+        const double s = steps ? static_cast<double>(i) / steps : 0;
+        free = space_.at({robot_.x + s * (p.x - robot_.x), robot_.y + s * (p.y - robot_.y)}) != kOccupiedCell;
+      }
+      if (!free) continue;
+      ways.push_back({node, distance_m});
+      nearest_m = std::min(nearest_m, distance_m);
+    }
+  std::vector<std::pair<Node, std::int32_t>> starts;
+  for (const auto& way : ways)
+    if (way.distance_m <= nearest_m + kStartRing_m)
+      starts.emplace_back(way.node, static_cast<std::int32_t>(kEscapeFactor * way.distance_m / unit_m_));
+  return starts;
+}
+
+void PathPlanner::spread() {
+  cost_.assign(factor_.size(), kNotReached);
+  from_.assign(factor_.size(), kNoDirection);
+  const auto starts = startNodes();
+  has_start_ = !starts.empty();
+  std::array<std::vector<Node>, kBuckets> buckets;
+  // The starts' costs span more than the buckets do, so each waits until the wave is at its cost.
+  auto waiting = starts;
+  std::sort(waiting.begin(), waiting.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.second, a.first) < std::pair(b.second, b.first);
+  });
+  std::array<std::int32_t, 8> step{};
+  for (std::size_t d = 0; d < 8; ++d) step[d] = kDirections[d].dr * columns_ + kDirections[d].dc;
+  // Only between nodes this near to obstacles can a step cut through something: two cells are at most
+  // (2 per_node - 1) root 2 apart, and clearance falls by at most one per cell.
+  const double safe = std::sqrt(admitted_) + 1.5 * per_node_;
+  const auto safe_at = static_cast<std::size_t>(safe * safe);
+  const std::uint8_t doubtful = safe_at < factor_of_.size() ? factor_of_[safe_at] : std::uint8_t{kOne};
+
+  std::size_t next_start = 0, in_buckets = 0;
+  for (std::int32_t cost = 0; in_buckets > 0 || next_start < waiting.size(); ++cost) {
+    auto& bucket = buckets[static_cast<std::size_t>(cost) % kBuckets];
+    for (; next_start < waiting.size() && waiting[next_start].second <= cost; ++next_start) {
+      const auto node = static_cast<std::size_t>(waiting[next_start].first);
+      if (cost_[node] <= cost) continue;
+      cost_[node] = cost;
+      from_[node] = kNoDirection;
+      bucket.push_back(static_cast<Node>(node));
+      ++in_buckets;
+    }
+    // Every step costs something, so nothing is added to the bucket that is being emptied.
+    for (const Node node : bucket) {
+      if (cost_[static_cast<std::size_t>(node)] != cost) continue;
+      ++reached_;
+      for (std::uint8_t d = 0; d < 8; ++d) {
+        const Node to = node + step[d];
+        const int factor = factor_[static_cast<std::size_t>(to)];
+        if (factor == 0) continue;
+        const std::int32_t reached_at = cost + kDirections[d].cost * factor;
+        if (reached_at >= cost_[static_cast<std::size_t>(to)]) continue;
+        if (factor >= doubtful && !passes(node, to)) continue;
+        cost_[static_cast<std::size_t>(to)] = reached_at;
+        from_[static_cast<std::size_t>(to)] = d;
+        buckets[static_cast<std::size_t>(reached_at) % kBuckets].push_back(to);
+        ++in_buckets;
+      }
+    }
+    in_buckets -= bucket.size();
+    bucket.clear();
+  }
+}
+
+void PathPlanner::spreadLook() {
+  look_depth_.assign(factor_.size(), 0);
+  const auto most =
+      static_cast<std::uint8_t>(std::clamp(options_.look_m / (per_node_ * space_.resolution_m), 0.0, 250.0));
+  std::vector<Node> wave, next;
+  const auto enter = [&](Node node, std::uint8_t depth) {
+    for (std::uint8_t d = 0; d < 8; ++d) {
+      const Node to = node + kDirections[d].dr * columns_ + kDirections[d].dc;
+      const auto i = static_cast<std::size_t>(to);
+      if (cost_[i] != kNotReached || look_depth_[i] != 0) continue;
+      if (to % columns_ == 0 || to % columns_ == columns_ - 1 || to < columns_ ||
+          to >= columns_ * (rows_ - 1) || space_.state[cellOf(to)] != kFreeCell)
+        continue;
+      look_depth_[i] = depth;
+      from_[i] = d;
+      next.push_back(to);
+    }
+  };
+  for (Node node = columns_; node < columns_ * (rows_ - 1) && most > 0; ++node)
+    // Only at the rim of what was reached, where the factor is high, can there be anything beyond.
+    if (cost_[static_cast<std::size_t>(node)] != kNotReached) enter(node, 1);
+  for (std::uint8_t depth = 2; depth <= most && !next.empty(); ++depth) {
+    wave.swap(next);
+    next.clear();
+    for (const Node node : wave) enter(node, depth);
+  }
+}
+
+std::optional<PathPlanner::Node> PathPlanner::accessOf(Node node) const {
+  while (cost_[static_cast<std::size_t>(node)] == kNotReached) {
+    const auto i = static_cast<std::size_t>(node);
+    if (look_depth_[i] == 0) return std::nullopt;
+    const Direction& d = kDirections[from_[i]];
+    node -= d.dr * columns_ + d.dc;
+  }
+  return node;
+}
+
+std::vector<PathPlanner::Node> PathPlanner::way(Node node) const {
+  std::vector<Node> nodes = {node};
+  while (from_[static_cast<std::size_t>(node)] != kNoDirection) {
+    const Direction& d = kDirections[from_[static_cast<std::size_t>(node)]];
+    node -= d.dr * columns_ + d.dc;
+    nodes.push_back(node);
+  }
+  std::reverse(nodes.begin(), nodes.end());
+  return nodes;
+}
+
+double PathPlanner::length(const std::vector<Node>& way) const {
+  if (way.empty()) return 0;
+  double length_m = core::distance(robot_, pointOf(way.front()));
+  const double side_m = per_node_ * space_.resolution_m;
+  for (std::size_t i = 1; i < way.size(); ++i) {
+    const int step = std::abs(way[i] - way[i - 1]);
+    length_m += step == 1 || step == columns_ ? side_m : std::sqrt(2.0) * side_m;
+  }
+  return length_m;
+}
+
+/// Metres of comfortable driving along a straight line, infinity where it comes too near to something.
+double PathPlanner::lineCost(const core::Point2& a, const core::Point2& b) const {
+  const double length_m = core::distance(a, b);
+  const int steps = std::max(1, static_cast<int>(std::ceil(length_m / space_.resolution_m)));
+  double sum = 0;
+  for (int i = 0; i <= steps; ++i) {
+    const double s = static_cast<double>(i) / steps;
+    const int column = space_.columnOf(a.x + s * (b.x - a.x)), row = space_.rowOf(a.y + s * (b.y - a.y));
+    if (!space_.contains(column, row)) return std::numeric_limits<double>::infinity();
+    const int factor = factor_of_[static_cast<std::size_t>(clearance_[space_.index(column, row)])];
+    if (factor == 0) return std::numeric_limits<double>::infinity();
+    sum += factor;
+  }
+  return sum / (steps + 1) / kOne * length_m;
+}
+
+std::vector<core::Point2> PathPlanner::shortened(const std::vector<Node>& way) const {
+  std::vector<core::Point2> path;
+  if (way.empty()) return path;
+  // The robot itself may stand where no line is allowed to begin: then it first leaves to the first node.
+  core::Point2 here = robot_;
+  std::size_t last = 0;
+  if (!std::isfinite(lineCost(here, pointOf(way[0])))) {
+    here = pointOf(way[0]);
+    path.push_back(here);
+  }
+  const double first_m = cost(way[0]);
+  while (last + 1 < way.size()) {
+    // From `here`, at way[last], as far along the way as a straight line costs no more.
+    std::size_t end = last + 1;
+    const double begun_m = last == 0 ? first_m : cost(way[last]);
+    for (std::size_t i = last + 2; i < way.size(); ++i) {
+      const double tolerance_m = 2 * space_.resolution_m;
+      if (lineCost(here, pointOf(way[i])) > cost(way[i]) - begun_m + tolerance_m) break;
+      end = i;
+    }
+    here = pointOf(way[end]);
+    path.push_back(here);
+    last = end;
+  }
+  if (path.empty()) path.push_back(pointOf(way.back()));
+  return path;
+}
+
+}  // namespace slam::paths

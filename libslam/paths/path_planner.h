@@ -1,0 +1,92 @@
+#pragma once
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "libslam/core/pose2.h"
+#include "libslam/paths/free_space.h"
+
+namespace slam::paths {
+
+/// How near to obstacles a path may lead.
+struct PlannerOptions {
+  double radius_m = 0.35;   ///< the centre never comes nearer to an obstacle than this
+  double comfort_m = 0.65;  ///< nearer than this a path costs more, so that doors are passed in their middle
+  double node_m = 0.1;      ///< spacing of the planning nodes, at least one cell
+  double look_m = 1.0;      ///< how far beyond the places that admit the robot free cells count as in reach
+  bool optimistic = false;  ///< unknown cells are no obstacles
+  /// Within 1.5 m of the robot the way may lead a cell nearer to obstacles than radius_m, at the dearest
+  /// factor: a robot that came to where it stands can leave again, though the noisy map has closed in on it.
+  bool tight_start = false;
+};
+
+/// Shortest ways from the robot to everywhere: Dijkstra's wavefront (Numerische Mathematik 1, 1959) over
+/// 8-connected nodes with integer costs in Dial's circular buckets (Communications of the ACM 12(11), 1969).
+///
+/// A node stands for node_m x node_m of cells, at that cell of them which is farthest from obstacles, and
+/// admits the robot when that cell does. A step costs its length times a factor from 1 (comfort_m and more
+/// from obstacles) to 4 (at radius_m). From the admitted nodes that are reached, the wave then runs on
+/// through free nodes too narrow for the robot, at most look_m: these are in reach of a look.
+///
+/// The robot itself may stand where it is not admitted (an inflated wall, an unknown cell): the wave starts
+/// at the admitted nodes around the nearest one within 1.5 m that a straight line without occupied cells
+/// leads to.
+class PathPlanner {
+ public:
+  using Node = std::int32_t;
+  static constexpr std::int32_t kNotReached = std::numeric_limits<std::int32_t>::max();
+
+  /// Keeps a reference to `space`. Cost: see squaredClearance(), and about 20 ns per admitted node.
+  PathPlanner(const FreeSpace& space, const PlannerOptions& options, const core::Point2& p_map_robot);
+
+  /// True when the robot stands at an admitted node or can leave to one.
+  bool hasStart() const { return has_start_; }
+  Node nodeOf(std::size_t cell) const;
+  core::Point2 pointOf(Node node) const { return space_.centreOf(cellOf(node)); }
+  /// Reached by driving.
+  bool isReached(Node node) const { return cost_[static_cast<std::size_t>(node)] != kNotReached; }
+  /// In metres of comfortable driving. REQUIRES isReached(node).
+  double cost(Node node) const { return cost_[static_cast<std::size_t>(node)] * unit_m_; }
+  /// The reached node from where `node` is in reach of a look (itself when it is reached), if any.
+  std::optional<Node> accessOf(Node node) const;
+  /// The nodes from the start to `node`. REQUIRES isReached(node).
+  std::vector<Node> way(Node node) const;
+  /// Metres along `way`, from the robot. 8-connected: up to 8 % above the straight line.
+  double length(const std::vector<Node>& way) const;
+  /// The same way with every bend left out whose short cut costs no more and keeps radius_m; without the
+  /// robot's own place, unless the way ends there.
+  std::vector<core::Point2> shortened(const std::vector<Node>& way) const;
+  /// Reached nodes.
+  std::size_t reachedCount() const { return reached_; }
+
+ private:
+  std::size_t cellOf(Node node) const;
+  void makeNodes();
+  void openStart();
+  bool passes(Node a, Node b) const;
+  std::vector<std::pair<Node, std::int32_t>> startNodes() const;
+  void spread();
+  void spreadLook();
+  double lineCost(const core::Point2& a, const core::Point2& b) const;
+
+  const FreeSpace& space_;
+  PlannerOptions options_;
+  core::Point2 robot_;
+  bool has_start_ = false;
+  int per_node_ = 1;                         ///< cells along a node's side
+  int columns_ = 0, rows_ = 0;               ///< of nodes, with a blocked border
+  double unit_m_ = 1;                        ///< metres of one unit of cost
+  std::int16_t admitted_ = 0, comfort_ = 0;  ///< squared clearances in cells
+  std::int16_t tight_ = 0;                   ///< the same, near the start
+  std::vector<std::int16_t> clearance_;      ///< per cell
+  std::vector<std::uint8_t> factor_of_;      ///< cost factor by squared clearance; 0 = not admitted
+  std::vector<std::uint8_t> factor_;         ///< per node, 0 = not admitted
+  std::vector<std::uint8_t> best_cell_;   ///< per node: the cell that stands for it, row by row in the node
+  std::vector<std::int32_t> cost_;        ///< per node
+  std::vector<std::uint8_t> from_;        ///< per node: direction to the node before it
+  std::vector<std::uint8_t> look_depth_;  ///< per node beyond the reached ones
+  std::size_t reached_ = 0;
+};
+
+}  // namespace slam::paths
