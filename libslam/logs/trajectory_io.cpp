@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "libslam/core/csv.h"
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/logs/fixed_number.h"
@@ -61,13 +62,13 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
 }
 
-std::vector<double> parseCsvNumbers(std::string_view text, const std::string& path, size_t line) {
+/// fields: memory that is used again.
+std::vector<double> parseCsvNumbers(std::string_view text, const std::string& path, size_t line,
+                                    std::vector<std::string>& fields) {
+  core::CsvReader(text, path, static_cast<int>(line)).next(fields);
   std::vector<double> values;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find(',', begin), text.size());
-    values.push_back(parseFinite(trimmed(text.substr(begin, end - begin)), path, line));
-    begin = end + 1;
-  }
+  values.reserve(fields.size());
+  for (const auto& field : fields) values.push_back(parseFinite(trimmed(field), path, line));
   return values;
 }
 
@@ -88,6 +89,7 @@ std::vector<Line> readLines(const std::string& path) {
   std::vector<Line> lines;
   size_t number = 0;
   bool is_csv = false, has_header = false;
+  std::vector<std::string> fields;
   for (size_t begin = 0; begin < text.size();) {
     const size_t end = std::min(text.find('\n', begin), text.size());
     const std::string_view content(text.data() + begin, end - begin);
@@ -101,7 +103,7 @@ std::vector<Line> readLines(const std::string& path) {
     else
       lines.push_back(
           {number, is_csv,
-           is_csv ? parseCsvNumbers(content, path, number) : parseNumbers(content, path, number)});
+           is_csv ? parseCsvNumbers(content, path, number, fields) : parseNumbers(content, path, number)});
   }
   if (lines.empty()) throw core::InputError(path + ": holds no pose, expected at least 1");
   return lines;

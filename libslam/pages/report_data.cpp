@@ -7,8 +7,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <regex>
-#include <sstream>
 
+#include "libslam/core/csv.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/json_entry.h"
@@ -173,16 +173,14 @@ std::vector<std::string> verdictOf(const std::vector<score::Evaluation>& evaluat
 /// scan_time_s and scan_ms from timing.csv.
 void readTiming(const std::string& path, report::ReportRun& run) {
   if (!fs::exists(path)) return;
-  std::istringstream lines(core::readTextFile(path));
-  std::string line;
-  std::getline(lines, line);
-  for (int number = 2; std::getline(lines, line); ++number) {
-    const auto first = line.find(','), second = line.find(',', first + 1);
+  const std::string text = core::readTextFile(path);
+  core::CsvReader reader(text, path);
+  std::vector<std::string> fields;
+  reader.next(fields);
+  while (reader.next(fields)) {
     double time_s = 0, ms = 0;
-    if (second == std::string::npos ||
-        !core::parseNumber(line.substr(first + 1, second - first - 1), time_s) ||
-        !core::parseNumber(line.substr(second + 1), ms))
-      throw core::InputError(path + ":" + std::to_string(number) + ": found '" + line +
+    if (fields.size() != 3 || !core::parseNumber(fields[1], time_s) || !core::parseNumber(fields[2], ms))
+      throw core::InputError(reader.place() + ": found '" + std::string(reader.record()) +
                              "', expected scan,time_s,cpu_ms");
     run.scan_time_s.push_back(time_s);
     run.scan_ms.push_back(ms);

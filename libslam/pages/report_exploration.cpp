@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 
+#include "libslam/core/csv.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
@@ -26,7 +27,7 @@ struct Explored {
 };
 
 /// Those whose folders are there, the first seed of every strategy first.
-std::vector<Explored> exploredIn(const std::string& folder, const CsvColumns& runs) {
+std::vector<Explored> exploredIn(const std::string& folder, const core::CsvTable& runs) {
   const auto strategies = runs.texts("strategy"), seeds = runs.texts("seed");
   std::vector<std::pair<int, Explored>> found;
   for (size_t i = 0; i < strategies.size(); ++i) {
@@ -156,9 +157,9 @@ void addCoverage(const std::vector<std::string>& folders, const std::vector<std:
   report::PageChart over_time{
       "coverage-time", "Explored share over time.", "time (s)", "explored (%)", {}, kPercent, 0};
   for (size_t i = 0; i < folders.size(); ++i) {
-    const CsvColumns curve(folders[i] + "/exploration.csv");
-    const auto time_s = curve.numbers("time_s"), path_m = curve.numbers("path_m"),
-               share = curve.numbers("explored_share");
+    const auto curve = core::CsvTable::read(folders[i] + "/exploration.csv");
+    const auto time_s = curve.numbersOrNan("time_s"), path_m = curve.numbersOrNan("path_m"),
+               share = curve.numbersOrNan("explored_share");
     report::PageCurve by_path, by_time;
     by_path.label = by_time.label = labels[i];
     for (size_t k = 0; k < share.size(); ++k) {
@@ -178,7 +179,7 @@ void fillExplorations(const std::string& folder, core::Progress& progress, repor
   page.title = pageTitle(folder, "Explorations");
   page.tables.push_back(explorationsTable(folder + "/scores.json"));
   page.verdict.push_back(verdictOf(readJsonTable(folder + "/scores.json"), folder + "/scores.json"));
-  const CsvColumns runs(folder + "/runs.csv");
+  const auto runs = core::CsvTable::read(folder + "/runs.csv");
   const auto explored = exploredIn(folder, runs);
   const auto rows = runs.texts("strategy").size();
   if (explored.empty()) {
@@ -257,8 +258,9 @@ void fillNavigation(const std::string& folder, const core::Manifest& manifest, r
       const bool known = metrics::poseAt(replay.truth, stamped.time_s, true_pose);
       run.error_m.push_back(known ? core::distance(true_pose, stamped.pose) : kNan);
     }
-    const CsvColumns states(of_method + "/states.csv");
-    const auto time_s = states.numbers("time_s"), x = states.numbers("x_m"), y = states.numbers("y_m");
+    const auto states = core::CsvTable::read(of_method + "/states.csv");
+    const auto time_s = states.numbersOrNan("time_s"), x = states.numbersOrNan("x_m"),
+               y = states.numbersOrNan("y_m");
     const auto to = states.texts("to"), why = states.texts("why");
     for (size_t i = 0; i < time_s.size(); ++i)
       replay.moments.push_back({time_s[i], to[i], why[i], {x[i], y[i]}});

@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "libslam/core/csv.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/json_entry.h"
@@ -21,29 +22,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-/// RFC 4180: rows of fields; a quoted field may hold commas, quotes and line ends. lines[i]: where row i
-/// begins.
-std::vector<std::vector<std::string>> csvRows(const std::string& text) {
-  std::vector<std::vector<std::string>> rows;
-  bool quoted = false, open = false;
-  for (size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (!open) rows.emplace_back(1), open = true;
-    auto& field = rows.back().back();
-    if (quoted && c == '"' && i + 1 < text.size() && text[i + 1] == '"')
-      field += text[++i];
-    else if (c == '"')
-      quoted = !quoted;
-    else if (!quoted && c == ',')
-      rows.back().emplace_back();
-    else if (!quoted && c == '\n')
-      open = false;
-    else if (quoted || c != '\r')
-      field += c;
-  }
-  return rows;
-}
 
 std::string operationText(const sim::Operation& operation) {
   const auto number = [](double value) { return ' ' + report::shownText(value, {"", "", 4}); };
@@ -132,42 +110,6 @@ std::string textIn(const report::CellValue& cell) {
   return text != nullptr ? *text : "";
 }
 
-CsvColumns::CsvColumns(const std::string& path) : path_(path), rows_(csvRows(core::readTextFile(path))) {
-  if (rows_.empty()) throw core::InputError(path + ":1: is empty, expected the names of columns");
-  names_ = rows_.front();
-  rows_.erase(rows_.begin());
-  for (size_t i = 0; i < rows_.size(); ++i)
-    if (rows_[i].size() != names_.size())
-      throw core::InputError(path + ": row " + std::to_string(i + 1) + ": found " +
-                             std::to_string(rows_[i].size()) + " fields, expected " +
-                             std::to_string(names_.size()));
-}
-
-std::vector<std::string> CsvColumns::textsOrNone(const std::string& key) const {
-  const auto name = std::find(names_.begin(), names_.end(), key);
-  return name == names_.end() ? std::vector<std::string>(rows_.size()) : texts(key);
-}
-
-std::vector<std::string> CsvColumns::texts(const std::string& key) const {
-  const auto name = std::find(names_.begin(), names_.end(), key);
-  if (name == names_.end()) throw core::InputError(path_ + ":1: names no column '" + key + "'");
-  std::vector<std::string> fields;
-  for (const auto& row : rows_) fields.push_back(row[static_cast<size_t>(name - names_.begin())]);
-  return fields;
-}
-
-std::vector<double> CsvColumns::numbers(const std::string& key) const {
-  std::vector<double> values;
-  for (const auto& field : texts(key)) {
-    double value = kNan;
-    if (!field.empty() && !core::parseNumber(field, value))
-      throw core::InputError(path_ + ": row " + std::to_string(values.size() + 1) + ": column '" + key +
-                             "': found '" + field + "', expected a number");
-    values.push_back(value);
-  }
-  return values;
-}
-
 void addPicture(report::ReportPage& page, const std::string& path, const std::string& caption) {
   if (fs::exists(path)) page.pictures.push_back({caption, core::readTextFile(path)});
 }
@@ -217,8 +159,9 @@ void readReplay(const std::string& log_path, std::size_t most, core::Progress& p
 }
 
 void addGoals(const std::string& folder, const core::Pose2& T_world_map, report::ReportReplay& replay) {
-  const CsvColumns curve(folder + "/exploration.csv");
-  const auto time_s = curve.numbers("time_s"), x = curve.numbers("goal_x_m"), y = curve.numbers("goal_y_m");
+  const auto curve = core::CsvTable::read(folder + "/exploration.csv");
+  const auto time_s = curve.numbersOrNan("time_s"), x = curve.numbersOrNan("goal_x_m"),
+             y = curve.numbersOrNan("goal_y_m");
   core::Point2 last{kNan, kNan};
   for (size_t i = 0; i < time_s.size(); ++i) {
     const core::Point2 goal{x[i], y[i]};
@@ -227,10 +170,11 @@ void addGoals(const std::string& folder, const core::Pose2& T_world_map, report:
     last = goal;
   }
   if (time_s.empty() || !fs::exists(folder + "/decisions.csv")) return;
-  const CsvColumns decisions(folder + "/decisions.csv");
-  const auto at_s = decisions.numbers("time_s"), goal_x = decisions.numbers("goal_x_m"),
-             goal_y = decisions.numbers("goal_y_m");
-  const auto reasons = decisions.textsOrNone("reason");
+  const auto decisions = core::CsvTable::read(folder + "/decisions.csv");
+  const auto at_s = decisions.numbersOrNan("time_s"), goal_x = decisions.numbersOrNan("goal_x_m"),
+             goal_y = decisions.numbersOrNan("goal_y_m");
+  const auto reasons =
+      decisions.has("reason") ? decisions.texts("reason") : std::vector<std::string>(at_s.size());
   for (size_t i = 0; i < at_s.size(); ++i)
     replay.moments.push_back(
         {at_s[i] - time_s[0], "decision", reasons[i], T_world_map * core::Point2{goal_x[i], goal_y[i]}});

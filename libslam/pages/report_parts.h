@@ -22,22 +22,6 @@ report::Table readJsonTable(const std::string& path);
 /// The text of such a table's cell, "" where it holds a number.
 std::string textIn(const report::CellValue& cell);
 
-/// A CSV with names in its first line: the fields of a column, and the same as numbers (an empty one NaN).
-/// Errors: InputError with file and line.
-class CsvColumns {
- public:
-  explicit CsvColumns(const std::string& path);
-  std::vector<std::string> texts(const std::string& key) const;
-  std::vector<double> numbers(const std::string& key) const;
-  /// "" where there is no such column.
-  std::vector<std::string> textsOrNone(const std::string& key) const;
-
- private:
-  std::string path_;
-  std::vector<std::string> names_;
-  std::vector<std::vector<std::string>> rows_;
-};
-
 /// Each only where the file is there.
 void addPicture(report::ReportPage& page, const std::string& path, const std::string& caption);
 void addDownload(report::ReportPage& page, const std::string& path, const std::string& name,

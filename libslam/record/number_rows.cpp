@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <sstream>
 
+#include "libslam/core/csv.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
 #include "libslam/record/record.h"
 
 namespace slam::record {
@@ -16,25 +15,20 @@ std::vector<std::vector<double>> readNumberRows(const std::string& path, const s
   std::vector<std::vector<double>> rows;
   if (!fs::exists(path)) return rows;
   const auto columns = static_cast<size_t>(1 + std::count(header.begin(), header.end(), ','));
-  std::istringstream lines(core::readTextFile(path));
-  std::string line;
-  for (int number = 1; std::getline(lines, line); ++number) {
-    const std::string place = path + ":" + std::to_string(number);
-    if (number == 1) {
-      if (line != header) throw core::InputError(place + ": found '" + line + "', expected " + header);
+  const std::string text = core::readTextFile(path);
+  core::CsvReader reader(text, path);
+  for (std::vector<std::string> fields; reader.next(fields);) {
+    if (reader.line() == 1) {
+      if (reader.record() != header)
+        throw core::InputError(reader.place() + ": found '" + std::string(reader.record()) + "', expected " +
+                               header);
       continue;
     }
-    std::istringstream fields(line);
-    std::vector<double> numbers;
-    for (std::string field; std::getline(fields, field, ',');) {
-      numbers.emplace_back();
-      if (!core::parseNumber(field, numbers.back()))
-        throw core::InputError(place + ": found '" + field + "', expected a number");
-    }
-    if (numbers.size() != columns)
-      throw core::InputError(place + ": found " + std::to_string(numbers.size()) + " fields, expected " +
-                             std::to_string(columns));
-    rows.push_back(std::move(numbers));
+    if (fields.size() != columns)
+      throw core::InputError(reader.place() + ": found " + std::to_string(fields.size()) +
+                             " fields, expected " + std::to_string(columns));
+    rows.emplace_back();
+    for (const auto& field : fields) rows.back().push_back(core::csvNumber(field, reader.place()));
   }
   return rows;
 }

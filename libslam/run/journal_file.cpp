@@ -4,9 +4,8 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <map>
-#include <sstream>
 
+#include "libslam/core/csv.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
@@ -15,38 +14,6 @@ namespace slam::run {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-std::vector<std::string> fieldsOf(const std::string& line) {
-  std::vector<std::string> fields;
-  std::istringstream stream(line);
-  for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
-  if (!line.empty() && line.back() == ',') fields.emplace_back();
-  return fields;
-}
-
-/// One line of the file by the names of its columns.
-class Row {
- public:
-  Row(const std::map<std::string, size_t>& columns, std::vector<std::string> fields, std::string place)
-      : columns_(columns), fields_(std::move(fields)), place_(std::move(place)) {
-    if (fields_.size() < columns_.size())
-      throw core::InputError(place_ + ": found " + std::to_string(fields_.size()) + " fields, expected " +
-                             std::to_string(columns_.size()));
-  }
-  const std::string& text(const std::string& column) const { return fields_[columns_.at(column)]; }
-  double number(const std::string& column) const {
-    double value = kNan;
-    if (!core::parseNumber(text(column), value))
-      throw core::InputError(place_ + ": " + column + ": found '" + text(column) + "', expected a number");
-    return value;
-  }
-  double numberOrNan(const std::string& column) const { return text(column).empty() ? kNan : number(column); }
-
- private:
-  const std::map<std::string, size_t>& columns_;
-  std::vector<std::string> fields_;
-  std::string place_;
-};
 
 }  // namespace
 
@@ -92,31 +59,26 @@ std::string journalCsv(const std::vector<JournalLine>& journal) {
 }
 
 std::vector<JournalLine> readJournal(const std::string& path) {
-  std::istringstream lines(core::readTextFile(path));
-  std::string text;
-  std::getline(lines, text);
-  std::map<std::string, size_t> columns;
-  const auto names = fieldsOf(text);
-  for (size_t i = 0; i < names.size(); ++i) columns[names[i]] = i;
+  const auto csv = core::CsvTable::read(path);
   for (const char* needed :
        {"scan", "time_s", "event", "value", "other_scan", "x_m", "y_m", "other_x_m", "other_y_m", "detail"})
-    if (columns.count(needed) == 0)
+    if (!csv.has(needed))
       throw core::InputError(path + ":1: the column '" + needed +
                              "' is missing, expected a journal of 'rasterslam run'");
+  const auto scan = csv.numbers("scan"), time_s = csv.numbers("time_s"), value = csv.numbers("value"),
+             other_scan = csv.numbersOrNan("other_scan"), x = csv.numbers("x_m"), y = csv.numbers("y_m"),
+             other_x = csv.numbersOrNan("other_x_m"), other_y = csv.numbersOrNan("other_y_m");
+  const auto event = csv.texts("event"), detail = csv.texts("detail");
   std::vector<JournalLine> journal;
-  for (int number = 2; std::getline(lines, text); ++number) {
-    const Row row(columns, fieldsOf(text), path + ":" + std::to_string(number));
-    JournalLine line;
-    line.scan = static_cast<int>(row.number("scan"));
-    line.time_s = row.number("time_s");
-    line.event = row.text("event");
-    line.value = row.number("value");
-    line.other_scan = row.text("other_scan").empty() ? -1 : static_cast<int>(row.number("other_scan"));
-    line.place = {row.number("x_m"), row.number("y_m")};
-    line.other_place = {row.numberOrNan("other_x_m"), row.numberOrNan("other_y_m")};
-    line.detail = row.text("detail");
-    journal.push_back(std::move(line));
-  }
+  for (size_t i = 0; i < scan.size(); ++i)
+    journal.push_back({static_cast<int>(scan[i]),
+                       time_s[i],
+                       event[i],
+                       value[i],
+                       std::isnan(other_scan[i]) ? -1 : static_cast<int>(other_scan[i]),
+                       {x[i], y[i]},
+                       {other_x[i], other_y[i]},
+                       detail[i]});
   return journal;
 }
 

@@ -4,8 +4,8 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
+#include "libslam/core/csv.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
@@ -24,19 +24,17 @@ void append(std::string& line, double value, std::chars_format format, int preci
   line.append(digits.data(), end);
 }
 
-StampedCovariance parseLine(const std::string& line, const std::string& where) {
+StampedCovariance covarianceOf(const std::vector<std::string>& fields, const std::string& place) {
   std::array<double, kColumns> values{};
-  std::istringstream fields(line);
-  size_t count = 0;
-  for (std::string field; std::getline(fields, field, ','); ++count) {
+  for (size_t i = 0; i < fields.size(); ++i) {
     double value = 0;
-    if (!core::parseNumber(field, value))
-      throw core::InputError(where + ": found '" + field + "', expected a finite number");
-    if (count < kColumns) values[count] = value;
+    if (!core::parseNumber(fields[i], value))
+      throw core::InputError(place + ": found '" + fields[i] + "', expected a finite number");
+    if (i < kColumns) values[i] = value;
   }
-  if (count != kColumns)
-    throw core::InputError(where + ": found " + std::to_string(count) + " numbers, expected 7 (" + kHeader +
-                           ")");
+  if (fields.size() != kColumns)
+    throw core::InputError(place + ": found " + std::to_string(fields.size()) + " numbers, expected 7 (" +
+                           kHeader + ")");
   const auto& [time_s, xx, xy, xphi, yy, yphi, phiphi] = values;
   StampedCovariance stamped;
   stamped.time_s = time_s;
@@ -61,13 +59,12 @@ void writeCovariances(const std::vector<StampedCovariance>& covariances, const s
 }
 
 std::vector<StampedCovariance> readCovariances(const std::string& path) {
-  std::istringstream text(core::readTextFile(path));
+  const std::string text = core::readTextFile(path);
+  core::CsvReader reader(text, path);
   std::vector<StampedCovariance> covariances;
-  int number = 0;
-  for (std::string line; std::getline(text, line);) {
-    ++number;
-    if (number == 1 && line == kHeader) continue;
-    covariances.push_back(parseLine(line, path + ":" + std::to_string(number)));
+  for (std::vector<std::string> fields; reader.next(fields);) {
+    if (reader.line() == 1 && reader.record() == kHeader) continue;
+    covariances.push_back(covarianceOf(fields, reader.place()));
   }
   return covariances;
 }

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <sstream>
+#include <string>
 
+#include "libslam/core/csv.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/resources.h"
@@ -35,13 +36,10 @@ world::Plan flat() {
 }
 
 std::vector<std::vector<std::string>> readCsv(const std::string& path) {
-  std::istringstream text(core::readTextFile(path));
+  const std::string text = core::readTextFile(path);
+  core::CsvReader reader(text, path);
   std::vector<std::vector<std::string>> rows;
-  for (std::string line; std::getline(text, line);) {
-    std::istringstream fields(line);
-    rows.emplace_back();
-    for (std::string field; std::getline(fields, field, ',');) rows.back().push_back(field);
-  }
+  for (std::vector<std::string> fields; reader.next(fields);) rows.push_back(fields);
   return rows;
 }
 
