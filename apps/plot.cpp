@@ -220,9 +220,7 @@ int plotJournal(const Context& context, const std::string& folder, const PaperAr
   const std::string file = folder + "/journal.csv";
   if (!std::filesystem::exists(file))
     throw core::InputError(folder + ": holds no journal.csv: method " + run.method + " wrote no journal");
-  std::vector<report::PlacedEvent> events;
-  for (const auto& line : run::readJournal(file))
-    events.push_back({line.scan, line.time_s, line.event, line.value, line.place, line.other_place});
+  const auto events = run::readJournal(file);
   report::drawJournal(run.map, run.final_estimate.value_or(run.estimate), events,
                       "What " + run.method + " did", path, paper);
   sayPicture(context, {{"file", path}, {"events", events.size()}}, path);

@@ -47,8 +47,8 @@ class NotFoundYet : public record::StepObserver {
     has_looked_ = true;
     bool was_found = false, was_lost = false;
     for (const auto& entry : mapping::journalOf(*step.method)) {
-      was_found = was_found || entry.event == "recovered";
-      was_lost = was_lost || (entry.event == "lost" && entry.scan <= 0);
+      was_found = was_found || entry.event == core::JournalEvent::kRecovered;
+      was_lost = was_lost || (entry.event == core::JournalEvent::kLost && entry.scan <= 0);
     }
     if (was_lost && !was_found)
       note(context_, map_ + ": the robot is not found in it after " + core::formatNumber(kPatience_s) +
@@ -61,12 +61,12 @@ class NotFoundYet : public record::StepObserver {
   bool has_looked_ = false;
 };
 
-nlohmann::ordered_json journalJson(const std::vector<run::JournalLine>& journal) {
+nlohmann::ordered_json journalJson(const std::vector<core::JournalLine>& journal) {
   auto list = nlohmann::ordered_json::array();
   for (const auto& line : journal) {
     nlohmann::ordered_json entry{{"scan", line.scan},
                                  {"time_s", line.time_s},
-                                 {"event", line.event},
+                                 {"event", core::wordOf(line.event)},
                                  {"value", line.value},
                                  {"place_m", {line.place.x, line.place.y}}};
     if (line.other_scan >= 0) entry["other_scan"] = line.other_scan;

@@ -24,8 +24,8 @@ int main(int argc, char** argv) try {
   // Until it is found, its pose is what the wheels make of some start in the map.
   int found_at = -1;
   for (const auto& said : slam::mapping::journalOf(method)) {
-    if (said.event == "lost") found_at = -1;
-    if (said.event == "recovered" && found_at < 0) found_at = said.scan;
+    if (said.event == slam::core::JournalEvent::kLost) found_at = -1;
+    if (said.event == slam::core::JournalEvent::kRecovered && found_at < 0) found_at = said.scan;
   }
   if (found_at < 0) {
     std::printf("not found after %d scans\n", scans);

@@ -51,6 +51,7 @@ class CsvTable {
 
   const std::vector<std::string>& names() const { return names_; }
   const std::vector<std::vector<std::string>>& rows() const { return rows_; }
+  int line(std::size_t row) const { return lines_[row]; }  ///< of the text, where the row begins
   bool has(const std::string& name) const { return columns_.count(name) > 0; }
 
   /// A column's fields, from the first row to the last; as numbers; as numbers with NaN for an empty field.

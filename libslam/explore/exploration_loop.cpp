@@ -332,7 +332,7 @@ void Loop::describeResults(const Exploration& e, bool has_map, core::Manifest& m
   if (e.end == ExplorationEnd::kFailed) {
     results["status"] = "incomplete";
     results["failed"] = e.end_detail;
-    const std::vector<run::JournalLine> journal = {run::stopLine(*stop_, estimate_.back().pose)};
+    const std::vector<core::JournalLine> journal = {run::stopLine(*stop_, estimate_.back().pose)};
     core::writeFileAtomically(folder_ + "/journal.csv", run::journalCsv(journal));
     manifest.files["journal.csv"] = "what failed, where";
   }

@@ -239,7 +239,7 @@ void GraphSlam::endDoubt() {
 
 /// What was mapped since the doubt began is a part of the map whose place in the rest is not known.
 void GraphSlam::startElsewhere(double score) {
-  note("lost", score);
+  note(core::JournalEvent::kLost, score);
   const int k = doubt_.begins;
   posegraph::Edge gap = graph_.edges()[static_cast<size_t>(keyframe(k).odometry_edge)];
   graph_.setOn(keyframe(k).odometry_edge, false);

@@ -34,7 +34,7 @@ GraphSlam::GraphSlam(const GraphOptions& options)
       scratch_(options, false),
       pass_map_(options.cell_m, options.blur_m, true) {}
 
-void GraphSlam::note(const char* event, double value, int other_keyframe, const std::string& detail) {
+void GraphSlam::note(core::JournalEvent event, double value, int other_keyframe, const std::string& detail) {
   journal_.push_back({static_cast<int>(records_.size()), event, value,
                       other_keyframe < 0 ? -1 : keyframe(other_keyframe).scan, detail});
 }

@@ -148,7 +148,7 @@ class GraphSlam {
                               const core::Pose2& T_map_robot) const;
   static bool isApart(int keyframe, const std::vector<int>& others);
   void link(int a, int b);
-  void note(const char* event, double value, int other_keyframe = -1, const std::string& detail = "");
+  void note(core::JournalEvent event, double value, int other_keyframe = -1, const std::string& detail = "");
   core::Pose2 currentPose() const;
   const Keyframe& keyframe(int k) const { return keyframes_[static_cast<size_t>(k)]; }
   int lastKeyframe() const { return static_cast<int>(keyframes_.size()) - 1; }

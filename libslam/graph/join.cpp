@@ -89,7 +89,7 @@ void GraphSlam::lookAtNextPlace(int component) {
   const double heading = trailPose(last).phi + static_cast<double>(turn % kHeadings) * kHeadingStep_rad;
   const auto matched = matchAtPlace(query, place, heading);
   if (!matched) return;
-  note("found", matched->score, place);
+  note(core::JournalEvent::kFound, matched->score, place);
   addJoin(place, matched->T_map_robot);
 }
 
@@ -230,7 +230,7 @@ const Join* GraphSlam::workOnJoins(int component) {
 
 /// A place that is left behind tells over what extent a wrong one can fit.
 void GraphSlam::refute(const Join& join) {
-  note("dropped", join.fitting, join.old_keyframe);
+  note(core::JournalEvent::kDropped, join.fitting, join.old_keyframe);
   const double fits_m = join.placed.size() > 1 ? join.fits.diagonal_m() : 0;
   refuted_.push_back({join.forth.T_map_robot * core::inverse(trailPose(join.forth.at)), fits_m});
 }

@@ -46,7 +46,7 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
       lost_.restart();
       trail_.clear();
       searchAnew();
-      note("recovered", step.score);
+      note(core::JournalEvent::kRecovered, step.score);
     }
   } else {
     const Pose2 T_before = currentPose();
@@ -59,7 +59,8 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
     const bool was_outside = is_outside_;
     is_outside_ =
         knownShare(points, predicted) < kLeastKnown || (was_outside && !fitsMap(points, step.T_map_robot));
-    if (is_outside_ != was_outside) note(is_outside_ ? "outside" : "inside", step.score);
+    if (is_outside_ != was_outside)
+      note(is_outside_ ? core::JournalEvent::kOutside : core::JournalEvent::kInside, step.score);
     if (is_outside_ || lost_.isInDoubt()) {
       ++held_back_;
       keepTo(predicted, increment, step);
@@ -103,7 +104,7 @@ bool GraphSlam::fitsMap(const std::vector<PatchPoint>& points, const Pose2& T_ma
 }
 
 void GraphSlam::beLost(double score) {
-  note("lost", score);
+  note(core::JournalEvent::kLost, score);
   is_lost_ = true, is_outside_ = false;
   lost_.restart();
   trail_.clear();

@@ -176,7 +176,7 @@ std::optional<Hypothesis> GraphSlam::findLoop(int k, int query_first, int query_
     searched_reach_m_ = std::max(searched_reach_m_, window.half_xy_m);
     const auto found = searchBest(pyramid_, search_points, T, window, options_.loop_search_score);
     if (!found) continue;
-    note("searched", found->score, old);
+    note(core::JournalEvent::kSearched, found->score, old);
     const auto matched = matchFreely(match_points, around, found->T_map_robot, coarser > 1);
     std::vector<int> viewers;
     for (const int a : around)
@@ -184,7 +184,7 @@ std::optional<Hypothesis> GraphSlam::findLoop(int k, int query_first, int query_
     const double conflict =
         meanConflict(firstOf(std::move(viewers), kViewers), matched.T_map_robot, keyframe(k).points);
     if (matched.score < options_.loop_score || conflict > 2 * options_.loop_conflict) continue;
-    note("found", matched.score, old);
+    note(core::JournalEvent::kFound, matched.score, old);
     Hypothesis hypothesis;
     hypothesis.keyframe = k, hypothesis.old_keyframe = old;
     hypothesis.T_map_robot = matched.T_map_robot;
@@ -255,7 +255,7 @@ void GraphSlam::closeLoops() {
     Hypothesis& hypothesis = hypotheses_[i];
     if (!confirm(hypothesis, k)) ++hypothesis.failures;
     if (hypothesis.failures > kMostFailures) {
-      note("dropped", hypothesis.confirmations, hypothesis.old_keyframe);
+      note(core::JournalEvent::kDropped, hypothesis.confirmations, hypothesis.old_keyframe);
       hypotheses_.erase(hypotheses_.begin() + static_cast<long>(i));
     } else if (hypothesis.confirmations >= options_.loop_confirmations &&
                hypothesis.evidence >= options_.loop_distinctness &&
@@ -320,7 +320,8 @@ void GraphSlam::searchRemainingLoops() {
 
 bool GraphSlam::accept(const Hypothesis& hypothesis) {
   const int k = hypothesis.keyframe, old = hypothesis.old_keyframe;
-  note("confirmed", hypothesis.confirmations, old, "distinct by " + std::to_string(hypothesis.evidence));
+  note(core::JournalEvent::kConfirmed, hypothesis.confirmations, old,
+       "distinct by " + std::to_string(hypothesis.evidence));
   const auto poses_before = graph_.poses();
   const double chi2_before = graph_.chi2();
   const double way_m = k > old ? pathTo(k)[static_cast<size_t>(old)] : pathTo(old)[static_cast<size_t>(k)];
@@ -342,23 +343,24 @@ bool GraphSlam::accept(const Hypothesis& hypothesis) {
     // Nothing that was measured on the way allows for this.
     for (const int edge : edges) graph_.setOn(edge, false);
     for (int i = 0; i < graph_.nodeCount(); ++i) graph_.setPose(i, poses_before[static_cast<size_t>(i)]);
-    note("rejected", chi2 - chi2_before, old);
+    note(core::JournalEvent::kRejected, chi2 - chi2_before, old);
     return false;
   }
   for (const auto& edge : hypothesis.edges) link(edge.from, edge.to);
   closures_.push_back({old, k});
   settle();
   searched_m_ = path_m_;
-  note("accepted", way_m, old);
+  note(core::JournalEvent::kAccepted, way_m, old);
   // What a loop ties to the rest needs no doubt.
   if (doubt_.begins > old && doubt_.begins <= k) endDoubt();
   if (joins) {
     const bool was_cut_off = isCutOff(lastKeyframe());
     joinComponents(component, old_component);
     const bool is_back = was_cut_off && !isCutOff(lastKeyframe());
-    note(is_back ? "recovered" : "joined", is_back ? hypothesis.evidence : way_m, old);
+    note(is_back ? core::JournalEvent::kRecovered : core::JournalEvent::kJoined,
+         is_back ? hypothesis.evidence : way_m, old);
   }
-  note("optimised", chi2);
+  note(core::JournalEvent::kOptimised, chi2);
   return true;
 }
 

@@ -121,7 +121,7 @@ void GraphSlam::noteWhatStaysApart() {
   for (const auto& part : parts_) {
     if (part.component == 0 || std::count(said.begin(), said.end(), part.component) > 0) continue;
     said.push_back(part.component);
-    note("apart", part.begin, part.begin);
+    note(core::JournalEvent::kApart, part.begin, part.begin);
   }
 }
 

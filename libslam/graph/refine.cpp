@@ -47,7 +47,7 @@ void GraphSlam::refine() {
     const auto result = optimize(next, solve);
     for (int k = 0; k < n; ++k) graph_.setPose(k, next.pose(k));
     ++revision_;
-    note("optimised", result.final_chi2, -1, "refinement");
+    note(core::JournalEvent::kOptimised, result.final_chi2, -1, "refinement");
   }
 }
 

@@ -279,7 +279,7 @@ std::pair<MatchResult, bool> GraphSlam::bestMatch(const robot::Scan& scan,
     if (isBetter(other, result, kStartGain, points, e)) {
       result = other;
       distrusted = contradicted;
-      if (distrusted) note("distrusted", start.gain);
+      if (distrusted) note(core::JournalEvent::kDistrusted, start.gain);
     }
   }
   if (isPoor(result, points)) {
@@ -287,7 +287,7 @@ std::pair<MatchResult, bool> GraphSlam::bestMatch(const robot::Scan& scan,
     if (other && isBetter(*other, result, kRecoverGain, points, e)) {
       result = *other;
       distrusted = true;
-      note("rematched", result.score);
+      note(core::JournalEvent::kRematched, result.score);
     }
   }
   return {result, distrusted};
@@ -301,13 +301,13 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   const auto [result, distrusted] = bestMatch(scan, points, e);
   const Pose2& T = result.T_map_robot;
   const bool is_poor = isPoor(result, points);
-  if (is_poor) note("poor", result.score);
+  if (is_poor) note(core::JournalEvent::kPoor, result.score);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> movement(result.information.topLeftCorner<2, 2>(),
                                                                 Eigen::EigenvaluesOnly);
   const double share = movement.eigenvalues()(1) > 0
                            ? std::max(movement.eigenvalues()(0), 0.0) / movement.eigenvalues()(1)
                            : 0;
-  if (share < kDegenerate) note("degenerate", share);
+  if (share < kDegenerate) note(core::JournalEvent::kDegenerate, share);
 
   odometry_holds_ = odometry_holds_ && has_odometry && !distrusted;
   const auto isFarFrom = [&](const Pose2& from) {

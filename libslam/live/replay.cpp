@@ -46,7 +46,7 @@ Replay loadReplay(const std::string& folder, const std::string& given_log) {
   if (!fs::exists(journal)) return replay;
   const core::Pose2 T_first_map = core::inverse(replay.path.front().pose);
   for (const auto& line : run::readJournal(journal))
-    if (line.event == "accepted")
+    if (line.event == core::JournalEvent::kAccepted)
       replay.loops.push_back({line.scan, {T_first_map * line.place, T_first_map * line.other_place}});
   return replay;
 }

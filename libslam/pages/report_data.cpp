@@ -207,9 +207,7 @@ report::ReportRun pageRun(const run::RunFolder& run, const score::Evaluation& e,
     shown.error_m.push_back(known ? core::distance(true_pose, shown.path.back().pose) : kNan);
   }
   readTiming(run.path + "/timing.csv", shown);
-  if (fs::exists(run.path + "/journal.csv"))
-    for (const auto& line : run::readJournal(run.path + "/journal.csv"))
-      shown.events.push_back({line.scan, line.time_s, line.event, line.value, line.place, line.other_place});
+  if (fs::exists(run.path + "/journal.csv")) shown.events = run::readJournal(run.path + "/journal.csv");
   return shown;
 }
 

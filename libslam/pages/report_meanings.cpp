@@ -1,5 +1,6 @@
 #include "libslam/pages/report_meanings.h"
 
+#include "libslam/core/journal.h"
 #include "libslam/score/evaluate.h"
 
 namespace slam::pages {
@@ -75,8 +76,8 @@ const Meanings kColumns = {
     {"y (m)", "place, in the frame of the maps"},
 };
 
+/// Of a robot; those of a method: core::journalEventInfos().
 const Meanings kEvents = {
-    // Of a robot.
     {"collision", "a wall cut a command short"},
     {"kidnapped", "the robot was carried to another place"},
     {"decision", "the strategy chose a new goal"},
@@ -88,29 +89,6 @@ const Meanings kEvents = {
     {"to the leave node", "the navigator goes to the point from which it will leave the obstacle"},
     {"reached", "the robot is at the goal"},
     {"unreachable", "the navigator found that no way leads to the goal"},
-    // Of a method.
-    {"distrusted", "the scans contradicted the odometry, whose motion was not used; value: gain in score"},
-    {"rematched", "the scan fitted only after a search around its place; value: score"},
-    {"poor", "the map explains less of the scan than it should; value: score"},
-    {"lost", "the method no longer knows where the robot is; value: score"},
-    {"recovered", "the method knows again where the robot is; value: score"},
-    {"found again", "the method knows again where the robot is"},
-    {"restarted", "the map goes on from the odometry's pose; value: scans lost"},
-    {"joined", "two parts of the map, neither the newest, became one; value: metres of way"},
-    {"apart", "a part of the map that was joined to nothing; value: its first keyframe"},
-    {"outside", "the robot left the finished map; value: score"},
-    {"inside", "the robot is back in the finished map; value: score"},
-    {"degenerate",
-     "the scan leaves a direction open, as along a corridor; value: share of information along it"},
-    {"searched", "a loop closure was searched for; value: best score"},
-    {"found", "a place that may close a loop; value: score"},
-    {"confirmed", "the keyframes that followed fit that place, too"},
-    {"dropped", "the keyframes that followed did not fit that place"},
-    {"accepted", "a loop closure; value: metres of path that the loop closes"},
-    {"rejected", "a loop closure that the graph as a whole contradicts; value: the chi2 it would cost"},
-    {"optimised", "all poses were refined jointly; value: chi2"},
-    {"resampled",
-     "likely particles took the place of unlikely ones; value: effective share of the particles"},
 };
 
 }  // namespace
@@ -118,6 +96,7 @@ const Meanings kEvents = {
 void addMeanings(report::ReportPage& page) {
   page.column_meanings = kColumns;
   page.event_meanings = kEvents;
+  for (const auto& info : core::journalEventInfos()) page.event_meanings.emplace(info.word, info.meaning);
   for (const auto& info : score::metricInfos()) {
     page.column_meanings[info.key] = info.meaning;
     page.column_meanings.emplace(info.title, info.meaning);

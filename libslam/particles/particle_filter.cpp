@@ -130,7 +130,7 @@ ParticleFilter::ParticleFilter(const ParticleFilterOptions& options, std::uint64
   for (Particle& particle : particles_) particle.T_raster_robot = rasterFromMap();
 }
 
-void ParticleFilter::note(const char* event, double value, const std::string& detail) {
+void ParticleFilter::note(core::JournalEvent event, double value, const std::string& detail) {
   journal_.push_back({static_cast<int>(scans_), event, value, -1, detail});
 }
 
@@ -167,7 +167,7 @@ ParticleFilter::Guidance ParticleFilter::guide(const std::vector<SurfacePoint>& 
       start = other, start_score = other_score;
   if (motion && start_score > predicted_score + options_.distrust_score) {
     step_.odometry_distrusted = true;
-    note("distrusted", start_score - predicted_score);
+    note(core::JournalEvent::kDistrusted, start_score - predicted_score);
     guidance.expected = core::between(T_before, start);
     covariance *= 2 * kDistrustFactor * kDistrustFactor;
     covariance.diagonal() +=
@@ -301,7 +301,7 @@ void ParticleFilter::findPlace(const std::vector<SurfacePoint>& points, const st
   step_.score = guidance.match.score;
   step_.degenerate = guidance.match.degenerate;
   if (step_.score < (lost_ ? options_.insert_score : options_.lost_score)) {
-    if (!lost_) note("lost", step_.score);
+    if (!lost_) note(core::JournalEvent::kLost, step_.score);
     step_.lost = lost_ = true;
     if (!points.empty()) ++lost_scans_;
     moveAll(motion);
@@ -309,12 +309,12 @@ void ParticleFilter::findPlace(const std::vector<SurfacePoint>& points, const st
                Eigen::Matrix3d::Identity());
     return;
   }
-  if (lost_) note("recovered", step_.score);
+  if (lost_) note(core::JournalEvent::kRecovered, step_.score);
   lost_ = false, lost_scans_ = 0;
-  if (step_.score < options_.insert_score) note("poor", step_.score);
+  if (step_.score < options_.insert_score) note(core::JournalEvent::kPoor, step_.score);
   if (step_.degenerate) {
     const double share = guidance.match.fixed_sigma_m / guidance.match.free_sigma_m;
-    note("degenerate", share * share);
+    note(core::JournalEvent::kDegenerate, share * share);
   }
   matchAll(points, guidance);
   velocity_ = guidance.moved;
@@ -340,7 +340,7 @@ const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::o
   }
   const bool restarted = mapping_ && lost_ && lost_scans_ >= options_.lost_scans;
   if (restarted) {
-    note("restarted", lost_scans_);
+    note(core::JournalEvent::kRestarted, lost_scans_);
     lost_ = false, lost_scans_ = 0;
   }
   const core::Pose2& T = particles_[best_].T_raster_robot;

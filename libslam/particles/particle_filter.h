@@ -171,7 +171,7 @@ class ParticleFilter {
   void resample();
   std::vector<size_t> survivors(const std::vector<double>& weights) const;
   size_t occupiedBins(const std::vector<size_t>& times) const;
-  void note(const char* event, double value, const std::string& detail = "");
+  void note(core::JournalEvent event, double value, const std::string& detail = "");
   void findBest();
   void estimateCovariance();
   void trackDrift(const core::Pose2& T_before, const Eigen::Matrix3d& motion_covariance,

@@ -108,7 +108,8 @@ void ParticleFilter::resample() {
       paths_.release(particle.leaf);
   }
   particles_ = std::move(next);
-  note("resampled", step_.effective_share, std::to_string(particles_.size()) + " particles");
+  note(core::JournalEvent::kResampled, step_.effective_share,
+       std::to_string(particles_.size()) + " particles");
 }
 
 }  // namespace slam::particles

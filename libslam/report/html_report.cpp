@@ -183,7 +183,7 @@ std::string costChart(const ReportPage& page) {
   return figure.empty() ? "" : "<section id=\"cost\"><h2>Computing time</h2>\n" + figure + "</section>\n";
 }
 
-std::string eventsElement(const std::vector<PlacedEvent>& events, const Meanings& meanings) {
+std::string eventsElement(const std::vector<core::JournalLine>& events, const Meanings& meanings) {
   if (events.empty()) return "";
   const auto chosen = listed(events);
   Table table{"Events",
@@ -196,7 +196,8 @@ std::string eventsElement(const std::vector<PlacedEvent>& events, const Meanings
               {},
               {}};
   for (const auto& e : chosen.events)
-    table.rows.push_back({e.time_s, static_cast<double>(e.scan), e.event, e.value, e.place.x, e.place.y});
+    table.rows.push_back(
+        {e.time_s, static_cast<double>(e.scan), core::wordOf(e.event), e.value, e.place.x, e.place.y});
   return "<details class=\"events\"><summary>What it said of its own work: " + htmlText(chosen.note) +
          "</summary>\n" + tableElement(table, meanings) + "</details>\n";
 }

@@ -29,9 +29,9 @@ struct ReportRun {
   std::vector<double>
       error_m;  ///< of each pose of path, NaN where no truth is near in time; empty without truth
   std::vector<double> scan_time_s,
-      scan_ms;                      ///< computing time scan by scan, since the first scan; may be empty
-  std::vector<PlacedEvent> events;  ///< in the map frame
-  std::size_t replay = 0;           ///< index into ReportPage::replays: its log, truth and plan
+      scan_ms;                            ///< computing time scan by scan, since the first scan; may be empty
+  std::vector<core::JournalLine> events;  ///< in the map frame
+  std::size_t replay = 0;                 ///< index into ReportPage::replays: its log, truth and plan
 };
 
 /// A picture that another command drew.

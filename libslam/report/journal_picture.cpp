@@ -12,6 +12,8 @@
 namespace slam::report {
 namespace {
 
+using core::JournalEvent;
+
 constexpr double kLeastWidth = 900, kRowHeight = 24, kLabelWidth = 130, kChartHeight = 130, kAxisHeight = 56;
 constexpr Colour kPathColour{120, 120, 120}, kGridLine{225, 225, 225};
 
@@ -23,42 +25,43 @@ enum class Kind {
 };
 
 struct Style {
-  const char* event;
+  JournalEvent event;
   Kind kind;
   Colour colour;
 };
 
 /// In the order in which they are drawn over one another and stand in the legend.
-constexpr std::array<Style, 13> kStyles{{{"degenerate", Kind::kStretch, kSkyBlue},
-                                         {"poor", Kind::kStretch, kOrange},
-                                         {"lost", Kind::kStretch, kVermillion},
-                                         {"accepted", Kind::kLoop, kGreen},
-                                         {"rejected", Kind::kLoop, kVermillion},
-                                         {"resampled", Kind::kMark, kBlue},
-                                         {"distrusted", Kind::kMark, kPurple},
-                                         {"recovered", Kind::kMark, kGreen},
-                                         {"searched", Kind::kStrip, kGrey},
-                                         {"found", Kind::kStrip, kGrey},
-                                         {"confirmed", Kind::kStrip, kGrey},
-                                         {"dropped", Kind::kStrip, kGrey},
-                                         {"optimised", Kind::kStrip, kInk}}};
+constexpr std::array<Style, 13> kStyles{{{JournalEvent::kDegenerate, Kind::kStretch, kSkyBlue},
+                                         {JournalEvent::kPoor, Kind::kStretch, kOrange},
+                                         {JournalEvent::kLost, Kind::kStretch, kVermillion},
+                                         {JournalEvent::kAccepted, Kind::kLoop, kGreen},
+                                         {JournalEvent::kRejected, Kind::kLoop, kVermillion},
+                                         {JournalEvent::kResampled, Kind::kMark, kBlue},
+                                         {JournalEvent::kDistrusted, Kind::kMark, kPurple},
+                                         {JournalEvent::kRecovered, Kind::kMark, kGreen},
+                                         {JournalEvent::kSearched, Kind::kStrip, kGrey},
+                                         {JournalEvent::kFound, Kind::kStrip, kGrey},
+                                         {JournalEvent::kConfirmed, Kind::kStrip, kGrey},
+                                         {JournalEvent::kDropped, Kind::kStrip, kGrey},
+                                         {JournalEvent::kOptimised, Kind::kStrip, kInk}}};
 
-/// The known events that happened, in the order of kStyles, then the others in that of their first time.
-std::vector<std::pair<std::string, Style>> stylesOf(const std::vector<PlacedEvent>& events) {
-  std::vector<std::pair<std::string, Style>> styles;
-  const auto happened = [&](const std::string& event) {
-    return std::any_of(events.begin(), events.end(), [&](const PlacedEvent& e) { return e.event == event; });
+/// The events that happened: those of kStyles in its order, then the others in that of their first time.
+std::vector<std::pair<JournalEvent, Style>> stylesOf(const std::vector<core::JournalLine>& events) {
+  std::vector<std::pair<JournalEvent, Style>> styles;
+  const auto happened = [&](JournalEvent event) {
+    return std::any_of(events.begin(), events.end(),
+                       [&](const core::JournalLine& e) { return e.event == event; });
   };
   for (const auto& style : kStyles)
     if (happened(style.event)) styles.emplace_back(style.event, style);
   for (const auto& event : events)
     if (std::none_of(styles.begin(), styles.end(), [&](const auto& s) { return s.first == event.event; }))
-      styles.emplace_back(event.event, Style{"", Kind::kMark, kYellow});
+      styles.emplace_back(event.event, Style{event.event, Kind::kMark, kYellow});
   return styles;
 }
 
-void drawStretches(Canvas& canvas, const MapView& view, const std::vector<PlacedEvent>& events,
-                   const std::string& event, Colour colour) {
+void drawStretches(Canvas& canvas, const MapView& view, const std::vector<core::JournalLine>& events,
+                   JournalEvent event, Colour colour) {
   constexpr double kWidth = 6;
   std::vector<Pixel> points;
   int last_scan = -2;
@@ -78,7 +81,7 @@ void drawStretches(Canvas& canvas, const MapView& view, const std::vector<Placed
 
 /// From `lost` to where the robot was found, or to the end.
 void drawLost(Canvas& canvas, const MapView& view, const core::Trajectory& path,
-              const std::vector<PlacedEvent>& events, Colour colour) {
+              const std::vector<core::JournalLine>& events, Colour colour) {
   const auto draw = [&](double from_s, double to_s) {
     std::vector<Pixel> points;
     for (const auto& stamped : path) {
@@ -89,8 +92,8 @@ void drawLost(Canvas& canvas, const MapView& view, const core::Trajectory& path,
   };
   double since_s = -1;
   for (const auto& e : events) {
-    if (e.event == "lost" && since_s < 0) since_s = e.time_s;
-    if (since_s < 0 || (e.event != "recovered" && e.event != "found again")) continue;
+    if (e.event == JournalEvent::kLost && since_s < 0) since_s = e.time_s;
+    if (since_s < 0 || e.event != JournalEvent::kRecovered) continue;
     draw(since_s, e.time_s);
     since_s = -1;
   }
@@ -98,9 +101,9 @@ void drawLost(Canvas& canvas, const MapView& view, const core::Trajectory& path,
 }
 
 void drawEvents(Canvas& canvas, const MapView& view, const core::Trajectory& path,
-                const std::vector<PlacedEvent>& events, const std::string& event, const Style& style) {
+                const std::vector<core::JournalLine>& events, JournalEvent event, const Style& style) {
   if (style.kind == Kind::kStretch) {
-    if (event == "lost")
+    if (event == JournalEvent::kLost)
       drawLost(canvas, view, path, events, style.colour);
     else
       drawStretches(canvas, view, events, event, style.colour);
@@ -121,16 +124,16 @@ void drawEvents(Canvas& canvas, const MapView& view, const core::Trajectory& pat
   }
 }
 
-std::vector<LegendEntry> legendOf(const std::vector<std::pair<std::string, Style>>& styles) {
+std::vector<LegendEntry> legendOf(const std::vector<std::pair<JournalEvent, Style>>& styles) {
   std::vector<LegendEntry> entries{{LegendEntry::Kind::kLine, kPathColour, "path"},
                                    {LegendEntry::Kind::kStart, kInk, "start"}};
   for (const auto& [event, style] : styles) {
     if (style.kind == Kind::kLoop)
-      entries.push_back({LegendEntry::Kind::kLine, style.colour, "loop " + event});
+      entries.push_back({LegendEntry::Kind::kLine, style.colour, std::string("loop ") + core::wordOf(event)});
     else if (style.kind == Kind::kStretch)
-      entries.push_back({LegendEntry::Kind::kBroadLine, style.colour, event});
+      entries.push_back({LegendEntry::Kind::kBroadLine, style.colour, core::wordOf(event)});
     else if (style.kind == Kind::kMark)
-      entries.push_back({LegendEntry::Kind::kDot, style.colour, event});
+      entries.push_back({LegendEntry::Kind::kDot, style.colour, core::wordOf(event)});
   }
   return entries;
 }
@@ -138,13 +141,13 @@ std::vector<LegendEntry> legendOf(const std::vector<std::pair<std::string, Style
 /// Rows of ticks over time and the graph's error, one under the other.
 class TimeStrip {
  public:
-  TimeStrip(const core::Trajectory& path, const std::vector<PlacedEvent>& events,
-            const std::vector<std::pair<std::string, Style>>& styles)
+  TimeStrip(const core::Trajectory& path, const std::vector<core::JournalLine>& events,
+            const std::vector<std::pair<JournalEvent, Style>>& styles)
       : events_(events), styles_(styles) {
     if (!path.empty()) end_s_ = path.back().time_s - path.front().time_s;
     for (const auto& e : events) {
       end_s_ = std::max(end_s_, e.time_s);
-      if (e.event == "optimised") largest_error_ = std::max(largest_error_, e.value);
+      if (e.event == JournalEvent::kOptimised) largest_error_ = std::max(largest_error_, e.value);
     }
     if (!(end_s_ > 0)) end_s_ = 1;
   }
@@ -175,9 +178,10 @@ class TimeStrip {
  private:
   bool hasError() const { return largest_error_ > 0; }
 
-  void drawRow(Canvas& canvas, const std::string& event, Colour colour, const PixelBox& row) const {
-    canvas.text({row.left - 10, row.top + 17}, Canvas::fitText(event, kTextSize, kLabelWidth - 14), kTextSize,
-                kInk, Align::kRight);
+  void drawRow(Canvas& canvas, JournalEvent event, Colour colour, const PixelBox& row) const {
+    canvas.text({row.left - 10, row.top + 17},
+                Canvas::fitText(core::wordOf(event), kTextSize, kLabelWidth - 14), kTextSize, kInk,
+                Align::kRight);
     for (const auto& e : events_) {
       if (e.event != event) continue;
       const double x = row.left + e.time_s / end_s_ * row.width;
@@ -200,25 +204,26 @@ class TimeStrip {
     canvas.text({box.left, box.top - 6}, "graph error after each optimisation (chi2)", kTextSize, kInk);
     std::vector<Pixel> points;
     for (const auto& e : events_) {
-      if (e.event != "optimised") continue;
+      if (e.event != JournalEvent::kOptimised) continue;
       if (!points.empty()) points.push_back({pixel(e.time_s, 0).x, points.back().y});
       points.push_back(pixel(e.time_s, e.value));
     }
     canvas.polyline(points, kBlue, 2);
     for (const auto& e : events_)
-      if (e.event == "optimised") canvas.disc(pixel(e.time_s, e.value), 2.5, kBlue);
+      if (e.event == JournalEvent::kOptimised) canvas.disc(pixel(e.time_s, e.value), 2.5, kBlue);
     canvas.frame(box, kFrame, 1);
   }
 
-  const std::vector<PlacedEvent>& events_;
-  const std::vector<std::pair<std::string, Style>>& styles_;
+  const std::vector<core::JournalLine>& events_;
+  const std::vector<std::pair<JournalEvent, Style>>& styles_;
   double end_s_ = 0, largest_error_ = 0;
 };
 
 }  // namespace
 
-void drawJournal(const world::Plan& map, const core::Trajectory& path, const std::vector<PlacedEvent>& events,
-                 const std::string& title, const std::string& file, const Paper& paper) {
+void drawJournal(const world::Plan& map, const core::Trajectory& path,
+                 const std::vector<core::JournalLine>& events, const std::string& title,
+                 const std::string& file, const Paper& paper) {
   const auto styles = stylesOf(events);
   Window window = windowOf(map, map.T_world_plan);
   window.include(windowOf(path).cutTo(window.isEmpty() ? windowOf(path) : window.grownBy(0.1)));

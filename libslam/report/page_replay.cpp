@@ -81,8 +81,8 @@ Json runJson(const ReportPage& page, size_t index, const std::vector<double>& st
   entry["events"] = Json::array();
   for (const auto& event : listed(run.events).events) {
     const auto place = run.T_world_map * event.place;
-    entry["events"].push_back(
-        {rounded(event.time_s), event.event, rounded(event.value), rounded(place.x), rounded(place.y)});
+    entry["events"].push_back({rounded(event.time_s), core::wordOf(event.event), rounded(event.value),
+                               rounded(place.x), rounded(place.y)});
   }
   return entry;
 }
@@ -185,9 +185,9 @@ void measure(const ReportPage& page, Grounds& grounds, size_t index) {
 }
 
 template <class Event>
-Listed<Event> thinned(const std::vector<Event>& events, std::string Event::*kind_of) {
+Listed<Event> thinned(const std::vector<Event>& events, std::string (*kind_of)(const Event&)) {
   std::map<std::string, size_t> counts, seen;
-  for (const auto& event : events) ++counts[event.*kind_of];
+  for (const auto& event : events) ++counts[kind_of(event)];
   // The largest share for a kind with which all together are few enough.
   size_t share = events.size();
   const auto total = [&] {
@@ -199,7 +199,7 @@ Listed<Event> thinned(const std::vector<Event>& events, std::string Event::*kind
   const auto stepOf = [&](const std::string& kind) { return (counts[kind] + share - 1) / share; };
   Listed<Event> result;
   for (const auto& event : events)
-    if (seen[event.*kind_of]++ % stepOf(event.*kind_of) == 0) result.events.push_back(event);
+    if (seen[kind_of(event)]++ % stepOf(kind_of(event)) == 0) result.events.push_back(event);
   result.note = std::to_string(events.size()) + (events.size() == 1 ? " event" : " events");
   if (result.events.size() == events.size()) return result;
   result.note += ", of which " + std::to_string(result.events.size()) + " are listed:";
@@ -249,12 +249,13 @@ Grounds groundsOf(const ReportPage& page) {
   return result;
 }
 
-Listed<PlacedEvent> listed(const std::vector<PlacedEvent>& events) {
-  return thinned(events, &PlacedEvent::event);
+Listed<core::JournalLine> listed(const std::vector<core::JournalLine>& events) {
+  return thinned<core::JournalLine>(
+      events, [](const core::JournalLine& line) { return std::string(core::wordOf(line.event)); });
 }
 
 Listed<ReportMoment> listed(const std::vector<ReportMoment>& moments) {
-  return thinned(moments, &ReportMoment::what);
+  return thinned<ReportMoment>(moments, [](const ReportMoment& moment) { return moment.what; });
 }
 
 namespace {
@@ -271,7 +272,7 @@ std::string eventLegend(const ReportPage& page) {
   for (const auto& replay : page.replays)
     for (const auto& moment : replay.moments) add(moment.what);
   for (const auto& run : page.runs)
-    for (const auto& event : run.events) add(event.event);
+    for (const auto& event : run.events) add(core::wordOf(event.event));
   return meaningsElement("event-meanings", "What the events mean", legend, true);
 }
 

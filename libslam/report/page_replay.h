@@ -37,7 +37,7 @@ struct Listed {
   std::vector<Event> events;
   std::string note;  ///< "1000 events, of which 250 are listed: resampled one in 4"
 };
-Listed<PlacedEvent> listed(const std::vector<PlacedEvent>& events);
+Listed<core::JournalLine> listed(const std::vector<core::JournalLine>& events);
 Listed<ReportMoment> listed(const std::vector<ReportMoment>& moments);
 
 /// The whole section, and the data for the script; both "" where there is nothing to replay. The data is JSON

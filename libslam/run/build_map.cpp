@@ -272,7 +272,7 @@ void writePaths(const MapRun& run, const std::string& folder) {
 
 void describeStop(const Stop& stop, std::map<std::string, std::string>& results) {
   results["status"] = "incomplete";
-  results[eventOf(stop)] = stopText(stop);
+  results[core::wordOf(eventOf(stop))] = stopText(stop);
 }
 
 }  // namespace

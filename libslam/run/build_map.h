@@ -32,10 +32,10 @@ struct MapRun {
   int steps_without_odometry = 0;  ///< scans after the first for which the log gives no increment
   std::string commands_from;       ///< tellCommands()
   std::vector<std::string> lidars,
-      remarks;                       ///< of the log's reader: whose scans were taken; lines for people
-  std::string skew_note;             ///< skewNote()
-  int filled_poses = 0;              ///< scans that an external program gave no pose
-  std::vector<JournalLine> journal;  ///< empty for methods that keep none
+      remarks;                             ///< of the log's reader: whose scans were taken; lines for people
+  std::string skew_note;                   ///< skewNote()
+  int filled_poses = 0;                    ///< scans that an external program gave no pose
+  std::vector<core::JournalLine> journal;  ///< empty for methods that keep none
   std::optional<double> lost_share;  ///< of the time, by the journal (lostShare()); none without a journal
   std::optional<Stop> stopped;       ///< before the log's end; all else is of the scans before
 };

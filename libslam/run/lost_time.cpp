@@ -2,25 +2,25 @@
 
 #include <algorithm>
 #include <iterator>
-#include <optional>
 
 namespace slam::run {
 
-std::vector<LostSpan> lostSpans(const std::vector<JournalLine>& journal, double log_seconds) {
+std::vector<LostSpan> lostSpans(const std::vector<core::JournalLine>& journal, double log_seconds) {
   std::vector<LostSpan> spans;
-  std::optional<double> since_s;
+  bool is_lost = false;
   for (const auto& line : journal) {
-    if (line.event == "lost" && !since_s) since_s = line.time_s;
-    if (since_s && (line.event == "recovered" || line.event == "found again")) {
-      spans.push_back({*since_s, line.time_s});
-      since_s.reset();
+    if (line.event == core::JournalEvent::kLost && !is_lost) {
+      spans.push_back({line.time_s, log_seconds});
+      is_lost = true;
+    } else if (line.event == core::JournalEvent::kRecovered && is_lost) {
+      spans.back().end_s = line.time_s;
+      is_lost = false;
     }
   }
-  if (since_s) spans.push_back({*since_s, log_seconds});
   return spans;
 }
 
-double lostShare(const std::vector<JournalLine>& journal, double log_seconds) {
+double lostShare(const std::vector<core::JournalLine>& journal, double log_seconds) {
   double lost_s = 0;
   for (const LostSpan& span : lostSpans(journal, log_seconds)) lost_s += span.end_s - span.begin_s;
   return log_seconds > 0 ? std::clamp(lost_s / log_seconds, 0.0, 1.0) : 0;

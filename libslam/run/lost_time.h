@@ -10,9 +10,9 @@ struct LostSpan {
   double begin_s = 0, end_s = 0;
 };
 
-/// From every `lost` to the next `recovered` or `found again`, or to the log's end. A robot that gets lost
+/// From every `lost` to the next `recovered`, or to the log's end. A robot that gets lost
 /// once more meanwhile is in the same span.
-std::vector<LostSpan> lostSpans(const std::vector<JournalLine>& journal, double log_seconds);
+std::vector<LostSpan> lostSpans(const std::vector<core::JournalLine>& journal, double log_seconds);
 
 /// The poses of a path outside of these spans; stamps are seconds since its first pose.
 core::Trajectory whileNotLost(const core::Trajectory& path, const std::vector<LostSpan>& spans);

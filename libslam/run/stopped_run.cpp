@@ -25,12 +25,13 @@ std::string stopText(const Stop& stop) {
   return stop.why.empty() ? where : where + (": " + stop.why);
 }
 
-std::string eventOf(const Stop& stop) {
-  return stop.reason == Stop::Reason::kFailed ? "failed" : "interrupted";
+core::JournalEvent eventOf(const Stop& stop) {
+  return stop.reason == Stop::Reason::kFailed ? core::JournalEvent::kFailed
+                                              : core::JournalEvent::kInterrupted;
 }
 
-JournalLine stopLine(const Stop& stop, const core::Pose2& T_map_robot) {
-  JournalLine line;
+core::JournalLine stopLine(const Stop& stop, const core::Pose2& T_map_robot) {
+  core::JournalLine line;
   line.scan = std::max(stop.scan - 1, 0);
   line.time_s = stop.time_s;
   line.event = eventOf(stop);

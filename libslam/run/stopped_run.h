@@ -20,11 +20,11 @@ struct Stop {
 /// "at scan 813 (83.2 s): the odometry is not finite"
 std::string stopText(const Stop& stop);
 
-/// "failed" or "interrupted": the journal's event, and the key in a manifest's results.
-std::string eventOf(const Stop& stop);
+/// kFailed or kInterrupted; its word is the key in a manifest's results.
+core::JournalEvent eventOf(const Stop& stop);
 
 /// The journal's last line, at the last scan that was taken in.
-JournalLine stopLine(const Stop& stop, const core::Pose2& T_map_robot);
+core::JournalLine stopLine(const Stop& stop, const core::Pose2& T_map_robot);
 
 /// Does what a method is asked to do. Whatever it throws because it has failed becomes a core::MethodError of
 /// one line. What says nothing about the method goes on as it is: core::Interrupted, core::IoError, and

@@ -148,7 +148,8 @@ std::optional<Divergence> firstDivergence(const core::Trajectory& truth, const c
   return std::nullopt;
 }
 
-std::vector<WrongLoop> wrongLoops(const core::Trajectory& truth, const std::vector<run::JournalLine>& journal,
+std::vector<WrongLoop> wrongLoops(const core::Trajectory& truth,
+                                  const std::vector<core::JournalLine>& journal,
                                   const std::vector<double>& scan_stamps_s, const FailureLimits& limits) {
   std::vector<WrongLoop> loops;
   const auto truthOf = [&](int scan, core::Pose2& pose) {
@@ -157,7 +158,9 @@ std::vector<WrongLoop> wrongLoops(const core::Trajectory& truth, const std::vect
   };
   for (const auto& line : journal) {
     core::Pose2 here, there;
-    if (line.event != "accepted" || !truthOf(line.scan, here) || !truthOf(line.other_scan, there)) continue;
+    if (line.event != core::JournalEvent::kAccepted || !truthOf(line.scan, here) ||
+        !truthOf(line.other_scan, there))
+      continue;
     const double apart_m = core::distance(here, there);
     const double apart_in_map_m = core::distance(line.place, line.other_place);
     if (apart_m - apart_in_map_m > limits.wrong_loop_m)
@@ -231,7 +234,7 @@ FailureReport explainFailure(const run::RunFolder& run, const Truth& truth, cons
     note(kSlipEvent, time_s - run.estimate.front().time_s);
   for (const auto& line : journal)
     for (const auto& [event, suspect] : suspects())
-      if (line.event == event) note(event, line.time_s);
+      if (core::wordOf(line.event) == event) note(event, line.time_s);
 
   std::vector<std::pair<std::string, Events>> in_time(events.begin(), events.end());
   std::stable_sort(in_time.begin(), in_time.end(),

@@ -50,7 +50,8 @@ struct WrongLoop {
 /// Of the journal's lines `accepted`, those whose places are farther apart in truth than in the map (as the
 /// path is in the end) by more than wrong_loop_m. scan_stamps_s: by the journal's scans; lines beyond it, or
 /// outside the truth's time, are left out.
-std::vector<WrongLoop> wrongLoops(const core::Trajectory& truth, const std::vector<run::JournalLine>& journal,
+std::vector<WrongLoop> wrongLoops(const core::Trajectory& truth,
+                                  const std::vector<core::JournalLine>& journal,
                                   const std::vector<double>& scan_stamps_s, const FailureLimits& limits = {});
 
 /// The square of the world (sides of region_m, corners at whole multiples of it) with the most wrong wall.
@@ -79,7 +80,7 @@ struct FailureReport {
 };
 /// What there is to explain it with; what is empty says nothing.
 struct FailureEvidence {
-  std::vector<run::JournalLine> journal;
+  std::vector<core::JournalLine> journal;
   std::vector<sim::Collision> collisions;  ///< of the recording
   std::vector<sim::Carry> carries;         ///< likewise
   core::Trajectory odometry;               ///< dead reckoning from the first scan on

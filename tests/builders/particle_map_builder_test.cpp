@@ -101,7 +101,7 @@ TEST(ParticleMapBuilder, ItsJournalIsTheFilters) {
   mapping::processScan(method, blind, {}, true);
   const auto journal = journalOf(method);
   ASSERT_FALSE(journal.empty());
-  EXPECT_EQ(journal.back().event, "lost");
+  EXPECT_EQ(journal.back().event, core::JournalEvent::kLost);
   EXPECT_EQ(journal.back().scan, static_cast<int>(drive.entries.size()));
   EXPECT_EQ(journal.back().value, 0);
   EXPECT_EQ(journal.back().other_scan, -1);

@@ -371,7 +371,7 @@ TEST(Explore, AMethodThatFailsOnTheWayKeepsWhatItHadMapped) {
   const auto partial = run::loadRun(folder / "out");
   EXPECT_EQ(partial.manifest.results.at("status"), "incomplete");
   EXPECT_EQ(partial.estimate.size(), 20U);
-  EXPECT_EQ(run::readJournal(folder / "out/journal.csv").back().event, "failed");
+  EXPECT_EQ(run::readJournal(folder / "out/journal.csv").back().event, core::JournalEvent::kFailed);
   EXPECT_TRUE(fs::exists(folder / "out/run.rawlog"));
   EXPECT_TRUE(fs::exists(folder / "out/map.simplemap"));
 }

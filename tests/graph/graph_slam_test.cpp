@@ -22,7 +22,7 @@ GraphSlam run(const Drive& log, bool with_odometry = true, const GraphOptions& o
 
 std::set<std::string> eventsOf(const GraphSlam& graph) {
   std::set<std::string> events;
-  for (const auto& entry : graph.journal()) events.insert(entry.event);
+  for (const auto& entry : graph.journal()) events.insert(core::wordOf(entry.event));
   return events;
 }
 
@@ -180,8 +180,9 @@ TEST(GraphSlam, ClosesNoLoopWhosePlaceIsNotDistinctEnough) {
     GraphSlam graph(options);
     for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);
     graph.finish();
-    return std::count_if(graph.journal().begin(), graph.journal().end(),
-                         [](const core::JournalEntry& entry) { return entry.event == "accepted"; });
+    return std::count_if(graph.journal().begin(), graph.journal().end(), [](const core::JournalEntry& entry) {
+      return entry.event == core::JournalEvent::kAccepted;
+    });
   };
   EXPECT_GT(accepted(GraphOptions().loop_distinctness), 0);
   EXPECT_EQ(accepted(100), 0);
@@ -199,11 +200,11 @@ TEST(GraphSlam, SaysThatItIsLostWhenItIsCarriedAwayAndJoinsWhatItMapsThenToTheRe
   const auto graph = run(log);
   int lost_at = -1, recovered_at = -1;
   for (const auto& entry : graph.journal()) {
-    if (entry.event == "lost") {
+    if (entry.event == core::JournalEvent::kLost) {
       EXPECT_EQ(lost_at, -1);
       lost_at = entry.scan;
     }
-    if (entry.event == "recovered") recovered_at = entry.scan;
+    if (entry.event == core::JournalEvent::kRecovered) recovered_at = entry.scan;
   }
   EXPECT_GE(lost_at, static_cast<int>(lifted));
   EXPECT_LT(lost_at, static_cast<int>(lifted) + 20);
@@ -224,7 +225,7 @@ TEST(GraphSlam, IsCarriedAwayTwiceAndJoinsBothParts) {
   }
   const auto graph = run(log);
   int lost = 0;
-  for (const auto& entry : graph.journal()) lost += entry.event == "lost";
+  for (const auto& entry : graph.journal()) lost += entry.event == core::JournalEvent::kLost;
   EXPECT_EQ(lost, 2);
   EXPECT_EQ(eventsOf(graph).count("recovered"), 1U);
   const auto poses = graph.poses();

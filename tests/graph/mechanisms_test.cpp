@@ -54,14 +54,15 @@ TEST(GraphMechanisms, OdometrysEdgeIsTheIncrementsOneAfterTheOther) {
 std::vector<double> valuesOf(const GraphSlam& graph, const char* event) {
   std::vector<double> values;
   for (const auto& entry : graph.journal())
-    if (entry.event == event) values.push_back(entry.value);
+    if (core::wordOf(entry.event) == std::string(event)) values.push_back(entry.value);
   return values;
 }
 
 std::string eventsOf(const GraphSlam& graph) {
   std::string events;
   for (const auto& entry : graph.journal())
-    events += std::to_string(entry.scan) + " " + entry.event + " " + std::to_string(entry.value) + "\n";
+    events += std::to_string(entry.scan) + " " + core::wordOf(entry.event) + " " +
+              std::to_string(entry.value) + "\n";
   return events;
 }
 

@@ -55,7 +55,8 @@ TEST(AnyScans, LeaveTheGraphFinite) {
     graph.finish();
     for (const auto& pose : graph.poses()) ASSERT_TRUE(core::isFinite(pose));
     for (const auto& covariance : graph.covariances()) ASSERT_TRUE(isCovariance(covariance)) << covariance;
-    for (const auto& entry : graph.journal()) ASSERT_TRUE(std::isfinite(entry.value)) << entry.event;
+    for (const auto& entry : graph.journal())
+      ASSERT_TRUE(std::isfinite(entry.value)) << core::wordOf(entry.event);
   }
 }
 
@@ -79,7 +80,8 @@ TEST(AnyScans, LeaveTheParticlesFinite) {
       ASSERT_TRUE(step.score >= 0 && step.score <= 1) << i << " " << step.score;
       ASSERT_TRUE(step.effective_share > 0 && step.effective_share <= 1 + 1e-9) << i;
     }
-    for (const auto& entry : filter.journal()) ASSERT_TRUE(std::isfinite(entry.value)) << entry.event;
+    for (const auto& entry : filter.journal())
+      ASSERT_TRUE(std::isfinite(entry.value)) << core::wordOf(entry.event);
   }
 }
 

@@ -41,7 +41,8 @@ std::string fingerprint(const std::string& name, const Drive& log, bool gaps) {
     append(bytes, path->data(), path->size() * sizeof((*path)[0]));
   for (const auto& covariance : finalCovariances(method)) append(bytes, covariance);
   for (const auto& entry : journalOf(method)) {
-    bytes += entry.event + entry.detail + std::to_string(entry.scan) + " " + std::to_string(entry.other_scan);
+    bytes += core::wordOf(entry.event) + entry.detail + std::to_string(entry.scan) + " " +
+             std::to_string(entry.other_scan);
     append(bytes, &entry.value, sizeof(entry.value));
   }
   return core::sha256(bytes).substr(0, 16);

@@ -167,9 +167,9 @@ TEST(ParticleFilter, DistrustsWheelsThatTurnTheWrongWay) {
 }
 
 int count(const ParticleFilter& filter, const std::string& event) {
-  return static_cast<int>(
-      std::count_if(filter.journal().begin(), filter.journal().end(),
-                    [&](const core::JournalEntry& entry) { return entry.event == event; }));
+  return static_cast<int>(std::count_if(
+      filter.journal().begin(), filter.journal().end(),
+      [&](const core::JournalEntry& entry) { return core::wordOf(entry.event) == std::string(event); }));
 }
 
 robot::Scan withoutReturns(robot::Scan scan) {
@@ -215,8 +215,9 @@ TEST(ParticleFilter, KidnappedItSaysSoAndMapsOnFromWhereItIs) {
   EXPECT_GE(inserted, 1);
   ASSERT_EQ(count(filter, "lost"), 1);
   EXPECT_EQ(count(filter, "restarted"), 1);
-  const auto entry = std::find_if(filter.journal().begin(), filter.journal().end(),
-                                  [](const core::JournalEntry& e) { return e.event == "lost"; });
+  const auto entry =
+      std::find_if(filter.journal().begin(), filter.journal().end(),
+                   [](const core::JournalEntry& e) { return e.event == core::JournalEvent::kLost; });
   EXPECT_EQ(entry->scan, 60);
   EXPECT_LT(entry->value, some.lost_score);
   EXPECT_EQ(filter.path().size(), 80U);
@@ -230,7 +231,7 @@ TEST(ParticleFilter, TheJournalCountsWhatTheStepsSay) {
     const auto& step = filter.update(ring().scans[i], motionOf(ring().wheels[i]));
     resampled += step.resampled, distrusted += step.odometry_distrusted, degenerate += step.degenerate;
     if (!step.resampled) continue;
-    EXPECT_EQ(filter.journal().back().event, "resampled");
+    EXPECT_EQ(filter.journal().back().event, core::JournalEvent::kResampled);
     EXPECT_EQ(filter.journal().back().scan, static_cast<int>(i));
     EXPECT_EQ(filter.journal().back().value, step.effective_share);
     EXPECT_LT(step.effective_share, options().resample_below);

@@ -30,14 +30,18 @@ core::Trajectory straight() {
   return path;
 }
 
-PlacedEvent at(int scan, const std::string& event, double value = 0) {
-  return {scan, static_cast<double>(scan), event, value, {1 + 0.1 * scan, 5}, {kNan, kNan}};
+core::JournalLine at(int scan, const std::string& event, double value = 0) {
+  core::JournalLine line;
+  line.scan = scan, line.time_s = scan;
+  line.event = core::journalEventOf(event).value(), line.value = value;
+  line.place = {1 + 0.1 * scan, 5};
+  return line;
 }
 
 class JournalPicture : public ::testing::Test {
  protected:
   /// Pixels of a colour in the map, above the legend.
-  int count(const std::vector<PlacedEvent>& events, Colour colour) {
+  int count(const std::vector<core::JournalLine>& events, Colour colour) {
     drawJournal(room(), straight(), events, "journal", folder_ / "j.png");
     const cv::Mat picture = cv::imread(folder_ / "j.png");
     int pixels = 0;
@@ -56,13 +60,13 @@ TEST_F(JournalPicture, AnAcceptedLoopIsALineBetweenItsPlaces) {
   EXPECT_LT(count({loop}, kGreen), 100);  // no other place: an end alone
   loop.other_place = {2, 9};
   EXPECT_GT(count({loop}, kGreen), 500);
-  loop.event = "rejected";
+  loop.event = core::JournalEvent::kRejected;
   EXPECT_EQ(count({loop}, kGreen), 0);
   EXPECT_GT(count({loop}, kVermillion), 500);
 }
 
 TEST_F(JournalPicture, StretchesAreColouredAlongThePath) {
-  std::vector<PlacedEvent> events;
+  std::vector<core::JournalLine> events;
   for (int scan = 20; scan < 50; ++scan) events.push_back(at(scan, "degenerate", 0.001));
   const int stretch = count(events, kSkyBlue);
   EXPECT_GT(stretch, 1000);
@@ -77,7 +81,7 @@ TEST_F(JournalPicture, LostLastsUntilTheRobotIsFound) {
 }
 
 TEST_F(JournalPicture, AnUnknownEventIsAMark) {
-  EXPECT_GT(count({at(40, "sneezed")}, kYellow), 10);
+  EXPECT_GT(count({at(40, "rematched")}, kYellow), 10);
   EXPECT_EQ(count({at(40, "searched")}, kYellow), 0);
 }
 
@@ -86,8 +90,8 @@ TEST_F(JournalPicture, NothingIsAPictureTooAndTheSameInputGivesTheSameBytes) {
   EXPECT_FALSE(cv::imread(folder_ / "a.png").empty());
   drawJournal(world::Plan{}, {}, {at(0, "optimised", kNan)}, "no map", folder_ / "b.png");
   EXPECT_FALSE(cv::imread(folder_ / "b.png").empty());
-  const std::vector<PlacedEvent> events = {at(3, "optimised", 100), at(60, "optimised", 250),
-                                           at(61, "resampled", 0.4)};
+  const std::vector<core::JournalLine> events = {at(3, "optimised", 100), at(60, "optimised", 250),
+                                                 at(61, "resampled", 0.4)};
   drawJournal(room(), straight(), events, "some", folder_ / "c.png");
   drawJournal(room(), straight(), events, "some", folder_ / "d.png");
   EXPECT_EQ(core::fileSha256(folder_ / "c.png"), core::fileSha256(folder_ / "d.png"));

@@ -159,11 +159,11 @@ TEST_F(InAGrid, SoInMrptsGrid) {
   EXPECT_LT(score::evaluate(run, score::Truth{truth, {}, {}}, alignment).trajectory.position_m.rmse, 0.05);
 }
 
-std::vector<JournalLine> journalOf(const std::vector<std::pair<double, std::string>>& events) {
-  std::vector<JournalLine> journal;
+std::vector<core::JournalLine> journalOf(const std::vector<std::pair<double, std::string>>& events) {
+  std::vector<core::JournalLine> journal;
   for (const auto& [time_s, event] : events) {
     journal.emplace_back();
-    journal.back().time_s = time_s, journal.back().event = event;
+    journal.back().time_s = time_s, journal.back().event = core::journalEventOf(event).value();
   }
   return journal;
 }

@@ -74,7 +74,7 @@ TEST_F(BrokenOdometry, WhatWasMappedBeforeIsKept) {
     EXPECT_EQ(partial.manifest.results.at("status"), "incomplete");
     EXPECT_THAT(partial.manifest.results.at("failed"), HasSubstr("at scan 60 (12.0 s): "));
     const auto journal = readJournal(*folder_ / (method + "/journal.csv"));
-    EXPECT_EQ(journal.back().event, "failed") << method;
+    EXPECT_EQ(journal.back().event, core::JournalEvent::kFailed) << method;
     EXPECT_EQ(journal.back().scan, kBadScan - 1);
     EXPECT_THAT(journal.back().detail, HasSubstr("the map would hold"));
     for (const char* file : {"map.yaml", "map.png", "map.gridmap.gz", "map.simplemap", "map.3Dscene"})
@@ -135,7 +135,7 @@ TEST_F(BrokenOdometry, AnInterruptKeepsWhatIsThereWhenAskedTo) {
   const auto partial = loadRun(*folder_ / "interrupted");
   EXPECT_EQ(partial.estimate.size(), 20U);
   EXPECT_EQ(partial.manifest.results.at("interrupted"), "at scan 20 (3.8 s)");
-  EXPECT_EQ(readJournal(*folder_ / "interrupted/journal.csv").back().event, "interrupted");
+  EXPECT_EQ(readJournal(*folder_ / "interrupted/journal.csv").back().event, core::JournalEvent::kInterrupted);
   StopAt again(20);
   EXPECT_THROW(build("icp", "first", "not kept", again), core::Interrupted);
   EXPECT_FALSE(fs::exists(*folder_ / "not kept"));

@@ -30,11 +30,11 @@ core::Trajectory estimateWith(const Error& error) {
   return estimate;
 }
 
-run::JournalLine line(double time_s, const std::string& event) {
-  run::JournalLine result;
+core::JournalLine line(double time_s, const std::string& event) {
+  core::JournalLine result;
   result.scan = static_cast<int>(time_s * 2);
   result.time_s = time_s;
-  result.event = event;
+  result.event = core::journalEventOf(event).value();
   return result;
 }
 
@@ -123,8 +123,8 @@ TEST(Failure, TheGravestEventAroundIsTheSuspect) {
   run.estimate = estimateWith([](double t) { return core::Pose2{0, t >= 20 ? 2.0 : 0, 0}; });
   Truth truth;
   truth.trajectory = straightTruth();
-  std::vector<run::JournalLine> journal = {line(3, "lost"), line(18, "degenerate"), line(19, "degenerate"),
-                                           line(20, "distrusted"), line(20, "searched")};
+  std::vector<core::JournalLine> journal = {line(3, "lost"), line(18, "degenerate"), line(19, "degenerate"),
+                                            line(20, "distrusted"), line(20, "searched")};
   auto report = explainFailure(run, truth, {journal, {}, {}, {}});
   EXPECT_EQ(report.suspect, "slip");
   EXPECT_THAT(report.around, ElementsAre("degenerate 2 times, 18.0 to 19.0 s", "distrusted, 20.0 s"));
