@@ -124,8 +124,8 @@ int reportMerged(const Context& context, const GateFlags& flags, const study::Me
                            " cells are missing, expected a whole sweep to make a baseline of");
   const auto gate = checkGate(context, flags, study::scoresOf(merged.plan, merged.results));
   writeGate(context, flags, study::summaryScoresOf(merged.plan, merged.results));
-  const auto parsed = [](const report::Table& table) {
-    return nlohmann::ordered_json::parse(report::toJson(table));
+  const auto parsed = [](const table::Table& table) {
+    return nlohmann::ordered_json::parse(table::toJson(table));
   };
   if (context.json) {
     nlohmann::ordered_json json = {{"folder", folder},

@@ -71,8 +71,8 @@ int compareMethods(const Context& context, const Arguments& arguments) {
   ConsoleProgress progress(context.quiet);
   const auto comparison = score::compare(request, context.manifest(), progress);
   if (context.json) {
-    const auto parsed = [](const report::Table& table) {
-      return nlohmann::ordered_json::parse(report::toJson(table));
+    const auto parsed = [](const table::Table& table) {
+      return nlohmann::ordered_json::parse(table::toJson(table));
     };
     nlohmann::ordered_json json{{"scores", parsed(comparison.full_accuracy)}};
     if (comparison.relations) {

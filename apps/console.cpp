@@ -13,7 +13,7 @@
 #include <string_view>
 
 #include "libslam/core/error.h"
-#include "libslam/report/table_text.h"
+#include "libslam/table/text.h"
 
 namespace slam::apps {
 namespace {
@@ -140,8 +140,8 @@ std::size_t terminalWidth() {
   return columnsOf(STDOUT_FILENO);
 }
 
-std::string tableText(const report::Table& table) {
-  return report::toTextWithin(table, terminalWidth());
+std::string tableText(const table::Table& table) {
+  return table::toTextWithin(table, terminalWidth());
 }
 
 void printWrapped(const std::string& heading, const std::string& text) {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "libslam/core/progress.h"
-#include "libslam/report/table.h"
+#include "libslam/table/table.h"
 
 namespace slam::apps {
 
@@ -39,8 +39,8 @@ class ConsoleProgress : public core::Progress {
 /// Columns of the terminal that standard output is: what it says itself, else the variable COLUMNS, at least
 /// 40; 80 where standard output is none, or neither says.
 std::size_t terminalWidth();
-/// For standard output, in its width. Files are written by report::toText(), whatever the terminal.
-std::string tableText(const report::Table& table);
+/// For standard output, in its width. Files are written by table::toText(), whatever the terminal.
+std::string tableText(const table::Table& table);
 /// Words after a heading, broken at the terminal's width, 80 at most, further lines under the first; to
 /// standard output.
 void printWrapped(const std::string& heading, const std::string& text);

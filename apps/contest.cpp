@@ -25,10 +25,10 @@ void writeStandings(const study::Standings& standings, const std::string& folder
   const auto write = [&](const std::string& suffix, const std::string& text) {
     core::writeFileAtomically(folder + "/standings." + suffix, text);
   };
-  write("csv", report::toCsv(standings.full));
-  write("json", report::toJson(standings.full));
-  write("txt", report::toText(standings.table));
-  write("md", report::toMarkdown(standings.table));
+  write("csv", table::toCsv(standings.full));
+  write("json", table::toJson(standings.full));
+  write("txt", table::toText(standings.table));
+  write("md", table::toMarkdown(standings.table));
   auto manifest = core::readManifest(folder + "/manifest.json");
   manifest.files["standings.txt"] = "who stands where; also .md, .csv, .json";
   manifest.files["report.html"] = "the contest as a page";
@@ -64,7 +64,7 @@ int hold(const Context& context, Arguments& arguments) {
                                         {"page", page},
                                         {"verdict", standings.verdict},
                                         {"standings",
-                                         nlohmann::ordered_json::parse(report::toJson(standings.full))},
+                                         nlohmann::ordered_json::parse(table::toJson(standings.full))},
                                         {"missing", merged.missing}}
                      .dump(2)
               << "\n";

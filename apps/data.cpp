@@ -11,7 +11,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/resources.h"
 #include "libslam/logs/public_data.h"
-#include "libslam/report/table.h"
+#include "libslam/table/table.h"
 
 namespace slam::apps {
 namespace {
@@ -75,8 +75,8 @@ void printOne(const PublicData& data, const std::string& note) {
   print("note", note);
 }
 
-report::Table overview(const logs::PublicDataTable& table) {
-  report::Table overview;
+table::Table overview(const logs::PublicDataTable& table) {
+  table::Table overview;
   overview.caption = "Public data for 2D-lidar SLAM; nothing is downloaded by this program";
   overview.columns = {{"name", "name", 0},       {"kind", "kind", 0},   {"format", "format", 0},
                       {"licence", "licence", 0}, {"truth", "truth", 0}, {"here", "here", 0}};

@@ -27,11 +27,11 @@ struct Arguments {
   GateFlags gate;
 };
 
-nlohmann::ordered_json parsed(const report::Table& table) {
-  return nlohmann::ordered_json::parse(report::toJson(table));
+nlohmann::ordered_json parsed(const table::Table& table) {
+  return nlohmann::ordered_json::parse(table::toJson(table));
 }
 
-void print(const Context& context, const std::vector<std::pair<std::string, report::Table>>& tables,
+void print(const Context& context, const std::vector<std::pair<std::string, table::Table>>& tables,
            const GateResult& gate) {
   nlohmann::ordered_json json;
   std::string text;
@@ -117,7 +117,7 @@ int evaluatePath(const Context& context, const Arguments& arguments, const run::
     throw core::InputError("--gate and --write-gate hold runs, and " + arguments.folder + " is a path alone");
   const auto truth = score::loadTruth(arguments.truth, "", path).trajectory;
   const auto alignment = alignmentOf(arguments, core::Manifest());
-  std::vector<std::pair<std::string, report::Table>> tables = {
+  std::vector<std::pair<std::string, table::Table>> tables = {
       {"scores", score::pathTable(arguments.folder, truth, path.estimate, alignment)},
       {"rpe",
        score::rpeTable(truth, path.estimate,
@@ -150,8 +150,8 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
   const auto detail = context.json ? score::Detail::kFull : score::Detail::kShort;
   const auto table = truth ? score::accuracyTable({evaluation}, *truth, detail)
                            : score::agreementTable({evaluation}, detail);
-  std::vector<std::pair<std::string, report::Table>> tables = {{"scores", table},
-                                                               {"cost", score::costTable({evaluation})}};
+  std::vector<std::pair<std::string, table::Table>> tables = {{"scores", table},
+                                                              {"cost", score::costTable({evaluation})}};
   if (truth) {
     const auto failure = score::explainFailure(
         run_folder, *truth,

@@ -61,8 +61,8 @@ int explorePlan(const Context& context, const Arguments& arguments) {
   if (context.json)
     std::cout << nlohmann::ordered_json{{"folder", request.output},
                                         {"scores",
-                                         nlohmann::ordered_json::parse(report::toJson(result.scores))},
-                                        {"cost", nlohmann::ordered_json::parse(report::toJson(result.cost))}}
+                                         nlohmann::ordered_json::parse(table::toJson(result.scores))},
+                                        {"cost", nlohmann::ordered_json::parse(table::toJson(result.cost))}}
                      .dump(2)
               << "\n";
   else

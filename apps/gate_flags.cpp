@@ -59,7 +59,7 @@ void writeGate(const Context& context, const GateFlags& flags, const std::vector
                    flags.write_gate);
 }
 
-std::string gateText(const report::Table& table) {
+std::string gateText(const table::Table& table) {
   if (!table.rows.empty()) return tableText(table);
   std::string text;
   for (const auto& note : table.notes) text += note + "\n";

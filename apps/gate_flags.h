@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "apps/commands.h"
-#include "libslam/report/table.h"
 #include "libslam/score/gate.h"
+#include "libslam/table/table.h"
 
 namespace slam::apps {
 
@@ -18,7 +18,7 @@ void addGateFlags(CLI::App* command, GateFlags& flags);
 
 /// What was measured, held against --gate; no table without it.
 struct GateResult {
-  std::optional<report::Table> table;
+  std::optional<table::Table> table;
   int exit_code = 0;  ///< of kOk and kGotWorse
 };
 GateResult checkGate(const Context& context, const GateFlags& flags, const std::vector<score::Score>& scores);
@@ -33,6 +33,6 @@ void requireUsableGate(const Context& context, const GateFlags& flags,
 void writeGate(const Context& context, const GateFlags& flags, const std::vector<score::Score>& scores);
 
 /// For people: the table, or where no row is worth one its notes.
-std::string gateText(const report::Table& table);
+std::string gateText(const table::Table& table);
 
 }  // namespace slam::apps

@@ -128,9 +128,9 @@ int gradeFolders(const Context& context, const Arguments& arguments) {
   ConsoleProgress progress(context.quiet);
   const auto grades = learn::grade(lessons, folders, progress);
   const auto table = learn::gradeTable(lessons, grades);
-  if (!context.output.empty()) core::writeFileAtomically(context.output, report::toCsv(table));
+  if (!context.output.empty()) core::writeFileAtomically(context.output, table::toCsv(table));
   if (context.json)
-    std::cout << report::toJson(table) << "\n";
+    std::cout << table::toJson(table) << "\n";
   else
     std::cout << tableText(learn::classTable(lessons, grades));
   if (!context.json && !context.output.empty())

@@ -46,7 +46,7 @@ int navigateTo(const Context& context, const Arguments& arguments) {
   ConsoleProgress progress(context.quiet);
   const auto comparison = explore::reachGoal(request, manifest, progress);
   if (context.json)
-    std::cout << report::toJson(comparison.table) << "\n";
+    std::cout << table::toJson(comparison.table) << "\n";
   else
     std::cout << tableText(comparison.table) << "\npaths, states, logs, pictures: " << request.output << "\n";
   return static_cast<int>(comparison.wrong ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);

@@ -12,8 +12,8 @@
 #include "libslam/core/resources.h"
 #include "libslam/explore/turn_away.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/report/journal_picture.h"
-#include "libslam/report/picture.h"
+#include "libslam/pictures/journal_picture.h"
+#include "libslam/pictures/picture.h"
 #include "libslam/run/journal_file.h"
 #include "libslam/score/compare.h"
 #include "libslam/world/plan.h"
@@ -65,7 +65,7 @@ PicturePlace picturePlace(const Context& context, const PaperArguments& argument
                           const std::string& default_name) {
   PicturePlace place;
   place.file = context.output.empty() ? default_name : context.output;
-  report::requirePicturePath(place.file);
+  draw::requirePicturePath(place.file);
   core::refuseToOverwrite(place.file, context.overwrite);
   constexpr double kPage_mm = 170;
   auto& paper = place.paper;
@@ -114,7 +114,7 @@ robot::Scan scanAt(const std::string& log_path, int index) {
 int plotScan(const Context& context, const ScanArguments& arguments, const PaperArguments& how) {
   const auto [path, paper] = picturePlace(context, how, "scan.png");
   const auto scan = scanAt(arguments.log, arguments.index);
-  report::drawScan(scan, path, paper);
+  pictures::drawScan(scan, path, paper);
   sayPicture(
       context,
       {{"file", path}, {"index", arguments.index}, {"time_s", scan.time_s}, {"beams", scan.ranges_m.size()}},
@@ -178,10 +178,10 @@ void addPlotObstacles(CLI::App& plot, Context& context) {
 
 int plotPlans(const Context& context, const std::vector<std::string>& plans, const PaperArguments& how) {
   const auto [path, paper] = picturePlace(context, how, "plans.png");
-  std::vector<report::Panel> panels;
+  std::vector<pictures::Panel> panels;
   auto list = nlohmann::ordered_json::array();
   for (const auto& name : plans) {
-    report::Panel panel;
+    pictures::Panel panel;
     panel.map = world::loadPlan(core::resolvePlan(name));
     panel.T_world_map =
         core::inverse(panel.map.T_world_plan);  // beside one another, each from its own corner
@@ -194,7 +194,7 @@ int plotPlans(const Context& context, const std::vector<std::string>& plans, con
     list.push_back({{"plan", name}, {"size", panel.subtitle}});
     panels.push_back(std::move(panel));
   }
-  report::drawPanels(panels, path, paper);
+  pictures::drawPanels(panels, path, paper);
   sayPicture(context, {{"file", path}, {"plans", list}}, path);
   return 0;
 }
@@ -221,8 +221,8 @@ int plotJournal(const Context& context, const std::string& folder, const PaperAr
   if (!std::filesystem::exists(file))
     throw core::InputError(folder + ": holds no journal.csv: method " + run.method + " wrote no journal");
   const auto events = run::readJournal(file);
-  report::drawJournal(run.map, run.final_estimate.value_or(run.estimate), events,
-                      "What " + run.method + " did", path, paper);
+  pictures::drawJournal(run.map, run.final_estimate.value_or(run.estimate), events,
+                        "What " + run.method + " did", path, paper);
   sayPicture(context, {{"file", path}, {"events", events.size()}}, path);
   return 0;
 }

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "apps/commands.h"
-#include "libslam/report/canvas.h"
+#include "libslam/draw/canvas.h"
 
 namespace slam::apps {
 
@@ -23,7 +23,7 @@ std::shared_ptr<PaperArguments> addPicture(CLI::App* command, Context& context,
 /// that exists.
 struct PicturePlace {
   std::string file;
-  report::Paper paper;
+  draw::Paper paper;
 };
 PicturePlace picturePlace(const Context& context, const PaperArguments& arguments,
                           const std::string& default_name);

@@ -10,8 +10,8 @@
 #include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/pictures/picture.h"
 #include "libslam/record/truth_files.h"
-#include "libslam/report/picture.h"
 #include "libslam/score/compare.h"
 #include "libslam/world/plan.h"
 
@@ -90,7 +90,7 @@ int plotOperations(const Context& context, const OperationsArguments& given, con
   const auto arguments = completed(given);
 
   world::Plan plan;
-  std::vector<report::DrawnPath> paths;
+  std::vector<pictures::DrawnPath> paths;
   if (!arguments.truth.empty()) {
     const auto truth = logs::readTum(arguments.truth);
     for (auto& stamped : replayed) stamped.pose = truth.front().pose * stamped.pose;
@@ -98,9 +98,9 @@ int plotOperations(const Context& context, const OperationsArguments& given, con
   }
   if (!arguments.plan.empty()) plan = world::loadPlan(core::resolvePlan(arguments.plan));
   paths.push_back({replayed, "operations replayed", false});
-  report::DrawnMarks dots{{}, "returns after moves: the naive map", true};
+  pictures::DrawnMarks dots{{}, "returns after moves: the naive map", true};
   if (!arguments.log.empty()) dots.places = naiveDots(arguments.log, operations, replayed);
-  report::drawPlan(plan, paths, "Dead reckoning of " + arguments.file, path, dots, paper);
+  pictures::drawPlan(plan, paths, "Dead reckoning of " + arguments.file, path, dots, paper);
   char line[160];
   std::snprintf(line, sizeof line, "%zu operations, path %.2f m, end at x %.2f m, y %.2f m, yaw %.1f deg\n  ",
                 operations.size(), length_m, end.x, end.y, core::radToDeg(end.phi));

@@ -6,10 +6,10 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/word_list.h"
+#include "libslam/draw/axis_title.h"
 #include "libslam/pages/figures.h"
 #include "libslam/pages/report_data.h"
-#include "libslam/report/axis_title.h"
-#include "libslam/report/picture.h"
+#include "libslam/pictures/picture.h"
 #include "libslam/study/stress_charts.h"
 
 namespace slam::apps {
@@ -51,9 +51,9 @@ int plotMap(const Context& context, const Arguments& arguments) {
   if (panels.size() == 1) {
     auto map = panels.front().map;
     map.T_world_plan = panels.front().T_world_map * map.T_world_plan;
-    report::drawPlan(map, panels.front().paths, arguments.title, file, {}, paper);
+    pictures::drawPlan(map, panels.front().paths, arguments.title, file, {}, paper);
   } else {
-    report::drawPanels(panels, file, paper);
+    pictures::drawPanels(panels, file, paper);
   }
   auto methods = nlohmann::ordered_json::array();
   for (const auto& panel : panels) methods.push_back(panel.title);
@@ -71,9 +71,9 @@ int plotPaths(const Context& context, const Arguments& arguments) {
   const auto panels = pages::pathPanels(page);
   constexpr std::size_t kMostPanels = 8;
   if (arguments.is_overlaid || panels.size() < 2 || panels.size() > kMostPanels)
-    report::drawPlan(plan, paths, arguments.title, file, {}, paper);
+    pictures::drawPlan(plan, paths, arguments.title, file, {}, paper);
   else
-    report::drawPanels(panels, file, paper);
+    pictures::drawPanels(panels, file, paper);
   auto list = nlohmann::ordered_json::array();
   for (const auto& path : paths) list.push_back(path.label);
   sayPicture(context, {{"file", file}, {"paths", list}}, file);
@@ -84,7 +84,7 @@ int plotErrors(const Context& context, const Arguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "errors.png");
   const auto page = pageOf(context, arguments);
   const auto chart = pages::errorChart(page, arguments.inputs.front(), !arguments.is_linear);
-  report::drawCharts({chart}, arguments.title, file, paper);
+  draw::drawCharts({chart}, arguments.title, file, paper);
   auto methods = nlohmann::ordered_json::array();
   for (const auto& curve : chart.curves) methods.push_back(curve.label);
   sayPicture(context, {{"file", file}, {"methods", methods}}, file);
@@ -100,10 +100,9 @@ int plotSeeds(const Context& context, Arguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "seeds.png");
   const auto path = tableIn(arguments.inputs.front(), "results.csv");
   arguments.seeds.methods = core::namesIn(arguments.methods, ',');
-  const auto charts =
-      pages::seedBoxes(report::fromCsv(core::readTextFile(path), path), arguments.seeds, path);
-  report::drawBoxes(charts, report::axisTitle(arguments.seeds.metric), !arguments.is_linear, arguments.title,
-                    file, paper);
+  const auto charts = pages::seedBoxes(table::fromCsv(core::readTextFile(path), path), arguments.seeds, path);
+  draw::drawBoxes(charts, draw::axisTitle(arguments.seeds.metric), !arguments.is_linear, arguments.title,
+                  file, paper);
   auto list = nlohmann::ordered_json::array();
   for (const auto& chart : charts)
     for (const auto& sample : chart.samples)
@@ -118,8 +117,8 @@ int plotSeeds(const Context& context, Arguments& arguments) {
 int plotStress(const Context& context, const Arguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "stress.png");
   const auto path = tableIn(arguments.inputs.front(), "stress.csv");
-  const auto charts = study::stressCharts(report::fromCsv(core::readTextFile(path), path), path);
-  report::drawCharts(charts, arguments.title, file, paper);
+  const auto charts = study::stressCharts(table::fromCsv(core::readTextFile(path), path), path);
+  draw::drawCharts(charts, arguments.title, file, paper);
   sayPicture(context, {{"file", file}, {"varied", charts.front().x_title}}, file);
   return 0;
 }
@@ -127,7 +126,7 @@ int plotStress(const Context& context, const Arguments& arguments) {
 int plotExploration(const Context& context, const Arguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "exploration.png");
   const auto charts = pages::explorationCharts(arguments.inputs);
-  report::drawCharts(charts, arguments.title, file, paper);
+  draw::drawCharts(charts, arguments.title, file, paper);
   sayPicture(context, {{"file", file}, {"runs", charts.front().curves.size()}}, file);
   return 0;
 }

@@ -8,10 +8,10 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/resources.h"
-#include "libslam/report/table_latex.h"
 #include "libslam/study/stress.h"
 #include "libslam/study/sweep_merge.h"
 #include "libslam/sweep/sweep.h"
+#include "libslam/table/latex.h"
 
 namespace slam::apps {
 namespace {
@@ -28,12 +28,12 @@ void writeResult(const study::StressResult& result, const std::string& key, cons
   const auto write = [&](const std::string& suffix, const std::string& text) {
     core::writeFileAtomically(folder + "/stress." + suffix, text);
   };
-  write("csv", report::toCsv(result.all));
-  write("json", report::toJson(result.all));
-  write("txt", report::toText(result.main));
-  write("md", report::toMarkdown(result.main));
-  write("tex", report::toLatex(result.main, {"tab:stress", {}}));
-  report::drawCharts(result.charts, "Stress: " + key, folder + "/stress.png");
+  write("csv", table::toCsv(result.all));
+  write("json", table::toJson(result.all));
+  write("txt", table::toText(result.main));
+  write("md", table::toMarkdown(result.main));
+  write("tex", table::toLatex(result.main, {"tab:stress", {}}));
+  draw::drawCharts(result.charts, "Stress: " + key, folder + "/stress.png");
   auto manifest = core::readManifest(folder + "/manifest.json");
   manifest.files["stress.txt"] = "where methods break; also .md, .tex, .csv, .json";
   manifest.files["stress.png"] = "median error and share of failed runs over what was varied";
@@ -63,7 +63,7 @@ int stressMethods(const Context& context, Arguments& arguments) {
   const auto result = study::stress(suite, merged.plan, merged.results, arguments.limits);
   writeResult(result, suite.key, context.output);
   if (context.json)
-    std::cout << report::toJson(result.all);
+    std::cout << table::toJson(result.all);
   else
     std::cout << tableText(result.main) << "\ncurves, tables, every run: " << context.output << "\n";
   // Runs that fail are what a stress test is for; only cells that are not there are a failure of its own.

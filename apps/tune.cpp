@@ -20,8 +20,8 @@ int tuneMethod(const Context& context, study::TuneRequest& request) {
   const auto result = study::tune(request, context.manifest(), progress);
   for (const auto& line : result.lost) std::cerr << "rasterslam: " << line << "\n";
   if (context.json) {
-    const auto parsed = [](const report::Table& table) {
-      return nlohmann::ordered_json::parse(report::toJson(table));
+    const auto parsed = [](const table::Table& table) {
+      return nlohmann::ordered_json::parse(table::toJson(table));
     };
     std::cout << nlohmann::ordered_json{{"verdict", result.verdict},
                                         {"is_better", result.is_better},

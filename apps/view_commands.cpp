@@ -197,7 +197,7 @@ int viewExplore(const Context& context, const ViewArguments& arguments) {
   const auto shown = show(what, arguments.show, [&](record::StepObserver& observer, live::Stage*) {
     request.observer = &observer;
     const auto result = explore::explore(request, context.manifest(), progress);
-    written = report::toText(result.scores);
+    written = table::toText(result.scores);
     if (!context.output.empty()) written += "\npictures, maps, tables: " + context.output;
   });
   return report(shown, arguments.show, written);
@@ -234,7 +234,7 @@ int viewNavigate(const Context& context, const ViewArguments& arguments) {
   const auto shown = show(what, arguments.show, [&](record::StepObserver& observer, live::Stage*) {
     request.observer = &observer;
     const auto comparison = explore::reachGoal(request, start.manifest, progress);
-    written = report::toText(comparison.table);
+    written = table::toText(comparison.table);
     if (!context.output.empty()) written += "\npaths, states, pictures: " + context.output;
   });
   return report(shown, arguments.show, written);

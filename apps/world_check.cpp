@@ -11,7 +11,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/resources.h"
-#include "libslam/report/plan_changes.h"
+#include "libslam/pictures/plan_changes.h"
 #include "libslam/robot/drive.h"
 
 namespace slam::apps {
@@ -172,8 +172,8 @@ int checkWorld(const Context& context, const Arguments& arguments) {
   if (arguments.fix && check.isMendable()) {
     requireLittleHidden(check, plan_path, arguments.yes);
     world::savePlan(check.after, fixed_path);
-    report::drawPlanChanges(check.before, check.after, check.changes, fs::path(plan_path).filename().string(),
-                            changesBeside(fixed_path));
+    pictures::drawPlanChanges(check.before, check.after, check.changes,
+                              fs::path(plan_path).filename().string(), changesBeside(fixed_path));
     const auto again = checkAgain(fixed_path, options);
     is_usable = again.isUsable();
     json["fixed"] = toJson(again);

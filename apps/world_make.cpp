@@ -8,8 +8,8 @@
 #include "apps/commands.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/pictures/picture.h"
 #include "libslam/record/generated_world.h"
-#include "libslam/report/picture.h"
 
 namespace slam::apps {
 namespace {
@@ -70,7 +70,7 @@ int makeWorld(const Context& context, const Arguments& arguments) {
   plan.name = std::filesystem::path(path).stem().string();
   world::savePlan(plan, path);
   if (!arguments.preview.empty())
-    report::drawPlan(plan, {}, plan.name + ", seed " + std::to_string(context.seed), arguments.preview);
+    pictures::drawPlan(plan, {}, plan.name + ", seed " + std::to_string(context.seed), arguments.preview);
   const auto isMissing = [](const std::string& file) { return !std::filesystem::exists(file); };
   files.erase(std::remove_if(files.begin(), files.end(), isMissing), files.end());  // no glass after all
   size_t free = 0, glass = 0;

@@ -42,7 +42,7 @@ int benchmark(const std::string& program) {
   request.methods_folder = slam::core::configsFolder() + "/methods";
   request.output = "own";
   const auto comparison = slam::score::compare(request, {}, slam::core::silentProgress());
-  std::cout << slam::report::toText(comparison.accuracy);
+  std::cout << slam::table::toText(comparison.accuracy);
   return comparison.failed;
 }
 

@@ -26,7 +26,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/random.h"
-#include "libslam/report/table.h"
+#include "libslam/table/table.h"
 #include "libslam/world/plan.h"
 #include "libslam/world/ray_caster.h"
 #include "libslam/world/sector_caster.h"
@@ -175,7 +175,7 @@ struct Engine {
   std::vector<double> seconds, ratios;  ///< per scan; MRPT's over this engine's in the same round
 };
 
-void addRows(const world::Plan& plan, const Arguments& arguments, report::Table& table) {
+void addRows(const world::Plan& plan, const Arguments& arguments, table::Table& table) {
   const auto poses = freePoses(plan, kPoses, "casting benchmark");
   const world::BeamTable beams(kFirstAngle_rad, kStep_rad, kBeams);
   std::vector<float> ranges;
@@ -246,7 +246,7 @@ int benchmark(const Arguments& arguments) {
         std::fprintf(stderr, "not there, skipped: %s\n", path.c_str());
     }
   }
-  report::Table table;
+  table::Table table;
   table.columns = {{"plan", "plan", 0},
                    {"cells", "cells", 0},
                    {"engine", "engine", 0},
@@ -268,8 +268,8 @@ int benchmark(const Arguments& arguments) {
       plan.name = kind.name + " 100 x 80 m";
       addRows(plan, arguments, table);
     }
-  std::cout << report::toText(table);
-  if (!arguments.csv.empty()) core::writeFileAtomically(arguments.csv, report::toCsv(table));
+  std::cout << table::toText(table);
+  if (!arguments.csv.empty()) core::writeFileAtomically(arguments.csv, table::toCsv(table));
   return 0;
 }
 

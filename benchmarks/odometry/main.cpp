@@ -21,8 +21,8 @@
 #include "libslam/navigate/driver.h"
 #include "libslam/navigate/strategy.h"
 #include "libslam/record/record.h"
-#include "libslam/report/table.h"
 #include "libslam/sim/simulator.h"
+#include "libslam/table/table.h"
 
 namespace {
 
@@ -184,8 +184,8 @@ std::vector<NamedMethod> methods(const Arguments& a) {
   return all;
 }
 
-report::Table emptyTable() {
-  report::Table table;
+table::Table emptyTable() {
+  table::Table table;
   table.caption = "Odometry from consecutive scans";
   table.columns = {{"log", "log"},
                    {"method", "method"},
@@ -249,7 +249,7 @@ Arguments parse(int argc, char** argv) {
 }
 
 void run(const Arguments& a) {
-  report::Table table = emptyTable();
+  table::Table table = emptyTable();
   for (const NamedLog& named : logs(a)) {
     if (named.name.find(a.log) == std::string::npos) continue;
     if (!named.path.empty() && !std::filesystem::exists(named.path)) {
@@ -266,9 +266,9 @@ void run(const Arguments& a) {
       std::cerr << log.name << " " << method.name << "\n";
     }
   }
-  std::cout << report::toText(table);
-  if (!a.csv.empty()) core::writeFileAtomically(a.csv, report::toCsv(table));
-  if (!a.json.empty()) core::writeFileAtomically(a.json, report::toJson(table));
+  std::cout << table::toText(table);
+  if (!a.csv.empty()) core::writeFileAtomically(a.csv, table::toCsv(table));
+  if (!a.json.empty()) core::writeFileAtomically(a.json, table::toJson(table));
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 #include "libslam/posegraph/g2o_io.h"
 #include "libslam/posegraph/global.h"
 #include "libslam/process/cpu_time.h"
-#include "libslam/report/table.h"
+#include "libslam/table/table.h"
 #include "libslam/testing/pose_graphs.h"
 
 namespace {
@@ -85,7 +85,7 @@ double median(std::vector<double> values) {
 }
 
 void addRows(const std::string& name, const std::vector<Case>& cases, int random_starts,
-             report::Table& table) {
+             table::Table& table) {
   Tally odometry, random;
   for (const auto& [graph, good_poses] : cases) {
     std::vector<PoseGraph> random_graphs;
@@ -111,7 +111,7 @@ void addRows(const std::string& name, const std::vector<Case>& cases, int random
 }
 
 void run(int seeds, const std::string& csv, const std::vector<std::string>& files) {
-  report::Table table;
+  table::Table table;
   table.caption = "Least chi2, found and proved";
   table.columns = {{"graph", "graph"},
                    {"start", "start"},
@@ -140,8 +140,8 @@ void run(int seeds, const std::string& csv, const std::vector<std::string>& file
       addRows("drive x " + std::to_string(static_cast<int>(noise)) + (every > 1 ? ", thin" : ""), cases, 1,
               table);
     }
-  std::cout << report::toText(table) << std::endl;
-  if (!csv.empty()) core::writeFileAtomically(csv, report::toCsv(table));
+  std::cout << table::toText(table) << std::endl;
+  if (!csv.empty()) core::writeFileAtomically(csv, table::toCsv(table));
 }
 
 }  // namespace

@@ -19,7 +19,7 @@
 #include "libslam/posegraph/marginals.h"
 #include "libslam/posegraph/optimize.h"
 #include "libslam/process/cpu_time.h"
-#include "libslam/report/table.h"
+#include "libslam/table/table.h"
 #include "libslam/testing/pose_graphs.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -130,8 +130,8 @@ double blockMilliseconds(const PoseGraph& graph) {
   });
 }
 
-report::Table optimisation(const std::vector<NamedGraph>& all) {
-  report::Table table;
+table::Table optimisation(const std::vector<NamedGraph>& all) {
+  table::Table table;
   table.caption = "Optimisation";
   table.columns = {{"graph", "graph"},
                    {"nodes", "nodes", 0},
@@ -167,8 +167,8 @@ report::Table optimisation(const std::vector<NamedGraph>& all) {
   return table;
 }
 
-report::Table wrongLoops(const std::vector<NamedGraph>& all, int seeds) {
-  report::Table table;
+table::Table wrongLoops(const std::vector<NamedGraph>& all, int seeds) {
+  table::Table table;
   table.caption = "Wrong loops";
   table.columns = {{"graph", "graph"},
                    {"robust", "robust"},
@@ -232,8 +232,8 @@ report::Table wrongLoops(const std::vector<NamedGraph>& all, int seeds) {
 
 /// The graph node by node, as a robot would make it: odometry chains the new pose, and optimize() is called
 /// when the loops that came since the last call have a chi2 above `waiting_chi2`.
-report::Table growing(const std::vector<NamedGraph>& all) {
-  report::Table table;
+table::Table growing(const std::vector<NamedGraph>& all) {
+  table::Table table;
   table.caption = "A graph that grows";
   table.columns = {{"graph", "graph"},
                    {"robust", "robust"},
@@ -289,8 +289,8 @@ report::Table growing(const std::vector<NamedGraph>& all) {
   return table;
 }
 
-report::Table covariances(const std::vector<NamedGraph>& all) {
-  report::Table table;
+table::Table covariances(const std::vector<NamedGraph>& all) {
+  table::Table table;
   table.caption = "Covariances";
   table.columns = {{"graph", "graph"},
                    {"factor_ms", "factor (ms)", 2},
@@ -342,10 +342,10 @@ Arguments parse(int argc, char** argv) {
 void run(const Arguments& a) {
   const auto all = graphs(a);
   std::string csv;
-  for (const report::Table& table :
+  for (const table::Table& table :
        {optimisation(all), wrongLoops(all, a.seeds), growing(all), covariances(all)}) {
-    std::cout << report::toText(table) << std::endl;
-    csv += (csv.empty() ? "" : "\r\n") + report::toCsv(table);
+    std::cout << table::toText(table) << std::endl;
+    csv += (csv.empty() ? "" : "\r\n") + table::toCsv(table);
   }
   if (!a.csv.empty()) core::writeFileAtomically(a.csv, csv);
 }

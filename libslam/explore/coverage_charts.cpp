@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "libslam/report/curves.h"
+#include "libslam/draw/curves.h"
 
 namespace slam::explore {
 namespace {
@@ -29,20 +29,20 @@ void drawCoverage(const std::vector<ExplorationJob>& jobs, const oracle::Oracle*
       {"time (s)", [](P p) { return p.time_s; }},
       {"path (m)", [](P p) { return p.path_m; }},
       {"scans", [](P p) { return static_cast<double>(p.scans); }}};
-  std::vector<report::Chart> charts;
+  std::vector<draw::Chart> charts;
   for (const auto& [x_title, x] : axes) {
-    report::Chart chart{x_title, "explored (% of the explorable area)", {}, 100};
+    draw::Chart chart{x_title, "explored (% of the explorable area)", {}, 100};
     for (const auto& job : jobs)
       chart.curves.push_back({job.result.exploration.strategy,
                               thinned(job.result.curve, job.result.exploration.explorable_m2, x)});
     charts.push_back(std::move(chart));
   }
   if (oracle) charts[1].curves.push_back(oracleCurve(*oracle));
-  report::drawCharts(charts, title, png_path);
+  draw::drawCharts(charts, title, png_path);
 }
 
 std::string curvesCsv(const std::vector<ExplorationJob>& jobs) {
-  report::Table table;
+  table::Table table;
   table.columns = {{"strategy", "strategy", 0},
                    {"seed", "seed", 0},
                    {"time_s", "time s", 3},
@@ -52,7 +52,7 @@ std::string curvesCsv(const std::vector<ExplorationJob>& jobs) {
     for (const auto& p : job.result.curve)
       table.rows.push_back({job.result.exploration.strategy, static_cast<double>(job.seed), p.time_s,
                             p.path_m, p.explored_m2 / job.result.exploration.explorable_m2});
-  return report::toCsv(table);
+  return table::toCsv(table);
 }
 
 }  // namespace slam::explore

@@ -24,8 +24,8 @@ bool isSame(const navigate::Decision& a, const navigate::Decision& b) {
          areSame(a.alternatives, b.alternatives);
 }
 
-report::Table decisionTable(const std::vector<DecisionEntry>& decisions) {
-  report::Table table;
+table::Table decisionTable(const std::vector<DecisionEntry>& decisions) {
+  table::Table table;
   for (const char* key : {"time_s", "map_x_m", "map_y_m", "map_yaw_rad", "goal_x_m", "goal_y_m", "score",
                           "waypoints", "alternatives", "reason"})
     table.columns.push_back({key, key, 3});

@@ -3,7 +3,7 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/navigate/strategy.h"
-#include "libslam/report/table.h"
+#include "libslam/table/table.h"
 
 namespace slam::explore {
 
@@ -19,6 +19,6 @@ core::Point2 goalInMap(const DecisionEntry& entry);
 /// All that is written of them is the same.
 bool isSame(const navigate::Decision& a, const navigate::Decision& b);
 /// A row for each.
-report::Table decisionTable(const std::vector<DecisionEntry>& decisions);
+table::Table decisionTable(const std::vector<DecisionEntry>& decisions);
 
 }  // namespace slam::explore

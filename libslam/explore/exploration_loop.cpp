@@ -15,11 +15,11 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/navigate/driver.h"
 #include "libslam/navigate/return_to_start.h"
+#include "libslam/pictures/picture.h"
 #include "libslam/process/cpu_time.h"
 #include "libslam/record/carry_file.h"
 #include "libslam/record/recorder.h"
 #include "libslam/record/sensor.h"
-#include "libslam/report/picture.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/run/map_plan.h"
@@ -188,7 +188,7 @@ class Loop {
     if (end == ExplorationEnd::kFinished) end_detail_ = driver_->currentDecision().reason;
     explored_scans_ = curve_.size();
   }
-  report::Table explorationTable() const;
+  table::Table explorationTable() const;
   bool writeMap(const Exploration& e);
   void drawPath(const Exploration& e) const;
   void describeResults(const Exploration& e, bool has_map, core::Manifest& manifest) const;
@@ -271,8 +271,8 @@ LoopResult Loop::result() const {
   return result;
 }
 
-report::Table Loop::explorationTable() const {
-  report::Table table;
+table::Table Loop::explorationTable() const {
+  table::Table table;
   for (const char* key :
        {"time_s", "path_m", "scans", "explored_m2", "explored_share", "true_x_m", "true_y_m", "true_yaw_rad",
         "map_x_m", "map_y_m", "map_yaw_rad", "goal_x_m", "goal_y_m"})
@@ -307,7 +307,7 @@ bool Loop::writeMap(const Exploration& e) {
 }
 
 void Loop::drawPath(const Exploration& e) const {
-  report::DrawnMarks marks{{}, "decision"};
+  pictures::DrawnMarks marks{{}, "decision"};
   for (const auto& entry : decisions_) marks.places.push_back(core::position(entry.T_world_robot));
   core::Trajectory believed = estimate_;
   // Of a run that failed nothing was laid on the truth: its path is shown from the true start.
@@ -315,10 +315,10 @@ void Loop::drawPath(const Exploration& e) const {
                                            ? start_ * core::inverse(estimate_.front().pose)
                                            : e.evaluation.trajectory.T_truth_estimate;
   for (auto& stamped : believed) stamped.pose = T_truth_estimate * stamped.pose;
-  report::drawPlan(plan_,
-                   {{record::brokenAtCarries(truth_, simulator_.carries()), "true path", true},
-                    {believed, "path as " + method_.name + " has it"}},
-                   plan_.name + ": " + e.strategy, folder_ + "/path.png", marks);
+  pictures::drawPlan(plan_,
+                     {{record::brokenAtCarries(truth_, simulator_.carries()), "true path", true},
+                      {believed, "path as " + method_.name + " has it"}},
+                     plan_.name + ": " + e.strategy, folder_ + "/path.png", marks);
 }
 
 void Loop::describeResults(const Exploration& e, bool has_map, core::Manifest& manifest) const {
@@ -354,8 +354,8 @@ void Loop::writeFiles(LoopResult& result, core::Manifest manifest) {
   recorder_->finish(simulator_, seed_, manifest);
   logs::writeTum(estimate_, folder_ + "/trajectory.tum");
   const bool has_map = writeMap(e);
-  core::writeFileAtomically(folder_ + "/exploration.csv", report::toCsv(explorationTable()));
-  core::writeFileAtomically(folder_ + "/decisions.csv", report::toCsv(decisionTable(decisions_)));
+  core::writeFileAtomically(folder_ + "/exploration.csv", table::toCsv(explorationTable()));
+  core::writeFileAtomically(folder_ + "/decisions.csv", table::toCsv(decisionTable(decisions_)));
   drawPath(e);
 
   manifest.seed = seed_;

@@ -1,5 +1,5 @@
 #include "libslam/explore/exploration_tables.h"
-#include "libslam/report/number_text.h"
+#include "libslam/table/number_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A figure of the tables: how it is taken from a run, and how it is shown.
 struct Figure {
-  report::Column column;
+  table::Column column;
   double (*of)(const Exploration&);
   bool for_people;         ///< in the printed table too
   bool never_is_endless;   ///< NaN means "never reached": counts as infinitely late in a median
@@ -90,24 +90,24 @@ double countOf(const StrategyRuns& runs, double metrics::ExplorationFigures::*re
 
 }  // namespace
 
-std::map<std::string, report::Best> bestFigures() {
-  std::map<std::string, report::Best> best;
+std::map<std::string, table::Best> bestFigures() {
+  std::map<std::string, table::Best> best;
   for (const char* key : {"t90_s", "t99_s", "path90_m", "path99_m", "ratio90", "ratio99", "redundant_percent",
                           "collisions", "near_misses", "ate_rmse_m"})
-    best[key] = report::Best::kSmallest;
-  for (const char* key : {"coverage_percent", "wall_f1"}) best[key] = report::Best::kLargest;
+    best[key] = table::Best::kSmallest;
+  for (const char* key : {"coverage_percent", "wall_f1"}) best[key] = table::Best::kLargest;
   return best;
 }
 
-report::Table runsTable(const std::vector<Exploration>& runs, const std::string& plan_name) {
-  report::Table table;
+table::Table runsTable(const std::vector<Exploration>& runs, const std::string& plan_name) {
+  table::Table table;
   table.columns = {{"plan", "plan"}, {"strategy", "strategy"}, {"slam", "slam"}, {"seed", "seed", 0}};
   for (const auto& figure : figures()) table.columns.push_back(figure.column);
   table.columns.push_back({"end", "end"});
   table.columns.push_back({"end_detail", "end detail"});
   for (const auto& e : runs) {
-    std::vector<report::CellValue> row = {plan_name, e.strategy, slamLabel(e.slam),
-                                          static_cast<double>(e.seed)};
+    std::vector<table::CellValue> row = {plan_name, e.strategy, slamLabel(e.slam),
+                                         static_cast<double>(e.seed)};
     for (const auto& figure : figures()) row.emplace_back(figure.of(e));
     row.emplace_back(endName(e.end));
     row.emplace_back(e.end_detail);
@@ -125,8 +125,8 @@ std::vector<StrategyRuns> byStrategy(const std::vector<Exploration>& runs, int s
   return groups;
 }
 
-report::Table statisticsTable(const std::vector<StrategyRuns>& groups, const std::string& plan_name) {
-  report::Table table;
+table::Table statisticsTable(const std::vector<StrategyRuns>& groups, const std::string& plan_name) {
+  table::Table table;
   table.columns = {{"plan", "plan"},
                    {"strategy", "strategy"},
                    {"slam", "slam"},
@@ -141,13 +141,13 @@ report::Table statisticsTable(const std::vector<StrategyRuns>& groups, const std
   for (const auto& runs : groups) {
     const auto failed = std::count_if(runs.begin(), runs.end(),
                                       [](const Exploration* e) { return e->end == ExplorationEnd::kFailed; });
-    std::vector<report::CellValue> row = {plan_name,
-                                          runs.front()->strategy,
-                                          slamLabel(runs.front()->slam),
-                                          static_cast<double>(runs.size()),
-                                          static_cast<double>(failed),
-                                          countOf(runs, &metrics::ExplorationFigures::t90_s),
-                                          countOf(runs, &metrics::ExplorationFigures::t99_s)};
+    std::vector<table::CellValue> row = {plan_name,
+                                         runs.front()->strategy,
+                                         slamLabel(runs.front()->slam),
+                                         static_cast<double>(runs.size()),
+                                         static_cast<double>(failed),
+                                         countOf(runs, &metrics::ExplorationFigures::t90_s),
+                                         countOf(runs, &metrics::ExplorationFigures::t99_s)};
     for (const auto& figure : figures())
       for (const double share : {0.5, 0.25, 0.75}) row.emplace_back(quantileOf(figure, runs, share));
     row.emplace_back(endsOf(runs));
@@ -156,25 +156,25 @@ report::Table statisticsTable(const std::vector<StrategyRuns>& groups, const std
   return table;
 }
 
-report::Table scoresTable(const std::vector<StrategyRuns>& groups, const std::string& caption,
-                          bool with_oracle) {
+table::Table scoresTable(const std::vector<StrategyRuns>& groups, const std::string& caption,
+                         bool with_oracle) {
   const auto isShown = [&](const Figure& figure) {
     return figure.for_people || (figure.of_oracle && with_oracle);
   };
-  report::Table table;
+  table::Table table;
   table.caption = caption;
   table.columns = {{"strategy", "strategy"}};
   for (const auto& figure : figures())
     if (isShown(figure)) table.columns.push_back(figure.column);
   table.columns.push_back({"end", "end"});
   for (const auto& runs : groups) {
-    std::vector<report::CellValue> row = {runs.front()->strategy}, spread = {std::string("  25 to 75 %")};
+    std::vector<table::CellValue> row = {runs.front()->strategy}, spread = {std::string("  25 to 75 %")};
     for (const auto& figure : figures()) {
       if (!isShown(figure)) continue;
       const int decimals = figure.column.decimals;
       row.emplace_back(quantileOf(figure, runs, 0.5));
-      spread.emplace_back(report::fixed(quantileOf(figure, runs, 0.25), decimals) + ".." +
-                          report::fixed(quantileOf(figure, runs, 0.75), decimals));
+      spread.emplace_back(table::fixed(quantileOf(figure, runs, 0.25), decimals) + ".." +
+                          table::fixed(quantileOf(figure, runs, 0.75), decimals));
     }
     row.emplace_back(endsOf(runs));
     spread.emplace_back(std::string());
@@ -184,8 +184,8 @@ report::Table scoresTable(const std::vector<StrategyRuns>& groups, const std::st
   return table;
 }
 
-report::Table costTable(const std::vector<Exploration>& runs) {
-  report::Table table;
+table::Table costTable(const std::vector<Exploration>& runs) {
+  table::Table table;
   table.caption = "CPU time per decision on this machine";
   table.columns = {{"strategy", "strategy"},
                    {"seed", "seed", 0},

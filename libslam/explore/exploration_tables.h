@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "libslam/explore/explore.h"
-#include "libslam/report/table_latex.h"
+#include "libslam/table/latex.h"
 
 namespace slam::explore {
 
@@ -14,17 +14,17 @@ using StrategyRuns = std::vector<const Exploration*>;
 std::vector<StrategyRuns> byStrategy(const std::vector<Exploration>& runs, int seeds);
 
 /// Every figure of every run, for programs.
-report::Table runsTable(const std::vector<Exploration>& runs, const std::string& plan_name);
+table::Table runsTable(const std::vector<Exploration>& runs, const std::string& plan_name);
 /// For programs: median and quartiles as columns of their own. A run that has failed does not count; one that
 /// never came to a share of the area counts as endlessly late, and a quantile that falls on such a run is
 /// NaN.
-report::Table statisticsTable(const std::vector<StrategyRuns>& groups, const std::string& plan_name);
+table::Table statisticsTable(const std::vector<StrategyRuns>& groups, const std::string& plan_name);
 /// For people: a row per strategy, with several seeds a second one with the quartiles.
-report::Table scoresTable(const std::vector<StrategyRuns>& groups, const std::string& caption,
-                          bool with_oracle);
-report::Table costTable(const std::vector<Exploration>& runs);
+table::Table scoresTable(const std::vector<StrategyRuns>& groups, const std::string& caption,
+                         bool with_oracle);
+table::Table costTable(const std::vector<Exploration>& runs);
 
 /// Which end of a figure is good, by its key, for those where one is.
-std::map<std::string, report::Best> bestFigures();
+std::map<std::string, table::Best> bestFigures();
 
 }  // namespace slam::explore

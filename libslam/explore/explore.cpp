@@ -14,8 +14,8 @@
 #include "libslam/explore/exploration_tables.h"
 #include "libslam/explore/oracle_files.h"
 #include "libslam/mapping/method_config.h"
-#include "libslam/report/number_text.h"
-#include "libslam/report/table_latex.h"
+#include "libslam/table/latex.h"
+#include "libslam/table/number_text.h"
 
 namespace slam::explore {
 namespace fs = std::filesystem;
@@ -53,7 +53,7 @@ std::vector<std::string> notesOf(const ExplorationJob& job, const ExploreRequest
   const auto& e = job.result.exploration;
   std::vector<std::string> about;
   if (e.explorable_share < kCutOffBelow)
-    about.push_back("From the start only " + report::fixed(100 * e.explorable_share, 0) +
+    about.push_back("From the start only " + table::fixed(100 * e.explorable_share, 0) +
                     " % of the plan's free area can be explored: the rest is cut off from it.");
   if (job.result.plan_is_open)
     about.emplace_back(
@@ -71,7 +71,7 @@ std::vector<std::string> notesOf(const ExplorationJob& job, const ExploreRequest
 }
 
 void addNotes(const std::vector<ExplorationJob>& jobs, const ExploreRequest& request,
-              const LoopMethod& method, report::Table& table) {
+              const LoopMethod& method, table::Table& table) {
   auto& notes = table.notes;
   if (request.seeds > 1)
     notes.push_back("Medians over the seeds " + std::to_string(request.seed) + " to " +
@@ -124,19 +124,19 @@ void collect(const std::vector<ExplorationJob>& jobs, const std::string& folder,
     throw core::MethodError(result.runs.front().end_detail);
 }
 
-void writeTables(const ExplorationReport& result, const report::Table& statistics,
+void writeTables(const ExplorationReport& result, const table::Table& statistics,
                  const std::string& plan_name, const std::string& folder) {
   const auto write = [&](const char* name, const std::string& text) {
     core::writeFileAtomically(folder + "/" + name, text);
   };
-  write("scores.txt", report::toText(result.scores));
-  write("scores.md", report::toMarkdown(result.scores));
-  write("scores.tex", report::toLatex(result.scores, {"tab:scores", bestFigures()}));
-  write("scores.csv", report::toCsv(statistics));
-  write("scores.json", report::toJson(statistics));
-  write("runs.csv", report::toCsv(runsTable(result.runs, plan_name)));
-  write("cost.csv", report::toCsv(result.cost));
-  write("cost.json", report::toJson(result.cost));
+  write("scores.txt", table::toText(result.scores));
+  write("scores.md", table::toMarkdown(result.scores));
+  write("scores.tex", table::toLatex(result.scores, {"tab:scores", bestFigures()}));
+  write("scores.csv", table::toCsv(statistics));
+  write("scores.json", table::toJson(statistics));
+  write("runs.csv", table::toCsv(runsTable(result.runs, plan_name)));
+  write("cost.csv", table::toCsv(result.cost));
+  write("cost.json", table::toJson(result.cost));
 }
 
 /// A single run has already left a manifest there: the same one, with more in it.

@@ -14,8 +14,8 @@
 #include "libslam/metrics/coverage.h"
 #include "libslam/record/record.h"
 #include "libslam/record/step_observer.h"
-#include "libslam/report/table.h"
 #include "libslam/score/evaluate.h"
+#include "libslam/table/table.h"
 
 namespace slam::explore {
 
@@ -128,8 +128,8 @@ inline constexpr double kNearMiss_m = 0.05, kNearMissOver_m = 0.10;
 /// journal.csv); the other runs go on. MethodError when every run failed at its first scan.
 struct ExplorationReport {
   std::vector<Exploration> runs;  ///< strategies in their order, seeds within
-  report::Table scores;           ///< for people
-  report::Table cost;
+  table::Table scores;            ///< for people
+  table::Table cost;
   int failed = 0;
 };
 /// The row of a run whose method failed: every figure NaN.

@@ -4,14 +4,14 @@
 #include <limits>
 
 #include "libslam/explore/goal_methods.h"
+#include "libslam/pictures/picture.h"
 #include "libslam/record/carry_file.h"
-#include "libslam/report/picture.h"
 
 namespace slam::explore {
 namespace {
 
 /// A cross, as a path of two strokes.
-report::DrawnPath goalMark(const core::Point2& p, double size_m) {
+pictures::DrawnPath goalMark(const core::Point2& p, double size_m) {
   const auto at = [&](double dx, double dy) {
     return core::StampedPose{0, {p.x + dx * size_m, p.y + dy * size_m, 0}};
   };
@@ -30,8 +30,8 @@ std::string manoeuvreOf(const std::string& state) {
 }
 
 /// The true path cut where the state changes, each piece under its state's name.
-std::vector<report::DrawnPath> piecesByState(const GoalRun& run) {
-  std::vector<report::DrawnPath> pieces;
+std::vector<pictures::DrawnPath> piecesByState(const GoalRun& run) {
+  std::vector<pictures::DrawnPath> pieces;
   size_t next = 0;
   for (const auto& pose : record::brokenAtCarries(run.truth, run.carries)) {
     const double time_s = pose.time_s - run.truth.front().time_s;
@@ -46,8 +46,8 @@ std::vector<report::DrawnPath> piecesByState(const GoalRun& run) {
 
 /// The original method's stop radius, dashed, and its strategic directions, as they lay where it first met an
 /// obstacle, or where it began.
-report::DrawnPath overlayOf(const StrategicOverlay& overlay, const ReachGoalRequest& request,
-                            const GoalRun& run) {
+pictures::DrawnPath overlayOf(const StrategicOverlay& overlay, const ReachGoalRequest& request,
+                              const GoalRun& run) {
   constexpr int kDashes = 16, kPieces = 4;
   double met_s = 0;
   for (auto change = run.changes.rbegin(); change != run.changes.rend(); ++change)
@@ -61,7 +61,7 @@ report::DrawnPath overlayOf(const StrategicOverlay& overlay, const ReachGoalRequ
     return core::StampedPose{0, {p.x, p.y, 0}};
   };
   const core::StampedPose gap{0, {std::numeric_limits<double>::quiet_NaN(), 0, 0}};
-  report::DrawnPath drawn{{}, "stop radius, strategic directions"};
+  pictures::DrawnPath drawn{{}, "stop radius, strategic directions"};
   for (const double direction_rad : overlay.directions_rad) {
     for (const double range_m : {overlay.stop_radius_m, reach_m})
       drawn.path.push_back(at(direction_rad, range_m));
@@ -86,15 +86,15 @@ void drawGoalRun(const ReachGoalRequest& request, const GoalRun& run, const std:
   const auto& config = request.config;
   if (const auto overlay = strategicOverlay(run.method, config.navigate, config.robot, config.lidar))
     paths.insert(second(), overlayOf(*overlay, request, run));
-  report::drawPlan(request.plan, paths, title, path);
+  pictures::drawPlan(request.plan, paths, title, path);
 }
 
 void drawGoalRuns(const ReachGoalRequest& request, const std::vector<GoalRun>& runs,
                   const std::string& path) {
-  std::vector<report::DrawnPath> paths;
+  std::vector<pictures::DrawnPath> paths;
   for (const auto& run : runs) paths.push_back({record::brokenAtCarries(run.truth, run.carries), run.method});
   paths.push_back(goalMark(request.p_world_goal, markSize(request.plan)));
-  report::drawPlan(request.plan, paths, request.plan.name, path);
+  pictures::drawPlan(request.plan, paths, request.plan.name, path);
 }
 
 }  // namespace slam::explore

@@ -6,8 +6,8 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/report/picture.h"
-#include "libslam/report/table.h"
+#include "libslam/pictures/picture.h"
+#include "libslam/table/table.h"
 
 namespace slam::explore {
 namespace {
@@ -47,8 +47,8 @@ void compareWith(const oracle::Oracle& oracle, Exploration& e) {
   e.ratio99 = e.oracle99_m > 0 ? e.figures.path99_m / e.oracle99_m : std::nan("");
 }
 
-report::Curve oracleCurve(const oracle::Oracle& oracle) {
-  report::Curve curve;
+draw::Curve oracleCurve(const oracle::Oracle& oracle) {
+  draw::Curve curve;
   curve.label = kLabel;
   const auto& tour = std::isfinite(oracle.to_99.length_m) ? oracle.to_99 : oracle.to_90;
   for (const auto& point : tour.curve) curve.points.push_back({point.path_m, 100 * point.share});
@@ -56,24 +56,24 @@ report::Curve oracleCurve(const oracle::Oracle& oracle) {
 }
 
 void writeOracle(const oracle::Oracle& oracle, const world::Plan& plan, const std::string& folder) {
-  report::Table table;
+  table::Table table;
   table.columns = {{"to_percent", "to %", 0}, {"path_m", "path m", 3}, {"explored_share", "explored", 6}};
-  report::Table places;
+  table::Table places;
   places.columns = {{"to_percent", "to %", 0}, {"x_m", "x m", 3}, {"y_m", "y m", 3}};
   for (const auto* tour : {&oracle.to_90, &oracle.to_99}) {
     for (const auto& point : tour->curve)
       table.rows.push_back({100 * tour->share, point.path_m, point.share});
     for (const auto& p : tour->path) places.rows.push_back({100 * tour->share, p.x, p.y});
   }
-  core::writeFileAtomically(folder + "/oracle.csv", report::toCsv(table));
-  core::writeFileAtomically(folder + "/oracle_path.csv", report::toCsv(places));
-  std::vector<report::DrawnPath> paths;
+  core::writeFileAtomically(folder + "/oracle.csv", table::toCsv(table));
+  core::writeFileAtomically(folder + "/oracle_path.csv", table::toCsv(places));
+  std::vector<pictures::DrawnPath> paths;
   for (const auto* tour : {&oracle.to_99, &oracle.to_90}) {
     char label[80];
     std::snprintf(label, sizeof label, "known map to %.0f %%: %.1f m", 100 * tour->share, tour->length_m);
     if (!tour->path.empty()) paths.push_back({drawn(tour->path), label});
   }
-  report::drawPlan(plan, paths, plan.name + ": with the plan in hand", folder + "/oracle.png");
+  pictures::drawPlan(plan, paths, plan.name + ": with the plan in hand", folder + "/oracle.png");
 }
 
 std::string oracleNote(const oracle::Oracle& oracle) {

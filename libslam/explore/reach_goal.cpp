@@ -19,9 +19,9 @@
 #include "libslam/record/carry_file.h"
 #include "libslam/record/recorder.h"
 #include "libslam/record/sensor.h"
-#include "libslam/report/table_latex.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/sim/simulator.h"
+#include "libslam/table/latex.h"
 #include "libslam/world/shortest_path.h"
 
 namespace slam::explore {
@@ -118,8 +118,8 @@ std::string resultOf(const GoalRun& run) {
   }
 }
 
-report::Table tableOf(const ReachGoalRequest& request, const GoalComparison& comparison, bool out_of_reach) {
-  report::Table table;
+table::Table tableOf(const ReachGoalRequest& request, const GoalComparison& comparison, bool out_of_reach) {
+  table::Table table;
   table.caption = "Drives from " + describe(core::position(request.T_world_start)) + " to " +
                   describe(request.p_world_goal) + " in " + request.plan.name + ", pose from " +
                   (request.slam.empty() ? "odometry" : request.slam);
@@ -174,7 +174,7 @@ std::string statesCsv(const GoalRun& run) {
   constexpr const char* kDirections[] = {"ahead", "left_ahead", "left", "right", "right_ahead"};
   size_t projected = 0;
   for (const auto& change : run.changes) projected = std::max(projected, change.p_world_projected.size());
-  report::Table table;
+  table::Table table;
   table.columns = {{"time_s", ""}, {"from", ""}, {"to", ""}, {"why", ""}, {"x_m", ""}, {"y_m", ""}};
   for (size_t d = 0; d < projected; ++d) {
     table.columns.push_back({std::string(kDirections[d]) + "_x_m", ""});
@@ -191,7 +191,7 @@ std::string statesCsv(const GoalRun& run) {
       table.rows.back().emplace_back(p.y);
     }
   }
-  return report::toCsv(table);
+  return table::toCsv(table);
 }
 
 void writeRun(const ReachGoalRequest& request, const GoalRun& run, const std::string& folder) {
@@ -341,13 +341,12 @@ GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifes
   drawGoalRuns(request, comparison.runs, output.path() + "/paths.png");
   comparison.table = tableOf(request, comparison, out_of_reach);
   const std::string scores = output.path() + "/scores";
-  core::writeFileAtomically(scores + ".txt", report::toText(comparison.table));
-  core::writeFileAtomically(scores + ".md", report::toMarkdown(comparison.table));
+  core::writeFileAtomically(scores + ".txt", table::toText(comparison.table));
+  core::writeFileAtomically(scores + ".md", table::toMarkdown(comparison.table));
   core::writeFileAtomically(
-      scores + ".tex",
-      report::toLatex(comparison.table, {"tab:scores", {{"ratio", report::Best::kSmallest}}}));
-  core::writeFileAtomically(scores + ".csv", report::toCsv(comparison.table));
-  core::writeFileAtomically(scores + ".json", report::toJson(comparison.table));
+      scores + ".tex", table::toLatex(comparison.table, {"tab:scores", {{"ratio", table::Best::kSmallest}}}));
+  core::writeFileAtomically(scores + ".csv", table::toCsv(comparison.table));
+  core::writeFileAtomically(scores + ".json", table::toJson(comparison.table));
 
   manifest.seed = request.seed;
   for (const auto& line : request.config.parameters)

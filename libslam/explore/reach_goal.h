@@ -14,11 +14,11 @@
 #include "libslam/goals/goal_navigator.h"
 #include "libslam/mrptnav/reactive_navigator.h"
 #include "libslam/record/step_observer.h"
-#include "libslam/report/table.h"
 #include "libslam/robot/lidar.h"
 #include "libslam/robot/odometry_noise.h"
 #include "libslam/sim/carry.h"
 #include "libslam/sim/living.h"
+#include "libslam/table/table.h"
 #include "libslam/world/plan.h"
 
 namespace slam::explore {
@@ -89,7 +89,7 @@ inline constexpr double kArrived_m = 0.5;
 struct GoalComparison {
   std::vector<GoalRun> runs;
   std::optional<double> shortest_m;  ///< nothing: the goal cannot be reached
-  report::Table table;
+  table::Table table;
   int wrong = 0;  ///< runs that are not right
 };
 

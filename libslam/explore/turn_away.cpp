@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "libslam/core/elementary.h"
-#include "libslam/report/obstacle_picture.h"
+#include "libslam/pictures/obstacle_picture.h"
 #include "libslam/robot/scan.h"
 
 namespace slam::explore {
@@ -161,20 +161,20 @@ std::vector<TurnAwayMoment> turnAway(const TurnAwayConfig& config) {
 }
 
 void drawTurnAway(const std::vector<TurnAwayMoment>& moments, const TurnAwayConfig& config,
-                  const std::string& file, const report::Paper& paper) {
-  std::vector<report::ObstaclePanel> panels;
+                  const std::string& file, const draw::Paper& paper) {
+  std::vector<pictures::ObstaclePanel> panels;
   panels.reserve(moments.size());
   for (const auto& moment : moments)
     panels.push_back({moment.what,
                       std::to_string(moment.seen.size()) + " seen, " +
                           std::to_string(moment.remembered.size()) + " remembered",
                       moment.visible, moment.seen, moment.remembered, moment.posts});
-  report::ObstacleZone zone;
+  pictures::ObstacleZone zone;
   zone.front_m = config.map.front_m, zone.rear_m = config.map.rear_m, zone.width_m = config.map.width_m;
   zone.obstacle_radius_m = kPostRadius_m;
-  report::drawObstacles(panels, zone,
-                        "Local obstacle map: the robot turns away (" + config.experiment.sensor + ")", file,
-                        paper);
+  pictures::drawObstacles(panels, zone,
+                          "Local obstacle map: the robot turns away (" + config.experiment.sensor + ")", file,
+                          paper);
 }
 
 }  // namespace slam::explore

@@ -5,10 +5,10 @@
 #include "libslam/core/ini.h"
 #include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/draw/canvas.h"
 #include "libslam/obstacles/camera_view.h"
 #include "libslam/obstacles/lidar_view.h"
 #include "libslam/obstacles/local_obstacle_map.h"
-#include "libslam/report/canvas.h"
 
 namespace slam::explore {
 
@@ -50,8 +50,8 @@ struct TurnAwayMoment {
 std::vector<TurnAwayMoment> turnAway(const TurnAwayConfig& config);
 inline constexpr double kPostRadius_m = 0.05;
 
-/// Draws the moments (report::drawObstacles()).
+/// Draws the moments (pictures::drawObstacles()).
 void drawTurnAway(const std::vector<TurnAwayMoment>& moments, const TurnAwayConfig& config,
-                  const std::string& file, const report::Paper& paper = {});
+                  const std::string& file, const draw::Paper& paper = {});
 
 }  // namespace slam::explore

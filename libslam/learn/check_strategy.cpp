@@ -8,7 +8,7 @@
 #include "libslam/core/manifest.h"
 #include "libslam/learn/check_answer.h"
 #include "libslam/process/measured_process.h"
-#include "libslam/report/table.h"
+#include "libslam/table/table.h"
 
 namespace slam::learn {
 namespace fs = std::filesystem;
@@ -32,7 +32,7 @@ struct Run {
   double coverage_percent = 0, path90_m = 0, path_m = 0, collisions = 0;
 };
 
-Run rowOf(const report::Table& table, const std::string& strategy) {
+Run rowOf(const table::Table& table, const std::string& strategy) {
   const auto column = [&](const std::string& key) {
     for (std::size_t c = 0; c < table.columns.size(); ++c)
       if (table.columns[c].key == key) return c;
@@ -89,7 +89,7 @@ Verdict checkStrategy(const Lesson& lesson, std::uint64_t student, const std::st
     return hinted(lesson, Finding::kCrashed, "crashed",
                   program + " ended with exit code " + std::to_string(outcome.exit_code) + ": " +
                       lastLines(outcome.printed));
-  const auto table = report::fromCsv(core::readTextFile(scratch / "out/runs.csv"), "runs.csv");
+  const auto table = table::fromCsv(core::readTextFile(scratch / "out/runs.csv"), "runs.csv");
   const auto own = rowOf(table, program), nearest = rowOf(table, "nearest_frontier");
   const std::string found = program + ": " + rounded(own.coverage_percent) + " % seen, 90 % after " +
                             rounded(own.path90_m) + " m (nearest_frontier " + rounded(nearest.path90_m) +

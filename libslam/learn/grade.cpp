@@ -77,8 +77,8 @@ std::vector<Grade> grade(const std::vector<Lesson>& lessons, const std::vector<s
   return grades;
 }
 
-report::Table gradeTable(const std::vector<Lesson>& lessons, const std::vector<Grade>& grades) {
-  report::Table table;
+table::Table gradeTable(const std::vector<Lesson>& lessons, const std::vector<Grade>& grades) {
+  table::Table table;
   table.columns = {{"student", "student", 0}, {"lesson", "lesson", 0}, {"title", "title"},
                    {"finding", "finding"},    {"kind", "kind"},        {"found", "found"},
                    {"said", "hint"},          {"folder", "folder"}};
@@ -92,8 +92,8 @@ report::Table gradeTable(const std::vector<Lesson>& lessons, const std::vector<G
   return table;
 }
 
-report::Table classTable(const std::vector<Lesson>& lessons, const std::vector<Grade>& grades) {
-  report::Table table;
+table::Table classTable(const std::vector<Lesson>& lessons, const std::vector<Grade>& grades) {
+  table::Table table;
   table.caption = "Lessons by student";
   table.columns = {{"student", "student", 0}, {"right", "right", 0}};
   for (const auto& lesson : lessons)
@@ -105,7 +105,7 @@ report::Table classTable(const std::vector<Lesson>& lessons, const std::vector<G
   }
   for (const auto& [student, cells] : by_student) {
     double right = 0;
-    std::vector<report::CellValue> row = {static_cast<double>(student), 0.0};
+    std::vector<table::CellValue> row = {static_cast<double>(student), 0.0};
     for (const auto& lesson : lessons) {
       const auto cell = cells.find(lesson.options.number);
       row.emplace_back(cell == cells.end() ? std::string("-") : cell->second);

@@ -4,7 +4,7 @@
 
 #include "libslam/core/progress.h"
 #include "libslam/learn/check_answer.h"
-#include "libslam/report/table.h"
+#include "libslam/table/table.h"
 
 namespace slam::learn {
 
@@ -27,9 +27,9 @@ std::vector<Grade> grade(const std::vector<Lesson>& lessons, const std::vector<s
                          core::Progress& progress);
 
 /// One row per folder: student, lesson, title, finding, kind, found, said, folder.
-report::Table gradeTable(const std::vector<Lesson>& lessons, const std::vector<Grade>& grades);
+table::Table gradeTable(const std::vector<Lesson>& lessons, const std::vector<Grade>& grades);
 /// One row per student, one column per lesson ("right", the kind of what is wrong, or "-"), and how many are
 /// right.
-report::Table classTable(const std::vector<Lesson>& lessons, const std::vector<Grade>& grades);
+table::Table classTable(const std::vector<Lesson>& lessons, const std::vector<Grade>& grades);
 
 }  // namespace slam::learn

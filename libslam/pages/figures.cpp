@@ -11,8 +11,8 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
-#include "libslam/report/axis_title.h"
-#include "libslam/report/table_cells.h"
+#include "libslam/draw/axis_title.h"
+#include "libslam/table/cells.h"
 
 namespace slam::pages {
 namespace fs = std::filesystem;
@@ -35,11 +35,11 @@ double rms(const std::vector<double>& values) {
 
 }  // namespace
 
-std::vector<report::Panel> mapPanels(const report::ReportPage& page, const std::string& folder) {
-  std::vector<report::Panel> panels;
+std::vector<pictures::Panel> mapPanels(const report::ReportPage& page, const std::string& folder) {
+  std::vector<pictures::Panel> panels;
   for (const auto& run : page.runs) {
     if (!run.map || panels.size() == kMostPanels) continue;
-    report::Panel panel;
+    pictures::Panel panel;
     panel.title = run.method;
     const double error_m = rms(run.error_m);
     if (std::isfinite(error_m)) {
@@ -58,8 +58,8 @@ std::vector<report::Panel> mapPanels(const report::ReportPage& page, const std::
   return panels;
 }
 
-std::vector<report::DrawnPath> allPaths(const report::ReportPage& page) {
-  std::vector<report::DrawnPath> paths;
+std::vector<pictures::DrawnPath> allPaths(const report::ReportPage& page) {
+  std::vector<pictures::DrawnPath> paths;
   for (const auto& run : page.runs)
     if (!run.path.empty()) paths.push_back({run.path, run.method});
   for (const auto& replay : page.replays)
@@ -67,11 +67,11 @@ std::vector<report::DrawnPath> allPaths(const report::ReportPage& page) {
   return paths;
 }
 
-std::vector<report::Panel> pathPanels(const report::ReportPage& page) {
-  std::vector<report::Panel> panels;
+std::vector<pictures::Panel> pathPanels(const report::ReportPage& page) {
+  std::vector<pictures::Panel> panels;
   for (const auto& run : page.runs) {
     if (run.path.empty()) continue;
-    report::Panel panel{run.method, "", {}, {}, {{run.path, run.method}}, true};
+    pictures::Panel panel{run.method, "", {}, {}, {{run.path, run.method}}, true};
     if (run.replay < page.replays.size()) panel.map = page.replays[run.replay].plan.value_or(world::Plan{});
     if (const auto truth = truthOf(page, run); !truth.empty())
       panel.paths.push_back({truth, "true path", true});
@@ -107,8 +107,8 @@ std::vector<core::Point2> smoothedErrors(const report::ReportRun& run, double wi
 
 }  // namespace
 
-report::Chart errorChart(const report::ReportPage& page, const std::string& folder, bool is_log) {
-  report::Chart chart{"time since the first scan (s)", "position error (m)", {}};
+draw::Chart errorChart(const report::ReportPage& page, const std::string& folder, bool is_log) {
+  draw::Chart chart{"time since the first scan (s)", "position error (m)", {}};
   chart.y_log = is_log;
   double longest_s = 0;
   std::vector<const report::ReportRun*> runs;
@@ -133,28 +133,28 @@ namespace {
 /// Rows that a selection takes, and how their charts and boxes are named.
 class SeedRows {
  public:
-  SeedRows(const report::Table& results, const SeedSelection& selection, const std::string& path)
+  SeedRows(const table::Table& results, const SeedSelection& selection, const std::string& path)
       : results_(results),
-        metric_(report::columnOf(results, selection.metric, path)),
-        method_(report::columnOf(results, "method", path)),
-        status_(report::columnOf(results, "status", path)) {
+        metric_(table::columnOf(results, selection.metric, path)),
+        method_(table::columnOf(results, "method", path)),
+        status_(table::columnOf(results, "status", path)) {
     for (const auto& column : results.columns)
-      if (column.key == "parameters") parameters_ = report::columnOf(results, "parameters", path);
+      if (column.key == "parameters") parameters_ = table::columnOf(results, "parameters", path);
     std::vector<std::pair<std::size_t, std::string>> conditions;
     for (const auto& condition : selection.where) {
       const auto equals = condition.find('=');
       if (equals == std::string::npos)
         throw core::InputError("--where: found '" + condition +
                                "', expected KEY=VALUE, such as world=office_loop");
-      conditions.emplace_back(report::columnOf(results, condition.substr(0, equals), path),
+      conditions.emplace_back(table::columnOf(results, condition.substr(0, equals), path),
                               condition.substr(equals + 1));
     }
     for (const auto& row : results.rows) {
       const bool is_chosen = std::all_of(conditions.begin(), conditions.end(), [&](const auto& c) {
-        return report::textOf(row[c.first]) == c.second;
+        return table::textOf(row[c.first]) == c.second;
       });
       const auto& methods = selection.methods;
-      const auto name = report::textOf(row[method_]);
+      const auto name = table::textOf(row[method_]);
       if (is_chosen && (methods.empty() || std::count(methods.begin(), methods.end(), name) > 0))
         rows_.push_back(&row);
     }
@@ -164,13 +164,13 @@ class SeedRows {
     for (std::size_t i = 0; i < results.columns.size(); ++i) {
       static const std::set<std::string> axes = {"world", "robot", "lidar", "odometry", "strategy", "fault"};
       std::set<std::string> values;
-      for (const auto* row : rows_) values.insert(report::textOf((*row)[i]));
+      for (const auto* row : rows_) values.insert(table::textOf((*row)[i]));
       if (values.size() > 1 && axes.count(results.columns[i].key) > 0) varying_.push_back(i);
     }
   }
 
-  std::vector<report::BoxChart> charts() const {
-    std::vector<report::BoxChart> charts;
+  std::vector<draw::BoxChart> charts() const {
+    std::vector<draw::BoxChart> charts;
     std::vector<std::string> methods;
     for (const auto* row : rows_)
       if (const auto name = labelOf(*row); std::find(methods.begin(), methods.end(), name) == methods.end())
@@ -184,8 +184,8 @@ class SeedRows {
       }
       const auto method = std::find(methods.begin(), methods.end(), labelOf(*row)) - methods.begin();
       auto& sample = charts[place->second].samples[static_cast<std::size_t>(method)];
-      if (report::textOf((*row)[status_]) == "ok")
-        sample.values.push_back(report::numberOf((*row)[metric_]));
+      if (table::textOf((*row)[status_]) == "ok")
+        sample.values.push_back(table::numberOf((*row)[metric_]));
       else
         ++sample.failed;
     }
@@ -193,20 +193,20 @@ class SeedRows {
   }
 
  private:
-  using Row = std::vector<report::CellValue>;
+  using Row = std::vector<table::CellValue>;
   std::string labelOf(const Row& row) const {
-    std::string label = report::textOf(row[method_]);
-    if (parameters_ && !report::textOf(row[*parameters_]).empty())
-      label += " " + report::textOf(row[*parameters_]);
+    std::string label = table::textOf(row[method_]);
+    if (parameters_ && !table::textOf(row[*parameters_]).empty())
+      label += " " + table::textOf(row[*parameters_]);
     return label;
   }
   std::string titleOf(const Row& row) const {
     std::string title;
-    for (const auto column : varying_) title += (title.empty() ? "" : ", ") + report::textOf(row[column]);
+    for (const auto column : varying_) title += (title.empty() ? "" : ", ") + table::textOf(row[column]);
     return title;
   }
 
-  const report::Table& results_;
+  const table::Table& results_;
   std::size_t metric_, method_, status_;
   std::optional<std::size_t> parameters_;
   std::vector<const Row*> rows_;
@@ -215,8 +215,8 @@ class SeedRows {
 
 }  // namespace
 
-std::vector<report::BoxChart> seedBoxes(const report::Table& results, const SeedSelection& selection,
-                                        const std::string& path) {
+std::vector<draw::BoxChart> seedBoxes(const table::Table& results, const SeedSelection& selection,
+                                      const std::string& path) {
   auto charts = SeedRows(results, selection, path).charts();
   if (charts.size() > kMostCharts)
     throw core::InputError(path + ": has " + std::to_string(charts.size()) +
@@ -236,16 +236,15 @@ struct ExplorationRun {
 
 /// Those of a folder with tables only, whose curves stand one below the other.
 std::vector<ExplorationRun> runsInOneTable(const std::string& folder, const std::string& file) {
-  const auto table = report::fromCsv(core::readTextFile(file), file);
-  const auto strategy = report::columnOf(table, "strategy", file),
-             seed = report::columnOf(table, "seed", file);
+  const auto table = table::fromCsv(core::readTextFile(file), file);
+  const auto strategy = table::columnOf(table, "strategy", file), seed = table::columnOf(table, "seed", file);
   std::vector<ExplorationRun> runs;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     const auto& row = table.rows[i];
     const bool is_new = i == 0 ||
-                        report::textOf(row[strategy]) != report::textOf(table.rows[i - 1][strategy]) ||
-                        report::textOf(row[seed]) != report::textOf(table.rows[i - 1][seed]);
-    if (is_new) runs.push_back({folder, report::textOf(row[strategy]), file, i, i});
+                        table::textOf(row[strategy]) != table::textOf(table.rows[i - 1][strategy]) ||
+                        table::textOf(row[seed]) != table::textOf(table.rows[i - 1][seed]);
+    if (is_new) runs.push_back({folder, table::textOf(row[strategy]), file, i, i});
     runs.back().last = i + 1;
   }
   return runs;
@@ -253,7 +252,7 @@ std::vector<ExplorationRun> runsInOneTable(const std::string& folder, const std:
 
 }  // namespace
 
-std::vector<report::Chart> explorationCharts(const std::vector<std::string>& folders) {
+std::vector<draw::Chart> explorationCharts(const std::vector<std::string>& folders) {
   using Run = ExplorationRun;
   std::vector<Run> runs;
   for (const auto& folder : folders) {
@@ -273,15 +272,15 @@ std::vector<report::Chart> explorationCharts(const std::vector<std::string>& fol
       std::string strategy = inside.begin()->string();
       if (strategy == ".") {  // a single run
         const std::string list = folder + "/runs.csv";
-        const auto table = report::fromCsv(core::readTextFile(list), list);
+        const auto table = table::fromCsv(core::readTextFile(list), list);
         if (table.rows.empty()) throw core::InputError(list + ": holds no run, expected one");
-        strategy = report::textOf(table.rows.front()[report::columnOf(table, "strategy", list)]);
+        strategy = table::textOf(table.rows.front()[table::columnOf(table, "strategy", list)]);
       }
       runs.push_back({folder, strategy, file, 0, 0});
     }
   }
-  std::vector<report::Chart> charts = {{"time (s)", "explored (%)", {}, 100},
-                                       {"path (m)", "explored (%)", {}, 100}};
+  std::vector<draw::Chart> charts = {{"time (s)", "explored (%)", {}, 100},
+                                     {"path (m)", "explored (%)", {}, 100}};
   for (const auto& run : runs) {
     const bool is_elsewhere = std::any_of(runs.begin(), runs.end(), [&](const Run& other) {
       return other.strategy == run.strategy && other.folder != run.folder;
@@ -291,16 +290,16 @@ std::vector<report::Chart> explorationCharts(const std::vector<std::string>& fol
         is_elsewhere ? (name.has_filename() ? name.filename() : name.parent_path().filename()).string() +
                            ", " + run.strategy
                      : run.strategy;
-    const auto table = report::fromCsv(core::readTextFile(run.file), run.file);
-    const auto share = report::columnOf(table, "explored_share", run.file);
+    const auto table = table::fromCsv(core::readTextFile(run.file), run.file);
+    const auto share = table::columnOf(table, "explored_share", run.file);
     const char* keys[] = {"time_s", "path_m"};
     for (std::size_t i = 0; i < charts.size(); ++i) {
-      const auto x = report::columnOf(table, keys[i], run.file);
-      report::Curve curve{label, {}};
+      const auto x = table::columnOf(table, keys[i], run.file);
+      draw::Curve curve{label, {}};
       const std::size_t last = run.last == 0 ? table.rows.size() : run.last;
       for (std::size_t r = run.first; r < last; ++r)
         curve.points.push_back(
-            {report::numberOf(table.rows[r][x]), 100 * report::numberOf(table.rows[r][share])});
+            {table::numberOf(table.rows[r][x]), 100 * table::numberOf(table.rows[r][share])});
       charts[i].curves.push_back(std::move(curve));
     }
   }

@@ -260,7 +260,7 @@ void fill(const std::vector<Asked>& methods, const std::string& folder, const co
   page.tables = {truth ? score::accuracyTable(evaluations, *truth, score::Detail::kShort)
                        : score::agreementTable(evaluations, score::Detail::kShort),
                  score::costTable(evaluations)};
-  const auto isNone = [](const report::CellValue& cell) {
+  const auto isNone = [](const table::CellValue& cell) {
     const auto* number = std::get_if<double>(&cell);
     return number != nullptr && std::isnan(*number);
   };

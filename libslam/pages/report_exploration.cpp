@@ -11,7 +11,7 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/pages/report_parts.h"
-#include "libslam/report/table_cells.h"
+#include "libslam/table/cells.h"
 #include "libslam/world/plan.h"
 
 namespace slam::pages {
@@ -48,7 +48,7 @@ std::vector<Explored> exploredIn(const std::string& folder, const core::CsvTable
 }
 
 /// One row per strategy; where a figure has quartiles they stand in its cell.
-report::Table explorationsTable(const std::string& path) {
+table::Table explorationsTable(const std::string& path) {
   const auto all = readJsonTable(path);
   struct Shown {
     const char *key, *title;
@@ -66,7 +66,7 @@ report::Table explorationsTable(const std::string& path) {
                          {"decisions", "decisions", 0},
                          {"ate_rmse_m", "ATE (m)", 3},
                          {"wall_f1", "wall F1", 3}};
-  report::Table table;
+  table::Table table;
   table.caption = all.caption;
   const std::string in_text_tables = ", below them the quartiles";
   for (auto note : all.notes) {
@@ -78,16 +78,16 @@ report::Table explorationsTable(const std::string& path) {
   for (const auto& one : shown) table.columns.push_back({one.key, one.title, one.decimals});
   table.columns.push_back({"ends", "ends"});
   const auto cell = [&](const auto& row, const std::string& key) {
-    return row[report::columnOf(all, key, path)];
+    return row[table::columnOf(all, key, path)];
   };
   for (const auto& row : all.rows) {
     table.rows.push_back({cell(row, "strategy"), cell(row, "runs"), cell(row, "failed")});
-    const bool is_one = report::numberOf(cell(row, "runs")) < 2;
+    const bool is_one = table::numberOf(cell(row, "runs")) < 2;
     for (const auto& one : shown) {
-      const report::Column column{"", "", one.decimals};
-      const auto text = [&](const std::string& key) { return report::shownText(cell(row, key), column); };
+      const table::Column column{"", "", one.decimals};
+      const auto text = [&](const std::string& key) { return table::shownText(cell(row, key), column); };
       const std::string key = one.key;
-      if (is_one || std::isnan(report::numberOf(cell(row, key))))
+      if (is_one || std::isnan(table::numberOf(cell(row, key))))
         table.rows.back().push_back(cell(row, key));
       else
         table.rows.back().emplace_back(text(key) + " [" + text(key + "_q1") + ", " + text(key + "_q3") + "]");
@@ -97,30 +97,30 @@ report::Table explorationsTable(const std::string& path) {
   return table;
 }
 
-std::string verdictOf(const report::Table& table, const std::string& path) {
-  const auto coverage = report::columnOf(table, "coverage_percent", path),
-             t90 = report::columnOf(table, "t90_s", path), path90 = report::columnOf(table, "path90_m", path);
-  const auto value = [](const report::CellValue& cell) {
-    const double number = report::numberOf(cell);
+std::string verdictOf(const table::Table& table, const std::string& path) {
+  const auto coverage = table::columnOf(table, "coverage_percent", path),
+             t90 = table::columnOf(table, "t90_s", path), path90 = table::columnOf(table, "path90_m", path);
+  const auto value = [](const table::CellValue& cell) {
+    const double number = table::numberOf(cell);
     return std::isnan(number) ? HUGE_VAL : number;
   };
   const auto earliest =
       std::min_element(table.rows.begin(), table.rows.end(),
                        [&](const auto& a, const auto& b) { return value(a[t90]) < value(b[t90]); });
   if (earliest == table.rows.end()) return "No exploration has ended.";
-  const auto number = [](const report::CellValue& cell, int decimals) {
-    return report::shownText(cell, {"", "", decimals});
+  const auto number = [](const table::CellValue& cell, int decimals) {
+    return table::shownText(cell, {"", "", decimals});
   };
-  if (!std::isnan(report::numberOf((*earliest)[t90])))
-    return textIn((*earliest)[report::columnOf(table, "strategy", path)]) +
+  if (!std::isnan(table::numberOf((*earliest)[t90])))
+    return textIn((*earliest)[table::columnOf(table, "strategy", path)]) +
            " was the first to see 90 % of what can be explored, after " + number((*earliest)[t90], 0) +
            " s and " + number((*earliest)[path90], 1) + " m of way; at the end it had seen " +
            number((*earliest)[coverage], 1) + " %.";
   const auto most = std::max_element(table.rows.begin(), table.rows.end(), [&](const auto& a, const auto& b) {
-    return report::numberOf(a[coverage]) < report::numberOf(b[coverage]);
+    return table::numberOf(a[coverage]) < table::numberOf(b[coverage]);
   });
   return "None saw 90 % of what can be explored; " +
-         textIn((*most)[report::columnOf(table, "strategy", path)]) + " saw most, " +
+         textIn((*most)[table::columnOf(table, "strategy", path)]) + " saw most, " +
          number((*most)[coverage], 1) + " %.";
 }
 
@@ -236,7 +236,7 @@ void fillNavigation(const std::string& folder, const core::Manifest& manifest, r
   else
     plan = world::loadPlan(plan_path);
   for (const auto& row : table.rows) {
-    const auto method = textIn(row[report::columnOf(table, "method", scores)]);
+    const auto method = textIn(row[table::columnOf(table, "method", scores)]);
     const auto result = resultOf(manifest, method);
     if (!result.empty()) page.verdict.push_back(method + ": " + result + ".");
     const std::string of_method = folder + "/" + method;

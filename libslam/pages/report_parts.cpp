@@ -24,7 +24,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 std::string operationText(const sim::Operation& operation) {
-  const auto number = [](double value) { return ' ' + report::shownText(value, {"", "", 4}); };
+  const auto number = [](double value) { return ' ' + table::shownText(value, {"", "", 4}); };
   std::string text = operation.kind + number(operation.first);
   if (operation.kind != 't') text += number(operation.second);
   if (operation.kind == 'a') text += number(operation.third);
@@ -72,14 +72,14 @@ std::string pageTitle(const std::string& folder, const std::string& what) {
   return what + ": " + path.filename().string();
 }
 
-report::Table readMarkdownTable(const std::string& path) {
-  auto table = report::fromMarkdown(core::readTextFile(path));
+table::Table readMarkdownTable(const std::string& path) {
+  auto table = table::fromMarkdown(core::readTextFile(path));
   if (table.columns.empty())
     throw core::InputError(path + ": holds no table, expected what rasterslam wrote");
   return table;
 }
 
-report::Table readJsonTable(const std::string& path) {
+table::Table readJsonTable(const std::string& path) {
   const auto json = core::readJsonFile(path);
   const auto isList = [&](const char* key) {
     return json.is_object() && json.contains(key) && json[key].is_array() &&
@@ -87,7 +87,7 @@ report::Table readJsonTable(const std::string& path) {
   };
   if (!isList("columns") || !isList("rows"))
     throw core::InputError(path + ": is not a table that rasterslam wrote, expected 'columns' and 'rows'");
-  report::Table table;
+  table::Table table;
   table.caption = json.value("caption", "");
   table.notes = json.value("notes", std::vector<std::string>());
   for (const auto& column : json["columns"])
@@ -105,7 +105,7 @@ report::Table readJsonTable(const std::string& path) {
   return table;
 }
 
-std::string textIn(const report::CellValue& cell) {
+std::string textIn(const table::CellValue& cell) {
   const auto* text = std::get_if<std::string>(&cell);
   return text != nullptr ? *text : "";
 }

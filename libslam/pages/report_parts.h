@@ -17,10 +17,10 @@ std::string pageTitle(const std::string& folder, const std::string& what);
 
 /// A table that toMarkdown() wrote, as people saw it; one that toJson() wrote, with its numbers. Errors:
 /// InputError with the path.
-report::Table readMarkdownTable(const std::string& path);
-report::Table readJsonTable(const std::string& path);
+table::Table readMarkdownTable(const std::string& path);
+table::Table readJsonTable(const std::string& path);
 /// The text of such a table's cell, "" where it holds a number.
-std::string textIn(const report::CellValue& cell);
+std::string textIn(const table::CellValue& cell);
 
 /// Each only where the file is there.
 void addPicture(report::ReportPage& page, const std::string& path, const std::string& caption);

@@ -8,10 +8,10 @@
 #include "libslam/core/files.h"
 #include "libslam/core/parameters.h"
 #include "libslam/pages/report_parts.h"
-#include "libslam/report/number_text.h"
-#include "libslam/report/table_cells.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/study/sweep_tables.h"
+#include "libslam/table/cells.h"
+#include "libslam/table/number_text.h"
 
 namespace slam::pages {
 namespace fs = std::filesystem;
@@ -26,28 +26,28 @@ struct Figure {
 
 class Rows {
  public:
-  Rows(const report::Table& table, const std::string& path) : table_(table), path_(path) {}
+  Rows(const table::Table& table, const std::string& path) : table_(table), path_(path) {}
   std::size_t count() const { return table_.rows.size(); }
   std::string text(std::size_t row, const std::string& key) const {
-    return textIn(table_.rows[row][report::columnOf(table_, key, path_)]);
+    return textIn(table_.rows[row][table::columnOf(table_, key, path_)]);
   }
   double number(std::size_t row, const std::string& key) const {
-    return report::numberOf(table_.rows[row][report::columnOf(table_, key, path_)]);
+    return table::numberOf(table_.rows[row][table::columnOf(table_, key, path_)]);
   }
   Figure figure(std::size_t row, const std::string& key) const {
     return {number(row, key), number(row, key + "_low"), number(row, key + "_high")};
   }
 
  private:
-  const report::Table& table_;
+  const table::Table& table_;
   const std::string& path_;
 };
 
 /// "0.021 [0.013, 0.025]"
 std::string shownFigure(const Figure& figure, int decimals) {
   if (std::isnan(figure.value)) return "failed";
-  std::string text = report::fixed(figure.value, decimals);
-  const auto end = [&](double value) { return std::isfinite(value) ? report::fixed(value, decimals) : "-"; };
+  std::string text = table::fixed(figure.value, decimals);
+  const auto end = [&](double value) { return std::isfinite(value) ? table::fixed(value, decimals) : "-"; };
   if (std::isfinite(figure.low) || std::isfinite(figure.high))
     text += " [" + end(figure.low) + ", " + end(figure.high) + "]";
   return text;
@@ -110,16 +110,16 @@ std::vector<std::string> verdictOf(const Rows& rows, const std::vector<std::size
   std::string failures;
   for (const auto row : best_first)
     if (const double failed = rows.number(row, "failed"); failed > 0)
-      failures += (failures.empty() ? "" : ", ") + name(row) + " in " + report::fixed(failed, 0) + " of " +
-                  report::fixed(rows.number(row, "runs"), 0) + " runs";
+      failures += (failures.empty() ? "" : ", ") + name(row) + " in " + table::fixed(failed, 0) + " of " +
+                  table::fixed(rows.number(row, "runs"), 0) + " runs";
   verdict.push_back(failures.empty() ? "No run failed." : "Failed: " + failures + ".");
   return verdict;
 }
 
 /// One dot per method with its interval, best first.
-report::Table rankedTable(const Rows& rows, const std::vector<std::size_t>& best_first,
-                          const sweep::SweepPlan& plan) {
-  report::Table table;
+table::Table rankedTable(const Rows& rows, const std::vector<std::size_t>& best_first,
+                         const sweep::SweepPlan& plan) {
+  table::Table table;
   table.caption = "Methods by " + plan.metric + ", over all cells, with 95 % intervals";
   table.columns = {{"method", "method"},
                    {"rank", "rank", 0},
@@ -142,7 +142,7 @@ void addFailures(const std::string& folder, report::ReportPage& page) {
   if (!fs::exists(path)) return;
   auto all = readJsonTable(path);
   if (all.rows.empty()) return;
-  report::Table table{all.caption, {}, {}, all.notes};
+  table::Table table{all.caption, {}, {}, all.notes};
   std::vector<std::size_t> kept;
   for (const auto& [key, title, decimals] :
        std::vector<std::tuple<std::string, std::string, int>>{{"method", "method", 0},
@@ -156,7 +156,7 @@ void addFailures(const std::string& folder, report::ReportPage& page) {
                                                               {"time_s", "after (s)", 1},
                                                               {"suspect", "suspect", 0},
                                                               {"run", "run", 0}}) {
-    kept.push_back(report::columnOf(all, key, path));
+    kept.push_back(table::columnOf(all, key, path));
     table.columns.push_back({key, title, decimals});
   }
   for (auto& row : all.rows) {
@@ -172,7 +172,7 @@ void fillStress(const std::string& folder, report::ReportPage& page) {
   const auto table = readJsonTable(path);
   const Rows rows(table, path);
   constexpr std::size_t kMetricColumn = 8;  // after the failure rate and its interval
-  report::columnOf(table, "failure_rate_high", path);
+  table::columnOf(table, "failure_rate_high", path);
   if (table.columns.size() <= kMetricColumn || rows.count() == 0)
     throw core::InputError(path + ": holds no figures, expected the table of a stress test");
   const std::string metric = table.columns[kMetricColumn].key;

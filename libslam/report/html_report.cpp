@@ -7,18 +7,18 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
-#include "libslam/report/number_text.h"
+#include "libslam/draw/page_text.h"
 #include "libslam/report/page_bundle.h"
 #include "libslam/report/page_plot.h"
 #include "libslam/report/page_replay.h"
 #include "libslam/report/page_table.h"
-#include "libslam/report/page_text.h"
+#include "libslam/table/number_text.h"
 
 namespace slam::report {
 namespace {
 
 std::string tag(const std::string& name, const std::string& text) {
-  return "<" + name + ">" + htmlText(text) + "</" + name + ">";
+  return "<" + name + ">" + draw::htmlText(text) + "</" + name + ">";
 }
 
 std::string paragraph(const std::string& text) {
@@ -29,9 +29,10 @@ std::string paragraph(const std::string& text) {
 
 std::string imageElement(const Ground& ground, const std::string& id, const std::string& png) {
   const auto& w = ground.window;
-  return "<image class=\"raster\" id=\"" + id + "\" x=\"" + fixed(w.x0, 2) + "\" y=\"" + fixed(-w.y1, 2) +
-         "\" width=\"" + fixed(w.width(), 2) + "\" height=\"" + fixed(w.height(), 2) +
-         "\" preserveAspectRatio=\"none\" href=\"" + dataUri("image/png", png) + "\"/>\n";
+  return "<image class=\"raster\" id=\"" + id + "\" x=\"" + table::fixed(w.x0, 2) + "\" y=\"" +
+         table::fixed(-w.y1, 2) + "\" width=\"" + table::fixed(w.width(), 2) + "\" height=\"" +
+         table::fixed(w.height(), 2) + "\" preserveAspectRatio=\"none\" href=\"" +
+         draw::dataUri("image/png", png) + "\"/>\n";
 }
 
 std::string useElement(const std::string& id) {
@@ -45,20 +46,20 @@ std::vector<core::Point2> positions(const core::Trajectory& path) {
 }
 
 /// of_raster: its colours turn dark with the picture's.
-std::string legendElement(const std::vector<std::pair<Colour, std::string>>& entries,
+std::string legendElement(const std::vector<std::pair<draw::Colour, std::string>>& entries,
                           bool of_raster = false) {
   std::string html = of_raster ? "<ul class=\"legend of-raster\">" : "<ul class=\"legend\">";
   for (const auto& [colour, label] : entries)
-    html += "<li>" + swatchElement(colour) + htmlText(label) + "</li>";
+    html += "<li>" + swatchElement(colour) + draw::htmlText(label) + "</li>";
   return html + "</ul>\n";
 }
 
 std::string figure(const std::string& svg, const std::string& caption, const std::string& more = "") {
-  return "<figure>" + svg + "<figcaption>" + htmlText(caption) + more + "</figcaption></figure>\n";
+  return "<figure>" + svg + "<figcaption>" + draw::htmlText(caption) + more + "</figcaption></figure>\n";
 }
 
 std::string barText(const Ground& ground) {
-  return " The bar is " + stepLabel(scaleBar(ground.window)) + " m.";
+  return " The bar is " + draw::stepLabel(scaleBar(ground.window)) + " m.";
 }
 
 /// Pictures that several figures share, each once.
@@ -89,11 +90,11 @@ std::string overviewFigure(const ReportPage& page, const Grounds& grounds, size_
   const auto& ground = grounds.grounds[index];
   std::string body;
   if (const auto id = groundPictureId(page, grounds, index); !id.empty()) body += useElement(id);
-  std::vector<std::pair<Colour, std::string>> legend;
+  std::vector<std::pair<draw::Colour, std::string>> legend;
   for (size_t i = 0; i < page.replays.size(); ++i) {
     if (grounds.of_replay[i] != index || page.replays[i].truth.empty()) continue;
-    body += pathElement(positions(page.replays[i].truth), ground.window, kTruthPath, 6);
-    if (legend.empty()) legend.emplace_back(kTruthPath, "truth");
+    body += pathElement(positions(page.replays[i].truth), ground.window, draw::kTruthPath, 6);
+    if (legend.empty()) legend.emplace_back(draw::kTruthPath, "truth");
   }
   // The best lies on top.
   for (size_t k = ground.runs.size(); k-- > 0;)
@@ -145,11 +146,12 @@ double durationOf(const ReportPage& page) {
 std::string chartFigure(const std::string& svg, const std::string& caption,
                         const std::vector<TimeSeries>& series) {
   if (svg.empty()) return "";
-  std::vector<std::pair<Colour, std::string>> legend;
+  std::vector<std::pair<draw::Colour, std::string>> legend;
   legend.reserve(series.size());
   for (const auto& line : series) legend.emplace_back(line.colour, line.label);
-  return "<figure><section class=\"wide\" tabindex=\"0\" aria-label=\"" + htmlText(caption) + "\">" + svg +
-         "</section><figcaption>" + htmlText(caption) + legendElement(legend) + "</figcaption></figure>\n";
+  return "<figure><section class=\"wide\" tabindex=\"0\" aria-label=\"" + draw::htmlText(caption) + "\">" +
+         svg + "</section><figcaption>" + draw::htmlText(caption) + legendElement(legend) +
+         "</figcaption></figure>\n";
 }
 
 std::string errorChart(const ReportPage& page) {
@@ -186,19 +188,19 @@ std::string costChart(const ReportPage& page) {
 std::string eventsElement(const std::vector<core::JournalLine>& events, const Meanings& meanings) {
   if (events.empty()) return "";
   const auto chosen = listed(events);
-  Table table{"Events",
-              {{"time_s", "time (s)", 1},
-               {"scan", "scan", 0},
-               {"event", "event"},
-               {"value", "value", 3},
-               {"x_m", "x (m)", 2},
-               {"y_m", "y (m)", 2}},
-              {},
-              {}};
+  table::Table table{"Events",
+                     {{"time_s", "time (s)", 1},
+                      {"scan", "scan", 0},
+                      {"event", "event"},
+                      {"value", "value", 3},
+                      {"x_m", "x (m)", 2},
+                      {"y_m", "y (m)", 2}},
+                     {},
+                     {}};
   for (const auto& e : chosen.events)
     table.rows.push_back(
         {e.time_s, static_cast<double>(e.scan), core::wordOf(e.event), e.value, e.place.x, e.place.y});
-  return "<details class=\"events\"><summary>What it said of its own work: " + htmlText(chosen.note) +
+  return "<details class=\"events\"><summary>What it said of its own work: " + draw::htmlText(chosen.note) +
          "</summary>\n" + tableElement(table, meanings) + "</details>\n";
 }
 
@@ -211,8 +213,8 @@ std::string runSection(const ReportPage& page, size_t index, const Grounds& grou
     return groundSvg(grounds, ground_index, description, body);
   };
   std::string html = "<section class=\"run\" id=\"run-" + std::to_string(index) + "\"><h3>" +
-                     swatchElement(runColours(page)[index]) + htmlText(run.method) + "</h3>\n";
-  if (!run.failure.empty()) html += "<p class=\"failure\">Failed: " + htmlText(run.failure) + "</p>\n";
+                     swatchElement(runColours(page)[index]) + draw::htmlText(run.method) + "</h3>\n";
+  if (!run.failure.empty()) html += "<p class=\"failure\">Failed: " + draw::htmlText(run.failure) + "</p>\n";
   if (!run.summary.empty()) html += paragraph(run.summary);
   if (run.path.empty() && !run.map) return html + "</section>\n";
   html += "<div class=\"maps\">\n";
@@ -221,10 +223,10 @@ std::string runSection(const ReportPage& page, size_t index, const Grounds& grou
     body += useElement(planId(ground_index));
   else if (run.map)
     body += useElement(mapId(index));
-  if (!replay.truth.empty()) body += pathElement(positions(replay.truth), ground.window, kTruthPath, 6);
+  if (!replay.truth.empty()) body += pathElement(positions(replay.truth), ground.window, draw::kTruthPath, 6);
   if (!run.error_m.empty()) {
     body += errorPathElements(run.path, run.error_m, ground.window);
-    std::vector<std::pair<Colour, std::string>> legend = {{kTruthPath, "truth"}};
+    std::vector<std::pair<draw::Colour, std::string>> legend = {{draw::kTruthPath, "truth"}};
     for (const auto& c : errorClasses()) legend.emplace_back(c.colour, c.label);
     html += figure(svg("the path of " + run.method + " coloured by error", body),
                    "Its path, coloured by its distance from the true one." + barText(ground),
@@ -236,9 +238,9 @@ std::string runSection(const ReportPage& page, size_t index, const Grounds& grou
   if (run.map) {
     html += figure(svg("the map of " + run.method, useElement(mapId(index))), "Its map." + barText(ground));
     if (ground.plan != nullptr) {
-      const MapDifference difference(*ground.plan, *run.map, run.T_world_map,
-                                     replay.seen ? &*replay.seen : nullptr);
-      std::vector<std::pair<Colour, std::string>> legend;
+      const pictures::MapDifference difference(*ground.plan, *run.map, run.T_world_map,
+                                               replay.seen ? &*replay.seen : nullptr);
+      std::vector<std::pair<draw::Colour, std::string>> legend;
       for (const auto& entry : difference.legend()) legend.emplace_back(entry.colour, entry.label);
       html += figure(svg("the map of " + run.method + " against the true plan",
                          imageElement(ground, "difference-" + std::to_string(index),
@@ -259,16 +261,16 @@ std::string downloadsSection(const std::vector<ReportDownload>& downloads) {
     // Text of some length is packed: a path of thousands of lines shrinks to a third.
     constexpr size_t kWorthPacking = 16384;
     const bool packed = file.bytes.size() > kWorthPacking && file.media_type != "image/png";
-    const std::string content = packed ? gzip(file.bytes) : file.bytes;
+    const std::string content = packed ? draw::gzip(file.bytes) : file.bytes;
     const std::string name = file.name + (packed ? ".gz" : "");
     if (bytes + content.size() > kMostDownloadBytes) {
       left_out += (left_out.empty() ? "" : ", ") + file.name;
       continue;
     }
     bytes += content.size();
-    html += "<li><a download=\"" + htmlText(name) + "\" href=\"" +
-            dataUri(packed ? "application/gzip" : file.media_type, content) + "\">" + htmlText(name) +
-            "</a> " + htmlText(file.what) + "</li>\n";
+    html += "<li><a download=\"" + draw::htmlText(name) + "\" href=\"" +
+            draw::dataUri(packed ? "application/gzip" : file.media_type, content) + "\">" +
+            draw::htmlText(name) + "</a> " + draw::htmlText(file.what) + "</li>\n";
   }
   html += "</ul>\n";
   if (!left_out.empty())
@@ -286,16 +288,16 @@ std::string picturesSection(const std::vector<ReportPicture>& pictures) {
   if (pictures.empty()) return "";
   std::string html = "<section id=\"pictures\"><h2>Pictures</h2>\n";
   for (const auto& picture : pictures)
-    html += figure(
-        "<img alt=\"" + htmlText(picture.caption) + "\" src=\"" + dataUri("image/png", picture.png) + "\">",
-        picture.caption);
+    html += figure("<img alt=\"" + draw::htmlText(picture.caption) + "\" src=\"" +
+                       draw::dataUri("image/png", picture.png) + "\">",
+                   picture.caption);
   return html + "</section>\n";
 }
 
 std::string factsSection(const ReportPage& page) {
   std::string html = "<section id=\"origin\"><h2>How to make it again</h2>\n<dl>\n";
   for (const auto& [name, value] : page.facts)
-    html += tag("dt", name) + "<dd><code>" + htmlText(value) + "</code></dd>\n";
+    html += tag("dt", name) + "<dd><code>" + draw::htmlText(value) + "</code></dd>\n";
   return html + "</dl></section>\n";
 }
 
@@ -327,12 +329,13 @@ std::string toHtml(const ReportPage& page) {
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<meta name=\"color-scheme\" content=\"light dark\">\n<title>" +
-      htmlText(page.title) + "</title>\n<style>\n" + kPageStyle + "</style>\n</head>\n<body>\n" +
-      "<header><h1>" + htmlText(page.title) + "</h1>\n" + paragraph(page.subtitle) + "</header>\n<main>\n";
+      draw::htmlText(page.title) + "</title>\n<style>\n" + kPageStyle + "</style>\n</head>\n<body>\n" +
+      "<header><h1>" + draw::htmlText(page.title) + "</h1>\n" + paragraph(page.subtitle) +
+      "</header>\n<main>\n";
   html += "<section id=\"verdict\"><h2>In short</h2>\n";
   for (const auto& sentence : page.verdict) html += paragraph(sentence);
-  for (const auto& what : page.missing) html += "<p class=\"missing\">" + htmlText(what) + "</p>\n";
-  for (const auto& what : page.left_out) html += "<p class=\"note\">" + htmlText(what) + "</p>\n";
+  for (const auto& what : page.missing) html += "<p class=\"missing\">" + draw::htmlText(what) + "</p>\n";
+  for (const auto& what : page.left_out) html += "<p class=\"note\">" + draw::htmlText(what) + "</p>\n";
   html += "</section>\n";
   html += chartsSection(page.charts);
   if (!page.tables.empty()) {
@@ -354,10 +357,10 @@ std::string toHtml(const ReportPage& page) {
   return html + replay.data + "<script>\n" + kPageScript + "</script>\n</body>\n</html>\n";
 }
 
-std::vector<Colour> runColours(const ReportPage& page) {
+std::vector<draw::Colour> runColours(const ReportPage& page) {
   std::vector<std::string> labels;
   for (const auto& run : page.runs) labels.push_back(run.method);
-  return labelColours(labels);
+  return draw::labelColours(labels);
 }
 
 }  // namespace slam::report

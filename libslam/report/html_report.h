@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/draw/canvas.h"
 #include "libslam/metrics/map_score.h"
-#include "libslam/report/canvas.h"
-#include "libslam/report/journal_picture.h"
+#include "libslam/pictures/journal_picture.h"
 #include "libslam/report/page_chart.h"
 #include "libslam/report/page_table.h"
-#include "libslam/report/table.h"
 #include "libslam/robot/scan.h"
+#include "libslam/table/table.h"
 #include "libslam/world/plan.h"
 
 namespace slam::report {
@@ -76,7 +76,7 @@ struct ReportPage {
   std::vector<std::string> verdict;   ///< sentences, the most important first
   std::vector<std::string> missing;   ///< what could not be found, and what that leaves out
   std::vector<std::string> left_out;  ///< what this page has not, for its size
-  std::vector<Table> tables;          ///< in this order
+  std::vector<table::Table> tables;   ///< in this order
   std::vector<PageChart> charts;
   std::vector<ReportRun> runs;        ///< the best first
   std::vector<ReportReplay> replays;  ///< their scans together at most kMostReplayed
@@ -101,6 +101,6 @@ inline constexpr std::size_t kMostDownloadBytes = 1
 std::string toHtml(const ReportPage& page);
 
 /// Of the page's runs, by their methods (labelColours()).
-std::vector<Colour> runColours(const ReportPage& page);
+std::vector<draw::Colour> runColours(const ReportPage& page);
 
 }  // namespace slam::report

@@ -7,12 +7,12 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/report/canvas.h"
-#include "libslam/report/map_view.h"
-#include "libslam/report/number_text.h"
+#include "libslam/draw/canvas.h"
+#include "libslam/draw/map_view.h"
+#include "libslam/draw/page_text.h"
 #include "libslam/report/page_plot.h"
-#include "libslam/report/page_text.h"
-#include "libslam/report/table.h"
+#include "libslam/table/number_text.h"
+#include "libslam/table/table.h"
 
 namespace slam::report {
 namespace {
@@ -46,10 +46,10 @@ struct Scale {
   std::vector<Tick> ticks() const {
     std::vector<Tick> ticks;
     if (!is_log) {
-      const double step = niceStep((to - from) / 5);
+      const double step = draw::niceStep((to - from) / 5);
       const int decimals = std::max(0, static_cast<int>(-std::floor(core::log10(step) + 1e-9)));
       for (int i = 0; from + i * step <= to + 1e-9 * step; ++i)
-        ticks.push_back({from + i * step, fixed(from + i * step, decimals)});
+        ticks.push_back({from + i * step, table::fixed(from + i * step, decimals)});
       return ticks;
     }
     const bool few = to / from < 1e3;
@@ -58,7 +58,7 @@ struct Scale {
       for (const int digit : {1, 2, 5})
         if (const double value = digit * core::powerOfTen(decade);
             (few || digit == 1) && value >= from * (1 - 1e-9) && value <= to * (1 + 1e-9))
-          ticks.push_back({value, fixed(value, std::max(0, -decade))});
+          ticks.push_back({value, table::fixed(value, std::max(0, -decade))});
     return ticks;
   }
 };
@@ -86,7 +86,7 @@ Scale scaleOf(const Range& range, double given_end, double worth_logarithm) {
   }
   scale.to = given_end > 0 ? given_end : range.most > 0 ? range.most : 1;
   if (!(given_end > 0)) {
-    const double step = niceStep(scale.to / 5);
+    const double step = draw::niceStep(scale.to / 5);
     scale.to = step * std::ceil(scale.to / step - 1e-9);
   }
   return scale;
@@ -107,8 +107,8 @@ Axes axesOf(const PageChart& chart, const Range& x, const Range& y) {
 }
 
 std::string textElement(double x, double y, const std::string& anchor, const std::string& text) {
-  return "<text x=\"" + fixed(x, 1) + "\" y=\"" + fixed(y, 1) + "\" text-anchor=\"" + anchor + "\">" +
-         htmlText(text) + "</text>\n";
+  return "<text x=\"" + table::fixed(x, 1) + "\" y=\"" + table::fixed(y, 1) + "\" text-anchor=\"" + anchor +
+         "\">" + draw::htmlText(text) + "</text>\n";
 }
 
 std::string frame(const PageChart& chart, const Axes& axes) {
@@ -116,18 +116,18 @@ std::string frame(const PageChart& chart, const Axes& axes) {
   const double bottom = kHeight - kBottom, right = kWidth - kRight;
   for (const auto& tick : axes.y.ticks()) {
     const double y = axes.y.place(tick.value);
-    grid += "M" + fixed(kLeft, 1) + " " + fixed(y, 1) + "H" + fixed(right, 1);
+    grid += "M" + table::fixed(kLeft, 1) + " " + table::fixed(y, 1) + "H" + table::fixed(right, 1);
     labels += textElement(kLeft - 8, y + 5, "end", tick.label);
   }
   for (const auto& tick : axes.x.ticks()) {
     const double x = axes.x.place(tick.value);
-    grid += "M" + fixed(x, 1) + " " + fixed(kTop, 1) + "V" + fixed(bottom, 1);
+    grid += "M" + table::fixed(x, 1) + " " + table::fixed(kTop, 1) + "V" + table::fixed(bottom, 1);
     labels += textElement(x, bottom + 19, "middle", tick.label);
   }
   return "<path class=\"grid\" d=\"" + grid + "\"/>\n" + labels +
          textElement((kLeft + right) / 2, kHeight - 8, "middle", chart.x_title) +
-         "<text class=\"axis\" transform=\"translate(18 " + fixed((kTop + bottom) / 2, 1) +
-         ") rotate(-90)\" text-anchor=\"middle\">" + htmlText(chart.y_title) + "</text>\n";
+         "<text class=\"axis\" transform=\"translate(18 " + table::fixed((kTop + bottom) / 2, 1) +
+         ") rotate(-90)\" text-anchor=\"middle\">" + draw::htmlText(chart.y_title) + "</text>\n";
 }
 
 /// "x y low high" of points at most one per kValueSpacing, and of those that have an interval or a cross.
@@ -149,7 +149,7 @@ std::string valuesOf(const PageCurve& curve, const Axes& axes) {
 }
 
 /// `shift`: to the side, so that intervals at one value do not hide one another.
-std::string curveElement(const PageCurve& curve, const Axes& axes, size_t series, Colour colour,
+std::string curveElement(const PageCurve& curve, const Axes& axes, size_t series, draw::Colour colour,
                          double shift) {
   std::vector<core::Point2> line;
   std::string whiskers, dots, crosses;
@@ -166,18 +166,19 @@ std::string curveElement(const PageCurve& curve, const Axes& axes, size_t series
     if (!curve.low.empty() && std::isfinite(curve.low[i]) && std::isfinite(curve.high[i])) {
       const double low = axes.y.place(std::max(curve.low[i], axes.y.from)),
                    high = axes.y.place(curve.high[i]);
-      whiskers += "M" + fixed(place.x, 1) + " " + fixed(low, 1) + "V" + fixed(high, 1) + "M" +
-                  fixed(place.x - 4, 1) + " " + fixed(low, 1) + "h8M" + fixed(place.x - 4, 1) + " " +
-                  fixed(high, 1) + "h8";
+      whiskers += "M" + table::fixed(place.x, 1) + " " + table::fixed(low, 1) + "V" + table::fixed(high, 1) +
+                  "M" + table::fixed(place.x - 4, 1) + " " + table::fixed(low, 1) + "h8M" +
+                  table::fixed(place.x - 4, 1) + " " + table::fixed(high, 1) + "h8";
     }
     const bool is_broken = !curve.broken.empty() && curve.broken[i];
     if (is_broken)
-      crosses += "M" + fixed(place.x - 6, 1) + " " + fixed(place.y - 6, 1) + "l12 12m0 -12l-12 12";
+      crosses +=
+          "M" + table::fixed(place.x - 6, 1) + " " + table::fixed(place.y - 6, 1) + "l12 12m0 -12l-12 12";
     else if (!curve.low.empty())
-      dots += "M" + fixed(place.x, 1) + " " + fixed(place.y, 1) + "z";
+      dots += "M" + table::fixed(place.x, 1) + " " + table::fixed(place.y, 1) + "z";
   }
   std::string html = "<g data-series=\"" + std::to_string(series) + "\" data-values=\"" +
-                     valuesOf(curve, axes) + "\" stroke=\"" + cssColour(colour) + "\">";
+                     valuesOf(curve, axes) + "\" stroke=\"" + draw::cssColour(colour) + "\">";
   const auto path = [&](const char* name, const std::string& outline) {
     if (!outline.empty()) html += std::string("<path class=\"") + name + "\" d=\"" + outline + "\"/>";
   };
@@ -210,17 +211,17 @@ std::string chartElement(const PageChart& chart) {
   }
   if (x.isEmpty() || y.isEmpty()) return "";
   const Axes axes = axesOf(chart, x, y);
-  const auto place = [](double value) { return fixed(value, 0); };
-  std::string svg = "<svg class=\"chart asked\" id=\"" + htmlText(chart.id) + "\" viewBox=\"0 0 " +
+  const auto place = [](double value) { return table::fixed(value, 0); };
+  std::string svg = "<svg class=\"chart asked\" id=\"" + draw::htmlText(chart.id) + "\" viewBox=\"0 0 " +
                     place(kWidth) + " " + place(kHeight) + "\" role=\"img\" aria-label=\"" +
-                    htmlText(chart.y_title + " over " + chart.x_title) + "\" data-left=\"" + place(kLeft) +
-                    "\" data-right=\"" + place(kWidth - kRight) + "\" data-top=\"" + place(kTop) +
-                    "\" data-bottom=\"" + place(kHeight - kBottom) + "\" data-from=\"" +
+                    draw::htmlText(chart.y_title + " over " + chart.x_title) + "\" data-left=\"" +
+                    place(kLeft) + "\" data-right=\"" + place(kWidth - kRight) + "\" data-top=\"" +
+                    place(kTop) + "\" data-bottom=\"" + place(kHeight - kBottom) + "\" data-from=\"" +
                     shortNumber(axes.x.from) + "\" data-to=\"" + shortNumber(axes.x.to) + "\" data-x=\"" +
-                    htmlText(chart.x_title) + "\" data-y=\"" + htmlText(chart.y_title) + "\"";
-  const auto colours = labelColours(labels);
+                    draw::htmlText(chart.x_title) + "\" data-y=\"" + draw::htmlText(chart.y_title) + "\"";
+  const auto colours = draw::labelColours(labels);
   if (axes.x.is_log) svg += " data-log=\"1\"";
-  if (chart.duration_s > 0) svg += " data-duration=\"" + fixed(chart.duration_s, 3) + "\"";
+  if (chart.duration_s > 0) svg += " data-duration=\"" + table::fixed(chart.duration_s, 3) + "\"";
   svg += ">\n" + frame(chart, axes);
   for (size_t i = chart.curves.size(); i-- > 0;) {  // the first lies on top
     const auto& curve = chart.curves[i];
@@ -231,16 +232,18 @@ std::string chartElement(const PageChart& chart) {
     svg += curveElement(curve, axes, series, colours[series], shift);
   }
   svg += "</svg>";
-  std::string legend = "<ul class=\"legend\" data-chart=\"" + htmlText(chart.id) + "\">";
+  std::string legend = "<ul class=\"legend\" data-chart=\"" + draw::htmlText(chart.id) + "\">";
   for (size_t i = 0; i < labels.size(); ++i)
     legend += "<li data-series=\"" + std::to_string(i) + "\">" + swatchElement(colours[i]) + "<span>" +
-              htmlText(labels[i]) + "</span>" + (notes[i].empty() ? "" : ": " + htmlText(notes[i])) + "</li>";
+              draw::htmlText(labels[i]) + "</span>" +
+              (notes[i].empty() ? "" : ": " + draw::htmlText(notes[i])) + "</li>";
   legend += "</ul>\n";
   std::string caption = chart.caption;
   if (axes.x.is_log) caption += " The lower axis is logarithmic.";
   if (axes.y.is_log) caption += " The left axis is logarithmic.";
-  return "<figure><section class=\"wide\" tabindex=\"0\" aria-label=\"" + htmlText(chart.caption) + "\">" +
-         svg + "</section><figcaption>" + htmlText(caption) + legend + "</figcaption></figure>\n";
+  return "<figure><section class=\"wide\" tabindex=\"0\" aria-label=\"" + draw::htmlText(chart.caption) +
+         "\">" + svg + "</section><figcaption>" + draw::htmlText(caption) + legend +
+         "</figcaption></figure>\n";
 }
 
 }  // namespace slam::report

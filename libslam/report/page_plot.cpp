@@ -9,9 +9,9 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/report/number_text.h"
-#include "libslam/report/page_text.h"
-#include "libslam/report/table.h"
+#include "libslam/draw/page_text.h"
+#include "libslam/table/number_text.h"
+#include "libslam/table/table.h"
 
 namespace slam::report {
 namespace {
@@ -20,7 +20,7 @@ struct PictureSize {
   int width, height;
   double pixel_m;
 };
-PictureSize pictureSize(const Window& window, double cell_m) {
+PictureSize pictureSize(const draw::Window& window, double cell_m) {
   const double pixel_m = std::max(cell_m, std::max(window.width(), window.height()) / kMostPixels);
   return {std::max(1, static_cast<int>(std::lround(window.width() / pixel_m))),
           std::max(1, static_cast<int>(std::lround(window.height() / pixel_m))), pixel_m};
@@ -28,7 +28,7 @@ PictureSize pictureSize(const Window& window, double cell_m) {
 
 /// set(x, y, p_world) for every pixel's centre.
 template <class Set>
-void forPixels(const Window& window, const PictureSize& size, Set set) {
+void forPixels(const draw::Window& window, const PictureSize& size, Set set) {
   for (int y = 0; y < size.height; ++y)
     for (int x = 0; x < size.width; ++x)
       set(x, y,
@@ -36,7 +36,7 @@ void forPixels(const Window& window, const PictureSize& size, Set set) {
                        window.y1 - (y + 0.5) * window.height() / size.height});
 }
 
-std::string encodedPng(const cv::Mat& picture) {
+std::string draw::encodedPng(const cv::Mat& picture) {
   std::vector<unsigned char> bytes;
   if (!cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9}))
     throw core::IoError("OpenCV cannot encode a PNG");
@@ -49,45 +49,40 @@ bool isFinitePoint(const core::Point2& p) {
 
 }  // namespace
 
-std::string cssColour(Colour colour) {
-  char text[8];
-  std::snprintf(text, sizeof text, "#%02x%02x%02x", colour.red, colour.green, colour.blue);
-  return text;
-}
-
-std::string swatchElement(Colour colour) {
+std::string swatchElement(draw::Colour colour) {
   return "<svg class=\"swatch\" viewBox=\"0 0 10 10\" aria-hidden=\"true\"><rect width=\"10\" height=\"10\" "
          "fill=\"" +
-         cssColour(colour) + "\"/></svg>";
+         draw::cssColour(colour) + "\"/></svg>";
 }
 
-std::string rasterPng(const world::Plan& raster, const core::Pose2& T_world_raster, const Window& window,
-                      double cell_m) {
+std::string rasterPng(const world::Plan& raster, const core::Pose2& T_world_raster,
+                      const draw::Window& window, double cell_m) {
   const auto size = pictureSize(window, cell_m);
-  cv::Mat picture(size.height, size.width, CV_8UC1, cv::Scalar(kUnknown.red));
+  cv::Mat picture(size.height, size.width, CV_8UC1, cv::Scalar(draw::kUnknown.red));
   if (core::isFinite(T_world_raster)) {
-    const LabelRaster labels(raster, T_world_raster, [&raster](int column, int row) {
+    const draw::LabelRaster labels(raster, T_world_raster, [&raster](int column, int row) {
       const auto cell = raster.at(column, row);
       return static_cast<unsigned char>(cell == world::Cell::kOccupied ? 2
                                         : cell == world::Cell::kFree   ? 1
                                                                        : 0);
     });
-    const unsigned char greys[] = {kUnknown.red, kFree.red, kWall.red};
+    const unsigned char greys[] = {draw::kUnknown.red, draw::kFree.red, draw::kWall.red};
     forPixels(window, size, [&](int x, int y, const core::Point2& p) {
       picture.at<unsigned char>(y, x) = greys[labels.at(p, size.pixel_m)];
     });
   }
-  return encodedPng(picture);
+  return draw::encodedPng(picture);
 }
 
-std::string differencePng(const MapDifference& difference, const Window& window, double cell_m) {
+std::string differencePng(const pictures::MapDifference& difference, const draw::Window& window,
+                          double cell_m) {
   const auto size = pictureSize(window, cell_m);
   cv::Mat picture(size.height, size.width, CV_8UC3);
   forPixels(window, size, [&](int x, int y, const core::Point2& p) {
-    const Colour colour = difference.colourAt(p, size.pixel_m);
+    const draw::Colour colour = difference.colourAt(p, size.pixel_m);
     picture.at<cv::Vec3b>(y, x) = {colour.blue, colour.green, colour.red};
   });
-  return encodedPng(picture);
+  return draw::encodedPng(picture);
 }
 
 std::string pathOutline(const std::vector<core::Point2>& points, double tolerance_m) {
@@ -100,7 +95,7 @@ std::string pathOutline(const std::vector<core::Point2>& points, double toleranc
       std::vector<cv::Point2f> few;
       cv::approxPolyDP(piece, few, tolerance_m, false);
       outline += "M";
-      for (const auto& p : few) outline += fixed(p.x, 2) + " " + fixed(p.y, 2) + " ";
+      for (const auto& p : few) outline += table::fixed(p.x, 2) + " " + table::fixed(p.y, 2) + " ";
       outline.back() = few.size() == 1 ? 'z' : ' ';
     }
     ++begin;
@@ -111,9 +106,12 @@ std::string pathOutline(const std::vector<core::Point2>& points, double toleranc
 
 const std::vector<ErrorClass>& errorClasses() {
   static const std::vector<ErrorClass> classes = {
-      {0.01, kBlue, "below 1 cm"},      {0.03, kSkyBlue, "1 to 3 cm"},
-      {0.1, kGreen, "3 to 10 cm"},      {0.3, kOrange, "10 to 30 cm"},
-      {1, kVermillion, "30 cm to 1 m"}, {std::numeric_limits<double>::infinity(), kPurple, "1 m and more"}};
+      {0.01, draw::kBlue, "below 1 cm"},
+      {0.03, draw::kSkyBlue, "1 to 3 cm"},
+      {0.1, draw::kGreen, "3 to 10 cm"},
+      {0.3, draw::kOrange, "10 to 30 cm"},
+      {1, draw::kVermillion, "30 cm to 1 m"},
+      {std::numeric_limits<double>::infinity(), draw::kPurple, "1 m and more"}};
   return classes;
 }
 
@@ -121,14 +119,14 @@ namespace {
 
 constexpr double kOutlineShare = 1.0 / 2000;  // of the window's longer side: less than a pixel
 
-double outlineTolerance(const Window& window) {
+double outlineTolerance(const draw::Window& window) {
   return kOutlineShare * std::max(window.width(), window.height());
 }
 
-std::string outlineElement(const std::string& outline, Colour colour, double line_width) {
+std::string outlineElement(const std::string& outline, draw::Colour colour, double line_width) {
   if (outline.empty()) return "";
-  return "<path d=\"" + outline + "\" stroke=\"" + cssColour(colour) + "\" stroke-width=\"" +
-         fixed(line_width, 1) + "\"/>\n";
+  return "<path d=\"" + outline + "\" stroke=\"" + draw::cssColour(colour) + "\" stroke-width=\"" +
+         table::fixed(line_width, 1) + "\"/>\n";
 }
 
 size_t errorClass(double error_m) {
@@ -140,30 +138,30 @@ size_t errorClass(double error_m) {
 
 }  // namespace
 
-double scaleBar(const Window& window) {
-  return niceStep(0.25 * window.width());
+double scaleBar(const draw::Window& window) {
+  return draw::niceStep(0.25 * window.width());
 }
 
-std::string mapSvg(const Window& window, const std::string& description, const std::string& body,
+std::string mapSvg(const draw::Window& window, const std::string& description, const std::string& body,
                    const std::string& group) {
   const double bar_m = scaleBar(window);
   const double air = 0.02 * window.width();
   const double x = window.x0 + air, y = -window.y0 - air;
-  return "<svg class=\"map\" viewBox=\"" + fixed(window.x0, 2) + " " + fixed(-window.y1, 2) + " " +
-         fixed(window.width(), 2) + " " + fixed(window.height(), 2) + "\" data-group=\"" + group +
-         "\" role=\"img\" aria-label=\"" +
-         htmlText(description + "; the bar is " + stepLabel(bar_m) + " m long") + "\">\n" + body +
-         "<path class=\"scale\" d=\"M" + fixed(x, 2) + " " + fixed(y, 2) + "h" + fixed(bar_m, 2) +
-         "\"/></svg>";
+  return "<svg class=\"map\" viewBox=\"" + table::fixed(window.x0, 2) + " " + table::fixed(-window.y1, 2) +
+         " " + table::fixed(window.width(), 2) + " " + table::fixed(window.height(), 2) + "\" data-group=\"" +
+         group + "\" role=\"img\" aria-label=\"" +
+         draw::htmlText(description + "; the bar is " + draw::stepLabel(bar_m) + " m long") + "\">\n" + body +
+         "<path class=\"scale\" d=\"M" + table::fixed(x, 2) + " " + table::fixed(y, 2) + "h" +
+         table::fixed(bar_m, 2) + "\"/></svg>";
 }
 
-std::string pathElement(const std::vector<core::Point2>& points, const Window& window, Colour colour,
-                        double line_width) {
+std::string pathElement(const std::vector<core::Point2>& points, const draw::Window& window,
+                        draw::Colour colour, double line_width) {
   return outlineElement(pathOutline(points, outlineTolerance(window)), colour, line_width);
 }
 
 std::string errorPathElements(const core::Trajectory& path, const std::vector<double>& error_m,
-                              const Window& window) {
+                              const draw::Window& window) {
   // One element per class: its stretches are pieces of one outline.
   std::string elements;
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -218,7 +216,7 @@ std::string seriesOutline(const TimeSeries& line, const Axes& axes, double place
   double column = -1, highest = 0;
   const auto flush = [&] {
     if (column < 0) return;
-    outline += (open ? " " : "M") + fixed(column, 1) + " " + fixed(axes.y(highest), 1);
+    outline += (open ? " " : "M") + table::fixed(column, 1) + " " + table::fixed(axes.y(highest), 1);
     open = true;
     column = -1;
   };
@@ -240,8 +238,8 @@ std::string seriesOutline(const TimeSeries& line, const Axes& axes, double place
 }
 
 std::string textElement(double x, double y, const std::string& anchor, const std::string& text) {
-  return "<text x=\"" + fixed(x, 1) + "\" y=\"" + fixed(y, 1) + "\" text-anchor=\"" + anchor + "\">" +
-         htmlText(text) + "</text>\n";
+  return "<text x=\"" + table::fixed(x, 1) + "\" y=\"" + table::fixed(y, 1) + "\" text-anchor=\"" + anchor +
+         "\">" + draw::htmlText(text) + "</text>\n";
 }
 
 }  // namespace
@@ -250,33 +248,35 @@ std::string timeChart(const std::vector<TimeSeries>& series, const std::string& 
                       const std::string& y_title, double duration_s, double place_width) {
   const auto axes = axesOf(series, duration_s);
   if (!axes) return "";
-  std::string svg = "<svg class=\"chart\" id=\"" + htmlText(id) + "\" viewBox=\"0 0 " + fixed(kWidth, 0) +
-                    " " + fixed(kHeight, 0) + "\" role=\"img\" aria-label=\"" +
-                    htmlText(y_title + " over time, logarithmic; one line per method") + "\" data-left=\"" +
-                    fixed(kLeft, 0) + "\" data-right=\"" + fixed(kWidth - kRight, 0) + "\" data-top=\"" +
-                    fixed(kTop, 0) + "\" data-bottom=\"" + fixed(kHeight - kBottom, 0) +
-                    "\" data-duration=\"" + fixed(duration_s, 3) + "\">\n";
+  std::string svg =
+      "<svg class=\"chart\" id=\"" + draw::htmlText(id) + "\" viewBox=\"0 0 " + table::fixed(kWidth, 0) +
+      " " + table::fixed(kHeight, 0) + "\" role=\"img\" aria-label=\"" +
+      draw::htmlText(y_title + " over time, logarithmic; one line per method") + "\" data-left=\"" +
+      table::fixed(kLeft, 0) + "\" data-right=\"" + table::fixed(kWidth - kRight, 0) + "\" data-top=\"" +
+      table::fixed(kTop, 0) + "\" data-bottom=\"" + table::fixed(kHeight - kBottom, 0) +
+      "\" data-duration=\"" + table::fixed(duration_s, 3) + "\">\n";
   std::string grid, labels;
   for (int decade = static_cast<int>(axes->low); decade <= static_cast<int>(axes->high); ++decade) {
     const double y = axes->y(core::powerOfTen(decade));
-    grid += "M" + fixed(kLeft, 1) + " " + fixed(y, 1) + "H" + fixed(kWidth - kRight, 1);
-    labels += textElement(kLeft - 8, y + 5, "end", fixed(core::powerOfTen(decade), std::max(0, -decade)));
+    grid += "M" + table::fixed(kLeft, 1) + " " + table::fixed(y, 1) + "H" + table::fixed(kWidth - kRight, 1);
+    labels +=
+        textElement(kLeft - 8, y + 5, "end", table::fixed(core::powerOfTen(decade), std::max(0, -decade)));
   }
-  const double step_s = niceStep(duration_s / 5);
+  const double step_s = draw::niceStep(duration_s / 5);
   for (int i = 0; i * step_s <= duration_s; ++i) {
     const double x = axes->x(i * step_s);
-    grid += "M" + fixed(x, 1) + " " + fixed(kTop, 1) + "V" + fixed(kHeight - kBottom, 1);
-    labels += textElement(x, kHeight - kBottom + 18, "middle", fixed(i * step_s, step_s < 1 ? 1 : 0));
+    grid += "M" + table::fixed(x, 1) + " " + table::fixed(kTop, 1) + "V" + table::fixed(kHeight - kBottom, 1);
+    labels += textElement(x, kHeight - kBottom + 18, "middle", table::fixed(i * step_s, step_s < 1 ? 1 : 0));
   }
   svg += "<path class=\"grid\" d=\"" + grid + "\"/>\n" + labels +
          textElement((kLeft + kWidth - kRight) / 2, kHeight - 6, "middle", "time since the first scan (s)") +
-         "<text class=\"axis\" transform=\"translate(16 " + fixed((kTop + kHeight - kBottom) / 2, 1) +
-         ") rotate(-90)\" text-anchor=\"middle\">" + htmlText(y_title) + "</text>\n";
+         "<text class=\"axis\" transform=\"translate(16 " + table::fixed((kTop + kHeight - kBottom) / 2, 1) +
+         ") rotate(-90)\" text-anchor=\"middle\">" + draw::htmlText(y_title) + "</text>\n";
   for (const auto& line : series) {
     const auto outline = seriesOutline(line, *axes, place_width);
     if (!outline.empty())
-      svg += "<path class=\"line\" data-method=\"" + htmlText(line.label) + "\" d=\"" + outline +
-             "\" stroke=\"" + cssColour(line.colour) + "\"/>\n";
+      svg += "<path class=\"line\" data-method=\"" + draw::htmlText(line.label) + "\" d=\"" + outline +
+             "\" stroke=\"" + draw::cssColour(line.colour) + "\"/>\n";
   }
   return svg + "</svg>";
 }

@@ -6,9 +6,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "libslam/draw/page_text.h"
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/report/page_plot.h"
-#include "libslam/report/page_text.h"
 
 namespace slam::report {
 namespace {
@@ -24,7 +24,7 @@ std::string posesAt(const core::Trajectory& path, const std::vector<double>& sta
     if (!metrics::poseAt(path, stamp_s, pose)) pose = {kNan, kNan, kNan};
     numbers.insert(numbers.end(), {pose.x, pose.y, pose.phi});
   }
-  return base64Floats(numbers);
+  return draw::base64Floats(numbers);
 }
 
 constexpr unsigned kLostCode = 65535, kNoReturnCode = 65534;
@@ -48,7 +48,7 @@ Json scansJson(const std::vector<robot::Scan>& scans) {
           {"step", first.step_rad * static_cast<double>(step)},
           {"beams", beams == 0 ? 0 : (beams + step - 1) / step},
           {"mount", {mount.x, mount.y, mount.phi}},
-          {"ranges", base64(bytes)}};
+          {"ranges", draw::base64(bytes)}};
 }
 
 /// Centimetres are enough for lists and marks, and keep the page small.
@@ -74,7 +74,7 @@ std::vector<double> stampsOf(const ReportPage& page, size_t replay) {
 Json runJson(const ReportPage& page, size_t index, const std::vector<double>& stamps_s) {
   const auto& run = page.runs[index];
   Json entry{{"name", run.method},
-             {"colour", cssColour(runColours(page)[index])},
+             {"colour", draw::cssColour(runColours(page)[index])},
              {"map", run.map ? mapId(index) : ""},
              {"poses", posesAt(run.path, stamps_s)}};
   if (!run.online.empty()) entry["online"] = posesAt(run.online, stamps_s);
@@ -98,7 +98,7 @@ Json replayJson(const ReportPage& page, const Grounds& grounds, size_t index) {
   Json json{{"name", replay.name},
             {"group", ground},
             {"window", {window.x0, window.y0, window.x1, window.y1}},
-            {"times", base64Floats(times_s)},
+            {"times", draw::base64Floats(times_s)},
             {"ground", replay.plan ? planId(ground) : ""}};
   if (!replay.truth.empty()) json["truth"] = posesAt(replay.truth, stamps_s);
   if (!replay.scans.empty()) json["scan"] = scansJson(replay.scans);
@@ -159,8 +159,8 @@ bool isSamePlan(const world::Plan& a, const world::Plan& b) {
 /// Sets window and cell.
 void measure(const ReportPage& page, Grounds& grounds, size_t index) {
   auto& ground = grounds.grounds[index];
-  std::vector<Window> maps;
-  Window truth, estimates;
+  std::vector<draw::Window> maps;
+  draw::Window truth, estimates;
   std::optional<double> cell_m;
   const auto use = [&](const world::Plan& raster) {
     cell_m = std::min(cell_m.value_or(raster.resolution_m), raster.resolution_m);
@@ -168,19 +168,19 @@ void measure(const ReportPage& page, Grounds& grounds, size_t index) {
   for (const size_t i : ground.runs) {
     const auto& run = page.runs[i];
     if (run.map && core::isFinite(run.T_world_map)) {
-      maps.push_back(windowOf(*run.map, run.T_world_map * run.map->T_world_plan));
+      maps.push_back(draw::windowOf(*run.map, run.T_world_map * run.map->T_world_plan));
       use(*run.map);
     }
-    estimates.include(windowOf(run.path));
+    estimates.include(draw::windowOf(run.path));
   }
   for (size_t i = 0; i < page.replays.size(); ++i)
-    if (grounds.of_replay[i] == index) truth.include(windowOf(page.replays[i].truth));
+    if (grounds.of_replay[i] == index) truth.include(draw::windowOf(page.replays[i].truth));
   if (ground.plan != nullptr) {
-    truth.include(windowOf(*ground.plan, ground.plan->T_world_plan));
+    truth.include(draw::windowOf(*ground.plan, ground.plan->T_world_plan));
     use(*ground.plan);
     maps.clear();  // the plan alone says what there is to show
   }
-  ground.window = commonWindow(maps, truth, estimates);
+  ground.window = draw::commonWindow(maps, truth, estimates);
   ground.cell_m = cell_m.value_or(0.05);
 }
 
@@ -289,7 +289,7 @@ ReplayParts replayParts(const ReportPage& page, const Grounds& grounds) {
                             "page does not.</p></noscript>\n<div id=\"player\"></div>\n") +
                         eventLegend(page);
   if (const auto note = thinnedNote(page); !note.empty())
-    section += "<p class=\"note\">" + htmlText(note) + "</p>\n";
+    section += "<p class=\"note\">" + draw::htmlText(note) + "</p>\n";
   return {section + "</section>\n",
           "<script type=\"application/json\" id=\"replay-data\">" + scriptJson(json) + "</script>\n"};
 }

@@ -2,8 +2,8 @@
 #include <string>
 #include <vector>
 
+#include "libslam/draw/map_view.h"
 #include "libslam/report/html_report.h"
-#include "libslam/report/map_view.h"
 
 namespace slam::report {
 
@@ -12,7 +12,7 @@ namespace slam::report {
 /// What of one world the maps of a page show, and how fine. Replays in the same plan share it, and all that
 /// shows them moves together.
 struct Ground {
-  Window window;
+  draw::Window window;
   double cell_m = 0.05;
   const world::Plan* plan = nullptr;  ///< the true one, if known
   std::vector<std::size_t> runs;      ///< those on it

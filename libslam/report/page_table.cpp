@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "libslam/core/parameters.h"
+#include "libslam/draw/page_text.h"
 #include "libslam/report/html_report.h"
-#include "libslam/report/page_text.h"
 
 namespace slam::report {
 namespace {
@@ -16,7 +16,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// What sorts: the number itself, not its rounded text; of "0.5 [0.4, 0.6]" the first, of "<0.001" less than
 /// that.
-std::string sortValue(const CellValue& cell) {
+std::string sortValue(const table::CellValue& cell) {
   double number = kNan;
   if (const auto* value = std::get_if<double>(&cell)) {
     number = *value;
@@ -30,8 +30,8 @@ std::string sortValue(const CellValue& cell) {
   return std::isnan(number) ? "NaN" : number > 0 ? "Infinity" : "-Infinity";
 }
 
-std::string cellElement(const CellValue& cell, const Column& column, bool is_head) {
-  const auto text = htmlText(shownText(cell, column));
+std::string cellElement(const table::CellValue& cell, const table::Column& column, bool is_head) {
+  const auto text = draw::htmlText(table::shownText(cell, column));
   if (is_head) return "<th scope=\"row\">" + text + "</th>";
   const auto value = sortValue(cell);
   if (value.empty()) return "<td>" + text + "</td>";
@@ -39,7 +39,7 @@ std::string cellElement(const CellValue& cell, const Column& column, bool is_hea
 }
 
 /// "" where none is known.
-std::string meaningOf(const Column& column, const Meanings& meanings) {
+std::string meaningOf(const table::Column& column, const Meanings& meanings) {
   for (const auto& name : {column.key, column.title})
     if (const auto it = meanings.find(name); it != meanings.end()) return it->second;
   return "";
@@ -51,15 +51,15 @@ std::string meaningsElement(const std::string& id, const std::string& heading,
                             const std::vector<std::pair<std::string, std::string>>& meanings, bool is_open) {
   if (meanings.empty()) return "";
   std::string html = "<details class=\"meanings\"" + (id.empty() ? "" : " id=\"" + id + "\"") +
-                     (is_open ? " open" : "") + "><summary>" + htmlText(heading) + "</summary>\n<dl>";
+                     (is_open ? " open" : "") + "><summary>" + draw::htmlText(heading) + "</summary>\n<dl>";
   for (const auto& [name, meaning] : meanings)
-    html += "<dt>" + htmlText(name) + "</dt><dd>" + htmlText(meaning) + "</dd>\n";
+    html += "<dt>" + draw::htmlText(name) + "</dt><dd>" + draw::htmlText(meaning) + "</dd>\n";
   return html + "</dl></details>\n";
 }
 
-std::string tableElement(const Table& table, const Meanings& meanings) {
-  std::string html = "<section class=\"wide\" tabindex=\"0\" aria-label=\"" + htmlText(table.caption) +
-                     "\">\n<table class=\"sortable\">\n" + "<caption><span>" + htmlText(table.caption) +
+std::string tableElement(const table::Table& table, const Meanings& meanings) {
+  std::string html = "<section class=\"wide\" tabindex=\"0\" aria-label=\"" + draw::htmlText(table.caption) +
+                     "\">\n<table class=\"sortable\">\n" + "<caption><span>" + draw::htmlText(table.caption) +
                      "</span></caption>" + "\n<thead><tr>";
   std::vector<std::pair<std::string, std::string>> shown;
   for (size_t i = 0; i < table.columns.size(); ++i) {
@@ -68,8 +68,8 @@ std::string tableElement(const Table& table, const Meanings& meanings) {
     const auto& column = table.columns[i];
     const auto meaning = meaningOf(column, meanings);
     html += std::string("<th scope=\"col\"") + (numeric ? " class=\"number\"" : "") +
-            (meaning.empty() ? "" : " title=\"" + htmlText(meaning) + "\"") + ">" + htmlText(column.title) +
-            "</th>";
+            (meaning.empty() ? "" : " title=\"" + draw::htmlText(meaning) + "\"") + ">" +
+            draw::htmlText(column.title) + "</th>";
     if (!meaning.empty()) shown.emplace_back(column.title, meaning);
   }
   html += "</tr></thead>\n<tbody>\n";
@@ -84,7 +84,7 @@ std::string tableElement(const Table& table, const Meanings& meanings) {
   if (rows < table.rows.size())
     html += "<p class=\"note\">The first " + std::to_string(rows) + " of " +
             std::to_string(table.rows.size()) + " rows.</p>\n";
-  for (const auto& note : table.notes) html += "<p class=\"note\">" + htmlText(note) + "</p>\n";
+  for (const auto& note : table.notes) html += "<p class=\"note\">" + draw::htmlText(note) + "</p>\n";
   return html + meaningsElement("", "What the columns mean", shown, false);
 }
 

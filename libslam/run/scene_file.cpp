@@ -18,9 +18,9 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/draw/map_view.h"
+#include "libslam/draw/page_text.h"
 #include "libslam/graph/graph_slam.h"
-#include "libslam/report/map_view.h"
-#include "libslam/report/page_text.h"
 #include "libslam/viewer/layers.h"
 
 namespace slam::run {
@@ -41,7 +41,7 @@ void save(const COpenGLScene& scene, const std::string& file) {
   mrpt::io::CMemoryStream buffer;
   mrpt::serialization::archiveFrom(buffer) << scene;
   core::writeFileAtomically(
-      file, report::gzip({static_cast<const char*>(buffer.getRawBufferData()), buffer.getTotalBytesCount()}));
+      file, draw::gzip({static_cast<const char*>(buffer.getRawBufferData()), buffer.getTotalBytesCount()}));
 }
 
 using mrpt::img::TColor;
@@ -133,7 +133,7 @@ void insert(COpenGLScene& scene, const viewer::Layer& layer, const core::Pose2& 
 }
 
 /// From straight above, the whole window in view.
-void lookAt(COpenGLScene& scene, const report::Window& window) {
+void lookAt(COpenGLScene& scene, const draw::Window& window) {
   auto& camera = scene.getViewport("main")->getCamera();
   camera.setPointingAt(static_cast<float>((window.x0 + window.x1) / 2),
                        static_cast<float>((window.y0 + window.y1) / 2), 0);
@@ -145,17 +145,17 @@ void lookAt(COpenGLScene& scene, const report::Window& window) {
   scene.enableFollowCamera(true);  // SceneViewer3D takes it over when the file is opened
 }
 
-report::Window windowOf(const gridmap::OccupancyRaster& map, const core::Trajectory& path) {
-  report::Window window = report::windowOf(path);
+draw::Window windowOf(const gridmap::OccupancyRaster& map, const core::Trajectory& path) {
+  draw::Window window = draw::windowOf(path);
   for (int row = 0; row < map.rows; ++row)
     for (int column = 0; column < map.columns; ++column)
       if (map.at(column, row) > gridmap::kOccupiedAbove)
         window.include(
             core::Point2{map.x_min_m + column * map.resolution_m, map.y_min_m + row * map.resolution_m});
-  return report::usable(window);
+  return draw::usable(window);
 }
 
-double lineWidth(const report::Window& window) {
+double lineWidth(const draw::Window& window) {
   return kLineShare * std::max(window.width(), window.height());
 }
 
@@ -176,7 +176,7 @@ void insertGraph(COpenGLScene& scene, const graph::GraphSlam& slam, double line_
 /// From the ground up: what is transparent lets through only what was drawn before it. The wider the scene
 /// is, the farther apart the layers lie, so that a viewer's depth buffer tells them apart when all of it is
 /// looked at.
-void stackLayers(COpenGLScene& scene, const report::Window& window) {
+void stackLayers(COpenGLScene& scene, const draw::Window& window) {
   const double stretch = std::max(1.0, std::max(window.width(), window.height()) / kUnstretched_m);
   auto& viewport = *scene.getViewport("main");
   std::vector<viewer::Layer> layers(viewport.begin(), viewport.end());
@@ -222,15 +222,15 @@ void addTruthToScene(const core::Trajectory& truth, const world::Plan* plan, con
   if (!scene.loadFromFile(file)) throw core::InputError(file + ": is not a scene, expected MRPT's .3Dscene");
   for (const char* name : {viewer::kPlanLayer, viewer::kTruthLayer})
     if (const auto old = scene.getByName(name)) scene.removeObject(old);
-  report::Window window;
+  draw::Window window;
   core::Trajectory truth_in_map;
   for (const auto& stamped : truth) truth_in_map.push_back({stamped.time_s, T_map_world * stamped.pose});
-  window.include(report::windowOf(truth_in_map));
+  window.include(draw::windowOf(truth_in_map));
   if (plan) {
-    window.include(report::windowOf(*plan, T_map_world * plan->T_world_plan));
+    window.include(draw::windowOf(*plan, T_map_world * plan->T_world_plan));
     insertRaster(scene, viewer::planLayer(*plan), T_map_world);
   }
-  window = report::usable(window);
+  window = draw::usable(window);
   insert(scene, viewer::truthLayer(truth, lineWidth(window)), T_map_world, lineWidth(window));
   stackLayers(scene, window);
   lookAt(scene, window);

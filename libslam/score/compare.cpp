@@ -10,25 +10,25 @@
 #include "libslam/logs/relations_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/truth_files.h"
-#include "libslam/report/table_latex.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/run/told_commands.h"
 #include "libslam/score/compare_pictures.h"
 #include "libslam/score/compared_methods.h"
 #include "libslam/score/relation_tables.h"
+#include "libslam/table/latex.h"
 
 namespace slam::score {
 namespace fs = std::filesystem;
 namespace {
 
 /// Which end of a metric is good, for those where one is.
-std::map<std::string, report::Best> bestMetrics() {
-  std::map<std::string, report::Best> best;
+std::map<std::string, table::Best> bestMetrics() {
+  std::map<std::string, table::Best> best;
   for (const auto& info : metricInfos())
     if (info.better)
       best[info.key] =
-          *info.better == stats::Better::kSmaller ? report::Best::kSmallest : report::Best::kLargest;
+          *info.better == stats::Better::kSmaller ? table::Best::kSmallest : table::Best::kLargest;
   return best;
 }
 
@@ -77,16 +77,16 @@ void scoreByRelations(const std::vector<run::RunFolder>& runs, const core::Relat
   comparison.worst_relations = worstRelationsTable(relations, scores, Detail::kShort);
   const auto full = relationTable(scores, Detail::kFull);
   const auto worst = worstRelationsTable(relations, scores, Detail::kFull);
-  core::writeFileAtomically(output + "/relations.txt", report::toText(*comparison.relations) + "\n" +
-                                                           report::toText(*comparison.worst_relations));
-  core::writeFileAtomically(output + "/relations.csv", report::toCsv(full));
-  core::writeFileAtomically(output + "/relations.json", report::toJson(full));
-  core::writeFileAtomically(output + "/worst_relations.csv", report::toCsv(worst));
+  core::writeFileAtomically(output + "/relations.txt", table::toText(*comparison.relations) + "\n" +
+                                                           table::toText(*comparison.worst_relations));
+  core::writeFileAtomically(output + "/relations.csv", table::toCsv(full));
+  core::writeFileAtomically(output + "/relations.json", table::toJson(full));
+  core::writeFileAtomically(output + "/worst_relations.csv", table::toCsv(worst));
 }
 
 /// Under the tables: which methods took the kinds of the commands from the wheels, and which took skewed
 /// scans.
-void noteCommands(const std::vector<run::RunFolder>& runs, const std::vector<report::Table*>& tables) {
+void noteCommands(const std::vector<run::RunFolder>& runs, const std::vector<table::Table*>& tables) {
   for (const auto& run : runs) {
     const auto from = run.manifest.results.find("commands_from");
     const std::string note =
@@ -174,13 +174,13 @@ void writeTables(const Comparison& comparison, const std::string& output) {
   const auto write = [&](const char* name, const std::string& text) {
     core::writeFileAtomically(output + "/" + name, text);
   };
-  write("scores.txt", report::toText(comparison.accuracy));
-  write("scores.md", report::toMarkdown(comparison.accuracy));
-  write("scores.tex", report::toLatex(comparison.accuracy, {"tab:scores", bestMetrics()}));
-  write("scores.csv", report::toCsv(comparison.full_accuracy));
-  write("scores.json", report::toJson(comparison.full_accuracy));
-  write("cost.csv", report::toCsv(comparison.cost));
-  write("cost.json", report::toJson(comparison.cost));
+  write("scores.txt", table::toText(comparison.accuracy));
+  write("scores.md", table::toMarkdown(comparison.accuracy));
+  write("scores.tex", table::toLatex(comparison.accuracy, {"tab:scores", bestMetrics()}));
+  write("scores.csv", table::toCsv(comparison.full_accuracy));
+  write("scores.json", table::toJson(comparison.full_accuracy));
+  write("cost.csv", table::toCsv(comparison.cost));
+  write("cost.json", table::toJson(comparison.cost));
 }
 
 void describeFiles(const Comparison& comparison, core::Manifest& manifest) {

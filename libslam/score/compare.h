@@ -8,8 +8,8 @@
 #include "libslam/core/manifest.h"
 #include "libslam/core/progress.h"
 #include "libslam/record/record.h"
-#include "libslam/report/table.h"
 #include "libslam/score/evaluate.h"
+#include "libslam/table/table.h"
 
 namespace slam::score {
 
@@ -42,10 +42,10 @@ struct CompareRequest {
 struct Comparison {
   std::vector<Evaluation> evaluations;  ///< in the order of the request
   bool has_truth = false;
-  report::Table accuracy;       ///< what fits 80 columns
-  report::Table full_accuracy;  ///< all figures
-  report::Table cost;
-  std::optional<report::Table> relations, worst_relations;  ///< when relations were given
+  table::Table accuracy;       ///< what fits 80 columns
+  table::Table full_accuracy;  ///< all figures
+  table::Table cost;
+  std::optional<table::Table> relations, worst_relations;  ///< when relations were given
   std::string log_path;
   int failed = 0, reused = 0;
 };

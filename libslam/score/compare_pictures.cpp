@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "libslam/logs/log_reader.h"
-#include "libslam/report/picture.h"
+#include "libslam/pictures/picture.h"
 #include "libslam/run/scene_file.h"
 
 namespace slam::score {
@@ -28,13 +28,14 @@ std::string subtitle(const Evaluation& e, bool has_truth) {
 }
 
 /// Several paths side by side, for on one plan they would hide one another.
-void drawPaths(const std::vector<report::Panel>& maps, const world::Plan& ground,
-               const std::vector<report::DrawnPath>& paths, const std::string& file) {
+void drawPaths(const std::vector<pictures::Panel>& maps, const world::Plan& ground,
+               const std::vector<pictures::DrawnPath>& paths, const std::string& file) {
   constexpr std::size_t kMostPanels = 8;
-  if (maps.size() < 2 || maps.size() > kMostPanels) return report::drawPlan(ground, paths, ground.name, file);
-  auto panels = report::pathPanels(ground, paths);
+  if (maps.size() < 2 || maps.size() > kMostPanels)
+    return pictures::drawPlan(ground, paths, ground.name, file);
+  auto panels = pictures::pathPanels(ground, paths);
   for (std::size_t i = 0; i < panels.size(); ++i) panels[i].subtitle = maps[i].subtitle;
-  report::drawPanels(panels, file);
+  pictures::drawPanels(panels, file);
 }
 
 }  // namespace
@@ -42,15 +43,15 @@ void drawPaths(const std::vector<report::Panel>& maps, const world::Plan& ground
 void drawPictures(const std::vector<run::RunFolder>& runs, const std::vector<Evaluation>& evaluations,
                   const std::optional<Truth>& truth, const std::string& log_path, const std::string& output,
                   core::Progress& progress) {
-  std::vector<report::Panel> panels;
-  std::vector<report::DrawnPath> paths;
+  std::vector<pictures::Panel> panels;
+  std::vector<pictures::DrawnPath> paths;
   if (truth) paths.push_back({truth->trajectory, "truth", true});
   for (const auto& run : runs) {
     progress.update(-1, 0);
     const auto& e = *std::find_if(evaluations.begin(), evaluations.end(),
                                   [&](const Evaluation& x) { return x.method == run.method; });
     const core::Pose2 T_world_map = truth ? e.final_trajectory.T_truth_estimate : core::Pose2{};
-    report::Panel panel{run.method, subtitle(e, truth.has_value()), run.map, T_world_map, {}};
+    pictures::Panel panel{run.method, subtitle(e, truth.has_value()), run.map, T_world_map, {}};
     if (truth) panel.paths.push_back({truth->trajectory, "truth", true});
     panel.paths.push_back({moved(T_world_map, run.final_estimate.value_or(run.estimate)), run.method, false});
     paths.push_back(panel.paths.back());
@@ -59,16 +60,16 @@ void drawPictures(const std::vector<run::RunFolder>& runs, const std::vector<Eva
       run::addTruthToScene(truth->trajectory, truth->plan ? &*truth->plan : nullptr,
                            core::inverse(T_world_map), run.path + "/map.3Dscene");
     if (truth && truth->plan)
-      report::drawDifference(*truth->plan, run.map, T_world_map, run.method, run.path + "/difference.png",
-                             truth->seen ? &*truth->seen : nullptr);
+      pictures::drawDifference(*truth->plan, run.map, T_world_map, run.method, run.path + "/difference.png",
+                               truth->seen ? &*truth->seen : nullptr);
   }
   if (panels.empty()) return;
-  report::drawPanels(panels, output + "/maps.png");
+  pictures::drawPanels(panels, output + "/maps.png");
   progress.update(-1, 0);
   const world::Plan& ground = truth && truth->plan ? *truth->plan : runs.front().map;
   drawPaths(panels, ground, paths, output + "/paths.png");
   logs::LogReader log(log_path);
-  if (const auto entry = log.next()) report::drawScan(entry->scan, output + "/scan.png");
+  if (const auto entry = log.next()) pictures::drawScan(entry->scan, output + "/scan.png");
 }
 
 }  // namespace slam::score

@@ -295,9 +295,9 @@ const std::vector<std::string>& costKeys() {
 
 namespace {
 
-report::Table tableOf(const std::string& caption, const std::vector<std::string>& keys,
-                      const std::vector<Evaluation>& evaluations) {
-  report::Table table;
+table::Table tableOf(const std::string& caption, const std::vector<std::string>& keys,
+                     const std::vector<Evaluation>& evaluations) {
+  table::Table table;
   table.caption = caption;
   table.columns = {{"method", "method", 0}};
   for (const auto& e : evaluations) table.rows.push_back({e.method});
@@ -313,7 +313,7 @@ report::Table tableOf(const std::string& caption, const std::vector<std::string>
 }
 
 /// What every table of results owes its reader.
-report::Table withNotes(report::Table table, const std::vector<Evaluation>& evaluations) {
+table::Table withNotes(table::Table table, const std::vector<Evaluation>& evaluations) {
   table.notes.emplace_back("One run with one seed: small differences between rows may be chance.");
   for (const auto& e : evaluations)
     if (!e.failure.empty()) table.notes.push_back(e.method + " failed: " + e.failure);
@@ -325,7 +325,7 @@ report::Table withNotes(report::Table table, const std::vector<Evaluation>& eval
 namespace {
 
 /// What is not the usual alignment has to be said.
-void sayAlignment(const std::vector<Evaluation>& evaluations, report::Table& table) {
+void sayAlignment(const std::vector<Evaluation>& evaluations, table::Table& table) {
   for (const auto& e : evaluations)
     if (e.align == metrics::Align::kNone)
       table.notes.push_back(e.method +
@@ -341,7 +341,7 @@ bool isLocalised(const Evaluation& e) {
 
 }  // namespace
 
-report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Truth& truth, Detail detail) {
+table::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Truth& truth, Detail detail) {
   std::vector<std::string> keys = {"ate_rmse_m", "ate_final_m", "heading_rmse_deg", "rpe_1m_m", "rpe_1m_deg"};
   const auto add = [&](std::initializer_list<const char*> more) {
     keys.insert(keys.end(), more.begin(), more.end());
@@ -363,7 +363,7 @@ report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Tr
   return table;
 }
 
-report::Table agreementTable(const std::vector<Evaluation>& evaluations, Detail detail) {
+table::Table agreementTable(const std::vector<Evaluation>& evaluations, Detail detail) {
   std::vector<std::string> keys = {"path_length_m", "agreement_m",        "wall_thickness_m",
                                    "on_wall_share", "through_wall_share", "occupied_share",
                                    "corners",       "enclosed_areas"};
@@ -381,7 +381,7 @@ report::Table agreementTable(const std::vector<Evaluation>& evaluations, Detail 
   return table;
 }
 
-report::Table costTable(const std::vector<Evaluation>& evaluations) {
+table::Table costTable(const std::vector<Evaluation>& evaluations) {
   return tableOf("Cost on this machine", costKeys(), evaluations);
 }
 

@@ -7,9 +7,9 @@
 #include "libslam/metrics/map_score.h"
 #include "libslam/metrics/map_structure.h"
 #include "libslam/metrics/trajectory_error.h"
-#include "libslam/report/table.h"
 #include "libslam/run/run_folder.h"
 #include "libslam/stats/paired.h"
+#include "libslam/table/table.h"
 #include "libslam/world/plan.h"
 
 namespace slam::score {
@@ -71,12 +71,12 @@ inline constexpr double kWallTolerance_m = 0.10;
 enum class Detail { kShort, kFull };
 
 /// Accuracy of several runs against the truth: one row each. The same bytes for the same seed.
-report::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Truth& truth, Detail detail);
+table::Table accuracyTable(const std::vector<Evaluation>& evaluations, const Truth& truth, Detail detail);
 /// What can be said without truth: length, end pose, sharpness of points and map, agreement of the scans with
 /// the map and of the method with the others.
-report::Table agreementTable(const std::vector<Evaluation>& evaluations, Detail detail);
+table::Table agreementTable(const std::vector<Evaluation>& evaluations, Detail detail);
 /// Time and memory; differs from run to run.
-report::Table costTable(const std::vector<Evaluation>& evaluations);
+table::Table costTable(const std::vector<Evaluation>& evaluations);
 
 /// Sets agreement_m of each: the median over the other runs of the ATE between the two estimates. runs[i]
 /// belongs to evaluations[i] where their methods are equal; a failed method has none.

@@ -17,8 +17,8 @@
 #include "libslam/record/carry_file.h"
 #include "libslam/record/collision_file.h"
 #include "libslam/record/number_rows.h"
-#include "libslam/report/number_text.h"
-#include "libslam/report/table.h"
+#include "libslam/table/number_text.h"
+#include "libslam/table/table.h"
 
 namespace slam::score {
 namespace fs = std::filesystem;
@@ -69,7 +69,7 @@ std::size_t onsetIn(const std::vector<Pair>& pairs, std::size_t from, std::size_
 }
 
 std::string at(const core::Point2& place) {
-  return "(" + report::fixed(place.x, 2) + ", " + report::fixed(place.y, 2) + ")";
+  return "(" + table::fixed(place.x, 2) + ", " + table::fixed(place.y, 2) + ")";
 }
 
 /// Events of one kind around the divergence.
@@ -81,8 +81,8 @@ struct Events {
 std::string textOf(const std::string& name, const Events& events) {
   std::string text = name;
   if (events.count > 1) text += " " + std::to_string(events.count) + " times";
-  text += ", " + report::fixed(events.first_s, 1);
-  if (events.count > 1) text += " to " + report::fixed(events.last_s, 1);
+  text += ", " + table::fixed(events.first_s, 1);
+  if (events.count > 1) text += " to " + table::fixed(events.last_s, 1);
   return text + " s";
 }
 
@@ -270,8 +270,8 @@ FailureEvidence readEvidence(const run::RunFolder& run, const std::string& truth
   return evidence;
 }
 
-report::Table failureTable(const FailureReport& report, const std::string& method) {
-  report::Table table;
+table::Table failureTable(const FailureReport& report, const std::string& method) {
+  table::Table table;
   table.caption = "Where and why " + method + " failed";
   table.columns = {{"what", "what", 0}, {"value", "value", 0}};
   const auto add = [&](const std::string& what, const std::string& value) {
@@ -280,9 +280,9 @@ report::Table failureTable(const FailureReport& report, const std::string& metho
   if (report.divergence) {
     const auto& d = *report.divergence;
     add("first divergence", std::string(d.kind == Divergence::kJump ? kJumpWord : kDriftWord) + " at " +
-                                report::fixed(d.time_s, 1) + " s, " + at(d.place));
+                                table::fixed(d.time_s, 1) + " s, " + at(d.place));
     add("error there",
-        report::fixed(d.error_m, 2) + " m, " + report::fixed(core::radToDeg(d.error_rad), 1) + " degrees");
+        table::fixed(d.error_m, 2) + " m, " + table::fixed(core::radToDeg(d.error_rad), 1) + " degrees");
     add("suspect", report.suspect);
   } else {
     add("first divergence", "none");
@@ -290,13 +290,13 @@ report::Table failureTable(const FailureReport& report, const std::string& metho
   for (const auto& line : report.around) add("around it", line);
   for (const auto& loop : report.wrong_loops)
     add("false loop closure", "scan " + std::to_string(loop.scan) + " to " + std::to_string(loop.other_scan) +
-                                  " at " + report::fixed(loop.time_s, 1) +
-                                  " s: " + report::fixed(loop.apart_m, 2) + " m apart in truth, " +
-                                  report::fixed(loop.apart_in_map_m, 2) + " m in the map");
+                                  " at " + table::fixed(loop.time_s, 1) +
+                                  " s: " + table::fixed(loop.apart_m, 2) + " m apart in truth, " +
+                                  table::fixed(loop.apart_in_map_m, 2) + " m in the map");
   if (report.region)
     add("worst region of the map",
-        at(report.region->centre) + ": " + report::fixed(report.region->missing_wall_m, 1) +
-            " m of wall missing, " + report::fixed(report.region->false_wall_m, 1) + " m false");
+        at(report.region->centre) + ": " + table::fixed(report.region->missing_wall_m, 1) +
+            " m of wall missing, " + table::fixed(report.region->false_wall_m, 1) + " m false");
   return table;
 }
 

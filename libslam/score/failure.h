@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/report/table.h"
 #include "libslam/run/journal_file.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/sim/simulator.h"
+#include "libslam/table/table.h"
 
 namespace slam::score {
 
@@ -93,7 +93,7 @@ FailureEvidence readEvidence(const run::RunFolder& run, const std::string& truth
                              const std::string& log_path);
 
 /// For people and machines: two columns, what and value.
-report::Table failureTable(const FailureReport& report, const std::string& method);
+table::Table failureTable(const FailureReport& report, const std::string& method);
 
 /// A report with a divergence as a file, and back. Errors: InputError with the path.
 std::string failureJson(const FailureReport& report);

@@ -321,9 +321,9 @@ bool gateIsShut(const std::vector<GateFinding>& findings) {
   });
 }
 
-report::Table gateTable(const std::vector<GateFinding>& findings, const std::string& gate_path,
-                        Detail detail) {
-  report::Table table;
+table::Table gateTable(const std::vector<GateFinding>& findings, const std::string& gate_path,
+                       Detail detail) {
+  table::Table table;
   table.caption = "Against the baseline";
   table.columns = {{"cell", "method", 0},
                    {"metric", "metric", 0},

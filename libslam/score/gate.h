@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "libslam/report/table.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/score/relation_tables.h"
 #include "libslam/stats/paired.h"
+#include "libslam/table/table.h"
 
 namespace slam::score {
 
@@ -86,7 +86,6 @@ std::vector<GateFinding> checkGate(const Gate& gate, const std::vector<Score>& s
 bool gateIsShut(const std::vector<GateFinding>& findings);
 
 /// kShort: the rows that are not within their tolerance; kFull: all. The first note counts the verdicts.
-report::Table gateTable(const std::vector<GateFinding>& findings, const std::string& gate_path,
-                        Detail detail);
+table::Table gateTable(const std::vector<GateFinding>& findings, const std::string& gate_path, Detail detail);
 
 }  // namespace slam::score

@@ -49,9 +49,9 @@ std::vector<RpeStep> parseRpeSteps(const std::string& text, const std::string& o
   return steps;
 }
 
-report::Table rpeTable(const core::Trajectory& truth, const core::Trajectory& estimate,
-                       const std::vector<RpeStep>& steps) {
-  report::Table table;
+table::Table rpeTable(const core::Trajectory& truth, const core::Trajectory& estimate,
+                      const std::vector<RpeStep>& steps) {
+  table::Table table;
   table.caption = "Relative pose error";
   table.columns = {{"over", "over", 0},   {"pairs", "pairs", 0},       {"rmse_m", "rmse m", 4},
                    {"max_m", "max m", 4}, {"rmse_deg", "rmse deg", 3}, {"max_deg", "max deg", 3}};
@@ -66,12 +66,12 @@ report::Table rpeTable(const core::Trajectory& truth, const core::Trajectory& es
   return table;
 }
 
-report::Table pathTable(const std::string& name, const core::Trajectory& truth,
-                        const core::Trajectory& estimate, const Alignment& alignment) {
+table::Table pathTable(const std::string& name, const core::Trajectory& truth,
+                       const core::Trajectory& estimate, const Alignment& alignment) {
   const auto error = metrics::trajectoryError(truth, estimate, alignment.how, alignment.T_truth_map);
   if (error.position_m.count == 0)
     throw core::InputError(name + ": no stamp in common with the truth, expected the truth of the same log");
-  report::Table table;
+  table::Table table;
   table.caption = "Accuracy against ground truth";
   table.columns = {{"path", "path", 0},
                    {"poses", "poses", 0},

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/report/table.h"
 #include "libslam/score/evaluate.h"
+#include "libslam/table/table.h"
 
 namespace slam::score {
 
@@ -18,13 +18,13 @@ std::vector<RpeStep> parseRpeSteps(const std::string& text, const std::string& o
 
 /// A row per step: how many pairs of poses, root mean square and largest error of their relative motion
 /// (metrics::relativeErrorOverDistance(), ...OverTime()).
-report::Table rpeTable(const core::Trajectory& truth, const core::Trajectory& estimate,
-                       const std::vector<RpeStep>& steps);
+table::Table rpeTable(const core::Trajectory& truth, const core::Trajectory& estimate,
+                      const std::vector<RpeStep>& steps);
 
 /// A path by itself against the truth: its absolute errors, in one row. Errors: InputError where no stamp is
 /// common.
-report::Table pathTable(const std::string& name, const core::Trajectory& truth,
-                        const core::Trajectory& estimate, const Alignment& alignment);
+table::Table pathTable(const std::string& name, const core::Trajectory& truth,
+                       const core::Trajectory& estimate, const Alignment& alignment);
 
 /// Whether the estimate moves when the truth does: correlation of distances, or of turns, over 1 s, whichever
 /// is higher. An estimate may be far off and still moves in time; one of another drive does not. NaN with

@@ -6,10 +6,10 @@
 namespace slam::score {
 namespace {
 
-using Row = std::vector<report::CellValue>;
+using Row = std::vector<table::CellValue>;
 
 struct Column {
-  report::Column column;
+  table::Column column;
   bool only_full;
   double (*of)(const metrics::RelationError&);
 };
@@ -67,8 +67,8 @@ std::vector<RelationScore> scoreByRelations(const run::RunFolder& run, const cor
           {run.method + " online", online}};
 }
 
-report::Table relationTable(const std::vector<RelationScore>& scores, Detail detail) {
-  report::Table table;
+table::Table relationTable(const std::vector<RelationScore>& scores, Detail detail) {
+  table::Table table;
   const size_t relations = scores.empty() ? 0 : scores[0].error.scored + scores[0].error.unmatched;
   table.caption = "Error against " + std::to_string(relations) + " relations";
   table.columns = {{"path", "path", 0}};
@@ -92,9 +92,9 @@ report::Table relationTable(const std::vector<RelationScore>& scores, Detail det
   return table;
 }
 
-report::Table worstRelationsTable(const core::Relations& relations, const std::vector<RelationScore>& scores,
-                                  Detail detail) {
-  report::Table table;
+table::Table worstRelationsTable(const core::Relations& relations, const std::vector<RelationScore>& scores,
+                                 Detail detail) {
+  table::Table table;
   table.caption = "Worst relations";
   table.columns = {{"path", "path", 0}, {"from_s", "from (s)", 3}, {"apart_s", "apart (s)", 1}};
   if (detail == Detail::kFull)

@@ -5,8 +5,8 @@
 #include "libslam/core/pose2.h"
 #include "libslam/core/relation.h"
 #include "libslam/metrics/relation_error.h"
-#include "libslam/report/table.h"
 #include "libslam/score/evaluate.h"
+#include "libslam/table/table.h"
 
 namespace slam::score {
 
@@ -23,11 +23,11 @@ std::vector<RelationScore> scoreByRelations(const run::RunFolder& run, const cor
 /// One row per path: mean, deviation and maximum of the translational and of the rotational error (Kümmerle
 /// et al. 2009), how many relations were scored; kFull also the squares and medians. The notes state how
 /// poses at the relations' stamps are found.
-report::Table relationTable(const std::vector<RelationScore>& scores, Detail detail);
+table::Table relationTable(const std::vector<RelationScore>& scores, Detail detail);
 
 /// The relations that each path fits worst: when, what the relation says, what the path has. kShort puts a
 /// motion into one cell, "x y yaw" in metres and degrees; kFull gives each number a column.
-report::Table worstRelationsTable(const core::Relations& relations, const std::vector<RelationScore>& scores,
-                                  Detail detail);
+table::Table worstRelationsTable(const core::Relations& relations, const std::vector<RelationScore>& scores,
+                                 Detail detail);
 
 }  // namespace slam::score

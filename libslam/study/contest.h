@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/report/table.h"
 #include "libslam/study/sweep_tables.h"
 #include "libslam/sweep/suite.h"
+#include "libslam/table/table.h"
 
 namespace slam::study {
 
@@ -27,8 +27,8 @@ sweep::Suite contestSuite(const ContestRequest& request);
 
 /// Who stands where.
 struct Standings {
-  report::Table table;               ///< best first; what went wrong first stands below it
-  report::Table full;                ///< the same with what went wrong in a column
+  table::Table table;                ///< best first; what went wrong first stands below it
+  table::Table full;                 ///< the same with what went wrong in a column
   std::vector<std::string> verdict;  ///< sentences
 };
 /// From the runs of a contest's sweep: place, median of the metric with interval, mean rank over the drives,

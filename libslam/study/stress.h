@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "libslam/core/ini.h"
-#include "libslam/report/curves.h"
-#include "libslam/report/table.h"
+#include "libslam/draw/curves.h"
 #include "libslam/study/sweep_tables.h"
 #include "libslam/sweep/suite.h"
 #include "libslam/sweep/sweep_plan.h"
+#include "libslam/table/table.h"
 
 namespace slam::study {
 
@@ -59,11 +59,11 @@ struct BreakingPoint {
 };
 
 struct StressResult {
-  report::Table
+  table::Table
       main;  ///< one row per value and method: runs, failures and median error, each with its interval
-  report::Table all;  ///< every figure in a column of its own
+  table::Table all;  ///< every figure in a column of its own
   std::vector<BreakingPoint> breaks;
-  std::vector<report::Chart> charts;  ///< median error and failure rate over the value, whiskers = intervals
+  std::vector<draw::Chart> charts;  ///< median error and failure rate over the value, whiskers = intervals
 };
 
 /// Statistics of a stress suite's runs, pooled over the other axes (drawn within each of their settings,

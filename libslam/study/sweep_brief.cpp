@@ -10,19 +10,19 @@
 namespace slam::study {
 namespace {
 
-std::size_t columnOf(const report::Table& table, const std::string& key) {
+std::size_t columnOf(const table::Table& table, const std::string& key) {
   for (std::size_t c = 0; c < table.columns.size(); ++c)
     if (table.columns[c].key == key) return c;
   throw core::ContractError("table '" + table.caption + "' has no column '" + key + "'");
 }
 
-double numberIn(const report::Table& table, std::size_t row, const std::string& key) {
+double numberIn(const table::Table& table, std::size_t row, const std::string& key) {
   return std::get<double>(table.rows[row][columnOf(table, key)]);
 }
 
 /// Whether the first row is the worse one. Rows of `all`, one per setting; a median that is not there is no
 /// worse than any.
-bool isWorse(const sweep::SweepPlan& plan, const report::Table& all, std::size_t one, std::size_t other) {
+bool isWorse(const sweep::SweepPlan& plan, const table::Table& all, std::size_t one, std::size_t other) {
   const double rate = numberIn(all, one, "failure_rate"), other_rate = numberIn(all, other, "failure_rate");
   if (rate != other_rate) return rate > other_rate;
   const double value = numberIn(all, one, plan.metric), other_value = numberIn(all, other, plan.metric);
@@ -30,7 +30,7 @@ bool isWorse(const sweep::SweepPlan& plan, const report::Table& all, std::size_t
   return betterOf(plan.metric) == stats::Better::kLarger ? value < other_value : value > other_value;
 }
 
-std::string settingText(const report::Table& main, std::size_t row, std::size_t axes) {
+std::string settingText(const table::Table& main, std::size_t row, std::size_t axes) {
   std::string text;
   for (std::size_t c = 0; c < axes; ++c)
     text += (c > 0 ? ", " : "") + std::get<std::string>(main.rows[row][c]);

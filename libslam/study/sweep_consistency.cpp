@@ -79,7 +79,7 @@ SweepConsistency sweepConsistency(const sweep::SweepPlan& plan, const SweepResul
   const auto names = methodNames(plan);
   for (const auto& group : groupsOf(plan, names))
     for (std::size_t m = 0; m < names.size(); ++m) {
-      std::vector<report::CellValue> main, all;
+      std::vector<table::CellValue> main, all;
       std::size_t most = 0;
       for (std::size_t f = 0; f < std::size(kFigures); ++f) {
         const auto [mean, runs] = meanOf(results, group.methods[m], group.settings, kFigures[f]);
@@ -94,8 +94,8 @@ SweepConsistency sweepConsistency(const sweep::SweepPlan& plan, const SweepResul
         for (auto* row : {&main, &all}) row->emplace_back(verdictOn(mean, singular));
       }
       if (most == 0) continue;
-      const auto add = [&](report::Table& table, const std::vector<SweepAxis>& axes,
-                           const std::vector<report::CellValue>& figures) {
+      const auto add = [&](table::Table& table, const std::vector<SweepAxis>& axes,
+                           const std::vector<table::CellValue>& figures) {
         auto row = axisCells(group, axes);
         row.emplace_back(names[m]);
         row.emplace_back(static_cast<double>(most));

@@ -1,6 +1,6 @@
 #pragma once
-#include "libslam/report/table.h"
 #include "libslam/study/sweep_tables.h"
+#include "libslam/table/table.h"
 
 namespace slam::study {
 
@@ -14,8 +14,8 @@ namespace slam::study {
 /// astray count: a method that does not know it is overconfident. No rows: no method states covariances. The
 /// same bytes for the same results.
 struct SweepConsistency {
-  report::Table main;  ///< without the axes that do not vary; an interval and its figure in one cell
-  report::Table all;   ///< every figure in a column of its own
+  table::Table main;  ///< without the axes that do not vary; an interval and its figure in one cell
+  table::Table all;   ///< every figure in a column of its own
 };
 SweepConsistency sweepConsistency(const sweep::SweepPlan& plan, const SweepResults& results);
 

@@ -79,7 +79,7 @@ SweepFailures sweepFailures(const sweep::SweepPlan& plan, const SweepResults& re
     const std::string suspect = report && report->divergence ? report->suspect : "-";
     tables.main.rows.push_back({run.id, fullName(run), seed, results[i]->status, ate_m,
                                 report ? whereOf(*report) : results[i]->message, suspect});
-    std::vector<report::CellValue> row = {
+    std::vector<table::CellValue> row = {
         run.id, log.world,  log.lidar,      log.odometry,       log.strategy,        log.fault,
         seed,   run.method, run.parameters, results[i]->status, results[i]->message, ate_m};
     if (report && report->divergence) {

@@ -1,9 +1,9 @@
 #pragma once
 #include <string>
 
-#include "libslam/report/table.h"
 #include "libslam/study/sweep_tables.h"
 #include "libslam/sweep/sweep_plan.h"
+#include "libslam/table/table.h"
 
 namespace slam::study {
 
@@ -12,8 +12,8 @@ namespace slam::study {
 /// (failure.json). A run that left no path has only its status and message. The same bytes for the same
 /// cells.
 struct SweepFailures {
-  report::Table main;  ///< for people: what, where, suspect
-  report::Table all;
+  table::Table main;  ///< for people: what, where, suspect
+  table::Table all;
 };
 SweepFailures sweepFailures(const sweep::SweepPlan& plan, const SweepResults& results,
                             const std::string& folder);

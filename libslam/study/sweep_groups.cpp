@@ -73,8 +73,8 @@ std::vector<SweepGroup> groupsOf(const sweep::SweepPlan& plan, const std::vector
   return groups;
 }
 
-std::vector<report::CellValue> axisCells(const SweepGroup& group, const std::vector<SweepAxis>& axes) {
-  std::vector<report::CellValue> cells;
+std::vector<table::CellValue> axisCells(const SweepGroup& group, const std::vector<SweepAxis>& axes) {
+  std::vector<table::CellValue> cells;
   cells.reserve(axes.size());
   for (const auto& axis : axes) cells.emplace_back(group.log ? group.log->*axis.member : "all");
   return cells;

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/report/table.h"
 #include "libslam/sweep/sweep_plan.h"
+#include "libslam/table/table.h"
 
 namespace slam::study {
 
@@ -41,6 +41,6 @@ struct SweepGroup {
 std::vector<SweepGroup> groupsOf(const sweep::SweepPlan& plan, const std::vector<std::string>& names);
 
 /// What stands in a row for these axes: the group's place on each, or "all".
-std::vector<report::CellValue> axisCells(const SweepGroup& group, const std::vector<SweepAxis>& axes);
+std::vector<table::CellValue> axisCells(const SweepGroup& group, const std::vector<SweepAxis>& axes);
 
 }  // namespace slam::study

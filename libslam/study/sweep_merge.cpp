@@ -6,11 +6,11 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/report/table_latex.h"
 #include "libslam/study/sweep_consistency.h"
 #include "libslam/study/sweep_failures.h"
 #include "libslam/study/sweep_index.h"
 #include "libslam/sweep/cell.h"
+#include "libslam/table/latex.h"
 
 namespace slam::study {
 namespace fs = std::filesystem;
@@ -95,37 +95,37 @@ void writeTables(const sweep::SweepPlan& plan, const SweepResults& results, cons
   };
   {
     const auto table = resultsTable(plan, results);
-    write("results.csv", report::toCsv(table));
-    write("results.json", report::toJson(table));
+    write("results.csv", table::toCsv(table));
+    write("results.json", table::toJson(table));
   }
   auto summary = summarize(plan, results);
   merged.summary = std::move(summary.main);
   merged.full_summary = std::move(summary.all);
-  write("summary.txt", report::toText(merged.summary));
-  write("summary.md", report::toMarkdown(merged.summary));
-  write("summary.tex", report::toLatex(merged.summary, {"tab:summary", {}}));
-  write("summary.csv", report::toCsv(merged.full_summary));
-  write("summary.json", report::toJson(merged.full_summary));
+  write("summary.txt", table::toText(merged.summary));
+  write("summary.md", table::toMarkdown(merged.summary));
+  write("summary.tex", table::toLatex(merged.summary, {"tab:summary", {}}));
+  write("summary.csv", table::toCsv(merged.full_summary));
+  write("summary.json", table::toJson(merged.full_summary));
   auto consistency = sweepConsistency(plan, results);
-  write("consistency.txt", report::toText(consistency.main));
-  write("consistency.md", report::toMarkdown(consistency.main));
-  write("consistency.tex", report::toLatex(consistency.main, {"tab:consistency", {}}));
-  write("consistency.csv", report::toCsv(consistency.all));
-  write("consistency.json", report::toJson(consistency.all));
+  write("consistency.txt", table::toText(consistency.main));
+  write("consistency.md", table::toMarkdown(consistency.main));
+  write("consistency.tex", table::toLatex(consistency.main, {"tab:consistency", {}}));
+  write("consistency.csv", table::toCsv(consistency.all));
+  write("consistency.json", table::toJson(consistency.all));
   merged.consistency = std::move(consistency.all);
   const auto failures = sweepFailures(plan, results, output);
-  write("failures.txt", report::toText(failures.main));
-  write("failures.csv", report::toCsv(failures.all));
-  write("failures.json", report::toJson(failures.all));
+  write("failures.txt", table::toText(failures.main));
+  write("failures.csv", table::toCsv(failures.all));
+  write("failures.json", table::toJson(failures.all));
   std::vector<sweep::CellCost> costs(plan.runs.size());
   for (std::size_t i = 0; i < costs.size(); ++i)
     if (results[i]) costs[i] = sweep::readCellCost(output + "/cells/" + plan.runs[i].id);
   const auto table = sweepCostTable(plan, costs);
-  write("cost.csv", report::toCsv(table));
-  write("cost.json", report::toJson(table));
+  write("cost.csv", table::toCsv(table));
+  write("cost.json", table::toJson(table));
   merged.costs = sweepCostSummary(plan, costs);
-  write("cost_summary.txt", report::toText(merged.costs));
-  write("cost_summary.csv", report::toCsv(merged.costs));
+  write("cost_summary.txt", table::toText(merged.costs));
+  write("cost_summary.csv", table::toCsv(merged.costs));
 }
 
 }  // namespace

@@ -5,9 +5,9 @@
 
 #include "libslam/core/manifest.h"
 #include "libslam/core/progress.h"
-#include "libslam/report/table.h"
 #include "libslam/study/sweep_tables.h"
 #include "libslam/sweep/sweep_plan.h"
+#include "libslam/table/table.h"
 
 namespace slam::study {
 
@@ -22,7 +22,7 @@ struct MergedSweep {
   std::size_t complete = 0, failed = 0;  ///< runs
   std::vector<std::string> missing;      ///< one line per cell that is not there, or damaged
   SweepResults results;
-  report::Table summary, full_summary, consistency, costs;
+  table::Table summary, full_summary, consistency, costs;
 };
 
 /// Brings the cells of a sweep together and writes into `output`:

@@ -27,8 +27,8 @@ constexpr int kResamples = 2000;
 constexpr double kLongest = 1e5;  // a figure with more digits is shown as a power of ten
 
 /// The figures of a run, in the order of the tables.
-std::vector<report::Column> figures() {
-  std::vector<report::Column> list;
+std::vector<table::Column> figures() {
+  std::vector<table::Column> list;
   const auto& costs = score::costKeys();
   for (const auto& info : score::metricInfos())
     if (info.key != "agreement_m" && !std::count(costs.begin(), costs.end(), info.key))
@@ -182,7 +182,7 @@ double highOf(const stats::Estimate& estimate) {
 /// Says so where there are too few seeds for any difference in one setting to count. `runs_of_group`: of each
 /// setting and method, the number of runs.
 void addSeedNote(const sweep::SweepPlan& plan, const std::map<std::string, std::size_t>& runs_of_group,
-                 report::Table& table) {
+                 table::Table& table) {
   const std::size_t comparisons = methodNames(plan).size() - 1;
   if (comparisons == 0) return;
   std::size_t most = 0;
@@ -196,7 +196,7 @@ void addSeedNote(const sweep::SweepPlan& plan, const std::map<std::string, std::
       std::to_string(fewest) + ".");
 }
 
-void addNotes(const sweep::SweepPlan& plan, const SweepResults& results, report::Table& table) {
+void addNotes(const sweep::SweepPlan& plan, const SweepResults& results, table::Table& table) {
   const auto missing = std::count(results.begin(), results.end(), std::nullopt);
   if (missing > 0)
     table.notes.push_back("Incomplete: " + std::to_string(missing) + " of " + std::to_string(results.size()) +
@@ -248,7 +248,7 @@ bool isFailed(const sweep::SweepPlan& plan, const sweep::CellResult& result) {
   return plan.failure_ate_m > 0 && figureOf(result, "ate_final_m") > plan.failure_ate_m;
 }
 
-report::Column figureColumn(const std::string& key) {
+table::Column figureColumn(const std::string& key) {
   for (const auto& figure : figures())
     if (figure.key == key) return figure;
   throw core::ContractError("no figure '" + key + "'");
@@ -292,8 +292,8 @@ std::string withInterval(const stats::Estimate& estimate, int decimals) {
   return text;
 }
 
-report::Table resultsTable(const sweep::SweepPlan& plan, const SweepResults& results) {
-  report::Table table;
+table::Table resultsTable(const sweep::SweepPlan& plan, const SweepResults& results) {
+  table::Table table;
   table.caption = "Sweep " + plan.name + ", one row per run";
   table.columns = {{"run", "run", 0}};
   for (const auto& axis : sweepAxes()) table.columns.push_back({axis.key, axis.key, 0});
@@ -305,7 +305,7 @@ report::Table resultsTable(const sweep::SweepPlan& plan, const SweepResults& res
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     const auto& run = plan.runs[i];
     const auto& log = plan.logs[run.log];
-    std::vector<report::CellValue> row = {run.id};
+    std::vector<table::CellValue> row = {run.id};
     for (const auto& axis : sweepAxes()) row.emplace_back(log.*axis.member);
     row.insert(row.end(),
                {std::to_string(run.seed), run.method, run.parameters,
@@ -322,9 +322,9 @@ namespace {
 
 using Rows = std::vector<Row>;  ///< of one group, by method
 
-report::Table shortSummary(const sweep::SweepPlan& plan, const Summary& summary,
-                           const std::vector<SweepGroup>& groups, const std::vector<Rows>& rows_of_groups) {
-  report::Table table;
+table::Table shortSummary(const sweep::SweepPlan& plan, const Summary& summary,
+                          const std::vector<SweepGroup>& groups, const std::vector<Rows>& rows_of_groups) {
+  table::Table table;
   const auto shown_axes = varyingAxes(plan);
   for (const auto& axis : shown_axes) table.columns.push_back({axis.key, axis.key, 0});
   for (const char* key : {"method", "runs", "failed"}) table.columns.push_back({key, key, 0});
@@ -355,9 +355,9 @@ report::Table shortSummary(const sweep::SweepPlan& plan, const Summary& summary,
   return table;
 }
 
-report::Table fullSummary(const Summary& summary, const std::vector<SweepGroup>& groups,
-                          const std::vector<Rows>& rows_of_groups) {
-  report::Table table;
+table::Table fullSummary(const Summary& summary, const std::vector<SweepGroup>& groups,
+                         const std::vector<Rows>& rows_of_groups) {
+  table::Table table;
   for (const auto& axis : sweepAxes()) table.columns.push_back({axis.key, axis.key, 0});
   for (const char* key :
        {"method", "runs", "failed", "failure_rate", "failure_rate_low", "failure_rate_high"})
@@ -421,28 +421,28 @@ const std::vector<CostColumn>& costColumns() {
 
 }  // namespace
 
-report::Table sweepCostTable(const sweep::SweepPlan& plan, const std::vector<sweep::CellCost>& costs) {
-  report::Table table;
+table::Table sweepCostTable(const sweep::SweepPlan& plan, const std::vector<sweep::CellCost>& costs) {
+  table::Table table;
   table.caption = "Time and memory of every run";
   table.columns = {{"run", "run", 0}, {"method", "method", 0}};
   for (const auto& column : costColumns())
     table.columns.push_back({column.key, column.title, column.decimals});
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
-    std::vector<report::CellValue> row = {plan.runs[i].id, fullName(plan.runs[i])};
+    std::vector<table::CellValue> row = {plan.runs[i].id, fullName(plan.runs[i])};
     for (const auto& column : costColumns()) row.emplace_back(costs[i].*column.member);
     table.rows.push_back(std::move(row));
   }
   return table;
 }
 
-report::Table sweepCostSummary(const sweep::SweepPlan& plan, const std::vector<sweep::CellCost>& costs) {
-  report::Table table;
+table::Table sweepCostSummary(const sweep::SweepPlan& plan, const std::vector<sweep::CellCost>& costs) {
+  table::Table table;
   table.caption = "Cost on this machine, medians over all runs";
   table.columns = {{"method", "method", 0}};
   for (const auto& column : costColumns())
     table.columns.push_back({column.key, column.title, column.decimals});
   for (const auto& name : methodNames(plan)) {
-    std::vector<report::CellValue> row = {name};
+    std::vector<table::CellValue> row = {name};
     for (const auto& column : costColumns()) {
       std::vector<double> values;
       for (std::size_t i = 0; i < costs.size(); ++i)

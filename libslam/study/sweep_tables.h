@@ -3,12 +3,12 @@
 #include <string>
 #include <vector>
 
-#include "libslam/report/table.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/stats/paired.h"
 #include "libslam/study/sweep_groups.h"
 #include "libslam/sweep/cell.h"
 #include "libslam/sweep/sweep_plan.h"
+#include "libslam/table/table.h"
 
 namespace slam::study {
 
@@ -21,7 +21,7 @@ bool isFailed(const sweep::SweepPlan& plan, const sweep::CellResult& result);
 /// The figures that a run may have, in the order of the tables; none that depends on the machine.
 std::vector<std::string> figureKeys();
 /// The title of a figure and how many decimals people see. REQUIRES a key of figureKeys() (ContractError).
-report::Column figureColumn(const std::string& key);
+table::Column figureColumn(const std::string& key);
 /// Those that the summary shows, the suite's metric first.
 std::vector<std::string> summaryKeys(const sweep::SweepPlan& plan);
 /// NaN where there is no such figure.
@@ -36,7 +36,7 @@ std::string withInterval(const stats::Estimate& estimate, int decimals);
 
 /// One row per run: where it stands on the axes, how it ended, every figure, its folder and how to do it
 /// again. The same bytes for the same suite and code.
-report::Table resultsTable(const sweep::SweepPlan& plan, const SweepResults& results);
+table::Table resultsTable(const sweep::SweepPlan& plan, const SweepResults& results);
 
 /// Statistics over the seeds, one row per method for every combination of the other axes and, where there are
 /// several, for all of them together. Of the suite's metric: the median of all runs, a failed one counting as
@@ -50,14 +50,14 @@ report::Table resultsTable(const sweep::SweepPlan& plan, const SweepResults& res
 /// wilcoxonSignedRank()), for runs in one have much in common; where each setting has a single run, settings
 /// are what is drawn. The same bytes for the same results.
 struct SweepSummary {
-  report::Table main;  ///< without the axes that do not vary; an interval and its figure in one cell
-  report::Table all;   ///< every figure in a column of its own
+  table::Table main;  ///< without the axes that do not vary; an interval and its figure in one cell
+  table::Table all;   ///< every figure in a column of its own
 };
 SweepSummary summarize(const sweep::SweepPlan& plan, const SweepResults& results);
 
 /// Time and memory: differ from run to run. costs[i] is of plan.runs[i].
-report::Table sweepCostTable(const sweep::SweepPlan& plan, const std::vector<sweep::CellCost>& costs);
+table::Table sweepCostTable(const sweep::SweepPlan& plan, const std::vector<sweep::CellCost>& costs);
 /// The same as medians, one row per method.
-report::Table sweepCostSummary(const sweep::SweepPlan& plan, const std::vector<sweep::CellCost>& costs);
+table::Table sweepCostSummary(const sweep::SweepPlan& plan, const std::vector<sweep::CellCost>& costs);
 
 }  // namespace slam::study

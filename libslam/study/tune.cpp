@@ -225,8 +225,8 @@ class Tuner {
     });
   }
 
-  report::Table candidatesTable(const std::vector<TuneRung>& schedule) const {
-    report::Table table;
+  table::Table candidatesTable(const std::vector<TuneRung>& schedule) const {
+    table::Table table;
     table.caption = "Candidates of " + request_.method + ", mean rank on each rung (1 is best)";
     table.columns = {{"candidate", "candidate", 0}};
     for (std::size_t r = 0; r < schedule.size(); ++r)
@@ -235,7 +235,7 @@ class Tuner {
            std::to_string(schedule[r].seeds) + (schedule[r].seeds == 1 ? " seed" : " seeds"), 2});
     for (const auto& key : keys_) table.columns.push_back({key, key, 0});
     for (const auto& candidate : candidates_) {
-      std::vector<report::CellValue> row = {candidate.name};
+      std::vector<table::CellValue> row = {candidate.name};
       for (std::size_t r = 0; r < schedule.size(); ++r)
         row.emplace_back(r < candidate.mean_ranks.size() ? candidate.mean_ranks[r] : kNan);
       for (std::size_t k = 0; k < keys_.size(); ++k)
@@ -245,7 +245,7 @@ class Tuner {
     return table;
   }
 
-  report::Table sensitivityTable() const {
+  table::Table sensitivityTable() const {
     std::vector<std::vector<std::string>> settings;
     std::vector<double> scores;
     for (const auto& candidate : candidates_)
@@ -253,7 +253,7 @@ class Tuner {
         settings.push_back(candidate.values);
         scores.push_back(candidate.mean_ranks.front());
       }
-    report::Table table;
+    table::Table table;
     table.caption = "Which parameters of " + request_.method + " matter, by " + metric_;
     table.columns = {{"parameter", "parameter", 0},
                      {"explained_share", "explained", 2},
@@ -325,11 +325,11 @@ class Tuner {
   }
 
   void write(TuneResult& result) const {
-    const auto writeTable = [&](const report::Table& table, const std::string& name) {
+    const auto writeTable = [&](const table::Table& table, const std::string& name) {
       const std::string stem = request_.output + "/" + name;
-      core::writeFileAtomically(stem + ".txt", report::toText(table));
-      core::writeFileAtomically(stem + ".csv", report::toCsv(table));
-      core::writeFileAtomically(stem + ".json", report::toJson(table));
+      core::writeFileAtomically(stem + ".txt", table::toText(table));
+      core::writeFileAtomically(stem + ".csv", table::toCsv(table));
+      core::writeFileAtomically(stem + ".json", table::toJson(table));
     };
     writeTable(result.candidates, "candidates");
     writeTable(result.sensitivity, "sensitivity");

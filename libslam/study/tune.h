@@ -8,8 +8,8 @@
 #include "libslam/core/manifest.h"
 #include "libslam/core/parameters.h"
 #include "libslam/core/progress.h"
-#include "libslam/report/table.h"
 #include "libslam/study/tune_statistics.h"
+#include "libslam/table/table.h"
 
 namespace slam::study {
 
@@ -33,7 +33,7 @@ struct TuneRequest {
 };
 
 struct TuneResult {
-  report::Table candidates, sensitivity, held_out;
+  table::Table candidates, sensitivity, held_out;
   std::string verdict;  ///< one line
   std::string tuned_path;
   bool is_better = false;         ///< than the default on the held-out worlds, significantly

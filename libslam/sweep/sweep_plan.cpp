@@ -212,8 +212,8 @@ SweepPlan readSweepPlan(const std::string& path) {
   return plan;
 }
 
-report::Table planTable(const SweepPlan& plan) {
-  report::Table table;
+table::Table planTable(const SweepPlan& plan) {
+  table::Table table;
   table.caption = "Sweep " + plan.name + ": " + std::to_string(plan.logs.size()) + " logs, " +
                   std::to_string(plan.runs.size()) + " runs, code " + plan.code;
   for (const char* key : {"run", "log", "world", "robot", "lidar", "odometry", "strategy", "fault", "seed",

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/report/table.h"
 #include "libslam/sweep/suite.h"
+#include "libslam/table/table.h"
 
 namespace slam::sweep {
 
@@ -63,7 +63,7 @@ bool areSame(const SweepPlan& a, const SweepPlan& b);
 SweepPlan readSweepPlan(const std::string& path);
 
 /// One row per run, for people.
-report::Table planTable(const SweepPlan& plan);
+table::Table planTable(const SweepPlan& plan);
 
 /// The id that a spec gives: 16 hexadecimal digits.
 std::string cellId(const std::string& spec);

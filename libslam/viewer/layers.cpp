@@ -10,18 +10,18 @@
 #include <cmath>
 #include <cstring>
 
-#include "libslam/report/canvas.h"
+#include "libslam/draw/canvas.h"
 #include "libslam/viewer/raster_image.h"
 #include "libslam/viewer/shapes.h"
 
 namespace slam::viewer {
 namespace {
 
+using draw::Colour;
 using mrpt::opengl::CPointCloud;
 using mrpt::opengl::CSetOfLines;
 using mrpt::opengl::CSetOfObjects;
 using mrpt::opengl::CTexturedPlane;
-using report::Colour;
 
 constexpr Colour kInk{30, 30, 30}, kGrey{130, 130, 130}, kWhite{255, 255, 255};
 constexpr std::uint8_t kRayAlpha = 130;
@@ -85,9 +85,9 @@ std::shared_ptr<CTexturedPlane> sheet(const RasterImage& image, double resolutio
 Texel lookOf(world::Material material) {
   switch (material) {
     case world::Material::kGlass:
-      return {report::kSkyBlue.red, report::kSkyBlue.green, report::kSkyBlue.blue};
+      return {draw::kSkyBlue.red, draw::kSkyBlue.green, draw::kSkyBlue.blue};
     case world::Material::kMirror:
-      return {report::kPurple.red, report::kPurple.green, report::kPurple.blue};
+      return {draw::kPurple.red, draw::kPurple.green, draw::kPurple.blue};
     case world::Material::kDark:
       return {0, 0, 0};
     case world::Material::kPlain:
@@ -166,10 +166,10 @@ Layer mapLayer(const gridmap::OccupancyRaster& map) {
 Layer robotLayer(double side_m, double line_m) {
   const double half = side_m / 2, radius_m = std::sqrt(2.0) * half;
   auto layer = triangles(kRobotLayer);
-  addDisc(*layer, {0, 0}, radius_m, 0, report::kVermillion, 60);
-  addRing(*layer, {0, 0}, radius_m, line_m, kSheet_m / 3, report::kVermillion);
+  addDisc(*layer, {0, 0}, radius_m, 0, draw::kVermillion, 60);
+  addRing(*layer, {0, 0}, radius_m, line_m, kSheet_m / 3, draw::kVermillion);
   addPolygon(*layer, {{half, half}, {-half, half}, {-half, -half}, {half, -half}}, 2 * kSheet_m / 3,
-             report::kVermillion);
+             draw::kVermillion);
   addTriangle(*layer, {0.85 * half, 0}, {-0.6 * half, 0.45 * half}, {-0.6 * half, -0.45 * half}, kSheet_m,
               kWhite);
   return layer;
@@ -178,11 +178,11 @@ Layer robotLayer(double side_m, double line_m) {
 Layer scanLayer(const robot::Scan& scan) {
   auto layer = named(CSetOfObjects::Create(), kScanLayer);
   auto rays = CSetOfLines::Create();
-  rays->setColor_u8(colourOf(report::kSkyBlue, kRayAlpha));
+  rays->setColor_u8(colourOf(draw::kSkyBlue, kRayAlpha));
   auto returns = CPointCloud::Create();
   returns->setPointSize(3);
   returns->enableVariablePointSize(false);
-  returns->setColor_u8(colourOf(report::kVermillion));
+  returns->setColor_u8(colourOf(draw::kVermillion));
   const auto& from = scan.T_robot_lidar;
   const auto points = robot::scanPoints(scan);
   const size_t stride = 1 + points.size() / kMostRays;
@@ -198,7 +198,7 @@ Layer scanLayer(const robot::Scan& scan) {
 
 Layer pathLayer(const core::Trajectory& path, double line_m) {
   auto layer = triangles(kPathLayer);
-  addPolyline(*layer, placesOf(path), line_m, 0, report::kBlue);
+  addPolyline(*layer, placesOf(path), line_m, 0, draw::kBlue);
   return layer;
 }
 
@@ -219,7 +219,7 @@ Layer particlesLayer(const std::vector<core::Pose2>& particles, double length_m)
   for (const auto& T_map_robot : particles)
     addTriangle(*layer, T_map_robot * core::Point2{length_m, 0},
                 T_map_robot * core::Point2{-0.3 * length_m, 0.3 * length_m},
-                T_map_robot * core::Point2{-0.3 * length_m, -0.3 * length_m}, 0, report::kPurple, 200);
+                T_map_robot * core::Point2{-0.3 * length_m, -0.3 * length_m}, 0, draw::kPurple, 200);
   return layer;
 }
 
@@ -228,11 +228,11 @@ Layer graphLayer(const std::vector<core::Point2>& nodes, const std::vector<Conne
   // There are many edges, and most of them short: as thin lines they do not hide what they tie.
   auto layer = named(CSetOfObjects::Create(), kGraphLayer);
   auto lines = CSetOfLines::Create();
-  lines->setColor_u8(colourOf(report::kGreen, kEdgeAlpha));
+  lines->setColor_u8(colourOf(draw::kGreen, kEdgeAlpha));
   for (const auto& [from, to] : edges) lines->appendLine(from.x, from.y, 0, to.x, to.y, 0);
   auto dots = Triangles::Create();
   dots->enableLight(false);
-  for (const auto& node : nodes) addDisc(*dots, node, line_m, kSheet_m, report::kGreen);
+  for (const auto& node : nodes) addDisc(*dots, node, line_m, kSheet_m, draw::kGreen);
   layer->insert(lines);
   layer->insert(dots);
   return layer;
@@ -241,16 +241,16 @@ Layer graphLayer(const std::vector<core::Point2>& nodes, const std::vector<Conne
 Layer loopsLayer(const std::vector<Connection>& loops, double line_m) {
   auto layer = triangles(kLoopsLayer);
   for (const auto& [from, to] : loops) {
-    addLine(*layer, from, to, line_m, 0, report::kOrange);
-    for (const auto& end : {from, to}) addDisc(*layer, end, 1.5 * line_m, 0, report::kOrange);
+    addLine(*layer, from, to, line_m, 0, draw::kOrange);
+    for (const auto& end : {from, to}) addDisc(*layer, end, 1.5 * line_m, 0, draw::kOrange);
   }
   return layer;
 }
 
 Layer obstaclesLayer(const LocalObstacles& obstacles, double radius_m) {
   auto layer = triangles(kObstaclesLayer);
-  for (const auto& p : obstacles.remembered) addDisc(*layer, p, radius_m, 0, report::kBlue);
-  for (const auto& p : obstacles.seen) addDisc(*layer, p, radius_m, 0, report::kVermillion);
+  for (const auto& p : obstacles.remembered) addDisc(*layer, p, radius_m, 0, draw::kBlue);
+  for (const auto& p : obstacles.seen) addDisc(*layer, p, radius_m, 0, draw::kVermillion);
   return layer;
 }
 
@@ -258,8 +258,8 @@ Layer strategicLayer(const StrategicView& view, double line_m) {
   constexpr int kDashes = 12, kPieces = 4;
   auto layer = triangles(kStrategicLayer);
   for (const auto& p : view.projected) {
-    addLine(*layer, {0, 0}, p, line_m, 0, report::kGreen);
-    addDisc(*layer, p, 2 * line_m, kSheet_m / 2, report::kGreen);
+    addLine(*layer, {0, 0}, p, line_m, 0, draw::kGreen);
+    addDisc(*layer, p, 2 * line_m, kSheet_m / 2, draw::kGreen);
   }
   for (int i = 0; i < kDashes; ++i) {
     std::vector<core::Point2> dash;
@@ -275,12 +275,12 @@ Layer strategicLayer(const StrategicView& view, double line_m) {
 Layer candidatesLayer(const Candidates& candidates, double radius_m, double line_m) {
   auto layer = triangles(kCandidatesLayer);
   addPolyline(*layer, candidates.path, 2 * line_m, 0, kInk);
-  addPolyline(*layer, candidates.path, line_m, kSheet_m / 4, report::kYellow);
+  addPolyline(*layer, candidates.path, line_m, kSheet_m / 4, draw::kYellow);
   for (const auto& p : candidates.places) {
-    addDisc(*layer, p, 0.7 * radius_m, kSheet_m / 2, report::kYellow);
+    addDisc(*layer, p, 0.7 * radius_m, kSheet_m / 2, draw::kYellow);
     addRing(*layer, p, 0.7 * radius_m, 0.25 * radius_m, kSheet_m, kInk);
   }
-  addDisc(*layer, candidates.goal, 1.3 * radius_m, kSheet_m / 2, report::kYellow);
+  addDisc(*layer, candidates.goal, 1.3 * radius_m, kSheet_m / 2, draw::kYellow);
   addRing(*layer, candidates.goal, 1.3 * radius_m, 0.4 * radius_m, kSheet_m, kInk);
   return layer;
 }

@@ -25,14 +25,14 @@ constexpr double kSmallestArea_m = 8;  // a map that has only begun
 constexpr double kNearest = 0.01, kFarthest = 3;
 
 /// Shows what there is at least this large.
-report::Window atLeast(report::Window area, double side_m) {
+draw::Window atLeast(draw::Window area, double side_m) {
   const core::Point2 centre{(area.x0 + area.x1) / 2, (area.y0 + area.y1) / 2};
   const double half_x = std::max(side_m, area.width()) / 2, half_y = std::max(side_m, area.height()) / 2;
   return {centre.x - half_x, centre.y - half_y, centre.x + half_x, centre.y + half_y};
 }
 
-report::Window areaOf(const world::Plan& plan) {
-  report::Window area;
+draw::Window areaOf(const world::Plan& plan) {
+  draw::Window area;
   for (const core::Point2 corner :
        {core::Point2{0, 0}, core::Point2{1.0 * plan.columns, 0}, core::Point2{0, 1.0 * plan.rows},
         core::Point2{1.0 * plan.columns, 1.0 * plan.rows}})
@@ -47,7 +47,7 @@ mrpt::img::CImage imageOf(const std::string& png) {
 
 }  // namespace
 
-Camera cameraOver(const report::Window& area, const WindowSize& size) {
+Camera cameraOver(const draw::Window& area, const WindowSize& size) {
   const double width = std::max(1, size.sceneWidth()), height = std::max(1, size.height);
   const double pixels_per_m = std::min(width / area.width(), height / area.height()) / (1 + 2 * kAir);
   Camera camera;
@@ -56,14 +56,14 @@ Camera cameraOver(const report::Window& area, const WindowSize& size) {
   return camera;
 }
 
-report::Pixel pixelOf(const core::Point2& p_scene, const Camera& camera, const WindowSize& size) {
+draw::Pixel pixelOf(const core::Point2& p_scene, const Camera& camera, const WindowSize& size) {
   const double width = size.sceneWidth(), height = size.height;
   const double pixels_per_m = 2 * std::min(width, height) / camera.zoom_m;
   return {width / 2 + pixels_per_m * (p_scene.x - camera.centre.x),
           height / 2 - pixels_per_m * (p_scene.y - camera.centre.y)};
 }
 
-std::optional<core::Point2> placeAt(const report::Pixel& pixel, const Camera& camera, const WindowSize& size,
+std::optional<core::Point2> placeAt(const draw::Pixel& pixel, const Camera& camera, const WindowSize& size,
                                     double height_m) {
   constexpr double kFlattest = 0.05;
   const double width = size.sceneWidth(), height = size.height;
@@ -95,9 +95,9 @@ LiveScene::LiveScene(const world::Plan* plan, double robot_side_m, const WindowS
   layOut();
 }
 
-report::Window LiveScene::area() const {
+draw::Window LiveScene::area() const {
   if (!plan_area_.isEmpty()) return plan_area_;
-  report::Window area;
+  draw::Window area;
   if (shown_.map) {
     const auto& map = *shown_.map;
     const double x1 = map.x_min_m + map.columns * map.resolution_m,
@@ -209,7 +209,7 @@ void LiveScene::layOut() {
 void LiveScene::drawScale() {
   if (!(zoom_m_ > 0)) return;
   const double pixels_per_m = 2.0 * std::min(std::max(2, size_.sceneWidth()), size_.height) / zoom_m_;
-  const double scale_m = report::niceStep(kScalePixels / pixels_per_m);
+  const double scale_m = draw::niceStep(kScalePixels / pixels_per_m);
   const double pixels = scale_m * pixels_per_m;
   if (scale_m == scale_m_ && pixels == scale_pixels_) return;
   scale_m_ = scale_m, scale_pixels_ = pixels;

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "libslam/report/map_view.h"
+#include "libslam/draw/map_view.h"
 #include "libslam/viewer/side_panel.h"
 #include "libslam/viewer/snapshot.h"
 #include "libslam/world/plan.h"
@@ -27,14 +27,14 @@ struct WindowSize {
 };
 
 /// The camera that shows all of a rectangle from above.
-Camera cameraOver(const report::Window& area, const WindowSize& size);
+Camera cameraOver(const draw::Window& area, const WindowSize& size);
 /// Where that camera shows a point, without perspective and from above: pixels from the window's upper left
 /// corner.
-report::Pixel pixelOf(const core::Point2& p_scene, const Camera& camera, const WindowSize& size);
+draw::Pixel pixelOf(const core::Point2& p_scene, const Camera& camera, const WindowSize& size);
 
 /// The other way round, from whichever side the camera looks: the place of what stands at a pixel, height_m
 /// above the floor (a layer's: heightOf()). nullopt where the camera looks along the floor.
-std::optional<core::Point2> placeAt(const report::Pixel& pixel, const Camera& camera, const WindowSize& size,
+std::optional<core::Point2> placeAt(const draw::Pixel& pixel, const Camera& camera, const WindowSize& size,
                                     double height_m = 0);
 
 /// The scene of a live window: the layers in the viewport "main", over its lower left corner the bar of the
@@ -57,7 +57,7 @@ class LiveScene {
 
   const WindowSize& size() const { return size_; }
   /// All that is worth seeing: the plan, else the map and the path so far, and the robot.
-  report::Window area() const;
+  draw::Window area() const;
   /// Where the robot is: truly, or as estimated.
   core::Point2 robotPlace() const;
   const mrpt::opengl::COpenGLScene::Ptr& scene() const { return scene_; }
@@ -72,7 +72,7 @@ class LiveScene {
   mrpt::opengl::COpenGLScene::Ptr scene_;
   WindowSize size_;
   double robot_side_m_;
-  report::Window plan_area_;
+  draw::Window plan_area_;
   double line_m_ = 0.05;
   double zoom_m_ = 0, scale_m_ = 0, scale_pixels_ = 0;
   std::string hidden_;  ///< keys of layerSwitches()

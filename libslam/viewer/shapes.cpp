@@ -21,7 +21,7 @@ core::Point2 onCircle(const core::Point2& centre, double radius_m, int corner) {
 }  // namespace
 
 void addTriangle(Triangles& set, const core::Point2& a, const core::Point2& b, const core::Point2& c,
-                 double z_m, report::Colour colour, std::uint8_t alpha) {
+                 double z_m, draw::Colour colour, std::uint8_t alpha) {
   if (!isFinite(a) || !isFinite(b) || !isFinite(c)) return;
   const auto corner = [z_m](const core::Point2& p) {
     return mrpt::math::TPoint3Df(static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(z_m));
@@ -31,14 +31,14 @@ void addTriangle(Triangles& set, const core::Point2& a, const core::Point2& b, c
   set.insertTriangle(triangle);
 }
 
-void addPolygon(Triangles& set, const std::vector<core::Point2>& corners, double z_m, report::Colour colour,
+void addPolygon(Triangles& set, const std::vector<core::Point2>& corners, double z_m, draw::Colour colour,
                 std::uint8_t alpha) {
   for (size_t i = 2; i < corners.size(); ++i)
     addTriangle(set, corners[0], corners[i - 1], corners[i], z_m, colour, alpha);
 }
 
 void addLine(Triangles& set, const core::Point2& from, const core::Point2& to, double width_m, double z_m,
-             report::Colour colour, std::uint8_t alpha) {
+             draw::Colour colour, std::uint8_t alpha) {
   if (!isFinite(from) || !isFinite(to)) return;
   const double length_m = core::distance(from, to);
   const core::Point2 ahead = length_m > 0
@@ -53,7 +53,7 @@ void addLine(Triangles& set, const core::Point2& from, const core::Point2& to, d
 }
 
 void addPolyline(Triangles& set, const std::vector<core::Point2>& points, double width_m, double z_m,
-                 report::Colour colour, std::uint8_t alpha) {
+                 draw::Colour colour, std::uint8_t alpha) {
   // Pieces shorter than a quarter of the width would only be more triangles.
   size_t last = 0;
   for (size_t i = 1; i < points.size(); ++i) {
@@ -64,7 +64,7 @@ void addPolyline(Triangles& set, const std::vector<core::Point2>& points, double
   }
 }
 
-void addDisc(Triangles& set, const core::Point2& centre, double radius_m, double z_m, report::Colour colour,
+void addDisc(Triangles& set, const core::Point2& centre, double radius_m, double z_m, draw::Colour colour,
              std::uint8_t alpha) {
   for (int i = 0; i < kCorners; ++i)
     addTriangle(set, centre, onCircle(centre, radius_m, i), onCircle(centre, radius_m, i + 1), z_m, colour,
@@ -72,7 +72,7 @@ void addDisc(Triangles& set, const core::Point2& centre, double radius_m, double
 }
 
 void addRing(Triangles& set, const core::Point2& centre, double radius_m, double width_m, double z_m,
-             report::Colour colour) {
+             draw::Colour colour) {
   const double inner_m = radius_m - width_m;
   for (int i = 0; i < kCorners; ++i)
     addPolygon(set,

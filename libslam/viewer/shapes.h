@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/report/canvas.h"
+#include "libslam/draw/canvas.h"
 
 namespace slam::viewer {
 
@@ -12,18 +12,18 @@ using Triangles = mrpt::opengl::CSetOfTriangles;
 
 // Flat coloured shapes, added to a set of triangles at a height. Not finite: nothing is added.
 void addTriangle(Triangles& set, const core::Point2& a, const core::Point2& b, const core::Point2& c,
-                 double z_m, report::Colour colour, std::uint8_t alpha = 255);
+                 double z_m, draw::Colour colour, std::uint8_t alpha = 255);
 /// A convex polygon.
-void addPolygon(Triangles& set, const std::vector<core::Point2>& corners, double z_m, report::Colour colour,
+void addPolygon(Triangles& set, const std::vector<core::Point2>& corners, double z_m, draw::Colour colour,
                 std::uint8_t alpha = 255);
 /// A straight line with its width; a line without length is a dot.
 void addLine(Triangles& set, const core::Point2& from, const core::Point2& to, double width_m, double z_m,
-             report::Colour colour, std::uint8_t alpha = 255);
+             draw::Colour colour, std::uint8_t alpha = 255);
 void addPolyline(Triangles& set, const std::vector<core::Point2>& points, double width_m, double z_m,
-                 report::Colour colour, std::uint8_t alpha = 255);
-void addDisc(Triangles& set, const core::Point2& centre, double radius_m, double z_m, report::Colour colour,
+                 draw::Colour colour, std::uint8_t alpha = 255);
+void addDisc(Triangles& set, const core::Point2& centre, double radius_m, double z_m, draw::Colour colour,
              std::uint8_t alpha = 255);
 void addRing(Triangles& set, const core::Point2& centre, double radius_m, double width_m, double z_m,
-             report::Colour colour);
+             draw::Colour colour);
 
 }  // namespace slam::viewer

@@ -5,17 +5,17 @@
 #include <cstdio>
 #include <sstream>
 
-#include "libslam/report/canvas.h"
-#include "libslam/report/map_view.h"
+#include "libslam/draw/canvas.h"
+#include "libslam/draw/map_view.h"
 
 namespace slam::viewer {
 namespace {
 
-using report::Align;
-using report::Canvas;
-using report::Colour;
-using report::Pixel;
-using report::PixelBox;
+using draw::Align;
+using draw::Canvas;
+using draw::Colour;
+using draw::Pixel;
+using draw::PixelBox;
 
 constexpr double kMargin = 14, kInner = kPanelWidth - 2 * kMargin;
 constexpr double kTitleSize = 18, kTextSize = 15, kTickSize = 13;
@@ -24,8 +24,8 @@ constexpr size_t kMostLines = 2;    // of a line of the status
 constexpr size_t kStatusLines = 8;  // room for the longest status, so that what stands below does not jump
 constexpr double kChartHeight = 108, kZoneHeight = 152, kLeastChartHeight = 38, kLeastZoneHeight = 52;
 constexpr double kHelpHeight = 22;
-constexpr Colour kInk = report::kInk, kGrey = report::kGrey, kRule{226, 226, 226}, kZone{214, 214, 214},
-                 kWhite{255, 255, 255}, kSeen = report::kVermillion, kRemembered = report::kBlue;
+constexpr Colour kInk = draw::kInk, kGrey = draw::kGrey, kRule{226, 226, 226}, kZone{214, 214, 214},
+                 kWhite{255, 255, 255}, kSeen = draw::kVermillion, kRemembered = draw::kBlue;
 
 template <class... Values>
 std::string format(const char* pattern, Values... values) {
@@ -66,7 +66,7 @@ double drawChart(Canvas& canvas, double top, double height, const robot::Scan& s
   double farthest_m = 1;
   for (const float range_m : scan.ranges_m)
     if (robot::isReturn(range_m)) farthest_m = std::max(farthest_m, static_cast<double>(range_m));
-  const double step_m = report::niceStep(farthest_m / 2);
+  const double step_m = draw::niceStep(farthest_m / 2);
   const double end_m = step_m * std::ceil(farthest_m / step_m - 1e-9);
   const double first_rad = scan.first_angle_rad;
   const double last_rad = scan.angle(scan.ranges_m.empty() ? 0 : scan.ranges_m.size() - 1);
@@ -79,7 +79,7 @@ double drawChart(Canvas& canvas, double top, double height, const robot::Scan& s
   for (int i = 0; i * step_m <= end_m * (1 + 1e-9); ++i) {
     const double y = at(first_rad, i * step_m).y;
     canvas.line({box.left, y}, {box.left + box.width, y}, kRule, 1);
-    canvas.text({box.left - 5, y + 5}, report::stepLabel(i * step_m), kTickSize, kGrey, Align::kRight);
+    canvas.text({box.left - 5, y + 5}, draw::stepLabel(i * step_m), kTickSize, kGrey, Align::kRight);
   }
   for (int degrees = -270; degrees <= 270; degrees += 90) {
     const double angle_rad = core::degToRad(degrees);
@@ -88,7 +88,7 @@ double drawChart(Canvas& canvas, double top, double height, const robot::Scan& s
     canvas.line({x, box.top}, {x, box.top + box.height}, kRule, 1);
     canvas.text({x, box.top + box.height + 15}, std::to_string(degrees), kTickSize, kGrey, Align::kCentre);
   }
-  canvas.frame(box, report::kFrame, 1);
+  canvas.frame(box, draw::kFrame, 1);
   std::vector<Pixel> line;
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const bool is_return = robot::isReturn(scan.ranges_m[i]);
@@ -123,7 +123,7 @@ double drawZone(Canvas& canvas, double top, double height, const LocalObstacles&
   for (const auto& p : obstacles.remembered) canvas.disc(at(p), 2, kRemembered);
   for (const auto& p : obstacles.seen) canvas.disc(at(p), 2, kSeen);
   canvas.liftClip();
-  canvas.frame(box, report::kFrame, 1);
+  canvas.frame(box, draw::kFrame, 1);
   const double left = box.left + box.width + 12;
   const double pitch = std::min(21.0, (height - 4) / 4);
   double y = box.top + std::min(16.0, pitch);
@@ -132,7 +132,7 @@ double drawZone(Canvas& canvas, double top, double height, const LocalObstacles&
       canvas.disc({left + 6, y - 5}, 3.5, colour);
     } else {
       canvas.box({left, y - 11, 12, 12}, colour);
-      canvas.frame({left, y - 11, 12, 12}, report::kFrame, 1);
+      canvas.frame({left, y - 11, 12, 12}, draw::kFrame, 1);
     }
     canvas.text({left + 19, y}, text, kTickSize, kInk);
     y += pitch;
@@ -151,21 +151,21 @@ struct LegendRow {
 };
 
 std::vector<LegendRow> legendRows(const Snapshot& snapshot) {
-  std::vector<LegendRow> rows = {{0, report::kVermillion, "robot"}};
+  std::vector<LegendRow> rows = {{0, draw::kVermillion, "robot"}};
   const auto add = [&](bool is_there, char key, Colour colour, const char* text) {
     if (is_there) rows.push_back({key, colour, text});
   };
   add(snapshot.T_scene_truth.has_value(), '1', {150, 150, 155}, "true walls");
   add(snapshot.map != nullptr, '2', kInk, "map");
   add(!snapshot.truth.empty(), '3', {170, 170, 170}, "true path");
-  add(!snapshot.path.empty(), '4', report::kBlue, "estimated path");
-  add(!snapshot.nodes.empty(), '5', report::kGreen, "graph");
-  add(!snapshot.nodes.empty() || !snapshot.loops.empty(), '5', report::kOrange, "loops closed");
+  add(!snapshot.path.empty(), '4', draw::kBlue, "estimated path");
+  add(!snapshot.nodes.empty(), '5', draw::kGreen, "graph");
+  add(!snapshot.nodes.empty() || !snapshot.loops.empty(), '5', draw::kOrange, "loops closed");
   add(snapshot.obstacles.has_value(), '6', kRemembered, "obstacles");
   add(true, '7', kSeen, "scan");
-  add(snapshot.candidates.has_value(), '8', report::kYellow, "goal, way, choices");
-  add(snapshot.strategic.has_value(), '8', report::kGreen, "directions");
-  add(!snapshot.particles.empty(), '9', report::kPurple, "particles");
+  add(snapshot.candidates.has_value(), '8', draw::kYellow, "goal, way, choices");
+  add(snapshot.strategic.has_value(), '8', draw::kGreen, "directions");
+  add(!snapshot.particles.empty(), '9', draw::kPurple, "particles");
   add(!snapshot.people.empty(), '0', kInk, "people");
   return rows;
 }
@@ -232,7 +232,7 @@ void drawLegend(Canvas& canvas, double top, const PanelLayout& layout, const Sna
     const bool is_off = row.key != 0 && hidden.find(row.key) != std::string::npos;
     if (row.key != 0) canvas.text({left, y}, std::string(1, row.key), kTickSize, kInk, Align::kLeft, true);
     canvas.box({left + 14, y - 11, 12, 12}, is_off ? kWhite : row.colour);
-    canvas.frame({left + 14, y - 11, 12, 12}, report::kFrame, 1);
+    canvas.frame({left + 14, y - 11, 12, 12}, draw::kFrame, 1);
     const auto text = Canvas::fitText(row.text + std::string(is_off ? " (off)" : ""), kTickSize, width - 36);
     canvas.text({left + 33, y}, text, kTickSize, is_off ? kGrey : kInk);
   }
@@ -261,8 +261,8 @@ std::string scaleBar(double length_m, double pixels) {
   const double left = (width - pixels) / 2, right = left + pixels, y = kHeight - 8;
   canvas.line({left, y}, {right, y}, kInk, 2);
   for (const double x : {left, right}) canvas.line({x, y - 5}, {x, y + 5}, kInk, 2);
-  canvas.text({width / 2, y - 9}, report::stepLabel(length_m) + " m", kTickSize, kInk, Align::kCentre);
-  canvas.frame({0, 0, width, kHeight}, report::kFrame, 1);
+  canvas.text({width / 2, y - 9}, draw::stepLabel(length_m) + " m", kTickSize, kInk, Align::kCentre);
+  canvas.frame({0, 0, width, kHeight}, draw::kFrame, 1);
   return canvas.toPng();
 }
 
@@ -311,7 +311,7 @@ std::string sidePanel(const Snapshot& snapshot, const PanelState& state, int hei
   const bool is_help = !state.keys.empty();
   canvas.text({kMargin, bottom}, is_help ? "h: back to the colours" : "h: help", kTextSize, kInk,
               Align::kLeft, true);
-  canvas.line({0.5, 0}, {0.5, static_cast<double>(height)}, report::kFrame, 1);
+  canvas.line({0.5, 0}, {0.5, static_cast<double>(height)}, draw::kFrame, 1);
   return canvas.toPng();
 }
 

@@ -89,7 +89,7 @@ std::string foreignCalls(const std::string& file_name, const std::string& text) 
 // Names that only look like them: a suite's log, the log that a recorder writes, a point on a chart's circle.
 const std::set<std::string> kOthersOfThatName = {"libslam/sweep/suite_reader.cpp calls log\n",
                                                  "libslam/record/recorder.cpp calls log\n",
-                                                 "libslam/report/scan_picture.cpp calls polar\n"};
+                                                 "libslam/pictures/scan_picture.cpp calls polar\n"};
 
 std::string withoutThoseNames(std::string problems) {
   for (const auto& other : kOthersOfThatName)

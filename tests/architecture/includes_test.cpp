@@ -21,6 +21,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"bags", {"core", "robot", "objects"}},
     {"logs", {"core", "robot", "objects", "bags"}},
     {"stats", {"core"}},
+    {"table", {"core"}},
     // the truth's side
     {"world", {"core"}},
     {"buildings", {"core", "world"}},
@@ -29,8 +30,10 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"mrptworld", {"core", "world"}},
     {"metrics", {"core", "world"}},
     {"oracle", {"core", "world", "metrics"}},
-    {"report", {"core", "robot", "world", "check", "metrics"}},
-    {"viewer", {"core", "robot", "gridmap", "world", "report"}},
+    {"draw", {"core", "world"}},
+    {"pictures", {"core", "robot", "world", "check", "metrics", "draw"}},
+    {"report", {"core", "robot", "world", "metrics", "table", "draw", "pictures"}},
+    {"viewer", {"core", "robot", "gridmap", "world", "draw"}},
     // the robot's side
     {"gridmap", {"core", "robot"}},
     {"scanmatch", {"core", "robot", "gridmap"}},
@@ -54,18 +57,21 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
      {"core", "robot", "world", "buildings", "logs", "sim", "odometry", "mapping", "paths", "navigate"}},
     {"run",
      {"core", "stats", "robot", "gridmap", "world", "objects", "logs", "sim", "odometry", "graph", "mapping",
-      "metrics", "report", "viewer", "process", "record"}},
+      "metrics", "draw", "viewer", "process", "record"}},
     {"score",
-     {"core", "stats", "world", "logs", "sim", "mapping", "metrics", "report", "process", "record", "run"}},
+     {"core", "stats", "world", "logs", "sim", "mapping", "metrics", "table", "pictures", "process", "record",
+      "run"}},
     {"explore",
      {"core", "robot", "world", "logs", "sim", "mapping", "obstacles", "goals", "navigate", "mrptnav",
-      "metrics", "oracle", "report", "process", "record", "run", "score"}},
-    {"sweep", {"core", "logs", "mapping", "report", "process", "record", "run", "score"}},
-    {"study", {"core", "stats", "buildings", "mapping", "report", "score", "sweep"}},
+      "metrics", "oracle", "table", "draw", "pictures", "process", "record", "run", "score"}},
+    {"sweep", {"core", "logs", "mapping", "table", "process", "record", "run", "score"}},
+    {"study", {"core", "stats", "buildings", "mapping", "table", "draw", "score", "sweep"}},
     {"learn", {"core",    "stats",    "robot",     "gridmap", "world",    "buildings", "logs",
-               "sim",     "odometry", "posegraph", "mapping", "navigate", "metrics",   "report",
+               "sim",     "odometry", "posegraph", "mapping", "navigate", "metrics",   "table",
                "process", "record",   "run",       "score",   "explore",  "sweep",     "study"}},
-    {"pages", {"core", "world", "logs", "sim", "metrics", "report", "record", "run", "score", "study"}},
+    {"pages",
+     {"core", "world", "logs", "sim", "metrics", "table", "draw", "pictures", "report", "record", "run",
+      "score", "study"}},
     {"live",
      {"core", "robot", "gridmap", "logs", "world", "sim", "metrics", "obstacles", "navigate", "graph",
       "mapping", "record", "run", "score", "viewer"}},
@@ -112,8 +118,9 @@ TEST(Includes, TheTableHoldsTheTruthWall) {
        {"gridmap", "scanmatch", "posegraph", "obstacles", "paths", "goals", "navigate", "mrptnav", "odometry",
         "graph", "particles", "builders", "methods", "mapping"})
     for (const std::string truth_side :
-         {"world", "buildings", "check", "sim", "metrics", "oracle", "report", "process", "record", "run",
-          "score", "explore", "sweep", "study", "learn", "pages", "objects", "bags", "logs"})
+         {"world",    "buildings", "check",   "sim",    "metrics", "oracle", "draw",
+          "pictures", "report",    "process", "record", "run",     "score",  "explore",
+          "sweep",    "study",     "learn",   "pages",  "objects", "bags",   "logs"})
       EXPECT_FALSE(kMayInclude.at(robot_side).count(truth_side)) << robot_side << " reaches " << truth_side;
 }
 

@@ -417,7 +417,7 @@ TEST(Explore, ACarriedRobotIsKnownToTheTruthAlone) {
               {quickConfig("longest_ray", 8, {"simulation.start=1.5 2 0", "events.carry=4:4.5,2,180"})},
               "naive_wheel"),
       {}, core::silentProgress());
-  EXPECT_THAT(report::toText(result.scores), HasSubstr("longest_ray: kidnapped at 4.0 s from"));
+  EXPECT_THAT(table::toText(result.scores), HasSubstr("longest_ray: kidnapped at 4.0 s from"));
   const auto truth = logs::readTum(folder / "out/run.gt.tum");
   const auto estimate = logs::readTum(folder / "out/trajectory.tum");
   double longest_true_m = 0, longest_believed_m = 0;

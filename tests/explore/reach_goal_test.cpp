@@ -101,7 +101,7 @@ TEST(ReachGoal, ACarriedRobotDoesNotKnowAndTheTruthDoes) {
   EXPECT_EQ(run.status, goals::GoalStatus::kReached);  // by its wheels
   EXPECT_FALSE(run.right);                             // but not truly
   EXPECT_LT(run.path_m, core::pathLength(run.truth) - 0.5);
-  EXPECT_THAT(report::toText(comparison.table), HasSubstr("tangent: kidnapped at 2.0 s from"));
+  EXPECT_THAT(table::toText(comparison.table), HasSubstr("tangent: kidnapped at 2.0 s from"));
   EXPECT_TRUE(fs::exists(folder / "out/tangent/run.carries.csv"));
 }
 
@@ -111,7 +111,7 @@ TEST(ReachGoal, ACarryAfterTheEndIsSaid) {
   request.methods = {"tangent"};
   request.config.carries = sim::parseCarries("300:1,0.6,0", "test");
   const auto comparison = reachGoal(request, {}, core::silentProgress());
-  EXPECT_THAT(report::toText(comparison.table), HasSubstr("1 of the carries came after the end"));
+  EXPECT_THAT(table::toText(comparison.table), HasSubstr("1 of the carries came after the end"));
 }
 
 TEST(ReachGoal, WritesPathsStatesPicturesAndTheTable) {
@@ -204,7 +204,7 @@ TEST(ReachGoal, IsRightWhenItSaysThatNoWayLeadsThere) {
   EXPECT_FALSE(comparison.shortest_m.has_value());
   EXPECT_EQ(comparison.wrong, 0);
   for (const auto& run : comparison.runs) EXPECT_EQ(run.status, goals::GoalStatus::kUnreachable);
-  EXPECT_THAT(report::toText(comparison.table), HasSubstr("No way of the disc"));
+  EXPECT_THAT(table::toText(comparison.table), HasSubstr("No way of the disc"));
 }
 
 TEST(ReachGoal, CountsAMethodThatGaveUpAsWrong) {

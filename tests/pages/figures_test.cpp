@@ -26,8 +26,8 @@ std::string inputErrorOf(Work work) {
   return "no error";
 }
 
-report::Table results() {
-  return report::fromCsv(
+table::Table results() {
+  return table::fromCsv(
       "world,lidar,seed,method,parameters,status,ate_final_m\n"
       "flat,wide,1,graph,,ok,0.1\n"
       "flat,wide,1,icp,icp.x=2,ok,0.4\n"
@@ -67,7 +67,7 @@ TEST(SeedBoxes, SayWhatIsWrongWithTheTableOrTheChoice) {
             "r.csv:1: names no column 'ate_finl_m'; did you mean 'ate_final_m'?");
   EXPECT_THAT(error({"ate_final_m", {"world"}, {}}), HasSubstr("--where: found 'world', expected KEY=VALUE"));
   EXPECT_THAT(error({"ate_final_m", {"world=moon"}, {}}), HasSubstr("r.csv: none of its 5 runs was chosen"));
-  report::Table many{"", {{"world", ""}, {"method", ""}, {"status", ""}, {"ate_final_m", ""}}, {}, {}};
+  table::Table many{"", {{"world", ""}, {"method", ""}, {"status", ""}, {"ate_final_m", ""}}, {}, {}};
   for (int i = 0; i < 25; ++i) many.rows.push_back({"w" + std::to_string(i), "graph", "ok", 1.0});
   EXPECT_THAT(inputErrorOf([&] { seedBoxes(many, {}, "m.csv"); }),
               HasSubstr("m.csv: has 25 combinations of its axes, expected at most 24; choose with --where"));

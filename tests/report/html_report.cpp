@@ -8,9 +8,9 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/draw/page_text.h"
 #include "libslam/report/page_bundle.h"
 #include "libslam/report/page_plot.h"
-#include "libslam/report/page_text.h"
 
 namespace slam::report {
 namespace {
@@ -65,25 +65,25 @@ ReportPage smallPage() {
 }
 
 TEST(PageText, WhatHtmlWouldReadAsItsOwnIsEscaped) {
-  EXPECT_EQ(htmlText("<script>alert(\"a\" & 'b')</script>"),
+  EXPECT_EQ(draw::htmlText("<script>alert(\"a\" & 'b')</script>"),
             "&lt;script&gt;alert(&quot;a&quot; &amp; &#39;b&#39;)&lt;/script&gt;");
-  EXPECT_EQ(htmlText("B\xC3\xBCro \xE2\x82\xAC"), "B\xC3\xBCro \xE2\x82\xAC");
-  EXPECT_EQ(htmlText("a\xFF"
-                     "b"),
+  EXPECT_EQ(draw::htmlText("B\xC3\xBCro \xE2\x82\xAC"), "B\xC3\xBCro \xE2\x82\xAC");
+  EXPECT_EQ(draw::htmlText("a\xFF"
+                           "b"),
             "a\xEF\xBF\xBD"
             "b");  // no UTF-8: U+FFFD
-  EXPECT_EQ(htmlText("a\nb\x01"), "a b ");
+  EXPECT_EQ(draw::htmlText("a\nb\x01"), "a b ");
 }
 
 // RFC 4648, section 10.
 TEST(PageText, Base64IsThatOfTheStandard) {
-  EXPECT_EQ(base64(""), "");
-  EXPECT_EQ(base64("f"), "Zg==");
-  EXPECT_EQ(base64("fo"), "Zm8=");
-  EXPECT_EQ(base64("foo"), "Zm9v");
-  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
-  EXPECT_EQ(base64(std::string("\xFF\x00\x80", 3)), "/wCA");
-  EXPECT_EQ(base64Floats({1.0}), "AACAPw==");  // 0x3F800000, lowest byte first
+  EXPECT_EQ(draw::base64(""), "");
+  EXPECT_EQ(draw::base64("f"), "Zg==");
+  EXPECT_EQ(draw::base64("fo"), "Zm8=");
+  EXPECT_EQ(draw::base64("foo"), "Zm9v");
+  EXPECT_EQ(draw::base64("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(draw::base64(std::string("\xFF\x00\x80", 3)), "/wCA");
+  EXPECT_EQ(draw::base64Floats({1.0}), "AACAPw==");  // 0x3F800000, lowest byte first
 }
 
 TEST(HtmlReport, NamesWithMarkupStayText) {
@@ -267,17 +267,17 @@ TEST(PagePlot, AnOutlineKeepsCornersDropsTheRestAndBreaksAtHoles) {
 
 TEST(PagePlot, ErrorsAreColouredByClass) {
   const core::Trajectory path = {{0, {0, 0, 0}}, {1, {1, 0, 0}}, {2, {2, 0, 0}}, {3, {3, 0, 0}}};
-  const Window window{0, 0, 3, 3};
+  const draw::Window window{0, 0, 3, 3};
   const auto elements = errorPathElements(path, {0.001, 0.2, kNan, 0.2}, window);
-  EXPECT_THAT(elements, HasSubstr("d=\"M0.00 0.00 1.00 0.00\" stroke=\"" + cssColour(kBlue)));
-  EXPECT_THAT(elements, HasSubstr("d=\"M1.00 0.00 2.00 0.00\" stroke=\"" + cssColour(kOrange)));
+  EXPECT_THAT(elements, HasSubstr("d=\"M0.00 0.00 1.00 0.00\" stroke=\"" + draw::cssColour(draw::kBlue)));
+  EXPECT_THAT(elements, HasSubstr("d=\"M1.00 0.00 2.00 0.00\" stroke=\"" + draw::cssColour(draw::kOrange)));
   EXPECT_THAT(elements, Not(HasSubstr("3.00 0.00\"")));  // from a pose without truth nothing is known
 }
 
 TEST(PagePlot, AChartOfNothingIsNothing) {
   EXPECT_EQ(timeChart({}, "c", "error (m)", 10), "");
-  EXPECT_EQ(timeChart({{"a", kBlue, {0, 1}, {kNan, 0}}}, "c", "error (m)", 10), "");
-  EXPECT_THAT(timeChart({{"a", kBlue, {0, 1}, {0.1, 0.2}}}, "c", "error (m)", 10),
+  EXPECT_EQ(timeChart({{"a", draw::kBlue, {0, 1}, {kNan, 0}}}, "c", "error (m)", 10), "");
+  EXPECT_THAT(timeChart({{"a", draw::kBlue, {0, 1}, {0.1, 0.2}}}, "c", "error (m)", 10),
               HasSubstr("data-method=\"a\""));
 }
 

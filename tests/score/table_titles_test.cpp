@@ -34,7 +34,7 @@ TEST(TableTitles, LeaveTheTablesOfRealLogsInOnePart) {
   evaluation.structure.corners = 649, evaluation.structure.enclosed_areas = 39000;
   const auto agreement = agreementTable({evaluation}, Detail::kShort);
   EXPECT_EQ(agreement.columns.size(), 9U);
-  const auto text = report::toText({"", agreement.columns, agreement.rows, {}});
+  const auto text = table::toText({"", agreement.columns, agreement.rows, {}});
   EXPECT_LE(widestLine(text), 80U);
   EXPECT_EQ(text.find("\n\n"), std::string::npos) << text;
 
@@ -42,7 +42,7 @@ TEST(TableTitles, LeaveTheTablesOfRealLogsInOnePart) {
   score.path = "particles online";
   score.error.scored = 23000;
   const auto relations = relationTable({score}, Detail::kShort);
-  const auto shown = report::toText({"", relations.columns, relations.rows, {}});
+  const auto shown = table::toText({"", relations.columns, relations.rows, {}});
   EXPECT_LE(widestLine(shown), 80U);
   EXPECT_EQ(shown.find("\n\n"), std::string::npos) << shown;
 }

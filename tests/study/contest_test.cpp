@@ -91,7 +91,7 @@ Drawn drawn(const std::vector<std::string>& methods, const std::vector<std::vect
   return sweep;
 }
 
-std::string text(const report::CellValue& cell) {
+std::string text(const table::CellValue& cell) {
   return std::get<std::string>(cell);
 }
 

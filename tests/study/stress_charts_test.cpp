@@ -23,7 +23,7 @@ std::string inputErrorOf(Work work) {
 }
 
 TEST(StressCharts, HaveALinePerMethodAndWhiskersWhereIntervalsEnd) {
-  const auto table = report::fromCsv(
+  const auto table = table::fromCsv(
       "key,value,method,runs,failed,failure_rate,failure_rate_low,failure_rate_high,ate_final_m,ate_final_m_"
       "low,"
       "ate_final_m_high,broken\n"
@@ -45,7 +45,7 @@ TEST(StressCharts, HaveALinePerMethodAndWhiskersWhereIntervalsEnd) {
   EXPECT_EQ(charts[0].curves[3].points[0].y, 0.05);
   EXPECT_EQ(charts[1].curves.size(), 5U);
   EXPECT_THAT(
-      inputErrorOf([&] { stressCharts(report::fromCsv("world,method\nflat,icp\n", "r.csv"), "r.csv"); }),
+      inputErrorOf([&] { stressCharts(table::fromCsv("world,method\nflat,icp\n", "r.csv"), "r.csv"); }),
       HasSubstr("r.csv:1: names no column 'value'"));
 }
 

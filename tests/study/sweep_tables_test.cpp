@@ -40,13 +40,13 @@ struct TwoMethods {
   }
 };
 
-std::string textIn(const report::Table& table, std::size_t row, const std::string& key) {
+std::string textIn(const table::Table& table, std::size_t row, const std::string& key) {
   for (std::size_t c = 0; c < table.columns.size(); ++c)
     if (table.columns[c].key == key) return std::get<std::string>(table.rows[row][c]);
   return "no column " + key;
 }
 
-double numberIn(const report::Table& table, std::size_t row, const std::string& key) {
+double numberIn(const table::Table& table, std::size_t row, const std::string& key) {
   for (std::size_t c = 0; c < table.columns.size(); ++c)
     if (table.columns[c].key == key) return std::get<double>(table.rows[row][c]);
   return std::nan("");
@@ -267,7 +267,7 @@ TEST(SweepBrief, OfASingleSettingIsTheWholeSummary) {
   const TwoMethods sweep;
   const auto summary = summarize(sweep.plan, sweep.results);
   const auto brief = briefOf(sweep.plan, summary);
-  EXPECT_EQ(report::toText(brief.overall), report::toText(summary.main));
+  EXPECT_EQ(table::toText(brief.overall), table::toText(summary.main));
   EXPECT_TRUE(brief.worst.rows.empty());
 }
 

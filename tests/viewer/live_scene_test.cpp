@@ -59,7 +59,7 @@ std::optional<cv::Mat> rendered(LiveScene& scene, const Camera& camera) {
   }
 }
 
-bool isNear(const cv::Mat& picture, const report::Pixel& at, report::Colour colour, int slack = 12) {
+bool isNear(const cv::Mat& picture, const draw::Pixel& at, draw::Colour colour, int slack = 12) {
   const auto pixel = picture.at<cv::Vec3b>(static_cast<int>(at.y), static_cast<int>(at.x));
   return std::abs(pixel[0] - colour.blue) <= slack && std::abs(pixel[1] - colour.green) <= slack &&
          std::abs(pixel[2] - colour.red) <= slack;
@@ -67,7 +67,7 @@ bool isNear(const cv::Mat& picture, const report::Pixel& at, report::Colour colo
 
 TEST(CameraOver, ShowsTheWholeAreaWhateverTheShapes) {
   for (const WindowSize size : {WindowSize{1280, 800}, WindowSize{700, 1200}, WindowSize{1920, 480}})
-    for (const report::Window area : {report::Window{0, 0, 40, 10}, report::Window{-3, 5, -1, 50}}) {
+    for (const draw::Window area : {draw::Window{0, 0, 40, 10}, draw::Window{-3, 5, -1, 50}}) {
       const auto camera = cameraOver(area, size);
       double least_x = 1e9, most_x = 0, least_y = 1e9, most_y = 0;
       for (const core::Point2 corner : {core::Point2{area.x0, area.y0}, core::Point2{area.x1, area.y1}}) {
@@ -109,7 +109,7 @@ TEST(PlaceAt, FindsTheRobotWhereItIsDrawnFromAnySide) {
     int pixels = 0;
     for (int row = 0; row < picture->rows; ++row)
       for (int column = 0; column < WindowSize().sceneWidth(); ++column)
-        if (isNear(*picture, {1.0 * column, 1.0 * row}, report::kVermillion)) x += column, y += row, ++pixels;
+        if (isNear(*picture, {1.0 * column, 1.0 * row}, draw::kVermillion)) x += column, y += row, ++pixels;
     ASSERT_GT(pixels, 100);
     const auto place = placeAt({x / pixels, y / pixels}, camera, {}, heightOf(kRobotLayer));
     // The white arrow on the robot is ahead of its centre: what is vermillion lies a little behind.
@@ -214,11 +214,11 @@ TEST(LiveScene, ThePictureHasEverythingWhereItBelongs) {
   ASSERT_EQ(picture->rows, size.height);
   const auto at = [&](double x, double y) { return pixelOf({x, y}, camera, size); };
   // The robot's square is painted beside its white arrow, and ahead of it, at 0.5 m, is floor.
-  EXPECT_TRUE(isNear(*picture, at(2.35, 1.3), report::kVermillion));
-  EXPECT_TRUE(isNear(*picture, at(1.65, 0.7), report::kVermillion));
+  EXPECT_TRUE(isNear(*picture, at(2.35, 1.3), draw::kVermillion));
+  EXPECT_TRUE(isNear(*picture, at(1.65, 0.7), draw::kVermillion));
   EXPECT_TRUE(isNear(*picture, at(2, 1.1), {255, 255, 255}));  // the arrow: wide behind, narrow ahead
   EXPECT_TRUE(isNear(*picture, at(2.12, 0.82), {255, 255, 255}));
-  EXPECT_TRUE(isNear(*picture, at(2.12, 1.2), report::kVermillion));
+  EXPECT_TRUE(isNear(*picture, at(2.12, 1.2), draw::kVermillion));
   EXPECT_TRUE(isNear(*picture, at(2, 1.9), {226, 228, 232}));
   EXPECT_TRUE(isNear(*picture, at(-3.95, 0), {150, 150, 155}));  // the plan's wall
   // The map's lowest row is a wall, from its own origin on; above it is white floor, and one cell that it
@@ -226,7 +226,7 @@ TEST(LiveScene, ThePictureHasEverythingWhereItBelongs) {
   EXPECT_TRUE(isNear(*picture, at(-0.5, -1.95), {30, 30, 30}, 30));
   EXPECT_TRUE(isNear(*picture, at(-0.5, -1.5), {255, 255, 255}));
   EXPECT_TRUE(isNear(*picture, at(0.95, -1.05), {226, 228, 232}));
-  EXPECT_TRUE(isNear(*picture, at(0, 1), report::kOrange));                                // the loop
+  EXPECT_TRUE(isNear(*picture, at(0, 1), draw::kOrange));                                  // the loop
   EXPECT_TRUE(isNear(*picture, {size.width - 10.0, size.height - 5.0}, {247, 247, 247}));  // the panel
 }
 
@@ -243,9 +243,8 @@ TEST(LiveScene, LiesInSheetsThatHideEachOtherInTheirOrder) {
   const auto camera = cameraOver(scene.area(), size);
   const auto picture = rendered(scene, camera);
   if (!picture) GTEST_SKIP() << "EGL gives no context here";
-  EXPECT_TRUE(isNear(*picture, pixelOf({0.3, 0.3}, camera, size), report::kVermillion));
-  EXPECT_TRUE(
-      isNear(*picture, pixelOf({1.5, 0.3}, camera, size), report::kOrange));  // loops lie over the path
+  EXPECT_TRUE(isNear(*picture, pixelOf({0.3, 0.3}, camera, size), draw::kVermillion));
+  EXPECT_TRUE(isNear(*picture, pixelOf({1.5, 0.3}, camera, size), draw::kOrange));  // loops lie over the path
 }
 
 TEST(Layers, LeaveOutWhatIsNotFinite) {

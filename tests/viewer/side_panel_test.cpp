@@ -5,8 +5,8 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "libslam/report/canvas.h"
-#include "libslam/report/map_view.h"
+#include "libslam/draw/canvas.h"
+#include "libslam/draw/map_view.h"
 
 namespace slam::viewer {
 namespace {
@@ -18,7 +18,7 @@ cv::Mat decoded(const std::string& png) {
 }
 
 /// Share of the pixels of nearly that colour.
-double shareOf(const cv::Mat& picture, report::Colour colour) {
+double shareOf(const cv::Mat& picture, draw::Colour colour) {
   cv::Mat near;
   const cv::Scalar bgr(colour.blue, colour.green, colour.red), slack(12, 12, 12);
   cv::inRange(picture, bgr - slack, bgr + slack, near);
@@ -59,17 +59,17 @@ TEST(SidePanel, HasTheChartAndTheObstaclesWhereThereIsRoom) {
   const auto plain = decoded(sidePanel(snapshot, {}, 800));
   ASSERT_EQ(plain.cols, kPanelWidth);
   ASSERT_EQ(plain.rows, 800);
-  EXPECT_GT(shareOf(plain, report::kVermillion), 0.001);  // the chart
-  EXPECT_EQ(shareOf(plain, report::kBlue), 0);
+  EXPECT_GT(shareOf(plain, draw::kVermillion), 0.001);  // the chart
+  EXPECT_EQ(shareOf(plain, draw::kBlue), 0);
   LocalObstacles obstacles;
   obstacles.remembered = {{1, 1}, {-1, 0.5}};
   obstacles.front_m = 4, obstacles.rear_m = 2, obstacles.width_m = 5;
   snapshot.obstacles = obstacles;
-  EXPECT_GT(shareOf(decoded(sidePanel(snapshot, {}, 800)), report::kBlue), 0);
+  EXPECT_GT(shareOf(decoded(sidePanel(snapshot, {}, 800)), draw::kBlue), 0);
   // The chart and the obstacles find no room; nothing is drawn over the rest.
   PanelState keys;
   keys.keys = {{"q", "end"}};
-  EXPECT_EQ(shareOf(decoded(sidePanel(snapshot, keys, 260)), report::kVermillion), 0);
+  EXPECT_EQ(shareOf(decoded(sidePanel(snapshot, keys, 260)), draw::kVermillion), 0);
 }
 
 /// As much as a scene can have.
@@ -97,11 +97,11 @@ TEST(SidePanel, CutsNothingOffTheLegendInALowWindow) {
   state.playback = "paused";
   for (const int height : {500, 640, 800, 1200}) {
     const auto picture = decoded(sidePanel(withEverything(), state, height));
-    for (const auto& colour : {report::kOrange, report::kYellow, report::kPurple, report::kGreen})
+    for (const auto& colour : {draw::kOrange, draw::kYellow, draw::kPurple, draw::kGreen})
       EXPECT_GT(shareOf(picture, colour), 0) << height;
     // The line of the help stands at the bottom, alone.
     const auto ink = [&](int top, int bottom) {
-      return shareOf(picture.rowRange(height - top, height - bottom), report::kInk);
+      return shareOf(picture.rowRange(height - top, height - bottom), draw::kInk);
     };
     EXPECT_GT(ink(22, 6), 0) << height;
     EXPECT_EQ(ink(5, 0), 0) << height;
@@ -111,18 +111,18 @@ TEST(SidePanel, CutsNothingOffTheLegendInALowWindow) {
 TEST(SidePanel, HasTheObstaclesInALowWindowToo) {
   auto snapshot = withEverything();
   snapshot.note.clear();
-  const auto with = shareOf(decoded(sidePanel(snapshot, {}, 500)), report::kVermillion);
+  const auto with = shareOf(decoded(sidePanel(snapshot, {}, 500)), draw::kVermillion);
   snapshot.scan.ranges_m.clear();
-  EXPECT_LT(shareOf(decoded(sidePanel(snapshot, {}, 500)), report::kVermillion), with);
+  EXPECT_LT(shareOf(decoded(sidePanel(snapshot, {}, 500)), draw::kVermillion), with);
   const auto zone = shareOf(decoded(sidePanel(snapshot, {}, 500)), {214, 214, 214});
   EXPECT_GT(zone, 0.005);  // not in view
 }
 
 TEST(SidePanel, ALayerThatIsOffLosesItsColour) {
   PanelState state;
-  const auto on = shareOf(decoded(sidePanel(withEverything(), state, 800)), report::kPurple);
+  const auto on = shareOf(decoded(sidePanel(withEverything(), state, 800)), draw::kPurple);
   state.hidden = "29";
-  const auto off = shareOf(decoded(sidePanel(withEverything(), state, 800)), report::kPurple);
+  const auto off = shareOf(decoded(sidePanel(withEverything(), state, 800)), draw::kPurple);
   EXPECT_GT(on, 0);
   EXPECT_EQ(off, 0);
 }
@@ -143,9 +143,9 @@ TEST(ScaleBar, IsAsLongAsItSays) {
 TEST(SidePanel, AScanWithoutAnyReturnHasNoCurve) {
   auto snapshot = inAWideRoom();
   snapshot.scan.ranges_m.assign(181, robot::kNoReturn);
-  const double only_the_legend = shareOf(decoded(sidePanel(snapshot, {}, 800)), report::kVermillion);
+  const double only_the_legend = shareOf(decoded(sidePanel(snapshot, {}, 800)), draw::kVermillion);
   snapshot.scan.ranges_m.assign(181, 2.0F);
-  EXPECT_LT(only_the_legend, shareOf(decoded(sidePanel(snapshot, {}, 800)), report::kVermillion));
+  EXPECT_LT(only_the_legend, shareOf(decoded(sidePanel(snapshot, {}, 800)), draw::kVermillion));
   snapshot.scan.ranges_m.clear();
   sidePanel(snapshot, {}, 800);
 }

@@ -1,9 +1,0 @@
-#pragma once
-#include <string>
-
-namespace slam::report {
-
-/// A key as the title of an axis: "ATE final (m)" of ate_final_m.
-std::string axisTitle(const std::string& key);
-
-}  // namespace slam::report
