@@ -135,7 +135,7 @@ class MapSheet {
 };
 
 /// One window for all panels: commonWindow() of their maps.
-draw::Window draw::commonWindow(const std::vector<Panel>& panels) {
+draw::Window commonWindow(const std::vector<Panel>& panels) {
   std::vector<draw::Window> maps;
   draw::Window truth, estimates;
   for (const auto& panel : panels) {
@@ -259,7 +259,7 @@ std::vector<Panel> pathPanels(const world::Plan& plan, const std::vector<DrawnPa
 
 void drawPanels(const std::vector<Panel>& panels, const std::string& file, const draw::Paper& paper) {
   if (panels.empty() || panels.size() > 8) throw core::ContractError("drawPanels: needs 1 to 8 panels");
-  const auto window = draw::commonWindow(panels);
+  const auto window = commonWindow(panels);
   const auto grid = arrange(panels, window, paper);
   const double scale = grid.map_height / window.height();
 

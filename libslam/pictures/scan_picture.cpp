@@ -63,9 +63,9 @@ double angleStep_deg(double span_deg) {
   return 90;
 }
 
-class draw::Chart {
+class Chart {
  public:
-  draw::Chart(draw::Canvas& canvas, const draw::PixelBox& box, const robot::Scan& scan,
+  Chart(draw::Canvas& canvas, const draw::PixelBox& box, const robot::Scan& scan,
               const RangeAxis& ranges)
       : canvas_(canvas), box_(box), scan_(scan), ranges_(ranges) {
     const double last_rad = scan.angle(scan.ranges_m.empty() ? 0 : scan.ranges_m.size() - 1);
@@ -174,7 +174,7 @@ void drawScan(const robot::Scan& scan, const std::string& file, const draw::Pape
   const auto layout = layoutFor(paper);
   draw::Canvas canvas(layout.width, layout.height, paper);
   const auto ranges = rangeAxis(scan);
-  draw::Chart(canvas, layout.chart, scan, ranges).draw();
+  Chart(canvas, layout.chart, scan, ranges).draw();
   drawPolar(canvas, layout.centre, layout.radius, scan, ranges);
   const auto returns = std::count_if(scan.ranges_m.begin(), scan.ranges_m.end(), robot::isReturn);
   canvas.text({layout.centre.x, layout.centre.y + layout.radius + 50},

@@ -36,7 +36,7 @@ void forPixels(const draw::Window& window, const PictureSize& size, Set set) {
                        window.y1 - (y + 0.5) * window.height() / size.height});
 }
 
-std::string draw::encodedPng(const cv::Mat& picture) {
+std::string encodedPng(const cv::Mat& picture) {
   std::vector<unsigned char> bytes;
   if (!cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9}))
     throw core::IoError("OpenCV cannot encode a PNG");
@@ -71,7 +71,7 @@ std::string rasterPng(const world::Plan& raster, const core::Pose2& T_world_rast
       picture.at<unsigned char>(y, x) = greys[labels.at(p, size.pixel_m)];
     });
   }
-  return draw::encodedPng(picture);
+  return encodedPng(picture);
 }
 
 std::string differencePng(const pictures::MapDifference& difference, const draw::Window& window,
@@ -82,7 +82,7 @@ std::string differencePng(const pictures::MapDifference& difference, const draw:
     const draw::Colour colour = difference.colourAt(p, size.pixel_m);
     picture.at<cv::Vec3b>(y, x) = {colour.blue, colour.green, colour.red};
   });
-  return draw::encodedPng(picture);
+  return encodedPng(picture);
 }
 
 std::string pathOutline(const std::vector<core::Point2>& points, double tolerance_m) {
