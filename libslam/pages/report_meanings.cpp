@@ -1,6 +1,7 @@
 #include "libslam/pages/report_meanings.h"
 
 #include "libslam/score/evaluate.h"
+#include "libslam/score/metric_infos.h"
 
 namespace slam::pages {
 namespace {

@@ -16,6 +16,7 @@
 #include "libslam/run/told_commands.h"
 #include "libslam/score/compare_pictures.h"
 #include "libslam/score/compared_methods.h"
+#include "libslam/score/metric_infos.h"
 #include "libslam/score/relation_tables.h"
 
 namespace slam::score {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "libslam/report/table.h"
-#include "libslam/study/sweep_tables.h"
+#include "libslam/study/run_figures.h"
 #include "libslam/sweep/suite.h"
 
 namespace slam::study {

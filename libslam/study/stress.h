@@ -6,7 +6,7 @@
 #include "libslam/core/ini.h"
 #include "libslam/report/curves.h"
 #include "libslam/report/table.h"
-#include "libslam/study/sweep_tables.h"
+#include "libslam/study/run_figures.h"
 #include "libslam/sweep/suite.h"
 #include "libslam/sweep/sweep_plan.h"
 

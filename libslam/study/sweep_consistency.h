@@ -1,6 +1,6 @@
 #pragma once
 #include "libslam/report/table.h"
-#include "libslam/study/sweep_tables.h"
+#include "libslam/study/run_figures.h"
 
 namespace slam::study {
 

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "libslam/report/table.h"
-#include "libslam/study/sweep_tables.h"
+#include "libslam/study/run_figures.h"
 #include "libslam/sweep/sweep_plan.h"
 
 namespace slam::study {

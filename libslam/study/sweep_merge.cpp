@@ -8,8 +8,10 @@
 #include "libslam/core/files.h"
 #include "libslam/report/table_latex.h"
 #include "libslam/study/sweep_consistency.h"
+#include "libslam/study/sweep_costs.h"
 #include "libslam/study/sweep_failures.h"
 #include "libslam/study/sweep_index.h"
+#include "libslam/study/sweep_tables.h"
 #include "libslam/sweep/cell.h"
 
 namespace slam::study {
