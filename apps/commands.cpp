@@ -6,12 +6,12 @@
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "apps/quiet.h"
 #include "apps/stream_output.h"
 #include "libslam/core/error.h"
 #include "libslam/core/resources.h"
+#include "libslam/core/word_list.h"
 
 namespace slam::apps {
 
@@ -129,14 +129,14 @@ void addLidar(const std::string& argument, core::IniFile& config) {
   const auto preset = loadLidar(argument.substr(equals + 1, at - equals - 1));
   if (const auto it = preset.sections().find("lidar"); it != preset.sections().end())
     for (const auto& [key, entry] : it->second) config.set(section, key, entry.value, entry.origin);
-  std::istringstream numbers(argument.substr(at + 1));
-  std::string number;
-  for (const char* key : {"mount_x_m", "mount_y_m", "mount_yaw_deg"}) {
+  const std::vector<std::string> keys = {"mount_x_m", "mount_y_m", "mount_yaw_deg"};
+  const auto numbers = core::splitAt(argument.substr(at + 1), ',');
+  if (numbers.size() != keys.size()) fail();
+  for (std::size_t i = 0; i < keys.size(); ++i) {
     double value = 0;
-    if (!std::getline(numbers, number, ',') || !core::parseNumber(number, value)) fail();
-    config.set(section, key, number, "--lidar");
+    if (!core::parseNumber(numbers[i], value)) fail();
+    config.set(section, keys[i], numbers[i], "--lidar");
   }
-  if (std::getline(numbers, number)) fail();
 }
 
 }  // namespace

@@ -9,10 +9,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
-#include <sstream>
 #include <string_view>
 
 #include "libslam/core/error.h"
+#include "libslam/core/word_wrap.h"
 #include "libslam/table/text.h"
 
 namespace slam::apps {
@@ -145,22 +145,9 @@ std::string tableText(const table::Table& table) {
 }
 
 void printWrapped(const std::string& heading, const std::string& text) {
-  std::istringstream words(text);
-  std::string line = heading, word;
-  size_t used = heading.size();
-  bool is_first = true;
-  const std::size_t width = std::min(terminalWidth(), kTextWidth);
-  while (words >> word) {
-    if (!is_first && used + 1 + word.size() > width) {
-      std::cout << line << "\n";
-      line.assign(heading.size(), ' ');
-      is_first = true;
-    }
-    line += (is_first ? "" : " ") + word;
-    used = line.size();
-    is_first = false;
-  }
-  std::cout << line << "\n";
+  const std::string indent(core::letters(heading), ' ');
+  for (const auto& line : core::wrapped(text, std::min(terminalWidth(), kTextWidth), heading, indent))
+    std::cout << line << "\n";
 }
 
 std::string padded(std::string text, std::size_t width) {

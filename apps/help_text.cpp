@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/core/word_wrap.h"
 
 namespace slam::apps {
 namespace {
@@ -28,18 +29,10 @@ class HelpFormatter : public CLI::Formatter {
 
 std::string folded(const std::string& text, size_t indent, size_t width) {
   std::istringstream lines(text);
-  std::string result, line;
-  const auto finish = [&] {
-    result += (result.empty() ? "" : "\n" + std::string(indent, ' ')) + line;
-    line.clear();
-  };
-  for (std::string given; std::getline(lines, given); finish()) {
-    std::istringstream words(given);
-    for (std::string word; words >> word;) {
-      if (!line.empty() && indent + line.size() + 1 + word.size() > width) finish();
-      line += (line.empty() ? "" : " ") + word;
-    }
-  }
+  std::string result;
+  for (std::string given; std::getline(lines, given);)
+    for (const auto& line : core::wrapped(given, width - indent))
+      result += (result.empty() ? "" : "\n" + std::string(indent, ' ')) + line;
   return result;
 }
 

@@ -15,6 +15,7 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/navigate/strategy.h"
 #include "libslam/score/evaluate.h"
+#include "libslam/score/metric_infos.h"
 
 namespace slam::apps {
 namespace {

@@ -150,45 +150,50 @@ int asMutable(const Context& context, Arguments& arguments) {
   return kDraw(context, arguments);
 }
 
-}  // namespace
+constexpr const char* kOfRuns = "what 'rasterslam compare', 'run' or 'explore' wrote";
 
-void addPlotResults(CLI::App& plot, Context& context) {
-  const std::string of_runs = "what 'rasterslam compare', 'run' or 'explore' wrote";
-  const auto made = [] { return std::make_shared<Arguments>(); };
-  const auto addMethods = [](CLI::App* command, const std::shared_ptr<Arguments>& arguments) {
-    command->add_option("--methods", arguments->methods, "these alone, separated by commas (default: all)");
-  };
-  const auto addLinear = [](CLI::App* command, const std::shared_ptr<Arguments>& arguments) {
-    command->add_flag("--linear", arguments->is_linear, "no logarithmic axis");
-  };
+void addMethods(CLI::App* command, const std::shared_ptr<Arguments>& arguments) {
+  command->add_option("--methods", arguments->methods, "these alone, separated by commas (default: all)");
+}
 
-  auto arguments = made();
+void addLinear(CLI::App* command, const std::shared_ptr<Arguments>& arguments) {
+  command->add_flag("--linear", arguments->is_linear, "no logarithmic axis");
+}
+
+void addMapPlot(CLI::App& plot, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
   auto* command =
       addKind(plot, context, arguments, "map", "the map of each method with its path and the true one",
-              of_runs, asMutable<plotMap>);
+              kOfRuns, asMutable<plotMap>);
   addMethods(command, arguments);
   command->footer(
       "Examples:\n"
       "  rasterslam plot map out -o map.pdf --width 170mm\n"
       "  rasterslam plot map out --methods graph -o graph.svg --width 85mm");
+}
 
-  arguments = made();
-  command = addKind(plot, context, arguments, "paths", "the paths of all methods over the true plan", of_runs,
-                    asMutable<plotPaths>);
+void addPathsPlot(CLI::App& plot, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  auto* command = addKind(plot, context, arguments, "paths", "the paths of all methods over the true plan",
+                          kOfRuns, asMutable<plotPaths>);
   addMethods(command, arguments);
   command->add_flag("--overlay", arguments->is_overlaid, "all on one plan (default: a plan for each method)");
   command->footer("Example:\n  rasterslam plot paths out -o paths.pdf --width 85mm");
+}
 
-  arguments = made();
-  command = addKind(plot, context, arguments, "errors", "position error over time, a line per method",
-                    of_runs, asMutable<plotErrors>);
+void addErrorsPlot(CLI::App& plot, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  auto* command = addKind(plot, context, arguments, "errors", "position error over time, a line per method",
+                          kOfRuns, asMutable<plotErrors>);
   addMethods(command, arguments);
   addLinear(command, arguments);
   command->footer("Example:\n  rasterslam plot errors out -o errors.pdf --width 85mm");
+}
 
-  arguments = made();
-  command = addKind(plot, context, arguments, "seeds", "box plots over the seeds of a sweep",
-                    "what 'rasterslam bench' wrote, or its results.csv", plotSeeds);
+void addSeedsPlot(CLI::App& plot, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  auto* command = addKind(plot, context, arguments, "seeds", "box plots over the seeds of a sweep",
+                          "what 'rasterslam bench' wrote, or its results.csv", plotSeeds);
   addMethods(command, arguments);
   addLinear(command, arguments);
   command
@@ -207,18 +212,31 @@ void addPlotResults(CLI::App& plot, Context& context) {
       "  rasterslam plot seeds sweep -o seeds.pdf\n"
       "  rasterslam plot seeds sweep/results.csv --where world=flat --metric wall_f1 --linear -o walls.svg "
       "--width 85mm");
+}
 
-  arguments = made();
-  command = addKind(plot, context, arguments, "stress", "error and failures over what a stress test varied",
-                    "what 'rasterslam stress' wrote, or its stress.csv", asMutable<plotStress>);
+void addStressPlot(CLI::App& plot, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  auto* command =
+      addKind(plot, context, arguments, "stress", "error and failures over what a stress test varied",
+              "what 'rasterslam stress' wrote, or its stress.csv", asMutable<plotStress>);
   command->footer("Example:\n  rasterslam plot stress fov -o fov.pdf --width 170mm");
+}
 
-  arguments = made();
-  command = addKind(plot, context, arguments, "exploration", "explored share over time and over the path",
-                    "what 'rasterslam explore' wrote; several folders are drawn together",
-                    asMutable<plotExploration>);
+void addExplorationPlot(CLI::App& plot, Context& context) {
+  const auto arguments = std::make_shared<Arguments>();
+  auto* command = addKind(
+      plot, context, arguments, "exploration", "explored share over time and over the path",
+      "what 'rasterslam explore' wrote; several folders are drawn together", asMutable<plotExploration>);
   command->get_option("input")->expected(1, 100);
   command->footer("Example:\n  rasterslam plot exploration ex1 ex2 -o coverage.pdf --width 170mm");
+}
+
+}  // namespace
+
+void addPlotResults(CLI::App& plot, Context& context) {
+  for (const auto add :
+       {addMapPlot, addPathsPlot, addErrorsPlot, addSeedsPlot, addStressPlot, addExplorationPlot})
+    add(plot, context);
 }
 
 }  // namespace slam::apps

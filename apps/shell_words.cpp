@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/core/word_list.h"
 #include "libslam/mapping/method_types.h"
 
 namespace slam::apps {
@@ -33,13 +34,7 @@ std::vector<std::string> choicesOf(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const auto open = type.find('{'), close = type.rfind('}');
   if (open == std::string::npos || close == std::string::npos || close < open) return {};
-  std::vector<std::string> words;
-  for (std::size_t at = open + 1; at <= close;) {
-    const std::size_t end = std::min(type.find(',', at), close);
-    words.push_back(type.substr(at, end - at));
-    at = end + 1;
-  }
-  return words;
+  return core::splitAt(type.substr(open + 1, close - open - 1), ',');
 }
 
 /// Values of an option or a positional argument; behind a comma those of the next in a list.

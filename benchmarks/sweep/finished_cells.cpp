@@ -7,6 +7,7 @@
 #include "libslam/core/files.h"
 #include "libslam/core/random.h"
 #include "libslam/score/evaluate.h"
+#include "libslam/score/metric_infos.h"
 #include "libslam/sweep/cell.h"
 #include "libslam/sweep/sweep.h"
 

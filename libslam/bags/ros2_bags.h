@@ -10,6 +10,9 @@ namespace slam::bags {
 std::unique_ptr<RosMessages> openDb3Messages(const std::string& path);
 std::unique_ptr<RosMessages> openMcapMessages(const std::string& path);
 
+/// Of a bag that is a folder: what rosbag2 writes beside its files.
+inline constexpr const char* kMetadataName = "metadata.yaml";
+
 /// Quality of service of a latched topic, in rosbag2's YAML: keep last, 1, reliable, transient local, and no
 /// deadlines, which are written as the largest duration.
 inline constexpr const char* kLatchedQos =

@@ -4,6 +4,7 @@
 
 #include "libslam/check/lettering.h"
 #include "libslam/check/rules.h"
+#include "libslam/core/middle_value.h"
 
 namespace slam::check {
 namespace {
@@ -31,8 +32,7 @@ int usualThickness(const cv::Mat& ink, const Stroke& stroke) {
   const int length = stroke.x1 - stroke.x0;
   for (int x = stroke.x0 + length / 4; x <= stroke.x1 - length / 4; ++x)
     all.push_back(thickness(ink, x, stroke.y));
-  std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2), all.end());
-  return all[all.size() / 2];
+  return core::middleValue(std::move(all));
 }
 
 /// The decoration of a line's end, an arrow head or an oblique tick: some columns near the end where the ink
@@ -49,8 +49,7 @@ cv::Rect decoration(const cv::Mat& ink, const Stroke& stroke, bool left, int end
   const int length = stroke.x1 - stroke.x0;
   std::vector<int> line;
   for (int i = length / 4; i <= length * 3 / 4; ++i) line.push_back(height(i));
-  std::nth_element(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(line.size() / 2), line.end());
-  const int usual = line[line.size() / 2];
+  const int usual = core::middleValue(std::move(line));
   int broad = 0, plain = 0, last = 0;
   for (int i = 2; i < 3 * end_size; ++i)
     if (height(i) > usual) ++broad, last = i;

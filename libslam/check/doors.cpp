@@ -5,6 +5,7 @@
 #include "libslam/check/door_arcs.h"
 #include "libslam/check/rules.h"
 #include "libslam/core/elementary.h"
+#include "libslam/core/middle_value.h"
 
 namespace slam::check {
 namespace {
@@ -46,9 +47,7 @@ double strokeBreadth(const cv::Mat& depth, PlaceOf place_of) {
     if (most > 0) depths.push_back(static_cast<float>(most));
   }
   if (depths.empty()) return 1;
-  std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2),
-                   depths.end());
-  return 2.0 * depths[depths.size() / 2];
+  return 2.0 * core::middleValue(std::move(depths));
 }
 
 /// Ink of the arc, of the leaf, and of lines drawn across the doorway parallel to the wall. Ink that is

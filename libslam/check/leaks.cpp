@@ -34,6 +34,28 @@ cv::Point nearestInk(const cv::Mat& ink, const cv::Point& middle, int reach, con
   return best;
 }
 
+/// strip: of paper round the page, in the gaps' coordinates.
+Finding findingOf(const Sheet& sheet, const std::vector<Gap>& gaps, int strip) {
+  Finding finding;
+  finding.key = "leaks";
+  finding.severity = Severity::kWarning;
+  finding.count = static_cast<int>(gaps.size());
+  double narrowest = INFINITY, broadest = 0;
+  for (const Gap& gap : gaps) {
+    narrowest = std::min(narrowest, gap.width);
+    broadest = std::max(broadest, gap.width);
+    finding.places.push_back(sheet.place((gap.from + gap.to) / 2 - cv::Point(strip, strip)));
+  }
+  const std::string low = metres(narrowest * sheet.resolution_m),
+                    high = metres(broadest * sheet.resolution_m);
+  finding.text = "the inside is open to the outside through " + counted(finding.count, "gap", "gaps") +
+                 " of " + (low == high ? low : low + " to " + high) + " m" + atPixel(finding.places);
+  finding.remedy =
+      "closes them with a wall, being no wider than " + metres(sheet.options.widest_gap_m) + " m";
+  finding.is_mendable = true;
+  return finding;
+}
+
 }  // namespace
 
 void checkLeaks(Sheet& sheet) {
@@ -76,23 +98,7 @@ void checkLeaks(Sheet& sheet) {
     return false;
   });
   if (gaps.empty()) return;
-  Finding finding;
-  finding.key = "leaks";
-  finding.severity = Severity::kWarning;
-  finding.count = static_cast<int>(gaps.size());
-  double narrowest = INFINITY, broadest = 0;
-  for (const Gap& gap : gaps) {
-    narrowest = std::min(narrowest, gap.width);
-    broadest = std::max(broadest, gap.width);
-    finding.places.push_back(sheet.place((gap.from + gap.to) / 2 - cv::Point(strip, strip)));
-  }
-  const std::string low = metres(narrowest * sheet.resolution_m),
-                    high = metres(broadest * sheet.resolution_m);
-  finding.text = "the inside is open to the outside through " + counted(finding.count, "gap", "gaps") +
-                 " of " + (low == high ? low : low + " to " + high) + " m" + atPixel(finding.places);
-  finding.remedy =
-      "closes them with a wall, being no wider than " + metres(sheet.options.widest_gap_m) + " m";
-  finding.is_mendable = true;
+  const Finding finding = findingOf(sheet, gaps, strip);
   const cv::Rect page(strip, strip, sheet.cells.cols, sheet.cells.rows);
   sheet.paint(closed(page), world::Cell::kOccupied, Change::kClosed);
   sheet.findings.push_back(finding);

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "libslam/check/sheet.h"
+#include "libslam/core/middle_value.h"
 
 namespace slam::check {
 namespace {
@@ -119,9 +120,7 @@ Word wordOf(const std::vector<Glyph>& glyphs, const std::vector<size_t>& row) {
     word.box |= glyphs[i].box;
     heights.push_back(glyphs[i].box.height);
   }
-  std::nth_element(heights.begin(), heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2),
-                   heights.end());
-  word.height = heights[heights.size() / 2];
+  word.height = core::middleValue(std::move(heights));
   word.glyphs = static_cast<int>(row.size());
   return word;
 }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "libslam/core/elementary.h"
+#include "libslam/core/middle_value.h"
 
 namespace slam::doctor {
 namespace {
@@ -81,11 +82,8 @@ Fit robustFit(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, int group, dou
     if (is_still) break;
     std::vector<double> sizes;
     for (Eigen::Index g = 0; g < groups; ++g) sizes.push_back(residuals.segment(g * group, group).norm());
-    auto sorted = sizes;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                     sorted.end());
     // Median of the size to the deviation of one component: 0.6745 for one, 1.1774 for two (Rayleigh).
-    const double scale = std::max(sorted[sorted.size() / 2] / (group == 1 ? 0.6745 : 1.1774), least_scale);
+    const double scale = std::max(core::middleValue(sizes) / (group == 1 ? 0.6745 : 1.1774), least_scale);
     for (Eigen::Index g = 0; g < groups; ++g) {
       const double u = sizes[static_cast<std::size_t>(g)] / (kCauchy * scale);
       weights.segment(g * group, group).setConstant(1 / (1 + u * u));

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/middle_value.h"
+
 namespace slam::doctor {
 namespace {
 
@@ -153,9 +155,7 @@ void RangeTally::findBadBeams(RangeFigures& figures) const {
       deviations_m.push_back(std::sqrt(beam.squares_m2 / static_cast<double>(beam.returns - 1)));
   }
   if (2 * with_returns < beams_.size()) return;
-  const auto middle = deviations_m.begin() + static_cast<std::ptrdiff_t>(deviations_m.size() / 2);
-  std::nth_element(deviations_m.begin(), middle, deviations_m.end());
-  const bool is_lively = !deviations_m.empty() && *middle > kLively_m;
+  const bool is_lively = core::middleValue(std::move(deviations_m)) > kLively_m;
   for (std::size_t i = 0; i < beams_.size(); ++i) {
     const Beam& beam = beams_[i];
     const int index = static_cast<int>(i);

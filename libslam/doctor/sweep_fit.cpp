@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "libslam/core/middle_value.h"
 #include "libslam/core/random.h"
 #include "libslam/odometry/planar_fit.h"
 
@@ -79,9 +80,7 @@ SweepFit SweepPairs::fit() const {
   if (pairs_.size() < kFewestPairs) return result;
   std::vector<double> periods_s;
   for (const auto& pair : pairs_) periods_s.push_back(pair.to.period_s);
-  std::nth_element(periods_s.begin(), periods_s.begin() + static_cast<std::ptrdiff_t>(periods_s.size() / 2),
-                   periods_s.end());
-  const double period_s = periods_s[periods_s.size() / 2];
+  const double period_s = core::middleValue(std::move(periods_s));
   constexpr std::size_t kCandidates = 2 * kSteps + 1;
   std::vector<std::vector<double>> costs(kCandidates);  // per candidate and pair
   std::vector<double> sums(kCandidates, 0);

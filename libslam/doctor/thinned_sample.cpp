@@ -1,6 +1,6 @@
 #include "libslam/doctor/thinned_sample.h"
 
-#include <algorithm>
+#include "libslam/core/middle_value.h"
 
 namespace slam::doctor {
 namespace {
@@ -19,9 +19,7 @@ void ThinnedSample::add(double value) {
 double ThinnedSample::quantile(double share) const {
   if (kept_.empty()) return 0;
   auto values = kept_;
-  const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + rank, values.end());
-  return values[static_cast<std::size_t>(rank)];
+  return core::valueOfRank(values, static_cast<std::size_t>(share * static_cast<double>(values.size() - 1)));
 }
 
 }  // namespace slam::doctor

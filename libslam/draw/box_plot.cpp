@@ -6,6 +6,7 @@
 #include "libslam/core/error.h"
 #include "libslam/draw/chart_axes.h"
 #include "libslam/draw/map_view.h"
+#include "libslam/metrics/statistics.h"
 
 namespace slam::draw {
 namespace {
@@ -20,13 +21,6 @@ std::vector<double> finite(std::vector<double> values) {
   values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }),
                values.end());
   return values;
-}
-
-double quantile(const std::vector<double>& sorted, double share) {
-  const double place = share * static_cast<double>(sorted.size() - 1);
-  const auto below = static_cast<std::size_t>(place);
-  if (below + 1 == sorted.size()) return sorted.back();
-  return sorted[below] + (place - static_cast<double>(below)) * (sorted[below + 1] - sorted[below]);
 }
 
 Colour paler(Colour c) {
@@ -87,9 +81,9 @@ BoxFigures boxFigures(std::vector<double> values) {
   if (values.empty()) throw core::ContractError("boxFigures: needs a finite value");
   std::sort(values.begin(), values.end());
   BoxFigures figures;
-  figures.lower_quartile = quantile(values, 0.25);
-  figures.median = quantile(values, 0.5);
-  figures.upper_quartile = quantile(values, 0.75);
+  figures.lower_quartile = metrics::quantile(values, 0.25);
+  figures.median = metrics::quantile(values, 0.5);
+  figures.upper_quartile = metrics::quantile(values, 0.75);
   const double reach = 1.5 * (figures.upper_quartile - figures.lower_quartile);
   const auto is_within = [&](double v) {
     return v >= figures.lower_quartile - reach && v <= figures.upper_quartile + reach;

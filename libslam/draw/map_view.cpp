@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "libslam/core/elementary.h"
+#include "libslam/core/middle_value.h"
 #include "libslam/core/parameters.h"
 
 namespace slam::draw {
@@ -25,9 +26,7 @@ Window windowWhere(const world::Plan& raster, const core::Pose2& T_world_raster,
 
 /// The element in the middle of the order, of an even number the lower.
 double middle(std::vector<double> values) {
-  const auto half = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
-  std::nth_element(values.begin(), half, values.end());
-  return *half;
+  return core::valueOfRank(values, (values.size() - 1) / 2);
 }
 
 }  // namespace

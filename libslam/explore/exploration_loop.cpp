@@ -22,6 +22,7 @@
 #include "libslam/record/sensor.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
+#include "libslam/run/manifest_entries.h"
 #include "libslam/run/map_plan.h"
 #include "libslam/run/scene_file.h"
 #include "libslam/run/stopped_run.h"

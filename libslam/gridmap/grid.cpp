@@ -30,6 +30,10 @@ bool nearer(int ax, int ay, int bx, int by) {
   return a != b ? a < b : std::tie(ay, ax) < std::tie(by, bx);
 }
 
+int cellOf(double cells) {
+  return static_cast<int>(std::floor(cells));
+}
+
 constexpr int kShiftUnit = static_cast<int>(Cell::kShiftsPerCell);
 
 }  // namespace
@@ -166,39 +170,33 @@ void Grid::findNearest(const Spot& spot) {
   }
 }
 
-void Grid::insert(const ScanRays& rays, const core::Pose2& T_map_robot) {
-  require(core::isFinite(T_map_robot), "the pose is not finite");
-  if (rays.rays.empty()) return;
-  const auto [s, c] = core::sinCos(T_map_robot.phi);
-  const double per_cell = 1 / options_.cell_m;
-  const auto toCells = [&](const core::Point2& p) {
-    return core::Point2{(T_map_robot.x + c * p.x - s * p.y) * per_cell,
-                        (T_map_robot.y + s * p.x + c * p.y) * per_cell};
-  };
-  const core::Point2 origin = toCells(rays.origin);
+/// A scan's rays on the raster; in cells, from their shared origin.
+struct Grid::Beams {
+  core::Point2 origin;
   std::vector<core::Point2> ends;
-  ends.reserve(rays.rays.size());
-  double x_min = origin.x, x_max = origin.x, y_min = origin.y, y_max = origin.y;
-  for (const Ray& ray : rays.rays) {
-    const core::Point2 end = toCells(ray.end);
-    x_min = std::min(x_min, end.x), x_max = std::max(x_max, end.x);
-    y_min = std::min(y_min, end.y), y_max = std::max(y_max, end.y);
-    ends.push_back(end);
-  }
-  constexpr double kFarthest = 1 << 30;
-  require(x_min > -kFarthest && y_min > -kFarthest && x_max < kFarthest && y_max < kFarthest,
-          "beyond 2^30 cells from the origin");
-  const auto cellOf = [](double v) { return static_cast<int>(std::floor(v)); };
-  CrossedCells crossed(cellOf(x_min), cellOf(y_min), cellOf(x_max), cellOf(y_max));
-  CrossedCells hit(cellOf(x_min), cellOf(y_min), cellOf(x_max), cellOf(y_max));
-  for (size_t i = 0; i < ends.size(); ++i) {
-    crossed.addLine(origin, ends[i]);
-    if (rays.rays[i].hit) hit.add(cellOf(ends[i].x), cellOf(ends[i].y));
-  }
-  const int reach = options_.reach_cells;
-  coverTiles(cellOf(x_min) - reach, cellOf(y_min) - reach, cellOf(x_max) + reach, cellOf(y_max) + reach);
+  double x_min, x_max, y_min, y_max;
 
-  // Passes. Cells that are certain already stay shared.
+  Beams(const ScanRays& rays, const core::Pose2& T_map_robot, double cell_m) {
+    const auto [s, c] = core::sinCos(T_map_robot.phi);
+    const double per_cell = 1 / cell_m;
+    const auto toCells = [&, sine = s, cosine = c](const core::Point2& p) {
+      return core::Point2{(T_map_robot.x + cosine * p.x - sine * p.y) * per_cell,
+                          (T_map_robot.y + sine * p.x + cosine * p.y) * per_cell};
+    };
+    origin = toCells(rays.origin);
+    ends.reserve(rays.rays.size());
+    x_min = x_max = origin.x, y_min = y_max = origin.y;
+    for (const Ray& ray : rays.rays) {
+      const core::Point2 end = toCells(ray.end);
+      x_min = std::min(x_min, end.x), x_max = std::max(x_max, end.x);
+      y_min = std::min(y_min, end.y), y_max = std::max(y_max, end.y);
+      ends.push_back(end);
+    }
+  }
+};
+
+/// Lowers what the rays cross, and says which surfaces that ends. Cells that are certain already stay shared.
+std::vector<Grid::Spot> Grid::pass(const CrossedCells& crossed, const CrossedCells& hit) {
   std::vector<Spot> gone;
   for (int tile_y = crossed.tileRowMin(); tile_y <= crossed.tileRowMax(); ++tile_y)
     for (int tile_x = crossed.tileColumnMin(); tile_x <= crossed.tileColumnMax(); ++tile_x) {
@@ -218,42 +216,73 @@ void Grid::insert(const ScanRays& rays, const core::Pose2& T_map_robot) {
         }
       }
     }
-  std::vector<Spot> orphans;
-  for (const Spot& spot : gone) {
-    forget(spot, orphans);
-    own(spot.x, spot.y).returns = 0;
-  }
+  return gone;
+}
 
-  // Hits: once per cell for the log-odds, every return for the place of the surface.
+/// A ray's return into its cell. is_first: of this scan; only then the log-odds rise, whereas every return
+/// counts for the place of the surface. Whether that moved.
+bool Grid::addReturn(const Spot& spot, const core::Point2& end, bool is_first) {
+  const Cell* found = at(spot.x, spot.y);
+  const Cell before = found ? *found : Cell{};
+  Cell after = before;
+  if (is_first)
+    after.log_odds = static_cast<std::int8_t>(
+        std::min(most_, (before.seen() ? static_cast<int>(before.log_odds) : 0) + hit_));
+  const bool moves = after.occupied() && before.returns < Cell::kMostReturns;
+  if (moves) {
+    const double x = end.x - (spot.x + 0.5), y = end.y - (spot.y + 0.5);
+    if (!before.occupied()) after.shift_x = after.shift_y = 0, after.returns = 0;
+    ++after.returns;
+    after.shift_x = static_cast<std::int16_t>(
+        after.shift_x + toShift((x - after.shift_x / Cell::kShiftsPerCell) / after.returns));
+    after.shift_y = static_cast<std::int16_t>(
+        after.shift_y + toShift((y - after.shift_y / Cell::kShiftsPerCell) / after.returns));
+    after.to_x = after.to_y = 0;
+  }
+  if (after.log_odds != before.log_odds || after.returns != before.returns) own(spot.x, spot.y) = after;
+  return moves;
+}
+
+/// The returns of a scan; the cells whose surface moved, each once.
+std::vector<Grid::Spot> Grid::addReturns(const ScanRays& rays, const Beams& beams, CrossedCells& hit) {
   std::vector<Spot> moved;
-  for (size_t i = 0; i < ends.size(); ++i) {
+  for (size_t i = 0; i < beams.ends.size(); ++i) {
     if (!rays.rays[i].hit) continue;
-    const Spot spot{cellOf(ends[i].x), cellOf(ends[i].y)};
-    const Cell* found = at(spot.x, spot.y);
-    const Cell before = found ? *found : Cell{};
-    Cell after = before;
-    if (hit.take(spot.x, spot.y))
-      after.log_odds = static_cast<std::int8_t>(
-          std::min(most_, (before.seen() ? static_cast<int>(before.log_odds) : 0) + hit_));
-    if (after.occupied() && before.returns < Cell::kMostReturns) {
-      const double x = ends[i].x - (spot.x + 0.5), y = ends[i].y - (spot.y + 0.5);
-      if (!before.occupied()) after.shift_x = after.shift_y = 0, after.returns = 0;
-      ++after.returns;
-      after.shift_x = static_cast<std::int16_t>(
-          after.shift_x + toShift((x - after.shift_x / Cell::kShiftsPerCell) / after.returns));
-      after.shift_y = static_cast<std::int16_t>(
-          after.shift_y + toShift((y - after.shift_y / Cell::kShiftsPerCell) / after.returns));
-      after.to_x = after.to_y = 0;
-      moved.push_back(spot);
-    }
-    if (after.log_odds != before.log_odds || after.returns != before.returns) own(spot.x, spot.y) = after;
+    const Spot spot{cellOf(beams.ends[i].x), cellOf(beams.ends[i].y)};
+    if (addReturn(spot, beams.ends[i], hit.take(spot.x, spot.y))) moved.push_back(spot);
   }
   std::sort(moved.begin(), moved.end(),
             [](const Spot& a, const Spot& b) { return std::tie(a.y, a.x) < std::tie(b.y, b.x); });
   moved.erase(std::unique(moved.begin(), moved.end(),
                           [](const Spot& a, const Spot& b) { return a.x == b.x && a.y == b.y; }),
               moved.end());
-  for (const Spot& spot : moved) spreadFrom(spot);
+  return moved;
+}
+
+void Grid::insert(const ScanRays& rays, const core::Pose2& T_map_robot) {
+  require(core::isFinite(T_map_robot), "the pose is not finite");
+  if (rays.rays.empty()) return;
+  const Beams beams(rays, T_map_robot, options_.cell_m);
+  constexpr double kFarthest = 1 << 30;
+  require(beams.x_min > -kFarthest && beams.y_min > -kFarthest && beams.x_max < kFarthest &&
+              beams.y_max < kFarthest,
+          "beyond 2^30 cells from the origin");
+  const int x_min = cellOf(beams.x_min), y_min = cellOf(beams.y_min), x_max = cellOf(beams.x_max),
+            y_max = cellOf(beams.y_max);
+  CrossedCells crossed(x_min, y_min, x_max, y_max), hit(x_min, y_min, x_max, y_max);
+  for (size_t i = 0; i < beams.ends.size(); ++i) {
+    crossed.addLine(beams.origin, beams.ends[i]);
+    if (rays.rays[i].hit) hit.add(cellOf(beams.ends[i].x), cellOf(beams.ends[i].y));
+  }
+  const int reach = options_.reach_cells;
+  coverTiles(x_min - reach, y_min - reach, x_max + reach, y_max + reach);
+
+  std::vector<Spot> orphans;
+  for (const Spot& spot : pass(crossed, hit)) {
+    forget(spot, orphans);
+    own(spot.x, spot.y).returns = 0;
+  }
+  for (const Spot& spot : addReturns(rays, beams, hit)) spreadFrom(spot);
   for (const Spot& spot : orphans) findNearest(spot);
 }
 

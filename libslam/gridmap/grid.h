@@ -10,6 +10,8 @@
 
 namespace slam::gridmap {
 
+class CrossedCells;
+
 struct GridOptions {
   double cell_m = 0.05;
   double hit_probability = 0.7;   ///< that a cell is occupied, from one scan with a return in it
@@ -139,6 +141,10 @@ class Grid {
   /// For writing: made, or made one's own, when it has to be.
   Tile& ownTile(int tile_x, int tile_y);
   Cell& own(int x, int y);
+  struct Beams;
+  std::vector<Spot> pass(const CrossedCells& crossed, const CrossedCells& hit);
+  bool addReturn(const Spot& spot, const core::Point2& end, bool is_first);
+  std::vector<Spot> addReturns(const ScanRays& rays, const Beams& beams, CrossedCells& hit);
   void spreadFrom(const Spot& surface);
   void forget(const Spot& surface, std::vector<Spot>& orphans);
   void findNearest(const Spot& cell);

@@ -6,6 +6,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/middle_value.h"
 #include "libslam/learn/check_answer.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
@@ -38,13 +39,6 @@ struct Paths {
   core::Trajectory truth, wheels, student;
 };
 
-double middleOf(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// What an increment along x, or a turn, is of the true one: the median; 0 where nothing moved by `least`.
 double medianRatio(const Paths& paths, double (*part)(const core::Pose2&), double least) {
   std::vector<double> ratios;
@@ -53,7 +47,7 @@ double medianRatio(const Paths& paths, double (*part)(const core::Pose2&), doubl
     if (std::abs(truly) >= least)
       ratios.push_back(part(core::between(paths.student[i - 1].pose, paths.student[i].pose)) / truly);
   }
-  return middleOf(ratios);
+  return core::middleValue(ratios);
 }
 
 double ahead(const core::Pose2& motion) {
@@ -74,7 +68,8 @@ bool looksLikeDegrees(const core::Trajectory& student, const core::Trajectory& r
     from_degrees.push_back(std::abs(core::angleDifference(found, core::radToDeg(turned))));
     from_radians.push_back(std::abs(core::angleDifference(found, turned)));
   }
-  return !from_degrees.empty() && middleOf(from_degrees) < 0.7 && middleOf(from_radians) > 0.3;
+  return !from_degrees.empty() && core::middleValue(from_degrees) < 0.7 &&
+         core::middleValue(from_radians) > 0.3;
 }
 
 bool isWheels(const Paths& paths) {

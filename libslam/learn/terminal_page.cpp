@@ -6,14 +6,11 @@
 #include <vector>
 
 #include "libslam/core/ini.h"
+#include "libslam/core/word_list.h"
+#include "libslam/core/word_wrap.h"
 
 namespace slam::learn {
 namespace {
-
-std::size_t widthOf(const std::string& text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](unsigned char c) { return (c & 0xC0) != 0x80; }));
-}
 
 bool startsWith(const std::string& text, const std::string& begin) {
   return text.compare(0, begin.size(), begin) == 0;
@@ -55,10 +52,7 @@ std::string bulletOf(const std::string& line) {
 }
 
 std::vector<std::string> cellsOf(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream in(line.substr(1));
-  for (std::string cell; std::getline(in, cell, '|');) cells.push_back(core::trimmed(cell));
-  return cells;
+  return core::splitAt(line.substr(1), '|');
 }
 
 bool isRule(const std::string& line) {
@@ -110,13 +104,14 @@ class Page {
   void heading(const std::string& line) {
     const auto level = line.find_first_not_of('#');
     const std::string title = plain(core::trimmed(line.substr(level)), folder_);
-    text_ += title + "\n" + std::string(widthOf(title), level == 1 ? '=' : '-') + "\n\n";
+    text_ += title + "\n" + std::string(core::letters(title), level == 1 ? '=' : '-') + "\n\n";
   }
 
   /// ends: with an empty line behind.
   void flush(bool ends = true) {
     if (!paragraph_.empty()) {
-      text_ += wrappedText(plain(paragraph_, folder_), columns_, bullet_, std::string(widthOf(bullet_), ' '));
+      text_ += wrappedText(plain(paragraph_, folder_), columns_, bullet_,
+                           std::string(core::letters(bullet_), ' '));
       if (ends || bullet_.empty()) text_ += "\n";
     }
     paragraph_.clear();
@@ -129,14 +124,14 @@ class Page {
     std::vector<std::size_t> widths(table_.front().size(), 0);
     for (const auto& row : table_)
       for (std::size_t c = 0; c < std::min(row.size(), widths.size()); ++c)
-        widths[c] = std::max(widths[c], widthOf(row[c]));
+        widths[c] = std::max(widths[c], core::letters(row[c]));
     std::size_t before = 0;  // all columns but the last, which may be broken
     for (std::size_t c = 0; c + 1 < widths.size(); ++c) before += widths[c] + 2;
     const bool fits = before + 24 <= columns_;
     for (std::size_t r = 0; r < table_.size(); ++r) {
       std::string first;
       for (std::size_t c = 0; c + 1 < table_[r].size(); ++c)
-        first += table_[r][c] + (fits ? std::string(widths[c] + 2 - widthOf(table_[r][c]), ' ') : ": ");
+        first += table_[r][c] + (fits ? std::string(widths[c] + 2 - core::letters(table_[r][c]), ' ') : ": ");
       text_ += wrappedText(table_[r].back(), columns_, first, std::string(fits ? before : 4, ' '));
       if (r == 0 && fits) text_ += std::string(std::min(before + widths.back(), columns_), '-') + "\n";
     }
@@ -154,19 +149,9 @@ class Page {
 
 std::string wrappedText(const std::string& text, std::size_t columns, const std::string& first,
                         const std::string& indent) {
-  std::string result, line = first;
-  std::istringstream words(text);
-  bool is_empty = true;
-  for (std::string word; words >> word;) {
-    if (!is_empty && widthOf(line) + 1 + widthOf(word) > columns) {
-      result += line + "\n";
-      line = indent;
-      is_empty = true;
-    }
-    line += (is_empty ? "" : " ") + word;
-    is_empty = false;
-  }
-  return result + line + "\n";
+  std::string result;
+  for (const auto& line : core::wrapped(text, columns, first, indent)) result += line + "\n";
+  return result;
 }
 
 std::string terminalPage(const std::string& markdown, const std::string& folder, std::size_t columns) {

@@ -10,8 +10,8 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/fixed_number.h"
 #include "libslam/logs/carmen_log.h"
-#include "libslam/logs/fixed_number.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
 
@@ -49,7 +49,7 @@ void appendRange(std::string& text, float range_m, int least_decimals) {
 void appendNumbers(std::string& text, std::initializer_list<double> values, int decimals = kDecimals) {
   for (const double value : values) {
     text += ' ';
-    appendNumber(text, value, decimals);
+    core::appendFixed(text, value, decimals);
   }
 }
 

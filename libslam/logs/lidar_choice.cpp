@@ -7,7 +7,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/logs/middle_value.h"
+#include "libslam/core/middle_value.h"
 
 namespace slam::logs {
 namespace {
@@ -31,7 +31,7 @@ double periodOf(const std::vector<SeenScan>& seen, const std::string& label) {
     if (last != nullptr) periods_s.push_back(scan->scan.time_s - last->time_s);
     last = &scan->scan;
   }
-  return middleValue(periods_s);
+  return core::middleValue(periods_s);
 }
 
 /// How much later the stamps of `label` are than those of `main` next to them in the file, where they
@@ -44,7 +44,7 @@ double disagreement(const std::vector<SeenScan>& seen, const std::string& main, 
     if (scan->lidar == label && last != nullptr) later_s.push_back(scan->scan.time_s - last->time_s);
   }
   const double limit_s = std::max(kLeastDisagreement_s, kPeriods * periodOf(seen, main));
-  const double middle_s = middleValue(later_s);
+  const double middle_s = core::middleValue(later_s);
   return std::abs(middle_s) > limit_s ? middle_s : 0;
 }
 

@@ -5,8 +5,8 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/middle_value.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/logs/middle_value.h"
 
 namespace slam::logs {
 namespace {
@@ -69,7 +69,7 @@ LogInfo inspectLog(const std::string& path) {
     info.longest_gap_s = std::max(0.0, *std::max_element(periods_s.begin(), periods_s.end()));
     info.stamps_run_back = *std::min_element(periods_s.begin(), periods_s.end()) < 0;
   }
-  info.median_scan_period_s = middleValue(std::move(periods_s));
+  info.median_scan_period_s = core::middleValue(std::move(periods_s));
   if (readings > 0) {
     info.no_return_share = static_cast<double>(no_returns) / static_cast<double>(readings);
     info.lost_share = static_cast<double>(lost) / static_cast<double>(readings);

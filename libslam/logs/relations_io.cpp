@@ -6,8 +6,8 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/fixed_number.h"
 #include "libslam/core/parameters.h"
-#include "libslam/logs/fixed_number.h"
 
 namespace slam::logs {
 namespace {
@@ -56,7 +56,7 @@ void writeRelations(const core::Relations& relations, const std::string& path) {
     std::string line;
     for (const double value : {from_s, to_s, T.x, T.y, 0.0, 0.0, 0.0, core::wrapToPi(T.phi)}) {
       if (!line.empty()) line += ' ';
-      appendNumber(line, value, kDecimals);
+      core::appendFixed(line, value, kDecimals);
     }
     file.append(line + '\n');
   }

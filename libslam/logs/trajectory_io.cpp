@@ -10,7 +10,7 @@
 #include "libslam/core/csv.h"
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/logs/fixed_number.h"
+#include "libslam/core/fixed_number.h"
 
 namespace slam::logs {
 namespace {
@@ -142,8 +142,8 @@ core::Trajectory toTrajectory(const std::vector<Line>& lines, const Format& form
     const double time_s = line.values[0];
     if (!trajectory.empty() && time_s < trajectory.back().time_s) {
       std::string found, before;
-      appendNumber(found, time_s, kTimeDecimals);
-      appendNumber(before, trajectory.back().time_s, kTimeDecimals);
+      core::appendFixed(found, time_s, kTimeDecimals);
+      core::appendFixed(before, trajectory.back().time_s, kTimeDecimals);
       failAt(path, line.number, "found time " + found + ", expected none before " + before);
     }
     trajectory.push_back({time_s, format.pose(line, path)});
@@ -175,11 +175,11 @@ void TrajectoryWriter::write(const core::StampedPose& stamped) {
   last_time_s_ = time_s;
 
   line_.clear();
-  appendNumber(line_, time_s, kTimeDecimals);
+  core::appendFixed(line_, time_s, kTimeDecimals);
   const auto append = [&](std::initializer_list<double> values, int decimals) {
     for (const double value : values) {
       line_ += format_ == Format::kCsv ? ',' : ' ';
-      appendNumber(line_, value, decimals);
+      core::appendFixed(line_, value, decimals);
     }
   };
   if (format_ == Format::kCsv) {

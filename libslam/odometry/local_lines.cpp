@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "libslam/core/elementary.h"
+#include "libslam/core/middle_value.h"
 
 namespace slam::odometry {
 namespace {
@@ -180,10 +181,8 @@ double estimateNoise(const robot::Scan& scan) {
       continue;
     noise.push_back(middle * middle * std::abs(1 / left - c / middle + 1 / right) / gain);
   }
-  if (noise.empty()) return 0;
-  const auto median = noise.begin() + static_cast<long>(noise.size() / 2);
-  std::nth_element(noise.begin(), median, noise.end());
-  return 1.4826 * *median;  // median of the size to standard deviation, for a normal distribution
+  return 1.4826 * core::middleValue(std::move(
+                      noise));  // median of the size to standard deviation, for a normal distribution
 }
 
 // Sine and cosine anew at every 32nd, between them by rotation, which is good

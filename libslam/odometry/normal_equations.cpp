@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "libslam/core/middle_value.h"
+
 namespace slam::odometry {
 namespace {
 
@@ -81,9 +83,7 @@ std::array<double, 9> motionCovariance(const Directions& directions, double nois
 }
 
 double robustScale(std::vector<double>& sizes) {
-  const auto middle = sizes.begin() + static_cast<long>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return std::max(kMadToSigma * *middle, kSmallestScale_m);
+  return std::max(kMadToSigma * core::valueOfRank(sizes, sizes.size() / 2), kSmallestScale_m);
 }
 
 }  // namespace slam::odometry

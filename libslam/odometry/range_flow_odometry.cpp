@@ -3,19 +3,16 @@
 #include <memory>
 
 #include "libslam/core/elementary.h"
-#include "libslam/odometry/local_lines.h"
 #include "libslam/odometry/methods.h"
 #include "libslam/odometry/normal_equations.h"
 #include "libslam/odometry/profile_correlation.h"
+#include "libslam/odometry/range_flow_levels.h"
 
 namespace slam::odometry {
 namespace {
 
-constexpr size_t kFewestBeams = 40;  // of the coarsest level
-constexpr size_t kMostLevels = 5;    // as in the paper
-constexpr int kWarps = 2;            // at the finest level; one at the others
-constexpr int kReweightings = 3;     // per warp
-constexpr double kSteepest = 8;      // neighbours on one surface seen at up to about 83 degrees
+constexpr int kWarps = 2;         // at the finest level; one at the others
+constexpr int kReweightings = 3;  // per warp
 /// A scan serves as reference until the robot is this far from it.
 constexpr double kReferenceReach_m = 0.4, kReferenceReach_rad = 15 * core::kPi / 180;
 /// Scale of the weights at the coarsest level where the noise alone left a direction undetermined, and what
@@ -31,118 +28,6 @@ constexpr int kFewestRows = 6;
 constexpr double kCostCut_m = 0.10;       // a residual of this size costs as much as no overlap
 constexpr double kConvincingCost = 0.25;  // a flow from the predicted motion with at most this is not doubted
 constexpr double kFewestInliers = 0.3;    // share of the rows
-
-/// A scan on equidistant beams as inverse ranges, 0 where nothing is known. Along a straight wall the inverse
-/// range is a sinusoid of the angle, so interpolation and differences are exact on walls.
-struct Level {
-  double first_angle_rad = 0, step_rad = 0;
-  bool full_circle = false;
-  std::vector<core::Point2> directions;
-  std::vector<double> inverse_range;
-
-  size_t size() const { return inverse_range.size(); }
-};
-
-/// A scan at all resolutions, finest first.
-struct Pyramid {
-  std::vector<Level> levels;
-  double sigma_m = 0;
-};
-
-Level finestLevel(const robot::Scan& scan) {
-  Level level{scan.first_angle_rad, scan.step_rad, scan.isFullCircle(), beamDirections(scan), {}};
-  level.inverse_range.assign(scan.ranges_m.size(), 0.0);
-  for (size_t i = 0; i < scan.ranges_m.size(); ++i)
-    if (robot::isReturn(scan.ranges_m[i])) level.inverse_range[i] = 1 / static_cast<double>(scan.ranges_m[i]);
-  return level;
-}
-
-bool sameSurface(double a, double b, double step_rad, double sigma_m) {
-  if (a == 0 || b == 0) return false;
-  // |1/a - 1/b| against the gap of two steep beams, times a b.
-  return std::abs(a - b) < kSteepest * step_rad * std::min(a, b) + 4 * sigma_m * a * b;
-}
-
-/// Every other beam, smoothed with its neighbours by 1 2 1 where they lie on its surface (the paper filters
-/// bilaterally for the same reason: a mean over an edge is a point in the air).
-Level halve(const Level& fine, double sigma_m) {
-  const size_t n = fine.size();
-  Level coarse;
-  coarse.first_angle_rad = fine.first_angle_rad;
-  coarse.step_rad = 2 * fine.step_rad;
-  coarse.full_circle = fine.full_circle && n % 2 == 0;
-  for (size_t i = 0; i < n; i += 2) {
-    const double middle = fine.inverse_range[i];
-    double sum = 2 * middle, weight = 2;
-    const auto take = [&](size_t k) {
-      if (!sameSurface(middle, fine.inverse_range[k], fine.step_rad, sigma_m)) return;
-      sum += fine.inverse_range[k];
-      weight += 1;
-    };
-    // Both or none: one alone would shift the beam along a slanted wall.
-    if (i > 0 && i + 1 < n && sameSurface(fine.inverse_range[i - 1], middle, fine.step_rad, sigma_m) &&
-        sameSurface(middle, fine.inverse_range[i + 1], fine.step_rad, sigma_m)) {
-      take(i - 1);
-      take(i + 1);
-    }
-    coarse.inverse_range.push_back(sum / weight);
-    coarse.directions.push_back(fine.directions[i]);
-  }
-  return coarse;
-}
-
-Pyramid makePyramid(const robot::Scan& scan) {
-  Pyramid pyramid;
-  // What a sensor states may be several times too small.
-  pyramid.sigma_m = std::clamp(std::max(scan.range_sigma_m, estimateNoise(scan)), 0.002, 0.1);
-  pyramid.levels.push_back(finestLevel(scan));
-  while (pyramid.levels.size() < kMostLevels && pyramid.levels.back().size() >= 2 * kFewestBeams)
-    pyramid.levels.push_back(halve(pyramid.levels.back(), pyramid.sigma_m));
-  return pyramid;
-}
-
-/// The level as it would look from T_reference_moving^-1 of where it was taken, on the beams of `reference`:
-/// the paper's warping. Between neighbours on one surface the inverse range is interpolated; of two surfaces
-/// on one beam the nearer one is seen.
-void warp(const Level& moving, const core::Pose2& T, const Level& reference, double sigma_m,
-          std::vector<double>& warped) {
-  const long n = static_cast<long>(reference.size());
-  warped.assign(static_cast<size_t>(n), 0.0);
-  const double c = core::cos(T.phi), s = core::sin(T.phi), per_step = 1 / reference.step_rad;
-  const double circle = 2 * core::kPi * per_step;
-  double last_u = 0, last_inverse = 0, last_original = 0;
-  const size_t count = moving.size() + (moving.full_circle ? 1 : 0);
-  for (size_t k = 0; k < count; ++k) {
-    const size_t i = k < moving.size() ? k : 0;
-    const double inverse = moving.inverse_range[i];
-    if (inverse == 0) {
-      last_original = 0;
-      continue;
-    }
-    const core::Point2& d = moving.directions[i];
-    // In units of the range: arm of length 1, shift divided by the range.
-    const core::Point2 arm{c * d.x - s * d.y, s * d.x + c * d.y};
-    const core::Point2 q{arm.x + T.x * inverse, arm.y + T.y * inverse};
-    const double across = arm.x * q.y - arm.y * q.x, ahead = arm.x * q.x + arm.y * q.y, t = across / ahead;
-    // Error of the series below 0.1 t^7: a ten-thousandth of a beam at the bound.
-    const double parallax =
-        ahead > 0 && std::abs(t) < 0.2 ? t * (1 - t * t * (1.0 / 3 - t * t / 5)) : core::atan2(across, ahead);
-    const double angle = moving.first_angle_rad + static_cast<double>(k) * moving.step_rad + T.phi + parallax;
-    const double u = (angle - reference.first_angle_rad) * per_step;
-    const double seen = inverse / std::sqrt(q.x * q.x + q.y * q.y);
-    if (sameSurface(last_original, inverse, moving.step_rad, sigma_m) && u > last_u && u - last_u < 8) {
-      const double slope = (seen - last_inverse) / (u - last_u);
-      for (double beam = std::ceil(last_u); beam <= u; beam += 1) {
-        const double turned = beam - circle * std::floor((beam + 0.5) / circle);
-        const long j = std::lround(turned);
-        if (j < 0 || j >= n) continue;
-        double& slot = warped[static_cast<size_t>(j)];
-        slot = std::max(slot, last_inverse + (beam - last_u) * slope);
-      }
-    }
-    last_u = u, last_inverse = seen, last_original = inverse;
-  }
-}
 
 /// One range flow constraint.
 struct Row {

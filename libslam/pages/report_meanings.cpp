@@ -2,6 +2,7 @@
 
 #include "libslam/core/journal.h"
 #include "libslam/score/evaluate.h"
+#include "libslam/score/metric_infos.h"
 
 namespace slam::pages {
 namespace {

@@ -9,7 +9,7 @@
 #include "libslam/core/parameters.h"
 #include "libslam/pages/report_parts.h"
 #include "libslam/score/evaluate.h"
-#include "libslam/study/sweep_tables.h"
+#include "libslam/study/run_figures.h"
 #include "libslam/table/cells.h"
 #include "libslam/table/number_text.h"
 
@@ -166,6 +166,51 @@ void addFailures(const std::string& folder, report::ReportPage& page) {
   page.tables.push_back(std::move(table));
 }
 
+/// The methods of a stress test as the rows first name them.
+std::vector<std::string> methodsIn(const Rows& rows) {
+  std::vector<std::string> methods;
+  for (std::size_t i = 0; i < rows.count(); ++i)
+    if (const auto method = rows.text(i, "method");
+        std::find(methods.begin(), methods.end(), method) == methods.end())
+      methods.push_back(method);
+  return methods;
+}
+
+/// Where each method breaks, as the notes say it; these notes head the page.
+std::map<std::string, std::string> breakTexts(const std::vector<std::string>& notes,
+                                              const std::vector<std::string>& methods,
+                                              report::ReportPage& page) {
+  std::map<std::string, std::string> texts;
+  std::vector<std::string> verdict;
+  for (const auto& note : notes)
+    for (const auto& method : methods)
+      if (note.rfind(method + ": ", 0) == 0) {
+        verdict.push_back(note);
+        texts[method] = note.substr(method.size() + 2);
+      }
+  page.verdict.insert(page.verdict.begin(), verdict.begin(), verdict.end());
+  return texts;
+}
+
+/// Of one figure, a curve per method.
+void addCurves(const Rows& rows, const std::string& key, const std::vector<std::string>& methods,
+               const std::map<std::string, std::string>& break_texts, report::PageChart& chart) {
+  for (const auto& method : methods) {
+    report::PageCurve curve;
+    curve.label = method;
+    if (const auto text = break_texts.find(method); text != break_texts.end()) curve.note = text->second;
+    for (std::size_t i = 0; i < rows.count(); ++i) {
+      if (rows.text(i, "method") != method) continue;
+      const Figure figure = rows.figure(i, key);
+      curve.points.push_back({rows.number(i, "value"), figure.value});
+      curve.low.push_back(figure.low);
+      curve.high.push_back(figure.high);
+      curve.broken.push_back(rows.text(i, "broken") == "yes");
+    }
+    chart.curves.push_back(std::move(curve));
+  }
+}
+
 /// How far a stress test got: curves with intervals, and where each method breaks.
 void fillStress(const std::string& folder, report::ReportPage& page) {
   const std::string path = folder + "/stress.json";
@@ -178,20 +223,8 @@ void fillStress(const std::string& folder, report::ReportPage& page) {
   const std::string metric = table.columns[kMetricColumn].key;
   const std::string key = rows.text(0, "key");
   page.tables.push_back(readMarkdownTable(folder + "/stress.md"));
-  std::map<std::string, std::string> break_texts;
-  std::vector<std::string> methods;
-  for (std::size_t i = 0; i < rows.count(); ++i)
-    if (const auto method = rows.text(i, "method");
-        std::find(methods.begin(), methods.end(), method) == methods.end())
-      methods.push_back(method);
-  std::vector<std::string> verdict;
-  for (const auto& note : table.notes)
-    for (const auto& method : methods)
-      if (note.rfind(method + ": ", 0) == 0) {
-        verdict.push_back(note);
-        break_texts[method] = note.substr(method.size() + 2);
-      }
-  page.verdict.insert(page.verdict.begin(), verdict.begin(), verdict.end());
+  const auto methods = methodsIn(rows);
+  const auto break_texts = breakTexts(table.notes, methods, page);
 
   report::PageChart errors{"stress-error",
                            "Median " + metric +
@@ -209,24 +242,8 @@ void fillStress(const std::string& folder, report::ReportPage& page) {
                              {},
                              1,
                              0};
-  for (const auto& method : methods) {
-    report::PageCurve error, failure;
-    error.label = failure.label = method;
-    error.note = failure.note = break_texts[method];
-    const auto add = [&](report::PageCurve& curve, std::size_t row, const Figure& figure) {
-      curve.points.push_back({rows.number(row, "value"), figure.value});
-      curve.low.push_back(figure.low);
-      curve.high.push_back(figure.high);
-      curve.broken.push_back(rows.text(row, "broken") == "yes");
-    };
-    for (std::size_t i = 0; i < rows.count(); ++i) {
-      if (rows.text(i, "method") != method) continue;
-      add(error, i, rows.figure(i, metric));
-      add(failure, i, rows.figure(i, "failure_rate"));
-    }
-    errors.curves.push_back(std::move(error));
-    failures.curves.push_back(std::move(failure));
-  }
+  addCurves(rows, metric, methods, break_texts, errors);
+  addCurves(rows, "failure_rate", methods, break_texts, failures);
   page.charts.push_back(std::move(errors));
   page.charts.push_back(std::move(failures));
   for (const char* name : {"stress.csv", "stress.tex"})

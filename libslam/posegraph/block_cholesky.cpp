@@ -45,12 +45,8 @@ bool invertPivot(const Eigen::Matrix3d& a, const Eigen::Matrix3d& original, Eige
 
 }  // namespace
 
-void BlockCholesky::analyse(int size, const std::vector<std::pair<int, int>>& blocks) {
-  order_ = minimumDegreeOrder(size, blocks);
-  position_.assign(at(size), 0);
-  for (int k = 0; k < size; ++k) position_[at(order_[at(k)])] = k;
-
-  // The permuted lower triangle by rows, repetitions sharing a slot.
+/// The permuted lower triangle by rows, repetitions sharing a slot.
+void BlockCholesky::storeByRows(const std::vector<std::pair<int, int>>& blocks) {
   struct Entry {
     int row, column, block;
     bool transposed;
@@ -66,7 +62,7 @@ void BlockCholesky::analyse(int size, const std::vector<std::pair<int, int>>& bl
   });
   slots_.resize(blocks.size());
   value_column_.clear();
-  value_start_.assign(at(size) + 1, 0);
+  value_start_.assign(at(size()) + 1, 0);
   int last_row = -1;
   for (const Entry& entry : entries) {
     if (entry.row != last_row || entry.column != value_column_.back()) {
@@ -77,13 +73,16 @@ void BlockCholesky::analyse(int size, const std::vector<std::pair<int, int>>& bl
     slots_[at(entry.block)] = {static_cast<int>(value_column_.size()) - 1, entry.transposed};
   }
   std::partial_sum(value_start_.begin(), value_start_.end(), value_start_.begin());
+}
 
-  // Elimination tree and rows of the factor (Davis 2006, sections 4.1 and 4.2).
-  parent_.assign(at(size), -1);
-  std::vector<int> ancestor(at(size), -1), seen(at(size), -1), count(at(size), 0);
+/// Elimination tree and rows of the factor (Davis 2006, sections 4.1 and 4.2). How many entries each column
+/// has.
+std::vector<int> BlockCholesky::eliminate() {
+  parent_.assign(at(size()), -1);
+  std::vector<int> ancestor(at(size()), -1), seen(at(size()), -1), count(at(size()), 0);
   row_start_.assign(1, 0);
   row_entries_.clear();
-  for (int k = 0; k < size; ++k) {
+  for (int k = 0; k < size(); ++k) {
     seen[at(k)] = k;
     for (int v = value_start_[at(k)]; v < value_start_[at(k) + 1]; ++v)
       for (int i = value_column_[at(v)], next = 0; i != -1 && i < k; i = next) {
@@ -101,16 +100,28 @@ void BlockCholesky::analyse(int size, const std::vector<std::pair<int, int>>& bl
               [](const RowEntry& a, const RowEntry& b) { return a.column < b.column; });
     row_start_.push_back(static_cast<int>(row_entries_.size()));
   }
-  column_start_.assign(at(size) + 1, 0);
+  return count;
+}
+
+/// The factor's entries, listed by rows so far, into columns.
+void BlockCholesky::listByColumns(const std::vector<int>& count) {
+  column_start_.assign(at(size()) + 1, 0);
   std::partial_sum(count.begin(), count.end(), column_start_.begin() + 1);
   row_of_.resize(row_entries_.size());
-  for (int k = 0; k < size; ++k)
+  for (int k = 0; k < size(); ++k)
     for (int r = row_start_[at(k)]; r < row_start_[at(k) + 1]; ++r) {
       RowEntry& entry = row_entries_[at(r)];
       entry.at += column_start_[at(entry.column)];
       row_of_[at(entry.at)] = k;
     }
+}
 
+void BlockCholesky::analyse(int size, const std::vector<std::pair<int, int>>& blocks) {
+  order_ = minimumDegreeOrder(size, blocks);
+  position_.assign(at(size), 0);
+  for (int k = 0; k < size; ++k) position_[at(order_[at(k)])] = k;
+  storeByRows(blocks);
+  listByColumns(eliminate());
   diagonal_.resize(at(size));
   values_.resize(value_column_.size());
   factor_.resize(row_of_.size());

@@ -68,6 +68,9 @@ class BlockCholesky {
   struct RowEntry {
     int column, at;
   };
+  void storeByRows(const std::vector<std::pair<int, int>>& blocks);
+  std::vector<int> eliminate();
+  void listByColumns(const std::vector<int>& count);
   static size_t at(int i) { return static_cast<size_t>(i); }
 
   std::vector<int> order_, position_;  // order_[k]: the row eliminated k-th; position_ is its inverse

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libslam/core/middle_value.h"
 #include "libslam/posegraph/descent.h"
 #include "libslam/posegraph/edge_error.h"
 #include "libslam/posegraph/parts.h"
@@ -182,9 +183,8 @@ double LoopSearch::limit(const LoopChoice& choice, const std::vector<Verdict>& v
   for (size_t n = 0; n < loops_.size(); ++n)
     if (choice.on[loops_[n]]) sizes.push_back(verdicts[n].chi2);
   if (options_.switch_off_medians == 0 || sizes.size() < kEnoughForMedian) return options_.switch_off_chi2;
-  const auto middle = sizes.begin() + static_cast<long>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return std::min(options_.switch_off_chi2, options_.switch_off_medians * *middle);
+  return std::min(options_.switch_off_chi2,
+                  options_.switch_off_medians * core::middleValue(std::move(sizes)));
 }
 
 double LoopSearch::worstThatIsOn(const LoopChoice& choice, const std::vector<Verdict>& verdicts) const {
@@ -202,9 +202,7 @@ double LoopSearch::loosestToTake(const LoopChoice& choice, const std::vector<Ver
   if (looseness.empty()) return kSure;
   const auto share = static_cast<size_t>(kShare * static_cast<double>(looseness.size()));
   const size_t last = std::min(looseness.size() - 1, std::max(share, kAtLeast));
-  const auto at = looseness.begin() + static_cast<long>(last);
-  std::nth_element(looseness.begin(), at, looseness.end());
-  return std::max(kSure, *at);
+  return std::max(kSure, core::valueOfRank(looseness, last));
 }
 
 /// Switches on again what else would leave a part without a tie: of several the cheapest.

@@ -2,9 +2,11 @@
 
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <optional>
 
 #include "libslam/core/files.h"
+#include "libslam/core/parameters.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/odometry/scan_odometry.h"
@@ -72,6 +74,47 @@ struct Recorder::State {
     operation.reset();
   }
 
+  /// Ends all files but the manifest, which is named.
+  Recording finish(const sim::Simulator& simulator) {
+    Recording recording;
+    const std::string stem = logStem(log_path);
+    log.close();
+    tum.close();
+    mrpt_truth.close();
+    endOperation();
+    operations.commit();
+    recording.collisions = simulator.collisions();
+    recording.scans = scans;
+    recording.duration_s = simulator.time_s() - first_time_s;
+    recording.path_length_m = driven.length_m();
+    recording.carries = simulator.carries();
+    recording.carries_left = simulator.waitingCarries();
+    recording.files = {log_path, log_path + ".GT.txt", stem + ".gt.tum", stem + ".operations.txt",
+                       stem + ".manifest.json"};
+    if (movers) movers->commit(), recording.files.push_back(stem + ".movers.csv");
+    writeUnlessEmpty(recording.collisions, collisionsPath(log_path), collisionsCsv, recording);
+    writeUnlessEmpty(recording.carries, carriesPath(log_path), carriesCsv, recording);
+    if (isLaterVisit()) {
+      world::savePlan(simulator.scene().planWithDoorsOpen(), stem + ".plan.yaml");
+      recording.files.push_back(stem + ".plan.yaml");
+    }
+    return recording;
+  }
+
+  void describe(const Recording& recording, core::Manifest& manifest) const {
+    for (const auto& line : config.parameters)
+      manifest.config[line.section + "." + line.info.key] = line.value;
+    describeFiles(recording, manifest.files);
+    auto& results = manifest.results;
+    results["scans"] = std::to_string(recording.scans);
+    results["duration_s"] = core::formatNumber(recording.duration_s);
+    results["path_length_m"] = core::formatNumber(recording.path_length_m);
+    results["collisions"] = std::to_string(recording.collisions.size());
+    if (!recording.carries.empty()) results["carries"] = std::to_string(recording.carries.size());
+    manifest.times_s["simulation"] =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
+  }
+
   std::string log_path;
   RecordConfig config;
   logs::LogWriter log;
@@ -85,6 +128,41 @@ struct Recorder::State {
   sim::DrivenPath driven;
   std::optional<MoversLog> movers;
   std::chrono::steady_clock::time_point wall_start = std::chrono::steady_clock::now();
+
+ private:
+  bool isLaterVisit() const { return config.living.visit > 1; }
+
+  template <class Event>
+  static void writeUnlessEmpty(const std::vector<Event>& events, const std::string& path,
+                               std::string (*toCsv)(const std::vector<Event>&), Recording& recording) {
+    if (events.empty()) {
+      std::filesystem::remove(path);  // of the recording that this one replaces
+      return;
+    }
+    core::writeFileAtomically(path, toCsv(events));
+    recording.files.push_back(path);
+  }
+
+  void describeFiles(const Recording& recording, std::map<std::string, std::string>& files) const {
+    const auto name = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
+    const std::string stem = name(logStem(log_path));
+    files[name(log_path)] = "MRPT rawlog: RawLogViewer, rawlog-edit, icp-slam, rasterslam run";
+    files[name(log_path) + ".GT.txt"] = "truth, MRPT's text form, relative to the start: graphslam-engine -g";
+    files[stem + ".gt.tum"] = "truth, TUM form, world frame: rasterslam eval --truth, evo";
+    files[stem + ".operations.txt"] =
+        "operation log: m rear front (metres), t angle (radians) or a rear front angle; scans before and "
+        "after";
+    if (movers)
+      files[stem + ".movers.csv"] =
+          "truth: where people and doors that move were at every scan (time, kind, id, place, heading, "
+          "state)";
+    if (!recording.collisions.empty())
+      files[name(collisionsPath(log_path))] = "truth: when and where a wall or a person cut a command short";
+    if (!recording.carries.empty())
+      files[name(carriesPath(log_path))] = "truth: when the robot was kidnapped, from where and where to";
+    if (isLaterVisit())
+      files[stem + ".plan.yaml"] = "true plan of this visit, furniture moved: rasterslam eval --plan";
+  }
 };
 
 Recorder::Recorder(const std::string& log_path, const RecordConfig& config)
@@ -111,70 +189,10 @@ void Recorder::add(const robot::Command& command, const sim::Simulator& simulato
 
 Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, core::Manifest manifest) {
   State& state = *state_;
-  Recording recording;
-  const std::string stem = logStem(state.log_path);
-  state.log.close();
-  state.tum.close();
-  state.mrpt_truth.close();
-  state.endOperation();
-  state.operations.commit();
-  recording.collisions = simulator.collisions();
-  recording.scans = state.scans;
-  recording.duration_s = simulator.time_s() - state.first_time_s;
-  recording.path_length_m = state.driven.length_m();
-  recording.files = {state.log_path, state.log_path + ".GT.txt", stem + ".gt.tum", stem + ".operations.txt",
-                     stem + ".manifest.json"};
-  if (state.movers) state.movers->commit(), recording.files.push_back(stem + ".movers.csv");
-  const std::string collisions_path = collisionsPath(state.log_path);
-  if (!recording.collisions.empty()) {
-    core::writeFileAtomically(collisions_path, collisionsCsv(recording.collisions));
-    recording.files.push_back(collisions_path);
-  } else {
-    std::filesystem::remove(collisions_path);  // of the recording that this one replaces
-  }
-  recording.carries = simulator.carries();
-  recording.carries_left = simulator.waitingCarries();
-  const std::string carries_path = carriesPath(state.log_path);
-  if (!recording.carries.empty()) {
-    core::writeFileAtomically(carries_path, carriesCsv(recording.carries));
-    recording.files.push_back(carries_path);
-  } else {
-    std::filesystem::remove(carries_path);
-  }
-  const bool is_later_visit = state.config.living.visit > 1;
-  if (is_later_visit) {
-    world::savePlan(simulator.scene().planWithDoorsOpen(), stem + ".plan.yaml");
-    recording.files.push_back(stem + ".plan.yaml");
-  }
-
+  const Recording recording = state.finish(simulator);
   manifest.seed = seed;
-  for (const auto& line : state.config.parameters)
-    manifest.config[line.section + "." + line.info.key] = line.value;
-  const auto name = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
-  manifest.files[name(state.log_path)] = "MRPT rawlog: RawLogViewer, rawlog-edit, icp-slam, rasterslam run";
-  manifest.files[name(state.log_path) + ".GT.txt"] =
-      "truth, MRPT's text form, relative to the start: graphslam-engine -g";
-  manifest.files[name(stem) + ".gt.tum"] = "truth, TUM form, world frame: rasterslam eval --truth, evo";
-  manifest.files[name(stem) + ".operations.txt"] =
-      "operation log: m rear front (metres), t angle (radians) or a rear front angle; scans before and after";
-  if (state.movers)
-    manifest.files[name(stem) + ".movers.csv"] =
-        "truth: where people and doors that move were at every scan (time, kind, id, place, heading, state)";
-  if (!recording.collisions.empty())
-    manifest.files[name(collisions_path)] = "truth: when and where a wall or a person cut a command short";
-  if (!recording.carries.empty())
-    manifest.files[name(carries_path)] = "truth: when the robot was kidnapped, from where and where to";
-  if (is_later_visit)
-    manifest.files[name(stem) + ".plan.yaml"] =
-        "true plan of this visit, furniture moved: rasterslam eval --plan";
-  manifest.results["scans"] = std::to_string(recording.scans);
-  manifest.results["duration_s"] = core::formatNumber(recording.duration_s);
-  manifest.results["path_length_m"] = core::formatNumber(recording.path_length_m);
-  manifest.results["collisions"] = std::to_string(recording.collisions.size());
-  if (!recording.carries.empty()) manifest.results["carries"] = std::to_string(recording.carries.size());
-  manifest.times_s["simulation"] =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - state.wall_start).count();
-  core::writeManifest(manifest, stem + ".manifest.json");
+  state.describe(recording, manifest);
+  core::writeManifest(manifest, logStem(state.log_path) + ".manifest.json");
   return recording;
 }
 

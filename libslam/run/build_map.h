@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,8 +9,8 @@
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
 #include "libslam/record/step_observer.h"
-#include "libslam/robot/scan.h"
 #include "libslam/run/cost.h"
+#include "libslam/run/earlier_map.h"
 #include "libslam/run/journal_file.h"
 #include "libslam/run/pose_covariances.h"
 #include "libslam/run/stopped_run.h"
@@ -38,15 +37,6 @@ struct MapRun {
   std::vector<core::JournalLine> journal;  ///< empty for methods that keep none
   std::optional<double> lost_share;  ///< of the time, by the journal (lostShare()); none without a journal
   std::optional<Stop> stopped;       ///< before the log's end; all else is of the scans before
-};
-
-/// An earlier run whose map is gone on with.
-struct Continuation {
-  std::string folder;  ///< that buildMap() wrote, a .simplemap, or a grid map (isGridMap()); "" begins a map
-  bool localise_only = false;  ///< its map stays: the folder gets the same map files, and a path
-  std::optional<core::Pose2>
-      T_map_robot;  ///< at the first scan, in the frame of that map; none: where that run ended, and with
-                    ///< localise_only anywhere, where the method is of type graph
 };
 
 /// Runs a SLAM method over a log and writes a folder:
@@ -76,11 +66,5 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
                 core::Manifest manifest, core::Progress& progress, bool measure_memory = true,
                 const Continuation& continuation = {}, record::StepObserver* observer = nullptr,
                 bool keep_partial = false);
-
-/// T_map_robot at the last scan of a run, as it is in the end. Errors: InputError.
-core::Pose2 endOfRun(const std::string& folder);
-
-/// What scoring a map needs to know of the lidar: keys `lidar.*` of a run's manifest.
-void describeLidar(const robot::Scan& scan, std::map<std::string, std::string>& results);
 
 }  // namespace slam::run

@@ -5,6 +5,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/middle_value.h"
 #include "libslam/core/parameters.h"
 #include "libslam/run/map_plan.h"
 #include "libslam/world/clearance.h"
@@ -72,9 +73,7 @@ double medianReturn(const robot::Scan& scan) {
   for (const float range_m : scan.ranges_m)
     if (robot::isReturn(range_m)) returns_m.push_back(range_m);
   if (returns_m.size() < static_cast<size_t>(kLeastReturns)) return 0;
-  const auto middle = returns_m.begin() + static_cast<std::ptrdiff_t>(returns_m.size() / 2);
-  std::nth_element(returns_m.begin(), middle, returns_m.end());
-  return *middle;
+  return core::middleValue(std::move(returns_m));
 }
 
 /// Where a robot has room; where it has none anywhere, every free cell.

@@ -78,89 +78,130 @@ struct Node {
   int sum;
 };
 
+bool worse(const Node& a, const Node& b) {
+  return a.sum < b.sum;
+}
+
+/// Branch and bound, depth first, over the shifts and turns of a window.
+class WindowSearch {
+ public:
+  WindowSearch(const LikelihoodPyramid& map, const std::vector<core::Point2>& points,
+               const core::Pose2& centre, const SearchWindow& window, double least_score)
+      : map_(map), centre_(centre), full_(static_cast<int>(255 * points.size())) {
+    const double cell_m = map.cellSize();
+    double farthest = 1;
+    for (const auto& p : points) farthest = std::max(farthest, core::hypot(p.x, p.y));
+    turn_step_ = cell_m / farthest;
+    turns_ = static_cast<int>(std::ceil(window.half_phi_rad / turn_step_));
+    reach_ = static_cast<int>(std::ceil(window.half_xy_m / cell_m));
+    width_ = 2 * reach_ + 1;
+    best_sum_ = static_cast<int>(std::ceil(least_score * full_)) - 1;
+    turn(points);
+  }
+
+  std::optional<SearchResult> best() {
+    std::vector<Node> stack = roots();
+    std::optional<Node> best;
+    std::vector<Node> children;
+    while (!stack.empty()) {
+      const Node node = stack.back();
+      stack.pop_back();
+      if (node.sum <= best_sum_) continue;
+      if (node.level == 0) {
+        best_sum_ = node.sum;
+        best = node;
+        continue;
+      }
+      split(node, children);
+      stack.insert(stack.end(), children.begin(), children.end());
+    }
+    if (!best) return std::nullopt;
+    const double cell_m = map_.cellSize();
+    SearchResult result;
+    result.T_map_robot = {centre_.x + (best->column - reach_) * cell_m,
+                          centre_.y + (best->row - reach_) * cell_m,
+                          core::wrapToPi(centre_.phi + (best->turn - turns_) * turn_step_)};
+    result.score = static_cast<double>(best->sum) / full_;
+    return result;
+  }
+
+ private:
+  /// Cells of the turned points at the window's lowest shift.
+  void turn(const std::vector<core::Point2>& points) {
+    const double cell_m = map_.cellSize();
+    turned_.resize(2 * static_cast<size_t>(turns_) + 1);
+    for (size_t t = 0; t < turned_.size(); ++t) {
+      const double angle = centre_.phi + (static_cast<int>(t) - turns_) * turn_step_;
+      const auto [s, c] = core::sinCos(angle);
+      auto& cells = turned_[t];
+      cells.reserve(points.size());
+      for (const auto& p : points)
+        cells.push_back(
+            {static_cast<int>(std::floor((centre_.x + c * p.x - s * p.y - map_.origin().x) / cell_m)) -
+                 reach_,
+             static_cast<int>(std::floor((centre_.y + s * p.x + c * p.y - map_.origin().y) / cell_m)) -
+                 reach_});
+    }
+  }
+
+  /// Sets the node's sum. Given up as soon as the points that are left cannot make it better than the best.
+  bool isWorthIt(Node& node) const {
+    constexpr size_t kBlock = 16;
+    const auto& cells = turned_[static_cast<size_t>(node.turn)];
+    int sum = 0, left = full_;
+    for (size_t i = 0; i < cells.size();) {
+      const size_t end = std::min(i + kBlock, cells.size());
+      left -= 255 * static_cast<int>(end - i);
+      for (; i < end; ++i)
+        sum += map_.value(node.level, cells[i].column + node.column, cells[i].row + node.row);
+      if (sum + left <= best_sum_) return false;
+    }
+    node.sum = sum;
+    return true;
+  }
+
+  /// The whole window in squares of the coarsest level that is of use, the best last.
+  std::vector<Node> roots() const {
+    const int top = std::min(map_.levels() - 1, static_cast<int>(std::ceil(core::log2(2 * reach_ + 1))));
+    std::vector<Node> nodes;
+    for (int t = 0; t <= 2 * turns_; ++t)
+      for (int row = 0; row < width_; row += 1 << top)
+        for (int column = 0; column < width_; column += 1 << top) {
+          Node node{top, t, column, row, 0};
+          if (isWorthIt(node)) nodes.push_back(node);
+        }
+    std::stable_sort(nodes.begin(), nodes.end(), worse);
+    return nodes;
+  }
+
+  /// Its quarters that are worth it, the best last.
+  void split(const Node& node, std::vector<Node>& children) const {
+    children.clear();
+    const int half = 1 << (node.level - 1);
+    for (const int dr : {0, half})
+      for (const int dc : {0, half}) {
+        if (node.column + dc >= width_ || node.row + dr >= width_) continue;
+        Node child{node.level - 1, node.turn, node.column + dc, node.row + dr, 0};
+        if (isWorthIt(child)) children.push_back(child);
+      }
+    std::stable_sort(children.begin(), children.end(), worse);
+  }
+
+  const LikelihoodPyramid& map_;
+  core::Pose2 centre_;
+  int full_;
+  double turn_step_ = 0;
+  int turns_ = 0, reach_ = 0, width_ = 0, best_sum_ = 0;
+  std::vector<std::vector<Cell>> turned_;
+};
+
 }  // namespace
 
 std::optional<SearchResult> searchBest(const LikelihoodPyramid& map, const std::vector<core::Point2>& points,
                                        const core::Pose2& centre, const SearchWindow& window,
                                        double least_score) {
   if (points.empty()) return std::nullopt;
-  const double cell_m = map.cellSize();
-  double farthest = 1;
-  for (const auto& p : points) farthest = std::max(farthest, core::hypot(p.x, p.y));
-  const double turn_step = cell_m / farthest;
-  const int turns = static_cast<int>(std::ceil(window.half_phi_rad / turn_step));
-  const int reach = static_cast<int>(std::ceil(window.half_xy_m / cell_m));
-  const int top = std::min(map.levels() - 1, static_cast<int>(std::ceil(core::log2(2 * reach + 1))));
-
-  // Cells of the turned points at the window's lowest shift.
-  std::vector<std::vector<Cell>> turned(2 * static_cast<size_t>(turns) + 1);
-  for (size_t t = 0; t < turned.size(); ++t) {
-    const double angle = centre.phi + (static_cast<int>(t) - turns) * turn_step;
-    const auto [s, c] = core::sinCos(angle);
-    auto& cells = turned[t];
-    cells.reserve(points.size());
-    for (const auto& p : points)
-      cells.push_back(
-          {static_cast<int>(std::floor((centre.x + c * p.x - s * p.y - map.origin().x) / cell_m)) - reach,
-           static_cast<int>(std::floor((centre.y + s * p.x + c * p.y - map.origin().y) / cell_m)) - reach});
-  }
-  const int full = static_cast<int>(255 * points.size());
-  int best_sum = static_cast<int>(std::ceil(least_score * full)) - 1;
-  // Given up as soon as the points that are left cannot make it better than the best.
-  constexpr size_t kBlock = 16;
-  const auto isWorthIt = [&](Node& node) {
-    const auto& cells = turned[static_cast<size_t>(node.turn)];
-    int sum = 0, left = full;
-    for (size_t i = 0; i < cells.size();) {
-      const size_t end = std::min(i + kBlock, cells.size());
-      left -= 255 * static_cast<int>(end - i);
-      for (; i < end; ++i)
-        sum += map.value(node.level, cells[i].column + node.column, cells[i].row + node.row);
-      if (sum + left <= best_sum) return false;
-    }
-    node.sum = sum;
-    return true;
-  };
-
-  const int width = 2 * reach + 1;
-  std::vector<Node> stack;
-  for (int t = 0; t <= 2 * turns; ++t)
-    for (int row = 0; row < width; row += 1 << top)
-      for (int column = 0; column < width; column += 1 << top) {
-        Node node{top, t, column, row, 0};
-        if (isWorthIt(node)) stack.push_back(node);
-      }
-  const auto worse = [](const Node& a, const Node& b) { return a.sum < b.sum; };
-  std::stable_sort(stack.begin(), stack.end(), worse);
-
-  std::optional<Node> best;
-  std::vector<Node> children;
-  while (!stack.empty()) {
-    const Node node = stack.back();
-    stack.pop_back();
-    if (node.sum <= best_sum) continue;
-    if (node.level == 0) {
-      best_sum = node.sum;
-      best = node;
-      continue;
-    }
-    children.clear();
-    const int half = 1 << (node.level - 1);
-    for (const int dr : {0, half})
-      for (const int dc : {0, half}) {
-        if (node.column + dc >= width || node.row + dr >= width) continue;
-        Node child{node.level - 1, node.turn, node.column + dc, node.row + dr, 0};
-        if (isWorthIt(child)) children.push_back(child);
-      }
-    std::stable_sort(children.begin(), children.end(), worse);
-    stack.insert(stack.end(), children.begin(), children.end());
-  }
-  if (!best) return std::nullopt;
-  SearchResult result;
-  result.T_map_robot = {centre.x + (best->column - reach) * cell_m, centre.y + (best->row - reach) * cell_m,
-                        core::wrapToPi(centre.phi + (best->turn - turns) * turn_step)};
-  result.score = static_cast<double>(best->sum) / full;
-  return result;
+  return WindowSearch(map, points, centre, window, least_score).best();
 }
 
 }  // namespace slam::scanmatch

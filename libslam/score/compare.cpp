@@ -15,6 +15,7 @@
 #include "libslam/run/told_commands.h"
 #include "libslam/score/compare_pictures.h"
 #include "libslam/score/compared_methods.h"
+#include "libslam/score/metric_infos.h"
 #include "libslam/score/relation_tables.h"
 #include "libslam/table/latex.h"
 

@@ -12,6 +12,7 @@
 #include "libslam/core/files.h"
 #include "libslam/core/json_entry.h"
 #include "libslam/core/parameters.h"
+#include "libslam/score/metric_infos.h"
 #include "libslam/stats/bootstrap.h"
 
 namespace slam::score {

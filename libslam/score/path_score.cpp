@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "libslam/core/error.h"
 #include "libslam/core/parameters.h"
+#include "libslam/core/word_list.h"
 #include "libslam/metrics/trajectory_error.h"
 
 namespace slam::score {
@@ -32,9 +32,7 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
 
 std::vector<RpeStep> parseRpeSteps(const std::string& text, const std::string& option) {
   std::vector<RpeStep> steps;
-  std::istringstream words(text);
-  for (std::string word; std::getline(words, word, ',');) {
-    word = core::trimmed(word);
+  for (const auto& word : core::splitAt(text, ',')) {
     RpeStep step;
     const char unit = word.empty() ? ' ' : word.back();
     if ((unit != 'm' && unit != 's') || !core::parseNumber(word.substr(0, word.size() - 1), step.length) ||

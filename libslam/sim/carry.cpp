@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
+#include "libslam/core/number_list.h"
 
 namespace slam::sim {
 namespace {
@@ -21,16 +22,10 @@ Where whereOf(const std::string& word) {
 std::vector<double> numbersOf(const std::string& word) {
   const auto colon = word.find(':');
   if (colon == std::string::npos) return {};
-  std::vector<std::string> parts = {word.substr(0, colon)};
-  std::istringstream place(word.substr(colon + 1));
-  for (std::string part; std::getline(place, part, ',');) parts.push_back(part);
-  if (parts.size() != 4 || word.back() == ',') return {};
-  std::vector<double> numbers;
-  for (const auto& part : parts) {
-    double number = 0;
-    if (!core::parseNumber(part, number)) return {};
-    numbers.push_back(number);
-  }
+  auto numbers = core::parseNumberList(word.substr(colon + 1));
+  double time_s = 0;
+  if (numbers.size() != 3 || !core::parseNumber(word.substr(0, colon), time_s)) return {};
+  numbers.insert(numbers.begin(), time_s);
   return numbers;
 }
 

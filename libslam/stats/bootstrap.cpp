@@ -11,6 +11,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/middle_value.h"
 #include "libslam/core/random.h"
 #include "libslam/stats/mean_interval.h"
 
@@ -183,10 +184,11 @@ class MedianOfDrawn {
 
 double median(std::vector<double> values) {
   check(values);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return between(*std::max_element(values.begin(), middle), *middle);
+  const std::size_t half = values.size() / 2;
+  const double upper = core::valueOfRank(values, half);
+  if (values.size() % 2 == 1) return upper;
+  return between(*std::max_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half)),
+                 upper);
 }
 
 Estimate bootstrapMedian(const std::vector<double>& values, const BootstrapOptions& options) {

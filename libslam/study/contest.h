@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/study/sweep_tables.h"
+#include "libslam/study/run_figures.h"
 #include "libslam/sweep/suite.h"
 #include "libslam/table/table.h"
 

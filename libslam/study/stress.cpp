@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <sstream>
 
 #include "libslam/buildings/generator.h"
 #include "libslam/core/error.h"
@@ -13,6 +12,7 @@
 #include "libslam/stats/bootstrap.h"
 #include "libslam/stats/proportion.h"
 #include "libslam/study/stress_charts.h"
+#include "libslam/study/sweep_groups.h"
 #include "libslam/study/value_range.h"
 
 namespace slam::study {
@@ -77,15 +77,13 @@ std::map<std::string, core::IniFile::Entry> generatedWorld(const core::IniFile& 
   if (section != ini.sections().end()) {
     keys = section->second;
   } else if (entry.find(':') != std::string::npos) {
-    std::istringstream in(entry);
-    std::string part;
-    std::getline(in, part, ':');
-    keys["kind"] = {part, entry};
-    while (std::getline(in, part, ':')) {
-      const auto equals = part.find('=');
+    const auto parts = core::splitAt(entry, ':');
+    keys["kind"] = {parts.front(), entry};
+    for (std::size_t i = 1; i < parts.size(); ++i) {
+      const auto equals = parts[i].find('=');
       if (equals == std::string::npos)
         throw core::InputError("found '" + entry + "', expected KIND:key=value:key=value");
-      keys[core::trimmed(part.substr(0, equals))] = {core::trimmed(part.substr(equals + 1)), entry};
+      keys[core::trimmed(parts[i].substr(0, equals))] = {core::trimmed(parts[i].substr(equals + 1)), entry};
     }
   }
   std::vector<std::string> kinds;
@@ -210,6 +208,69 @@ std::string textOf(const std::vector<double>& values, const std::vector<Point>& 
   return unproven.empty() ? text : text + "; failed, too few to prove it: " + unproven;
 }
 
+/// By value and method.
+using RunsByValue = std::vector<std::vector<std::vector<std::size_t>>>;
+
+RunsByValue runsByValue(const StressSuite& suite, const sweep::SweepPlan& plan,
+                        const std::vector<std::string>& methods) {
+  RunsByValue runs(suite.values.size(), std::vector<std::vector<std::size_t>>(methods.size()));
+  for (std::size_t i = 0; i < plan.runs.size(); ++i) {
+    const auto& log = plan.logs[plan.runs[i].log];
+    const auto& name = suite.is_of_world ? log.world : log.fault;
+    const auto method = std::find(methods.begin(), methods.end(), fullName(plan.runs[i])) - methods.begin();
+    for (std::size_t v = 0; v < suite.values.size(); ++v)
+      if (suite.names[v].count(name)) runs[v][static_cast<std::size_t>(method)].push_back(i);
+  }
+  return runs;
+}
+
+StressResult emptyResult(const std::string& varied, const std::string& metric) {
+  StressResult result;
+  result.main.columns = {{"value", varied, 6},    {"method", "method", 0}, {"runs", "runs", 0},
+                         {"failed", "failed", 0}, {metric, metric, 0},     {"broken", "broken", 0}};
+  result.all.columns = {{"key", "key", 0},
+                        {"value", varied, 6},
+                        {"method", "method", 0},
+                        {"runs", "runs", 0},
+                        {"failed", "failed", 0}};
+  for (const char* key : {"failure_rate", "failure_rate_low", "failure_rate_high"})
+    result.all.columns.push_back({key, key, 3});
+  for (const char* part : {"", "_low", "_high"})
+    result.all.columns.push_back({metric + part, metric + part, 4});
+  result.all.columns.push_back({"broken", "broken", 0});
+  return result;
+}
+
+/// One value's row in both tables, and what it says of where the method breaks.
+void addPoint(const std::string& varied, double value, const Point& point, const StressLimits& limits,
+              BreakingPoint& breaks, StressResult& result) {
+  const bool is_broken = point.isBroken(limits);
+  const std::string word = point.runs == 0 ? "-" : (is_broken ? "yes" : "no");
+  if (is_broken) breaks.broken.push_back(value);
+  if (point.runs == 0) breaks.unknown.push_back(value);
+  result.main.rows.push_back({core::formatNumber(value), breaks.method, static_cast<double>(point.runs),
+                              withInterval({point.failure_rate, point.failure_interval}, 2),
+                              withInterval(point.error, 3), word});
+  const double low = point.error.interval ? point.error.interval->low : kNan;
+  const double high = point.error.interval ? point.error.interval->high : kNan;
+  result.all.rows.push_back({varied, value, breaks.method, static_cast<double>(point.runs),
+                             static_cast<double>(point.failed), point.failure_rate,
+                             point.failure_interval.low, point.failure_interval.high, point.error.value, low,
+                             high, word});
+}
+
+/// What is called broken, and what failed.
+std::string ruleText(const sweep::SweepPlan& plan, const StressLimits& limits) {
+  std::string rule =
+      "Broken: the 95 % interval of the failure rate lies above " + core::formatNumber(limits.failure_rate);
+  if (limits.error > 0)
+    rule += ", or that of the median " + plan.metric + " above " + core::formatNumber(limits.error);
+  rule += "; what the seeds do not prove is not called broken. Failed: not ok";
+  if (plan.failure_ate_m > 0)
+    rule += ", or more than " + core::formatNumber(plan.failure_ate_m) + " m off in the final path";
+  return rule + ".";
+}
+
 }  // namespace
 
 StressSuite stressSuite(const StressRequest& request) {
@@ -254,50 +315,14 @@ StressResult stress(const StressSuite& suite, const sweep::SweepPlan& plan, cons
   if (limits.error > 0 && betterOf(plan.metric) == stats::Better::kLarger)
     throw core::InputError("an error limit needs a metric of which less is better, found " + plan.metric);
   const auto methods = methodNames(plan);
-  // By value and method.
-  std::vector<std::vector<std::vector<std::size_t>>> runs(
-      suite.values.size(), std::vector<std::vector<std::size_t>>(methods.size()));
-  for (std::size_t i = 0; i < plan.runs.size(); ++i) {
-    const auto& log = plan.logs[plan.runs[i].log];
-    const auto& name = suite.is_of_world ? log.world : log.fault;
-    const auto method = std::find(methods.begin(), methods.end(), fullName(plan.runs[i])) - methods.begin();
-    for (std::size_t v = 0; v < suite.values.size(); ++v)
-      if (suite.names[v].count(name)) runs[v][static_cast<std::size_t>(method)].push_back(i);
-  }
-
-  StressResult result;
-  result.main.columns = {{"value", suite.key, 6}, {"method", "method", 0},       {"runs", "runs", 0},
-                         {"failed", "failed", 0}, {plan.metric, plan.metric, 0}, {"broken", "broken", 0}};
-  result.all.columns = {{"key", "key", 0},
-                        {"value", suite.key, 6},
-                        {"method", "method", 0},
-                        {"runs", "runs", 0},
-                        {"failed", "failed", 0}};
-  for (const char* key : {"failure_rate", "failure_rate_low", "failure_rate_high"})
-    result.all.columns.push_back({key, key, 3});
-  for (const char* part : {"", "_low", "_high"})
-    result.all.columns.push_back({plan.metric + part, plan.metric + part, 4});
-  result.all.columns.push_back({"broken", "broken", 0});
+  const RunsByValue runs = runsByValue(suite, plan, methods);
+  StressResult result = emptyResult(suite.key, plan.metric);
   std::vector<std::vector<Point>> points(methods.size());
   for (const auto& method : methods) result.breaks.push_back({method, {}, {}, ""});
   for (std::size_t v = 0; v < suite.values.size(); ++v)
     for (std::size_t m = 0; m < methods.size(); ++m) {
-      const Point point = pointOf(plan, results, runs[v][m]);
-      const double value = suite.values[v];
-      points[m].push_back(point);
-      const bool is_broken = point.isBroken(limits);
-      const std::string word = point.runs == 0 ? "-" : (is_broken ? "yes" : "no");
-      if (is_broken) result.breaks[m].broken.push_back(value);
-      if (point.runs == 0) result.breaks[m].unknown.push_back(value);
-      result.main.rows.push_back({core::formatNumber(value), methods[m], static_cast<double>(point.runs),
-                                  withInterval({point.failure_rate, point.failure_interval}, 2),
-                                  withInterval(point.error, 3), word});
-      const double low = point.error.interval ? point.error.interval->low : kNan;
-      const double high = point.error.interval ? point.error.interval->high : kNan;
-      result.all.rows.push_back({suite.key, value, methods[m], static_cast<double>(point.runs),
-                                 static_cast<double>(point.failed), point.failure_rate,
-                                 point.failure_interval.low, point.failure_interval.high, point.error.value,
-                                 low, high, word});
+      points[m].push_back(pointOf(plan, results, runs[v][m]));
+      addPoint(suite.key, suite.values[v], points[m].back(), limits, result.breaks[m], result);
     }
   result.charts = stressCharts(result.all, "stress.csv");
 
@@ -308,14 +333,7 @@ StressResult stress(const StressSuite& suite, const sweep::SweepPlan& plan, cons
     if (!breaks.unknown.empty()) breaks.text += "; nothing known at " + listOf(breaks.unknown);
     notes.push_back(breaks.method + ": " + breaks.text + ".");
   }
-  std::string rule =
-      "Broken: the 95 % interval of the failure rate lies above " + core::formatNumber(limits.failure_rate);
-  if (limits.error > 0)
-    rule += ", or that of the median " + plan.metric + " above " + core::formatNumber(limits.error);
-  rule += "; what the seeds do not prove is not called broken. Failed: not ok";
-  if (plan.failure_ate_m > 0)
-    rule += ", or more than " + core::formatNumber(plan.failure_ate_m) + " m off in the final path";
-  notes.push_back(rule + ".");
+  notes.push_back(ruleText(plan, limits));
   const bool is_single = std::any_of(runs.begin(), runs.end(), [](const auto& of_value) {
     return std::any_of(of_value.begin(), of_value.end(), [](const auto& list) { return list.size() == 1; });
   });

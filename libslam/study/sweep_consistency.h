@@ -1,5 +1,5 @@
 #pragma once
-#include "libslam/study/sweep_tables.h"
+#include "libslam/study/run_figures.h"
 #include "libslam/table/table.h"
 
 namespace slam::study {

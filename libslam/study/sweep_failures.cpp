@@ -6,7 +6,9 @@
 #include <limits>
 
 #include "libslam/core/parameters.h"
+#include "libslam/core/word_wrap.h"
 #include "libslam/score/failure.h"
+#include "libslam/study/sweep_groups.h"
 
 namespace slam::study {
 namespace fs = std::filesystem;
@@ -29,75 +31,73 @@ std::string whereOf(const score::FailureReport& report) {
   return text;
 }
 
-}  // namespace
-
-SweepFailures sweepFailures(const sweep::SweepPlan& plan, const SweepResults& results,
-                            const std::string& folder) {
+SweepFailures emptyTables() {
   SweepFailures tables;
   tables.main.columns = {{"run", "run", 0},           {"method", "method", 0},
                          {"seed", "seed", 0},         {"status", "status", 0},
                          {"ate_final_m", "ATE m", 2}, {"where", "first divergence", 0},
                          {"suspect", "suspect", 0}};
-  for (const char* key : {"run",
-                          "world",
-                          "lidar",
-                          "odometry",
-                          "strategy",
-                          "fault",
-                          "seed",
-                          "method",
-                          "parameters",
-                          "status",
-                          "message",
-                          "ate_final_m",
-                          "divergence",
-                          "time_s",
-                          "x_m",
-                          "y_m",
-                          "error_m",
-                          "error_deg",
-                          "suspect",
-                          "around",
-                          "wrong_loops",
-                          "worst_region_x_m",
-                          "worst_region_y_m",
-                          "missing_wall_m",
-                          "false_wall_m",
-                          "folder"})
+  for (const std::string& key : core::words(
+           "run world lidar odometry strategy fault seed method parameters status message ate_final_m "
+           "divergence time_s x_m y_m error_m error_deg suspect around wrong_loops worst_region_x_m "
+           "worst_region_y_m missing_wall_m false_wall_m folder"))
     tables.all.columns.push_back({key, key, 3});
+  return tables;
+}
+
+/// A row of SweepFailures::all. report: none where the run left no path.
+std::vector<table::CellValue> fullRow(const sweep::PlannedRun& run, const sweep::PlannedLog& log,
+                                      const sweep::CellResult& result, const std::string& suspect,
+                                      const std::optional<score::FailureReport>& report) {
+  std::vector<table::CellValue> row = {run.id,
+                                       log.world,
+                                       log.lidar,
+                                       log.odometry,
+                                       log.strategy,
+                                       log.fault,
+                                       std::to_string(run.seed),
+                                       run.method,
+                                       run.parameters,
+                                       result.status,
+                                       result.message,
+                                       figureOf(result, "ate_final_m")};
+  if (report && report->divergence) {
+    const auto& d = *report->divergence;
+    row.insert(row.end(), {d.kind == score::Divergence::kJump ? "jump" : "drift", d.time_s, d.place.x,
+                           d.place.y, d.error_m, core::radToDeg(d.error_rad)});
+  } else {
+    row.insert(row.end(), {"-", kNan, kNan, kNan, kNan, kNan});
+  }
+  row.insert(row.end(), {suspect, report ? joined(report->around) : "",
+                         report ? static_cast<double>(report->wrong_loops.size()) : kNan});
+  if (report && report->region)
+    row.insert(row.end(), {report->region->centre.x, report->region->centre.y, report->region->missing_wall_m,
+                           report->region->false_wall_m});
+  else
+    row.insert(row.end(), {kNan, kNan, kNan, kNan});
+  row.emplace_back("cells/" + run.id);
+  return row;
+}
+
+}  // namespace
+
+SweepFailures sweepFailures(const sweep::SweepPlan& plan, const SweepResults& results,
+                            const std::string& folder) {
+  SweepFailures tables = emptyTables();
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     if (!results[i]) continue;
-    const bool was_off = figureOf(*results[i], "ate_max_m") > score::FailureLimits().drift_m;
-    if (!isFailed(plan, *results[i]) && !was_off) continue;
+    const auto& result = *results[i];
+    const bool was_off = figureOf(result, "ate_max_m") > score::FailureLimits().drift_m;
+    if (!isFailed(plan, result) && !was_off) continue;
     const auto& run = plan.runs[i];
-    const auto& log = plan.logs[run.log];
     const std::string path = folder + "/cells/" + run.id + "/failure.json";
     std::optional<score::FailureReport> report;
     if (fs::exists(path)) report = score::readFailure(path);
-    const double ate_m = figureOf(*results[i], "ate_final_m");
-    const std::string seed = std::to_string(run.seed);
     const std::string suspect = report && report->divergence ? report->suspect : "-";
-    tables.main.rows.push_back({run.id, fullName(run), seed, results[i]->status, ate_m,
-                                report ? whereOf(*report) : results[i]->message, suspect});
-    std::vector<table::CellValue> row = {
-        run.id, log.world,  log.lidar,      log.odometry,       log.strategy,        log.fault,
-        seed,   run.method, run.parameters, results[i]->status, results[i]->message, ate_m};
-    if (report && report->divergence) {
-      const auto& d = *report->divergence;
-      row.insert(row.end(), {d.kind == score::Divergence::kJump ? "jump" : "drift", d.time_s, d.place.x,
-                             d.place.y, d.error_m, core::radToDeg(d.error_rad)});
-    } else {
-      row.insert(row.end(), {"-", kNan, kNan, kNan, kNan, kNan});
-    }
-    row.insert(row.end(), {suspect, report ? joined(report->around) : "",
-                           report ? static_cast<double>(report->wrong_loops.size()) : kNan});
-    if (report && report->region)
-      row.insert(row.end(), {report->region->centre.x, report->region->centre.y,
-                             report->region->missing_wall_m, report->region->false_wall_m});
-    else
-      row.insert(row.end(), {kNan, kNan, kNan, kNan});
-    row.emplace_back("cells/" + run.id);
-    tables.all.rows.push_back(std::move(row));
+    tables.main.rows.push_back({run.id, fullName(run), std::to_string(run.seed), result.status,
+                                figureOf(result, "ate_final_m"), report ? whereOf(*report) : result.message,
+                                suspect});
+    tables.all.rows.push_back(fullRow(run, plan.logs[run.log], result, suspect, report));
   }
   for (auto* table : {&tables.main, &tables.all}) {
     table->caption = "Where and why runs of sweep " + plan.name + " failed or were more than " +

@@ -5,6 +5,9 @@
 #include <map>
 #include <utility>
 
+#include "libslam/score/metric_infos.h"
+#include "libslam/study/sweep_groups.h"
+
 namespace slam::study {
 namespace {
 

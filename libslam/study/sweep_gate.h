@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "libslam/score/gate.h"
-#include "libslam/study/sweep_tables.h"
+#include "libslam/study/run_figures.h"
 #include "libslam/sweep/sweep_plan.h"
 
 namespace slam::study {

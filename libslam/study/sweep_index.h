@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "libslam/study/sweep_tables.h"
+#include "libslam/study/run_figures.h"
 #include "libslam/sweep/sweep_plan.h"
 
 namespace slam::study {

@@ -7,8 +7,10 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/study/sweep_consistency.h"
+#include "libslam/study/sweep_costs.h"
 #include "libslam/study/sweep_failures.h"
 #include "libslam/study/sweep_index.h"
+#include "libslam/study/sweep_tables.h"
 #include "libslam/sweep/cell.h"
 #include "libslam/table/latex.h"
 

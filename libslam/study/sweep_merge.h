@@ -5,7 +5,7 @@
 
 #include "libslam/core/manifest.h"
 #include "libslam/core/progress.h"
-#include "libslam/study/sweep_tables.h"
+#include "libslam/study/run_figures.h"
 #include "libslam/sweep/sweep_plan.h"
 #include "libslam/table/table.h"
 

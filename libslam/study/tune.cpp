@@ -14,8 +14,9 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/stats/paired.h"
 #include "libslam/stats/ranking.h"
+#include "libslam/study/run_figures.h"
+#include "libslam/study/sweep_groups.h"
 #include "libslam/study/sweep_merge.h"
-#include "libslam/study/sweep_tables.h"
 #include "libslam/sweep/cell.h"
 #include "libslam/sweep/sweep.h"
 

@@ -22,6 +22,7 @@
 #include "libslam/run/log_feed.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/score/failure.h"
+#include "libslam/score/metric_infos.h"
 #include "libslam/score/relation_tables.h"
 #include "libslam/sweep/sweep_plan.h"
 

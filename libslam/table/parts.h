@@ -18,11 +18,7 @@ std::string fixedText(double value, int decimals);
 /// A number's digits without its sign; Column::shows_bound is kept to.
 std::string shownNumber(double number, const Column& column);
 
-/// Letters, not bytes: every byte of UTF-8 that does not continue a code point begins one.
-std::size_t letters(const std::string& utf8);
-/// Parted at blanks.
-std::vector<std::string> words(const std::string& text);
-/// Lines of at most `limit` letters, broken at blanks; a longer word stands alone.
+/// core::wrapped(), with no line for a text without words.
 std::vector<std::string> wrapped(const std::string& text, std::size_t limit);
 /// Letters of the longest.
 std::size_t longest(const std::vector<std::string>& lines);

@@ -1,8 +1,6 @@
 #include "libslam/table/table.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -11,6 +9,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/core/fixed_number.h"
 #include "libslam/core/parameters.h"
 #include "libslam/table/number_text.h"
 #include "libslam/table/parts.h"
@@ -44,13 +43,8 @@ bool isNumeric(const Table& table, size_t column) {
 std::string fixedText(double value, int decimals) {
   if (std::isnan(value)) return "-";
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
-  std::array<char, 400> digits{};  // the largest double has 309 digits before the point
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value,
-                                 std::chars_format::fixed, std::clamp(decimals, 0, 60))
-                       .ptr;
-  std::string text(digits.data(), end);
-  // "-0.000" would ask the reader what it means.
-  if (text.front() == '-' && text.find_first_not_of("-0.") == std::string::npos) text.erase(0, 1);
+  std::string text;
+  core::appendFixed(text, value, std::clamp(decimals, 0, 60));  // "-0.000" would ask the reader what it means
   return text;
 }
 

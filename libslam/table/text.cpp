@@ -2,40 +2,17 @@
 
 #include <algorithm>
 
+#include "libslam/core/word_wrap.h"
 #include "libslam/table/parts.h"
 
 namespace slam::table {
-size_t letters(const std::string& utf8) {
-  return static_cast<size_t>(
-      std::count_if(utf8.begin(), utf8.end(), [](char c) { return (c & 0xC0) != 0x80; }));
-}
-
-std::vector<std::string> words(const std::string& text) {
-  std::vector<std::string> result(1);
-  for (const char c : text) {
-    if (c != ' ')
-      result.back() += c;
-    else if (!result.back().empty())
-      result.emplace_back();
-  }
-  if (result.back().empty()) result.pop_back();
-  return result;
-}
-
 std::vector<std::string> wrapped(const std::string& text, size_t limit) {
-  std::vector<std::string> lines;
-  for (const auto& word : words(text)) {
-    if (!lines.empty() && letters(lines.back()) + 1 + letters(word) <= limit)
-      lines.back() += " " + word;
-    else
-      lines.push_back(word);
-  }
-  return lines;
+  return core::words(text).empty() ? std::vector<std::string>() : core::wrapped(text, limit);
 }
 
 size_t longest(const std::vector<std::string>& lines) {
   size_t most = 0;
-  for (const auto& line : lines) most = std::max(most, letters(line));
+  for (const auto& line : lines) most = std::max(most, core::letters(line));
   return most;
 }
 
@@ -46,7 +23,7 @@ constexpr size_t kGap = 2;
 constexpr size_t kLongText = 28;  // letters of a cell that may be broken over lines
 
 std::string padded(const std::string& text, size_t to_width, bool right) {
-  const std::string blanks(to_width - std::min(to_width, letters(text)), ' ');
+  const std::string blanks(to_width - std::min(to_width, core::letters(text)), ' ');
   return right ? blanks + text : text + blanks;
 }
 
@@ -70,12 +47,12 @@ TextColumn layOut(const Table& table, size_t index, bool break_titles, bool brea
   column.right = isNumeric(table, index);
   for (const auto& row : table.rows) {
     const auto text = shownText(row[index], table.columns[index]);
-    const bool breaks = break_cells && !column.right && letters(text) > kLongText;
+    const bool breaks = break_cells && !column.right && core::letters(text) > kLongText;
     column.cells.push_back(breaks ? wrapped(text, kLongText) : std::vector<std::string>{text});
     column.width = std::max(column.width, longest(column.cells.back()));
   }
   const auto title = onOneLine(table.columns[index].title);
-  column.width = std::max(column.width, break_titles ? longest(words(title)) : letters(title));
+  column.width = std::max(column.width, break_titles ? longest(core::words(title)) : core::letters(title));
   column.title = wrapped(title, column.width);
   return column;
 }

@@ -1,4 +1,5 @@
 #include "libslam/run/external_method.h"
+#include "libslam/run/external_path.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

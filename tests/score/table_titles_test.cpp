@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "libslam/score/evaluate.h"
+#include "libslam/score/metric_infos.h"
 #include "libslam/score/relation_tables.h"
 
 namespace slam::score {

@@ -26,85 +26,97 @@ constexpr Piece kBookshelf{Shape::kSolid, Spot::kWall, 160, 35, 0, 2};
 constexpr Piece kWardrobe{Shape::kSolid, Spot::kSide, 180, 60, 1, 1};
 
 /// Large pieces first: the small ones find their place beside them. Sizes are those of usual furniture.
-const std::vector<Piece>& piecesOf(Use use) {
-  static const std::vector<Piece> office = {{Shape::kDesk, Spot::kSide, 140, 70, 1, 2},
-                                            {Shape::kDesk, Spot::kBack, 140, 70, 0, 1},
-                                            {Shape::kSolid, Spot::kWall, 160, 45, 1, 2},
-                                            {Shape::kDisc, Spot::kInside, 45, 45, 0, 1},
-                                            kPlant};
-  static const std::vector<Piece> meeting = {{Shape::kSolid, Spot::kWall, 180, 45, 0, 1}, kPlant, kPlant};
-  static const std::vector<Piece> lounge = {{Shape::kSolid, Spot::kCorner, 300, 60, 1, 1},
-                                            {Shape::kSolid, Spot::kSide, 200, 85, 0, 2},
-                                            {Shape::kLegs, Spot::kInside, 90, 90, 0, 2},
-                                            kPlant};
-  static const std::vector<Piece> toilets = {{Shape::kSolid, Spot::kBack, 95, 150, 2, 3},
-                                             {Shape::kSolid, Spot::kSide, 140, 50, 1, 1}};
-  static const std::vector<Piece> store = {{Shape::kSolid, Spot::kSide, 200, 50, 1, 2},
-                                           {Shape::kSolid, Spot::kBack, 150, 50, 0, 1},
-                                           {Shape::kSolid, Spot::kWall, 60, 60, 0, 3}};
-  static const std::vector<Piece> studio = {{Shape::kSolid, Spot::kCorner, 200, 140, 1, 1},
-                                            {Shape::kLegs, Spot::kInside, 90, 80, 1, 1},
-                                            kWardrobe,
-                                            {Shape::kDesk, Spot::kWall, 120, 65, 0, 1},
-                                            {Shape::kSolid, Spot::kWall, 180, 85, 0, 1}};
-  static const std::vector<Piece> living = {{Shape::kSolid, Spot::kSide, 220, 90, 1, 1},
-                                            {Shape::kSolid, Spot::kWall, 160, 40, 1, 2},
-                                            {Shape::kLegs, Spot::kInside, 160, 90, 1, 1},
-                                            {Shape::kSolid, Spot::kWall, 90, 90, 0, 1},
-                                            kPlant};
-  static const std::vector<Piece> kitchen = {{Shape::kSolid, Spot::kBack, 240, 60, 1, 1},
-                                             {Shape::kSolid, Spot::kCorner, 180, 60, 1, 1},
-                                             {Shape::kLegs, Spot::kInside, 110, 75, 0, 1}};
-  static const std::vector<Piece> bedroom = {{Shape::kSolid, Spot::kSide, 160, 200, 1, 1},
-                                             kWardrobe,
-                                             {Shape::kDesk, Spot::kBack, 120, 65, 0, 1},
-                                             {Shape::kSolid, Spot::kWall, 90, 45, 0, 1},
-                                             kBookshelf};
-  static const std::vector<Piece> bath = {{Shape::kSolid, Spot::kCorner, 170, 75, 0, 1},
-                                          {Shape::kSolid, Spot::kSide, 40, 65, 1, 1},
-                                          {Shape::kSolid, Spot::kWall, 60, 45, 1, 1}};
-  static const std::vector<Piece> flat_hall = {{Shape::kSolid, Spot::kSide, 90, 30, 0, 1}};
-  static const std::vector<Piece> nurses = {{Shape::kDesk, Spot::kSide, 140, 70, 1, 2},
-                                            {Shape::kSolid, Spot::kBack, 200, 50, 1, 1},
-                                            {Shape::kSolid, Spot::kWall, 60, 60, 0, 2}};
-  static const std::vector<Piece> ward = {{Shape::kSolid, Spot::kWall, 60, 60, 0, 1},
-                                          {Shape::kDisc, Spot::kInside, 50, 50, 0, 1}};
-  static const std::vector<Piece> waiting = {{Shape::kSolid, Spot::kBack, 220, 60, 1, 1},
-                                             {Shape::kSolid, Spot::kSide, 160, 60, 1, 2},
-                                             {Shape::kLegs, Spot::kInside, 70, 70, 0, 1},
-                                             kPlant};
-  static const std::vector<Piece> none;
+constexpr Piece kOffice[] = {{Shape::kDesk, Spot::kSide, 140, 70, 1, 2},
+                             {Shape::kDesk, Spot::kBack, 140, 70, 0, 1},
+                             {Shape::kSolid, Spot::kWall, 160, 45, 1, 2},
+                             {Shape::kDisc, Spot::kInside, 45, 45, 0, 1},
+                             kPlant};
+constexpr Piece kMeeting[] = {{Shape::kSolid, Spot::kWall, 180, 45, 0, 1}, kPlant, kPlant};
+constexpr Piece kLounge[] = {{Shape::kSolid, Spot::kCorner, 300, 60, 1, 1},
+                             {Shape::kSolid, Spot::kSide, 200, 85, 0, 2},
+                             {Shape::kLegs, Spot::kInside, 90, 90, 0, 2},
+                             kPlant};
+constexpr Piece kToilets[] = {{Shape::kSolid, Spot::kBack, 95, 150, 2, 3},
+                              {Shape::kSolid, Spot::kSide, 140, 50, 1, 1}};
+constexpr Piece kStore[] = {{Shape::kSolid, Spot::kSide, 200, 50, 1, 2},
+                            {Shape::kSolid, Spot::kBack, 150, 50, 0, 1},
+                            {Shape::kSolid, Spot::kWall, 60, 60, 0, 3}};
+constexpr Piece kStudio[] = {{Shape::kSolid, Spot::kCorner, 200, 140, 1, 1},
+                             {Shape::kLegs, Spot::kInside, 90, 80, 1, 1},
+                             kWardrobe,
+                             {Shape::kDesk, Spot::kWall, 120, 65, 0, 1},
+                             {Shape::kSolid, Spot::kWall, 180, 85, 0, 1}};
+constexpr Piece kLiving[] = {{Shape::kSolid, Spot::kSide, 220, 90, 1, 1},
+                             {Shape::kSolid, Spot::kWall, 160, 40, 1, 2},
+                             {Shape::kLegs, Spot::kInside, 160, 90, 1, 1},
+                             {Shape::kSolid, Spot::kWall, 90, 90, 0, 1},
+                             kPlant};
+constexpr Piece kKitchen[] = {{Shape::kSolid, Spot::kBack, 240, 60, 1, 1},
+                              {Shape::kSolid, Spot::kCorner, 180, 60, 1, 1},
+                              {Shape::kLegs, Spot::kInside, 110, 75, 0, 1}};
+constexpr Piece kBedroom[] = {{Shape::kSolid, Spot::kSide, 160, 200, 1, 1},
+                              kWardrobe,
+                              {Shape::kDesk, Spot::kBack, 120, 65, 0, 1},
+                              {Shape::kSolid, Spot::kWall, 90, 45, 0, 1},
+                              kBookshelf};
+constexpr Piece kBath[] = {{Shape::kSolid, Spot::kCorner, 170, 75, 0, 1},
+                           {Shape::kSolid, Spot::kSide, 40, 65, 1, 1},
+                           {Shape::kSolid, Spot::kWall, 60, 45, 1, 1}};
+constexpr Piece kFlatHall[] = {{Shape::kSolid, Spot::kSide, 90, 30, 0, 1}};
+constexpr Piece kNurses[] = {{Shape::kDesk, Spot::kSide, 140, 70, 1, 2},
+                             {Shape::kSolid, Spot::kBack, 200, 50, 1, 1},
+                             {Shape::kSolid, Spot::kWall, 60, 60, 0, 2}};
+constexpr Piece kWard[] = {{Shape::kSolid, Spot::kWall, 60, 60, 0, 1},
+                           {Shape::kDisc, Spot::kInside, 50, 50, 0, 1}};
+constexpr Piece kWaiting[] = {{Shape::kSolid, Spot::kBack, 220, 60, 1, 1},
+                              {Shape::kSolid, Spot::kSide, 160, 60, 1, 2},
+                              {Shape::kLegs, Spot::kInside, 70, 70, 0, 1},
+                              kPlant};
+/// One of these lists.
+class Pieces {
+ public:
+  constexpr Pieces() = default;
+  template <std::size_t kCount>
+  constexpr Pieces(const Piece (&pieces)[kCount]) : begin_(pieces), end_(pieces + kCount) {}
+  const Piece* begin() const { return begin_; }
+  const Piece* end() const { return end_; }
+
+ private:
+  const Piece *begin_ = nullptr, *end_ = nullptr;
+};
+
+Pieces piecesOf(Use use) {
   switch (use) {
     case Use::kOffice:
-      return office;
+      return kOffice;
     case Use::kMeeting:
-      return meeting;
+      return kMeeting;
     case Use::kLounge:
-      return lounge;
+      return kLounge;
     case Use::kToilets:
-      return toilets;
+      return kToilets;
     case Use::kStore:
-      return store;
+      return kStore;
     case Use::kStudio:
-      return studio;
+      return kStudio;
     case Use::kLiving:
-      return living;
+      return kLiving;
     case Use::kKitchen:
-      return kitchen;
+      return kKitchen;
     case Use::kBedroom:
-      return bedroom;
+      return kBedroom;
     case Use::kBath:
-      return bath;
+      return kBath;
     case Use::kFlatHall:
-      return flat_hall;
+      return kFlatHall;
     case Use::kNurses:
-      return nurses;
+      return kNurses;
     case Use::kWard:
-      return ward;
+      return kWard;
     case Use::kWaiting:
-      return waiting;
+      return kWaiting;
     default:
-      return none;
+      return {};
   }
 }
 

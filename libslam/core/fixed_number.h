@@ -4,10 +4,10 @@
 #include <string>
 #include <string_view>
 
-namespace slam::logs {
+namespace slam::core {
 
 /// Appends a number with so many decimals, whatever the locale; never "-0.000".
-inline void appendNumber(std::string& text, double value, int decimals) {
+inline void appendFixed(std::string& text, double value, int decimals) {
   // Fixed notation of the largest double has 309 digits before the point.
   std::array<char, 400> buffer{};
   const auto result =
@@ -19,4 +19,4 @@ inline void appendNumber(std::string& text, double value, int decimals) {
   text += digits;
 }
 
-}  // namespace slam::logs
+}  // namespace slam::core
