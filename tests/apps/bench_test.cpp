@@ -13,66 +13,13 @@
 #include "libslam/core/files.h"
 #include "libslam/process/worker.h"
 #include "libslam/sweep/sweep.h"
+#include "tests/apps/bench_fixture.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {
 namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-
-/// Two logs of five seconds and two methods on each: six cells.
-constexpr const char* kTiny =
-    "[suite]\nworlds = flat\nmethods = naive_wheel, naive\nseeds = 1..2\n"
-    "[lidar]\nbeams = 61\n[simulation]\nduration_s = 5\n";
-
-void write(const std::string& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& with) {
-  return text.replace(text.find(what), what.size(), with);
-}
-
-/// Everything in a sweep's folder that never differs, by path.
-std::map<std::string, std::string> contents(const std::string& folder) {
-  static const std::set<std::string> kDiffers = {"manifest.json", "run.manifest.json", "cost.json",
-                                                 "cost.csv",      "cost_summary.txt",  "cost_summary.csv",
-                                                 "stderr.txt"};
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder))
-    if (entry.is_regular_file() && !kDiffers.count(entry.path().filename().string()))
-      files[fs::relative(entry.path(), folder).string()] = core::readTextFile(entry.path().string());
-  return files;
-}
-
-std::vector<std::string> cellsOf(const std::string& folder, const std::string& kind) {
-  std::vector<std::string> cells;
-  for (const auto& entry : fs::directory_iterator(folder + "/cells"))
-    if (core::readTextFile(entry.path() / "cell.json").find("\"kind\": \"" + kind + "\"") !=
-        std::string::npos)
-      cells.push_back(entry.path().string());
-  std::sort(cells.begin(), cells.end());
-  return cells;
-}
-
-nlohmann::json resultsOf(const std::string& folder) {
-  return nlohmann::json::parse(core::readTextFile(folder + "/results.json"))["rows"];
-}
-
-std::size_t timesIn(const std::string& text, const std::string& what) {
-  std::size_t times = 0;
-  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++times;
-  return times;
-}
-
-class Bench : public ::testing::Test {
- protected:
-  void SetUp() override { write(folder / "tiny.ini", kTiny); }
-  testing::CommandResult bench(const std::string& arguments) {
-    return rasterslam("bench " + arguments, folder.path());
-  }
-  testing::TempFolder folder;
-};
 
 TEST_F(Bench, OneJobTwoJobsAndTwoShardsMergedGiveTheSameBytes) {
   const auto one = bench("tiny.ini -o one");
@@ -367,46 +314,6 @@ TEST_F(Bench, ASuiteThatIsWrongSaysWhereBeforeAnythingRuns) {
   expect("naive\n", "naive_wheel\n", "'naive_wheel' is named twice");
   EXPECT_THAT(bench("exec tiny.ini -o out --shard 3/2").err, HasSubstr("--shard: found '3/2'"));
   EXPECT_THAT(bench("exec tiny.ini -o out --cell 12").err, HasSubstr("--cell: found '12'"));
-}
-
-TEST_F(Bench, AGateNamesWhatGotWorseAndEndsWithFive) {
-  ASSERT_EQ(bench("tiny.ini -o out -q --write-gate gate.json").exit_code, 0);
-  const auto same = bench("merge out --gate gate.json");
-  EXPECT_EQ(same.exit_code, 0) << same.err;
-  EXPECT_THAT(same.out, HasSubstr("gate.json: of 8 figures 8 within their tolerance"));
-  // As if the path had been nearer once, and no run known to fail.
-  auto gate = nlohmann::json::parse(core::readTextFile(folder / "gate.json"));
-  for (auto& row : gate["rows"])
-    if (row["cell"] == "naive on flat" && row["metric"] == "ate_final_m") row["values"] = {0.001, 0.002};
-  write(folder / "gate.json", gate.dump());
-  const auto worse = bench("tiny.ini -o again -q --gate gate.json --json");
-  EXPECT_EQ(worse.exit_code, 5) << worse.err;
-  const auto table = nlohmann::json::parse(worse.out)["gate"];
-  ASSERT_EQ(table["rows"].size(), 8U);
-  for (const auto& row : table["rows"])
-    EXPECT_EQ(row["verdict"],
-              row["cell"] == "naive on flat" && row["metric"] == "ate_final_m" ? "WORSE" : "ok")
-        << row;
-  EXPECT_THAT(bench("merge out --gate gate.json").out, HasSubstr("WORSE"));
-  EXPECT_THAT(bench("merge out --write-gate gate.json").err, HasSubstr("give --overwrite to replace"));
-  EXPECT_EQ(bench("merge out --write-gate gate.json --overwrite").exit_code, 0);
-  EXPECT_EQ(bench("merge out --gate gate.json").exit_code, 0);
-  // A run that is not there: no baseline can be made, and what was measured before is missed.
-  fs::remove_all(cellsOf(folder / "out", "run")[0]);
-  const auto partly = bench("merge out --gate gate.json");
-  EXPECT_EQ(partly.exit_code, 5);
-  EXPECT_THAT(partly.out, HasSubstr("MISSING"));
-  EXPECT_EQ(bench("merge out --write-gate new.json").exit_code, 3);
-  EXPECT_FALSE(fs::exists(folder / "new.json"));
-}
-
-TEST_F(Bench, AGateThatIsWrongSaysSoBeforeAnythingRuns) {
-  write(folder / "gate.json",
-        R"({"rows": [{"cell": "naive on flt", "metric": "ate_final_m", "better": "smaller", "value": 1}]})");
-  const auto result = bench("tiny.ini -o out --gate gate.json");
-  EXPECT_EQ(result.exit_code, 3);
-  EXPECT_THAT(result.err, HasSubstr("gate.json: key 'cell': found none for 'naive_wheel on flat'"));
-  EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
 TEST_F(Bench, ThePlanListsTheCellsAndOtherInputsGiveOtherIds) {

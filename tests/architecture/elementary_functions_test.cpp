@@ -9,32 +9,11 @@
 #include <set>
 #include <string>
 
+#include "tests/architecture/code_text.h"
+
+namespace slam {
 namespace {
 namespace fs = std::filesystem;
-
-/// Without comments and the insides of strings and characters.
-std::string codeOf(const std::string& text) {
-  std::string code;
-  for (std::size_t i = 0; i < text.size();) {
-    std::size_t end = i + 1;
-    if (text.compare(i, 2, "//") == 0) {
-      end = std::min(text.find('\n', i), text.size());
-    } else if (text.compare(i, 2, "/*") == 0) {
-      end = std::min(text.find("*/", i), text.size() - 2) + 2;
-    } else if (text.compare(i, 2, "R\"") == 0) {
-      const std::size_t open = text.find('(', i);
-      const std::string close = ")" + text.substr(i + 2, open - i - 2) + "\"";
-      end = std::min(text.find(close, open), text.size() - close.size()) + close.size();
-    } else if (text[i] == '"' || (text[i] == '\'' && (i == 0 || std::isalnum(text[i - 1]) == 0))) {
-      while (end < text.size() && text[end] != text[i] && text[end] != '\n') end += text[end] == '\\' ? 2 : 1;
-      ++end;
-    } else {
-      code += text[i];
-    }
-    i = end;
-  }
-  return code;
-}
 
 bool isWord(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
@@ -71,7 +50,7 @@ std::string foreignCalls(const std::string& file_name, const std::string& text) 
       "Rotation2D",   "AngleAxis",    "computeDirect",    "array().exp(",     "array().log(",
       "array().pow(", "array().sin(", "array().cos(",     "cv::exp(",         "cv::log(",
       "cv::pow(",     "cv::phase(",   "cv::cartToPolar(", "cv::polarToCart(", "cv::fastAtan2("};
-  const std::string code = codeOf(text);
+  const std::string code = architecture::codeOf(text);
   std::string problems;
   for (std::size_t i = 0; i < code.size();) {
     std::size_t end = i + 1;
@@ -129,3 +108,4 @@ TEST(ElementaryFunctions, ThoseOfOthersAreSeen) {
 }
 
 }  // namespace
+}  // namespace slam

@@ -17,6 +17,7 @@
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/check/architect_plan.h"
+#include "tests/check/checked_pictures.h"
 
 namespace slam::check {
 namespace {
@@ -24,103 +25,6 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 const std::vector<std::string> kWorlds = {"corridor", "flat", "maze", "office_loop", "pillar_hall"};
-
-/// Pictures in memory, checked as files.
-class PlanChecks : public ::testing::Test {
- protected:
-  std::string write(const cv::Mat& picture, const std::string& name = "plan.png") const {
-    cv::imwrite(folder_ / name, picture);
-    return folder_ / name;
-  }
-  /// A yaml beside a picture.
-  std::string write(const cv::Mat& picture, double resolution_m,
-                    const std::string& free_thresh = "0.196") const {
-    write(picture);
-    std::ofstream(folder_ / "plan.yaml")
-        << "image: plan.png\nresolution: " << resolution_m
-        << "\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: " << free_thresh << "\n";
-    return folder_ / "plan.yaml";
-  }
-  static PlanCheckOptions only(std::vector<std::string> keys, double resolution_m = 0) {
-    PlanCheckOptions options;
-    options.only = std::move(keys);
-    if (resolution_m > 0) options.resolution_m = resolution_m;
-    return options;
-  }
-  static PlanCheckOptions at(double resolution_m) { return only({}, resolution_m); }
-  /// The mended plan after one more look at it.
-  PlanCheck again(const PlanCheck& check, PlanCheckOptions options) const {
-    world::savePlan(check.after, folder_ / "again.yaml");
-    options.resolution_m.reset();
-    return checkPlan(folder_ / "again.yaml", options);
-  }
-
-  testing::TempFolder folder_;
-};
-
-/// Two rooms of 6 x 9 m side by side; an opening of `outer_px` in the left one's outer wall, one of 1.5 m
-/// between them. 5 cm.
-cv::Mat twoRooms(int outer_px) {
-  cv::Mat picture(240, 320, CV_8U, cv::Scalar(255));
-  cv::rectangle(picture, cv::Rect(30, 20, 250, 190), cv::Scalar(0), cv::FILLED);
-  cv::rectangle(picture, cv::Rect(34, 24, 119, 182), cv::Scalar(255), cv::FILLED);
-  cv::rectangle(picture, cv::Rect(157, 24, 119, 182), cv::Scalar(255), cv::FILLED);
-  cv::rectangle(picture, cv::Rect(153, 60, 4, 30), cv::Scalar(255), cv::FILLED);
-  if (outer_px > 0) cv::rectangle(picture, cv::Rect(30, 100, 4, outer_px), cv::Scalar(255), cv::FILLED);
-  return picture;
-}
-
-const Finding* find(const PlanCheck& check, const std::string& key) {
-  for (const Finding& finding : check.findings)
-    if (finding.key == key) return &finding;
-  return nullptr;
-}
-std::string keysOf(const PlanCheck& check) {
-  std::string keys;
-  for (const Finding& finding : check.findings) keys += (keys.empty() ? "" : " ") + finding.key;
-  return keys;
-}
-/// 255 where the plan has such cells, as the picture lies.
-cv::Mat maskOf(const world::Plan& plan, world::Cell cell) {
-  cv::Mat mask(plan.rows, plan.columns, CV_8U);
-  for (int row = 0; row < plan.rows; ++row)
-    for (int column = 0; column < plan.columns; ++column)
-      mask.at<std::uint8_t>(plan.rows - 1 - row, column) = plan.at(column, row) == cell ? 255 : 0;
-  return mask;
-}
-int different(const cv::Mat& a, const cv::Mat& b) {
-  return cv::countNonZero(a != b);
-}
-cv::Mat paper(int columns, int rows) {
-  return {rows, columns, CV_8U, cv::Scalar(255)};
-}
-void box(cv::Mat& sheet, int x0, int y0, int x1, int y1, int gray, int thickness = cv::FILLED) {
-  cv::rectangle(sheet, cv::Point(x0, y0), cv::Point(x1 - 1, y1 - 1), cv::Scalar(gray), thickness);
-}
-/// A room of 120 x 100 pixels in walls of 5 pixels on white paper, at 0.05 m a pixel 6 x 5 m.
-cv::Mat roomOnPaper() {
-  cv::Mat sheet = paper(200, 180);
-  box(sheet, 35, 35, 165, 145, 0);
-  box(sheet, 40, 40, 160, 140, 255);
-  return sheet;
-}
-/// The middles of the architect's rooms that a disc of 0.283 m (the circle around the usual robot) reaches
-/// from where it starts; clearances between cell centres, so half a cell on the safe side.
-int roomsReached(const world::Plan& plan, const ArchitectPlan& drawn) {
-  const auto start = world::findStartPose(plan, 0.283);
-  if (!start) return 0;
-  cv::Mat clearance, places;
-  cv::distanceTransform(~maskOf(plan, world::Cell::kOccupied), clearance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  places = (clearance > 0.283 / plan.resolution_m + 0.5) & maskOf(plan, world::Cell::kFree);
-  cv::Mat labels;
-  cv::connectedComponents(places, labels, 4);
-  const core::Point2 cell = world::worldToCells(plan, core::position(*start));
-  const int home = labels.at<int>(plan.rows - 1 - static_cast<int>(cell.y), static_cast<int>(cell.x));
-  int reached = 0;
-  for (const auto& middle : ArchitectPlan::roomMiddles())
-    reached += home > 0 && labels.at<int>(drawn.pixel(middle)) == home;
-  return reached;
-}
 
 TEST_F(PlanChecks, FindsNothingInTheCommittedWorlds) {
   for (const auto& name : kWorlds) {
@@ -321,88 +225,6 @@ TEST_F(PlanChecks, TakesNoRoundTableOrColumnForADoor) {
               2);  // a shower's wall
   const PlanCheck check = checkPlan(write(sheet), only({"doors"}, 0.05));
   EXPECT_EQ(keysOf(check), "");
-}
-
-TEST_F(PlanChecks, ClosesGapsToTheOutsideUpToAWidth) {
-  cv::Mat sheet = roomOnPaper();
-  box(sheet, 90, 140, 108, 145, 255);  // 18 pixels, 0.9 m
-  const PlanCheck check = checkPlan(write(sheet), at(0.05));
-  ASSERT_TRUE(find(check, "leaks")) << keysOf(check);
-  EXPECT_EQ(find(check, "leaks")->count, 1);
-  EXPECT_THAT(find(check, "leaks")->text, HasSubstr("0.87 m"));
-  EXPECT_NEAR(find(check, "leaks")->places[0].x, 99, 3);
-  EXPECT_NEAR(find(check, "leaks")->places[0].y, 142, 4);
-  EXPECT_EQ(maskOf(check.after, world::Cell::kFree).at<std::uint8_t>(0, 0), 0);
-  EXPECT_EQ(maskOf(check.after, world::Cell::kFree).at<std::uint8_t>(100, 100), 255);
-  // The room's floor is kept, but for the doorway.
-  EXPECT_NEAR(cv::countNonZero(maskOf(check.after, world::Cell::kFree)), 120 * 100, 18 * 5);
-  PlanCheckOptions narrower = at(0.05);
-  narrower.widest_gap_m = 0.5;
-  EXPECT_FALSE(find(checkPlan(write(sheet), narrower), "leaks"));
-}
-
-TEST_F(PlanChecks, BuildsAWallAroundABuildingThatIsOpen) {
-  cv::Mat sheet = paper(300, 200);
-  box(sheet, 60, 60, 65, 140, 0);
-  box(sheet, 60, 60, 200, 65, 0);
-  const PlanCheck check = checkPlan(write(sheet), at(0.05));
-  ASSERT_TRUE(find(check, "outside"));
-  EXPECT_THAT(find(check, "outside")->text, HasSubstr("no closed outline"));
-  const cv::Mat free = maskOf(check.after, world::Cell::kFree);
-  EXPECT_EQ(free.at<std::uint8_t>(0, 0), 0);
-  EXPECT_EQ(free.at<std::uint8_t>(100, 100), 255);
-  EXPECT_EQ(keysOf(again(check, {})), "");
-}
-
-TEST_F(PlanChecks, MakesThePaperAroundTheWallsUnknown) {
-  cv::Mat sheet = roomOnPaper();
-  cv::line(sheet, cv::Point(10, 20), cv::Point(100, 20), cv::Scalar(0));  // drawn outside, touching nothing
-  const PlanCheck check = checkPlan(write(sheet), at(0.05));
-  EXPECT_EQ(keysOf(check), "outside");
-  EXPECT_EQ(find(check, "outside")->count, 1);
-  EXPECT_EQ(different(maskOf(check.after, world::Cell::kOccupied), roomOnPaper() == 0), 0);
-  EXPECT_EQ(cv::countNonZero(maskOf(check.after, world::Cell::kFree)), 120 * 100);
-  EXPECT_EQ(keysOf(again(check, {})), "");
-}
-
-TEST_F(PlanChecks, TakesThePageFrameAwayButNoOuterWall) {
-  ArchitectStyle style;
-  style.doors = style.front_door = style.smooth = false;
-  const PlanCheck framed = checkPlan(write(ArchitectPlan(style).sheet()), only({"border"}, 0.025));
-  EXPECT_EQ(keysOf(framed), "border");
-  style.page_border = false;
-  EXPECT_EQ(keysOf(checkPlan(write(ArchitectPlan(style).sheet()), only({"border"}, 0.025))), "");
-  cv::Mat hall = paper(400, 300);
-  box(hall, 3, 3, 397, 297, 0, 2);
-  for (int x = 60; x < 400; x += 60)
-    for (int y = 60; y < 300; y += 60) box(hall, x, y, x + 8, y + 8, 0);
-  EXPECT_EQ(keysOf(checkPlan(write(hall), only({"border"}, 0.05))), "");
-}
-
-TEST_F(PlanChecks, MakesRoomsWithoutAWayInUnknown) {
-  cv::Mat sheet = roomOnPaper();
-  sheet.setTo(205, sheet == 255);
-  box(sheet, 40, 40, 160, 140, 255);
-  box(sheet, 116, 40, 120, 140, 0);  // two rooms without a door
-  box(sheet, 60, 60, 70, 70, 0);
-  box(sheet, 63, 63, 67, 67, 255);  // a hollow pillar
-  const std::string path = write(sheet, 0.05);
-  const PlanCheck check = checkPlan(path, {});
-  EXPECT_EQ(keysOf(check), "isolated isolated");
-  EXPECT_EQ(check.findings[0].severity, Severity::kWarning);
-  EXPECT_THAT(check.findings[0].text, HasSubstr("no way in"));
-  EXPECT_EQ(check.findings[1].severity, Severity::kNote);
-  const cv::Mat free = maskOf(check.after, world::Cell::kFree);
-  EXPECT_EQ(free.at<std::uint8_t>(50, 130), 0);
-  EXPECT_EQ(free.at<std::uint8_t>(65, 65), 0);
-  EXPECT_EQ(free.at<std::uint8_t>(50, 50), 255);
-  // A door of 8 pixels, 0.4 m: too narrow for a robot whose diagonal is 0.57 m, wide enough for one of 0.2 m.
-  box(sheet, 116, 80, 120, 88, 255);
-  const PlanCheck narrow = checkPlan(write(sheet, 0.05), {});
-  EXPECT_THAT(narrow.findings.at(0).text, HasSubstr("too narrow"));
-  PlanCheckOptions small;
-  small.robot_side_m = 0.2;
-  EXPECT_EQ(keysOf(checkPlan(path, small)), "isolated");
 }
 
 TEST_F(PlanChecks, ClearsARobotsMapOfRaysAndSpecksAndWallsItsEdge) {

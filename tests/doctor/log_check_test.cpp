@@ -223,58 +223,6 @@ TEST(LogCheck, FindsRepeatedScans) {
       HasSubstr("warning: 200 of 300 scans repeat the scan before reading by reading, up to 2 in a row"));
 }
 
-TEST(LogCheck, FindsStampsThatRunBackRepeatOrPause) {
-  Drive drive;
-  drive.touch_scan = [](int number, mrpt::obs::CObservation2DRangeScan& scan) {
-    if (number == 100) scan.timestamp -= std::chrono::seconds(2);
-    if (number == 200) scan.timestamp -= std::chrono::milliseconds(200);
-    return number < 250 || number >= 270;
-  };
-  const auto result = check(drive);
-  EXPECT_THAT(
-      said(result.findings, "backward"),
-      HasSubstr("warning: CObservation2DRangeScan 'LASER': 1 of 280 stamps are earlier than the one before, "
-                "by up to 1.800 s (at 1700000019.800)"));
-  EXPECT_THAT(said(result.findings, "repeated"),
-              HasSubstr("note: CObservation2DRangeScan 'LASER': 1 of 280 stamps equal the one before"));
-  EXPECT_THAT(said(result.findings, "gaps"), HasSubstr("the longest 4.20 s after 1700000049.800"));
-  EXPECT_EQ(said(healthy().findings, "backward") + said(healthy().findings, "repeated") +
-                said(healthy().findings, "gaps") + said(healthy().findings, "order"),
-            "");
-}
-
-TEST(LogCheck, FindsStreamsOutOfOrder) {
-  Drive drive;
-  drive.touch_scan = [](int, mrpt::obs::CObservation2DRangeScan& scan) {
-    scan.timestamp -= std::chrono::milliseconds(50);
-    return true;
-  };
-  const auto result = check(drive);
-  EXPECT_EQ(result.figures.backward_in_file, 300U);
-  EXPECT_THAT(said(result.findings, "order"), HasSubstr("note: 300 of 899 objects"));
-  EXPECT_EQ(said(result.findings, "backward"), "");
-}
-
-TEST(LogCheck, LooksForScansWithoutStamps) {
-  Drive drive;
-  drive.scans = 40;
-  drive.touch_scan = [](int number, mrpt::obs::CObservation2DRangeScan& scan) {
-    if (number > 20) scan.timestamp = {};
-    return true;
-  };
-  EXPECT_THAT(said(check(drive).findings, "unstamped"), HasSubstr("19 of 40 have no stamp"));
-  EXPECT_EQ(said(healthy().findings, "unstamped"), "");
-  drive.odometry_period_s = 0;
-  drive.touch_scan = [](int, mrpt::obs::CObservation2DRangeScan& scan) {
-    scan.timestamp = {};
-    return true;
-  };
-  const auto result = check(drive);
-  EXPECT_THAT(said(result.findings, "scans"), HasSubstr("error: 40 scans have no time stamp"));
-  EXPECT_THAT(said(result.findings, "odometry"), HasSubstr("note: none"));
-  EXPECT_FALSE(result.isUsable());
-}
-
 TEST(LogCheck, FindsOdometryThatJumpsOrNeverMoves) {
   Drive drive;
   drive.touch_odometry = [](int number, mrpt::obs::CObservationOdometry& odometry) {
@@ -405,80 +353,6 @@ TEST(LogCheck, EveryKeyIsListedOnce) {
   EXPECT_EQ(std::adjacent_find(keys.begin(), keys.end()), keys.end());
   for (const auto& finding : healthy().findings)
     EXPECT_TRUE(std::binary_search(keys.begin(), keys.end(), finding.key)) << finding.key;
-}
-
-class RealLog : public ::testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = testing::realDataFolder(RASTERSLAM_SOURCE_DIR);
-    if (folder_.empty()) GTEST_SKIP() << "real logs are not there";
-  }
-  LogCheck look(const std::string& name) const {
-    return checkLog(folder_ + "/logs/" + name, "", core::silentProgress());
-  }
-  std::string folder_;
-};
-
-std::set<std::string> complaintKeys(const LogCheck& check) {
-  std::set<std::string> keys;
-  for (const auto& finding : check.findings)
-    if (finding.severity != Severity::kNote) keys.insert(finding.key);
-  return keys;
-}
-
-// What each of the three gets, and why it is no false alarm, stands beside the expectation.
-TEST_F(RealLog, MitKillianHasOdometryThatLeadsBySixTenths) {
-  const auto result = look("mit-killian/mit-killian.reconstructed.clf.xz");
-  const auto& f = result.figures;
-  ASSERT_EQ(f.ranges.scans, 17480U);
-  ASSERT_TRUE(f.odometry[0].clock.is_observable);
-  EXPECT_NEAR(f.odometry[0].clock.offset_s.value, 0.6, 0.05);
-  EXPECT_LT(f.odometry[0].clock.offset_s.width(), 0.05);
-  EXPECT_EQ(complaintKeys(result), std::set<std::string>({"clock"}));
-  ASSERT_TRUE(f.ranges.spike);
-  EXPECT_NEAR(f.ranges.spike->low_m, 51.05, 0.011);
-  EXPECT_NEAR(f.ranges.spike->high_m, 51.22, 0.011);
-  EXPECT_NEAR(f.view.factor.value, 1, 0.02);
-}
-
-TEST_F(RealLog, IntelHasStampsThatRunBackPausesAndAnOdometerThatDrifts) {
-  const auto result = look("intel/intel.clf.bz2");
-  const auto& f = result.figures;
-  ASSERT_EQ(f.ranges.scans, 13631U);
-  EXPECT_FALSE(f.is_view_given);
-  EXPECT_THAT(said(result.findings, "backward"), HasSubstr("'FLASER': 631 of 13631 stamps"));
-  ASSERT_EQ(f.odometry.size(), 2U);
-  for (const auto& odometry : f.odometry) {
-    ASSERT_TRUE(odometry.clock.is_observable);
-    EXPECT_NEAR(odometry.clock.offset_s.value, 0, 0.02);
-  }
-  // Recording paused for up to 3.5 s; its odometry is the worst of the benchmark's (drift of 3 deg per
-  // metre).
-  EXPECT_EQ(complaintKeys(result), std::set<std::string>({"gaps", "heading"}));
-  ASSERT_TRUE(f.ranges.spike);
-  EXPECT_NEAR(f.ranges.spike->peak_m, 81.83, 0.006);
-  EXPECT_EQ(f.ranges.spike->readings, 68313U);
-  EXPECT_NEAR(f.view.factor.value, 1, 0.02);
-}
-
-TEST_F(RealLog, FreiburgStatesItsLidarBehindTheCentre) {
-  const auto result = look("fr079/fr079.clf.bz2");
-  const auto& f = result.figures;
-  ASSERT_EQ(f.ranges.scans, 4934U);
-  EXPECT_TRUE(f.is_view_given);
-  EXPECT_DOUBLE_EQ(f.ranges.T_robot_lidar.x, -0.04);
-  EXPECT_THAT(said(result.findings, "mounting"), HasSubstr("note: x -0.040 m"));
-  // 0.12 s: a sweep of 360 readings takes 0.19 s over this lidar's line of 38400 baud, and is stamped after
-  // it.
-  for (const auto& odometry : f.odometry) {
-    ASSERT_TRUE(odometry.clock.is_observable);
-    EXPECT_NEAR(odometry.clock.offset_s.value, 0.12, 0.03);
-  }
-  EXPECT_EQ(complaintKeys(result), std::set<std::string>());
-  ASSERT_TRUE(f.ranges.spike);
-  EXPECT_NEAR(f.ranges.spike->peak_m, 81.91, 0.006);
-  EXPECT_EQ(f.ranges.spike->readings, 36881U);
-  EXPECT_NEAR(f.view.factor.value, 1, 0.02);
 }
 
 }  // namespace

@@ -14,62 +14,12 @@
 #include "libslam/run/journal_file.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"
+#include "tests/explore/two_rooms.h"
 
 namespace slam::explore {
 namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
-
-/// A flat of two rooms, 6 x 4 m at 5 cm, joined by a door of 1 m; cells as drawn by the caller's lambda.
-world::Plan twoRooms() {
-  world::Plan plan;
-  plan.name = "two_rooms";
-  plan.columns = 120;
-  plan.rows = 80;
-  plan.cells.assign(120 * 80, world::Cell::kFree);
-  const auto wall = [&plan](int c0, int r0, int c1, int r1) {
-    for (int row = r0; row < r1; ++row)
-      for (int column = c0; column < c1; ++column)
-        plan.cells[static_cast<size_t>(row * plan.columns + column)] = world::Cell::kOccupied;
-  };
-  wall(0, 0, 120, 2), wall(0, 78, 120, 80), wall(0, 0, 2, 80), wall(118, 0, 120, 80);
-  wall(60, 0, 63, 30), wall(60, 50, 63, 80);
-  return plan;
-}
-
-std::string saved(const testing::TempFolder& folder, const world::Plan& plan) {
-  const std::string path = folder / (plan.name + ".yaml");
-  world::savePlan(plan, path);
-  return path;
-}
-
-/// A full circle of 2 degree beams: quick.
-ExploreConfig quickConfig(const std::string& strategy, double duration_s,
-                          const std::vector<std::string>& settings = {}) {
-  core::IniFile ini;
-  for (const auto& [key, value] : std::map<std::string, std::string>{
-           {"lidar.beams", "180"}, {"lidar.fov_deg", "360"}, {"lidar.max_range_m", "8"}})
-    ini.setFromArgument(key + "=" + value, "test");
-  ini.set("strategy", "name", strategy, "test");
-  ini.set("simulation", "duration_s", core::formatNumber(duration_s), "test");
-  for (const auto& setting : settings) ini.setFromArgument(setting, "test");
-  return readExploreConfig(ini);
-}
-
-ExploreRequest request(const testing::TempFolder& folder, const world::Plan& plan,
-                       std::vector<ExploreConfig> configs, const std::string& slam) {
-  ExploreRequest request;
-  request.plan_path = saved(folder, plan);
-  request.strategies = std::move(configs);
-  request.slam = slam;
-  request.methods_folder = core::configsFolder() + "/methods";
-  request.output = folder / "out";
-  return request;
-}
-
-ExplorationReport run(const ExploreRequest& request) {
-  return explore(request, {}, core::silentProgress());
-}
 
 std::map<std::string, std::string> contents(const std::string& folder) {
   std::map<std::string, std::string> hashes;
@@ -330,84 +280,6 @@ TEST(Explore, AStartThatIsCutOffAndAnOpenPlanAreSaid) {
   const auto right = run(wanted);
   EXPECT_THAT(right.scores.notes, ::testing::Contains(HasSubstr("The plan is open")));
   EXPECT_GT(right.runs[0].figures.coverage, 0.9);
-}
-
-TEST(Explore, AMethodThatFailsIsARowOrAnErrorAndLeavesNoFolder) {
-  const testing::TempFolder folder;
-  const std::string icp = core::readTextFile(core::configsFolder() + "/methods/icp.ini");
-  // A limit that the first map breaks stands for a method that fails.
-  const std::string resolution = "resolution_m = 0.05";
-  core::writeFileAtomically(folder / "cramped.ini",
-                            std::string(icp).replace(icp.find(resolution), resolution.size(),
-                                                     "resolution_m = 0.02\nmax_map_cells = 10000"));
-  auto wanted = request(folder, twoRooms(), {quickConfig("quadrant", 20)}, folder / "cramped.ini");
-  EXPECT_THROW(run(wanted), core::MethodError);
-  EXPECT_FALSE(fs::exists(folder / "out"));
-  EXPECT_THAT(testing::leftoversIn(folder.path()), ::testing::IsEmpty());
-}
-
-/// Stands for a method that fails when it has taken in so many scans.
-class FailsAfter : public record::StepObserver {
- public:
-  explicit FailsAfter(int scans) : left_(scans) {}
-  void onStep(const record::Step&) override {
-    if (--left_ == 0) throw core::MethodError("broken on purpose");
-  }
-
- private:
-  int left_;
-};
-
-TEST(Explore, AMethodThatFailsOnTheWayKeepsWhatItHadMapped) {
-  const testing::TempFolder folder;
-  FailsAfter observer(20);
-  auto wanted = request(folder, twoRooms(), {quickConfig("quadrant", 20)}, "icp");
-  wanted.observer = &observer;
-  const auto result = run(wanted);
-  EXPECT_EQ(result.failed, 1);
-  ASSERT_EQ(result.runs.size(), 1U);
-  EXPECT_THAT(result.runs[0].end_detail, HasSubstr("at scan 20 (3.8 s): broken on purpose"));
-  EXPECT_THAT(result.scores.notes, ::testing::Contains(HasSubstr("failed: at scan 20")));
-  const auto partial = run::loadRun(folder / "out");
-  EXPECT_EQ(partial.manifest.results.at("status"), "incomplete");
-  EXPECT_EQ(partial.estimate.size(), 20U);
-  EXPECT_EQ(run::readJournal(folder / "out/journal.csv").back().event, core::JournalEvent::kFailed);
-  EXPECT_TRUE(fs::exists(folder / "out/run.rawlog"));
-  EXPECT_TRUE(fs::exists(folder / "out/map.simplemap"));
-}
-
-TEST(Explore, RefusesWhatCannotBe) {
-  const testing::TempFolder folder;
-  const auto refusal = [&](ExploreRequest wanted) {
-    try {
-      run(wanted);
-    } catch (const core::InputError& error) {
-      EXPECT_FALSE(fs::exists(wanted.output)) << error.what();
-      EXPECT_THAT(testing::leftoversIn(folder.path()), ::testing::IsEmpty()) << error.what();
-      return std::string(error.what());
-    }
-    return std::string("no error");
-  };
-  const auto with = [&](const std::vector<std::string>& settings, const std::string& slam = "icp") {
-    return request(folder, twoRooms(), {quickConfig("quadrant", 5, settings)}, slam);
-  };
-  EXPECT_THAT(refusal(with({"simulation.start=0.05 0.05 0"})), HasSubstr("start"));
-  EXPECT_THAT(refusal(with({"simulation.start=-3 2 0"})), HasSubstr("start"));
-  EXPECT_THAT(refusal(with({"simulation.start=nowhere"})), HasSubstr("expected auto or x_m,y_m,yaw_deg"));
-  EXPECT_THAT(refusal(with({"robot.side_m=4"})), HasSubstr("no free place for a robot of side 4 m"));
-  EXPECT_THAT(refusal(with({}, "icq")), HasSubstr("did you mean 'icp'?"));
-  auto twice = with({});
-  twice.strategies.push_back(twice.strategies.front());
-  EXPECT_THAT(refusal(twice), HasSubstr("strategy 'quadrant' is named twice"));
-  EXPECT_THROW(quickConfig("quadrant", 5, {"exploration.stuk_s=4"}), core::InputError);
-}
-
-TEST(Record, AStrategyThatNeedsAMapIsSentToExplore) {
-  const testing::TempFolder folder;
-  const auto config = quickConfig("nearest_frontier", 5).record;
-  EXPECT_THROW(record::record(twoRooms(), config, 1, folder / "run.rawlog", {}, core::silentProgress()),
-               core::InputError);
-  EXPECT_TRUE(fs::is_empty(folder.path()));
 }
 
 TEST(Explore, ACarriedRobotIsKnownToTheTruthAlone) {

@@ -3,6 +3,7 @@
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationOdometry.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/serialization/CArchive.h>
@@ -160,6 +161,12 @@ mrpt::obs::CSensoryFrame frame(const Observations&... observations) {
   mrpt::obs::CSensoryFrame result;
   (result.insert(std::make_shared<Observations>(observations)), ...);
   return result;
+}
+
+inline mrpt::obs::CObservationComment commentSaying(const std::string& text) {
+  mrpt::obs::CObservationComment observation;
+  observation.text = text;
+  return observation;
 }
 
 }  // namespace slam::logs

@@ -10,6 +10,7 @@
 #include "libslam/core/files.h"
 #include "libslam/draw/map_view.h"
 #include "libslam/testing/temp_folder.h"
+#include "tests/pictures/read_picture.h"
 
 namespace slam::pictures {
 namespace {
@@ -34,25 +35,6 @@ core::Trajectory straight(double x0, double x1, double y) {
   core::Trajectory path;
   for (int i = 0; i <= 20; ++i) path.push_back({0.1 * i, {x0 + (x1 - x0) * i / 20, y, 0}});
   return path;
-}
-
-cv::Mat load(const std::string& path) {
-  cv::Mat image = cv::imread(path, cv::IMREAD_COLOR);
-  EXPECT_FALSE(image.empty()) << path;
-  EXPECT_GE(image.cols, 600);
-  EXPECT_LE(std::max(image.cols, image.rows), 2000);
-  return image;
-}
-
-bool isColour(const cv::Vec3b& pixel, draw::Colour colour) {
-  return pixel[0] == colour.blue && pixel[1] == colour.green && pixel[2] == colour.red;
-}
-
-int countOf(const cv::Mat& image, draw::Colour colour) {
-  int count = 0;
-  for (int y = 0; y < image.rows; ++y)
-    for (int x = 0; x < image.cols; ++x) count += isColour(image.at<cv::Vec3b>(y, x), colour);
-  return count;
 }
 
 /// The smallest box round all pixels of that colour.
@@ -362,31 +344,6 @@ TEST(DrawPanels, RefusesNoneAndMoreThanEight) {
   const TempFolder folder;
   EXPECT_THROW(drawPanels({}, folder / "none.png"), core::ContractError);
   EXPECT_THROW(drawPanels(std::vector<Panel>(9), folder / "nine.png"), core::ContractError);
-}
-
-TEST(DrawScan, LeavesAGapWhereABeamDidNotReturn) {
-  const TempFolder folder;
-  robot::Scan scan;
-  scan.first_angle_rad = -core::kPi / 2, scan.step_rad = core::kPi / 180, scan.max_range_m = 10;
-  scan.ranges_m.assign(181, 4.0F);
-  drawScan(scan, folder / "all.png");
-  const int all = countOf(load(folder / "all.png"), draw::kBlue);
-  for (size_t i = 60; i < 120; ++i) scan.ranges_m[i] = i % 2 ? robot::kNoReturn : robot::kLostReading;
-  drawScan(scan, folder / "gap.png");
-  const int gap = countOf(load(folder / "gap.png"), draw::kBlue);
-  EXPECT_NEAR(double(gap) / all, 121.0 / 181, 0.05);  // dots overlap a little
-}
-
-TEST(DrawScan, SurvivesScansWithoutReturnsOrBeams) {
-  const TempFolder folder;
-  robot::Scan scan;
-  drawScan(scan, folder / "empty.png");
-  scan.ranges_m = {2.5F};
-  drawScan(scan, folder / "one.png");
-  scan.step_rad = 0.1, scan.max_range_m = 5;
-  scan.ranges_m.assign(10, robot::kNoReturn);
-  drawScan(scan, folder / "none.png");
-  for (const std::string name : {"empty", "one", "none"}) load(folder / (name + ".png"));
 }
 
 TEST(Pictures, ThatCannotBeWrittenAreAnErrorAndLeaveNothing) {
