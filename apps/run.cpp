@@ -91,7 +91,7 @@ nlohmann::ordered_json resultJson(const std::string& name, const std::string& fo
   if (!result.commands_from.empty()) json["commands_from"] = result.commands_from;
   if (result.lost_share) json["lost_share"] = *result.lost_share;
   if (lost) json["lost"] = run::lostText(*lost);
-  if (result.stopped) json[run::eventOf(*result.stopped)] = run::stopText(*result.stopped);
+  if (result.stopped) json[core::wordOf(run::eventOf(*result.stopped))] = run::stopText(*result.stopped);
   if (with_journal) json["journal"] = journalJson(result.journal);
   return json;
 }
@@ -103,7 +103,7 @@ core::ExitCode exitCodeOf(const run::MapRun& result, bool is_lost) {
 }
 
 std::string stoppedText(const run::Stop& stop) {
-  return run::eventOf(stop) + " " + run::stopText(stop) + "; what was mapped before is kept";
+  return core::wordOf(run::eventOf(stop)) + (" " + run::stopText(stop)) + "; what was mapped before is kept";
 }
 
 int runMethod(const Context& context, const Arguments& arguments) {

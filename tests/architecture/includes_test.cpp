@@ -30,7 +30,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"mrptworld", {"core", "world"}},
     {"metrics", {"core", "world"}},
     {"oracle", {"core", "world", "metrics"}},
-    {"draw", {"core", "world"}},
+    {"draw", {"core", "world", "metrics"}},
     {"pictures", {"core", "robot", "world", "check", "metrics", "draw"}},
     {"report", {"core", "robot", "world", "metrics", "table", "draw", "pictures"}},
     {"viewer", {"core", "robot", "gridmap", "world", "draw"}},

@@ -23,16 +23,16 @@ using mrpt::maps::COccupancyGridMap2D;
 constexpr double kStep_deg = 1;  // 181 beams over 180 degrees
 
 mrpt::obs::CObservation2DRangeScan mrptScan(const core::Pose2& T_room_robot, bool right_to_left = true) {
-  auto scan = *robot::toMrpt(test::scanRoom(T_room_robot, 1.6e9));
+  auto scan = *robot::toMrpt(mapping::test::scanRoom(T_room_robot, 1.6e9));
   if (right_to_left) return scan;
   const size_t beams = scan.getScanSize();
   auto turned = scan;
-  scanmatch::turned.rightToLeft = false;
+  turned.rightToLeft = false;
   for (size_t i = 0; i < beams; ++i) {
-    scanmatch::turned.setScanRange(i, scan.getScanRange(beams - 1 - i));
-    scanmatch::turned.setScanRangeValidity(i, scan.getScanRangeValidity(beams - 1 - i));
+    turned.setScanRange(i, scan.getScanRange(beams - 1 - i));
+    turned.setScanRangeValidity(i, scan.getScanRangeValidity(beams - 1 - i));
   }
-  return scanmatch::turned;
+  return turned;
 }
 
 /// The room in the map: turned, and perhaps seen in a mirror (then a scan's beams swap sides).

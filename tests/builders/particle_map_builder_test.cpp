@@ -19,7 +19,7 @@ mapping::MapBuilder makeMethod() {
   return mapping::makeMapBuilder(mapping::loadMethodConfig(path, "particles"), "particles", 1);
 }
 
-core::Trajectory run(mapping::MapBuilder& method, const test::Drive& drive) {
+core::Trajectory run(mapping::MapBuilder& method, const mapping::test::Drive& drive) {
   core::Trajectory online;
   for (const auto& entry : drive.entries)
     online.push_back(
@@ -29,7 +29,7 @@ core::Trajectory run(mapping::MapBuilder& method, const test::Drive& drive) {
 
 TEST(ParticleMapBuilder, GivesTheCorrectedPathWithAPoseForEveryScan) {
   auto method = makeMethod();
-  const auto drive = test::driveThroughRoom();
+  const auto drive = mapping::test::driveThroughRoom();
   const auto online = run(method, drive);
   const auto path = finalPath(method, online).value();
   ASSERT_EQ(path.size(), drive.entries.size());
@@ -38,7 +38,7 @@ TEST(ParticleMapBuilder, GivesTheCorrectedPathWithAPoseForEveryScan) {
 
 TEST(ParticleMapBuilder, EveryPoseComesWithItsCovariance) {
   auto method = makeMethod();
-  const auto online = run(method, test::driveThroughRoom(20));
+  const auto online = run(method, mapping::test::driveThroughRoom(20));
   const auto [covariance, mean] = mrptBuilder(method).getCurrentPoseEstimation()->getCovarianceAndMean();
   for (const int i : {0, 1, 3}) {
     EXPECT_GT(covariance(i, i), 1e-8);
@@ -52,7 +52,7 @@ TEST(ParticleMapBuilder, EveryPoseComesWithItsCovariance) {
 // outside.
 TEST(ParticleMapBuilder, PublishesWhatTheKeyFramesSaw) {
   auto method = makeMethod();
-  const auto drive = test::driveThroughRoom();
+  const auto drive = mapping::test::driveThroughRoom();
   run(method, drive);
   const auto map = currentMap(method);
   EXPECT_EQ(map.resolution_m, 0.05);
@@ -73,7 +73,7 @@ TEST(ParticleMapBuilder, PublishesWhatTheKeyFramesSaw) {
 
 TEST(ParticleMapBuilder, ContinuesFromASavedMapAndLocalisesInIt) {
   auto first = makeMethod();
-  const auto drive = test::driveThroughRoom();
+  const auto drive = mapping::test::driveThroughRoom();
   run(first, drive);
   mrpt::maps::CSimpleMap saved;
   mrptBuilder(first).getCurrentlyBuiltMap(saved);
@@ -94,7 +94,7 @@ TEST(ParticleMapBuilder, ContinuesFromASavedMapAndLocalisesInIt) {
 
 TEST(ParticleMapBuilder, ItsJournalIsTheFilters) {
   auto method = makeMethod();
-  const auto drive = test::driveThroughRoom();
+  const auto drive = mapping::test::driveThroughRoom();
   run(method, drive);
   auto blind = drive.entries.back().scan;
   for (auto& range_m : blind.ranges_m) range_m = robot::kNoReturn;
@@ -108,7 +108,7 @@ TEST(ParticleMapBuilder, ItsJournalIsTheFilters) {
 }
 
 TEST(ParticleMapBuilder, KeepsTheMotionOfFramesWithoutAScan) {
-  const auto drive = test::driveThroughRoom(3);
+  const auto drive = mapping::test::driveThroughRoom(3);
   auto whole = makeMethod(), split = makeMethod();
   run(whole, drive);
   mapping::processScan(split, drive.entries[0].scan, {}, true);

@@ -13,7 +13,7 @@
 namespace slam::mapping {
 namespace {
 
-using namespace test_drives;
+using namespace graph::test_drives;
 
 void append(std::string& bytes, const void* data, size_t size) {
   bytes.append(static_cast<const char*>(data), size);

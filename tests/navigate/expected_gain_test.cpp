@@ -95,7 +95,7 @@ TEST(ExpectedGain, CountsWhatTheLidarCoversAndFindsTheHeadingForIt) {
   EXPECT_NEAR(cells, profile.within(view, best), 1e-5);  // summed in single precision
 }
 
-TEST(paths::LidarView, IsTakenFromTheScan) {
+TEST(LidarView, IsTakenFromTheScan) {
   robot::Scan scan;
   scan.first_angle_rad = -kPi / 2;
   scan.step_rad = kPi / 180;

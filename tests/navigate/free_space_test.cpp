@@ -21,7 +21,7 @@ std::string states(const paths::FreeSpace& space) {
   return text;
 }
 
-TEST(paths::FreeSpace, HasABorderOfTheUnknown) {
+TEST(FreeSpace, HasABorderOfTheUnknown) {
   const auto space = paths::readFreeSpace(drawnMap({"#.", "?."}));
   EXPECT_EQ(states(space),
             "????\n"
@@ -35,18 +35,18 @@ TEST(paths::FreeSpace, HasABorderOfTheUnknown) {
   EXPECT_EQ(space.columnOf(space.centreOf(space.index(2, 1)).x), 2);
 }
 
-TEST(paths::FreeSpace, TakesTheMapsThresholdsAndNothingElseForKnown) {
+TEST(FreeSpace, TakesTheMapsThresholdsAndNothingElseForKnown) {
   gridmap::OccupancyRaster map;
   map.columns = 5, map.rows = 1;
   map.occupancy = {0.39F, 0.4F, 0.6F, 0.61F, std::numeric_limits<float>::quiet_NaN()};
   EXPECT_EQ(states(paths::readFreeSpace(map)).substr(8, 7), "?.??#??");
 }
 
-TEST(paths::FreeSpace, OfAnEmptyMapIsOnlyTheBorder) {
+TEST(FreeSpace, OfAnEmptyMapIsOnlyTheBorder) {
   EXPECT_EQ(states(paths::readFreeSpace(gridmap::OccupancyRaster())), "??\n??\n");
 }
 
-TEST(paths::FreeSpace, RefusesAMapWhoseSizesDoNotFit) {
+TEST(FreeSpace, RefusesAMapWhoseSizesDoNotFit) {
   auto map = drawnMap({"..", ".."});
   map.rows = 3;
   EXPECT_THROW(paths::readFreeSpace(map), core::ContractError);

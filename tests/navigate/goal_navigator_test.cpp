@@ -221,14 +221,14 @@ TEST_P(TextbookBug, KnowsThatAWalledInGoalOfAMazeCannotBeReached) {
   EXPECT_EQ(drive.status, goals::GoalStatus::kUnreachable) << drive.reason;
 }
 
-TEST(goals::TangentBug, SeesItsWayRoundAPillarWithoutTouchingIt) {
+TEST(TangentBug, SeesItsWayRoundAPillarWithoutTouchingIt) {
   const auto drive = driveTo(pillar(), "tangent", exactLidar(), exactOdometry());
   // Over the nearer corner the disc's way is 5.22 m.
   EXPECT_LE(drive.path_m, 5.5);
   EXPECT_THAT(drive.states, ::testing::ElementsAre("to goal", "reached"));
 }
 
-TEST(goals::TangentBug, SavesWayWithALongerRange) {
+TEST(TangentBug, SavesWayWithALongerRange) {
   goals::NavigateOptions near;
   near.sensor_range_m = 1.0;
   const auto blind = driveTo(pillar(), "tangent", exactLidar(8), exactOdometry(), near);

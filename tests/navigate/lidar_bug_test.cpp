@@ -70,11 +70,11 @@ TEST(LidarBugTable, IsTheDiagramInTheDocumentation) {
 // Indices 0, 28, 68, 207, 247 of 275 readings over 360 degrees; those above the half turn lie on the right.
 TEST(StrategicDirections, AreTheOriginalOnes) {
   const auto directions = goals::strategicDirections();
-  EXPECT_EQ(directions[kAhead], 0);
-  EXPECT_NEAR(core::radToDeg(directions[kLeftAhead]), 37, 0.5);  // 36.65: the document rounds
-  EXPECT_NEAR(core::radToDeg(directions[kLeft]), 89, 0.1);
-  EXPECT_NEAR(core::radToDeg(directions[kRight]), -89, 0.1);
-  EXPECT_NEAR(core::radToDeg(directions[kRightAhead]), -37, 0.5);
+  EXPECT_EQ(directions[goals::kAhead], 0);
+  EXPECT_NEAR(core::radToDeg(directions[goals::kLeftAhead]), 37, 0.5);  // 36.65: the document rounds
+  EXPECT_NEAR(core::radToDeg(directions[goals::kLeft]), 89, 0.1);
+  EXPECT_NEAR(core::radToDeg(directions[goals::kRight]), -89, 0.1);
+  EXPECT_NEAR(core::radToDeg(directions[goals::kRightAhead]), -37, 0.5);
 }
 
 /// A circle of one-degree beams at 5 m with obstacles at given angles (degrees).
@@ -104,7 +104,7 @@ class Shown {
   goals::GoalStep step_;
 };
 
-TEST(goals::LidarBug, TurnsToTheGoalAndDrives) {
+TEST(LidarBug, TurnsToTheGoalAndDrives) {
   Shown bug;
   EXPECT_EQ(bug.show(scanWith({}), {0, 0, 1}), "TURN TO GOAL");
   EXPECT_LT(bug.step().command.turn_rate_radps, 0);
@@ -114,7 +114,7 @@ TEST(goals::LidarBug, TurnsToTheGoalAndDrives) {
   EXPECT_EQ(bug.step().reason, "faces the goal");
 }
 
-TEST(goals::LidarBug, AvoidsWhatIsAheadOnTheSideWithRoom) {
+TEST(LidarBug, AvoidsWhatIsAheadOnTheSideWithRoom) {
   Shown bug;
   // Ahead within 0.6 m, and the right side taken.
   EXPECT_EQ(bug.show(scanWith({{0, 0.55F}, {-89, 0.38F}}), {}), "AVOID TURN");
@@ -128,7 +128,7 @@ TEST(goals::LidarBug, AvoidsWhatIsAheadOnTheSideWithRoom) {
   EXPECT_EQ(bug.show(scanWith({}), {0.45, 0.55, 0.5}), "TURN TO GOAL");
 }
 
-TEST(goals::LidarBug, KeepsTheWallsDistanceByTurning) {
+TEST(LidarBug, KeepsTheWallsDistanceByTurning) {
   for (const double side : {1.0, -1.0}) {
     Shown bug;
     const int degrees = static_cast<int>(89 * side), oblique = static_cast<int>(37 * side);
@@ -144,7 +144,7 @@ TEST(goals::LidarBug, KeepsTheWallsDistanceByTurning) {
   }
 }
 
-TEST(goals::LidarBug, BacksOffFromABumpInFrontAndAdvancesFromOneBehind) {
+TEST(LidarBug, BacksOffFromABumpInFrontAndAdvancesFromOneBehind) {
   for (const int degrees : {30, 85, -85, 99, 150, -150, -99}) {
     Shown bug;
     bug.show(scanWith({}), {});
@@ -155,12 +155,12 @@ TEST(goals::LidarBug, BacksOffFromABumpInFrontAndAdvancesFromOneBehind) {
   }
 }
 
-TEST(goals::LidarBug, TakesReadingsUnderACentimetreAsInvalid) {
+TEST(LidarBug, TakesReadingsUnderACentimetreAsInvalid) {
   Shown bug;
   EXPECT_EQ(bug.show(scanWith({{0, 0.005F}}), {}), "DRIVE FORWARD");
 }
 
-TEST(goals::LidarBug, ClearsTheFrontAfterSeveralBumpsInARow) {
+TEST(LidarBug, ClearsTheFrontAfterSeveralBumpsInARow) {
   Shown bug;
   const auto bump = scanWith({{20, 0.32F}});
   std::string state = bug.show(scanWith({}), {});
@@ -178,13 +178,13 @@ TEST(goals::LidarBug, ClearsTheFrontAfterSeveralBumpsInARow) {
   EXPECT_EQ(bug.show(scanWith({}), T_odom_robot), "AVOID DRIVE");
 }
 
-TEST(goals::LidarBug, RecoversFromBeingMovedByTurningToTheGoalAgain) {
+TEST(LidarBug, RecoversFromBeingMovedByTurningToTheGoalAgain) {
   Shown bug;
   EXPECT_EQ(bug.show(scanWith({}), {}), "DRIVE FORWARD");
   EXPECT_EQ(bug.show(scanWith({}), {4, 3, 2}), "TURN TO GOAL");
 }
 
-TEST(goals::LidarBug, PassesAPillarAndTwoDoorsAndCirclesInATrap) {
+TEST(LidarBug, PassesAPillarAndTwoDoorsAndCirclesInATrap) {
   for (const auto& scene : {pillar(), doors(), pillars()}) {
     const auto drive = driveTo(scene, "lidar_bug", exactLidar(), exactOdometry());
     EXPECT_EQ(drive.status, goals::GoalStatus::kReached) << drive.reason;

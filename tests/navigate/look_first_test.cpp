@@ -48,7 +48,7 @@ double lookAround(goals::LookFirst& robot, core::Pose2& T_odom_robot, const robo
   return std::numeric_limits<double>::infinity();
 }
 
-TEST(goals::LookFirst, LooksToBothSidesBeforeTheFirstStepAndThenDrivesOn) {
+TEST(LookFirst, LooksToBothSidesBeforeTheFirstStepAndThenDrivesOn) {
   auto robot = careful();
   core::Pose2 T_odom_robot;
   robot.update(look(robot::kNoReturn), T_odom_robot);
@@ -66,7 +66,7 @@ TEST(goals::LookFirst, LooksToBothSidesBeforeTheFirstStepAndThenDrivesOn) {
   EXPECT_FALSE(robot.leadsOverUnseen(kBack)) << "it came from there";
 }
 
-TEST(goals::LookFirst, TakesWhatHidesTheFloorForAnObstacleUntilItSeesTheFloor) {
+TEST(LookFirst, TakesWhatHidesTheFloorForAnObstacleUntilItSeesTheFloor) {
   auto robot = careful();
   const auto wall = look(robot::kLostReading);  // something in the dead zone hides all floor
   robot.update(wall, {});
@@ -86,7 +86,7 @@ TEST(goals::LookFirst, TakesWhatHidesTheFloorForAnObstacleUntilItSeesTheFloor) {
   EXPECT_TRUE(robot.hidden().empty()) << "it has gone";
 }
 
-TEST(goals::LookFirst, KnowsTheFloorBeforeItsMinimumRangeByWhatItShowsBeyond) {
+TEST(LookFirst, KnowsTheFloorBeforeItsMinimumRangeByWhatItShowsBeyond) {
   auto robot = careful();
   robot.update(look(2), {});
   const robot::Command creep{0.02, 0, 0.2};

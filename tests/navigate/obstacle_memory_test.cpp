@@ -1,5 +1,6 @@
 #include "libslam/paths/obstacle_memory.h"
 #include "libslam/navigate/driver.h"
+#include "libslam/paths/free_ways.h"
 
 #include <gtest/gtest.h>
 
@@ -68,7 +69,7 @@ TEST_P(EveryMemory, DrivesThePillarSceneWithANarrowViewAndADeadZone) {
   EXPECT_EQ(drive.collisions, 0U);
 }
 
-TEST(paths::ObstacleMemory, OfTheLocalMapKeepsWhatAnObstacleHidesWhereTheShortOneForgetsIt) {
+TEST(ObstacleMemory, OfTheLocalMapKeepsWhatAnObstacleHidesWhereTheShortOneForgetsIt) {
   const auto remembered = [](const std::string& name) {
     const auto memory = paths::makeObstacleMemory(name, {});
     memory->update(sector(60, {{0, 1.2F}}), {});
@@ -79,7 +80,7 @@ TEST(paths::ObstacleMemory, OfTheLocalMapKeepsWhatAnObstacleHidesWhereTheShortOn
   EXPECT_EQ(remembered("short"), 0U);
 }
 
-TEST(paths::ObstacleMemory, OfTheLocalMapIsItsZone) {
+TEST(ObstacleMemory, OfTheLocalMapIsItsZone) {
   obstacles::LocalObstacleOptions zone;
   zone.width_m = 3, zone.front_m = 4, zone.rear_m = 0.5;
   const auto memory = paths::makeObstacleMemory("local_map", zone);
@@ -93,7 +94,7 @@ TEST(paths::ObstacleMemory, OfTheLocalMapIsItsZone) {
   EXPECT_TRUE(memory->points().empty()) << "1.4 m behind, where the zone reaches 0.5 m";
 }
 
-TEST(paths::ObstacleMemory, OfTheLocalMapHasRoomForALidarWithMoreBeamsThanPoints) {
+TEST(ObstacleMemory, OfTheLocalMapHasRoomForALidarWithMoreBeamsThanPoints) {
   obstacles::LocalObstacleOptions zone;
   zone.max_points = 50;
   const auto memory = paths::makeObstacleMemory("local_map", zone);
@@ -105,7 +106,7 @@ TEST(paths::ObstacleMemory, OfTheLocalMapHasRoomForALidarWithMoreBeamsThanPoints
   EXPECT_LE(memory->points().size(), 50U);
 }
 
-TEST(paths::ObstacleMemory, RefusesAnUnknownName) {
+TEST(ObstacleMemory, RefusesAnUnknownName) {
   EXPECT_THROW(paths::makeObstacleMemory("long", {}), core::ContractError);
 }
 

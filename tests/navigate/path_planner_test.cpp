@@ -25,7 +25,7 @@ paths::PathPlanner::Node nodeAt(const paths::PathPlanner& planner, const paths::
   return planner.nodeOf(space.index(space.columnOf(x), space.rowOf(y)));
 }
 
-TEST(paths::PathPlanner, FindsTheShortestWayAsTheSearchOverAllCellsDoes) {
+TEST(PathPlanner, FindsTheShortestWayAsTheSearchOverAllCellsDoes) {
   core::RandomStream random(1, "maze");
   for (int trial = 0; trial < 5; ++trial) {
     gridmap::OccupancyRaster map;
@@ -61,7 +61,7 @@ TEST(paths::PathPlanner, FindsTheShortestWayAsTheSearchOverAllCellsDoes) {
   }
 }
 
-TEST(paths::PathPlanner, DoesNotReachAPocketBehindWallsNorTheUnknown) {
+TEST(PathPlanner, DoesNotReachAPocketBehindWallsNorTheUnknown) {
   const auto space = paths::readFreeSpace(drawnMap({"#######", "#..#..#", "#..#..?", "#######"}));
   const paths::PathPlanner planner(space, pointRobot(), {1.5, 1.5});
   EXPECT_TRUE(planner.isReached(nodeAt(planner, space, 2.5, 2.5)));
@@ -69,7 +69,7 @@ TEST(paths::PathPlanner, DoesNotReachAPocketBehindWallsNorTheUnknown) {
   EXPECT_EQ(planner.reachedCount(), 4u);
 }
 
-TEST(paths::PathPlanner, DrivesThroughTheUnknownOnlyWhenOptimistic) {
+TEST(PathPlanner, DrivesThroughTheUnknownOnlyWhenOptimistic) {
   const auto space = paths::readFreeSpace(drawnMap({"#######", "#..?..#", "#..?..#", "#######"}));
   auto options = pointRobot();
   EXPECT_FALSE(paths::PathPlanner(space, options, {1.5, 1.5}).isReached(space.columns + 3));
@@ -91,7 +91,7 @@ paths::FreeSpace twoRooms() {
                4, 0.05));
 }
 
-TEST(paths::PathPlanner, PassesADoorInItsMiddle) {
+TEST(PathPlanner, PassesADoorInItsMiddle) {
   const auto space = twoRooms();
   paths::PlannerOptions options;
   options.radius_m = 0.333;
@@ -116,7 +116,7 @@ TEST(paths::PathPlanner, PassesADoorInItsMiddle) {
   EXPECT_GT(planner.cost(goal), planner.length(planner.way(goal)));  // the door is dear
 }
 
-TEST(paths::PathPlanner, DoesNotFitThroughADoorThatIsTooNarrowButLooksIn) {
+TEST(PathPlanner, DoesNotFitThroughADoorThatIsTooNarrowButLooksIn) {
   const auto space = twoRooms();
   paths::PlannerOptions options;
   options.radius_m = 0.45;
@@ -128,7 +128,7 @@ TEST(paths::PathPlanner, DoesNotFitThroughADoorThatIsTooNarrowButLooksIn) {
   EXPECT_FALSE(planner.accessOf(nodeAt(planner, space, 4.4, 1.9)));
 }
 
-TEST(paths::PathPlanner, LeavesAPlaceThatDoesNotAdmitTheRobot) {
+TEST(PathPlanner, LeavesAPlaceThatDoesNotAdmitTheRobot) {
   const auto space = twoRooms();
   paths::PlannerOptions options;
   options.radius_m = 0.333;
@@ -142,7 +142,7 @@ TEST(paths::PathPlanner, LeavesAPlaceThatDoesNotAdmitTheRobot) {
   EXPECT_GE(path.size(), 2u);
 }
 
-TEST(paths::PathPlanner, HasNoStartInsideOfNothingKnown) {
+TEST(PathPlanner, HasNoStartInsideOfNothingKnown) {
   const auto space = paths::readFreeSpace(drawnMap({"????", "????"}));
   EXPECT_FALSE(paths::PathPlanner(space, pointRobot(), {1, 1}).hasStart());
   EXPECT_FALSE(paths::PathPlanner(space, pointRobot(), {100, 1}).hasStart());
@@ -151,7 +151,7 @@ TEST(paths::PathPlanner, HasNoStartInsideOfNothingKnown) {
   EXPECT_FALSE(paths::PathPlanner(walled, pointRobot(), {1.5, 1.5}).hasStart());  // free only behind a wall
 }
 
-TEST(paths::PathPlanner, RefusesSenselessClearances) {
+TEST(PathPlanner, RefusesSenselessClearances) {
   const auto space = paths::readFreeSpace(drawnMap({"."}));
   auto options = pointRobot();
   options.comfort_m = 0.05;
@@ -171,7 +171,7 @@ gridmap::OccupancyRaster roomsWithGap(int gap_cells) {
 
 // A robot of radius 0.283 m fits through 13 cells of 0.05 m by the map, and with a cell less on each side
 // through 11.
-TEST(paths::PathPlanner, LeavesATightPlaceOnlyWhereTheRobotStandsInIt) {
+TEST(PathPlanner, LeavesATightPlaceOnlyWhereTheRobotStandsInIt) {
   const auto space = paths::readFreeSpace(roomsWithGap(11));
   const auto reachesTheOtherRoom = [&](double radius_m, bool tight_start, const core::Point2& robot) {
     paths::PlannerOptions options;

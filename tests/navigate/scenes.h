@@ -2,6 +2,7 @@
 #include <cmath>
 #include <vector>
 
+#include "libslam/navigate/driver.h"
 #include "libslam/navigate/strategy.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/world/plan.h"

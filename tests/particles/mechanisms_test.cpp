@@ -10,7 +10,7 @@
 namespace slam::particles {
 namespace {
 
-using namespace test_drives;
+using namespace graph::test_drives;
 
 // In one dimension of three the integral can be done by hand: a likelihood exp(-l (x - a)^2 / 2) times a
 // motion model exp(-p (x - b)^2 / 2) integrates to exp(-(a - b)^2 l p / (2 (l + p))) sqrt(2 pi / (l + p)).

@@ -21,13 +21,13 @@ struct Ring {
   std::vector<core::Pose2> wheels, truth;  ///< T_previous_robot; T_start_robot
 };
 
-std::vector<test::Wall> ringWalls() {
+std::vector<mapping::test::Wall> ringWalls() {
   std::vector<core::Point2> outer = {
       {0, 0},   {5, 0},  {5, -0.6}, {6, -0.6}, {6, 0},  {16, 0}, {16, 9}, {16.7, 9}, {16.7, 11},  {16, 11},
       {16, 16}, {4, 16}, {4, 16.5}, {2, 16.5}, {2, 16}, {0, 16}, {0, 7},  {-0.5, 7}, {-0.5, 6.2}, {0, 6.2}};
   std::vector<core::Point2> inner = {{2, 2},  {9, 2},  {9, 2.4}, {10, 2.4},
                                      {10, 2}, {14, 2}, {14, 14}, {2, 14}};
-  std::vector<test::Wall> walls;
+  std::vector<mapping::test::Wall> walls;
   for (const auto& loop : {outer, inner})
     for (size_t i = 0; i < loop.size(); ++i) walls.push_back({loop[i], loop[(i + 1) % loop.size()]});
   return walls;
@@ -46,7 +46,8 @@ Ring driveRound() {
     scan.time_s = 0.2 * static_cast<double>(ring.scans.size());
     scan.first_angle_rad = -core::kPi / 2, scan.step_rad = core::kPi / (beams - 1), scan.max_range_m = 12;
     for (int i = 0; i < beams; ++i) {
-      const double range_m = test::castRay(walls, T, scan.angle(static_cast<size_t>(i))) + noise.normal(0.01);
+      const double range_m =
+          mapping::test::castRay(walls, T, scan.angle(static_cast<size_t>(i))) + noise.normal(0.01);
       scan.ranges_m.push_back(range_m < scan.max_range_m ? static_cast<float>(range_m) : robot::kNoReturn);
     }
     ring.scans.push_back(scan);
@@ -134,7 +135,7 @@ TEST(ParticleFilter, TheFirstScanIsTheOriginOfTheMap) {
 
 TEST(ParticleFilter, KeepsItsWayWithoutAnyOdometry) {
   ParticleFilter filter(options(), 1);
-  const auto drive = test::driveThroughRoom();
+  const auto drive = mapping::test::driveThroughRoom();
   for (size_t i = 0; i < drive.entries.size(); ++i) {
     const auto& step = filter.update(drive.entries[i].scan, std::nullopt);
     EXPECT_LT(core::distance(step.T_map_robot, drive.truth[i]), 0.06) << i;
@@ -204,7 +205,7 @@ TEST(ParticleFilter, KidnappedItSaysSoAndMapsOnFromWhereItIs) {
   ParticleFilter filter(some, 1);
   run(filter, 60);
   const size_t bytes = filter.bytes();
-  const auto room = test::driveThroughRoom(20);
+  const auto room = mapping::test::driveThroughRoom(20);
   int lost = 0, inserted = 0;
   for (const auto& entry : room.entries) {
     const auto& step = filter.update(entry.scan, motionOf(entry.T_previous_robot));
@@ -246,13 +247,13 @@ TEST(ParticleFilter, TheJournalCountsWhatTheStepsSay) {
 // The clean part of the corridor, its ends out of sight.
 TEST(ParticleFilter, ACorridorIsDegenerateAndHeldByTheWheelsAlong) {
   ParticleFilter filter(options(), 1);
-  const std::vector<test::Wall> walls = {{{-100, -1}, {100, -1}}, {{-100, 1}, {100, 1}}};
+  const std::vector<mapping::test::Wall> walls = {{{-100, -1}, {100, -1}}, {{-100, 1}, {100, 1}}};
   for (int i = 0; i < 60; ++i) {
     robot::Scan scan;
     scan.time_s = 0.2 * i, scan.max_range_m = 12;
     scan.first_angle_rad = -core::kPi / 2, scan.step_rad = core::kPi / 180;
     for (size_t k = 0; k < 181; ++k) {
-      const double range_m = test::castRay(walls, {0.2 * i, 0, 0}, scan.angle(k));
+      const double range_m = mapping::test::castRay(walls, {0.2 * i, 0, 0}, scan.angle(k));
       scan.ranges_m.push_back(range_m < 12 ? static_cast<float>(range_m) : robot::kNoReturn);
     }
     filter.update(scan, motionOf({0.2, 0, 0}));
@@ -373,13 +374,13 @@ TEST(ParticleFilter, ParticlesShareWhatTheyHaveInCommon) {
 /// The ring's walls five times as large: house fronts around a yard of 80 m, nothing else within reach of
 /// indoor settings.
 robot::Scan scanInYard(const core::Pose2& T, core::RandomStream& noise) {
-  std::vector<test::Wall> walls = ringWalls();
+  std::vector<mapping::test::Wall> walls = ringWalls();
   walls.resize(20);  // without the block in its middle
   for (auto& wall : walls) wall = {{5 * wall.a.x, 5 * wall.a.y}, {5 * wall.b.x, 5 * wall.b.y}};
   robot::Scan scan;
   scan.first_angle_rad = -core::kPi, scan.step_rad = core::kPi / 180, scan.max_range_m = 80;
   for (size_t i = 0; i < 360; ++i) {
-    const double range_m = test::castRay(walls, T, scan.angle(i)) + noise.normal(0.01);
+    const double range_m = mapping::test::castRay(walls, T, scan.angle(i)) + noise.normal(0.01);
     scan.ranges_m.push_back(range_m < scan.max_range_m ? static_cast<float>(range_m) : robot::kNoReturn);
   }
   return scan;

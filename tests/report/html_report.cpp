@@ -39,6 +39,14 @@ robot::Scan scan(double time_s, size_t beams) {
   return scan;
 }
 
+core::JournalLine happened(int scan, double time_s, core::JournalEvent event, double value = 0) {
+  core::JournalLine line;
+  line.scan = scan, line.time_s = time_s;
+  line.event = event, line.value = value;
+  line.place = {1, 1};
+  return line;
+}
+
 ReportPage smallPage() {
   ReportPage page;
   page.title = "Comparison: small";
@@ -92,7 +100,8 @@ TEST(HtmlReport, NamesWithMarkupStayText) {
   page.title = page.subtitle = evil;
   page.verdict = page.missing = {evil};
   page.runs[0].method = page.runs[0].failure = page.runs[0].summary = evil;
-  page.runs[0].events = {{3, 3.0, evil, 1, {1, 1}, {kNan, kNan}}};
+  page.runs[0].events = {happened(3, 3.0, core::JournalEvent::kLost, 1)};
+  page.runs[0].events[0].detail = evil;
   page.runs[0].scan_time_s = {0, 1};
   page.runs[0].scan_ms = {1, 2};
   page.tables[0].caption = evil;
@@ -158,7 +167,8 @@ TEST(HtmlReport, ColumnsAndEventsSayWhatTheyMean) {
   EXPECT_THAT(toHtml(page), Not(HasSubstr("class=\"meanings\"")));
   page.column_meanings[page.tables[0].columns[1].key] = "how far <it> is off";
   page.event_meanings = {{"lost", "knows no more"}, {"accepted", "a loop"}, {"never", "does not happen"}};
-  page.runs[0].events = {{1, 0.2, "lost", 0.1, {0, 0}, {0, 0}}, {2, 0.4, "lost", 0.1, {0, 0}, {0, 0}}};
+  page.runs[0].events = {happened(1, 0.2, core::JournalEvent::kLost, 0.1),
+                         happened(2, 0.4, core::JournalEvent::kLost, 0.1)};
   page.replays[0].moments = {{0.1, "collision", "", {0, 0}}};
   const auto html = toHtml(page);
   EXPECT_THAT(html, HasSubstr("title=\"how far &lt;it&gt; is off\">" + page.tables[0].columns[1].title));
@@ -188,8 +198,8 @@ TEST(HtmlReport, WhatIsThinnedIsSaid) {
 TEST(HtmlReport, ManyEventsAreThinnedAndCounted) {
   auto page = smallPage();
   for (int i = 0; i < 1000; ++i)
-    page.runs[0].events.push_back({i, 0.04 * i, "resampled", 0, {1, 1}, {kNan, kNan}});
-  page.runs[0].events.push_back({999, 40, "lost", 0, {1, 1}, {kNan, kNan}});
+    page.runs[0].events.push_back(happened(i, 0.04 * i, core::JournalEvent::kResampled));
+  page.runs[0].events.push_back(happened(999, 40, core::JournalEvent::kLost));
   const auto html = toHtml(page);
   EXPECT_THAT(html, HasSubstr("1001 events, of which 251 are listed: resampled one in 4"));
   EXPECT_THAT(html, HasSubstr("<td>lost</td>"));
