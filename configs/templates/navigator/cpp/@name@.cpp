@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-using slam::navigate::GoalStatus;
-using slam::navigate::GoalStep;
+using slam::goals::GoalStatus;
+using slam::goals::GoalStep;
 
 // Edit here. This one takes, of the directions in which the robot fits for two steps, the one nearest to the
 // goal's: it gets round what is small, and is caught by what is hollow.
@@ -24,7 +24,7 @@ GoalStep @Name@::plan(const slam::robot::Scan& /*scan*/, const slam::core::Pose2
 }
 
 slam::explore::OwnNavigator ownNavigator() {
-  return {"@name@", [](const slam::navigate::NavigateOptions& options, const slam::navigate::GoalTask& task) {
+  return {"@name@", [](const slam::goals::NavigateOptions& options, const slam::goals::GoalTask& task) {
             return std::make_unique<@Name@>(options, task);
           }};
 }

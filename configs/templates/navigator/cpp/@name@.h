@@ -1,17 +1,17 @@
 #pragma once
 #include "libslam/explore/reach_goal.h"
-#include "libslam/navigate/guarded_navigator.h"
+#include "libslam/goals/guarded_navigator.h"
 
 /// How to get to a goal with the lidar only. The base class keeps away from what the lidar shows and ends the
-/// drive: at the goal, at the time limit, after a minute on one spot (libslam/navigate/guarded_navigator.h);
+/// drive: at the goal, at the time limit, after a minute on one spot (libslam/goals/guarded_navigator.h);
 /// this one says which way to go.
-class @Name@ : public slam::navigate::GuardedNavigator {
+class @Name@ : public slam::goals::GuardedNavigator {
  public:
-  @Name@(const slam::navigate::NavigateOptions& options, const slam::navigate::GoalTask& task)
+  @Name@(const slam::goals::NavigateOptions& options, const slam::goals::GoalTask& task)
       : GuardedNavigator(options, task) {}
 
  private:
-  slam::navigate::GoalStep plan(const slam::robot::Scan& scan, const slam::core::Pose2& T_odom_robot) override;
+  slam::goals::GoalStep plan(const slam::robot::Scan& scan, const slam::core::Pose2& T_odom_robot) override;
 };
 
 /// What the closed loop makes it from.

@@ -38,7 +38,7 @@ int main() {
   request.config = slam::explore::readReachGoalConfig(settings);
   request.own = {ownNavigator()};
   const auto run = slam::explore::driveToGoal(request, "@name@", slam::core::silentProgress());
-  expect(run.status == slam::navigate::GoalStatus::kReached, "it reaches a goal behind a pillar");
+  expect(run.status == slam::goals::GoalStatus::kReached, "it reaches a goal behind a pillar");
   expect(run.collisions == 0, "no collision");
   return failures;
 }

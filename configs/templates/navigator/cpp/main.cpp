@@ -26,7 +26,7 @@ int main(int argc, char** argv) try {
   request.slam = "naive_flow";
   request.methods_folder = slam::core::configsFolder() + "/methods";
   const auto result = slam::explore::reachGoal(request, {}, slam::core::silentProgress());
-  std::cout << slam::report::toText(result.table) << "\npaths, states, logs: " << request.output << "\n";
+  std::cout << slam::table::toText(result.table) << "\npaths, states, logs: " << request.output << "\n";
   return 0;
 } catch (const std::exception& error) {
   std::cerr << "@name@: " << error.what() << "\n";

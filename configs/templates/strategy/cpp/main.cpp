@@ -26,7 +26,7 @@ int main(int argc, char** argv) try {
   request.output = word(2, "@name@_out");
   request.seed = std::strtoull(word(3, "1").c_str(), nullptr, 10);
   const auto result = slam::explore::explore(request, {}, slam::core::silentProgress());
-  std::cout << slam::report::toText(result.scores) << "\ncoverage.png, paths and logs: " << request.output << "\n";
+  std::cout << slam::table::toText(result.scores) << "\ncoverage.png, paths and logs: " << request.output << "\n";
   return result.failed;
 } catch (const std::exception& error) {
   std::cerr << "@name@: " << error.what() << "\n";
