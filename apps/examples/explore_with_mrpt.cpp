@@ -5,8 +5,8 @@
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/random/RandomGenerators.h>
 #include <mrpt/slam/CMetricMapBuilderRBPF.h>
-#include "libslam/core/resources.h"
 #include "libslam/builders/mrpt_compat.h"
+#include "libslam/core/resources.h"
 #include "libslam/mrptnav/mrpt_explorer.h"
 #include "libslam/record/record.h"
 #include "libslam/robot/mrpt_types.h"

@@ -65,8 +65,7 @@ double angleStep_deg(double span_deg) {
 
 class Chart {
  public:
-  Chart(draw::Canvas& canvas, const draw::PixelBox& box, const robot::Scan& scan,
-              const RangeAxis& ranges)
+  Chart(draw::Canvas& canvas, const draw::PixelBox& box, const robot::Scan& scan, const RangeAxis& ranges)
       : canvas_(canvas), box_(box), scan_(scan), ranges_(ranges) {
     const double last_rad = scan.angle(scan.ranges_m.empty() ? 0 : scan.ranges_m.size() - 1);
     first_deg_ = core::radToDeg(scan.first_angle_rad), last_deg_ = core::radToDeg(last_rad);
