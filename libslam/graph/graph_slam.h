@@ -249,7 +249,6 @@ class GraphSlam {
   void closeLoops();
   void searchRemainingLoops();
   int gapsBetween(int a, int b) const;
-  std::optional<Hypothesis> findLoop(int keyframe, int query_first, int query_last);
   bool confirm(Hypothesis& hypothesis, int keyframe) const;
   void addLoopEdges(std::vector<posegraph::Edge>& edges, const std::vector<int>& around, int keyframe,
                     const scanmatch::MatchResult& matched) const;
@@ -259,6 +258,14 @@ class GraphSlam {
   bool accept(const Hypothesis& hypothesis);
   void settle();
   std::vector<core::Point2> placeAround(const std::vector<int>& keyframes) const;
+
+  // find_loop.cpp: where a place was seen before
+  LoopSearch loopSearch(int keyframe) const;
+  void gatherQuery(LoopSearch& search, int first, int last) const;
+  double loopReach(const LoopSearch& search, int old) const;
+  std::vector<int> loopCandidates(const LoopSearch& search) const;
+  std::optional<Hypothesis> findLoop(int keyframe, int query_first, int query_last);
+  std::optional<Hypothesis> loopAt(const LoopSearch& search, int old);
 
   // parts.cpp: parts of the map that have no known place in one another
   int componentOf(int keyframe) const;

@@ -1,14 +1,11 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <unordered_set>
 
 #include "libslam/core/elementary.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/graph/search.h"
 #include "libslam/posegraph/optimize.h"
-#include "libslam/scanmatch/correlative_search.h"
 
 namespace slam::graph {
 namespace {
@@ -18,53 +15,11 @@ using core::Pose2;
 using scanmatch::PatchPoint;
 using scanmatch::PosePrior;
 
-/// The search turns by this much at least, and more per metre of path.
-constexpr double kSearchTurn_rad = 0.1, kSearchTurnPerMetre_rad = 0.002, kSearchTurnMost_rad = 0.6;
-/// Places tried in one search.
-constexpr int kMostPlaces = 2;
-/// Points that are searched with, at most.
-constexpr size_t kMostQueryPoints = 150;
-/// Windows up to this reach, of views of which half lies this near, are searched on the finest raster; and
-/// how much coarser it may become.
-constexpr double kFineReach_m = 16, kFineView_m = 8, kCoarsest = 2;
 /// Travel to the next search, by the last one's window; never so far that two searches share no scan.
 constexpr double kPausePerReach = 0.1;
 constexpr double kDistinctShifts_m[] = {-1.5, -1, -0.6, -0.35, 0.35, 0.6, 1, 1.5};
 constexpr double kDistinctKernel = 3;
-/// A robot that seemed to be kidnapped may have driven on where it was: a place of another part is searched
-/// for, too, this near to where odometry has it, and farther by what drift allows.
-constexpr double kNoGap_m = 0.5;
-
-/// Half of the points lie within this distance of the robot.
-double viewRadius(const std::vector<Point2>& points) {
-  if (points.empty()) return 0;
-  std::vector<double> distances;
-  for (const auto& p : points) distances.push_back(core::hypot(p.x, p.y));
-  const auto middle = distances.begin() + static_cast<long>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
-}
-
 }  // namespace
-
-std::vector<Point2> searchPoints(const std::vector<PatchPoint>& points, size_t most) {
-  const auto kept = thinned(points, kQuerySpacing_m);
-  std::vector<Point2> result;
-  const size_t count = std::min(most, kept.size());
-  for (size_t i = 0; i < count; ++i) result.push_back(position(kept[i * kept.size() / count]));
-  return result;
-}
-
-std::vector<PatchPoint> thinned(const std::vector<PatchPoint>& points, double side_m) {
-  std::unordered_set<std::int64_t> taken;
-  std::vector<PatchPoint> kept;
-  for (const auto& p : points) {
-    const auto column = static_cast<std::int64_t>(std::floor(p.x / side_m));
-    const auto row = static_cast<std::int64_t>(std::floor(p.y / side_m));
-    if (taken.insert(column * (std::int64_t{1} << 32) + row).second) kept.push_back(p);
-  }
-  return kept;
-}
 
 /// Length of the shortest way from a keyframe to every earlier one, along the path driven and through closed
 /// loops: what the drift between them grows with.
@@ -114,84 +69,6 @@ double GraphSlam::distinctness(const std::vector<PatchPoint>& points, const Leve
 int GraphSlam::gapsBetween(int a, int b) const {
   return static_cast<int>(std::count_if(parts_.begin(), parts_.end(),
                                         [&](const Part& part) { return part.begin > a && part.begin <= b; }));
-}
-
-/// Looks for a place where the scans of the keyframes [query_first, query_last] around k were seen before.
-std::optional<Hypothesis> GraphSlam::findLoop(int k, int query_first, int query_last) {
-  const Pose2 T = graph_.pose(k);
-  auto way = pathTo(k);
-  const int component = componentOf(k);
-  for (int old = 0; old < k; ++old)
-    if (componentOf(old) != component)
-      way[static_cast<size_t>(old)] =
-          keyframe(k).path_m - keyframe(old).path_m - gapsBetween(old, k) * kGapPath_m;
-  const auto reachOf = [&](int old) {
-    const double least_m = componentOf(old) == component ? options_.loop_reach_m : kNoGap_m;
-    return std::min(least_m + options_.loop_reach_per_m * way[static_cast<size_t>(old)],
-                    options_.loop_reach_most_m);
-  };
-  std::vector<char> is_local(keyframes_.size(), 0);
-  for (const int local : keyframesAround(k, core::position(T), options_.map_path_m, 1e9))
-    is_local[static_cast<size_t>(local)] = 1;
-  std::vector<std::pair<double, int>> candidates;
-  for (int old = 0; old < k; ++old) {
-    if (is_local[static_cast<size_t>(old)]) continue;
-    const double away_m = core::distance(graph_.pose(old), T);
-    if (away_m < reachOf(old) + 1) candidates.push_back({away_m, old});
-  }
-  if (candidates.empty()) return std::nullopt;
-  std::sort(candidates.begin(), candidates.end());
-
-  std::vector<PatchPoint> query;
-  for (int i = query_last; i >= query_first; --i) {
-    const Pose2 T_k_i = core::between(T, graph_.pose(i));
-    for (const auto& point : keyframe(i).points) query.push_back(T_k_i * point);
-  }
-  const auto search_points = searchPoints(query, kMostQueryPoints);
-  const auto match_points = thinned(query, kQueryMatchSpacing_m);
-
-  const double view_m = viewRadius(search_points);
-  searched_reach_m_ = 0;
-  std::vector<char> is_tried(keyframes_.size(), 0);
-  int places = 0;
-  for (const auto& [away_m, old] : candidates) {
-    if (is_tried[static_cast<size_t>(old)]) continue;
-    if (++places > kMostPlaces) break;
-    const Point2 centre = core::position(graph_.pose(old));
-    for (const int tried : keyframesAround(old, centre, options_.map_path_m, 1e9))
-      is_tried[static_cast<size_t>(tried)] = 1;
-    auto around = keyframesAround(old, centre, kPlacePath_m, kPlaceRadius_m);
-    around.erase(std::remove_if(around.begin(), around.end(),
-                                [&](int a) { return is_local[static_cast<size_t>(a)] != 0; }),
-                 around.end());
-    around = firstOf(std::move(around), options_.map_keyframes);
-    // A wide window is searched on a coarser raster: it costs as its cube. So is a wide view: the angle
-    // between two beams leaves it no finer detail, and every turn that it tells apart costs.
-    const double coarser =
-        std::clamp(std::max(reachOf(old) / kFineReach_m, view_m / kFineView_m), 1.0, kCoarsest);
-    pyramid_.build(placeAround(around), coarser * kSearchCell_m, coarser * kSearchSigma_m, kSearchLevels);
-    const scanmatch::SearchWindow window{
-        reachOf(old), std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * way[static_cast<size_t>(old)],
-                               kSearchTurnMost_rad)};
-    searched_reach_m_ = std::max(searched_reach_m_, window.half_xy_m);
-    const auto found = searchBest(pyramid_, search_points, T, window, options_.loop_search_score);
-    if (!found) continue;
-    note(core::JournalEvent::kSearched, found->score, old);
-    const auto matched = matchFreely(match_points, around, found->T_map_robot, coarser > 1);
-    std::vector<int> viewers;
-    for (const int a : around)
-      if (core::distance(graph_.pose(a), matched.T_map_robot) <= kViewerDistance_m) viewers.push_back(a);
-    const double conflict =
-        meanConflict(firstOf(std::move(viewers), kViewers), matched.T_map_robot, keyframe(k).points);
-    if (matched.score < options_.loop_score || conflict > 2 * options_.loop_conflict) continue;
-    note(core::JournalEvent::kFound, matched.score, old);
-    Hypothesis hypothesis;
-    hypothesis.keyframe = k, hypothesis.old_keyframe = old;
-    hypothesis.T_map_robot = matched.T_map_robot;
-    hypothesis.begun_m = path_m_;
-    return hypothesis;
-  }
-  return std::nullopt;
 }
 
 /// The points of these keyframes, map frame.

@@ -62,6 +62,15 @@ struct Start {
   core::Pose2 T_map_robot;
   double gain;
 };
+/// What is searched for when loops are: the newest keyframes' points, in the frame of the last of them.
+struct LoopSearch {
+  int keyframe;
+  std::vector<double> way_m;   ///< to each keyframe
+  std::vector<char> is_local;  ///< of each keyframe: the newest are matched to it anyway
+  std::vector<core::Point2> points;
+  std::vector<scanmatch::PatchPoint> match_points;
+  double view_m;  ///< how far `points` reach
+};
 /// A place that may have been recognised, while it is followed.
 struct Hypothesis {
   int keyframe;             ///< that it has come to

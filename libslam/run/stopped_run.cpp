@@ -10,9 +10,10 @@
 namespace slam::run {
 namespace {
 
-/// A field of journal.csv has no comma and no end of line.
+/// A field of journal.csv has no comma, no quote and no end of line.
 std::string asField(std::string text) {
   std::replace(text.begin(), text.end(), ',', ';');
+  std::replace(text.begin(), text.end(), '"', '\'');
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
 }

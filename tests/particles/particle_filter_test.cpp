@@ -4,97 +4,22 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cstring>
 #include <string>
 
 #include "libslam/core/error.h"
-#include "libslam/core/random.h"
 #include "tests/mapping/small_room.h"
+#include "tests/particles/ring.h"
 
 namespace slam::particles {
 namespace {
 
-/// Two laps through a square ring corridor, 16 m outside and 2 m wide, with niches; ranges with 1 cm of
-/// noise, wheels that turn 4 % too far, drift to the left and drive 3 % too long.
-struct Ring {
-  std::vector<robot::Scan> scans;
-  std::vector<core::Pose2> wheels, truth;  ///< T_previous_robot; T_start_robot
-};
-
-std::vector<mapping::test::Wall> ringWalls() {
-  std::vector<core::Point2> outer = {
-      {0, 0},   {5, 0},  {5, -0.6}, {6, -0.6}, {6, 0},  {16, 0}, {16, 9}, {16.7, 9}, {16.7, 11},  {16, 11},
-      {16, 16}, {4, 16}, {4, 16.5}, {2, 16.5}, {2, 16}, {0, 16}, {0, 7},  {-0.5, 7}, {-0.5, 6.2}, {0, 6.2}};
-  std::vector<core::Point2> inner = {{2, 2},  {9, 2},  {9, 2.4}, {10, 2.4},
-                                     {10, 2}, {14, 2}, {14, 14}, {2, 14}};
-  std::vector<mapping::test::Wall> walls;
-  for (const auto& loop : {outer, inner})
-    for (size_t i = 0; i < loop.size(); ++i) walls.push_back({loop[i], loop[(i + 1) % loop.size()]});
-  return walls;
-}
-
-Ring driveRound() {
-  Ring ring;
-  const auto walls = ringWalls();
-  core::RandomStream noise(11, "ring");
-  core::Pose2 T{1, 1, 0};
-  const core::Pose2 T_start = T;
-  const auto step = [&](const core::Pose2& motion) {
-    T = T * motion;
-    robot::Scan scan;
-    const int beams = 181;
-    scan.time_s = 0.2 * static_cast<double>(ring.scans.size());
-    scan.first_angle_rad = -core::kPi / 2, scan.step_rad = core::kPi / (beams - 1), scan.max_range_m = 12;
-    for (int i = 0; i < beams; ++i) {
-      const double range_m =
-          mapping::test::castRay(walls, T, scan.angle(static_cast<size_t>(i))) + noise.normal(0.01);
-      scan.ranges_m.push_back(range_m < scan.max_range_m ? static_cast<float>(range_m) : robot::kNoReturn);
-    }
-    ring.scans.push_back(scan);
-    ring.wheels.push_back({1.03 * motion.x, 0, 1.04 * motion.phi + 0.01 * motion.x + noise.normal(0.002)});
-    ring.truth.push_back(core::between(T_start, T));
-  };
-  step({});
-  for (int side = 0; side < 8; ++side) {
-    for (int i = 0; i < 70; ++i) step({0.2, 0, 0});
-    for (int i = 0; i < 10; ++i) step({0, 0, core::kPi / 20});
-  }
-  return ring;
-}
-
-const Ring& ring() {
-  static const Ring kRing = driveRound();
-  return kRing;
-}
-
-Motion motionOf(const core::Pose2& wheels) {
-  const double xy = 0.02 + 0.1 * std::abs(wheels.x), turn = 0.05 + 0.2 * std::abs(wheels.phi);
-  return {wheels, Eigen::Vector3d(xy * xy, xy * xy, turn * turn).asDiagonal()};
-}
-
-ParticleFilterOptions options(int count = 10, int threads = 1) {
-  ParticleFilterOptions result;
-  result.count = count, result.threads = threads;
-  return result;
-}
-
-core::Trajectory run(ParticleFilter& filter, size_t scans = 10000) {
-  core::Trajectory online;
-  for (size_t i = 0; i < std::min(scans, ring().scans.size()); ++i)
-    online.push_back(
-        {ring().scans[i].time_s, filter.update(ring().scans[i], motionOf(ring().wheels[i])).T_map_robot});
-  return online;
-}
+using namespace ring_drive;
 
 double worstError(const core::Trajectory& path) {
   double worst = 0;
   for (size_t i = 0; i < path.size(); ++i)
     worst = std::max(worst, core::distance(path[i].pose, ring().truth[i]));
   return worst;
-}
-
-bool sameBytes(const core::Trajectory& a, const core::Trajectory& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0;
 }
 
 TEST(ParticleFilter, BeatsItsOdometryByAFactorOfThirtyOnALoop) {
@@ -297,49 +222,6 @@ TEST(ParticleFilter, TheDriftIsForgottenWhereTheMapIsOld) {
     if (i >= 335 && i < 385) back = std::max(back, trace);
   }
   EXPECT_LT(back, there / 2);
-}
-
-// Fox 2003, equation 7 worked by hand: 2 bins: (1 / 0.1) (1 - 2/9 + sqrt(2/9) 2.3263)^3 = 65.86; 101 bins:
-// (100 / 0.1) (1 - 2/900 + sqrt(2/900) 2.3263)^3 = 1358.2. The exact quantiles of chi-square, 6.635 and
-// 135.81, give 66.35 and 1358.1.
-TEST(KldParticles, FollowTheBoundOfFox) {
-  EXPECT_EQ(kldParticles(1, 0.05), 1U);
-  EXPECT_EQ(kldParticles(2, 0.05), 66U);
-  EXPECT_EQ(kldParticles(101, 0.05), 1359U);
-  EXPECT_LT(kldParticles(101, 0.1), kldParticles(101, 0.05));
-  for (size_t bins = 1; bins < 50; ++bins) EXPECT_LT(kldParticles(bins, 0.1), kldParticles(bins + 1, 0.1));
-  EXPECT_THROW(kldParticles(0, 0.1), core::ContractError);
-  EXPECT_THROW(kldParticles(3, 0), core::ContractError);
-}
-
-TEST(ParticleFilter, KldSamplingStaysBetweenItsBoundsAndFollowsTheSpread) {
-  auto kld = options(20);
-  kld.sampling = "kld", kld.least_count = 5, kld.most_count = 40;
-  auto fine = kld, coarse = kld;
-  fine.kld_bin_m = 0.001, fine.kld_bin_rad = 0.0005;
-  coarse.kld_bin_m = 10, coarse.kld_bin_rad = 1;
-  ParticleFilter many(fine, 1), few(coarse, 1);
-  for (size_t i = 0; i < 200; ++i) {
-    for (auto* filter : {&many, &few}) {
-      filter->update(ring().scans[i], motionOf(ring().wheels[i]));
-      EXPECT_GE(filter->particles(), 5);
-      EXPECT_LE(filter->particles(), 40);
-    }
-  }
-  EXPECT_EQ(few.particles(), 5);
-  EXPECT_GT(many.particles(), 20);
-  EXPECT_EQ(many.path().size(), 200U);
-}
-
-TEST(ParticleFilter, KldSamplingGivesTheSameBytesWithAnyNumberOfThreads) {
-  auto one = options(20, 1);
-  one.sampling = "kld", one.least_count = 5, one.most_count = 40;
-  auto four = one;
-  four.threads = 4;
-  ParticleFilter single(one, 3), parallel(four, 3);
-  EXPECT_TRUE(sameBytes(run(single, 150), run(parallel, 150)));
-  EXPECT_EQ(single.particles(), parallel.particles());
-  EXPECT_TRUE(sameBytes(single.path(), parallel.path()));
 }
 
 TEST(ParticleFilter, LocalisesInAMapWithoutChangingIt) {

@@ -1,0 +1,166 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <unordered_set>
+
+#include "libslam/core/elementary.h"
+#include "libslam/graph/graph_slam.h"
+#include "libslam/graph/search.h"
+#include "libslam/scanmatch/correlative_search.h"
+
+namespace slam::graph {
+namespace {
+
+using core::Point2;
+using core::Pose2;
+using scanmatch::PatchPoint;
+
+/// The search turns by this much at least, and more per metre of path.
+constexpr double kSearchTurn_rad = 0.1, kSearchTurnPerMetre_rad = 0.002, kSearchTurnMost_rad = 0.6;
+/// Places tried in one search.
+constexpr int kMostPlaces = 2;
+/// Points that are searched with, at most.
+constexpr size_t kMostQueryPoints = 150;
+/// Windows up to this reach, of views of which half lies this near, are searched on the finest raster; and
+/// how much coarser it may become.
+constexpr double kFineReach_m = 16, kFineView_m = 8, kCoarsest = 2;
+/// A robot that seemed to be kidnapped may have driven on where it was: a place of another part is searched
+/// for, too, this near to where odometry has it, and farther by what drift allows.
+constexpr double kNoGap_m = 0.5;
+
+/// Half of the points lie within this distance of the robot.
+double viewRadius(const std::vector<Point2>& points) {
+  if (points.empty()) return 0;
+  std::vector<double> distances;
+  for (const auto& p : points) distances.push_back(core::hypot(p.x, p.y));
+  const auto middle = distances.begin() + static_cast<long>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::vector<Point2> searchPoints(const std::vector<PatchPoint>& points, size_t most) {
+  const auto kept = thinned(points, kQuerySpacing_m);
+  std::vector<Point2> result;
+  const size_t count = std::min(most, kept.size());
+  for (size_t i = 0; i < count; ++i) result.push_back(position(kept[i * kept.size() / count]));
+  return result;
+}
+
+std::vector<PatchPoint> thinned(const std::vector<PatchPoint>& points, double side_m) {
+  std::unordered_set<std::int64_t> taken;
+  std::vector<PatchPoint> kept;
+  for (const auto& p : points) {
+    const auto column = static_cast<std::int64_t>(std::floor(p.x / side_m));
+    const auto row = static_cast<std::int64_t>(std::floor(p.y / side_m));
+    if (taken.insert(column * (std::int64_t{1} << 32) + row).second) kept.push_back(p);
+  }
+  return kept;
+}
+
+/// From keyframe k, how far it is to each of the old ones.
+LoopSearch GraphSlam::loopSearch(int k) const {
+  LoopSearch search;
+  search.keyframe = k;
+  search.way_m = pathTo(k);
+  const int component = componentOf(k);
+  for (int old = 0; old < k; ++old)
+    if (componentOf(old) != component)
+      search.way_m[static_cast<size_t>(old)] =
+          keyframe(k).path_m - keyframe(old).path_m - gapsBetween(old, k) * kGapPath_m;
+  search.is_local.assign(keyframes_.size(), 0);
+  for (const int local : keyframesAround(k, core::position(graph_.pose(k)), options_.map_path_m, 1e9))
+    search.is_local[static_cast<size_t>(local)] = 1;
+  return search;
+}
+
+/// With the scans of the keyframes [first, last] around it.
+void GraphSlam::gatherQuery(LoopSearch& search, int first, int last) const {
+  std::vector<PatchPoint> query;
+  for (int i = last; i >= first; --i) {
+    const Pose2 T_k_i = core::between(graph_.pose(search.keyframe), graph_.pose(i));
+    for (const auto& point : keyframe(i).points) query.push_back(T_k_i * point);
+  }
+  search.points = searchPoints(query, kMostQueryPoints);
+  search.match_points = thinned(query, kQueryMatchSpacing_m);
+  search.view_m = viewRadius(search.points);
+}
+
+double GraphSlam::loopReach(const LoopSearch& search, int old) const {
+  const double least_m = componentOf(old) == componentOf(search.keyframe) ? options_.loop_reach_m : kNoGap_m;
+  return std::min(least_m + options_.loop_reach_per_m * search.way_m[static_cast<size_t>(old)],
+                  options_.loop_reach_most_m);
+}
+
+/// Old keyframes that drift could have carried apart from it, the nearest first.
+std::vector<int> GraphSlam::loopCandidates(const LoopSearch& search) const {
+  const int k = search.keyframe;
+  std::vector<std::pair<double, int>> by_distance;
+  for (int old = 0; old < k; ++old) {
+    if (search.is_local[static_cast<size_t>(old)]) continue;
+    const double away_m = core::distance(graph_.pose(old), graph_.pose(k));
+    if (away_m < loopReach(search, old) + 1) by_distance.push_back({away_m, old});
+  }
+  std::sort(by_distance.begin(), by_distance.end());
+  std::vector<int> candidates;
+  for (const auto& [away_m, old] : by_distance) candidates.push_back(old);
+  return candidates;
+}
+
+/// Looks for a place where the scans of the keyframes [query_first, query_last] around k were seen before.
+std::optional<Hypothesis> GraphSlam::findLoop(int k, int query_first, int query_last) {
+  LoopSearch search = loopSearch(k);
+  const auto candidates = loopCandidates(search);
+  if (candidates.empty()) return std::nullopt;
+  gatherQuery(search, query_first, query_last);
+  searched_reach_m_ = 0;
+  std::vector<char> is_tried(keyframes_.size(), 0);
+  int places = 0;
+  for (const int old : candidates) {
+    if (is_tried[static_cast<size_t>(old)]) continue;
+    if (++places > kMostPlaces) break;
+    for (const int tried : keyframesAround(old, core::position(graph_.pose(old)), options_.map_path_m, 1e9))
+      is_tried[static_cast<size_t>(tried)] = 1;
+    if (auto found = loopAt(search, old)) return found;
+  }
+  return std::nullopt;
+}
+
+/// The same around one old keyframe.
+std::optional<Hypothesis> GraphSlam::loopAt(const LoopSearch& search, int old) {
+  auto around = keyframesAround(old, core::position(graph_.pose(old)), kPlacePath_m, kPlaceRadius_m);
+  around.erase(std::remove_if(around.begin(), around.end(),
+                              [&](int a) { return search.is_local[static_cast<size_t>(a)] != 0; }),
+               around.end());
+  around = firstOf(std::move(around), options_.map_keyframes);
+  // A wide window is searched on a coarser raster: it costs as its cube. So is a wide view: the angle
+  // between two beams leaves it no finer detail, and every turn that it tells apart costs.
+  const double reach_m = loopReach(search, old);
+  const double coarser =
+      std::clamp(std::max(reach_m / kFineReach_m, search.view_m / kFineView_m), 1.0, kCoarsest);
+  pyramid_.build(placeAround(around), coarser * kSearchCell_m, coarser * kSearchSigma_m, kSearchLevels);
+  const scanmatch::SearchWindow window{
+      reach_m, std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * search.way_m[static_cast<size_t>(old)],
+                        kSearchTurnMost_rad)};
+  searched_reach_m_ = std::max(searched_reach_m_, window.half_xy_m);
+  const auto found =
+      searchBest(pyramid_, search.points, graph_.pose(search.keyframe), window, options_.loop_search_score);
+  if (!found) return std::nullopt;
+  note(core::JournalEvent::kSearched, found->score, old);
+  const auto matched = matchFreely(search.match_points, around, found->T_map_robot, coarser > 1);
+  std::vector<int> viewers;
+  for (const int a : around)
+    if (core::distance(graph_.pose(a), matched.T_map_robot) <= kViewerDistance_m) viewers.push_back(a);
+  const double conflict = meanConflict(firstOf(std::move(viewers), kViewers), matched.T_map_robot,
+                                       keyframe(search.keyframe).points);
+  if (matched.score < options_.loop_score || conflict > 2 * options_.loop_conflict) return std::nullopt;
+  note(core::JournalEvent::kFound, matched.score, old);
+  Hypothesis hypothesis;
+  hypothesis.keyframe = search.keyframe, hypothesis.old_keyframe = old;
+  hypothesis.T_map_robot = matched.T_map_robot;
+  hypothesis.begun_m = path_m_;
+  return hypothesis;
+}
+
+}  // namespace slam::graph
