@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "libslam/core/files.h"
+#include "libslam/run/stopped_run.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -45,6 +46,31 @@ TEST(Journal, SaysWhenAndWhere) {
   // What happens in the end is the last scan's.
   EXPECT_EQ(journal[2].scan, 2);
   EXPECT_EQ(journal[2].time_s, 2);
+}
+
+TEST(Journal, AFailuresOddWordsStayInTheirField) {
+  const testing::TempFolder folder;
+  Stop stop;
+  stop.why = "\"map\", three\nlines";
+  core::writeFileAtomically(folder / "journal.csv", journalCsv({stopLine(stop, {})}));
+  const auto journal = readJournal(folder / "journal.csv");
+  ASSERT_EQ(journal.size(), 1U);
+  EXPECT_EQ(journal[0].event, core::JournalEvent::kFailed);
+  EXPECT_EQ(journal[0].detail, "'map'; three lines");
+}
+
+TEST(Journal, AWordThatIsNoEventIsRefusedWithItsLine) {
+  const testing::TempFolder folder;
+  std::string csv = journalCsv(someJournal());
+  csv.replace(csv.find("accepted"), 8, "sneezed");
+  core::writeFileAtomically(folder / "journal.csv", csv);
+  try {
+    readJournal(folder / "journal.csv");
+    FAIL() << "no error";
+  } catch (const core::InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("journal.csv:3: event: found 'sneezed'"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(Journal, ComesBackAsItWasWritten) {
