@@ -48,7 +48,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"particles", {"core", "robot", "gridmap", "scanmatch"}},
     {"builders", {"core", "robot", "gridmap", "graph", "particles"}},
     {"methods", {"core", "robot", "gridmap", "odometry", "graph", "particles", "builders"}},
-    {"mapping", {"core", "robot", "gridmap", "odometry", "scanmatch", "graph", "builders", "methods"}},
+    {"mapping",
+     {"core", "robot", "gridmap", "odometry", "posegraph", "scanmatch", "graph", "builders", "methods"}},
     // reads logs and matches their scans; nobody's estimate
     {"doctor", {"core", "robot", "objects", "logs", "odometry"}},
     // both: from the floor up; each may include those that stand above it here and nothing below

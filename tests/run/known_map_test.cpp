@@ -171,7 +171,7 @@ std::vector<core::JournalLine> journalOf(const std::vector<std::pair<double, std
 TEST(LostTime, RunsFromLostToRecoveredOrToTheEnd) {
   EXPECT_EQ(lostShare({}, 10), 0);
   EXPECT_EQ(lostShare(journalOf({{1, "poor"}, {2, "lost"}, {2.5, "lost"}, {4, "recovered"}}), 10), 0.2);
-  EXPECT_EQ(lostShare(journalOf({{2, "lost"}, {3, "found again"}, {8, "lost"}}), 10), 0.3);
+  EXPECT_EQ(lostShare(journalOf({{2, "lost"}, {3, "recovered"}, {8, "lost"}}), 10), 0.3);
   EXPECT_EQ(lostShare(journalOf({{0, "lost"}}), 0), 0);
 }
 

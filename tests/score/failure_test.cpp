@@ -131,7 +131,7 @@ TEST(Failure, TheGravestEventAroundIsTheSuspect) {
   report = explainFailure(run, truth, {journal, {{kStart_s + 21, {}}}, {}, {}});
   EXPECT_EQ(report.suspect, "collision");
   auto loop = line(20.5, "accepted");
-  loop.other_scan = 0;
+  loop.other_scan = 0, loop.other_place = loop.place;
   journal.push_back(loop);
   report = explainFailure(run, truth, {journal, {{kStart_s + 21, {}}}, {}, {}});
   EXPECT_EQ(report.suspect, "false loop closure");
