@@ -64,13 +64,8 @@ TEST(Journal, AWordThatIsNoEventIsRefusedWithItsLine) {
   std::string csv = journalCsv(someJournal());
   csv.replace(csv.find("accepted"), 8, "sneezed");
   core::writeFileAtomically(folder / "journal.csv", csv);
-  try {
-    readJournal(folder / "journal.csv");
-    FAIL() << "no error";
-  } catch (const core::InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("journal.csv:3: event: found 'sneezed'"), std::string::npos)
-        << error.what();
-  }
+  EXPECT_THAT(errorOf([&] { readJournal(folder / "journal.csv"); }),
+              HasSubstr("journal.csv:3: event: found 'sneezed'"));
 }
 
 TEST(Journal, ComesBackAsItWasWritten) {
