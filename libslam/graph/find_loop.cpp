@@ -2,8 +2,10 @@
 #include <cmath>
 #include <cstdint>
 #include <unordered_set>
+#include <utility>
 
 #include "libslam/core/elementary.h"
+#include "libslam/core/middle_value.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/graph/search.h"
 #include "libslam/scanmatch/correlative_search.h"
@@ -30,12 +32,9 @@ constexpr double kNoGap_m = 0.5;
 
 /// Half of the points lie within this distance of the robot.
 double viewRadius(const std::vector<Point2>& points) {
-  if (points.empty()) return 0;
   std::vector<double> distances;
   for (const auto& p : points) distances.push_back(core::hypot(p.x, p.y));
-  const auto middle = distances.begin() + static_cast<long>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  return core::middleValue(std::move(distances));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include "libslam/scanmatch/surfel_matcher.h"
 
 /// What GraphSlam keeps: its keyframes, the places that it follows, and what it thinks of the robot. For
-/// graph_*.cpp only.
+/// this room only.
 namespace slam::graph {
 
 struct Keyframe {
