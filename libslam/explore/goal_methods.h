@@ -11,7 +11,7 @@
 
 namespace slam::explore {
 
-/// Every method that drives to a goal: those of room navigate, then mrpt_reactive where the program was built
+/// Every method that drives to a goal: those of room goals, then mrpt_reactive where the program was built
 /// with MRPT's module nav.
 std::vector<std::string> goalMethodNames();
 /// One line for lists. REQUIRES a name of goalMethodNames() (ContractError).

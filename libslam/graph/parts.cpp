@@ -10,7 +10,6 @@ namespace slam::graph {
 namespace {
 
 using core::Point2;
-using core::Pose2;
 using scanmatch::PatchPoint;
 
 /// Of the points that are searched with, at most so many: a search costs as many looks at the map for every

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 
 #include "libslam/core/csv.h"
 #include "libslam/core/error.h"
@@ -11,31 +10,21 @@
 #include "libslam/core/parameters.h"
 
 namespace slam::run {
-namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
 
 std::vector<core::JournalLine> placedJournal(const std::vector<core::JournalEntry>& journal,
                                              const std::vector<double>& stamps_s,
                                              const core::Trajectory& path) {
   std::vector<core::JournalLine> lines;
   for (const auto& entry : journal) {
-    core::JournalLine line;
+    core::JournalLine line{entry};
     // What happens in the end is the last scan's.
     const auto scan = std::min(static_cast<size_t>(entry.scan), stamps_s.size() - 1);
     line.scan = static_cast<int>(scan);
     line.time_s = stamps_s[scan] - stamps_s.front();
-    line.event = entry.event;
-    line.value = entry.value;
-    line.other_scan = entry.other_scan;
     line.place = core::position(path[scan].pose);
-    line.other_place = {kNan, kNan};
     if (entry.other_scan >= 0)
       line.other_place =
           core::position(path[std::min(static_cast<size_t>(entry.other_scan), path.size() - 1)].pose);
-    line.detail = entry.detail;
     lines.push_back(std::move(line));
   }
   return lines;

@@ -12,7 +12,7 @@
 /// What a scene is made of, one function per layer. Every function makes one named object, flat, of MRPT's
 /// stock classes (any MRPT program shows it), in the frame that it says; place() puts it into another one.
 /// Layers lie some centimetres above each other in the order below, so that they hide each other as sheets of
-/// paper do, seen from above as well as aslant. Colours: the Okabe-Ito palette (report/canvas.h). Points that
+/// paper do, seen from above as well as aslant. Colours: the Okabe-Ito palette (draw/canvas.h). Points that
 /// are not finite are left out, and break lines. `line_m` is a line's width in metres: OpenGL's own lines are
 /// a pixel wide at most.
 namespace slam::viewer {

@@ -11,8 +11,6 @@ namespace slam::doctor {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
-using ::testing::StartsWith;
 
 class RealLog : public ::testing::Test {
  protected:

@@ -1,8 +1,6 @@
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mrpt/obs/CActionRobotMovement3D.h>
-#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationRobotPose.h>
 #include <mrpt/poses/CPosePDFGaussian.h>
 
@@ -17,9 +15,7 @@ namespace {
 
 using mrpt::obs::CActionCollection;
 using mrpt::obs::CActionRobotMovement2D;
-using mrpt::obs::CObservation;
 using mrpt::obs::CObservation2DRangeScan;
-using mrpt::obs::CSensoryFrame;
 using testing::errorOf;
 using ::testing::HasSubstr;
 

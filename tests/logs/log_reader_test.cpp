@@ -19,8 +19,6 @@ namespace {
 
 using mrpt::obs::CActionRobotMovement2D;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
 std::vector<double> travelled(const std::vector<LogEntry>& entries) {
   std::vector<double> x_m;

@@ -16,7 +16,6 @@
 namespace slam::navigate {
 namespace {
 
-using ::testing::HasSubstr;
 using namespace scenes;
 
 // ---- the contract, for every method

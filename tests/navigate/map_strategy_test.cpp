@@ -6,8 +6,8 @@
 
 #include "libslam/buildings/building.h"
 #include "libslam/core/error.h"
-#include "tests/navigate/drawn_map.h"
 #include "tests/navigate/scenes.h"
+#include "tests/paths/drawn_map.h"
 
 namespace slam::navigate {
 namespace {
@@ -72,7 +72,8 @@ TEST(MapStrategies, SayClearlyThatTheyNeedAMap) {
 
 TEST(MapStrategies, FinishInAClosedRoomAndSayWhatIsLeft) {
   // A pocket with a frontier of its own behind the wall, which nobody can drive to.
-  const auto map = enlarged({"##########", "#....#...?", "#....#...?", "#....#...?", "##########"}, 8, 0.05);
+  const auto map =
+      paths::enlarged({"##########", "#....#...?", "#....#...?", "#....#...?", "##########"}, 8, 0.05);
   for (const auto& name : mapStrategies()) {
     const auto decision = decideOn(name, map, {1, 1, 0});
     EXPECT_TRUE(decision.finished) << name;
@@ -83,7 +84,7 @@ TEST(MapStrategies, FinishInAClosedRoomAndSayWhatIsLeft) {
 }
 
 TEST(MapStrategies, GiveAPathThatKeepsItsDistanceAndEndsAtTheGoal) {
-  const auto map = enlarged(kClosetAndHall, 8, 0.05);
+  const auto map = paths::enlarged(kClosetAndHall, 8, 0.05);
   const auto space = paths::readFreeSpace(map);
   const auto clearance = paths::squaredClearance(space, paths::kOccupiedCell | paths::kUnknownCell, 20);
   for (const auto& name : mapStrategies()) {
@@ -106,7 +107,7 @@ TEST(MapStrategies, GiveAPathThatKeepsItsDistanceAndEndsAtTheGoal) {
 }
 
 TEST(NearestFrontier, TakesTheNearOneAndInformationGainTheLargeOne) {
-  const auto map = enlarged(kClosetAndHall, 8, 0.05);
+  const auto map = paths::enlarged(kClosetAndHall, 8, 0.05);
   const auto nearest = decideOn("nearest_frontier", map, kBetween);
   EXPECT_LT(nearest.goal.x, 1.6);
   EXPECT_THAT(nearest.reason, testing::StartsWith("nearest of 2 frontiers: "));
@@ -118,7 +119,8 @@ TEST(NearestFrontier, TakesTheNearOneAndInformationGainTheLargeOne) {
 }
 
 TEST(InformationGain, TakesTheNearerOfTwoEqualViews) {
-  const auto map = enlarged({"##########", "?........?", "?........?", "?........?", "##########"}, 8, 0.05);
+  const auto map =
+      paths::enlarged({"##########", "?........?", "?........?", "?........?", "##########"}, 8, 0.05);
   for (const std::string name : {"information_gain", "nearest_frontier"}) {
     EXPECT_LT(decideOn(name, map, {1.4, 1.0, 0}).goal.x, 2) << name;
     EXPECT_GT(decideOn(name, map, {2.6, 1.0, 0}).goal.x, 2) << name;
@@ -126,7 +128,7 @@ TEST(InformationGain, TakesTheNearerOfTwoEqualViews) {
 }
 
 TEST(MapStrategies, GiveUpAFrontierThatALookLeavesStanding) {
-  const auto map = enlarged({"#######", "?.....#", "?.....#", "?.....#", "#######"}, 8, 0.05);
+  const auto map = paths::enlarged({"#######", "?.....#", "?.....#", "?.....#", "#######"}, 8, 0.05);
   for (const auto& name : mapStrategies()) {
     const auto strategy = makeStrategy(named(name), {1, "strategy"});
     int decisions = 0;
@@ -143,7 +145,7 @@ TEST(MapStrategies, GiveUpAFrontierThatALookLeavesStanding) {
 }
 
 TEST(MapStrategies, TryAGoalThatFailedOnceMoreAndThenGiveItUp) {
-  const auto map = enlarged({"#######", "?.....#", "?.....#", "#######"}, 8, 0.05);
+  const auto map = paths::enlarged({"#######", "?.....#", "?.....#", "#######"}, 8, 0.05);
   const auto strategy = makeStrategy(named("nearest_frontier"), {1, "strategy"});
   strategy->seeMap(map);
   for (int i = 0; i < 2; ++i) {
@@ -155,15 +157,17 @@ TEST(MapStrategies, TryAGoalThatFailedOnceMoreAndThenGiveItUp) {
 }
 
 TEST(MapStrategies, DropAGoalThatHasBeenSeenAndAPathThatIsBlocked) {
-  auto map = enlarged({"##########", "#........?", "#........?", "#........?", "##########"}, 8, 0.05);
+  auto map = paths::enlarged({"##########", "#........?", "#........?", "#........?", "##########"}, 8, 0.05);
   const core::Pose2 pose{1, 1, 0};
   const auto strategy = makeStrategy(named("nearest_frontier"), {1, "strategy"});
   strategy->seeMap(map);
   const auto decision = strategy->decide(circleScan(), pose);
   EXPECT_TRUE(strategy->isStillGood(decision, pose, 0));
-  strategy->seeMap(enlarged({"##########", "#...#....?", "#...#....?", "#...#....?", "##########"}, 8, 0.05));
+  strategy->seeMap(
+      paths::enlarged({"##########", "#...#....?", "#...#....?", "#...#....?", "##########"}, 8, 0.05));
   EXPECT_FALSE(strategy->isStillGood(decision, pose, 0));  // a wall across the path
-  strategy->seeMap(enlarged({"##########", "#.........", "#.........", "#.........", "##########"}, 8, 0.05));
+  strategy->seeMap(
+      paths::enlarged({"##########", "#.........", "#.........", "#.........", "##########"}, 8, 0.05));
   EXPECT_FALSE(strategy->isStillGood(decision, pose, 0));  // nothing unknown where it leads
   strategy->seeMap(map);
   EXPECT_TRUE(strategy->isStillGood(decision, pose, 0));
@@ -172,7 +176,7 @@ TEST(MapStrategies, DropAGoalThatHasBeenSeenAndAPathThatIsBlocked) {
 // A wall along the line between two rows of cells: the map flickers between them and shows no wall at all,
 // but the lidar measures one.
 TEST(MapStrategies, SeeNoFrontierWhereTheLidarMeasuresAWall) {
-  const auto map = enlarged({"########", "#......?", "#......?", "#......?", "########"}, 8, 0.05);
+  const auto map = paths::enlarged({"########", "#......?", "#......?", "#......?", "########"}, 8, 0.05);
   const core::Pose2 pose{1.4, 1.0, 0};
   robot::Scan scan = circleScan();
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
@@ -197,7 +201,7 @@ TEST(MapStrategies, DoNotFinishBeforeTheBareDiscHasNoWayLeft) {
     for (int row = 0; row < 41; ++row)
       if (std::abs(row - 20) <= cells / 2) lines[static_cast<size_t>(row)].replace(81, 4, "....");
     lines.front() = lines.back() = std::string(lines.front().size(), '#');
-    return drawnMap(lines, 0.05);
+    return paths::drawnMap(lines, 0.05);
   };
   for (const auto& name : mapStrategies()) {
     EXPECT_FALSE(decideOn(name, withGap(15), {1, 1, 0}).finished) << name;  // with the margin

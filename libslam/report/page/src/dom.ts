@@ -24,3 +24,10 @@ export function button(text: string, label: string, onClick: () => void): HTMLBu
   element.addEventListener("click", onClick);
   return element;
 }
+
+/** A swatch of a colour, as the page's legends have it. */
+export function swatch(colour: string): SVGSVGElement {
+  const picture = makeSvg("svg", { class: "swatch", viewBox: "0 0 10 10", "aria-hidden": "true" });
+  picture.append(makeSvg("rect", { width: "10", height: "10", fill: colour }));
+  return picture;
+}

@@ -1,8 +1,10 @@
-import { button, make, makeSvg } from "./dom";
+import { button, make, swatch } from "./dom";
+import { JoinedPlots } from "./joined_plots";
 import { LongList } from "./lists";
+import { playerChoices } from "./player_choices";
 import type { Happening, Pose, Replay } from "./replay_data";
 import { kScansAspect, ScanViews } from "./scan_views";
-import { Stage, groundsOf, isWeighty, kTruth, type Ground, type Shown } from "./stage";
+import { Stage, groundsOf, kTruth, type Ground, type Shown } from "./stage";
 import { Timeline } from "./timeline";
 
 const kLowMap = 0.45; // height over width
@@ -17,23 +19,6 @@ function operationWords(operation: string): string {
   const readings = [first, second].map(Number).filter((value) => value !== 0);
   const way_m = readings.reduce((sum, value) => sum + value, 0) / Math.max(1, readings.length);
   return `moved ${way_m.toFixed(3)} m`;
-}
-
-/** The mark of a goal or a mishap as the map has it. */
-function sign(outline: string): SVGSVGElement {
-  const picture = makeSvg("svg", { class: "sign", viewBox: "0 0 16 16", "aria-hidden": "true" });
-  picture.append(makeSvg("path", { d: outline }));
-  return picture;
-}
-const kGoalSign = "M8 0V16M0 8H16M13 8A5 5 0 1 1 3 8A5 5 0 1 1 13 8";
-const kLoopSign = "M14 8A6 6 0 1 1 2 8A6 6 0 1 1 14 8";
-const kMishapSign = "M3 3L13 13M13 3L3 13";
-
-/** A swatch of a colour, as the page's legends have it. */
-function swatch(colour: string): SVGSVGElement {
-  const picture = makeSvg("svg", { class: "swatch", viewBox: "0 0 10 10", "aria-hidden": "true" });
-  picture.append(makeSvg("rect", { width: "10", height: "10", fill: colour }));
-  return picture;
 }
 
 /** What the page says of its events. */
@@ -64,8 +49,7 @@ export class ReplayView {
   private readonly poses = make("p", { class: "note poses" });
   private readonly playButton = button("Play", "Play or pause (space)", () => this.toggle());
   private readonly speed = make("select", { "aria-label": "Speed" });
-  private readonly cursors: { chart: SVGSVGElement; line: SVGLineElement }[] = [];
-  private readonly marks: SVGCircleElement[] = [];
+  private readonly plots: JoinedPlots;
 
   constructor(
     private readonly replay: Replay,
@@ -94,8 +78,8 @@ export class ReplayView {
     this.build();
     this.operations.show(replay.operations.length);
     this.events.show(this.listed.length);
-    this.joinCharts();
-    this.joinMaps();
+    const { x0, x1 } = replay.window;
+    this.plots = new JoinedPlots(replay.group, x1 - x0, (at_s) => this.showTime(at_s), this.closing.signal);
     this.listen();
     this.showTime(time_s);
     void this.load();
@@ -104,8 +88,7 @@ export class ReplayView {
   close(): void {
     this.closing.abort();
     this.playing = false;
-    for (const { line } of this.cursors) line.remove();
-    for (const mark of this.marks) mark.remove();
+    this.plots.remove();
   }
 
   // --- controls
@@ -127,7 +110,7 @@ export class ReplayView {
     const views = make("div", { class: "views" }, this.stage.canvas, ...(this.scanViews ? [this.scanViews.root] : []));
     if (this.scanViews) this.layOut(views);
     else views.classList.add("one");
-    this.root.append(transport, this.timeline.canvas, this.choices(), views, this.poses, this.lists());
+    this.root.append(transport, this.timeline.canvas, playerChoices(this.replay, this.grounds, this.shown, () => this.draw()), views, this.poses, this.lists());
     this.root.append(
       make(
         "p",
@@ -143,58 +126,6 @@ export class ReplayView {
     const aspect = (y1 - y0) / (x1 - x0);
     if (aspect < kLowMap) views.classList.add("low");
     else views.style.setProperty("--columns", `${kScansAspect}fr ${aspect.toFixed(3)}fr`);
-  }
-
-  private choices(): HTMLElement {
-    const shown = make("fieldset", {}, make("legend", {}, "Show"));
-    const addBox = (name: string, colour: string | null, onChange: (on: boolean) => void): HTMLElement => {
-      const box = make("input", { type: "checkbox" });
-      box.checked = true;
-      box.addEventListener("change", () => {
-        onChange(box.checked);
-        this.draw();
-      });
-      const label = make("label", {}, box);
-      if (colour) label.append(swatch(colour));
-      label.append(name);
-      shown.append(label);
-      return label;
-    };
-    const { replay } = this;
-    if (replay.truth) addBox(kTruth.name, kTruth.colour, (on) => (this.shown.truth = on));
-    for (const run of replay.runs)
-      addBox(run.name, run.colour, (on) => (on ? this.shown.runs.add(run) : this.shown.runs.delete(run)));
-    if (replay.scans) addBox("scan", null, (on) => (this.shown.scan = on));
-    if (replay.goals.length > 0) addBox("goal", null, (on) => (this.shown.goal = on)).append(sign(kGoalSign));
-    const has = (test: (what: string) => boolean): boolean => replay.happenings.some(({ what }) => test(what));
-    const loops = has((what) => what === "accepted");
-    const mishaps = has((what) => what !== "accepted" && isWeighty(what));
-    if (loops || mishaps) {
-      const label = addBox([loops ? "loops" : "", mishaps ? "mishaps" : ""].filter(Boolean).join(", "), null, (on) => (this.shown.events = on));
-      label.append(...(loops ? [sign(kLoopSign)] : []), ...(mishaps ? [sign(kMishapSign)] : []));
-    }
-    return make("div", { class: "bar" }, shown, this.groundChoice(), ...(replay.scans ? [this.scanChoice()] : []));
-  }
-
-  private groundChoice(): HTMLElement {
-    const select = make("select");
-    this.grounds.forEach(({ label }, index) => select.append(make("option", { value: String(index) }, label)));
-    select.addEventListener("change", () => {
-      this.shown.ground = this.grounds[Number(select.value)];
-      this.draw();
-    });
-    return make("label", {}, "Under it ", select);
-  }
-
-  private scanChoice(): HTMLElement {
-    const select = make("select");
-    if (this.replay.truth) select.append(make("option", { value: "" }, "where the robot is"));
-    this.replay.runs.forEach(({ name }, index) => select.append(make("option", { value: String(index) }, `where ${name} has it`)));
-    select.addEventListener("change", () => {
-      this.shown.scanFrom = select.value === "" ? null : this.replay.runs[Number(select.value)];
-      this.draw();
-    });
-    return make("label", {}, "Scan from ", select);
   }
 
   private lists(): HTMLElement {
@@ -338,57 +269,6 @@ export class ReplayView {
     this.time_s = Math.max(time_s, this.time_s);
   }
 
-  // --- the page's other plots
-
-  private joinCharts(): void {
-    const { signal } = this.closing;
-    for (const chart of document.querySelectorAll<SVGSVGElement>("svg.chart[data-duration]")) {
-      const { left, right, top, bottom, duration } = chart.dataset as Record<string, string>;
-      const line = makeSvg("line", { class: "cursor", y1: top, y2: bottom });
-      chart.append(line);
-      this.cursors.push({ chart, line });
-      const seek = (event: PointerEvent): void => {
-        const box = chart.getBoundingClientRect();
-        const x = ((event.clientX - box.left) / box.width) * chart.viewBox.baseVal.width;
-        this.showTime((Number(duration) * (x - Number(left))) / (Number(right) - Number(left)));
-      };
-      chart.addEventListener("pointerdown", seek, { signal });
-      chart.addEventListener(
-        "pointermove",
-        (event) => {
-          if (event.buttons === 1) seek(event);
-        },
-        { signal },
-      );
-    }
-  }
-
-  private joinMaps(): void {
-    const radius = Math.max(this.replay.window.x1 - this.replay.window.x0, 1) / 80;
-    for (const map of document.querySelectorAll<SVGSVGElement>(`svg.map[data-group="${this.replay.group}"]`)) {
-      const mark = makeSvg("circle", { class: "cursor", r: String(radius) });
-      map.append(mark);
-      this.marks.push(mark);
-    }
-  }
-
-  private markMoment(): void {
-    for (const { chart, line } of this.cursors) {
-      const { left, right, duration } = chart.dataset as Record<string, string>;
-      const share = Math.min(1, this.replay.times[this.shown.index] / Number(duration));
-      const x = String(Number(left) + (Number(right) - Number(left)) * share);
-      line.setAttribute("x1", x);
-      line.setAttribute("x2", x);
-    }
-    const pose = this.stage.trueOrFirst(this.shown.index);
-    for (const mark of this.marks) {
-      mark.setAttribute("visibility", pose ? "visible" : "hidden");
-      if (!pose) continue;
-      mark.setAttribute("cx", pose.x.toFixed(3));
-      mark.setAttribute("cy", (-pose.y).toFixed(3));
-    }
-  }
-
   // --- drawing
 
   private async load(): Promise<void> {
@@ -413,7 +293,7 @@ export class ReplayView {
     this.operations.setCurrent(index);
     this.events.setCurrent(this.lastEventAt(time_s));
     this.sayPoses();
-    this.markMoment();
+    this.plots.show(time_s, this.stage.trueOrFirst(index));
   }
 
   /** Of those listed; -1 before the first. */

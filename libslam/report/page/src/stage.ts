@@ -229,5 +229,5 @@ export class Stage {
 
 /** What a reader looks for first. */
 export function isWeighty(what: string): boolean {
-  return ["accepted", "lost", "recovered", "found again", "collision"].includes(what);
+  return ["accepted", "lost", "recovered", "collision"].includes(what);
 }

@@ -6,22 +6,21 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
-#include "tests/navigate/drawn_map.h"
+#include "tests/paths/drawn_map.h"
 
-namespace slam::navigate {
+namespace slam::paths {
 namespace {
 
 /// Every free cell admits the robot, a node is a cell, and nothing costs more than its length.
-paths::PlannerOptions pointRobot() {
-  paths::PlannerOptions options;
+PlannerOptions pointRobot() {
+  PlannerOptions options;
   options.radius_m = options.comfort_m = 0.1;
   options.node_m = 1;
   options.look_m = 0;
   return options;
 }
 
-paths::PathPlanner::Node nodeAt(const paths::PathPlanner& planner, const paths::FreeSpace& space, double x,
-                                double y) {
+PathPlanner::Node nodeAt(const PathPlanner& planner, const FreeSpace& space, double x, double y) {
   return planner.nodeOf(space.index(space.columnOf(x), space.rowOf(y)));
 }
 
@@ -32,8 +31,8 @@ TEST(PathPlanner, FindsTheShortestWayAsTheSearchOverAllCellsDoes) {
     map.columns = 14, map.rows = 11, map.resolution_m = 1;
     for (int i = 0; i < map.columns * map.rows; ++i)
       map.occupancy.push_back(i != 0 && random.chance(0.35) ? 0.9F : 0.1F);
-    const auto space = paths::readFreeSpace(map);
-    const paths::PathPlanner planner(space, pointRobot(), {0.5, 0.5});
+    const auto space = readFreeSpace(map);
+    const PathPlanner planner(space, pointRobot(), {0.5, 0.5});
     // Bellman's relaxation until nothing changes: slow and plain.
     std::vector<double> cost(space.state.size(), 1e9);
     cost[space.index(1, 1)] = 0;
@@ -44,7 +43,7 @@ TEST(PathPlanner, FindsTheShortestWayAsTheSearchOverAllCellsDoes) {
           for (int dr = -1; dr <= 1; ++dr)
             for (int dc = -1; dc <= 1; ++dc) {
               const size_t from = space.index(column + dc, row + dr), to = space.index(column, row);
-              if (space.state[from] != paths::kFreeCell || space.state[to] != paths::kFreeCell) continue;
+              if (space.state[from] != kFreeCell || space.state[to] != kFreeCell) continue;
               const double step = dr && dc ? 1.4 : dr || dc ? 1.0 : 0.0;
               if (cost[from] + step < cost[to] - 1e-9) cost[to] = cost[from] + step, changed = true;
             }
@@ -62,27 +61,27 @@ TEST(PathPlanner, FindsTheShortestWayAsTheSearchOverAllCellsDoes) {
 }
 
 TEST(PathPlanner, DoesNotReachAPocketBehindWallsNorTheUnknown) {
-  const auto space = paths::readFreeSpace(drawnMap({"#######", "#..#..#", "#..#..?", "#######"}));
-  const paths::PathPlanner planner(space, pointRobot(), {1.5, 1.5});
+  const auto space = readFreeSpace(drawnMap({"#######", "#..#..#", "#..#..?", "#######"}));
+  const PathPlanner planner(space, pointRobot(), {1.5, 1.5});
   EXPECT_TRUE(planner.isReached(nodeAt(planner, space, 2.5, 2.5)));
   for (const double x : {3.5, 4.5, 5.5, 6.5}) EXPECT_FALSE(planner.isReached(nodeAt(planner, space, x, 1.5)));
   EXPECT_EQ(planner.reachedCount(), 4u);
 }
 
 TEST(PathPlanner, DrivesThroughTheUnknownOnlyWhenOptimistic) {
-  const auto space = paths::readFreeSpace(drawnMap({"#######", "#..?..#", "#..?..#", "#######"}));
+  const auto space = readFreeSpace(drawnMap({"#######", "#..?..#", "#..?..#", "#######"}));
   auto options = pointRobot();
-  EXPECT_FALSE(paths::PathPlanner(space, options, {1.5, 1.5}).isReached(space.columns + 3));
-  const paths::PathPlanner careful(space, options, {1.5, 1.5});
+  EXPECT_FALSE(PathPlanner(space, options, {1.5, 1.5}).isReached(space.columns + 3));
+  const PathPlanner careful(space, options, {1.5, 1.5});
   EXPECT_FALSE(careful.isReached(nodeAt(careful, space, 5.5, 1.5)));
   options.optimistic = true;
-  const paths::PathPlanner bold(space, options, {1.5, 1.5});
+  const PathPlanner bold(space, options, {1.5, 1.5});
   EXPECT_TRUE(bold.isReached(nodeAt(bold, space, 5.5, 1.5)));
 }
 
 /// Two rooms of 2 m x 2.6 m with a door of 0.9 m at the bottom of the wall between them.
-paths::FreeSpace twoRooms() {
-  return paths::readFreeSpace(
+FreeSpace twoRooms() {
+  return readFreeSpace(
       enlarged({"##########################",  // 1 m is 5 characters of 4 cells of 5 cm
                 "#..........##............#", "#..........##............#", "#..........##............#",
                 "#..........##............#", "#..........##............#", "#........................#",
@@ -93,9 +92,9 @@ paths::FreeSpace twoRooms() {
 
 TEST(PathPlanner, PassesADoorInItsMiddle) {
   const auto space = twoRooms();
-  paths::PlannerOptions options;
+  PlannerOptions options;
   options.radius_m = 0.333;
-  const paths::PathPlanner planner(space, options, {1.0, 1.9});
+  const PathPlanner planner(space, options, {1.0, 1.9});
   const auto goal = nodeAt(planner, space, 4.4, 1.9);
   ASSERT_TRUE(planner.isReached(goal));
   const auto path = planner.shortened(planner.way(goal));
@@ -118,9 +117,9 @@ TEST(PathPlanner, PassesADoorInItsMiddle) {
 
 TEST(PathPlanner, DoesNotFitThroughADoorThatIsTooNarrowButLooksIn) {
   const auto space = twoRooms();
-  paths::PlannerOptions options;
+  PlannerOptions options;
   options.radius_m = 0.45;
-  const paths::PathPlanner planner(space, options, {1.0, 1.9});
+  const PathPlanner planner(space, options, {1.0, 1.9});
   EXPECT_FALSE(planner.isReached(nodeAt(planner, space, 4.4, 1.9)));
   const auto access = planner.accessOf(nodeAt(planner, space, 2.5, 1.0));
   ASSERT_TRUE(access);  // in the door, 0.6 m from where it can stand
@@ -130,10 +129,10 @@ TEST(PathPlanner, DoesNotFitThroughADoorThatIsTooNarrowButLooksIn) {
 
 TEST(PathPlanner, LeavesAPlaceThatDoesNotAdmitTheRobot) {
   const auto space = twoRooms();
-  paths::PlannerOptions options;
+  PlannerOptions options;
   options.radius_m = 0.333;
   const core::Point2 robot{0.3, 2.3};  // 0.1 m from two walls
-  const paths::PathPlanner planner(space, options, robot);
+  const PathPlanner planner(space, options, robot);
   ASSERT_TRUE(planner.hasStart());
   const auto goal = nodeAt(planner, space, 1.2, 1.2);
   ASSERT_TRUE(planner.isReached(goal));
@@ -143,19 +142,19 @@ TEST(PathPlanner, LeavesAPlaceThatDoesNotAdmitTheRobot) {
 }
 
 TEST(PathPlanner, HasNoStartInsideOfNothingKnown) {
-  const auto space = paths::readFreeSpace(drawnMap({"????", "????"}));
-  EXPECT_FALSE(paths::PathPlanner(space, pointRobot(), {1, 1}).hasStart());
-  EXPECT_FALSE(paths::PathPlanner(space, pointRobot(), {100, 1}).hasStart());
-  EXPECT_FALSE(paths::PathPlanner(space, pointRobot(), {std::nan(""), 1}).hasStart());
-  const auto walled = paths::readFreeSpace(drawnMap({"#####", "#?#.#", "#####"}));
-  EXPECT_FALSE(paths::PathPlanner(walled, pointRobot(), {1.5, 1.5}).hasStart());  // free only behind a wall
+  const auto space = readFreeSpace(drawnMap({"????", "????"}));
+  EXPECT_FALSE(PathPlanner(space, pointRobot(), {1, 1}).hasStart());
+  EXPECT_FALSE(PathPlanner(space, pointRobot(), {100, 1}).hasStart());
+  EXPECT_FALSE(PathPlanner(space, pointRobot(), {std::nan(""), 1}).hasStart());
+  const auto walled = readFreeSpace(drawnMap({"#####", "#?#.#", "#####"}));
+  EXPECT_FALSE(PathPlanner(walled, pointRobot(), {1.5, 1.5}).hasStart());  // free only behind a wall
 }
 
 TEST(PathPlanner, RefusesSenselessClearances) {
-  const auto space = paths::readFreeSpace(drawnMap({"."}));
+  const auto space = readFreeSpace(drawnMap({"."}));
   auto options = pointRobot();
   options.comfort_m = 0.05;
-  EXPECT_THROW(paths::PathPlanner(space, options, {}), core::ContractError);
+  EXPECT_THROW(PathPlanner(space, options, {}), core::ContractError);
 }
 
 /// Two rooms of 2 m at 0.05 m, joined by a gap through 0.1 m of wall; from x = 0 to 4.1, y = 0 to 2.
@@ -172,13 +171,13 @@ gridmap::OccupancyRaster roomsWithGap(int gap_cells) {
 // A robot of radius 0.283 m fits through 13 cells of 0.05 m by the map, and with a cell less on each side
 // through 11.
 TEST(PathPlanner, LeavesATightPlaceOnlyWhereTheRobotStandsInIt) {
-  const auto space = paths::readFreeSpace(roomsWithGap(11));
+  const auto space = readFreeSpace(roomsWithGap(11));
   const auto reachesTheOtherRoom = [&](double radius_m, bool tight_start, const core::Point2& robot) {
-    paths::PlannerOptions options;
+    PlannerOptions options;
     options.radius_m = radius_m;
     options.look_m = 0;
     options.tight_start = tight_start;
-    const paths::PathPlanner planner(space, options, robot);
+    const PathPlanner planner(space, options, robot);
     EXPECT_TRUE(planner.hasStart());
     return planner.isReached(nodeAt(planner, space, 3.5, 1.0));
   };
@@ -189,4 +188,4 @@ TEST(PathPlanner, LeavesATightPlaceOnlyWhereTheRobotStandsInIt) {
 }
 
 }  // namespace
-}  // namespace slam::navigate
+}  // namespace slam::paths

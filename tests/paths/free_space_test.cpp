@@ -6,12 +6,12 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
-#include "tests/navigate/drawn_map.h"
+#include "tests/paths/drawn_map.h"
 
-namespace slam::navigate {
+namespace slam::paths {
 namespace {
 
-std::string states(const paths::FreeSpace& space) {
+std::string states(const FreeSpace& space) {
   std::string text;
   for (int row = space.rows - 1; row >= 0; --row) {
     for (int column = 0; column < space.columns; ++column)
@@ -22,16 +22,16 @@ std::string states(const paths::FreeSpace& space) {
 }
 
 TEST(FreeSpace, HasABorderOfTheUnknown) {
-  const auto space = paths::readFreeSpace(drawnMap({"#.", "?."}));
+  const auto space = readFreeSpace(drawnMap({"#.", "?."}));
   EXPECT_EQ(states(space),
             "????\n"
             "?#.?\n"
             "??.?\n"
             "????\n");
   EXPECT_EQ(space.known, 3u);
-  EXPECT_EQ(space.at({0.5, 1.5}), paths::kOccupiedCell);
-  EXPECT_EQ(space.at({1.5, 0.5}), paths::kFreeCell);
-  EXPECT_EQ(space.at({-9, 0}), paths::kUnknownCell);
+  EXPECT_EQ(space.at({0.5, 1.5}), kOccupiedCell);
+  EXPECT_EQ(space.at({1.5, 0.5}), kFreeCell);
+  EXPECT_EQ(space.at({-9, 0}), kUnknownCell);
   EXPECT_EQ(space.columnOf(space.centreOf(space.index(2, 1)).x), 2);
 }
 
@@ -39,20 +39,20 @@ TEST(FreeSpace, TakesTheMapsThresholdsAndNothingElseForKnown) {
   gridmap::OccupancyRaster map;
   map.columns = 5, map.rows = 1;
   map.occupancy = {0.39F, 0.4F, 0.6F, 0.61F, std::numeric_limits<float>::quiet_NaN()};
-  EXPECT_EQ(states(paths::readFreeSpace(map)).substr(8, 7), "?.??#??");
+  EXPECT_EQ(states(readFreeSpace(map)).substr(8, 7), "?.??#??");
 }
 
 TEST(FreeSpace, OfAnEmptyMapIsOnlyTheBorder) {
-  EXPECT_EQ(states(paths::readFreeSpace(gridmap::OccupancyRaster())), "??\n??\n");
+  EXPECT_EQ(states(readFreeSpace(gridmap::OccupancyRaster())), "??\n??\n");
 }
 
 TEST(FreeSpace, RefusesAMapWhoseSizesDoNotFit) {
   auto map = drawnMap({"..", ".."});
   map.rows = 3;
-  EXPECT_THROW(paths::readFreeSpace(map), core::ContractError);
+  EXPECT_THROW(readFreeSpace(map), core::ContractError);
   map = drawnMap({".."});
   map.resolution_m = 0;
-  EXPECT_THROW(paths::readFreeSpace(map), core::ContractError);
+  EXPECT_THROW(readFreeSpace(map), core::ContractError);
 }
 
 TEST(SquaredClearance, EqualsTheSearchOverAllCells) {
@@ -62,9 +62,9 @@ TEST(SquaredClearance, EqualsTheSearchOverAllCells) {
     map.columns = 23, map.rows = 31;
     for (int i = 0; i < map.columns * map.rows; ++i)
       map.occupancy.push_back(random.chance(0.02) ? 0.9F : random.chance(0.02) ? 0.5F : 0.1F);
-    const auto space = paths::readFreeSpace(map);
-    for (const int obstacles : {paths::kOccupiedCell | paths::kUnknownCell, int{paths::kOccupiedCell}}) {
-      const auto clearance = paths::squaredClearance(space, static_cast<std::uint8_t>(obstacles), reach);
+    const auto space = readFreeSpace(map);
+    for (const int obstacles : {kOccupiedCell | kUnknownCell, int{kOccupiedCell}}) {
+      const auto clearance = squaredClearance(space, static_cast<std::uint8_t>(obstacles), reach);
       for (int row = 0; row < space.rows; ++row)
         for (int column = 0; column < space.columns; ++column) {
           int nearest = reach * reach;
@@ -79,14 +79,14 @@ TEST(SquaredClearance, EqualsTheSearchOverAllCells) {
 }
 
 TEST(CloseGaps, FillsWhatLiesBetweenTwoBeamsAndTouchesNoWall) {
-  auto space = paths::readFreeSpace(drawnMap(
+  auto space = readFreeSpace(drawnMap(
       {"........#",  //
        "..?...?..",  // between two free cells; beside a wall
        "........#",  //
        ".??...???",  // two cells wide, still between above and below; an edge, of which only the corner goes
        "......???",  //
        "......???"}));
-  paths::closeGaps(space);
+  closeGaps(space);
   EXPECT_EQ(states(space),
             "???????????\n"
             "?........#?\n"
@@ -99,4 +99,4 @@ TEST(CloseGaps, FillsWhatLiesBetweenTwoBeamsAndTouchesNoWall) {
 }
 
 }  // namespace
-}  // namespace slam::navigate
+}  // namespace slam::paths

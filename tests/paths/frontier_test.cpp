@@ -2,15 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/navigate/drawn_map.h"
+#include "tests/paths/drawn_map.h"
 
-namespace slam::navigate {
+namespace slam::paths {
 namespace {
 
 /// The map with the cells of frontier k drawn as the letter k.
 std::string drawn(const gridmap::OccupancyRaster& map, size_t min_cells) {
-  const auto space = paths::readFreeSpace(map);
-  const auto frontiers = paths::findFrontiers(space, min_cells);
+  const auto space = readFreeSpace(map);
+  const auto frontiers = findFrontiers(space, min_cells);
   std::string text;
   for (int row = space.rows - 2; row > 0; --row) {
     for (int column = 1; column + 1 < space.columns; ++column) {
@@ -50,15 +50,15 @@ TEST(Frontiers, ShorterThanAskedForDoNotCount) {
             "#...AA.##\n"
             "##.######\n"
             "??.??????\n");
-  EXPECT_TRUE(paths::findFrontiers(paths::readFreeSpace(drawnMap(kRoom)), 7).empty());
+  EXPECT_TRUE(findFrontiers(readFreeSpace(drawnMap(kRoom)), 7).empty());
 }
 
 TEST(Frontiers, GoOnAtTheRastersEdgeAndNotThroughWalls) {
   EXPECT_EQ(drawn(drawnMap({"...", ".#.", "..."}), 1), "AAA\nA#A\nAAA\n");
   EXPECT_EQ(drawn(drawnMap({"####", "#..#", "####", "????"}), 1), "####\n#..#\n####\n????\n");
-  EXPECT_TRUE(paths::findFrontiers(paths::readFreeSpace(drawnMap({"???"})), 1).empty());
-  EXPECT_TRUE(paths::findFrontiers(paths::readFreeSpace(gridmap::OccupancyRaster()), 1).empty());
+  EXPECT_TRUE(findFrontiers(readFreeSpace(drawnMap({"???"})), 1).empty());
+  EXPECT_TRUE(findFrontiers(readFreeSpace(gridmap::OccupancyRaster()), 1).empty());
 }
 
 }  // namespace
-}  // namespace slam::navigate
+}  // namespace slam::paths

@@ -4,7 +4,7 @@
 
 #include "libslam/gridmap/occupancy_raster.h"
 
-namespace slam::navigate {
+namespace slam::paths {
 
 /// A map drawn as text, the top line first: '#' occupied, '.' free, anything else unknown. Its lower left
 /// corner is the origin.
@@ -30,4 +30,4 @@ inline gridmap::OccupancyRaster enlarged(const std::vector<std::string>& lines, 
   return drawnMap(large, resolution_m);
 }
 
-}  // namespace slam::navigate
+}  // namespace slam::paths
