@@ -21,6 +21,12 @@ function operationWords(operation: string): string {
   return `moved ${way_m.toFixed(3)} m`;
 }
 
+/** With so many decimals; no "-0.00". */
+function decimals(value: number, count: number): string {
+  const text = value.toFixed(count);
+  return Number(text) === 0 ? text.replace("-", "") : text;
+}
+
 /** What the page says of its events. */
 function readMeanings(): Map<string, string> {
   const names = Array.from(document.querySelectorAll("#event-meanings dt"));
@@ -138,7 +144,7 @@ export class ReplayView {
           "section",
           {},
           make("h3", {}, "Operation log"),
-          make("p", { class: "note" }, "What the robot did before each scan shown, as its scans said: m rear front (m), t angle (rad)."),
+          make("p", { class: "note" }, "The command that led to each scan shown, whole, though it may take many scans; as the scans before and after it said: m rear front (m), t angle (rad)."),
           this.operations.root,
         ),
       );
@@ -307,7 +313,7 @@ export class ReplayView {
     const { index } = this.shown;
     const say = (name: string, pose: Pose | null): string =>
       pose
-        ? `${name} ${pose.x.toFixed(2)}, ${pose.y.toFixed(2)} m, ${((pose.yaw * 180) / Math.PI).toFixed(1)}°`
+        ? `${name} ${decimals(pose.x, 2)}, ${decimals(pose.y, 2)} m, ${decimals((pose.yaw * 180) / Math.PI, 1)}°`
         : `${name} nowhere`;
     const parts = this.replay.truth ? [say(kTruth.name, this.replay.truth.at(index))] : [];
     for (const run of this.replay.runs) if (this.shown.runs.has(run)) parts.push(say(run.name, run.path.at(index)));
