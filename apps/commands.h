@@ -39,7 +39,9 @@ void addNavigate(CLI::App& app, Context& context);
 void addGraph(CLI::App& app, Context& context);
 void addInfo(CLI::App& app, Context& context);
 void addCheck(CLI::App& app, Context& context);
-void addEditing(CLI::App& app, Context& context);  ///< cut, merge, filter
+void addEditing(CLI::App& app, Context& context);  ///< cut, filter
+void addMerge(CLI::App& app, Context& context);
+void addDiff(CLI::App& app, Context& context);
 void addPlot(CLI::App& app, Context& context);
 void addPlugin(CLI::App& app, Context& context);
 void addStress(CLI::App& app, Context& context);

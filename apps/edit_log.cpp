@@ -7,6 +7,7 @@
 
 #include "apps/commands.h"
 #include "apps/console.h"
+#include "apps/edited_log.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/logs/log_edit.h"
@@ -19,34 +20,6 @@
 
 namespace slam::apps {
 namespace {
-
-void addOut(CLI::App* command, Context& context) {
-  addOutput(command, context, "the rawlog to write");
-  command->get_option("--output")->required();
-  addJson(command, context);
-}
-
-int report(const Context& context, const logs::EditCounts& counts,
-           const std::vector<std::string>& beside = {}) {
-  if (context.json) {
-    std::cout << nlohmann::ordered_json{{"output", context.output},      {"read", counts.read},
-                                        {"unchanged", counts.unchanged}, {"changed", counts.changed},
-                                        {"composed", counts.composed},   {"dropped", counts.dropped},
-                                        {"damage", counts.damage},       {"beside", beside}}
-                     .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
-              << "\n";
-    return 0;
-  }
-  const auto n = [](std::uint64_t count) { return static_cast<unsigned long>(count); };
-  std::printf("%lu objects: %lu as they were, %lu changed, %lu dropped\n", n(counts.read),
-              n(counts.unchanged), n(counts.changed), n(counts.dropped));
-  if (counts.composed > 0)
-    std::printf("%lu actions took up the motion of dropped steps\n", n(counts.composed));
-  if (!counts.damage.empty()) printWrapped("the log broke off: ", counts.damage);
-  std::printf("  %s\n", context.output.c_str());
-  for (const auto& file : beside) std::printf("  %s\n", file.c_str());
-  return 0;
-}
 
 double number(const std::string& text, const char* flag, const char* expected) {
   double value = 0;
@@ -81,17 +54,7 @@ int cut(const Context& context, const CutArguments& arguments) {
       core::refuseToOverwrite(record::logStem(context.output) + end, context.overwrite);
   ConsoleProgress progress(context.quiet);
   const auto counts = logs::cutLog(arguments.log, context.output, options, progress);
-  return report(context, counts, record::keepTruth(arguments.log, context.output));
-}
-
-struct MergeArguments {
-  std::string first, second;
-};
-
-int merge(const Context& context, const MergeArguments& arguments) {
-  core::refuseToOverwrite(context.output, context.overwrite);
-  ConsoleProgress progress(context.quiet);
-  return report(context, logs::mergeLogs(arguments.first, arguments.second, context.output, progress));
+  return reportEditedLog(context, counts, record::keepTruth(arguments.log, context.output));
 }
 
 struct FilterArguments {
@@ -199,7 +162,7 @@ int filter(const Context& context, const FilterArguments& arguments) {
   if (arguments.odometry.empty()) {
     if (!arguments.form.empty())
       throw core::InputError("--form: goes with --odometry; 'rasterslam convert' changes the form alone");
-    return report(context, logs::filterLog(arguments.log, context.output, options, progress));
+    return reportEditedLog(context, logs::filterLog(arguments.log, context.output, options, progress));
   }
   auto odometry = odometryOptions(arguments);
   if (arguments.odometry == "argmax")
@@ -223,7 +186,7 @@ void addCut(CLI::App& app, Context& context) {
                       "first moment kept: seconds after the log's first stamp, or @SECONDS since 1970");
   command->add_option("--to", arguments->to, "first moment dropped again, likewise");
   command->add_flag("--salvage", arguments->salvage, "of a log that breaks off, keep what comes before");
-  addOut(command, context);
+  addEditedLog(command, context);
   command->footer(
       "Objects without a stamp go with the one before. An action stays with its frame.\n"
       "Examples:\n"
@@ -232,21 +195,6 @@ void addCut(CLI::App& app, Context& context) {
       "  rasterslam cut broken.rawlog --salvage -o whole.rawlog");
   command->callback(
       [&context, arguments] { context.action = [&context, arguments] { return cut(context, *arguments); }; });
-}
-
-void addMerge(CLI::App& app, Context& context) {
-  auto* command = app.add_subcommand("merge", "two logs in one, by stamp");
-  auto arguments = std::make_shared<MergeArguments>();
-  command->add_option("first", arguments->first, "a log of any format that is read here")->required();
-  command->add_option("second", arguments->second, "another; at equal stamps it comes second")->required();
-  addOut(command, context);
-  command->footer(
-      "Each log keeps its own order. Two logs with actions must not overlap in time.\n"
-      "Example:\n"
-      "  rasterslam merge front.rawlog rear.rawlog -o both.rawlog");
-  command->callback([&context, arguments] {
-    context.action = [&context, arguments] { return merge(context, *arguments); };
-  });
 }
 
 void addFilter(CLI::App& app, Context& context) {
@@ -279,7 +227,7 @@ void addFilter(CLI::App& app, Context& context) {
   command->add_option(
       "--form", arguments->form,
       "with --odometry: action or observation (default: as the log is); rbpf-slam needs action");
-  addOut(command, context);
+  addEditedLog(command, context);
   command->footer(
       "--no-return, --step and --mount are about all 2D scans of the log. The motion of dropped steps of\n"
       "an action / sensory frame log goes to the next step kept. What is not touched stays byte for byte,\n"
@@ -303,7 +251,6 @@ void addFilter(CLI::App& app, Context& context) {
 
 void addEditing(CLI::App& app, Context& context) {
   addCut(app, context);
-  addMerge(app, context);
   addFilter(app, context);
 }
 

@@ -42,6 +42,8 @@ int runRasterslam(int argc, char** argv) {
   slam::apps::addGraph(app, context);
   slam::apps::addCheck(app, context);
   slam::apps::addEditing(app, context);
+  slam::apps::addMerge(app, context);
+  slam::apps::addDiff(app, context);
   slam::apps::addPlot(app, context);
   slam::apps::addPlugin(app, context);
   slam::apps::addNew(app, context);

@@ -41,17 +41,26 @@ void GraphMapBuilder::initialize(const mrpt::maps::CSimpleMap& initialMap, const
   last_ = {};
   maps_.maps.clear();
   grid_.reset();
-  for (size_t i = 0; i < initialMap.size(); ++i) {
-    const auto [pose, frame] = compat::frameOf(initialMap, i);
+  addKnownKeyframes(initialMap);
+  if (graph_.keyframeCount() == 0) return;
+  last_.T_map_robot = graph_.keyframePose(graph_.keyframeCount() - 1);
+  if (x0 != nullptr) last_.T_map_robot = robot::fromMrpt(x0->getMeanVal().asTPose());
+  graph_.startAt(last_.T_map_robot);
+}
+
+void GraphMapBuilder::addKnownKeyframes(const mrpt::maps::CSimpleMap& map) {
+  for (size_t i = 0; i < map.size(); ++i) {
+    const auto [pose, frame] = compat::frameOf(map, i);
     const auto observation = frame->getObservationByClass<mrpt::obs::CObservation2DRangeScan>();
     if (!observation) continue;
     const auto mean = pose->getMeanVal();
     graph_.addKnownKeyframe(robot::fromMrpt(*observation), {mean.x(), mean.y(), mean.yaw()});
   }
-  if (graph_.keyframeCount() == 0) return;
-  last_.T_map_robot = graph_.keyframePose(graph_.keyframeCount() - 1);
-  if (x0 != nullptr) last_.T_map_robot = robot::fromMrpt(x0->getMeanVal().asTPose());
-  graph_.startAt(last_.T_map_robot);
+}
+
+void GraphMapBuilder::addPart(const mrpt::maps::CSimpleMap& map) {
+  graph_.beginKnownPart();
+  addKnownKeyframes(map);
 }
 
 mrpt::poses::CPose3DPDF::Ptr GraphMapBuilder::getCurrentPoseEstimation() const {

@@ -43,10 +43,15 @@ class GraphMapBuilder : public mrpt::slam::CMetricMapBuilder {
   /// After initialize() with a map: nobody knows where in it the robot is. REQUIRES options.enableMapUpdating
   /// = false from then on.
   void startAnywhere() { graph_.startAnywhere(); }
+  /// After initialize() with a map: another map, whose place in the first is not known, to be found by
+  /// joinParts(). REQUIRES no scan before.
+  void addPart(const mrpt::maps::CSimpleMap& map);
+  std::vector<graph::PartPlace> joinParts(core::Progress& progress) { return graph_.joinParts(progress); }
   const graph::GraphSlam& graph() const { return graph_; }
 
  private:
   void requireBounded() const;
+  void addKnownKeyframes(const mrpt::maps::CSimpleMap& map);
 
   MappingOptions mapping_;
   graph::GraphOptions graph_options_;

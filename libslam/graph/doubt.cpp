@@ -241,11 +241,7 @@ void GraphSlam::endDoubt() {
 void GraphSlam::startElsewhere(double score) {
   note(core::JournalEvent::kLost, score);
   const int k = doubt_.begins;
-  posegraph::Edge gap = graph_.edges()[static_cast<size_t>(keyframe(k).odometry_edge)];
-  graph_.setOn(keyframe(k).odometry_edge, false);
-  gap.information = scanmatch::poseInformation(kGap_m, kGap_rad);
-  keyframes_[static_cast<size_t>(k)].odometry_edge = graph_.addEdge(gap);
-  covariance_ = scanmatch::covarianceOf(gap.information);
+  loosen(k);
   for (int i = k; i < graph_.nodeCount(); ++i) {
     keyframes_[static_cast<size_t>(i)].path_m += kGapPath_m;
     keyframes_[static_cast<size_t>(i)].covariance = covariance_;
@@ -259,6 +255,15 @@ void GraphSlam::startElsewhere(double score) {
   lost_.restart();
   doubt_ = {};
   held_back_ = 0;
+}
+
+/// Nothing is known of how keyframe k lies to the one before.
+void GraphSlam::loosen(int k) {
+  posegraph::Edge gap = graph_.edges()[static_cast<size_t>(keyframe(k).odometry_edge)];
+  graph_.setOn(keyframe(k).odometry_edge, false);
+  gap.information = scanmatch::poseInformation(kGap_m, kGap_rad);
+  keyframes_[static_cast<size_t>(k)].odometry_edge = graph_.addEdge(gap);
+  covariance_ = scanmatch::covarianceOf(gap.information);
 }
 
 /// The scans that were held back when the doubt began belong to the new part.

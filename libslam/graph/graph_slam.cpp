@@ -18,8 +18,6 @@ using scanmatch::PatchPoint;
 /// An edge of odometry that was not to be trusted.
 constexpr double kDistrustedFactor = 5;
 constexpr int kPartnerStep = 3;
-/// Of a keyframe that was known before: journal entries refer to no scan then.
-constexpr int kOfEarlierRun = -1;
 
 }  // namespace
 
@@ -90,17 +88,6 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
   records_.push_back({lastKeyframe(), T_keyframe_robot_, step.drift_covariance});
   keepScan(scan);
   return step;
-}
-
-void GraphSlam::addKnownKeyframe(const robot::Scan& scan, const Pose2& T_map_robot) {
-  if (!records_.empty()) throw core::ContractError("GraphSlam: known keyframes come before the first scan");
-  const Pose2 T_last = keyframes_.empty() ? Pose2{} : graph_.pose(lastKeyframe());
-  T_odometry_ = core::between(T_last, T_map_robot);
-  path_m_ += core::hypot(T_odometry_.x, T_odometry_.y);
-  const bool loops = std::exchange(options_.loops, false);
-  addKeyframe(scan, pointsOf(scan), T_map_robot, scanmatch::poseInformation(0.02, 0.005));
-  keyframes_.back().scan = kOfEarlierRun;
-  options_.loops = loops;
 }
 
 void GraphSlam::startAt(const Pose2& T_map_robot) {
@@ -221,7 +208,7 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> poi
     graph_.setFixed(0);
   } else {
     keyframes_.back().odometry_edge = addOdometryEdge(k);
-    if (doubt_.begins != k) link(k - 1, k);
+    if (doubt_.begins != k && parts_.back().begin != k) link(k - 1, k);
     addMatchEdges(k, T_map_robot, information);
     noteMatch();
   }

@@ -12,8 +12,10 @@
 
 #include "libslam/core/journal.h"
 #include "libslam/core/pose2.h"
+#include "libslam/core/progress.h"
 #include "libslam/graph/graph_options.h"
 #include "libslam/graph/lost_detector.h"
+#include "libslam/graph/part_place.h"
 #include "libslam/graph/types.h"
 #include "libslam/posegraph/pose_graph.h"
 #include "libslam/robot/scan.h"
@@ -113,6 +115,13 @@ class GraphSlam {
   /// A keyframe of a map that is continued, at a known pose, tied to the one before. Before the first scan
   /// only.
   void addKnownKeyframe(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  /// The known keyframes to come are those of a map of its own, in its own frame: nobody knows where it lies
+  /// in what was known before. REQUIRES a keyframe, and no scan.
+  void beginKnownPart();
+  /// Looks for the place of every known part in the rest of the map, as parts of a kidnapped robot's map are
+  /// joined; then for the loops between them, and refines all poses jointly. One for each beginKnownPart(); a
+  /// part of which no place is proved stays far away. REQUIRES options.loops. Errors: what `progress` throws.
+  std::vector<PartPlace> joinParts(core::Progress& progress);
   /// Where the robot is now in what is known: after known keyframes, or wherever it was put. Nothing is taken
   /// as measured between there and where it was before. REQUIRES a keyframe.
   void startAt(const core::Pose2& T_map_robot);
@@ -233,6 +242,7 @@ class GraphSlam {
   void beginOwnMap();
   void endDoubt();
   void startElsewhere(double score);
+  void loosen(int keyframe);
   void moveHeldBackTo(int keyframe);
 
   // covariance.cpp
@@ -308,6 +318,11 @@ class GraphSlam {
   bool isProved(Join& join, int component);
   void joinPart(const Join& join);
 
+  // known_parts.cpp: maps of before whose places in one another are not known
+  std::optional<PartPlace> placeOfPart(int first, int end, core::Progress& progress);
+  void judge(size_t part, PartPlace& place) const;
+  int endOfPart(size_t part) const;
+
   // localise.cpp: in a finished map
   bool searchWhileLost(const std::vector<scanmatch::PatchPoint>& points, Step& step);
   void beLost(double score);
@@ -355,7 +370,8 @@ class GraphSlam {
   Doubt doubt_;
   int held_back_ = 0;  ///< scans in a row that were not believed
   std::vector<Part> parts_{{0, 0}};
-  std::vector<int> places_;  ///< of placesBeyond()
+  std::vector<KnownPart> known_parts_;  ///< those after the first
+  std::vector<int> places_;             ///< of placesBeyond()
   int places_known_ = 0, places_component_ = kNoComponent;
   size_t places_tried_ = 0;                               ///< times kHeadings
   std::map<int, scanmatch::LikelihoodPyramid> pyramids_;  ///< of places_

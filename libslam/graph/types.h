@@ -85,6 +85,11 @@ struct Hypothesis {
 struct Part {
   int begin, component;
 };
+/// A part that was given, not driven: the frame it was given in, as it was laid out, and its first keyframe
+/// there.
+struct KnownPart {
+  core::Pose2 T_map_given, T_given_first;
+};
 /// What a part of the map, or a robot that is lost in a finished map, has seen in a row: poses among
 /// themselves.
 struct TrailPoint {

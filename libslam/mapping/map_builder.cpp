@@ -1,17 +1,12 @@
 #include "libslam/mapping/map_builder.h"
 
-#include <mrpt/io/CFileGZInputStream.h>
 #include <mrpt/maps/CSimpleMap.h>
-#include <mrpt/serialization/CArchive.h>
 
 #include <cmath>
-#include <new>
-#include <stdexcept>
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/memory_guard.h"
+#include "libslam/mapping/simple_map.h"
 #include "libslam/mapping/step_motion.h"
 #include "libslam/methods/mrpt_method.h"
 
@@ -44,24 +39,6 @@ namespace {
 double growingTime(double time_s, double last_time_s, bool is_first) {
   if (std::isfinite(time_s) && (is_first || time_s > last_time_s)) return time_s;
   return last_time_s + 1e-3;
-}
-
-mrpt::maps::CSimpleMap loadKeyFrames(const std::string& path) {
-  core::requireReadableFile(path);
-  mrpt::maps::CSimpleMap map;
-  try {
-    const core::MemoryGuard guard(core::fileHeadroomBytes(path));
-    mrpt::io::CFileGZInputStream file(path);  // not loadFromFile(), which says nothing of why it fails
-    mrpt::serialization::archiveFrom(file) >> map;
-  } catch (const std::bad_alloc&) {
-    throw core::InputError(path + ": found key frames of impossible size, expected an MRPT simplemap");
-  } catch (const std::length_error&) {
-    throw core::InputError(path + ": found key frames of impossible size, expected an MRPT simplemap");
-  } catch (const std::exception&) {
-    throw core::InputError(path + ": is no MRPT simplemap");
-  }
-  if (map.empty()) throw core::InputError(path + ": holds 0 key frames, expected at least 1");
-  return map;
 }
 
 /// The scans of the other lidars at this step, deskewed.
@@ -107,7 +84,7 @@ void continueMap(MapBuilder& method, const std::string& simplemap_path,
     throw core::InputError("method " + method.name + " of type " + method.type +
                            " has to be told where in the map the log begins (--start): only type " +
                            methodTypesWhich(finds) + " finds a robot anywhere, and only with --localise");
-  const auto map = loadKeyFrames(simplemap_path);
+  const auto map = loadSimpleMap(simplemap_path);
   try {
     method.method->continueMap(map, T_map_robot, keep_map);
   } catch (const core::MethodError&) {
@@ -116,6 +93,18 @@ void continueMap(MapBuilder& method, const std::string& simplemap_path,
     throw core::InputError(simplemap_path + ": cannot be gone on with: " + methods::firstLine(error.what()));
   }
   method.state->history.T_map_robot = T_map_robot.value_or(core::Pose2{});
+}
+
+std::vector<graph::PartPlace> joinMaps(MapBuilder& method, const std::vector<std::string>& simplemap_paths,
+                                       core::Progress& progress) {
+  const auto joins = [](const methods::MethodType& one) { return one.joins_maps; };
+  if (!method.state->type.joins_maps)
+    throw core::InputError("method " + method.name + " of type " + method.type +
+                           " joins no maps, expected type " + methodTypesWhich(joins));
+  continueMap(method, simplemap_paths.at(0), core::Pose2{}, false);
+  std::vector<mrpt::maps::CSimpleMap> others;
+  for (size_t i = 1; i < simplemap_paths.size(); ++i) others.push_back(loadSimpleMap(simplemap_paths[i]));
+  return method.method->joinMaps(others, progress);
 }
 
 void addScans(MapBuilder& method, std::vector<SweptScan> others) {

@@ -10,6 +10,8 @@
 #include "libslam/core/journal.h"
 #include "libslam/core/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/core/progress.h"
+#include "libslam/graph/part_place.h"
 #include "libslam/gridmap/occupancy_raster.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/mapping/scan_deskewer.h"
@@ -55,6 +57,13 @@ mrpt::slam::CMetricMapBuilder& mrptBuilder(const MapBuilder& method);
 /// scan, and for types that cannot (MethodType).
 void continueMap(MapBuilder& method, const std::string& simplemap_path,
                  const std::optional<core::Pose2>& T_map_robot, bool keep_map);
+
+/// One map of several, of which nobody knows how they lie to one another (map.simplemap each): they are found
+/// in each other, joined where that is proved, and refined together, in the frame of the first. One place for
+/// each map after the first; of a map that has none (is_joined) the key frames stay far away, and the result
+/// is of no use. REQUIRES two maps at least, and that no scan was processed. Errors: as continueMap().
+std::vector<graph::PartPlace> joinMaps(MapBuilder& method, const std::vector<std::string>& simplemap_paths,
+                                       core::Progress& progress);
 
 /// What the robot was told to do before each scan to come, the first included: for processScan() where it is
 /// not told itself.

@@ -23,6 +23,7 @@
 #include "libslam/gridmap/mrpt_grid.h"
 #include "libslam/mapping/key_frames.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/mapping/simple_map.h"
 #include "libslam/posegraph/g2o_io.h"
 #include "libslam/robot/mrpt_types.h"
 
@@ -126,6 +127,38 @@ gridmap::OccupancyRaster readGridMap(const std::string& path) {
     throw core::InputError(path + ": is no MRPT occupancy grid");
   }
   return gridmap::fromMrpt(grid);
+}
+
+mrpt::maps::CSimpleMap loadSimpleMap(const std::string& path) {
+  core::requireReadableFile(path);
+  mrpt::maps::CSimpleMap map;
+  try {
+    const core::MemoryGuard guard(core::fileHeadroomBytes(path));
+    mrpt::io::CFileGZInputStream file(path);  // not loadFromFile(), which says nothing of why it fails
+    mrpt::serialization::archiveFrom(file) >> map;
+  } catch (const std::bad_alloc&) {
+    throw core::InputError(path + ": found key frames of impossible size, expected an MRPT simplemap");
+  } catch (const std::length_error&) {
+    throw core::InputError(path + ": found key frames of impossible size, expected an MRPT simplemap");
+  } catch (const std::exception&) {
+    throw core::InputError(path + ": is no MRPT simplemap");
+  }
+  if (map.empty()) throw core::InputError(path + ": holds 0 key frames, expected at least 1");
+  return map;
+}
+
+std::vector<KeyFrame> readKeyFrames(const std::string& path) {
+  const auto map = loadSimpleMap(path);
+  std::vector<KeyFrame> key_frames;
+  for (size_t i = 0; i < map.size(); ++i) {
+    const auto [pose, frame] = builders::compat::frameOf(map, i);
+    const auto observation = frame->getObservationByClass<mrpt::obs::CObservation2DRangeScan>();
+    if (!observation) continue;
+    const auto mean = pose->getMeanVal();
+    key_frames.push_back({robot::fromMrpt(*observation), {mean.x(), mean.y(), mean.yaw()}});
+  }
+  if (key_frames.empty()) throw core::InputError(path + ": holds 0 laser scans, expected at least 1");
+  return key_frames;
 }
 
 void saveKeyFrames(const MapBuilder& method, const std::string& folder) {

@@ -21,6 +21,8 @@ class GraphMethod : public SlamMethod {
   mrpt::slam::CMetricMapBuilder& mrptBuilder() const override { return *builder_; }
   void continueMap(const mrpt::maps::CSimpleMap& key_frames, const std::optional<core::Pose2>& T_map_robot,
                    bool keep_map) override;
+  std::vector<graph::PartPlace> joinMaps(const std::vector<mrpt::maps::CSimpleMap>& maps,
+                                         core::Progress& progress) override;
   void finish() override;
   std::vector<core::JournalEntry> journal() const override;
   std::optional<core::Trajectory> finalPath(const core::Trajectory& online) const override;
@@ -45,6 +47,12 @@ void GraphMethod::continueMap(const mrpt::maps::CSimpleMap& key_frames,
                               const std::optional<core::Pose2>& T_map_robot, bool keep_map) {
   SlamMethod::continueMap(key_frames, T_map_robot, keep_map);
   if (!T_map_robot) builder_->startAnywhere();
+}
+
+std::vector<graph::PartPlace> GraphMethod::joinMaps(const std::vector<mrpt::maps::CSimpleMap>& maps,
+                                                    core::Progress& progress) {
+  for (const auto& map : maps) builder_->addPart(map);
+  return builder_->joinParts(progress);
 }
 
 /// The loops that are left, and a joint refinement; the poses given online do not change.
@@ -90,7 +98,7 @@ MethodType graphMethod() {
   MethodType type;
   type.name = "graph";
   type.sections = {"graph"};
-  type.goes_on_alone = type.continues_maps = type.finds_itself = true;
+  type.goes_on_alone = type.continues_maps = type.finds_itself = type.joins_maps = true;
   type.read = [](const core::IniFile& ini, std::vector<core::ParameterReport>& report) -> MethodMaker {
     builders::MappingOptions mapping;
     graph::GraphOptions graph;

@@ -20,6 +20,7 @@ struct MethodType {
   bool goes_on_alone = false;  ///< does without a motion where there is none; [method] odometry may be `none`
   bool continues_maps = false;  ///< SlamMethod::continueMap()
   bool finds_itself = false;    ///< and that without being told where
+  bool joins_maps = false;      ///< SlamMethod::joinMaps()
   /// Reads [mapping] and its own sections, adds their rows to the report, and makes nothing yet. Errors:
   /// InputError for a misspelt, impossible or contradictory key.
   std::function<MethodMaker(const core::IniFile&, std::vector<core::ParameterReport>&)> read;

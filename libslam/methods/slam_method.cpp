@@ -64,6 +64,11 @@ void SlamMethod::continueMap(const mrpt::maps::CSimpleMap& key_frames,
   mrptBuilder().options.enableMapUpdating = !keep_map;
 }
 
+std::vector<graph::PartPlace> SlamMethod::joinMaps(const std::vector<mrpt::maps::CSimpleMap>& /*maps*/,
+                                                   core::Progress& /*progress*/) {
+  throw core::ContractError("joinMaps(): of a type that joins none");
+}
+
 void silence(mrpt::slam::CMetricMapBuilder& builder) {
   builder.setVerbosityLevel(mrpt::system::LVL_ERROR);
   builder.logging_enable_console_output = false;

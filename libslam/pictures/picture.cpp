@@ -245,6 +245,58 @@ void drawDifference(const world::Plan& plan, const world::Plan& map, const core:
   sheet.canvas().save(file);
 }
 
+namespace {
+
+constexpr draw::Colour kNewColour = draw::kVermillion, kGoneColour = draw::kBlue;
+enum ChangeLabel : unsigned char { kNotKnown, kOpen, kStands };
+
+draw::LabelRaster wallsOf(const world::Plan& map) {
+  return draw::LabelRaster(map, map.T_world_plan, [&](int column, int row) {
+    const auto cell = map.at(column, row);
+    return cell == world::Cell::kOccupied ? kStands : cell == world::Cell::kFree ? kOpen : kNotKnown;
+  });
+}
+
+}  // namespace
+
+void drawChanges(const DrawnChanges& changes, const std::string& title, const std::string& file,
+                 const draw::Paper& paper) {
+  const auto before = wallsOf(changes.before), after = wallsOf(changes.after);
+  auto window = draw::windowOf(changes.before, changes.before.T_world_plan);
+  window.include(draw::windowOf(changes.after, changes.after.T_world_plan));
+  using Kind = draw::LegendEntry::Kind;
+  MapSheet sheet(draw::usable(window), title,
+                 {{Kind::kBox, draw::kWall, "wall in both, or seen once"},
+                  {Kind::kBox, kNewColour, "new in " + changes.after_name},
+                  {Kind::kBox, kGoneColour, "gone since " + changes.before_name},
+                  {Kind::kBox, draw::kUnknown, "not mapped"}},
+                 paper);
+  const auto& view = sheet.view();
+  const double side_m = 1 / (view.pixelsPerMetre() * draw::Canvas::kSubpixels);
+  sheet.canvas().paint(view.box, [&](draw::Pixel pixel) {
+    const auto p = view.toWorld(pixel);
+    const auto was = before.at(p, side_m), is = after.at(p, side_m);
+    for (const auto& place : changes.places)
+      if ((place.is_new ? is : was) == kStands && core::distance(p, place.centre) <= place.radius_m)
+        return place.is_new ? kNewColour : kGoneColour;
+    return std::max(was, is) == kStands ? draw::kWall
+           : std::max(was, is) == kOpen ? draw::kFree
+                                        : draw::kUnknown;
+  });
+  sheet.canvas().frame(view.box, draw::kFrame, 1);
+  constexpr double kRingGap = 4, kNumberSize = 15;
+  int number = 0;
+  for (const auto& place : changes.places) {
+    const auto colour = place.is_new ? kNewColour : kGoneColour;
+    const auto centre = view.toPixel(place.centre);
+    const double radius = place.radius_m * view.pixelsPerMetre() + kRingGap;
+    sheet.canvas().circle(centre, radius, colour, 1.5);
+    sheet.canvas().text({centre.x + 0.75 * radius + 2, centre.y - 0.75 * radius}, std::to_string(++number),
+                        kNumberSize, colour);
+  }
+  sheet.canvas().save(file);
+}
+
 std::vector<Panel> pathPanels(const world::Plan& plan, const std::vector<DrawnPath>& paths) {
   std::vector<Panel> panels;
   for (const auto& path : paths) {

@@ -51,6 +51,22 @@ void drawDifference(const world::Plan& plan, const world::Plan& map, const core:
                     const std::string& title, const std::string& file,
                     const metrics::SeenMask* seen = nullptr, const draw::Paper& paper = {});
 
+/// Two estimated maps of one place, each where its T_world_plan says: walls of both dark, free in either
+/// white, and around each place a ring with its number, from 1, within which the walls of the later map, or
+/// of the earlier one, are in colour.
+struct DrawnChanges {
+  world::Plan before, after;
+  std::string before_name, after_name;
+  struct Place {
+    core::Point2 centre;
+    double radius_m;
+    bool is_new;  ///< else gone
+  };
+  std::vector<Place> places;
+};
+void drawChanges(const DrawnChanges& changes, const std::string& title, const std::string& file,
+                 const draw::Paper& paper = {});
+
 /// One map per method, all in the same window of the world at the same scale, in the grid that shows them
 /// largest: the picture of a comparison. The window holds what half of the maps reach, so that one that has
 /// gone astray does not shrink the rest, and what is true: paths and plans, whole. REQUIRES 1 to 8 panels.

@@ -59,6 +59,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"run",
      {"core", "stats", "robot", "gridmap", "world", "objects", "logs", "sim", "odometry", "graph", "mapping",
       "metrics", "draw", "viewer", "process", "record"}},
+    {"sessions",
+     {"core", "robot", "world", "logs", "graph", "mapping", "table", "pictures", "report", "run"}},
     {"score",
      {"core", "stats", "world", "logs", "sim", "mapping", "metrics", "table", "pictures", "process", "record",
       "run"}},
