@@ -3,8 +3,7 @@
 
   benchmarks/merging/merging.py [-n PAIRS] [-u PAIRS] [-t SECONDS] [-j JOBS] [-p PROGRAM] [-o FOLDER] [-s SEED]
 
-Two robots drive in a generated building each, start at different places and look ahead differently; `rasterslam run graph` maps
-each log, `rasterslam merge` looks for the maps in one another. n pairs are of one building, half of them with a third of the
+Two robots explore a generated building, from different places and by different strategies; `rasterslam run graph` maps each log, `rasterslam merge` looks for the maps in one another. n pairs are of one building, half of them with a third of the
 furniture moved before the second drive, every fifth by two lidars; u pairs are of two buildings of the same kind and size.
 What counts, against the true paths:
 - merged: exit code 0; wrong: merged, and the two paths then lie by more than 0.5 m or 10 degrees wrong to one another, or they
@@ -90,24 +89,27 @@ def merge(job):
             return done
 
         run("world", "make", building, "-o", "a.yaml", "--size", BUILDINGS[building], "--seed", seed)
-        drive = ["--duration", arguments.duration_s, "--strategy", "wall_follow", "-q"]
-        run("simulate", "a.yaml", "-o", "a.rawlog", "--lidar", lidar, "--seed", seed, *drive)
-        plan, more = "a.yaml", []
+        drive = ["--duration", arguments.duration_s, "--slam", "truth", "-q"]
+        run("explore", "a.yaml", "-o", "drive_a", "--strategy", "nearest_frontier", "--lidar", lidar, "--seed", seed, *drive)
+        plan, begins = "b.yaml", [[]]
         if is_same:
-            path = read_tum(folder / "a.gt.tum")
-            x, y, heading = path[len(path) // 2][1]
-            more = ["--start", f"{x},{y},{math.degrees(heading) + 130}"]
-            if is_moved:
-                more += ["--set", "living.visit=2", "--set", "living.furniture_share=0.33"]
+            plan, path = "a.yaml", read_tum(folder / "drive_a/run.gt.tum")
+            # About the middle of the other's way, wherever no furniture stands now.
+            middles = [path[len(path) * share // 100][1] for share in (50, 45, 55, 40, 60, 35, 65, 30, 70)]
+            begins = [["--start", f"{x},{y},{math.degrees(heading) + 130}"] for x, y, heading in middles]
         else:
-            plan = "b.yaml"
             run("world", "make", building, "-o", plan, "--size", BUILDINGS[building], "--seed", seed + 500)
-        run("simulate", plan, "-o", "b.rawlog", "--lidar", other_lidar, "--seed", seed + 500, *drive, *more)
+        moved = ["--set", "living.visit=2", "--set", "living.furniture_share=0.33"] if is_moved else []
+        for begin in begins:
+            done = run("explore", plan, "-o", "drive_b", "--strategy", "next_best_view", "--lidar", other_lidar, "--seed",
+                       seed + 500, *drive, *begin, *moved, fails=(3,))
+            if done.returncode == 0:
+                break
         for name in "ab":
-            run("run", "graph", f"{name}.rawlog", "-o", name, "-q", fails=(4,))
+            run("run", "graph", f"drive_{name}/run.rawlog", "-o", name, "-q", fails=(4,))
         done = run("merge", "a", "b", "-o", "both", "-q", "--json", fails=(4,))
         row = dict(zip(COLUMNS, (group, building, lidar, other_lidar, seed, "moved" if is_moved else "as it was", done.returncode, int(done.returncode == 0))))
-        truths = [read_tum(folder / f"{name}.gt.tum") for name in "ab"]
+        truths = [read_tum(folder / f"drive_{name}/run.gt.tum") for name in "ab"]
         alone = [paired(read_tum(folder / name / "trajectory_final.tum"), truth) for name, truth in zip("ab", truths)]
         row["ate_a_m"], row["ate_b_m"] = (f"{aligned_rmse(pairs):.4f}" for pairs in alone)
         row["wrong"] = int(done.returncode == 0 and not is_same)

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "libslam/core/error.h"
@@ -9,6 +10,7 @@ namespace slam::graph {
 namespace {
 
 using core::Pose2;
+using scanmatch::PatchPoint;
 
 /// Of a keyframe that was known before: journal entries refer to no scan then.
 constexpr int kOfEarlierRun = -1;
@@ -16,12 +18,48 @@ constexpr int kOfEarlierRun = -1;
 constexpr double kApart_m = 1000;
 /// How a keyframe lies to those around it in a map of before.
 constexpr double kKnown_m = 0.02, kKnown_rad = 0.005;
-/// Places along a part from which it is searched for, in keyframes: half of the trail that is followed.
-constexpr int kTrailStep = 20;
+/// Keyframes from which a part is searched for: how many keyframes apart, how many at most, and how many have
+/// to agree before the search may end early.
+constexpr int kLeastAnchorStep = 5, kMostAnchors = 24, kLeastAnchors = 3;
+/// Places that are held against the whole part.
+constexpr size_t kMostOverlays = 12;
+/// Two places are the same: maps drift.
+constexpr double kSame_m = 2, kSame_rad = 0.2;
+/// As in join.cpp: what a scan says in nats, when all of it is explained, and by how much the best place must
+/// be ahead.
+constexpr double kNatsPerScan = 10, kAhead = 14;
+/// What is contradicted says more than what is explained: ln(0.3 / 0.04) to ln(0.9 / 0.55), of how often a
+/// point is either at a wrong place and at the right one, where some furniture was moved.
+constexpr double kContradicted = 4;
+/// The share of what the best place says that no other in the same map may reach; and by so much of its way
+/// at least, in metres, the part has to fit it better than any other.
+constexpr double kTwin = 0.7, kAlone_m = 3;
+/// A keyframe that contradicts the map by more does not fit; furniture may have been moved.
+constexpr double kMostConflict = 0.2;
+/// The part has to fit over this extent, and its keyframes of which the map says anything in this share.
+constexpr double kExtent_m = 4, kLargeExtent_m = 10, kFittingShare = 0.5;
+/// After so many keyframes a place where hardly one fits is left.
+constexpr int kPatience = 10;
+constexpr double kHopeless = 0.2;
+/// Keyframes that make the map that one is matched to.
+constexpr int kMapKeyframes = 16;
 /// Every so many keyframes are held against the other parts in the end.
 constexpr int kJudgedStep = 2;
 /// A keyframe of which another part says less says nothing.
 constexpr double kTold = 0.3;
+
+bool isSame(const Pose2& a, const Pose2& b) {
+  return core::distance(a, b) < kSame_m && std::abs(core::angleDifference(a.phi, b.phi)) < kSame_rad;
+}
+
+bool isHopeless(const Overlay& one) {
+  return one.told >= kPatience && static_cast<double>(one.placed.size()) < kHopeless * one.told;
+}
+
+void sortByVotes(std::vector<Overlay>& overlays) {
+  std::stable_sort(overlays.begin(), overlays.end(),
+                   [](const Overlay& a, const Overlay& b) { return a.votes > b.votes; });
+}
 
 }  // namespace
 
@@ -78,35 +116,135 @@ std::vector<PartPlace> GraphSlam::joinParts(core::Progress& progress) {
   return places;
 }
 
-/// Looks for the keyframes [first, end) from some of them, one after the other, in all of the map that is not
-/// joined to them; and joins them there.
+/// Looks for the keyframes [first, end) from some of them in all of the map that is not joined to them. Every
+/// place that is found holds for the whole part: the places that several of them agree on are held against
+/// all of it, and the part is joined where it fits over a large extent and no other place is nearly as good.
 std::optional<PartPlace> GraphSlam::placeOfPart(int first, int end, core::Progress& progress) {
-  const int component = componentOf(first);
-  const size_t all = kHeadings * placesBeyond(component).size();
-  // The last place may be one that the rest of the map does not know.
-  for (int last = std::min(first + 2 * kTrailStep, end) - 1;; last = std::min(last + kTrailStep, end - 1)) {
-    searchAnew();
-    join_first_ = first, join_last_ = last;
-    for (size_t n = 0; n < 4 * all; ++n) {
-      progress.update(static_cast<double>(last - first) / (end - first), 0);
-      const Join* join = workOnJoins(component);
-      if (join == nullptr) {
-        if (joins_.empty() && n >= all) break;
-        continue;
-      }
-      PartPlace place;
-      place.fitting = join->fitting;
-      place.extent_m = join->fits.diagonal_m();
-      place.ahead_nats = 0;
-      for (const auto& said : join->says) place.ahead_nats += said.second.nats;
-      for (const auto& other : joins_)
-        if (&other != join) place.ahead_nats = std::min(place.ahead_nats, aheadOf(*join, other));
-      joinPart(*join);
-      if (componentOf(first) != component) return place;
-      break;
-    }
-    if (last == end - 1) return std::nullopt;
+  join_first_ = first, join_last_ = end - 1;
+  std::vector<Overlay> overlays;
+  const int anchors = std::clamp((end - first) / kLeastAnchorStep, 1, kMostAnchors);
+  for (int n = 0; n < anchors; ++n) {
+    lookFrom(first + (end - 1 - first) * (n + 1) / anchors, overlays, progress);
+    progress.update(static_cast<double>(n + 1) / anchors, 0);
+    // A place that so much speaks for needs no further witness; the others are held against it all the same.
+    if (n + 1 < kLeastAnchors) continue;
+    sortByVotes(overlays);
+    if (overlays.empty() || overlays[0].votes < kLeastAnchors) continue;
+    overlay(overlays[0], first, end);
+    if (overlays[0].fits.diagonal_m() >= kLargeExtent_m && fitsWell(overlays[0])) break;
   }
+  sortByVotes(overlays);
+  if (overlays.size() > kMostOverlays) overlays.resize(kMostOverlays);
+  for (auto& one : overlays) {
+    overlay(one, first, end);
+    progress.update(1, 0);
+  }
+  const auto best = std::max_element(overlays.begin(), overlays.end(),
+                                     [](const Overlay& a, const Overlay& b) { return a.nats < b.nats; });
+  if (best == overlays.end() || !fitsWell(*best)) return std::nullopt;
+  double rival_nats = 0;
+  for (const auto& other : overlays)
+    if (componentOf(other.place) == componentOf(best->place) &&
+        !isSame(placeAt(other, best->anchor), best->T_map_robot))
+      rival_nats = std::max(rival_nats, other.nats);
+  const double twin = std::max(kTwin, 1 - kAlone_m / best->fits.diagonal_m());
+  if (rival_nats > twin * best->nats || best->nats - rival_nats < kAhead) return std::nullopt;
+  PartPlace place;
+  place.fitting = static_cast<int>(best->placed.size());
+  place.extent_m = best->fits.diagonal_m();
+  place.ahead_nats = best->nats - rival_nats;
+  const Cursor& middle = best->placed[best->placed.size() / 2];
+  Hypothesis hypothesis;
+  hypothesis.keyframe = middle.at;
+  hypothesis.old_keyframe =
+      keyframesNear(core::position(middle.T_map_robot), componentOf(best->place), 1).front();
+  hypothesis.T_map_robot = middle.T_map_robot;
+  hypothesis.begun_m = path_m_;
+  hypothesis.confirmations = place.fitting;
+  hypothesis.evidence = best->distinct;
+  hypothesis.edges = best->edges;
+  if (!accept(hypothesis)) return std::nullopt;
+  return place;
+}
+
+/// Whether a part fits over enough of the map, and is not contradicted.
+bool GraphSlam::fitsWell(const Overlay& one) const {
+  const auto fitting = static_cast<int>(one.placed.size());
+  return one.is_judged && fitting >= options_.loop_confirmations && one.fits.diagonal_m() >= kExtent_m &&
+         fitting >= kFittingShare * one.told && one.distinct >= options_.loop_distinctness;
+}
+
+/// Places of the map, beyond the part, where what was seen around one of its keyframes fits.
+void GraphSlam::lookFrom(int anchor, std::vector<Overlay>& overlays, core::Progress& progress) {
+  std::vector<PatchPoint> query;
+  for (int k = anchor; k >= join_first_ && anchor - k < kMostQueryKeyframes; --k) {
+    if (keyframe(anchor).path_m - keyframe(k).path_m >= options_.loop_path_m) break;
+    const Pose2 T_anchor_k = core::between(graph_.pose(anchor), graph_.pose(k));
+    for (const auto& point : keyframe(k).points) query.push_back(T_anchor_k * point);
+  }
+  const auto places = placesBeyond(componentOf(anchor));
+  for (const int place : places) {
+    progress.update(-1, 0);
+    for (int heading = 0; heading < kHeadings; ++heading) {
+      const auto found = matchAtPlace(query, place, graph_.pose(anchor).phi + heading * kHeadingStep_rad);
+      if (!found) continue;
+      const auto known = std::find_if(overlays.begin(), overlays.end(), [&](const Overlay& one) {
+        return isSame(placeAt(one, anchor), found->T_map_robot);
+      });
+      if (known == overlays.end()) {
+        Overlay one;
+        one.anchor = one.last_voter = anchor, one.place = place;
+        one.T_map_robot = found->T_map_robot;
+        overlays.push_back(std::move(one));
+      } else if (known->last_voter != anchor) {
+        known->last_voter = anchor;
+        ++known->votes;
+      }
+    }
+  }
+}
+
+/// Where a keyframe lies if the part lies so.
+Pose2 GraphSlam::placeAt(const Overlay& one, int k) const {
+  return one.T_map_robot * core::between(graph_.pose(one.anchor), graph_.pose(k));
+}
+
+/// Holds a place against the whole part, from where it was found to both sides.
+void GraphSlam::overlay(Overlay& one, int first, int end) const {
+  if (one.is_judged) return;
+  one.is_judged = true;
+  Cursor cursor{one.anchor, one.T_map_robot};
+  for (int k = one.anchor; k < end && !isHopeless(one); ++k) lay(one, cursor, k);
+  cursor = {one.anchor, one.T_map_robot};
+  for (int k = one.anchor - 1; k >= first && !isHopeless(one); --k) lay(one, cursor, k);
+}
+
+/// Moves on to keyframe k, as it fits there.
+void GraphSlam::lay(Overlay& one, Cursor& cursor, int k) const {
+  const Pose2 expected = cursor.T_map_robot * core::between(graph_.pose(cursor.at), graph_.pose(k));
+  cursor = {k, expected};
+  const auto around = keyframesNear(core::position(expected), componentOf(one.place), kMapKeyframes);
+  const auto viewers = firstOf(around, kViewers);
+  const auto& points = keyframe(k).points;
+  if (toldBy(viewers, points, expected).telling < kTold) return;
+  const LevelMaps& maps = mapOf(around, core::position(expected));
+  scanmatch::PosePrior prior;
+  prior.mean = expected;
+  prior.information.diagonal() << 100, 100, 1000;
+  const auto matched = match(points, maps, expected, prior, 0, false);
+  const Pose2& T = matched.T_map_robot;
+  const bool is_near = core::distance(T, expected) <= kConfirmStep_m &&
+                       std::abs(core::angleDifference(T.phi, expected.phi)) <= kConfirmTurn_rad;
+  const double conflict = conflictOf(k - join_first_, viewers, is_near ? T : expected);
+  ++one.told;
+  one.against += conflict;
+  one.nats += kNatsPerScan * ((is_near ? matched.score : 0) - kContradicted * conflict);
+  if (!is_near || matched.score < options_.loop_confirm_score || conflict >= kMostConflict) return;
+  cursor.T_map_robot = T;
+  one.distinct += distinctness(points, maps, matched);
+  one.fits.add(core::position(T));
+  one.placed.push_back(cursor);
+  addLoopEdges(one.edges, around, k, matched);
 }
 
 /// What the keyframes of a part and those of the others say of each other, as they lie in the end.

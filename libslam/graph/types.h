@@ -102,12 +102,12 @@ struct Cursor {
   core::Pose2 T_map_robot;
 };
 struct Box {
-  core::Point2 least, most;  ///< map frame
+  core::Point2 least{1e300, 1e300}, most{-1e300, -1e300};  ///< map frame; at first empty
   void add(const core::Point2& p) {
     least = {std::min(least.x, p.x), std::min(least.y, p.y)};
     most = {std::max(most.x, p.x), std::max(most.y, p.y)};
   }
-  double diagonal_m() const { return core::distance(least, most); }
+  double diagonal_m() const { return least.x > most.x ? 0 : core::distance(least, most); }
 };
 /// What a point of a trail says for a place, in nats, and the share of its scan about which the map says
 /// nothing there.
@@ -130,6 +130,18 @@ struct Join {
   int old_keyframe = 0;               ///< nearest at `forth`
   int places_left = 0;                ///< of the whole map, not looked at yet since it was found
   double score = 0;
+  std::vector<posegraph::Edge> edges;
+};
+/// Where a known part may lie, by one of its keyframes; and what the rest of it says of that.
+struct Overlay {
+  int anchor, place;               ///< keyframes: of the part, and where it was found
+  core::Pose2 T_map_robot;         ///< of the anchor
+  int votes = 1, last_voter = -1;  ///< anchors that say so
+  bool is_judged = false;
+  int told = 0;  ///< keyframes of which the map says anything; of these:
+  double nats = 0, against = 0, distinct = 0;
+  std::vector<Cursor> placed;  ///< those that fit
+  Box fits;
   std::vector<posegraph::Edge> edges;
 };
 /// A place that a trail was followed through until it failed, and the extent over which it fitted.

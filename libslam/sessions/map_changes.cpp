@@ -93,8 +93,9 @@ MapChanges findChanges(const Plan& before, const Plan& after) {
   const auto gone = onlyIn(before, after, MapChange::Kind::kGone);
   found.changes.insert(found.changes.end(), gone.begin(), gone.end());
   const auto rank = [](const MapChange& change) {
-    return std::tuple(-core::distance(change.least, change.most), change.kind, change.least.x,
-                      change.least.y);
+    // To the millimetre, so that rounding decides nothing.
+    return std::tuple(-std::lround(1000 * core::distance(change.least, change.most)), change.kind,
+                      change.least.x, change.least.y);
   };
   std::sort(found.changes.begin(), found.changes.end(),
             [&](const MapChange& a, const MapChange& b) { return rank(a) < rank(b); });

@@ -20,17 +20,29 @@ namespace {
 namespace fs = std::filesystem;
 using mapping::KeyFrame;
 
+constexpr double kRounded_s = 1e-5, kRounded_m = 1e-3;  ///< of stamps and poses in files
+
+/// Whether a path was given with the key frames as they are, and not before they were corrected.
+bool fits(const core::Trajectory& path, const std::vector<KeyFrame>& key_frames) {
+  if (path.empty()) return false;
+  return std::all_of(key_frames.begin(), key_frames.end(), [&](const KeyFrame& frame) {
+    const auto same = std::lower_bound(
+        path.begin(), path.end(), frame.scan.time_s - kRounded_s,
+        [](const core::StampedPose& pose, double time_s) { return pose.time_s < time_s; });
+    return same != path.end() && core::distance(same->pose, frame.T_map_robot) < kRounded_m;
+  });
+}
+
 /// The path of a session where its key frames have moved: every pose goes with the key frame before it.
 core::Trajectory movedPath(const Session& session, const std::vector<KeyFrame>& before,
                            const std::vector<KeyFrame>& after) {
   core::Trajectory path;
-  if (session.estimate.empty()) {
+  if (!fits(session.estimate, before)) {
     for (size_t k = 0; k < before.size(); ++k) path.push_back({before[k].scan.time_s, after[k].T_map_robot});
   } else {
     std::vector<std::pair<double, size_t>> stamps;
     for (size_t k = 0; k < before.size(); ++k) stamps.push_back({before[k].scan.time_s, k});
     std::sort(stamps.begin(), stamps.end());
-    constexpr double kRounded_s = 1e-5;  // stamps of files
     for (const auto& [time_s, pose] : session.estimate) {
       const auto next = std::upper_bound(stamps.begin(), stamps.end(),
                                          std::pair<double, size_t>{time_s + kRounded_s, before.size()});

@@ -1,6 +1,7 @@
 // Maps of before, whose places in one another are not known.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "libslam/core/error.h"
@@ -26,18 +27,15 @@ void addKeyframes(const GraphSlam& of, GraphSlam& to) {
   for (int k = 0; k < of.keyframeCount(); ++k) to.addKnownKeyframe(of.keyframeScan(k), of.keyframePose(k));
 }
 
-/// The other way round, from somewhere on the way.
-std::vector<core::Pose2> reversed(const std::vector<core::Pose2>& path, size_t first) {
-  std::vector<core::Pose2> back;
-  for (size_t i = 0; i < path.size(); ++i) {
-    const auto& pose = path[(first + path.size() - i) % path.size()];
-    back.push_back({pose.x, pose.y, core::wrapToPi(pose.phi + core::kPi)});
-  }
-  return back;
+/// The same lap from somewhere on the way.
+std::vector<core::Pose2> lapFrom(size_t first) {
+  std::vector<core::Pose2> path = lapsAround(1);
+  std::rotate(path.begin(), path.begin() + static_cast<long>(first), path.end());
+  return path;
 }
 
 TEST(KnownParts, AreJoinedWhereTheyLie) {
-  const auto there = lapsAround(1), back = reversed(there, 250);
+  const auto there = lapsAround(1), back = lapFrom(250);
   const auto first = mapped(ring(), there, 1), second = mapped(ring(), back, 2);
   GraphSlam both{GraphOptions()};
   addKeyframes(first, both);
