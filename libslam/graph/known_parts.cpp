@@ -226,7 +226,8 @@ void GraphSlam::lay(Overlay& one, Cursor& cursor, int k) const {
   const auto around = keyframesNear(core::position(expected), componentOf(one.place), kMapKeyframes);
   const auto viewers = firstOf(around, kViewers);
   const auto& points = keyframe(k).points;
-  if (toldBy(viewers, points, expected).telling < kTold) return;
+  const double telling = std::min(toldBy(viewers, points, expected).telling, 1.0);
+  if (telling < kTold) return;
   const LevelMaps& maps = mapOf(around, core::position(expected));
   scanmatch::PosePrior prior;
   prior.mean = expected;
@@ -238,8 +239,9 @@ void GraphSlam::lay(Overlay& one, Cursor& cursor, int k) const {
   const double conflict = conflictOf(k - join_first_, viewers, is_near ? T : expected);
   ++one.told;
   one.against += conflict;
-  one.nats += kNatsPerScan * ((is_near ? matched.score : 0) - kContradicted * conflict);
-  if (!is_near || matched.score < options_.loop_confirm_score || conflict >= kMostConflict) return;
+  one.nats += kNatsPerScan * ((is_near ? matched.score : 0) - kContradicted * conflict * telling);
+  // Of what lies beyond the map nothing can be explained.
+  if (!is_near || matched.score < options_.loop_confirm_score * telling || conflict >= kMostConflict) return;
   cursor.T_map_robot = T;
   one.distinct += distinctness(points, maps, matched);
   one.fits.add(core::position(T));
