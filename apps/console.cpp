@@ -110,8 +110,9 @@ void ConsoleProgress::end() {
     return;
   }
   const double elapsed_s = secondsSince(start_);
-  std::fprintf(stderr, "%s: done in %.1f s, %.0f x real time\n", stage_.c_str(), elapsed_s,
-               log_time_s_ / std::max(elapsed_s, 1e-3));
+  std::fprintf(stderr, "%s: done in %.1f s", stage_.c_str(), elapsed_s);
+  if (log_time_s_ > 0) std::fprintf(stderr, ", %.0f x real time", log_time_s_ / std::max(elapsed_s, 1e-3));
+  std::fputc('\n', stderr);
 }
 
 void ConsoleProgress::drawBar(double fraction, double log_time_s, bool last) {

@@ -17,6 +17,13 @@ for kind in flat office hall hospital cave; do
   build/release/apps/rasterslam world make "$kind" --size 60x42 --seed 3 -o "$out/$kind.yaml" >"$out/made.txt"
 done
 build/release/apps/rasterslam plot plans "$out"/{flat,office,hall,hospital,cave}.yaml -o .github/pictures/buildings.png --overwrite
+# What has changed in the flat from May to June.
+drive=(simulate flat --duration 150 --strategy wall_follow -q)
+build/release/apps/rasterslam "${drive[@]}" -o "$out/may.rawlog" --seed 2
+build/release/apps/rasterslam "${drive[@]}" -o "$out/june.rawlog" --seed 7 --start 9.5,8,180 --set living.visit=2
+for month in may june; do build/release/apps/rasterslam run graph "$out/$month.rawlog" -o "$out/$month" -q >"$out/made.txt"; done
+build/release/apps/rasterslam diff "$out/may" "$out/june" -o "$out/changes" -q >"$out/made.txt"
+cp "$out/changes/changes.png" .github/pictures/changes.png
 # Killian Court, where KILLIAN names the log: rasterslam data mit-killian
 killian=${KILLIAN:-mit-killian.clf}
 if [ -f "$killian" ]; then

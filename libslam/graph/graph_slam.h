@@ -320,7 +320,7 @@ class GraphSlam {
 
   // known_parts.cpp: maps of before whose places in one another are not known
   std::optional<PartPlace> placeOfPart(int first, int end, core::Progress& progress);
-  void lookFrom(int anchor, std::vector<Overlay>& overlays, core::Progress& progress);
+  void lookFrom(int anchor, std::vector<Overlay>& overlays, const std::function<void()>& tell);
   core::Pose2 placeAt(const Overlay& one, int keyframe) const;
   void overlay(Overlay& one, int first, int end) const;
   void lay(Overlay& one, Cursor& cursor, int keyframe) const;

@@ -53,7 +53,7 @@ bool isSame(const Pose2& a, const Pose2& b) {
 }
 
 bool isHopeless(const Overlay& one) {
-  return one.told >= kPatience && static_cast<double>(one.placed.size()) < kHopeless * one.told;
+  return one.told >= kPatience && one.fitting < kHopeless * one.told;
 }
 
 void sortByVotes(std::vector<Overlay>& overlays) {
@@ -124,8 +124,8 @@ std::optional<PartPlace> GraphSlam::placeOfPart(int first, int end, core::Progre
   std::vector<Overlay> overlays;
   const int anchors = std::clamp((end - first) / kLeastAnchorStep, 1, kMostAnchors);
   for (int n = 0; n < anchors; ++n) {
-    lookFrom(first + (end - 1 - first) * (n + 1) / anchors, overlays, progress);
-    progress.update(static_cast<double>(n + 1) / anchors, 0);
+    lookFrom(first + (end - 1 - first) * (n + 1) / anchors, overlays,
+             [&] { progress.update(static_cast<double>(n) / anchors, 0); });
     // A place that so much speaks for needs no further witness; the others are held against it all the same.
     if (n + 1 < kLeastAnchors) continue;
     sortByVotes(overlays);
@@ -150,7 +150,7 @@ std::optional<PartPlace> GraphSlam::placeOfPart(int first, int end, core::Progre
   const double twin = std::max(kTwin, 1 - kAlone_m / best->fits.diagonal_m());
   if (rival_nats > twin * best->nats || best->nats - rival_nats < kAhead) return std::nullopt;
   PartPlace place;
-  place.fitting = static_cast<int>(best->placed.size());
+  place.fitting = best->fitting;
   place.extent_m = best->fits.diagonal_m();
   place.ahead_nats = best->nats - rival_nats;
   const Cursor& middle = best->placed[best->placed.size() / 2];
@@ -169,13 +169,13 @@ std::optional<PartPlace> GraphSlam::placeOfPart(int first, int end, core::Progre
 
 /// Whether a part fits over enough of the map, and is not contradicted.
 bool GraphSlam::fitsWell(const Overlay& one) const {
-  const auto fitting = static_cast<int>(one.placed.size());
-  return one.is_judged && fitting >= options_.loop_confirmations && one.fits.diagonal_m() >= kExtent_m &&
-         fitting >= kFittingShare * one.told && one.distinct >= options_.loop_distinctness;
+  return one.is_judged && static_cast<int>(one.placed.size()) >= options_.loop_confirmations &&
+         one.fits.diagonal_m() >= kExtent_m && one.fitting >= kFittingShare * one.told &&
+         one.distinct >= options_.loop_distinctness;
 }
 
 /// Places of the map, beyond the part, where what was seen around one of its keyframes fits.
-void GraphSlam::lookFrom(int anchor, std::vector<Overlay>& overlays, core::Progress& progress) {
+void GraphSlam::lookFrom(int anchor, std::vector<Overlay>& overlays, const std::function<void()>& tell) {
   std::vector<PatchPoint> query;
   for (int k = anchor; k >= join_first_ && anchor - k < kMostQueryKeyframes; --k) {
     if (keyframe(anchor).path_m - keyframe(k).path_m >= options_.loop_path_m) break;
@@ -184,7 +184,7 @@ void GraphSlam::lookFrom(int anchor, std::vector<Overlay>& overlays, core::Progr
   }
   const auto places = placesBeyond(componentOf(anchor));
   for (const int place : places) {
-    progress.update(-1, 0);
+    tell();
     for (int heading = 0; heading < kHeadings; ++heading) {
       const auto found = matchAtPlace(query, place, graph_.pose(anchor).phi + heading * kHeadingStep_rad);
       if (!found) continue;
@@ -242,6 +242,9 @@ void GraphSlam::lay(Overlay& one, Cursor& cursor, int k) const {
   one.nats += kNatsPerScan * ((is_near ? matched.score : 0) - kContradicted * conflict * telling);
   // Of what lies beyond the map nothing can be explained.
   if (!is_near || matched.score < options_.loop_confirm_score * telling || conflict >= kMostConflict) return;
+  ++one.fitting;
+  // What little is seen of the map does not say where it lies.
+  if (matched.score < options_.loop_confirm_score) return;
   cursor.T_map_robot = T;
   one.distinct += distinctness(points, maps, matched);
   one.fits.add(core::position(T));
