@@ -4,7 +4,8 @@
   benchmarks/merging/merging.py [-n PAIRS] [-u PAIRS] [-t SECONDS] [-j JOBS] [-p PROGRAM] [-o FOLDER] [-s SEED]
 
 Two robots explore a generated building, from different places and by different strategies; `rasterslam run graph` maps each log, `rasterslam merge` looks for the maps in one another. n pairs are of one building, half of them with a third of the
-furniture moved before the second drive, every fifth by two lidars; u pairs are of two buildings of the same kind and size.
+furniture moved before the second drive, every fifth by two lidars; u pairs are of two buildings of the same kind,
+the second a sixth larger (hospitals and halls of one size differ in their furniture alone).
 What counts, against the true paths:
 - merged: exit code 0; wrong: merged, and the two paths then lie by more than 0.5 m or 10 degrees wrong to one another, or they
   are of different buildings;
@@ -98,7 +99,8 @@ def merge(job):
             middles = [path[len(path) * share // 100][1] for share in (50, 45, 55, 40, 60, 35, 65, 30, 70)]
             begins = [["--start", f"{x},{y},{math.degrees(heading) + 130}"] for x, y, heading in middles]
         else:
-            run("world", "make", building, "-o", plan, "--size", BUILDINGS[building], "--seed", seed + 500)
+            larger = "x".join(str(round(int(side) * 7 / 6)) for side in BUILDINGS[building].split("x"))
+            run("world", "make", building, "-o", plan, "--size", larger, "--seed", seed + 500)
         moved = ["--set", "living.visit=2", "--set", "living.furniture_share=0.33"] if is_moved else []
         for begin in begins:
             done = run("explore", plan, "-o", "drive_b", "--strategy", "next_best_view", "--lidar", other_lidar, "--seed",

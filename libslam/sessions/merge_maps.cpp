@@ -22,15 +22,19 @@ using mapping::KeyFrame;
 
 constexpr double kRounded_s = 1e-5, kRounded_m = 1e-3;  ///< of stamps and poses in files
 
+/// Scans of one stamp, in logs whose stamps run back, may stand for one another.
+constexpr double kFitting = 0.9;
+
 /// Whether a path was given with the key frames as they are, and not before they were corrected.
 bool fits(const core::Trajectory& path, const std::vector<KeyFrame>& key_frames) {
   if (path.empty()) return false;
-  return std::all_of(key_frames.begin(), key_frames.end(), [&](const KeyFrame& frame) {
-    const auto same = std::lower_bound(
-        path.begin(), path.end(), frame.scan.time_s - kRounded_s,
-        [](const core::StampedPose& pose, double time_s) { return pose.time_s < time_s; });
+  const auto fitting = std::count_if(key_frames.begin(), key_frames.end(), [&](const KeyFrame& frame) {
+    const auto same =
+        std::lower_bound(path.begin(), path.end(), frame.scan.time_s - kRounded_s,
+                         [](const core::StampedPose& pose, double time_s) { return pose.time_s < time_s; });
     return same != path.end() && core::distance(same->pose, frame.T_map_robot) < kRounded_m;
   });
+  return static_cast<double>(fitting) >= kFitting * static_cast<double>(key_frames.size());
 }
 
 /// The path of a session where its key frames have moved: every pose goes with the key frame before it.
