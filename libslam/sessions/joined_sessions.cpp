@@ -23,7 +23,7 @@ using mapping::KeyFrame;
 /// Two maps that share more of their scans than this are one.
 constexpr double kSameScans = 0.5;
 /// A mirror image is called one only where it fits beyond doubt: many buildings are nearly their own.
-constexpr double kMirrorContradicted = 0.03, kMirrorExtent_m = 8;
+constexpr double kMirrorContradicted = 0.03, kMirrorShared = 0.5;
 
 core::Trajectory pathOf(const std::string& path) {
   for (const char* file : {"/trajectory_final.tum", "/trajectory.tum"})
@@ -87,7 +87,7 @@ std::string refusal(const Session& session, const graph::PartPlace& place,
   auto method = mapping::makeMapBuilder(config, "graph", 1);
   const auto mirror = mapping::joinMaps(method, {first, scratch / "mirrored.simplemap"}, progress);
   if (mirror.at(0).is_joined && mirror.at(0).contradicted <= kMirrorContradicted &&
-      mirror.at(0).extent_m >= kMirrorExtent_m)
+      mirror.at(0).shared >= kMirrorShared)
     return session.path + ": is a mirror image of the first map: does its lidar hang upside down?";
   return session.path + ": no place in the other maps is proved to be its own";
 }

@@ -22,14 +22,14 @@ TEST(MergeMaps, SaysWhereTheyLieAndWhatHasChanged) {
   ASSERT_EQ(run(kDrive + "-o june.rawlog --seed 7 --start 9.5,8,180 --set living.visit=2").exit_code, 0);
   for (const std::string name : {"may", "june"})
     ASSERT_EQ(run("run graph " + name + ".rawlog -o " + name + " -q").exit_code, 0);
-  const auto merged = run("merge may june -o both -q");
+  const auto merged = run("merge may june -o both");
   ASSERT_EQ(merged.exit_code, 0) << merged.err;
   EXPECT_THAT(merged.out, HasSubstr("its frame is the merged map's"));
   EXPECT_THAT(merged.out, HasSubstr("nats ahead"));
   EXPECT_THAT(run("merge may june -o both -q").err, HasSubstr("--overwrite"));
   const auto json = nlohmann::json::parse(run("merge june may -o back -q --json").out);
   EXPECT_EQ(json.at("sessions")[1].at("name"), "may");
-  const auto changes = run("diff may june -o changes -q");
+  const auto changes = run("diff may june -o changes");
   ASSERT_EQ(changes.exit_code, 0) << changes.err;
   EXPECT_THAT(changes.out, HasSubstr("What has changed from may to june"));
   EXPECT_TRUE(fs::exists(folder / "changes/changes.html"));
