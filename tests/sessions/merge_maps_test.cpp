@@ -132,6 +132,19 @@ TEST_F(TwoVisits, AMirrorImageIsCalledOne) {
               HasSubstr("is a mirror image of the first map"));
 }
 
+TEST_F(TwoVisits, AMapOfAnotherScaleIsRefused) {
+  auto frames = mapping::readKeyFrames(at("tuesday/map.simplemap"));
+  for (auto& frame : frames) {
+    for (auto& range_m : frame.scan.ranges_m) range_m *= 1.1F;
+    frame.T_map_robot.x *= 1.1, frame.T_map_robot.y *= 1.1;
+  }
+  mapping::writeKeyFrames(frames, at("scaled.simplemap"));
+  EXPECT_THAT(errorOf([] {
+                merge({at("monday"), at("scaled.simplemap")}, "wrong");
+              }),
+              HasSubstr("scaled.simplemap: "));
+}
+
 TEST_F(TwoVisits, AMapIsNotMergedWithItself) {
   EXPECT_THAT(errorOf([] {
                 merge({at("monday"), at("monday/map.simplemap")}, "wrong");
