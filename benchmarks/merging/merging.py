@@ -3,9 +3,10 @@
 
   benchmarks/merging/merging.py [-n PAIRS] [-u PAIRS] [-t SECONDS] [-j JOBS] [-p PROGRAM] [-o FOLDER] [-s SEED]
 
-Two robots explore a generated building, from different places and by different strategies; `rasterslam run graph` maps each log, `rasterslam merge` looks for the maps in one another. n pairs are of one building, half of them with a third of the
-furniture moved before the second drive, every fifth by two lidars; u pairs are of two buildings of the same kind,
-the second a sixth larger (hospitals and halls of one size differ in their furniture alone).
+Two robots explore a generated building, from different places and by different strategies; `rasterslam run graph` maps each
+log, `rasterslam merge` looks for the maps in one another. n pairs are of one building, half of them with a third of the
+furniture moved before the second drive, every fifth by two lidars; u pairs are of two buildings of the same kind, the second a
+sixth larger (hospitals and halls of one size differ in their furniture alone).
 What counts, against the true paths:
 - merged: exit code 0; wrong: merged, and the two paths then lie by more than 0.5 m or 10 degrees wrong to one another, or they
   are of different buildings;
@@ -55,7 +56,7 @@ def paired(estimate, truth):
 
 
 def offset(a, b):
-    """How far the second path lies from where the first, which was aligned at its poses' mean, has it."""
+    """How far the second path lies from where the first has it: metres and degrees."""
     # The frame of the world as each path has it at its middle pose.
     world_by_a, world_by_b = (compose(estimate, between(true, (0, 0, 0))) for estimate, true in (a[len(a) // 2], b[len(b) // 2]))
     # Compared at the place of the second path, so that a small error of heading is no large one of place.
@@ -110,7 +111,8 @@ def merge(job):
         for name in "ab":
             run("run", "graph", f"drive_{name}/run.rawlog", "-o", name, "-q", fails=(4,))
         done = run("merge", "a", "b", "-o", "both", "-q", "--json", fails=(4,))
-        row = dict(zip(COLUMNS, (group, building, lidar, other_lidar, seed, "moved" if is_moved else "as it was", done.returncode, int(done.returncode == 0))))
+        row = dict(zip(COLUMNS, (group, building, lidar, other_lidar, seed, "moved" if is_moved else "as it was",
+                                 done.returncode, int(done.returncode == 0))))
         truths = [read_tum(folder / f"drive_{name}/run.gt.tum") for name in "ab"]
         alone = [paired(read_tum(folder / name / "trajectory_final.tum"), truth) for name, truth in zip("ab", truths)]
         row["ate_a_m"], row["ate_b_m"] = (f"{aligned_rmse(pairs):.4f}" for pairs in alone)

@@ -190,9 +190,7 @@ std::optional<scanmatch::MatchResult> GraphSlam::matchToPass(int k, const std::v
   flat.mean = T_map_robot;
   flat.information.setIdentity();
   const auto matched = alignToSurfels(keyframe(k).points, pass_map_, T_map_robot, flat, matchOptions(10));
-  if (matched.score < options_.loop_confirm_score ||
-      core::distance(matched.T_map_robot, T_map_robot) > kConfirmStep_m ||
-      std::abs(core::angleDifference(matched.T_map_robot.phi, T_map_robot.phi)) > kConfirmTurn_rad)
+  if (matched.score < options_.loop_confirm_score || !isFollowed(matched.T_map_robot, T_map_robot))
     return std::nullopt;
   return matched;
 }

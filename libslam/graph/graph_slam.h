@@ -118,9 +118,10 @@ class GraphSlam {
   /// The known keyframes to come are those of a map of its own, in its own frame: nobody knows where it lies
   /// in what was known before. REQUIRES a keyframe, and no scan.
   void beginKnownPart();
-  /// Looks for the place of every known part in the rest of the map, as parts of a kidnapped robot's map are
-  /// joined; then for the loops between them, and refines all poses jointly. One for each beginKnownPart(); a
-  /// part of which no place is proved stays far away. REQUIRES options.loops. Errors: what `progress` throws.
+  /// Looks for the place of every known part in the rest of the map: held against all of the part, unlike
+  /// those of a kidnapped robot. Then for the loops that are left, and refines all poses jointly. One for
+  /// each beginKnownPart(); a part of which no place is proved stays far away. REQUIRES options.loops, a
+  /// keyframe in each part. Errors: what `progress` throws.
   std::vector<PartPlace> joinParts(core::Progress& progress);
   /// Where the robot is now in what is known: after known keyframes, or wherever it was put. Nothing is taken
   /// as measured between there and where it was before. REQUIRES a keyframe.

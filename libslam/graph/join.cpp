@@ -19,16 +19,9 @@ constexpr int kChecksPerScan = 3;
 constexpr int kLongestTrail = 40, kMostJoins = 12;
 /// A place may fail kMostFailures times, and once more for every so many points that fit.
 constexpr int kFittingPerFailure = 5;
-/// What a point of a trail says, in nats, when all of its scan is explained and nothing contradicted;
-/// neighbouring beams err together, so that a scan stands for some ten independent points.
-constexpr double kNatsPerScan = 10;
-/// The best place must be ahead of every other by so much: one wrong join in a million.
-constexpr double kAhead = 14;
 /// And it was followed over this extent without failing, and fits over half of it: rooms that look alike are
 /// smaller.
 constexpr double kExtent_m = 4, kFitExtent_m = 2;
-/// A scan of which the map says less than this share says nothing.
-constexpr double kTold = 0.3;
 /// Before a place is followed some points of the trail are asked whether the map contradicts it there.
 constexpr int kFirstAsked = 6;
 constexpr double kFirstConflict = 0.25;
@@ -50,19 +43,28 @@ constexpr double kRefuted = 2;
 /// Points that have to fit, after a twin was found, before the next proof.
 constexpr int kFitsBetweenProofs = 4;
 constexpr int kProofsPerScan = 2;
-/// Keyframes that make the map that a point of the trail is matched to.
-constexpr int kMapKeyframes = 16;
-
-/// The share of what a place explains that no other may reach when the trail fits it over such an extent.
-double twinShare(double fits_m) {
-  return std::max(kLeastTwin, 1 - kAlone_m / fits_m);
-}
 
 bool isSame(const Pose2& a, const Pose2& b) {
   return core::distance(a, b) < kTwin_m && std::abs(core::angleDifference(a.phi, b.phi)) < kTwin_rad;
 }
 
 }  // namespace
+
+double twinShare(double fits_m) {
+  return std::max(kLeastTwin, 1 - kAlone_m / fits_m);
+}
+
+scanmatch::PosePrior followedTo(const Pose2& T_map_robot) {
+  scanmatch::PosePrior prior;
+  prior.mean = T_map_robot;
+  prior.information.diagonal() << 100, 100, 1000;
+  return prior;
+}
+
+bool isFollowed(const Pose2& T_map_matched, const Pose2& T_map_expected) {
+  return core::distance(T_map_matched, T_map_expected) <= kConfirmStep_m &&
+         std::abs(core::angleDifference(T_map_matched.phi, T_map_expected.phi)) <= kConfirmTurn_rad;
+}
 
 bool GraphSlam::isCurrent(const Join& join) const {
   return join.back.at <= join.back_to && join.forth.at == trailSize() - 1;
@@ -161,25 +163,20 @@ void GraphSlam::holdAgainst(Join& join, Cursor& cursor, int next) {
   const auto& points = trailPoints(next);
   cursor = {next, expected};
   ++join.asked;
-  const auto around = keyframesNear(core::position(expected), componentOf(join.place), kMapKeyframes);
+  const auto around = keyframesNear(core::position(expected), componentOf(join.place), kJoinKeyframes);
   const auto viewers = firstOf(around, kViewers);
   const double unknown = 1 - std::min(toldBy(viewers, points, expected).telling, 1.0);
-  if (1 - unknown < kTold) {
+  if (1 - unknown < kToldToJoin) {
     join.followed.add(core::position(expected));
     join.says[next] = {0, 1};
     return;
   }
   ++join.told;
   const LevelMaps& maps = mapOf(around, core::position(expected));
-  scanmatch::PosePrior prior;
-  prior.mean = expected;
-  prior.information.diagonal() << 100, 100, 1000;
-  const auto matched = match(points, maps, expected, prior, 0, false);
+  const auto matched = match(points, maps, expected, followedTo(expected), 0, false);
   const Pose2& T = matched.T_map_robot;
   const double conflict = conflictOf(next, viewers, T);
-  const bool is_near = core::distance(T, expected) <= kConfirmStep_m &&
-                       std::abs(core::angleDifference(T.phi, expected.phi)) <= kConfirmTurn_rad;
-  if (conflict >= options_.loop_conflict || !is_near) {
+  if (conflict >= options_.loop_conflict || !isFollowed(T, expected)) {
     join.evidence += kNatsPerScan * (matched.score - conflict);
     join.says[next] = {-kNatsPerScan, 0};
     ++join.failures;

@@ -25,15 +25,9 @@ constexpr int kLeastAnchorStep = 5, kMostAnchors = 24, kLeastAnchors = 3;
 constexpr size_t kMostOverlays = 12;
 /// Two places are the same: maps drift.
 constexpr double kSame_m = 2, kSame_rad = 0.2;
-/// As in join.cpp: what a scan says in nats, when all of it is explained, and by how much the best place must
-/// be ahead.
-constexpr double kNatsPerScan = 10, kAhead = 14;
 /// What is contradicted says more than what is explained: ln(0.3 / 0.04) to ln(0.9 / 0.55), of how often a
 /// point is either at a wrong place and at the right one, where some furniture was moved.
 constexpr double kContradicted = 4;
-/// The share of what the best place says that no other in the same map may reach; and by so much of its way
-/// at least, in metres, the part has to fit it better than any other.
-constexpr double kTwin = 0.7, kAlone_m = 3;
 /// A keyframe that contradicts the map by more does not fit; furniture may have been moved.
 constexpr double kMostConflict = 0.2;
 /// The part has to fit over this extent, and its keyframes of which the map says anything in this share.
@@ -41,12 +35,8 @@ constexpr double kExtent_m = 4, kLargeExtent_m = 10, kFittingShare = 0.5;
 /// After so many keyframes a place where hardly one fits is left.
 constexpr int kPatience = 10;
 constexpr double kHopeless = 0.2;
-/// Keyframes that make the map that one is matched to.
-constexpr int kMapKeyframes = 16;
 /// Every so many keyframes are held against the other parts in the end.
 constexpr int kJudgedStep = 2;
-/// A keyframe of which another part says less says nothing.
-constexpr double kTold = 0.3;
 
 bool isSame(const Pose2& a, const Pose2& b) {
   return core::distance(a, b) < kSame_m && std::abs(core::angleDifference(a.phi, b.phi)) < kSame_rad;
@@ -72,7 +62,7 @@ void GraphSlam::addKnownKeyframe(const robot::Scan& scan, const Pose2& T_given_r
   if (begins_part) {
     known_parts_.back().T_given_first = T_given_robot;
     map_keyframes_.clear();
-    path_m_ += kApart_m;
+    path_m_ += kGapPath_m;
   } else {
     T_odometry_ = core::between(k == 0 ? Pose2{} : graph_.pose(k - 1), T_map_robot);
     path_m_ += core::hypot(T_odometry_.x, T_odometry_.y);
@@ -98,6 +88,8 @@ int GraphSlam::endOfPart(size_t part) const {
 
 std::vector<PartPlace> GraphSlam::joinParts(core::Progress& progress) {
   if (!options_.loops) throw core::ContractError("GraphSlam: parts are not joined without loops");
+  if (parts_.back().begin == graph_.nodeCount())
+    throw core::ContractError("GraphSlam: a part without a keyframe");
   std::vector<PartPlace> places(known_parts_.size());
   // What finds no place in one part may find it in another that was joined since.
   for (bool goes_on = true; goes_on;) {
@@ -147,8 +139,8 @@ std::optional<PartPlace> GraphSlam::placeOfPart(int first, int end, core::Progre
     if (componentOf(other.place) == componentOf(best->place) &&
         !isSame(placeAt(other, best->anchor), best->T_map_robot))
       rival_nats = std::max(rival_nats, other.nats);
-  const double twin = std::max(kTwin, 1 - kAlone_m / best->fits.diagonal_m());
-  if (rival_nats > twin * best->nats || best->nats - rival_nats < kAhead) return std::nullopt;
+  if (rival_nats > twinShare(best->fits.diagonal_m()) * best->nats || best->nats - rival_nats < kAhead)
+    return std::nullopt;
   PartPlace place;
   place.fitting = best->fitting;
   place.extent_m = best->fits.diagonal_m();
@@ -167,7 +159,7 @@ std::optional<PartPlace> GraphSlam::placeOfPart(int first, int end, core::Progre
   return place;
 }
 
-/// Whether a part fits over enough of the map, and is not contradicted.
+/// Whether a part fits over enough of the map.
 bool GraphSlam::fitsWell(const Overlay& one) const {
   return one.is_judged && static_cast<int>(one.placed.size()) >= options_.loop_confirmations &&
          one.fits.diagonal_m() >= kExtent_m && one.fitting >= kFittingShare * one.told &&
@@ -223,22 +215,17 @@ void GraphSlam::overlay(Overlay& one, int first, int end) const {
 void GraphSlam::lay(Overlay& one, Cursor& cursor, int k) const {
   const Pose2 expected = cursor.T_map_robot * core::between(graph_.pose(cursor.at), graph_.pose(k));
   cursor = {k, expected};
-  const auto around = keyframesNear(core::position(expected), componentOf(one.place), kMapKeyframes);
+  const auto around = keyframesNear(core::position(expected), componentOf(one.place), kJoinKeyframes);
   const auto viewers = firstOf(around, kViewers);
   const auto& points = keyframe(k).points;
   const double telling = std::min(toldBy(viewers, points, expected).telling, 1.0);
-  if (telling < kTold) return;
+  if (telling < kToldToJoin) return;
   const LevelMaps& maps = mapOf(around, core::position(expected));
-  scanmatch::PosePrior prior;
-  prior.mean = expected;
-  prior.information.diagonal() << 100, 100, 1000;
-  const auto matched = match(points, maps, expected, prior, 0, false);
+  const auto matched = match(points, maps, expected, followedTo(expected), 0, false);
   const Pose2& T = matched.T_map_robot;
-  const bool is_near = core::distance(T, expected) <= kConfirmStep_m &&
-                       std::abs(core::angleDifference(T.phi, expected.phi)) <= kConfirmTurn_rad;
+  const bool is_near = isFollowed(T, expected);
   const double conflict = conflictOf(k - join_first_, viewers, is_near ? T : expected);
   ++one.told;
-  one.against += conflict;
   one.nats += kNatsPerScan * ((is_near ? matched.score : 0) - kContradicted * conflict * telling);
   // Of what lies beyond the map nothing can be explained.
   if (!is_near || matched.score < options_.loop_confirm_score * telling || conflict >= kMostConflict) return;
@@ -266,7 +253,7 @@ void GraphSlam::judge(size_t part, PartPlace& place) const {
       if ((other < first || other >= end) && static_cast<int>(viewers.size()) < kAskedViewers)
         viewers.push_back(other);
     const Told said = toldBy(viewers, keyframe(k).points, graph_.pose(k), &keyframe(k).seen);
-    if (said.telling < kTold) continue;
+    if (said.telling < kToldToJoin) continue;
     ++sharing;
     told += said.telling;
     against += said.telling * said.contradicted;

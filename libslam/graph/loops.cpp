@@ -13,7 +13,6 @@ namespace {
 using core::Point2;
 using core::Pose2;
 using scanmatch::PatchPoint;
-using scanmatch::PosePrior;
 
 /// Travel to the next search, by the last one's window; never so far that two searches share no scan.
 constexpr double kPausePerReach = 0.1;
@@ -107,15 +106,11 @@ bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
   }
   if (around.empty()) return false;
   const LevelMaps& maps = mapOf(around, core::position(expected));
-  PosePrior prior;
-  prior.mean = expected;
-  prior.information.diagonal() << 100, 100, 1000;
   const auto& points = keyframe(k).points;
-  const auto matched = match(points, maps, expected, prior, 0, false);
+  const auto matched = match(points, maps, expected, followedTo(expected), 0, false);
   if (matched.score < options_.loop_confirm_score ||
       meanConflict(firstOf(around, kViewers), matched.T_map_robot, points) >= options_.loop_conflict ||
-      core::distance(matched.T_map_robot, expected) > kConfirmStep_m ||
-      std::abs(core::angleDifference(matched.T_map_robot.phi, expected.phi)) > kConfirmTurn_rad)
+      !isFollowed(matched.T_map_robot, expected))
     return false;
   hypothesis.evidence += distinctness(points, maps, matched);
   addLoopEdges(hypothesis.edges, around, k, matched);

@@ -1,7 +1,9 @@
 #pragma once
 #include <vector>
 
+#include "libslam/core/pose2.h"
 #include "libslam/scanmatch/scan_points.h"
+#include "libslam/scanmatch/surfel_matcher.h"
 
 namespace slam::graph {
 
@@ -22,6 +24,25 @@ inline constexpr double kConfirmStep_m = 0.3, kConfirmTurn_rad = 0.06;
 inline constexpr int kMostFailures = 2;
 /// Edges that one match makes.
 inline constexpr int kConfirmEdges = 4;
+
+/// What a scan says for a place, in nats, when all of it is explained and nothing contradicted; neighbouring
+/// beams err together, so that a scan stands for some ten independent points.
+inline constexpr double kNatsPerScan = 10;
+/// The best place of a part must be ahead of every other by so much: one wrong join in a million.
+inline constexpr double kAhead = 14;
+/// A scan of which a map says less than this share says nothing of where it lies there.
+inline constexpr double kToldToJoin = 0.3;
+/// Keyframes that make the map that a keyframe of another part is matched to.
+inline constexpr int kJoinKeyframes = 16;
+
+/// The share of what a place explains that no other may reach when what was followed fits it over such an
+/// extent.
+double twinShare(double fits_m);
+
+/// Where the next keyframe of what is followed is expected, weakly; and whether a match is near enough to
+/// that.
+scanmatch::PosePrior followedTo(const core::Pose2& T_map_robot);
+bool isFollowed(const core::Pose2& T_map_matched, const core::Pose2& T_map_expected);
 
 /// One point per square of this side, in the order they come.
 std::vector<scanmatch::PatchPoint> thinned(const std::vector<scanmatch::PatchPoint>& points, double side_m);

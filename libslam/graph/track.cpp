@@ -8,6 +8,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/rigid_motion2.h"
 #include "libslam/graph/graph_slam.h"
+#include "libslam/graph/search.h"
 
 namespace slam::graph {
 namespace {
@@ -34,8 +35,6 @@ constexpr double kDegenerate = 0.02;
 constexpr double kTail = 2;
 /// What speaks against backwards motion that was counted forwards, in nats.
 constexpr double kBackwards = 1;
-/// What a scan says for a pose, in nats, when all of it is explained: neighbouring beams err together.
-constexpr double kNatsPerScan = 10;
 
 /// What odometry with a step's standard deviations holds against a pose where it has another, in nats.
 double heldAgainst(const Pose2& T, const Pose2& T_odometry, double sigma_xy_m, double sigma_turn_rad) {

@@ -139,7 +139,7 @@ struct Overlay {
   int votes = 1, last_voter = -1;  ///< anchors that say so
   bool is_judged = false;
   int told = 0, fitting = 0;  ///< keyframes of which the map says anything; those of them that fit
-  double nats = 0, against = 0, distinct = 0;
+  double nats = 0, distinct = 0;
   std::vector<Cursor> placed;  ///< those that fit and are well seen
   Box fits;
   std::vector<posegraph::Edge> edges;

@@ -13,6 +13,7 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
 
 #include "libslam/builders/map_grid.h"
 #include "libslam/builders/mrpt_compat.h"
@@ -90,6 +91,15 @@ void writeRosMap(const gridmap::OccupancyRaster& map, const std::string& folder)
           core::formatNumber(map.y_min_m) + ", 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
 }
 
+/// The first scan of a frame, where it has one.
+std::optional<KeyFrame> scanOf(const mrpt::maps::CSimpleMap& map, size_t frame_number) {
+  const auto [pose, frame] = builders::compat::frameOf(map, frame_number);
+  const auto observation = frame->getObservationByClass<mrpt::obs::CObservation2DRangeScan>();
+  if (!observation) return std::nullopt;
+  const auto mean = pose->getMeanVal();
+  return KeyFrame{robot::fromMrpt(*observation), {mean.x(), mean.y(), mean.yaw()}};
+}
+
 }  // namespace
 
 void saveMaps(const MapBuilder& method, const std::string& folder) {
@@ -144,20 +154,16 @@ mrpt::maps::CSimpleMap loadSimpleMap(const std::string& path) {
     throw core::InputError(path + ": is no MRPT simplemap");
   }
   if (map.empty()) throw core::InputError(path + ": holds 0 key frames, expected at least 1");
-  return map;
+  for (size_t i = 0; i < map.size(); ++i)
+    if (scanOf(map, i)) return map;
+  throw core::InputError(path + ": holds 0 laser scans, expected at least 1");
 }
 
 std::vector<KeyFrame> readKeyFrames(const std::string& path) {
   const auto map = loadSimpleMap(path);
   std::vector<KeyFrame> key_frames;
-  for (size_t i = 0; i < map.size(); ++i) {
-    const auto [pose, frame] = builders::compat::frameOf(map, i);
-    const auto observation = frame->getObservationByClass<mrpt::obs::CObservation2DRangeScan>();
-    if (!observation) continue;
-    const auto mean = pose->getMeanVal();
-    key_frames.push_back({robot::fromMrpt(*observation), {mean.x(), mean.y(), mean.yaw()}});
-  }
-  if (key_frames.empty()) throw core::InputError(path + ": holds 0 laser scans, expected at least 1");
+  for (size_t i = 0; i < map.size(); ++i)
+    if (const auto key_frame = scanOf(map, i)) key_frames.push_back(*key_frame);
   return key_frames;
 }
 

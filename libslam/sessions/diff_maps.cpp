@@ -34,8 +34,8 @@ report::ReportPage pageOf(const MapPair& maps, const MapChanges& changes, const 
   page.title = "What has changed from " + maps.before_name + " to " + maps.after_name;
   size_t fresh = 0;
   for (const auto& change : changes.changes) fresh += change.kind == MapChange::Kind::kNew;
-  page.verdict = {std::to_string(fresh) + " things are new and " +
-                  std::to_string(changes.changes.size() - fresh) + " are gone, within " +
+  page.verdict = {"New: " + std::to_string(fresh) +
+                  ". Gone: " + std::to_string(changes.changes.size() - fresh) + ". Within " +
                   core::formatNumber(std::round(10 * changes.compared_m2) / 10) + " m2 that both maps know."};
   page.pictures.push_back(
       {"The two maps over each other; numbers are those of the table.", core::readTextFile(picture)});
@@ -63,7 +63,7 @@ MapPair bringTogether(const std::string& before, const std::string& after, const
 table::Table changeTable(const MapPair& maps, const MapChanges& changes) {
   table::Table table;
   table.caption = "What has changed from " + maps.before_name + " to " + maps.after_name;
-  table.columns = {{"number", "", 0},
+  table.columns = {{"number", "no.", 0},
                    {"change", "change"},
                    {"x_m", "x (m)", 2},
                    {"y_m", "y (m)", 2},

@@ -80,16 +80,34 @@ std::string refusal(const Session& session, const graph::PartPlace& place,
     return session.path + ": found " + percent(place.contradicted) +
            " of what it shares with the other maps to contradict them, expected at most " +
            percent(kMostContradicted) + ": is it of another place?";
+  progress.begin("looking whether it is a mirror image");
   std::vector<KeyFrame> image;
   for (const auto& frame : key_frames) image.push_back(mirrored(frame));
   const core::ScratchFolder scratch;
   mapping::writeKeyFrames(image, scratch / "mirrored.simplemap");
   auto method = mapping::makeMapBuilder(config, "graph", 1);
   const auto mirror = mapping::joinMaps(method, {first, scratch / "mirrored.simplemap"}, progress);
+  progress.end();
   if (mirror.at(0).is_joined && mirror.at(0).contradicted <= kMirrorContradicted &&
       mirror.at(0).shared >= kMirrorShared)
     return session.path + ": is a mirror image of the first map: does its lidar hang upside down?";
   return session.path + ": no place in the other maps is proved to be its own";
+}
+
+/// The sessions that `maps` name.
+std::vector<Session> findSessions(const std::vector<std::string>& maps) {
+  std::vector<Session> sessions;
+  std::set<std::string> names;
+  for (const auto& path : maps) {
+    Session session{path, "", simplemapOf(path), fs::is_directory(path) ? pathOf(path) : core::Trajectory{}};
+    // A path that ends with a slash names the folder, too; of a folder's name a dot is a part.
+    const fs::path own = fs::absolute(path + "/.").lexically_normal().parent_path();
+    const std::string name = (fs::is_directory(path) ? own.filename() : own.stem()).string();
+    session.name = name;
+    for (int n = 2; !names.insert(session.name).second; ++n) session.name = name + "_" + std::to_string(n);
+    sessions.push_back(std::move(session));
+  }
+  return sessions;
 }
 
 }  // namespace
@@ -106,20 +124,6 @@ bool namesMap(const std::string& path) {
   return fs::is_directory(path) || fs::path(path).extension() == ".simplemap";
 }
 
-std::vector<Session> findSessions(const std::vector<std::string>& maps) {
-  std::vector<Session> sessions;
-  std::set<std::string> names;
-  for (const auto& path : maps) {
-    Session session{path, "", simplemapOf(path), fs::is_directory(path) ? pathOf(path) : core::Trajectory{}};
-    // A path that ends with a slash names the folder, too.
-    const std::string stem = fs::absolute(path + "/.").lexically_normal().parent_path().stem().string();
-    session.name = stem;
-    for (int n = 2; !names.insert(session.name).second; ++n) session.name = stem + "_" + std::to_string(n);
-    sessions.push_back(std::move(session));
-  }
-  return sessions;
-}
-
 JoinedSessions joinSessions(const std::vector<std::string>& maps, const core::IniFile& method_config,
                             core::Progress& progress) {
   JoinedSessions joined;
@@ -133,12 +137,12 @@ JoinedSessions joinSessions(const std::vector<std::string>& maps, const core::In
   joined.method = mapping::makeMapBuilder(method_config, "graph", 1);
   progress.begin("looking for the maps in one another");
   joined.places = mapping::joinMaps(joined.method, files, progress);
+  progress.end();
   joined.places.insert(joined.places.begin(), graph::PartPlace{});
   for (size_t s = 1; s < maps.size(); ++s)
     if (!belongs(joined.places[s]))
       throw core::MethodError(
           refusal(joined.sessions[s], joined.places[s], joined.before[s], files[0], method_config, progress));
-  progress.end();
   int next = 0;
   joined.key_frames = joined.before;
   for (auto& session : joined.key_frames)

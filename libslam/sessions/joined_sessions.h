@@ -19,8 +19,6 @@ struct Session {
   core::Trajectory estimate;  ///< as it was in the end; empty for a .simplemap
 };
 
-/// The sessions that `maps` name. Errors: InputError.
-std::vector<Session> findSessions(const std::vector<std::string>& maps);
 /// Whether this names a map of before, for commands that also take logs: a folder, or a .simplemap.
 bool namesMap(const std::string& path);
 
@@ -28,8 +26,8 @@ bool namesMap(const std::string& path);
 std::string simplemapOf(const std::string& path);
 
 /// A map more of whose overlap with the others speaks against it than this is of another place, or has
-/// changed beyond recognition. benchmarks/merging: right places reach 0.07, a third of the furniture moved; a
-/// hall of the same size with other pillars had 0.16.
+/// changed beyond recognition. Right places reach 0.07 with a third of the furniture moved
+/// (benchmarks/results/merging.txt); a hall of the same outline with other pillars had 0.16 in a trial.
 inline constexpr double kMostContradicted = 0.15;
 
 /// Sessions of one building in one map, in the frame of the first.
