@@ -93,7 +93,8 @@ void GraphMapBuilder::processActionObservation(mrpt::obs::CActionCollection& act
 void GraphMapBuilder::getCurrentlyBuiltMap(mrpt::maps::CSimpleMap& out_map) const {
   out_map.clear();
   for (int k = 0; k < graph_.keyframeCount(); ++k) {
-    const robot::Scan scan = graph_.keyframeScan(k);
+    const robot::Scan& scan = graph_.keyframeScan(k);
+    if (scan.ranges_m.empty()) continue;
     const auto observation = robot::toMrpt(scan);
     observation->timestamp = mrpt::Clock::fromDouble(scan.time_s);
     mrpt::obs::CSensoryFrame frame;
@@ -132,7 +133,9 @@ compat::BuiltMap GraphMapBuilder::getCurrentlyBuiltMetricMap() const {
   }
   if (drawn_keyframes_ < graph_.keyframeCount()) requireBounded();
   for (; drawn_keyframes_ < graph_.keyframeCount(); ++drawn_keyframes_) {
-    const auto observation = robot::toMrpt(graph_.keyframeScan(drawn_keyframes_));
+    const robot::Scan& scan = graph_.keyframeScan(drawn_keyframes_);
+    if (scan.ranges_m.empty()) continue;
+    const auto observation = robot::toMrpt(scan);
     const mrpt::poses::CPose3D pose(
         mrpt::poses::CPose2D(robot::toMrpt(graph_.keyframePose(drawn_keyframes_))));
     grid_->insertObservation(*observation, pose);

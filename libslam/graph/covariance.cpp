@@ -84,7 +84,7 @@ void GraphSlam::estimateCovariance(const Expected& e, const scanmatch::MatchResu
 /// What a scan's pose errs by beyond its keyframe's. Both were matched to a map, each with its own noise; but
 /// the first keyframe's pose is given, and what is matched to it errs by both views' noise.
 Eigen::Matrix3d GraphSlam::driftSinceKeyframe() const {
-  return lastKeyframe() == 0 ? from_keyframe_ + kBothViews * noise_ : from_keyframe_;
+  return anchor_ == 0 ? from_keyframe_ + kBothViews * noise_ : from_keyframe_;
 }
 
 /// From where the newest keyframe's pose is known, and how well: by what its covariance has grown since, and

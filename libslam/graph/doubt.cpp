@@ -3,6 +3,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/graph/graph_slam.h"
+#include "libslam/graph/search.h"
 
 namespace slam::graph {
 namespace {
@@ -213,10 +214,10 @@ void GraphSlam::beginOwnMap() {
 void GraphSlam::comeBack(const robot::Scan& scan, std::vector<PatchPoint> points, Step& step) {
   const Pose2 T_map_robot = doubt_.T_map_robot;
   const Eigen::Matrix3d information = doubt_.information;
-  const int before = doubt_.begins - 1, k = graph_.nodeCount();
+  const int before = keyframeBefore(doubt_.begins), k = graph_.nodeCount();
   forgetWheels();
   map_keyframes_ = keyframesBeforeDoubt(T_map_robot);
-  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T_map_robot);
+  T_keyframe_robot_ = core::between(graph_.pose(anchor_), T_map_robot);
   noteEvidence(points, T_map_robot, doubt_.maps->fine);
   doubt_.begins = k;  // no link to the keyframe before
   addKeyframe(scan, std::move(points), T_map_robot, information);
@@ -231,7 +232,7 @@ void GraphSlam::comeBack(const robot::Scan& scan, std::vector<PatchPoint> points
 
 /// The doubt ends without an answer: what was mapped meanwhile is a part of the rest.
 void GraphSlam::endDoubt() {
-  link(doubt_.begins - 1, doubt_.begins);
+  link(keyframeBefore(doubt_.begins), doubt_.begins);
   lost_.dismiss();
   doubt_ = {};
   held_back_ = 0;
@@ -261,6 +262,7 @@ void GraphSlam::startElsewhere(double score) {
 void GraphSlam::loosen(int k) {
   posegraph::Edge gap = graph_.edges()[static_cast<size_t>(keyframe(k).odometry_edge)];
   graph_.setOn(keyframe(k).odometry_edge, false);
+  closures_.erase(std::remove(closures_.begin(), closures_.end(), std::pair(gap.from, k)), closures_.end());
   gap.information = scanmatch::poseInformation(kGap_m, kGap_rad);
   keyframes_[static_cast<size_t>(k)].odometry_edge = graph_.addEdge(gap);
   covariance_ = scanmatch::covarianceOf(gap.information);

@@ -32,7 +32,9 @@ Rows trackingRows() {
            "travel after which a scan becomes a keyframe"},
           {"keyframe_angle_deg", &O::keyframe_angle_rad, 17.2, 0.0, 360.0, "turn after which it does"},
           {"keyframe_score", &O::keyframe_score, 0.75, 0.0, 1.0,
-           "it does, too, when the map explains less of it"}};
+           "it does, too, when the map explains less of it"},
+          {"known_views", &O::known_views, 8.0, 0.0, 1e6,
+           "but not where so many from nearby see the same, and explain it; 0: always"}};
 }
 
 Rows mapRows() {

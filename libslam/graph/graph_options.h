@@ -9,7 +9,7 @@ struct GraphOptions {
   double cell_m, blur_m;
   double odometry_xy_m, odometry_xy_per_m, odometry_turn_rad, odometry_turn_per_rad, odometry_kernel;
   double distrust_gain, recover_score, lost_score;
-  double keyframe_distance_m, keyframe_angle_rad, keyframe_score;
+  double keyframe_distance_m, keyframe_angle_rad, keyframe_score, known_views;
   int map_keyframes;
   double map_radius_m, map_path_m;
   int edges_per_keyframe;

@@ -38,13 +38,11 @@ void GraphSlam::note(core::JournalEvent event, double value, int other_keyframe,
 }
 
 Pose2 GraphSlam::currentPose() const {
-  return graph_.pose(lastKeyframe()) * T_keyframe_robot_;
+  return graph_.pose(anchor_) * T_keyframe_robot_;
 }
 
 void GraphSlam::link(int a, int b) {
-  const double length_m = core::distance(graph_.pose(a), graph_.pose(b));
-  links_[static_cast<size_t>(a)].push_back({b, length_m});
-  links_[static_cast<size_t>(b)].push_back({a, length_m});
+  links_.join(a, b, core::distance(graph_.pose(a), graph_.pose(b)));
 }
 
 GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previous_robot,
@@ -66,11 +64,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
     lookWhetherLost(scan, points, step, has_odometry ? increment : matched, seam.contradicted);
     const Trust trust = weighDoubt(T_before, seam, step);
     step.is_keyframe =
-        trust == Trust::kOwnMap ||
-        (trust == Trust::kWell &&
-         (core::hypot(T_keyframe_robot_.x, T_keyframe_robot_.y) > options_.keyframe_distance_m ||
-          std::abs(T_keyframe_robot_.phi) > options_.keyframe_angle_rad ||
-          step.score < options_.keyframe_score));
+        trust == Trust::kOwnMap || (trust == Trust::kWell && needsKeyframe(scan, points, step));
     if (trust == Trust::kBack) {
       comeBack(scan, points, step);
       step.is_keyframe = true;
@@ -78,6 +72,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
       if (doubt_.begins < 0) learnWrongPlace(scan, points, step.T_map_robot);
       if (trust == Trust::kOwnMap) beginOwnMap();
       addKeyframe(scan, std::move(points), step.T_map_robot, information);
+      if (trust == Trust::kWell && is_known_ground_) forgetChanged(lastKeyframe());
       step.pose_covariance = covariance_;
     }
     if (lost_.isLost() && doubt_.begins >= 0) startElsewhere(step.score);
@@ -85,14 +80,14 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
   }
   if (options_.loops && isCutOff(lastKeyframe()) && doubt_.begins < 0)
     lookForPart(parts_.back().begin, lastKeyframe());
-  records_.push_back({lastKeyframe(), T_keyframe_robot_, step.drift_covariance});
+  records_.push_back({anchor_, T_keyframe_robot_, step.drift_covariance});
   keepScan(scan);
   return step;
 }
 
 void GraphSlam::startAt(const Pose2& T_map_robot) {
   if (keyframes_.empty()) throw core::ContractError("GraphSlam: startAt() without a map");
-  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T_map_robot);
+  T_keyframe_robot_ = core::between(graph_.pose(anchor_), T_map_robot);
   T_previous_robot_ = {};
   odometry_holds_ = false;
   covariance_.setZero(), from_keyframe_.setZero();
@@ -118,7 +113,7 @@ std::vector<int> GraphSlam::partnersOf(int k, const std::vector<int>& near, cons
   for (const int other : near) {
     if (other == k) continue;
     if (!isApart(other, partners)) continue;
-    if (other != k - 1) {
+    if (other != keyframeBefore(k)) {
       const View seen = view(other, core::between(graph_.pose(other), T_map_robot), points);
       if (seen.conflict() > options_.link_conflict ||
           seen.agreed < options_.link_agreed * static_cast<double>(points.size()))
@@ -134,8 +129,8 @@ std::vector<int> GraphSlam::partnersOf(int k, const std::vector<int>& near, cons
 /// weakly.
 int GraphSlam::addOdometryEdge(int k) {
   posegraph::Edge edge;
-  edge.from = k - 1, edge.to = k;
-  edge.T_from_to = odometry_holds_ ? T_odometry_ : core::between(graph_.pose(k - 1), graph_.pose(k));
+  edge.from = anchor_, edge.to = k;
+  edge.T_from_to = odometry_holds_ ? T_odometry_ : core::between(graph_.pose(anchor_), graph_.pose(k));
   const double factor = odometry_holds_ ? 1 : kDistrustedFactor;
   const double move_m = core::hypot(edge.T_from_to.x, edge.T_from_to.y),
                turn_rad = std::abs(edge.T_from_to.phi);
@@ -199,20 +194,22 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> poi
                             const Eigen::Matrix3d& information) {
   const int k = graph_.addNode(T_map_robot);
   keyframes_.push_back({static_cast<int>(records_.size()), scan, std::move(points), path_m_, -1,
-                        by_wheels_.has_value(), -1, Eigen::Matrix3d::Zero(), noise_, covariance_,
+                        by_wheels_.has_value(), false, -1, Eigen::Matrix3d::Zero(), noise_, covariance_,
                         scanmatch::rootOf(covariance_ + noise_)});
-  links_.emplace_back();
+  links_.addKeyframe();
   if (k == 0) {
     graph_.setFixed(0);
   } else {
     keyframes_.back().odometry_edge = addOdometryEdge(k);
-    if (doubt_.begins != k && parts_.back().begin != k) link(k - 1, k);
+    if (doubt_.begins != k && parts_.back().begin != k) link(anchor_, k);
+    // What was driven on known ground is no way from one to the other.
+    if (anchor_ != k - 1) closures_.push_back({anchor_, k});
     addMatchEdges(k, T_map_robot, information);
     noteMatch();
   }
+  anchor_ = k;
   from_keyframe_.setZero();
-  T_keyframe_robot_ = {};
-  T_odometry_ = {};
+  T_keyframe_robot_ = T_keyframe_hung_ = T_odometry_ = {};
   odometry_holds_ = true;
   if (options_.loops && k > 0) closeLoops();
   const Point2 centre = core::position(currentPose());

@@ -13,7 +13,9 @@
 #include "libslam/core/journal.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
+#include "libslam/graph/change_marks.h"
 #include "libslam/graph/graph_options.h"
+#include "libslam/graph/links.h"
 #include "libslam/graph/lost_detector.h"
 #include "libslam/graph/part_place.h"
 #include "libslam/graph/types.h"
@@ -64,16 +66,15 @@ namespace slam::graph {
 /// The two faces of a thin wall are kept apart in the finest map (scanmatch::SurfelMap), so that rooms on
 /// both sides do not pull it into its middle.
 ///
-/// Journal: `distrusted` (odometry; value = gain in score), `rematched` (found on the lattice; value =
-/// score), `poor` (value = score), `lost` (value = score), `recovered` (the new part has been joined, or the
-/// robot is found again in a finished map; value = score), `joined` (two other parts; value = metres of way),
-/// `apart` (in the end, a part that was joined to nothing; value = its first keyframe), `outside` and
-/// `inside` (of a finished map; value = score), `degenerate` (value = share of information along the open
-/// direction), `searched` (value = best score), `found` (value = score), `confirmed`, `dropped`, `accepted`
-/// (value = metres of path that the loop closes), `rejected` (value = the chi2 it would cost), `optimised`
-/// (value = chi2).
+/// Ground that `known_views` keyframes see from nearby gets no more of them: the robot hangs on those that
+/// are there, and time and memory grow with the area, not with the years. What has stood somewhere for a
+/// while, or has gone, makes a keyframe, which takes the place of the oldest there; what it sees through is
+/// forgotten.
 ///
-/// Deterministic: the same scans give the same bytes. Cost and memory: benchmarks/results/relations_ours.txt.
+/// Journal: core::journalEventInfos().
+///
+/// Deterministic: the same scans give the same bytes. Cost and memory: benchmarks/results/relations_ours.txt,
+/// scaling.txt.
 /// Sources: Biber and Strasser, IROS 2003 (surfels); Olson, ICRA 2009, and Hess et al., ICRA 2016 (search);
 /// Grisetti et al., IEEE ITS Magazine 2(4), 2010 (graph). Following a loop before closing it, links by common
 /// view, and the choice among starts are ours.
@@ -102,6 +103,7 @@ class GraphSlam {
   /// How sure poses() are: one each, map frame.
   std::vector<Eigen::Matrix3d> covariances() const;
 
+  /// Without beams where all that it saw was seen anew since.
   const robot::Scan& keyframeScan(int keyframe) const {
     return keyframes_[static_cast<size_t>(keyframe)].seen;
   }
@@ -137,15 +139,6 @@ class GraphSlam {
   /// Keyframes that are asked what of a scan they should have seen.
   static constexpr int kAskedViewers = 4;
   static constexpr int kNoComponent = -1, kAnyComponent = -2;
-  /// Places that are looked at one by one: how far apart, half the window of positions, and which points are
-  /// asked.
-  static constexpr int kHeadings = 6;  ///< one after the other, so that no scan waits long
-  static constexpr double kHeadingStep_rad = 2 * core::kPi / kHeadings;
-  static constexpr double kPlaceStep_m = 4, kPlaceHalf_m = 5, kPlaceReach_m = 12;
-  /// The local map reaches this far from the robot.
-  static constexpr double kMapReach_m = 30;
-  /// What being kidnapped counts as driven.
-  static constexpr double kGapPath_m = 1000;
 
   // graph_slam.cpp: keyframes and their edges
   void addKeyframe(const robot::Scan& scan, std::vector<scanmatch::PatchPoint> points,
@@ -161,6 +154,18 @@ class GraphSlam {
   void note(core::JournalEvent event, double value, int other_keyframe = -1, const std::string& detail = "");
   core::Pose2 currentPose() const;
   const Keyframe& keyframe(int k) const { return keyframes_[static_cast<size_t>(k)]; }
+  // known_ground.cpp: where no more keyframes are needed
+  bool needsKeyframe(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
+                     const Step& step);
+  bool isKnownGround(const robot::Scan& scan, const core::Pose2& T_map_robot) const;
+  bool hasGoneOn(double share) const;
+  void hangOn(int keyframe, const core::Pose2& T_map_robot);
+  int keyframeBefore(int keyframe) const;
+  bool hasChanged(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
+                  const core::Pose2& T_map_robot);
+  void forgetChanged(int keyframe);
+  bool mayBeMatchedTo(int k) const { return !keyframe(k).unsure && !keyframe(k).is_retired; }
+
   int lastKeyframe() const { return static_cast<int>(keyframes_.size()) - 1; }
 
   // motion.cpp: what is known of a step before it is matched
@@ -293,13 +298,9 @@ class GraphSlam {
   void noteWhatStaysApart();
 
   // join.cpp: a trail and the rest of the map
-  int trailSize() const { return is_lost_ ? static_cast<int>(trail_.size()) : join_last_ - join_first_ + 1; }
-  const core::Pose2& trailPose(int i) const {
-    return is_lost_ ? trail_[static_cast<size_t>(i)].T_trail_robot : graph_.pose(join_first_ + i);
-  }
-  const std::vector<scanmatch::PatchPoint>& trailPoints(int i) const {
-    return is_lost_ ? trail_[static_cast<size_t>(i)].points : keyframe(join_first_ + i).points;
-  }
+  int trailSize() const;
+  const core::Pose2& trailPose(int i) const;
+  const std::vector<scanmatch::PatchPoint>& trailPoints(int i) const;
   void lookForPart(int first, int last);
   void joinRemainingParts();
   const Join* workOnJoins(int component);
@@ -343,7 +344,7 @@ class GraphSlam {
   GraphOptions options_;
   posegraph::PoseGraph graph_;
   std::vector<Keyframe> keyframes_;
-  std::vector<std::vector<Link>> links_;
+  Links links_;
   std::vector<std::pair<int, int>> closures_;  ///< keyframes that accepted loops join
   std::vector<int> loop_begins_;               ///< first edge of every loop, accepted or rejected
   std::vector<Hypothesis> hypotheses_;
@@ -359,13 +360,17 @@ class GraphSlam {
                   least_ = Eigen::Matrix3d::Zero();  ///< of one scan: its match, and with odometry
   double squared_ = 0, dimensions_ = 0;              ///< of all scans' evidence
   std::array<double, scanmatch::MatchEvidence::kLags> lagged_{};
-  core::Pose2 T_keyframe_robot_, T_previous_robot_, T_odometry_;  ///< the last: since the last keyframe
-  bool odometry_holds_ = true;                                    ///< since the last keyframe
-  std::optional<core::Pose2> by_wheels_;                          ///< map frame: see followWheels()
-  int unsure_from_ = 0;                                           ///< keyframe; meanwhile
-  int explained_ = 0;                                             ///< scans in a row
-  double let_go_m_ = 0;                                           ///< driven then
-  std::vector<Seen> seen_;                                        ///< one per lidar
+  int anchor_ = 0;  ///< the keyframe that the robot hangs on: the last, or one of known ground
+  core::Pose2 T_keyframe_robot_, T_previous_robot_;
+  core::Pose2 T_keyframe_hung_, T_odometry_;  ///< when it was hung on it; by odometry since then
+  bool odometry_holds_ = true;                ///< since then
+  bool is_known_ground_ = false;              ///< under the scan at hand
+  ChangeMarks appeared_, gone_;
+  std::optional<core::Pose2> by_wheels_;     ///< map frame: see followWheels()
+  int unsure_from_ = 0;                      ///< keyframe; meanwhile
+  int explained_ = 0;                        ///< scans in a row
+  double let_go_m_ = 0;                      ///< driven then
+  std::vector<Seen> seen_;                   ///< one per lidar
   int before_ = -1;                          ///< of these, the one of the scan at hand; -1: its lidar is new
   double previous_time_s_ = 0;               ///< of the last scan of any
   double period_s_ = 0, mean_period_s_ = 0;  ///< from the scan before to the last one
@@ -390,10 +395,6 @@ class GraphSlam {
   mutable LevelMaps scratch_;             ///< of mapOf()
   scanmatch::LikelihoodPyramid pyramid_;  ///< of findLoop()
   scanmatch::SurfelMap pass_map_;         ///< of one pass through a place
-  // Scratch of keyframesAround().
-  mutable std::vector<double> reached_;
-  mutable std::vector<int> touched_;
-  mutable std::vector<std::pair<double, int>> queue_;
 };
 
 }  // namespace slam::graph

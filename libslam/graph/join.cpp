@@ -66,6 +66,19 @@ bool isFollowed(const Pose2& T_map_matched, const Pose2& T_map_expected) {
          std::abs(core::angleDifference(T_map_matched.phi, T_map_expected.phi)) <= kConfirmTurn_rad;
 }
 
+/// The trail: keyframes of a part, or what a robot that is lost in a finished map has seen.
+int GraphSlam::trailSize() const {
+  return is_lost_ ? static_cast<int>(trail_.size()) : join_last_ - join_first_ + 1;
+}
+
+const Pose2& GraphSlam::trailPose(int i) const {
+  return is_lost_ ? trail_[static_cast<size_t>(i)].T_trail_robot : graph_.pose(join_first_ + i);
+}
+
+const std::vector<PatchPoint>& GraphSlam::trailPoints(int i) const {
+  return is_lost_ ? trail_[static_cast<size_t>(i)].points : keyframe(join_first_ + i).points;
+}
+
 bool GraphSlam::isCurrent(const Join& join) const {
   return join.back.at <= join.back_to && join.forth.at == trailSize() - 1;
 }
@@ -331,7 +344,7 @@ void GraphSlam::joinPart(const Join& join) {
   searchAnew();
   // The keyframes have moved.
   const Point2 centre = core::position(currentPose());
-  setMap(keyframesAround(lastKeyframe(), centre, options_.map_path_m, options_.map_radius_m), centre);
+  setMap(keyframesAround(anchor_, centre, options_.map_path_m, options_.map_radius_m), centre);
 }
 
 /// Looks for the place of the keyframes [first, last] in the rest of the map, for as long as one scan may

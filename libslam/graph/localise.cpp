@@ -70,9 +70,9 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
     if (lost_.isLost()) beLost(step.score);
   }
   odometry_holds_ = false;
-  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), step.T_map_robot);
+  T_keyframe_robot_ = core::between(graph_.pose(anchor_), step.T_map_robot);
   if (!is_lost_) setMapNear(core::position(step.T_map_robot));
-  records_.push_back({lastKeyframe(), T_keyframe_robot_, step.drift_covariance});
+  records_.push_back({anchor_, T_keyframe_robot_, step.drift_covariance});
   keepScan(scan);
   return step;
 }

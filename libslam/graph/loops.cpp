@@ -20,31 +20,12 @@ constexpr double kDistinctShifts_m[] = {-1.5, -1, -0.6, -0.35, 0.35, 0.6, 1, 1.5
 constexpr double kDistinctKernel = 3;
 }  // namespace
 
-/// Length of the shortest way from a keyframe to every earlier one, along the path driven and through closed
-/// loops: what the drift between them grows with.
+/// The shortest way from a keyframe to every earlier one: what the drift between them grows with.
 std::vector<double> GraphSlam::pathTo(int k) const {
-  // Gates 2 i and 2 i + 1 are the two ends of closure i, which lie in one place.
-  std::vector<int> gates;
-  for (const auto& [a, b] : closures_) gates.push_back(a), gates.push_back(b);
-  const auto along = [&](int a, int b) { return std::abs(keyframe(a).path_m - keyframe(b).path_m); };
-  std::vector<double> way(gates.size());
-  std::vector<char> done(gates.size(), 0);
-  for (size_t g = 0; g < gates.size(); ++g) way[g] = along(gates[g], k);
-  for (size_t round = 0; round < gates.size(); ++round) {
-    size_t next = gates.size();
-    for (size_t g = 0; g < gates.size(); ++g)
-      if (!done[g] && (next == gates.size() || way[g] < way[next])) next = g;
-    done[next] = 1;
-    for (size_t g = 0; g < gates.size(); ++g)
-      way[g] = std::min(way[g], way[next] + ((next ^ 1U) == g ? 0 : along(gates[next], gates[g])));
-  }
-  std::vector<double> result(static_cast<size_t>(k));
-  for (int i = 0; i < k; ++i) {
-    double shortest = along(i, k);
-    for (size_t g = 0; g < gates.size(); ++g) shortest = std::min(shortest, way[g] + along(gates[g], i));
-    result[static_cast<size_t>(i)] = shortest;
-  }
-  return result;
+  std::vector<double> path_m;
+  path_m.reserve(keyframes_.size());
+  for (const auto& one : keyframes_) path_m.push_back(one.path_m);
+  return shortestWays(path_m, closures_, k);
 }
 
 /// By how much a match explains more than the same moved along the direction of movement that it holds least:
@@ -239,15 +220,13 @@ bool GraphSlam::accept(const Hypothesis& hypothesis) {
 /// After the keyframes have moved.
 void GraphSlam::settle() {
   forgetWheels();
-  for (size_t i = 0; i < links_.size(); ++i)
-    for (Link& link : links_[i])
-      link.length_m = core::distance(graph_.pose(static_cast<int>(i)), graph_.pose(link.to));
+  links_.measure(graph_.poses());
   const auto covariances = keyframeCovariances();
   for (size_t i = 0; i < covariances.size(); ++i) {
     keyframes_[i].covariance = covariances[i];
     keyframes_[i].root = scanmatch::rootOf(covariances[i] + keyframes_[i].noise);
   }
-  covariance_ = covariances.back();
+  covariance_ = covariances[static_cast<size_t>(anchor_)];
   ++revision_;
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "libslam/graph/graph_slam.h"
+#include "libslam/graph/search.h"
 #include "libslam/posegraph/optimize.h"
 
 namespace slam::graph {

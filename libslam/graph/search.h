@@ -13,6 +13,15 @@ inline constexpr int kSearchLevels = 6;
 inline constexpr double kQuerySpacing_m = 0.4, kQueryMatchSpacing_m = 0.1;
 /// The old map around a place: within this path and radius of a keyframe.
 inline constexpr double kPlacePath_m = 15, kPlaceRadius_m = 10;
+/// Places that are looked at one by one: headings, one after the other, so that no scan waits long; how far
+/// apart they are, half the window of positions, and which points are asked.
+inline constexpr int kHeadings = 6;
+inline constexpr double kHeadingStep_rad = 2 * core::kPi / kHeadings;
+inline constexpr double kPlaceStep_m = 4, kPlaceHalf_m = 5, kPlaceReach_m = 12;
+/// The local map reaches this far from the robot.
+inline constexpr double kMapReach_m = 30;
+/// What being kidnapped counts as driven.
+inline constexpr double kGapPath_m = 1000;
 /// Of the newest path, at most so many are searched for together.
 inline constexpr int kMostQueryKeyframes = 30;
 /// Old keyframes whose view of the new points is asked, and how near they are.

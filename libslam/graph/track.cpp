@@ -95,43 +95,12 @@ void GraphSlam::fill(LevelMaps& maps, const std::vector<int>& keyframes, const P
   }
 }
 
-/// Keyframes that chains of links of at most path_m connect with `start`, within radius_m of the centre, the
-/// nearest first. Chains do not lead far outside of the circle.
+/// Those that are linked with `start`, see Links::around(), as far as they may be matched to.
 std::vector<int> GraphSlam::keyframesAround(int start, const Point2& centre, double path_m,
                                             double radius_m) const {
-  const auto& poses = graph_.poses();
-  reached_.resize(keyframes_.size(), -1);
-  touched_.clear(), queue_.clear();
-  reached_[static_cast<size_t>(start)] = 0;
-  touched_.push_back(start);
-  queue_.push_back({0, start});
-  const double near2 = radius_m * radius_m, far2 = 2.25 * near2;
-  std::vector<std::pair<double, int>> near;
-  while (!queue_.empty()) {
-    std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
-    const auto [length_m, k] = queue_.back();
-    queue_.pop_back();
-    if (length_m > reached_[static_cast<size_t>(k)]) continue;
-    const double dx = poses[static_cast<size_t>(k)].x - centre.x,
-                 dy = poses[static_cast<size_t>(k)].y - centre.y;
-    const double away2 = dx * dx + dy * dy;
-    if (away2 <= near2 && !keyframe(k).unsure) near.push_back({away2, k});
-    if (away2 > far2) continue;
-    for (const Link& link : links_[static_cast<size_t>(k)]) {
-      const double reach = length_m + link.length_m;
-      double& best = reached_[static_cast<size_t>(link.to)];
-      if (reach > path_m || (best >= 0 && best <= reach)) continue;
-      if (best < 0) touched_.push_back(link.to);
-      best = reach;
-      queue_.push_back({reach, link.to});
-      std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
-    }
-  }
-  for (const int k : touched_) reached_[static_cast<size_t>(k)] = -1;
-  std::sort(near.begin(), near.end());
   std::vector<int> result;
-  result.reserve(near.size());
-  for (const auto& item : near) result.push_back(item.second);
+  for (const auto& [away2, k] : links_.around(graph_.poses(), start, centre, path_m, radius_m))
+    if (mayBeMatchedTo(k)) result.push_back(k);
   return result;
 }
 
@@ -151,7 +120,7 @@ std::vector<int> GraphSlam::keyframesWithin(const Point2& centre, double radius_
   std::vector<std::pair<double, int>> near;
   for (int k = 0; k < graph_.nodeCount(); ++k) {
     const double away_m = core::distance(core::position(graph_.pose(k)), centre);
-    if (away_m <= radius_m && !keyframe(k).unsure) near.push_back({away_m, k});
+    if (away_m <= radius_m && mayBeMatchedTo(k)) near.push_back({away_m, k});
   }
   std::sort(near.begin(), near.end());
   std::vector<int> keyframes;
@@ -316,7 +285,7 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   followWheels(e.by_wheels, has_odometry && isFarFrom(e.predicted), isFarFrom(e.by_wheels), !is_poor);
   information = result.information;
   T_previous_robot_ = core::between(e.T_before, T);
-  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), T);
+  T_keyframe_robot_ = core::between(graph_.pose(anchor_), T);
   T_odometry_ = T_odometry_ * e.step.T_previous_robot;
   path_m_ += core::hypot(T_previous_robot_.x, T_previous_robot_.y);
   Step step;
@@ -361,7 +330,7 @@ void GraphSlam::keepTo(const Pose2& predicted, const Pose2& increment, Step& ste
   step.drift_covariance += drift;
   step.pose_covariance += drift;
   T_previous_robot_ = increment;
-  T_keyframe_robot_ = core::between(graph_.pose(lastKeyframe()), predicted);
+  T_keyframe_robot_ = core::between(graph_.pose(anchor_), predicted);
 }
 
 /// Share of a scan's points that fall on a mapped surface, or near one.

@@ -22,6 +22,7 @@ struct Keyframe {
   double path_m;                              ///< driven since the start
   int odometry_edge;                          ///< to the keyframe before
   bool unsure = false;                        ///< no scan is matched to it: see followWheels()
+  bool is_retired = false;                    ///< nor to this one, for ever; nothing of its scan is kept
   // covariance.cpp
   int matched_to = -1;          ///< keyframe that saw first what it was matched to, most of it; -1: none
   Eigen::Matrix3d information;  ///< what is known of its pose from there; body frame
@@ -33,10 +34,6 @@ struct Record {
   int keyframe;
   core::Pose2 T_keyframe_robot;
   Eigen::Matrix3d drift_covariance;  ///< since the keyframe; map frame, as it was
-};
-struct Link {
-  int to;
-  double length_m;
 };
 /// Surfels of the same points with cells of one, two and four times cell_m. `two_sided`: the finest keep the
 /// faces of thin walls apart; for a robot that is tracked, not for one whose place is looked for.

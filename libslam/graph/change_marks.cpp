@@ -1,0 +1,38 @@
+#include "libslam/graph/change_marks.h"
+
+#include <cmath>
+
+namespace slam::graph {
+namespace {
+
+constexpr double kCell_m = 0.2;
+
+std::int64_t cellOf(const core::Point2& p) {
+  return static_cast<std::int64_t>(std::floor(p.x / kCell_m)) * (std::int64_t{1} << 32) +
+         static_cast<std::int64_t>(std::floor(p.y / kCell_m));
+}
+
+}  // namespace
+
+bool ChangeMarks::look(const core::Point2& p_map, double time_s) {
+  forgetBefore(time_s - kForgotten_s);
+  Mark& mark = marks_.emplace(cellOf(p_map), Mark{time_s, time_s}).first->second;
+  if (time_s - mark.last_s > kForgotten_s) mark.first_s = time_s;
+  mark.last_s = time_s;
+  return mark.last_s - mark.first_s >= kStays_s;
+}
+
+bool ChangeMarks::hasStayed(const core::Point2& p_map) const {
+  const auto mark = marks_.find(cellOf(p_map));
+  return mark != marks_.end() && mark->second.last_s - mark->second.first_s >= kStays_s;
+}
+
+/// Now and then, so that memory does not grow with time.
+void ChangeMarks::forgetBefore(double time_s) {
+  if (time_s < tidied_s_ + kForgotten_s) return;
+  tidied_s_ = time_s;
+  for (auto mark = marks_.begin(); mark != marks_.end();)
+    mark = mark->second.last_s < time_s ? marks_.erase(mark) : std::next(mark);
+}
+
+}  // namespace slam::graph

@@ -1,0 +1,164 @@
+#include <algorithm>
+#include <cmath>
+
+#include "libslam/core/elementary.h"
+#include "libslam/graph/graph_slam.h"
+
+/// Ground that was seen often enough costs no more: the robot goes on along the keyframes that are there (the
+/// idea of a reduced pose graph: Johannsson et al., ICRA 2013). So time and memory grow with the area, and
+/// not with the years.
+namespace slam::graph {
+namespace {
+
+using core::Point2;
+using core::Pose2;
+using scanmatch::PatchPoint;
+
+/// Keyframes see the same as one that lies within so many of their distances.
+constexpr double kNearby = 2;
+/// Where a scan contradicts known ground it has to have moved by this share of a keyframe's distance, or
+/// angle, to become one.
+constexpr double kSoonest = 1.0 / 3;
+/// In keyframes' distances: there the map's keyframes lie where there are many.
+constexpr double kNear = 6;
+/// Points, 0.05 m apart, that have to be seen changed: a chair.
+constexpr int kLeastChanged = 5;
+
+/// The share of what a scan looks at that another one from nearby looks at, too: of directions.
+double sharedView(const robot::Scan& scan, const Pose2& T_map_robot, const robot::Scan& other,
+                  const Pose2& T_map_other) {
+  const auto width = [](const robot::Scan& s) {
+    return std::min(static_cast<double>(s.ranges_m.size()) * s.step_rad, 2 * core::kPi);
+  };
+  const auto middle = [&](const robot::Scan& s, const Pose2& T) {
+    return T.phi + s.T_robot_lidar.phi + s.first_angle_rad + width(s) / 2;
+  };
+  const double its = width(scan), theirs = width(other);
+  const double apart = std::abs(core::angleDifference(middle(scan, T_map_robot), middle(other, T_map_other)));
+  const double one_way = std::min({its, theirs, (its + theirs) / 2 - apart}),
+               other_way = (its + theirs) / 2 - (2 * core::kPi - apart);
+  return std::clamp((std::max(one_way, 0.0) + std::max(other_way, 0.0)) / its, 0.0, 1.0);
+}
+
+}  // namespace
+
+/// Whether the keyframes around see all that a scan sees, often enough, so that one more tells nothing.
+bool GraphSlam::isKnownGround(const robot::Scan& scan, const Pose2& T_map_robot) const {
+  if (options_.known_views <= 0 || doubt_.begins >= 0 || by_wheels_ || !hypotheses_.empty()) return false;
+  double views = 0;
+  for (const int k : map_keyframes_)
+    if (core::distance(graph_.pose(k), T_map_robot) <= kNearby * options_.keyframe_distance_m)
+      views += sharedView(scan, T_map_robot, keyframe(k).seen, graph_.pose(k));
+  return views >= options_.known_views;
+}
+
+/// Whether the robot has gone so far since its last keyframe, or since it was hung on one, that it needs
+/// another.
+bool GraphSlam::hasGoneOn(double share) const {
+  const Pose2 gone = core::between(T_keyframe_hung_, T_keyframe_robot_);
+  return core::hypot(gone.x, gone.y) > share * options_.keyframe_distance_m ||
+         std::abs(gone.phi) > share * options_.keyframe_angle_rad;
+}
+
+/// Whether a scan that is believed becomes a keyframe. On known ground the robot is hung on the keyframe
+/// nearest to it instead, unless something has changed there; and a scan that is not explained is learnt as
+/// the robot moves on, not again and again while it stands.
+bool GraphSlam::needsKeyframe(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+                              const Step& step) {
+  const bool has_gone_on = hasGoneOn(1), is_explained = step.score >= options_.keyframe_score;
+  is_known_ground_ = false;
+  if (!has_gone_on && is_explained) return false;
+  is_known_ground_ = isKnownGround(scan, step.T_map_robot);
+  if (!is_known_ground_) return true;
+  if (!is_explained) return hasGoneOn(kSoonest);
+  if (hasChanged(scan, points, step.T_map_robot)) return true;
+  hangOn(map_keyframes_.front(), step.T_map_robot);
+  return false;
+}
+
+/// The robot's pose, and that of the scans to come, is told by keyframe k.
+void GraphSlam::hangOn(int k, const Pose2& T_map_robot) {
+  anchor_ = k;
+  T_keyframe_robot_ = T_keyframe_hung_ = T_odometry_ = core::between(graph_.pose(k), T_map_robot);
+  odometry_holds_ = true;
+  from_keyframe_ = noise_;
+  const Point2 centre = core::position(T_map_robot);
+  // Nearly always the keyframes of the map lie close; to look farther costs much where there are many.
+  auto near = keyframesAround(k, centre, options_.map_path_m, kNear * options_.keyframe_distance_m);
+  if (static_cast<int>(near.size()) < options_.map_keyframes)
+    near = keyframesAround(k, centre, options_.map_path_m, options_.map_radius_m);
+  setMap(near, centre);
+}
+
+/// The keyframe that k was reached from.
+int GraphSlam::keyframeBefore(int k) const {
+  return graph_.edges()[static_cast<size_t>(keyframe(k).odometry_edge)].from;
+}
+
+/// Whether something has been there for a while where none of the keyframes around saw it, or has gone.
+bool GraphSlam::hasChanged(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+                           const Pose2& T_map_robot) {
+  const auto viewers = firstOf(map_keyframes_, kAskedViewers);
+  const auto T_lidars_map = lidarsOf(viewers);
+  int changed = 0;
+  for (const auto& point : points) {
+    const Point2 p_map = T_map_robot * position(point);
+    bool is_passed = false, is_agreed = false;
+    for (size_t i = 0; i < viewers.size(); ++i) {
+      const Sight seen = sight(viewers[i], T_lidars_map[i] * p_map);
+      is_passed = is_passed || seen == Sight::kPassed, is_agreed = is_agreed || seen == Sight::kAgreed;
+    }
+    if (is_passed && !is_agreed) changed += appeared_.look(p_map, scan.time_s);
+  }
+  const Pose2 T_lidar_map = core::inverse(T_map_robot * scan.T_robot_lidar);
+  for (const int viewer : viewers)
+    for (const auto& point : keyframe(viewer).points) {
+      const Point2 p_map = graph_.pose(viewer) * position(point);
+      if (sight(scan, T_lidar_map * p_map) == Sight::kPassed) changed += gone_.look(p_map, scan.time_s);
+    }
+  return changed >= kLeastChanged;
+}
+
+/// After keyframe k was made on known ground: what it sees through, and has seen through for a while, is
+/// forgotten; and so is the oldest keyframe there, when they have become too many.
+void GraphSlam::forgetChanged(int k) {
+  const auto& newest = keyframe(k);
+  const Pose2 T_lidar_map = core::inverse(graph_.pose(k) * newest.seen.T_robot_lidar);
+  const auto isGone = [&](const Point2& p_map) {
+    return gone_.hasStayed(p_map) && sight(newest.seen, T_lidar_map * p_map) == Sight::kPassed;
+  };
+  bool has_forgotten = false;
+  double views = 0;
+  int oldest = k;
+  for (const int other : keyframesWithin(core::position(graph_.pose(k)), options_.map_radius_m)) {
+    if (other == k) continue;
+    Keyframe& known = keyframes_[static_cast<size_t>(other)];
+    const Pose2& T = graph_.pose(other);
+    const auto first = std::remove_if(known.points.begin(), known.points.end(),
+                                      [&](const PatchPoint& point) { return isGone(T * position(point)); });
+    if (first != known.points.end()) {
+      known.points.erase(first, known.points.end());
+      const Pose2 T_map_lidar = T * known.seen.T_robot_lidar;
+      for (size_t beam = 0; beam < known.seen.ranges_m.size(); ++beam) {
+        float& range_m = known.seen.ranges_m[beam];
+        if (robot::isReturn(range_m) && isGone(T_map_lidar * core::polar(range_m, known.seen.angle(beam))))
+          range_m = robot::kLostReading;
+      }
+      has_forgotten = true;
+    }
+    if (core::distance(T, graph_.pose(k)) > kNearby * options_.keyframe_distance_m) continue;
+    const double shared = sharedView(newest.seen, graph_.pose(k), known.seen, T);
+    views += shared;
+    if (shared > 0.5) oldest = std::min(oldest, other);
+  }
+  if (views >= options_.known_views && oldest != k) {
+    Keyframe& known = keyframes_[static_cast<size_t>(oldest)];
+    known.is_retired = true;
+    known.points = {}, known.seen.ranges_m = {};
+    links_.remove(oldest);
+    has_forgotten = true;
+  }
+  if (has_forgotten) ++revision_;
+}
+
+}  // namespace slam::graph
