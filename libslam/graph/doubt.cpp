@@ -225,8 +225,7 @@ void GraphSlam::comeBack(const robot::Scan& scan, std::vector<PatchPoint> points
   lost_.dismiss();
   doubt_ = {};
   held_back_ = 0;
-  const core::Point2 centre = core::position(graph_.pose(k));
-  setMap(keyframesAround(k, centre, options_.map_path_m, options_.map_radius_m), centre);
+  setMapHere();
   step.pose_covariance = covariance_;
 }
 

@@ -212,8 +212,7 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> poi
   T_keyframe_robot_ = T_keyframe_hung_ = T_odometry_ = {};
   odometry_holds_ = true;
   if (options_.loops && k > 0) closeLoops();
-  const Point2 centre = core::position(currentPose());
-  setMap(keyframesAround(k, centre, options_.map_path_m, options_.map_radius_m), centre);
+  setMapHere();
 }
 
 std::vector<Pose2> GraphSlam::poses() const {
@@ -227,7 +226,9 @@ std::vector<Pose2> GraphSlam::poses() const {
 void GraphSlam::finish() {
   if (keyframes_.empty()) return;
   if (options_.loops) joinRemainingParts();
-  if (options_.loops) searchRemainingLoops();
+  const auto first_new = std::find_if(keyframes_.begin(), keyframes_.end(),
+                                      [](const Keyframe& one) { return one.scan != kOfEarlierRun; });
+  if (options_.loops) searchRemainingLoops(static_cast<int>(first_new - keyframes_.begin()));
   noteWhatStaysApart();
   if (options_.refine_rounds > 0) refine();
 }

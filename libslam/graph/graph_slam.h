@@ -50,8 +50,7 @@ namespace slam::graph {
 /// Without odometry the last motion stands in for it, as long as the step takes. Where there is no odometry,
 /// or it is contradicted, the motion that two scans alone give (odometry::ScanOdometry, correlation) is one
 /// of the starts, too. Odometry's noise grows with the root of time, with the metres and with the angle.
-/// Steps are timed by the mean of the scans' stamps of late. Scans may come from several lidars; each is
-/// known by its mounting.
+/// Steps are timed by the mean of the stamps of late. Each of several lidars is known by its mounting.
 ///
 /// The kidnapped robot (see LostDetector): a scan that breaks with the one before and contradicts the map is
 /// held back for half a second. If that goes on, the robot maps on by itself, while it is still tracked in
@@ -208,6 +207,7 @@ class GraphSlam {
   std::vector<int> keyframesWithin(const core::Point2& centre, double radius_m) const;
   static std::vector<int> firstOf(std::vector<int> keyframes, int most);
   void setMap(const std::vector<int>& near, const core::Point2& centre);
+  void setMapHere();
   void setMapNear(const core::Point2& centre);
   double knownShare(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot) const;
   void followWheels(const core::Pose2& T_wheels, bool let_go, bool is_elsewhere, bool is_explained);
@@ -263,7 +263,7 @@ class GraphSlam {
 
   // loops.cpp: places seen again
   void closeLoops();
-  void searchRemainingLoops();
+  void searchRemainingLoops(int first_searched);
   int gapsBetween(int a, int b) const;
   bool confirm(Hypothesis& hypothesis, int keyframe) const;
   void addLoopEdges(std::vector<posegraph::Edge>& edges, const std::vector<int>& around, int keyframe,

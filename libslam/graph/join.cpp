@@ -343,8 +343,7 @@ void GraphSlam::joinPart(const Join& join) {
   accept(hypothesis);
   searchAnew();
   // The keyframes have moved.
-  const Point2 centre = core::position(currentPose());
-  setMap(keyframesAround(anchor_, centre, options_.map_path_m, options_.map_radius_m), centre);
+  setMapHere();
 }
 
 /// Looks for the place of the keyframes [first, last] in the rest of the map, for as long as one scan may

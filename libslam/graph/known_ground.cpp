@@ -19,8 +19,6 @@ constexpr double kNearby = 2;
 /// Where a scan contradicts known ground it has to have moved by this share of a keyframe's distance, or
 /// angle, to become one.
 constexpr double kSoonest = 1.0 / 3;
-/// In keyframes' distances: there the map's keyframes lie where there are many.
-constexpr double kNear = 6;
 /// Points, 0.05 m apart, that have to be seen changed: a chair.
 constexpr int kLeastChanged = 5;
 
@@ -82,12 +80,7 @@ void GraphSlam::hangOn(int k, const Pose2& T_map_robot) {
   T_keyframe_robot_ = T_keyframe_hung_ = T_odometry_ = core::between(graph_.pose(k), T_map_robot);
   odometry_holds_ = true;
   from_keyframe_ = noise_;
-  const Point2 centre = core::position(T_map_robot);
-  // Nearly always the keyframes of the map lie close; to look farther costs much where there are many.
-  auto near = keyframesAround(k, centre, options_.map_path_m, kNear * options_.keyframe_distance_m);
-  if (static_cast<int>(near.size()) < options_.map_keyframes)
-    near = keyframesAround(k, centre, options_.map_path_m, options_.map_radius_m);
-  setMap(near, centre);
+  setMapHere();
 }
 
 /// The keyframe that k was reached from.

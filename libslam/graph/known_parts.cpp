@@ -12,8 +12,6 @@ namespace {
 using core::Pose2;
 using scanmatch::PatchPoint;
 
-/// Of a keyframe that was known before: journal entries refer to no scan then.
-constexpr int kOfEarlierRun = -1;
 /// Parts lie so far apart until they are joined that nothing sees from one into another.
 constexpr double kApart_m = 1000;
 /// How a keyframe lies to those around it in a map of before.
@@ -102,7 +100,7 @@ std::vector<PartPlace> GraphSlam::joinParts(core::Progress& progress) {
       goes_on = true;
     }
   }
-  searchRemainingLoops();
+  searchRemainingLoops(0);
   if (options_.refine_rounds > 0) refine();
   for (size_t p = 1; p < parts_.size(); ++p) judge(p, places[p - 1]);
   return places;

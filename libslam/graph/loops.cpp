@@ -145,12 +145,12 @@ void GraphSlam::follow(Hypothesis& found) {
 }
 
 /// With the whole path known a place can be looked at from both sides, and what drift had carried out of
-/// reach may have come near.
-void GraphSlam::searchRemainingLoops() {
+/// reach may have come near. From keyframe `first_searched` on: a map of before was searched then.
+void GraphSlam::searchRemainingLoops(int first_searched) {
   hypotheses_.clear();
   const int n = graph_.nodeCount();
   double searched_m = -1e9;
-  for (int k = 0; k < n; ++k) {
+  for (int k = first_searched; k < n; ++k) {
     const double at_m = keyframe(k).path_m;
     if (at_m - searched_m < 2 * options_.loop_every_m) continue;
     searched_m = at_m;

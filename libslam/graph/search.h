@@ -13,6 +13,8 @@ inline constexpr int kSearchLevels = 6;
 inline constexpr double kQuerySpacing_m = 0.4, kQueryMatchSpacing_m = 0.1;
 /// The old map around a place: within this path and radius of a keyframe.
 inline constexpr double kPlacePath_m = 15, kPlaceRadius_m = 10;
+/// The scan of a keyframe that was known before: journal entries refer to none then.
+inline constexpr int kOfEarlierRun = -1;
 /// Places that are looked at one by one: headings, one after the other, so that no scan waits long; how far
 /// apart they are, half the window of positions, and which points are asked.
 inline constexpr int kHeadings = 6;

@@ -30,6 +30,9 @@ constexpr double kLatticeTurn_rad = 0.03, kLatticeStep_m = 0.1, kRecoverGain = 0
 /// Least share of the information along the worst direction of movement; below, a corridor or an open field.
 constexpr double kDegenerate = 0.02;
 
+/// In keyframes' distances: there the map's keyframes lie where there are many.
+constexpr double kNear = 6;
+
 /// Odometry's errors are taken as normal to so many standard deviations, and with the tails of Cauchy's
 /// distribution beyond.
 constexpr double kTail = 2;
@@ -113,6 +116,16 @@ std::vector<int> GraphSlam::firstOf(std::vector<int> keyframes, int most) {
 void GraphSlam::setMap(const std::vector<int>& near, const Point2& centre) {
   map_keyframes_ = firstOf(near, options_.map_keyframes);
   fill(maps_, map_keyframes_, centre);
+}
+
+/// Of the keyframes around the robot that are linked with the one that it hangs on.
+void GraphSlam::setMapHere() {
+  const Point2 centre = core::position(currentPose());
+  // Where there are many, those of the map lie close, and to look farther costs much.
+  auto near = keyframesAround(anchor_, centre, options_.map_path_m, kNear * options_.keyframe_distance_m);
+  if (static_cast<int>(near.size()) < options_.map_keyframes)
+    near = keyframesAround(anchor_, centre, options_.map_path_m, options_.map_radius_m);
+  setMap(near, centre);
 }
 
 /// All keyframes within the radius, however they are linked, the nearest first.

@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""What a robot costs that drives on and on where it has been: time a scan over the drive, memory, key frames, error.
+
+  benchmarks/scaling/long_drives.py [-p PROGRAM] [-w WORK] [--hours H] [--visits N]
+
+A flat and a generated office for so many hours, `graph` as it is and with every keyframe kept (graph.known_views=0). Then
+visits of 15 minutes to an office whose furniture moves, each going on in the map of the one before. Nothing was tuned on the
+offices; the flat was looked at. Prints benchmarks/results/scaling.txt and writes scaling.csv beside it.
+"""
+import argparse
+import csv
+import json
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+RESULTS = ROOT / "benchmarks" / "results"
+COLUMNS = ["case", "known_views", "scans", "second_tenth_ms", "last_tenth_ms", "p99_ms", "worst_ms", "key_frames", "memory_mb",
+           "ate_final_m", "wall_f1"]
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-p", "--program", default=ROOT / "build/release/apps/rasterslam")
+    parser.add_argument("-w", "--work", help="folder for logs and runs that are kept, and not made again")
+    parser.add_argument("--hours", type=float, default=3)
+    parser.add_argument("--visits", type=int, default=10)
+    arguments = parser.parse_args()
+    arguments.program = str(pathlib.Path(arguments.program).resolve())
+    return arguments
+
+
+def call(program, *words):
+    return subprocess.run([program, *map(str, words)], check=True, capture_output=True, text=True).stdout
+
+
+def start_of(truth):
+    line = next(line for line in truth.read_text().splitlines() if not line.startswith("#"))
+    x, y, qz, qw = (float(line.split()[i]) for i in (1, 2, 6, 7))
+    return x, y, 2 * math.atan2(qz, qw)
+
+
+def place_in(first, truth):
+    """Where a log begins in the frame of the map that the first one made, as --start takes it."""
+    (x0, y0, phi0), (x, y, phi) = start_of(first), start_of(truth)
+    c, s = math.cos(phi0), math.sin(phi0)
+    return f"{c * (x - x0) + s * (y - y0):.4f},{c * (y - y0) - s * (x - x0):.4f},{math.degrees(phi - phi0):.4f}"
+
+
+def measure(program, run, truth, case, known_views):
+    times = sorted(float(row["cpu_ms"]) for row in csv.DictReader((run / "timing.csv").open()))
+    in_order = [float(row["cpu_ms"]) for row in csv.DictReader((run / "timing.csv").open())]
+    tenth = max(len(in_order) // 10, 1)
+    plan = truth.with_name(truth.name.replace(".gt.tum", ".plan.yaml"))
+    score = json.loads(call(program, "eval", run, "--truth", truth, "--plan", plan, "--json"))
+    accuracy, cost = (score[table]["rows"][0] for table in ("scores", "cost"))
+    keyframes = sum(line.startswith("VERTEX_SE2") for line in (run / "graph.g2o").open())
+    return dict(zip(COLUMNS, (case, known_views, len(times), sum(in_order[tenth:2 * tenth]) / tenth,
+                              sum(in_order[-tenth:]) / tenth, times[int(0.99 * len(times))], times[-1], keyframes,
+                              cost["peak_memory_mb"], accuracy["ate_final_m"], accuracy.get("wall_f1"))))
+
+
+def map_log(program, folder, log, name, known_views, *more):
+    run = folder / name
+    if not run.exists():
+        keep = [] if known_views == "default" else ["--set", f"graph.known_views={known_views}"]
+        call(program, "run", "graph", log, "-o", run, "-q", *more, *keep)
+    return run
+
+
+def long_drives(arguments, folder):
+    program = arguments.program
+    if not (folder / "office.yaml").exists():
+        call(program, "world", "make", "office", "-o", folder / "office.yaml", "--size", "24x18", "--seed", 8, "-q")
+    for case, plan in (("flat", "flat"), ("office", folder / "office.yaml")):
+        log = folder / f"{case}.rawlog"
+        if not log.exists():
+            call(program, "simulate", plan, "-o", log, "--seed", 11, "--duration", round(3600 * arguments.hours), "-q")
+        for known_views in ("default", 0):
+            run = map_log(program, folder, log, f"{case}-{known_views}", known_views)
+            yield measure(program, run, log.with_suffix(".gt.tum"), f"{case}, {arguments.hours:g} h", known_views)
+
+
+def visits(arguments, folder):
+    program = arguments.program
+    for visit in range(1, arguments.visits + 1):
+        log = folder / f"visit{visit}.rawlog"
+        if not log.exists():
+            call(program, "simulate", folder / "office.yaml", "-o", log, "--seed", visit, "--duration", 900, "-q", "--set",
+                 f"living.visit={visit}", "--set", "living.furniture_share=0.33")
+        truth = log.with_suffix(".gt.tum")
+        for known_views in ("default", 0):
+            before = ["--continue", folder / f"visit{visit - 1}-{known_views}", "--start",
+                      place_in(folder / "visit1.gt.tum", truth)] if visit > 1 else []
+            run = map_log(program, folder, log, f"visit{visit}-{known_views}", known_views, *before)
+            yield measure(program, run, truth, f"visit {visit}", known_views)
+
+
+def shown(value):
+    return "-" if value is None else f"{value:.3f}" if isinstance(value, float) else str(value)
+
+
+def main():
+    arguments = parse_arguments()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(arguments.work or temporary)
+        folder.mkdir(parents=True, exist_ok=True)
+        print("Made by: benchmarks/scaling/long_drives.py" + "".join(
+            f" --{key} {getattr(arguments, key):g}" for key, usual in (("hours", 3), ("visits", 10))
+            if getattr(arguments, key) != usual))
+        print("\nCPU time a scan; MB of the whole program. known_views 0: every keyframe is kept.\n")
+        print("  ".join(f"{column:>15}" for column in COLUMNS))
+        with open(RESULTS / "scaling.csv", "w", newline="") as file:
+            table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+            table.writeheader()
+            for cases in (long_drives, visits):
+                for row in cases(arguments, folder):
+                    table.writerow({key: shown(value) for key, value in row.items()})
+                    print("  ".join(f"{shown(row[column]):>15}" for column in COLUMNS))
+                    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()
