@@ -1,0 +1,184 @@
+#include "libslam/navigate/tour.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "libslam/core/elementary.h"
+#include "libslam/navigate/open_tour.h"
+#include "libslam/paths/coarse_ways.h"
+
+namespace slam::navigate {
+namespace {
+
+constexpr std::size_t kMostViewpoints = 40, kMostStops = 20;  // keep a decision short
+constexpr std::size_t kMostBlocks = 10000;
+constexpr double kDoor_m = 0.05;  // more than the robot's width that an opening to a room has
+constexpr double kStop_m2 = 0.1;  // a stop of the tour adds this at least, unless none does
+constexpr double kNews_m2 = 0.5;
+constexpr double kUrgency = 1.0;
+constexpr double kHysteresis_m = 2.0, kSameStop_m = 1.0;
+constexpr double kPostponedShare = 0.0, kPostponedRate_m2pm = 0.1, kLeastDetour_m = 0.05;
+constexpr double kWorthTheWay_m2pm = 0.003;
+constexpr double kTurnFirst_m2 = 2.0, kSamePlace_m = 1.0;
+constexpr double kNoWay_m = 1000;   // between places that the coarse ways do not join
+constexpr double kHeading_m = 1.0;  // the first part of a way, which the robot turns to
+
+/// Metres that could be driven while the robot turns into the way.
+double turnInto(const Viewpoint& viewpoint, const Scene& scene, const robot::RobotOptions& robot) {
+  const core::Pose2& here = scene.T_map_robot;
+  for (const auto node : viewpoint.way) {
+    const core::Point2 p = scene.planner.pointOf(node);
+    if (core::distance(p, core::position(here)) < kHeading_m && node != viewpoint.node) continue;
+    const double bearing_rad = core::atan2(p.y - here.y, p.x - here.x);
+    return std::abs(core::angleDifference(bearing_rad, here.phi)) * robot.max_speed_mps /
+           robot.max_turn_rate_radps;
+  }
+  return 0;
+}
+
+TourProblem problemOf(const std::vector<Look>& stops, const Scene& scene, const robot::RobotOptions& robot) {
+  TourProblem problem;
+  problem.stops = stops.size();
+  const paths::CoarseWays ways(scene.planner, kMostBlocks);
+  std::vector<paths::PathPlanner::Node> nodes = {scene.viewpoints[stops.front().place].way.front()};
+  double all_m2 = 0;
+  for (const Look& stop : stops) {
+    nodes.push_back(scene.viewpoints[stop.place].node);
+    all_m2 += stop.area_m2;
+  }
+  for (const Look& stop : stops) problem.urgency.push_back(kUrgency * stop.area_m2 / all_m2);
+  for (std::size_t from = 0; from < nodes.size(); ++from)
+    for (const double length_m : ways.lengths(nodes[from], nodes))
+      problem.leg_m.push_back(std::min(length_m, kNoWay_m));
+  for (std::size_t i = 0; i < stops.size(); ++i) {
+    const Viewpoint& viewpoint = scene.viewpoints[stops[i].place];
+    problem.leg_m[i + 1] = viewpoint.length_m + turnInto(viewpoint, scene, robot);
+  }
+  return problem;
+}
+
+/// Which stops of the tour come last: together they show no more than budget_m2.
+std::vector<std::size_t> withoutPostponed(const TourProblem& problem, const std::vector<Look>& stops,
+                                          std::vector<std::size_t> order, double budget_m2) {
+  TourProblem lengths = problem;
+  std::fill(lengths.urgency.begin(), lengths.urgency.end(), 0.0);
+  while (order.size() > 1) {
+    std::size_t worst = order.size();
+    double least = kPostponedRate_m2pm;
+    const double whole_m = tourCost(lengths, order);
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      const double area_m2 = stops[order[k]].area_m2;
+      if (area_m2 > budget_m2) continue;
+      auto without = order;
+      without.erase(without.begin() + static_cast<std::ptrdiff_t>(k));
+      const double rate = area_m2 / std::max(kLeastDetour_m, whole_m - tourCost(lengths, without));
+      if (rate < least) least = rate, worst = k;
+    }
+    if (worst == order.size()) break;
+    budget_m2 -= stops[order[worst]].area_m2;
+    order.erase(order.begin() + static_cast<std::ptrdiff_t>(worst));
+  }
+  return order;
+}
+
+/// The stops in this order.
+TourProblem partOf(const TourProblem& problem, const std::vector<std::size_t>& kept) {
+  TourProblem part;
+  part.stops = kept.size();
+  std::vector<std::size_t> places = {0};
+  for (const std::size_t stop : kept) {
+    places.push_back(stop + 1);
+    part.urgency.push_back(problem.urgency[stop]);
+  }
+  for (const std::size_t from : places)
+    for (const std::size_t to : places) part.leg_m.push_back(problem.leg(from, to));
+  return part;
+}
+
+}  // namespace
+
+std::optional<std::size_t> Tour::sharedViewpoints() const {
+  return kMostViewpoints;
+}
+
+bool Tour::isStillGood(const Decision& decision, const core::Pose2& T_map_robot, std::size_t next_waypoint) {
+  if (!MapStrategy::isStillGood(decision, T_map_robot, next_waypoint)) return false;
+  const double news = static_cast<double>(space().known) - static_cast<double>(known_cells_);
+  return news * space().resolution_m * space().resolution_m < kNews_m2;
+}
+
+Openings Tour::openingsOf(const Scene& scene) const {
+  const auto frontiers = paths::findFrontiers(scene.space, 1);
+  const double door_m = 2 * robot::circumscribedRadius(robot()) + kDoor_m;
+  Openings openings(scene.space, frontiers, door_m, options().unknown_path_m);
+  for (const auto& frontier : frontiers)
+    for (const std::size_t cell : frontier.cells)
+      if (isGivenUp(cell)) openings.shut(cell);
+  return openings;
+}
+
+/// A turn that shows what lies behind the robot.
+std::optional<MapStrategy::Choice> Tour::turnFirst(const Scene& scene, const Openings& openings) {
+  const double blind_rad = 2 * core::kPi - scene.view.fov_rad;
+  if (scene.view.full_circle || blind_rad > core::kPi) return std::nullopt;
+  const core::Point2 here = core::position(scene.T_map_robot);
+  for (const auto& place : turned_at_)
+    if (core::distance(place, here) < kSamePlace_m) return std::nullopt;
+  const Look look = lookAround(scene.space, openings, here, scene.view.max_range_m);
+  const double behind_m2 = look.area_m2 - look.profile.within(scene.view, scene.T_map_robot.phi);
+  if (behind_m2 < kTurnFirst_m2) return std::nullopt;
+  turned_at_.push_back(here);
+  Choice choice;
+  choice.turn_rad = blind_rad;
+  choice.score = behind_m2;
+  char reason[80];
+  std::snprintf(reason, sizeof reason, "turn: %.2f m2 of unknown behind", behind_m2);
+  choice.reason = reason;
+  return choice;
+}
+
+std::optional<MapStrategy::Choice> Tour::choose(const Scene& scene) {
+  known_cells_ = space().known;
+  const Openings openings = openingsOf(scene);
+  if (auto turn = turnFirst(scene, openings)) return turn;
+  std::vector<Look> looks;
+  for (std::size_t i = 0; i < scene.viewpoints.size(); ++i) {
+    looks.push_back(lookAround(scene.space, openings, scene.viewpoints[i].p_map, scene.view.max_range_m));
+    looks.back().place = i;
+  }
+  const std::size_t cells = scene.space.state.size();
+  auto stops = coveringLooks(looks, cells, kStop_m2, kMostStops);
+  if (stops.empty()) stops = coveringLooks(std::move(looks), cells, options().gain_min_m2, kMostStops);
+  if (stops.empty()) return std::nullopt;
+
+  const TourProblem all = problemOf(stops, scene, robot());
+  const double known_m2 = static_cast<double>(known_cells_) * space().resolution_m * space().resolution_m;
+  const auto kept = withoutPostponed(all, stops, shortestTour(all), kPostponedShare * known_m2);
+  const TourProblem problem = partOf(all, kept);
+  auto order = shortestTour(problem);
+  double cost = tourCost(problem, order);
+  const auto placeOfStop = [&](std::size_t i) { return scene.viewpoints[stops[kept[i]].place].p_map; };
+  if (aim_) {
+    std::size_t same = 0;
+    for (std::size_t i = 1; i < kept.size(); ++i)
+      if (core::distance(placeOfStop(i), *aim_) < core::distance(placeOfStop(same), *aim_)) same = i;
+    if (same != order.front() && core::distance(placeOfStop(same), *aim_) < kSameStop_m) {
+      auto other = shortestTourFrom(problem, same);
+      const double other_cost = tourCost(problem, other);
+      if (other_cost < cost + kHysteresis_m) order = std::move(other), cost = other_cost;
+    }
+  }
+  const Look& first = stops[kept[order.front()]];
+  const Viewpoint& viewpoint = scene.viewpoints[first.place];
+  if (stops.size() == 1 && first.area_m2 < kWorthTheWay_m2pm * viewpoint.length_m) return std::nullopt;
+  aim_ = viewpoint.p_map;
+  char reason[160];
+  std::snprintf(reason, sizeof reason,
+                "first of %zu stops, %zu more come last: expects %.2f m2 of unknown, %.2f m away",
+                kept.size(), stops.size() - kept.size(), first.area_m2, viewpoint.length_m);
+  Choice choice{first.place, -cost, reason, first.profile.bestHeading(scene.view), std::nullopt};
+  return choice;
+}
+
+}  // namespace slam::navigate
