@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 
 #include "libslam/core/elementary.h"
 #include "libslam/navigate/open_tour.h"
@@ -16,9 +17,8 @@ constexpr std::size_t kMostBlocks = 10000;
 constexpr double kDoor_m = 0.05;  // more than the robot's width that an opening to a room has
 constexpr double kStop_m2 = 0.1;  // a stop of the tour adds this at least, unless none does
 constexpr double kNews_m2 = 0.5;
-constexpr double kUrgency = 1.0;
+constexpr double kUrgency = 0.4;
 constexpr double kHysteresis_m = 2.0, kSameStop_m = 1.0;
-constexpr double kPostponedShare = 0.0, kPostponedRate_m2pm = 0.1, kLeastDetour_m = 0.05;
 constexpr double kWorthTheWay_m2pm = 0.003;
 constexpr double kTurnFirst_m2 = 2.0, kSamePlace_m = 1.0;
 constexpr double kNoWay_m = 1000;   // between places that the coarse ways do not join
@@ -56,44 +56,6 @@ TourProblem problemOf(const std::vector<Look>& stops, const Scene& scene, const 
     problem.leg_m[i + 1] = viewpoint.length_m + turnInto(viewpoint, scene, robot);
   }
   return problem;
-}
-
-/// Which stops of the tour come last: together they show no more than budget_m2.
-std::vector<std::size_t> withoutPostponed(const TourProblem& problem, const std::vector<Look>& stops,
-                                          std::vector<std::size_t> order, double budget_m2) {
-  TourProblem lengths = problem;
-  std::fill(lengths.urgency.begin(), lengths.urgency.end(), 0.0);
-  while (order.size() > 1) {
-    std::size_t worst = order.size();
-    double least = kPostponedRate_m2pm;
-    const double whole_m = tourCost(lengths, order);
-    for (std::size_t k = 0; k < order.size(); ++k) {
-      const double area_m2 = stops[order[k]].area_m2;
-      if (area_m2 > budget_m2) continue;
-      auto without = order;
-      without.erase(without.begin() + static_cast<std::ptrdiff_t>(k));
-      const double rate = area_m2 / std::max(kLeastDetour_m, whole_m - tourCost(lengths, without));
-      if (rate < least) least = rate, worst = k;
-    }
-    if (worst == order.size()) break;
-    budget_m2 -= stops[order[worst]].area_m2;
-    order.erase(order.begin() + static_cast<std::ptrdiff_t>(worst));
-  }
-  return order;
-}
-
-/// The stops in this order.
-TourProblem partOf(const TourProblem& problem, const std::vector<std::size_t>& kept) {
-  TourProblem part;
-  part.stops = kept.size();
-  std::vector<std::size_t> places = {0};
-  for (const std::size_t stop : kept) {
-    places.push_back(stop + 1);
-    part.urgency.push_back(problem.urgency[stop]);
-  }
-  for (const std::size_t from : places)
-    for (const std::size_t to : places) part.leg_m.push_back(problem.leg(from, to));
-  return part;
 }
 
 }  // namespace
@@ -152,33 +114,32 @@ std::optional<MapStrategy::Choice> Tour::choose(const Scene& scene) {
   if (stops.empty()) stops = coveringLooks(std::move(looks), cells, options().gain_min_m2, kMostStops);
   if (stops.empty()) return std::nullopt;
 
-  const TourProblem all = problemOf(stops, scene, robot());
-  const double known_m2 = static_cast<double>(known_cells_) * space().resolution_m * space().resolution_m;
-  const auto kept = withoutPostponed(all, stops, shortestTour(all), kPostponedShare * known_m2);
-  const TourProblem problem = partOf(all, kept);
+  const TourProblem problem = problemOf(stops, scene, robot());
   auto order = shortestTour(problem);
   double cost = tourCost(problem, order);
-  const auto placeOfStop = [&](std::size_t i) { return scene.viewpoints[stops[kept[i]].place].p_map; };
   if (aim_) {
+    const auto away_m = [&](std::size_t i) {
+      return core::distance(scene.viewpoints[stops[i].place].p_map, *aim_);
+    };
     std::size_t same = 0;
-    for (std::size_t i = 1; i < kept.size(); ++i)
-      if (core::distance(placeOfStop(i), *aim_) < core::distance(placeOfStop(same), *aim_)) same = i;
-    if (same != order.front() && core::distance(placeOfStop(same), *aim_) < kSameStop_m) {
+    for (std::size_t i = 1; i < stops.size(); ++i)
+      if (away_m(i) < away_m(same)) same = i;
+    if (same != order.front() && away_m(same) < kSameStop_m) {
       auto other = shortestTourFrom(problem, same);
       const double other_cost = tourCost(problem, other);
       if (other_cost < cost + kHysteresis_m) order = std::move(other), cost = other_cost;
     }
   }
-  const Look& first = stops[kept[order.front()]];
+  const Look& first = stops[order.front()];
   const Viewpoint& viewpoint = scene.viewpoints[first.place];
-  if (stops.size() == 1 && first.area_m2 < kWorthTheWay_m2pm * viewpoint.length_m) return std::nullopt;
+  const auto add = [](double sum_m2, const Look& stop) { return sum_m2 + stop.area_m2; };
+  const double all_m2 = std::accumulate(stops.begin(), stops.end(), 0.0, add);
+  if (all_m2 < kWorthTheWay_m2pm * cost) return std::nullopt;
   aim_ = viewpoint.p_map;
   char reason[160];
-  std::snprintf(reason, sizeof reason,
-                "first of %zu stops, %zu more come last: expects %.2f m2 of unknown, %.2f m away",
-                kept.size(), stops.size() - kept.size(), first.area_m2, viewpoint.length_m);
-  Choice choice{first.place, -cost, reason, first.profile.bestHeading(scene.view), std::nullopt};
-  return choice;
+  std::snprintf(reason, sizeof reason, "first of %zu stops: expects %.2f m2 of unknown, %.2f m away",
+                stops.size(), first.area_m2, viewpoint.length_m);
+  return Choice{first.place, -cost, reason, first.profile.bestHeading(scene.view), std::nullopt};
 }
 
 }  // namespace slam::navigate

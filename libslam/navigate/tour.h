@@ -14,12 +14,11 @@ namespace slam::navigate {
 ///   Openings): the expected gain of the slivers that every drive leaves is small.
 /// - What costs little time is worth little delay: a stop that is expected to show much is urgent. A metre
 ///   before it costs a metre and its share of all that is expected.
-/// - What is expected to show less than kPostponedShare of the known area, and little per metre of detour,
-///   comes last.
 /// - The turn to a stop counts as the way that could be driven in its time.
 /// - Where much lies behind a lidar that does not see all round, the robot turns first, once at a place.
 /// - The stop aimed at stays the first one unless another tour is shorter by kHysteresis_m.
-/// - At the end, what is expected to show less than kWorthTheWay_m2pm is given up.
+/// - A tour that is expected to show less than kWorthTheWay_m2pm for its length is not driven: what it is for
+///   counts as given up.
 class Tour : public MapStrategy {
  public:
   Tour(const StrategyOptions& options, core::RandomStream) : MapStrategy(options) {}

@@ -13,11 +13,9 @@ constexpr int kStraight = 5, kDiagonal = 7;
 constexpr std::size_t kBuckets = 8;  // above the dearest step
 constexpr std::array<int, 8> kColumn = {1, 0, -1, 0, 1, -1, -1, 1}, kRow = {0, 1, 0, -1, 1, 1, -1, -1};
 
-std::size_t directionOf(int dc, int dr) {
-  for (std::size_t d = 0; d < 8; ++d)
-    if (kColumn[d] == dc && kRow[d] == dr) return d;
-  return 8;
-}
+/// Of the neighbour at (dc, dr), row by row from below left.
+constexpr std::array<std::uint8_t, 9> kBitOf = {1U << 6, 1U << 3, 1U << 7, 1U << 2, 0,
+                                                1U << 0, 1U << 5, 1U << 1, 1U << 4};
 
 }  // namespace
 
@@ -30,15 +28,18 @@ CoarseWays::CoarseWays(const PathPlanner& planner, std::size_t most_blocks)
   columns_ = (planner.nodeColumns() + side_ - 1) / side_ + 2;
   const int rows = (planner.nodeRows() + side_ - 1) / side_ + 2;
   open_.assign(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows), 0);
+  const auto isInside = [&](int at) { return at % side_ != 0 && at % side_ != side_ - 1; };
   for (int row = 1; row + 1 < planner.nodeRows(); ++row)
     for (int column = 1; column + 1 < node_columns_; ++column) {
       const PathPlanner::Node node = row * node_columns_ + column;
-      if (!planner.isReached(node)) continue;
+      if (!planner.isReached(node) || (isInside(row) && isInside(column))) continue;
+      std::uint8_t& open = open_[blockOf(node)];
       for (std::size_t d = 0; d < 8; ++d) {
         const int dc = (column + kColumn[d]) / side_ - column / side_;
         const int dr = (row + kRow[d]) / side_ - row / side_;
-        if ((dc != 0 || dr != 0) && planner.isReached(node + kRow[d] * node_columns_ + kColumn[d]))
-          open_[blockOf(node)] |= static_cast<std::uint8_t>(1U << directionOf(dc, dr));
+        const std::uint8_t bit = kBitOf[static_cast<std::size_t>(3 * (dr + 1) + dc + 1)];
+        if ((open & bit) != bit && planner.isReached(node + kRow[d] * node_columns_ + kColumn[d]))
+          open |= bit;
       }
     }
 }
