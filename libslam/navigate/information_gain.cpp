@@ -25,7 +25,7 @@ std::optional<MapStrategy::Choice> InformationGain::choose(const Scene& scene) {
     char reason[120];
     std::snprintf(reason, sizeof reason, "best of %zu views: expects %.2f m2 of unknown for %.2f m of way",
                   scene.viewpoints.size(), gain_m2, viewpoint.length_m);
-    best = {i, score, reason, look_rad, std::nullopt};
+    best = {i, score, reason, look_rad};
   }
   if (best.score < 0) return std::nullopt;
   return best;

@@ -11,7 +11,7 @@ std::optional<MapStrategy::Choice> NearestFrontier::choose(const Scene& scene) {
       reason, sizeof reason, "nearest of %zu frontiers: %.2f m away, %.2f m long", scene.frontiers.size(),
       nearest.length_m,
       static_cast<double>(scene.frontiers[nearest.frontier].cells.size()) * scene.space.resolution_m);
-  return Choice{0, -nearest.cost_m, reason, std::nullopt, std::nullopt};
+  return Choice{0, -nearest.cost_m, reason, std::nullopt};
 }
 
 }  // namespace slam::navigate

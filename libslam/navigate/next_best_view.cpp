@@ -101,7 +101,7 @@ std::optional<MapStrategy::Choice> NextBestView::choose(const Scene& scene) {
                 "best of %zu views: %.2f m2 of unknown, %.2f m away, worth %.3f and %.3f by what comes after",
                 scene.viewpoints.size(), best->gain_m2, best->viewpoint->length_m, best->worth, most_then);
   return Choice{static_cast<std::size_t>(best->viewpoint - scene.viewpoints.data()), most, reason,
-                best->look_rad, std::nullopt};
+                best->look_rad};
 }
 
 }  // namespace slam::navigate

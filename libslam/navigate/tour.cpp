@@ -139,7 +139,7 @@ std::optional<MapStrategy::Choice> Tour::choose(const Scene& scene) {
   char reason[160];
   std::snprintf(reason, sizeof reason, "first of %zu stops: expects %.2f m2 of unknown, %.2f m away",
                 stops.size(), first.area_m2, viewpoint.length_m);
-  return Choice{first.place, -cost, reason, first.profile.bestHeading(scene.view), std::nullopt};
+  return Choice{first.place, -cost, reason, first.profile.bestHeading(scene.view)};
 }
 
 }  // namespace slam::navigate
