@@ -239,14 +239,10 @@ std::optional<Decision> MapStrategy::goOn(const paths::PathPlanner& planner, con
 Decision MapStrategy::decisionFor(const paths::PathPlanner& planner,
                                   const std::vector<paths::Frontier>& frontiers,
                                   const std::vector<Viewpoint>& viewpoints, const Choice& choice) {
+  const Viewpoint& chosen = viewpoints[choice.viewpoint];
   Decision decision;
   decision.score = choice.score;
   decision.reason = choice.reason;
-  if (choice.turn_rad) {
-    decision.turn_rad = *choice.turn_rad;
-    return decision;
-  }
-  const Viewpoint& chosen = viewpoints[choice.viewpoint];
   decision.path = planner.shortened(chosen.way);
   decision.goal = decision.path.back();
   core::Point2 sum;

@@ -68,8 +68,6 @@ class MapStrategy : public Strategy {
     std::string reason;
     std::optional<double>
         look_rad;  ///< heading to look along at the goal, map frame; nothing: at the frontier
-    std::optional<double> turn_rad =
-        {};  ///< only turn by this where the robot stands; the viewpoint is not used
   };
   /// Nothing when no viewpoint is worth going to: then the exploration is finished.
   virtual std::optional<Choice> choose(const Scene& scene) = 0;

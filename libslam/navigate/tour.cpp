@@ -20,7 +20,6 @@ constexpr double kNews_m2 = 0.5;
 constexpr double kUrgency = 0.4;
 constexpr double kHysteresis_m = 2.0, kSameStop_m = 1.0;
 constexpr double kWorthTheWay_m2pm = 0.003;
-constexpr double kTurnFirst_m2 = 2.0, kSamePlace_m = 1.0;
 constexpr double kNoWay_m = 1000;   // between places that the coarse ways do not join
 constexpr double kHeading_m = 1.0;  // the first part of a way, which the robot turns to
 
@@ -80,30 +79,9 @@ Openings Tour::openingsOf(const Scene& scene) const {
   return openings;
 }
 
-/// A turn that shows what lies behind the robot.
-std::optional<MapStrategy::Choice> Tour::turnFirst(const Scene& scene, const Openings& openings) {
-  const double blind_rad = 2 * core::kPi - scene.view.fov_rad;
-  if (scene.view.full_circle || blind_rad > core::kPi) return std::nullopt;
-  const core::Point2 here = core::position(scene.T_map_robot);
-  for (const auto& place : turned_at_)
-    if (core::distance(place, here) < kSamePlace_m) return std::nullopt;
-  const Look look = lookAround(scene.space, openings, here, scene.view.max_range_m);
-  const double behind_m2 = look.area_m2 - look.profile.within(scene.view, scene.T_map_robot.phi);
-  if (behind_m2 < kTurnFirst_m2) return std::nullopt;
-  turned_at_.push_back(here);
-  Choice choice;
-  choice.turn_rad = blind_rad;
-  choice.score = behind_m2;
-  char reason[80];
-  std::snprintf(reason, sizeof reason, "turn: %.2f m2 of unknown behind", behind_m2);
-  choice.reason = reason;
-  return choice;
-}
-
 std::optional<MapStrategy::Choice> Tour::choose(const Scene& scene) {
   known_cells_ = space().known;
   const Openings openings = openingsOf(scene);
-  if (auto turn = turnFirst(scene, openings)) return turn;
   std::vector<Look> looks;
   for (std::size_t i = 0; i < scene.viewpoints.size(); ++i) {
     looks.push_back(lookAround(scene.space, openings, scene.viewpoints[i].p_map, scene.view.max_range_m));

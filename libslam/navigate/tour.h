@@ -12,10 +12,9 @@ namespace slam::navigate {
 /// What is ours:
 /// - Walls go on (see paths::closeWalls()), and a frontier narrower than a door leads into no room (see
 ///   Openings): the expected gain of the slivers that every drive leaves is small.
-/// - What costs little time is worth little delay: a stop that is expected to show much is urgent. A metre
-///   before it costs a metre and its share of all that is expected.
+/// - A stop that is expected to show much is urgent: a metre driven before it costs kUrgency times its share
+///   of all that is expected besides the metre itself.
 /// - The turn to a stop counts as the way that could be driven in its time.
-/// - Where much lies behind a lidar that does not see all round, the robot turns first, once at a place.
 /// - The stop aimed at stays the first one unless another tour is shorter by kHysteresis_m.
 /// - A tour that is expected to show less than kWorthTheWay_m2pm for its length is not driven: what it is for
 ///   counts as given up.
@@ -33,11 +32,9 @@ class Tour : public MapStrategy {
   bool wantsStandoffs() const override { return false; }
 
   Openings openingsOf(const Scene& scene) const;
-  std::optional<Choice> turnFirst(const Scene& scene, const Openings& openings);
 
   std::optional<core::Point2> aim_;  ///< the stop of the last decision
-  std::vector<core::Point2> turned_at_;
-  std::size_t known_cells_ = 0;  ///< of the map at the last decision
+  std::size_t known_cells_ = 0;      ///< of the map at the last decision
 };
 
 }  // namespace slam::navigate

@@ -103,24 +103,6 @@ TEST(Tour, DropsAStopThatHasBeenSeenOnTheWay) {
   EXPECT_GT(strategy->decide(scanOf(360), pose).goal.x, 3.0);
 }
 
-TEST(Tour, LooksBehindFirstOnceWhereTheLidarHasABack) {
-  // The robot came from nowhere: all behind it is unknown.
-  std::vector<std::string> lines(9, "????......");
-  lines.front() = lines.back() = "##########";
-  const auto map = drawn(lines);
-  const core::Pose2 pose{2.2, 1.8, 0};
-  const auto strategy = tour();
-  strategy->seeMap(map);
-  const auto turn = strategy->decide(scanOf(270), pose);
-  EXPECT_TRUE(turn.path.empty());
-  EXPECT_NEAR(turn.turn_rad, core::kPi / 2, 0.02);  // that shows the quarter behind; a degree of the scan
-  EXPECT_THAT(turn.reason, testing::StartsWith("turn: "));
-  EXPECT_FALSE(strategy->decide(scanOf(270), pose).path.empty());
-  const auto all_round = tour();
-  all_round->seeMap(map);
-  EXPECT_FALSE(all_round->decide(scanOf(360), pose).path.empty());
-}
-
 TEST(Tour, EndsWhenWhatIsLeftCannotBeReached) {
   const auto strategy = tour();
   const auto map = drawn({"##########", "#....#...?", "#....#...?", "#....#...?", "##########"});
