@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Strategies against somebody who knows the plan: competitive ratios, their intervals, and paired tests.
 
-    benchmarks/exploration/ratio.py [-p PROGRAM] [-n SEEDS] [-w WORLDS] [-S STRATEGIES] [-j THREADS] [-o FOLDER] [-t NAME] [-k CSV]
+    benchmarks/exploration/ratio.py [-p PROGRAM] [-n SEEDS] [-w WORLDS] [-S STRATEGIES] [-j THREADS] [-o FOLDER]
+                                    [-t NAME] [-k CSV]
 
 Explores every world with every strategy and seed by the true pose (rasterslam explore --slam truth --oracle, 181 beams) and
 writes FOLDER/NAME.csv (every run) and NAME.txt (medians with 95 % intervals of the bootstrap; paired
@@ -113,7 +114,8 @@ def main():
     rows, strategies = [], args.S.split(",")
     if args.k:
         with open(args.k, newline="", encoding="utf-8") as file:
-            rows = [row for row in csv.DictReader(file) if row["strategy"] not in strategies and row["plan"] in args.w.split(",")]
+            rows = [row for row in csv.DictReader(file)
+                    if row["strategy"] not in strategies and row["plan"] in args.w.split(",")]
         strategies = list(dict.fromkeys(row["strategy"] for row in rows)) + strategies
     with tempfile.TemporaryDirectory() as folder:
         for world in args.w.split(","):
