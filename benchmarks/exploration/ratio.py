@@ -2,10 +2,15 @@
 """Strategies against somebody who knows the plan: competitive ratios, their intervals, and paired tests.
 
     benchmarks/exploration/ratio.py [-p PROGRAM] [-n SEEDS] [-w WORLDS] [-S STRATEGIES] [-j THREADS] [-o FOLDER]
+                                    [-t NAME] [-k CSV]
 
 Explores every world with every strategy and seed by the true pose (rasterslam explore --slam truth --oracle, 181 beams) and
-writes FOLDER/exploration_ratio.csv (every run) and exploration_ratio.txt (medians with 95 % intervals of the bootstrap; paired
+writes FOLDER/NAME.csv (every run) and NAME.txt (medians with 95 % intervals of the bootstrap; paired
 sign tests of each strategy against nearest_frontier over worlds and seeds). A run that never gets there is endlessly late.
+
+A world is a committed one, or KIND-SEED-SIZE for a building made for it, such as flat-21-16x12 (rasterslam world make).
+With -k the rows of CSV for strategies that are not among STRATEGIES are taken over: runs are the same every time, so what has
+not changed since need not be driven again.
 """
 import argparse
 import csv
@@ -45,10 +50,20 @@ def sign_test(wins, losses):
     return min(1.0, 2 * tail)
 
 
+def planOf(args, world, folder):
+    """The plan's name, or the file of a building made for it."""
+    if "-" not in world:
+        return world
+    kind, seed, size = world.split("-")
+    path = os.path.join(folder, world + ".yaml")
+    subprocess.run([args.p, "world", "make", kind, "--seed", seed, "--size", size, "-q", "-o", path], check=True)
+    return path
+
+
 def explore(args, world, folder):
     output = os.path.join(folder, world)
     subprocess.run(
-        [args.p, "explore", world, "--strategy", args.S, "--slam", "truth", "--oracle", "--tables-only", "--seeds", str(args.n),
+        [args.p, "explore", planOf(args, world, folder), "--strategy", args.S, "--slam", "truth", "--oracle", "--tables-only", "--seeds", str(args.n),
          "--duration", "1500", "--set", "lidar.beams=181", "--set", "exploration.give_up_s=600", "--threads", str(args.j),
          "-q", "-o", output],
         check=True, stdout=subprocess.DEVNULL)
@@ -93,21 +108,28 @@ def main():
     parser.add_argument("-S", default=STRATEGIES)
     parser.add_argument("-j", type=int, default=2)
     parser.add_argument("-o", default=os.path.join(root, "benchmarks/results"))
+    parser.add_argument("-t", default="exploration_ratio")
+    parser.add_argument("-k")
     args = parser.parse_args()
-    rows = []
+    rows, strategies = [], args.S.split(",")
+    if args.k:
+        with open(args.k, newline="", encoding="utf-8") as file:
+            rows = [row for row in csv.DictReader(file)
+                    if row["strategy"] not in strategies and row["plan"] in args.w.split(",")]
+        strategies = list(dict.fromkeys(row["strategy"] for row in rows)) + strategies
     with tempfile.TemporaryDirectory() as folder:
         for world in args.w.split(","):
             rows += explore(args, world, folder)
     keys = ["plan", "strategy", "seed", "path90_m", "path99_m", "oracle90_m", "oracle99_m", "below90_m", "below99_m", "ratio90",
             "ratio99", "t90_s", "t99_s", "coverage_percent", "path_m", "redundant_percent", "collisions", "end"]
     os.makedirs(args.o, exist_ok=True)
-    with open(os.path.join(args.o, "exploration_ratio.csv"), "w", newline="", encoding="utf-8") as file:
+    with open(os.path.join(args.o, args.t + ".csv"), "w", newline="", encoding="utf-8") as file:
         table = csv.DictWriter(file, keys, extrasaction="ignore", lineterminator="\n")
         table.writeheader()
         table.writerows(rows)
-    with open(os.path.join(args.o, "exploration_ratio.txt"), "w", encoding="utf-8") as file:
-        print(f"benchmarks/exploration/ratio.py -n {args.n} -w {args.w} -S {args.S}", file=file)
-        report(rows, args.S.split(","), file)
+    with open(os.path.join(args.o, args.t + ".txt"), "w", encoding="utf-8") as file:
+        print(f"benchmarks/exploration/ratio.py -n {args.n} -w {args.w} -S {','.join(strategies)}", file=file)
+        report(rows, strategies, file)
 
 
 if __name__ == "__main__":

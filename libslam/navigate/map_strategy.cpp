@@ -9,6 +9,7 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/rigid_motion2.h"
+#include "libslam/paths/close_walls.h"
 
 namespace slam::navigate {
 namespace {
@@ -76,6 +77,7 @@ paths::FreeSpace MapStrategy::withoutFalseFrontiers() const {
   for (const auto& frontier : paths::findFrontiers(*space_, 1))
     for (const std::size_t cell : frontier.cells)
       if (returns_.count(placeOf(space_->centreOf(cell))) != 0) looking.state[cell] = paths::kOccupiedCell;
+  if (const double gap_m = closedGap_m(); gap_m > 0) paths::closeWalls(looking, gap_m);
   return looking;
 }
 
@@ -88,6 +90,11 @@ void MapStrategy::judgeLook() {
     if (core::distance(p, *looked_from_) < kLooked_m)
       looks_[placeOf(p)] += news_m2 < kNews_m2 ? kMostLooks : 1;
   looked_from_.reset();
+}
+
+bool MapStrategy::isGivenUp(std::size_t cell) const {
+  const auto looks = looks_.find(placeOf(space_->centreOf(cell)));
+  return looks != looks_.end() && looks->second >= kMostLooks;
 }
 
 /// Of every frontier the cells that are in reach and not given up; counts the frontiers of which less than
@@ -103,8 +110,7 @@ std::vector<paths::Frontier> MapStrategy::openFrontiers(const paths::FreeSpace& 
     for (const std::size_t cell : frontier.cells) {
       if (!planner.accessOf(planner.nodeOf(cell))) continue;
       ++reached;
-      const auto looks = looks_.find(placeOf(looking.centreOf(cell)));
-      if (looks == looks_.end() || looks->second < kMostLooks) kept.cells.push_back(cell);
+      if (!isGivenUp(cell)) kept.cells.push_back(cell);
     }
     if (kept.cells.size() >= min_cells)
       open.push_back(std::move(kept));
@@ -112,6 +118,16 @@ std::vector<paths::Frontier> MapStrategy::openFrontiers(const paths::FreeSpace& 
       ++(reached >= min_cells ? abandoned_ : out_of_reach_);
   }
   return open;
+}
+
+/// By the map, through free cells only.
+bool MapStrategy::seesStraight(const core::Point2& a, const core::Point2& b) const {
+  const int steps = static_cast<int>(std::ceil(core::distance(a, b) / space_->resolution_m));
+  for (int i = 1; i < steps; ++i) {
+    const double s = static_cast<double>(i) / steps;
+    if (space_->at({a.x + s * (b.x - a.x), a.y + s * (b.y - a.y)}) != paths::kFreeCell) return false;
+  }
+  return true;
 }
 
 /// As near to the frontiers as the robot can, by cost; without the ways.
@@ -124,13 +140,14 @@ std::vector<Viewpoint> MapStrategy::viewpointsFor(const paths::PathPlanner& plan
       const auto node = planner.accessOf(planner.nodeOf(cell));
       if (node) by_cost.emplace(planner.cost(*node), *node);
     }
-    const std::size_t first = viewpoints.size();
+    const std::size_t first = sharedViewpoints() ? 0 : viewpoints.size();
     for (const auto& [cost_m, node] : by_cost) {
       const core::Point2 p = planner.pointOf(node);
       if (isSpent(p)) continue;
       const bool crowded = std::any_of(viewpoints.begin() + static_cast<std::ptrdiff_t>(first),
                                        viewpoints.end(), [&, &place = p](const Viewpoint& other) {
-                                         return core::distance(other.p_map, place) < kViewpointSpacing_m;
+                                         return core::distance(other.p_map, place) < kViewpointSpacing_m &&
+                                                (!sharedViewpoints() || seesStraight(other.p_map, place));
                                        });
       if (crowded) continue;
       viewpoints.push_back({node, p, {}, 0, cost_m, f, true});
@@ -207,9 +224,10 @@ std::optional<Decision> MapStrategy::goOn(const paths::PathPlanner& planner, con
     viewpoints = viewpointsFor(planner, frontiers);
   }
   // The far ones only count when none of the near ones is worth going to.
-  for (std::size_t first = 0; first < viewpoints.size(); first += kViewpointsAtATime) {
+  const std::size_t most = sharedViewpoints().value_or(kViewpointsAtATime);
+  for (std::size_t first = 0; first < viewpoints.size(); first += most) {
     const auto begin = viewpoints.begin() + static_cast<std::ptrdiff_t>(first);
-    const auto count = std::min(kViewpointsAtATime, viewpoints.size() - first);
+    const auto count = std::min(most, viewpoints.size() - first);
     const auto some = withWays(planner, {begin, begin + static_cast<std::ptrdiff_t>(count)});
     if (const auto choice = choose({looking, planner, frontiers, some, paths::lidarView(scan), T_map_robot}))
       return decisionFor(planner, frontiers, some, *choice);

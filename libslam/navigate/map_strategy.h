@@ -74,7 +74,18 @@ class MapStrategy : public Strategy {
   /// Also look from places short of the frontiers.
   virtual bool wantsStandoffs() const { return true; }
 
+  /// Gaps in walls up to this count as wall where the robot looks for frontiers, see paths::closeWalls().
+  virtual double closedGap_m() const { return 0; }
+  /// How many viewpoints at frontiers choose() gets at a time, the nearest first, when one of them stands for
+  /// all frontiers near it. Nothing: every frontier has its own.
+  virtual std::optional<std::size_t> sharedViewpoints() const { return std::nullopt; }
+
   const StrategyOptions& options() const { return options_; }
+  const robot::RobotOptions& robot() const { return robot_; }
+  /// The newest map. REQUIRES that seeMap() was called.
+  const paths::FreeSpace& space() const { return *space_; }
+  /// Looks at this frontier cell were for nothing.
+  bool isGivenUp(std::size_t cell) const;
 
  private:
   using Place = std::int64_t;  ///< a cell's place in the map frame, whatever the raster's extent
@@ -86,6 +97,7 @@ class MapStrategy : public Strategy {
                                const robot::Scan& scan, const core::Pose2& T_map_robot);
   std::vector<paths::Frontier> openFrontiers(const paths::FreeSpace& looking,
                                              const paths::PathPlanner& planner, std::size_t min_cells);
+  bool seesStraight(const core::Point2& a, const core::Point2& b) const;
   std::vector<Viewpoint> viewpointsFor(const paths::PathPlanner& planner,
                                        const std::vector<paths::Frontier>& frontiers) const;
   std::vector<Viewpoint> withWays(const paths::PathPlanner& planner, std::vector<Viewpoint> viewpoints) const;

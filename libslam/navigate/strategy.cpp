@@ -10,6 +10,7 @@
 #include "libslam/navigate/next_best_view.h"
 #include "libslam/navigate/quadrant.h"
 #include "libslam/navigate/random_heading.h"
+#include "libslam/navigate/tour.h"
 #include "libslam/navigate/wall_follow.h"
 #include "libslam/paths/obstacle_memory.h"
 
@@ -42,7 +43,9 @@ constexpr Entry kStrategies[] = {
     entry<NearestFrontier>("nearest_frontier", "on the map: drive to the nearest border of the unknown"),
     entry<InformationGain>("information_gain",
                            "on the map: the view that is expected to show most per metre of way"),
-    entry<NextBestView>("next_best_view", "on the map: gain against travel, with the view after it in mind")};
+    entry<NextBestView>("next_best_view", "on the map: gain against travel, with the view after it in mind"),
+    entry<Tour>("tour",
+                "on the map: a short tour over all views that are left, planned anew as the map grows")};
 
 std::vector<std::string> rayNavigators() {
   auto names = goals::goalNavigatorNames();

@@ -59,6 +59,10 @@ class PathPlanner {
   std::vector<core::Point2> shortened(const std::vector<Node>& way) const;
   /// Reached nodes.
   std::size_t reachedCount() const { return reached_; }
+  /// Nodes are numbered row by row: node = row * nodeColumns() + column, a blocked border included.
+  int nodeColumns() const { return columns_; }
+  int nodeRows() const { return rows_; }
+  double nodeSide_m() const { return per_node_ * space_.resolution_m; }
 
  private:
   std::size_t cellOf(Node node) const;

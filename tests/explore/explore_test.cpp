@@ -170,7 +170,8 @@ TEST(Explore, DoesNotFinishBecauseItStandsInATightPlace) {
 // A wall on the line between two rows of cells never settles in the map; its gaps promised a lot of unknown
 // behind them for ever, and the robot drove up and down the corridor until the referee ended it.
 TEST(Explore, NoticesThatNothingIsLeft) {
-  for (const auto& e : inWorld("corridor", {"nearest_frontier", "information_gain", "next_best_view"}, 3)) {
+  for (const auto& e :
+       inWorld("corridor", {"nearest_frontier", "information_gain", "next_best_view", "tour"}, 3)) {
     EXPECT_EQ(e.end, ExplorationEnd::kFinished) << e.strategy << ": " << endName(e.end);
     EXPECT_THAT(e.end_detail, ::testing::StartsWith("explored: ")) << e.strategy;
     EXPECT_GT(e.figures.coverage, 0.99) << e.strategy;

@@ -59,7 +59,7 @@ const core::Pose2 kBetween{2.5, 0.8, 0};
 
 TEST(MapStrategies, SayClearlyThatTheyNeedAMap) {
   EXPECT_THAT(mapStrategies(),
-              testing::ElementsAre("nearest_frontier", "information_gain", "next_best_view"));
+              testing::ElementsAre("nearest_frontier", "information_gain", "next_best_view", "tour"));
   for (const auto& name : mapStrategies()) {
     try {
       makeStrategy(named(name), {1, "strategy"})->decide(circleScan(), {});

@@ -35,7 +35,7 @@ std::unique_ptr<Strategy> make(const std::string& name, double divisor = 1, std:
 TEST(Strategies, AreMadeByNameAndSayWhichOnesThereAre) {
   EXPECT_THAT(strategyNames(),
               testing::ElementsAre("longest_ray", "quadrant", "random_heading", "wall_follow",
-                                   "nearest_frontier", "information_gain", "next_best_view"));
+                                   "nearest_frontier", "information_gain", "next_best_view", "tour"));
   for (const auto& name : strategyNames()) EXPECT_TRUE(make(name)) << name;
   try {
     make("quadrants");
