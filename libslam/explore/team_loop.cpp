@@ -205,15 +205,20 @@ void TeamLoop::speak() {
     }
 }
 
+/// As others get it.
 std::shared_ptr<const gridmap::OccupancyRaster> TeamLoop::mapOf(std::size_t i) {
-  if (!members_[i].map)
-    members_[i].map = std::make_shared<const gridmap::OccupancyRaster>(members_[i].robot->map());
-  return members_[i].map;
+  Member& member = members_[i];
+  if (!member.map) {
+    auto map = member.robot->map();
+    member.robot->driver().strategy().annotate(map);
+    member.map = std::make_shared<const gridmap::OccupancyRaster>(std::move(map));
+  }
+  return member.map;
 }
 
 gridmap::OccupancyRaster TeamLoop::sharedMap(std::size_t i) {
   radio_.fetchMaps(i, elapsed_s(), [this](std::size_t other) { return mapOf(other); });
-  return radio_.mapOf(i, *mapOf(i));
+  return radio_.mapOf(i, members_[i].robot->map());
 }
 
 void TeamLoop::decide(std::size_t i) {
@@ -300,7 +305,9 @@ TeamScores TeamLoop::scores() const {
   run::RunFolder run;
   run.method = request_.slam;
   run.estimate = members_.front().robot->estimatedTrajectory();
-  run.map = run::toPlan(mergedMap());
+  const auto map = mergedMap();
+  run.map = run::toPlan(map);
+  run.manifest.results["map_mean_entropy_bits"] = core::formatNumber(metrics::mapEntropy(map.occupancy));
   score::Truth truth;
   truth.trajectory = members_.front().robot->trueTrajectory();
   truth.plan = plan_;

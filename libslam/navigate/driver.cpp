@@ -362,13 +362,15 @@ void Driver::watch(const robot::Scan& scan, const core::Pose2& T_map_robot) {
 }
 
 void Driver::reconsider() {
-  if (finished()) return;
-  state_->navigator.reset();
-  state_->phase = Phase::kDeciding;
+  if (!finished()) state_->phase = Phase::kDeciding;
 }
 
 void Driver::setTeam(const std::vector<Teammate>& team) {
   state_->strategy->seeTeam(team);
+}
+
+const Strategy& Driver::strategy() const {
+  return *state_->strategy;
 }
 
 bool Driver::wantsMap() const {

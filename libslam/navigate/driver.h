@@ -50,6 +50,7 @@ class Driver {
   void reconsider();
   /// What is known of the other robots, for the strategy: see Strategy::seeTeam().
   void setTeam(const std::vector<Teammate>& team);
+  const Strategy& strategy() const;
   bool finished() const;
   const Decision& currentDecision() const;
 

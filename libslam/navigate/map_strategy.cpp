@@ -80,6 +80,21 @@ paths::FreeSpace MapStrategy::withoutFalseFrontiers() const {
   return looking;
 }
 
+void MapStrategy::annotate(gridmap::OccupancyRaster& map) const {
+  if (!space_) return;
+  const paths::FreeSpace space = paths::readFreeSpace(map);
+  for (const auto& frontier : paths::findFrontiers(space, 1))
+    for (const std::size_t cell : frontier.cells) {
+      const core::Point2 p = space.centreOf(cell);
+      const auto looks = looks_.find(placeOf(p));
+      const bool is_given_up = looks != looks_.end() && looks->second >= kMostLooks;
+      if (!is_given_up && returns_.count(placeOf(p)) == 0) continue;
+      const auto column = static_cast<std::size_t>(map.columnOf(p.x)),
+                 row = static_cast<std::size_t>(map.rowOf(p.y));
+      map.occupancy[row * static_cast<std::size_t>(map.columns) + column] = 1.0F;
+    }
+}
+
 /// After a look: the frontier cells close by that it left standing.
 void MapStrategy::judgeLook() {
   if (!looked_from_) return;

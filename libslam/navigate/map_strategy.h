@@ -64,6 +64,7 @@ class MapStrategy : public Strategy {
                    std::size_t next_waypoint) override;
   void tellOutcome(const Decision& decision, bool reached) final;
   void seeTeam(const std::vector<Teammate>& team) final { team_ = team; }
+  void annotate(gridmap::OccupancyRaster& map) const final;
 
  protected:
   struct Choice {

@@ -71,6 +71,9 @@ class Strategy {
   }
   /// The other robots of the team, before every decision; a strategy that heeds none explores for itself.
   virtual void seeTeam(const std::vector<Teammate>& /*team*/) {}
+  /// Puts into a map of this robot, before others get it, what the strategy knows beyond it: an obstacle
+  /// where a border of the unknown has turned out to be none, so that nobody else goes to look.
+  virtual void annotate(gridmap::OccupancyRaster& /*map*/) const {}
   /// How a decision with a path ended: at its goal, or short of it because the way was blocked.
   virtual void tellOutcome(const Decision& /*decision*/, bool /*reached*/) {}
 };
