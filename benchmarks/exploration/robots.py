@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Several robots against one: times to 90 and 99 % over one robot's, with the true pose and with SLAM.
 
-    benchmarks/exploration/robots.py [-p PROGRAM] [-n SEEDS] [-w WORLDS] [-S STRATEGY] [-m METHODS] [-R ROBOTS] [-j RUNS] [-o FOLDER]
+    benchmarks/exploration/robots.py [-p PROGRAM] [-n SEEDS] [-w WORLDS] [-S STRATEGY] [-m METHODS] [-R ROBOTS] [-j RUNS] [-a] [-o FOLDER]
 
 Explores every world with every number of robots, method and seed (rasterslam explore --robots, 181 beams, all start beside each
 other), and writes FOLDER/exploration_robots.csv (every run) and exploration_robots.txt (medians of the ratios of pairs of one world,
 method and seed, with 95 % intervals of the bootstrap). A world KIND:SEED is a generated building. A run that never gets there is
-endlessly late.
+endlessly late. -a adds to the runs that FOLDER's table has.
 """
 import argparse
 import concurrent.futures
@@ -105,6 +105,7 @@ def main():
     parser.add_argument("-m", default="truth,graph")
     parser.add_argument("-R", default="1,2,3")
     parser.add_argument("-j", type=int, default=2)
+    parser.add_argument("-a", action="store_true")
     parser.add_argument("-o", default=os.path.join(root, "benchmarks/results"))
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -114,12 +115,16 @@ def main():
         with concurrent.futures.ThreadPoolExecutor(args.j) as pool:
             rows = list(pool.map(lambda cell: explore(args, *cell, folder), cells))
     os.makedirs(args.o, exist_ok=True)
-    with open(os.path.join(args.o, "exploration_robots.csv"), "w", newline="", encoding="utf-8") as file:
+    path = os.path.join(args.o, "exploration_robots.csv")
+    if args.a and os.path.exists(path):
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = [dict(row, seed=int(row["seed"]), robots=int(row["robots"])) for row in csv.DictReader(file)] + rows
+    with open(path, "w", newline="", encoding="utf-8") as file:
         table = csv.DictWriter(file, KEYS, extrasaction="ignore", lineterminator="\n")
         table.writeheader()
         table.writerows(rows)
     with open(os.path.join(args.o, "exploration_robots.txt"), "w", encoding="utf-8") as file:
-        print(f"benchmarks/exploration/robots.py -n {args.n} -w {args.w} -S {args.S} -m {args.m} -R {args.R}", file=file)
+        print(f"benchmarks/exploration/robots.py; {args.S}, all robots start beside each other", file=file)
         report(rows, file)
 
 

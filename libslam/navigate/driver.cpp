@@ -149,8 +149,7 @@ void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_map_rob
   escaping = failures >= options.patience;
   decision = escaping ? escape(scan) : strategy->decide(scan, T_map_robot);
   if (decision.wait_s > 0) {
-    barren = failures = 0;
-    waited_s = 0;
+    waited_s = failures = barren = 0;
     phase = Phase::kWaiting;
     return;
   }
