@@ -79,9 +79,9 @@ std::vector<core::Pose2> teamStarts(const world::Plan& plan, const TeamRequest& 
     if (fits) starts.push_back(place);
   }
   if (starts.size() < count)
-    throw core::InputError("plan '" + plan.name + "': found room for " + std::to_string(starts.size()) +
-                           " robots round the start, expected " + std::to_string(count) +
-                           "; --starts can place each");
+    throw core::InputError("plan '" + plan.name + "': --robots " + std::to_string(count) +
+                           ": found room for " + std::to_string(starts.size()) +
+                           " round the start, expected all; --starts can place each");
   return starts;
 }
 

@@ -105,7 +105,7 @@ TEST(ExploreCommand, RefusesATeamThatCannotBeInOneLine) {
       {"--robots 2 --starts 3,3,0 3,3", "--starts"},
       {"--robots 2 --starts 3,3,0", "found 1 places, expected one for each of 2 robots"},
       {"--robots 2 --starts 3,3,0 -9,-9,0", "start of robot 2"},
-      {"--robots 4 --set robot.side_m=3", "found room for"}};
+      {"--robots 4 --set robot.side_m=1.5", "found room for 1 round the start"}};
   for (const auto& [arguments, what] : refusals) {
     const auto result = rasterslam("explore flat --slam truth -q " + std::string(arguments), folder.path());
     EXPECT_EQ(result.exit_code, 3) << arguments << result.err;

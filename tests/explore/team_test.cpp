@@ -179,7 +179,7 @@ TEST(Team, SaysHowManyRobotsFit) {
     run(team);
     FAIL() << "expected InputError";
   } catch (const core::InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("found room for 2 robots round the start, expected 4"));
+    EXPECT_THAT(error.what(), HasSubstr("--robots 4: found room for 2 round the start"));
   }
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
