@@ -5,7 +5,7 @@
 
 Explores every world with every number of robots, method and seed (rasterslam explore --robots, 181 beams, all start beside each
 other), and writes FOLDER/exploration_robots.csv (every run) and exploration_robots.txt (medians of the ratios of pairs of one world,
-method and seed, with 95 % intervals of the bootstrap). A world KIND:SEED is a generated building. A run that never gets there is
+method and seed, with 95 % intervals of the bootstrap where there are enough of them). A world KIND:SEED is a generated building. A run that never gets there is
 endlessly late. -a adds to the runs that FOLDER's table has.
 """
 import argparse
@@ -21,6 +21,7 @@ import tempfile
 import ratio
 
 WORLDS = "flat,pillar_hall,maze,office_loop,flat:11,office:12"
+FEW = 5  # pairs, of which an interval would say nothing
 KEYS = ["plan", "slam", "seed", "robots", "t90_s", "t99_s", "time_s", "coverage", "path_sum_m", "path_longest_m", "overlap",
         "wall_collisions", "robot_collisions", "gave_way", "map_wall_f1", "end"]
 
@@ -68,6 +69,8 @@ def over_one(rows, plan, slam, robots, key):
 def shown(values):
     if not values:
         return "one robot never got there"
+    if len(values) < FEW:
+        return f"{ratio.text(statistics.median(values))} ({len(values)} of {ratio.text(min(values))} to {ratio.text(max(values))})"
     low, high = ratio.interval(values)
     return f"{ratio.text(statistics.median(values))} [{ratio.text(low)}, {ratio.text(high)}]"
 
@@ -78,15 +81,15 @@ def report(rows, out):
     teams = sorted({row["robots"] for row in rows} - {1})
     for slam in slams:
         for robots in teams:
-            print(f"\n{robots} robots with {slam}: time over that of one robot, median [95 %]; and medians of what it took", file=out)
+            print(f"\n{robots} robots with {slam}: time over that of one robot, median [95 %], of few pairs (how many of least to most); medians of what it took", file=out)
             for plan in plans:
                 some = [row for row in rows if row["plan"] == plan and row["slam"] == slam and row["robots"] == robots]
                 if not some:
                     continue
                 medians = [statistics.median(figure(row, key) for row in some)
                            for key in ("t99_s", "path_sum_m", "path_longest_m", "overlap")]
-                print(f"  {plan:14} T90 {shown(over_one(rows, plan, slam, robots, 't90_s')):22} "
-                      f"T99 {shown(over_one(rows, plan, slam, robots, 't99_s')):22} "
+                print(f"  {plan:14} T90 {shown(over_one(rows, plan, slam, robots, 't90_s')):27} "
+                      f"T99 {shown(over_one(rows, plan, slam, robots, 't99_s')):27} "
                       f"({ratio.text(medians[0], 0)} s, paths {medians[1]:.0f} m in all, {medians[2]:.0f} m the longest, "
                       f"seen twice {100 * medians[3]:.0f} %)", file=out)
             ratios = [value for plan in plans for value in over_one(rows, plan, slam, robots, "t99_s")]

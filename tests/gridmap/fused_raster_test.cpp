@@ -21,9 +21,11 @@ float at(const OccupancyRaster& map, double x_m, double y_m) {
 TEST(FusedRaster, OwnCellsStayAndUnknownOnesAreFilled) {
   OccupancyRaster own = raster(4, 4, 0, 0, 0.5F);
   own.occupancy[0] = 0.1F;  // the cell at the origin
+  own.occupancy[3] = 0.9F;  // one that another map calls free
   const OccupancyRaster free = raster(4, 4, 0, 0, 0.2F), sure = raster(4, 4, 0, 0, 0.95F);
   const auto filled = filledFrom(own, {{&free, {0.2, 0, 0}}, {&sure, {0, 0.2, 0}}});
   EXPECT_FLOAT_EQ(at(filled, 0.05, 0.05), 0.1F);
+  EXPECT_FLOAT_EQ(at(filled, 0.35, 0.05), 0.9F);
   EXPECT_FLOAT_EQ(at(filled, 0.15, 0.05), 0.5F);   // nobody knows
   EXPECT_FLOAT_EQ(at(filled, 0.55, 0.05), 0.2F);   // beyond its own raster
   EXPECT_FLOAT_EQ(at(filled, 0.35, 0.35), 0.95F);  // the surer of two
