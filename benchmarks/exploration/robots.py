@@ -5,8 +5,8 @@
 
 Explores every world with every number of robots, method and seed (rasterslam explore --robots, 181 beams, all start beside each
 other), and writes FOLDER/exploration_robots.csv (every run) and exploration_robots.txt (medians of the ratios of pairs of one world,
-method and seed, with 95 % intervals of the bootstrap where there are enough of them). A world KIND:SEED is a generated building. A run that never gets there is
-endlessly late. -a adds to the runs that FOLDER's table has.
+method and seed, with 95 % intervals of the bootstrap where there are enough of them). A world KIND:SEED is a generated
+building. A run that never gets there is endlessly late. -a adds to the runs that FOLDER's table has.
 """
 import argparse
 import concurrent.futures
@@ -81,7 +81,8 @@ def report(rows, out):
     teams = sorted({row["robots"] for row in rows} - {1})
     for slam in slams:
         for robots in teams:
-            print(f"\n{robots} robots with {slam}: time over that of one robot, median [95 %], of few pairs (how many of least to most); medians of what it took", file=out)
+            print(f"\n{robots} robots with {slam}: time over that of one robot, median [95 %], of few pairs (how many of least to most); "
+                  "medians of what it took", file=out)
             for plan in plans:
                 some = [row for row in rows if row["plan"] == plan and row["slam"] == slam and row["robots"] == robots]
                 if not some:
