@@ -75,8 +75,10 @@ TEST(ExploreCommand, LetsSeveralRobotsExplore) {
   EXPECT_EQ(json["robot_collisions"], 0);
   const auto report = rasterslam("report team -o team.html", folder.path());
   EXPECT_EQ(report.exit_code, 0) << report.err;
-  const auto placed =
-      rasterslam(common + "--robots 2 --starts 3,3,90 5,3,0 --tables-only -o placed", folder.path());
+  const auto placed = rasterslam(
+      "explore pillar_hall --strategy nearest_frontier --slam truth --duration 4 -q --robots 2 "
+      "--starts 3,3,0 21,15,180 --tables-only -o placed",
+      folder.path());
   EXPECT_EQ(placed.exit_code, 0) << placed.err;
   EXPECT_FALSE(fs::exists(folder / "placed/robot1"));
   // One robot is a single exploration, whether it is said or not.
