@@ -2,15 +2,19 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "apps/plan_warnings.h"
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
+#include "libslam/core/files.h"
 #include "libslam/core/resources.h"
 #include "libslam/core/word_list.h"
 #include "libslam/explore/explore.h"
+#include "libslam/explore/reach_goal.h"
+#include "libslam/explore/team.h"
 
 namespace slam::apps {
 namespace {
@@ -21,6 +25,9 @@ struct Arguments {
   std::vector<std::string> carries;
   int seeds = 1, threads = 1;
   bool return_to_start = false, tables_only = false, oracle = false;
+  int robots = 1;
+  std::optional<double> radio_range_m;
+  std::vector<std::string> starts;
 };
 
 /// One configuration per strategy; they are the same but for its name.
@@ -38,6 +45,51 @@ std::vector<explore::ExploreConfig> configsOf(const Context& context, const Argu
   return configs;
 }
 
+/// What belongs to one robot alone or to several alone.
+void checkRobots(const Arguments& arguments, std::size_t strategies) {
+  const auto refuse = [](const std::string& what, const std::string& found, const std::string& expected) {
+    throw core::InputError(what + ": found " + found + ", expected " + expected);
+  };
+  const std::string robots = "--robots " + std::to_string(arguments.robots);
+  if (arguments.robots == 1) {
+    if (arguments.radio_range_m) refuse("--radio-range", "one robot", "--robots 2 to 4 with it");
+    if (!arguments.starts.empty()) refuse("--starts", "one robot", "--start, or --robots 2 to 4 with it");
+    return;
+  }
+  if (arguments.seeds != 1)
+    refuse(robots, "--seeds " + std::to_string(arguments.seeds), "one seed at a time");
+  if (strategies > 1) refuse(robots, std::to_string(strategies) + " strategies", "one at a time");
+  if (arguments.oracle) refuse(robots, "--oracle", "no tour of one robot beside several");
+  if (!arguments.starts.empty() && !arguments.flags.start.empty())
+    refuse("--starts", "--start beside it", "one of the two");
+}
+
+int exploreTogether(const Context& context, const Arguments& arguments,
+                    const explore::ExploreConfig& config) {
+  explore::TeamRequest request;
+  request.plan_path = core::resolvePlan(arguments.plan);
+  warnOfPlan(context, request.plan_path);
+  request.config = config;
+  request.slam = arguments.slam;
+  request.methods_folder = core::configsFolder() + "/methods";
+  request.output = context.output.empty() ? "exploration" : context.output;
+  request.seed = context.seed;
+  request.robots = arguments.robots;
+  if (arguments.radio_range_m) request.radio_range_m = *arguments.radio_range_m;
+  for (const auto& start : arguments.starts)
+    request.T_world_starts.push_back(explore::parsePose(start, "--starts"));
+  request.threads = arguments.threads;
+  request.tables_only = arguments.tables_only;
+  request.overwrite = context.overwrite;
+  ConsoleProgress progress(context.quiet);
+  const auto result = explore::exploreTeam(request, context.manifest(), progress);
+  if (context.json)
+    std::cout << core::readTextFile(request.output + "/exploration.json");
+  else
+    std::cout << tableText(result.scores) << "\npictures, maps, tables: " << request.output << "\n";
+  return static_cast<int>(result.failed ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);
+}
+
 int explorePlan(const Context& context, const Arguments& arguments) {
   explore::ExploreRequest request;
   request.strategies = configsOf(context, arguments);
@@ -45,6 +97,8 @@ int explorePlan(const Context& context, const Arguments& arguments) {
     printParameters(request.strategies.front().record.parameters, context.json);
     return 0;
   }
+  checkRobots(arguments, request.strategies.size());
+  if (arguments.robots != 1) return exploreTogether(context, arguments, request.strategies.front());
   request.plan_path = core::resolvePlan(arguments.plan);
   warnOfPlan(context, request.plan_path);
   request.slam = arguments.slam;
@@ -68,6 +122,17 @@ int explorePlan(const Context& context, const Arguments& arguments) {
   else
     std::cout << tableText(result.scores) << "\npictures, maps, tables: " << request.output << "\n";
   return static_cast<int>(result.failed ? core::ExitCode::kMethodFailed : core::ExitCode::kOk);
+}
+
+void addRobots(CLI::App* command, Arguments& arguments) {
+  command->add_option("--robots", arguments.robots, "how many explore together, 1 to 4")
+      ->capture_default_str();
+  command->add_option("--radio-range", arguments.radio_range_m,
+                      "robots no farther apart share maps and goals: metres, 0 = never (default: always)");
+  command
+      ->add_option("--starts", arguments.starts,
+                   "of each robot: x,y,deg in the world frame (default: beside the first)")
+      ->expected(1, -1);
 }
 
 }  // namespace
@@ -95,6 +160,7 @@ void addExplore(CLI::App& app, Context& context) {
   command->add_flag("--oracle", arguments->oracle,
                     "score against tours of somebody who knows the plan: columns ratio, oracle.*");
   command->add_flag("--tables-only", arguments->tables_only, "no log, map and pictures for every run");
+  addRobots(command, *arguments);
   addSimulationFlags(command, arguments->flags);
   addCarry(command, arguments->carries);
   addConfig(command, context);
@@ -109,6 +175,7 @@ void addExplore(CLI::App& app, Context& context) {
       "  rasterslam explore flat --strategy nearest_frontier,next_best_view --slam truth --oracle -o out\n"
       "  rasterslam explore flat --strategy nearest_frontier --sensor camera --set camera.pitch_deg=30 -o "
       "out\n"
+      "  rasterslam explore office_loop --robots 3 --strategy next_best_view --slam graph -o team\n"
       "  rasterslam explore flat --carry 60:11,2,90 -o out   # kidnapped after a minute");
   command->callback([&context, arguments] {
     context.action = [&context, arguments] { return explorePlan(context, *arguments); };

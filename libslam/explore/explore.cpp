@@ -8,12 +8,11 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/core/ini_yaml.h"
 #include "libslam/explore/coverage_charts.h"
 #include "libslam/explore/exploration_jobs.h"
 #include "libslam/explore/exploration_tables.h"
+#include "libslam/explore/loop_localiser.h"
 #include "libslam/explore/oracle_files.h"
-#include "libslam/mapping/method_config.h"
 #include "libslam/table/latex.h"
 #include "libslam/table/number_text.h"
 
@@ -23,18 +22,6 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kCutOffBelow = 0.9;  // share of the free area; corners out of sight are less than a tenth
-
-LoopMethod loadMethod(const ExploreRequest& request) {
-  LoopMethod method;
-  method.is_reference = request.slam == kTruthReference;
-  // The method that believes its wheels, for perfect wheels.
-  const std::string name = method.is_reference ? "naive_wheel" : request.slam;
-  method.config = mapping::loadMethodConfig(request.methods_folder, name);
-  method.name = core::isConfigFile(name) ? fs::path(name).stem().string() : name;
-  if (method.is_reference) method.name = kTruthReference;
-  mapping::readMethodConfig(method.config);  // a bad key must not show in every run
-  return method;
-}
 
 void checkRequest(const ExploreRequest& request) {
   if (request.strategies.empty()) throw core::InputError("no strategy named, expected at least one");
@@ -222,7 +209,7 @@ std::string endName(ExplorationEnd end) {
 
 ExplorationReport explore(const ExploreRequest& request, core::Manifest manifest, core::Progress& progress) {
   checkRequest(request);
-  const auto method = loadMethod(request);
+  const auto method = loadMethod(request.slam, request.methods_folder);
   const auto plan = world::loadPlan(request.plan_path);
   core::PendingFolder output(request.output, request.overwrite);
   const std::string folder = output.path();

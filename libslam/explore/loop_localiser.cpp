@@ -1,11 +1,27 @@
 #include "libslam/explore/loop_localiser.h"
 
+#include <filesystem>
+
 #include "libslam/core/error.h"
+#include "libslam/core/ini_yaml.h"
+#include "libslam/mapping/method_config.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/run/stopped_run.h"
 
 namespace slam::explore {
+
+LoopMethod loadMethod(const std::string& slam, const std::string& methods_folder) {
+  LoopMethod method;
+  method.is_reference = slam == kTruthReference;
+  // The method that believes its wheels, for perfect wheels.
+  const std::string name = method.is_reference ? "naive_wheel" : slam;
+  method.config = mapping::loadMethodConfig(methods_folder, name);
+  method.name = core::isConfigFile(name) ? std::filesystem::path(name).stem().string() : name;
+  if (method.is_reference) method.name = kTruthReference;
+  mapping::readMethodConfig(method.config);  // a bad key must not show in every run
+  return method;
+}
 
 core::Pose2 Localiser::update(const sim::Sensed& sensed, const core::Pose2& T_world_robot) {
   const core::Pose2 T_previous_robot =

@@ -10,6 +10,10 @@
 
 namespace slam::explore {
 
+/// The method by its name in the folder, the path of an .ini, or kTruthReference. Errors: InputError, also
+/// for a key of its configuration: that must not show in every run.
+LoopMethod loadMethod(const std::string& slam, const std::string& methods_folder);
+
 /// Where the robot believes to be, and the map that it makes of it.
 class Localiser {
  public:

@@ -146,7 +146,10 @@ const graph::GraphSlam* graphSlamOf(const MapBuilder& method);
 /// graph.g2o, its pose graph, whose node i is the i-th key frame of map.simplemap. Same input, same bytes.
 /// Errors: IoError with the path.
 void saveMaps(const MapBuilder& method, const std::string& folder);
-/// The last two of these alone: of a map that is too large to be drawn.
+/// A map that no method holds: map.yaml, map.png and map.gridmap.gz of these. REQUIRES a cell
+/// (ContractError).
+void saveRaster(const gridmap::OccupancyRaster& map, const std::string& folder);
+/// Of those of saveMaps() the last two alone: of a map that is too large to be drawn.
 void saveKeyFrames(const MapBuilder& method, const std::string& folder);
 
 }  // namespace slam::mapping

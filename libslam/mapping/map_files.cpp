@@ -108,6 +108,19 @@ void saveMaps(const MapBuilder& method, const std::string& folder) {
   saveKeyFrames(method, folder);
 }
 
+void saveRaster(const gridmap::OccupancyRaster& map, const std::string& folder) {
+  if (map.occupancy.empty()) throw core::ContractError("saveRaster: a map without a cell");
+  writeRosMap(map, folder);
+  const auto edge_m = [&](double from_m, int cells) {
+    return static_cast<float>(from_m + cells * map.resolution_m);
+  };
+  COccupancyGridMap2D grid(edge_m(map.x_min_m, 0), edge_m(map.x_min_m, map.columns), edge_m(map.y_min_m, 0),
+                           edge_m(map.y_min_m, map.rows), static_cast<float>(map.resolution_m));
+  for (int row = 0; row < map.rows; ++row)
+    for (int column = 0; column < map.columns; ++column) grid.setCell(column, row, 1 - map.at(column, row));
+  writeObject(grid, folder + "/map.gridmap.gz");
+}
+
 void writeKeyFrames(const std::vector<KeyFrame>& key_frames, const std::string& path) {
   mrpt::maps::CSimpleMap map;
   for (const KeyFrame& key_frame : key_frames) {

@@ -30,7 +30,7 @@ constexpr double kRayTolerance_m = 0.1;
 
 constexpr double kNews_m2 = 0.25;  // less new area than this may be the map's noise
 
-enum class Phase { kDeciding, kTurning, kDriving, kBacking, kFollowing, kNavigating };
+enum class Phase { kDeciding, kTurning, kDriving, kBacking, kFollowing, kNavigating, kWaiting };
 
 }  // namespace
 
@@ -56,6 +56,7 @@ struct Driver::State {
   double known_m2 = 0;        ///< area of the newest map
   double most_known_m2 = 0;   ///< when there was last any news
   int barren = 0;             ///< decisions in a row without news
+  double waited_s = 0;        ///< of the decision at hand
 
   std::unique_ptr<paths::ObstacleMemory> memory = nullptr;
   std::vector<core::Point2> remembered = {};  ///< robot frame
@@ -118,6 +119,10 @@ std::optional<robot::Command> Driver::State::advance(const robot::Scan& scan,
       return follow(scan, T_map_robot);
     case Phase::kNavigating:
       return navigate(scan, T_map_robot);
+    case Phase::kWaiting:
+      waited_s += period_s;
+      if (waited_s > decision.wait_s) phase = Phase::kDeciding;
+      return stand();
   }
   return std::nullopt;
 }
@@ -143,6 +148,11 @@ void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_map_rob
   }
   escaping = failures >= options.patience;
   decision = escaping ? escape(scan) : strategy->decide(scan, T_map_robot);
+  if (decision.wait_s > 0) {
+    waited_s = failures = barren = 0;
+    phase = Phase::kWaiting;
+    return;
+  }
   if (!decision.path.empty()) {
     follower = paths::PathFollower(decision.path, decision.look_at);
     periods_unchecked = 0;
@@ -343,6 +353,23 @@ robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_map_ro
   if (const auto turn = state.look(command)) command = *turn;
   state.map_is_new = false;
   return command;
+}
+
+void Driver::watch(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+  state_->sense(scan, T_map_robot);
+  state_->strategy->seeScan(scan, T_map_robot);
+}
+
+void Driver::reconsider() {
+  if (!finished()) state_->phase = Phase::kDeciding;
+}
+
+void Driver::setTeam(const std::vector<Teammate>& team) {
+  state_->strategy->seeTeam(team);
+}
+
+const Strategy& Driver::strategy() const {
+  return *state_->strategy;
 }
 
 bool Driver::wantsMap() const {

@@ -44,6 +44,13 @@ class Driver {
   /// robot in the frame of the map; without a map in odometry's frame. Errors: the strategy needs a map and
   /// setMap() was never called (ContractError).
   robot::Command next(const robot::Scan& scan, const core::Pose2& T_map_robot, bool collided);
+  /// In place of next() while something else drives the robot: scans are looked at, nothing is decided.
+  void watch(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  /// The decision at hand is dropped, without blame: the next call of next() decides.
+  void reconsider();
+  /// What is known of the other robots, for the strategy: see Strategy::seeTeam().
+  void setTeam(const std::vector<Teammate>& team);
+  const Strategy& strategy() const;
   bool finished() const;
   const Decision& currentDecision() const;
 

@@ -9,6 +9,7 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/rigid_motion2.h"
+#include "libslam/navigate/team_share.h"
 #include "libslam/paths/close_walls.h"
 
 namespace slam::navigate {
@@ -79,6 +80,21 @@ paths::FreeSpace MapStrategy::withoutFalseFrontiers() const {
       if (returns_.count(placeOf(space_->centreOf(cell))) != 0) looking.state[cell] = paths::kOccupiedCell;
   if (const double gap_m = closedGap_m(); gap_m > 0) paths::closeWalls(looking, gap_m);
   return looking;
+}
+
+void MapStrategy::annotate(gridmap::OccupancyRaster& map) const {
+  if (!space_) return;
+  const paths::FreeSpace space = paths::readFreeSpace(map);
+  for (const auto& frontier : paths::findFrontiers(space, 1))
+    for (const std::size_t cell : frontier.cells) {
+      const core::Point2 p = space.centreOf(cell);
+      const auto looks = looks_.find(placeOf(p));
+      const bool is_given_up = looks != looks_.end() && looks->second >= kMostLooks;
+      if (!is_given_up && returns_.count(placeOf(p)) == 0) continue;
+      const auto column = static_cast<std::size_t>(map.columnOf(p.x)),
+                 row = static_cast<std::size_t>(map.rowOf(p.y));
+      map.occupancy[row * static_cast<std::size_t>(map.columns) + column] = 1.0F;
+    }
 }
 
 /// After a look: the frontier cells close by that it left standing.
@@ -157,6 +173,20 @@ std::vector<Viewpoint> MapStrategy::viewpointsFor(const paths::PathPlanner& plan
   return viewpoints;
 }
 
+/// In a team: those of the viewpoints that are for this robot to go to.
+void MapStrategy::keepMine(std::vector<Viewpoint>& viewpoints) const {
+  paths::FreeSpace driving = *space_;
+  paths::closeGaps(driving);
+  std::vector<Teammate> heard;
+  std::vector<paths::PathPlanner> theirs;
+  for (const auto& mate : team_) {
+    if (!mate.is_heard) continue;
+    heard.push_back(mate);
+    theirs.push_back(plan(driving, false, {mate.p_map.x, mate.p_map.y, 0}));
+  }
+  keepWellPlaced(viewpoints, theirs, heard);
+}
+
 /// With their ways and, where wanted, with viewpoints short of them.
 std::vector<Viewpoint> MapStrategy::withWays(const paths::PathPlanner& planner,
                                              std::vector<Viewpoint> viewpoints) const {
@@ -223,6 +253,7 @@ std::optional<Decision> MapStrategy::goOn(const paths::PathPlanner& planner, con
       if (failure.until != std::numeric_limits<int>::max()) failure.until = decisions_;
     viewpoints = viewpointsFor(planner, frontiers);
   }
+  if (!team_.empty()) keepMine(viewpoints);
   // The far ones only count when none of the near ones is worth going to.
   const std::size_t most = sharedViewpoints().value_or(kViewpointsAtATime);
   for (std::size_t first = 0; first < viewpoints.size(); first += most) {
@@ -269,9 +300,23 @@ Decision MapStrategy::decide(const robot::Scan& scan, const core::Pose2& T_map_r
                               "' works on the map: give it one first, seeMap()");
   ++decisions_;
   judgeLook();
-  target_.clear();
   known_before_ = space_->known;
   const paths::FreeSpace looking = withoutFalseFrontiers();
+  if (team_.empty()) return decideOn(looking, scan, T_map_robot);
+  paths::FreeSpace left = looking;
+  closeTaken(left, team_, options_.unknown_path_m);
+  const Decision mine = decideOn(left, scan, T_map_robot);
+  if (!mine.finished) return mine;
+  Decision late = decideOn(looking, scan, T_map_robot);
+  if (!isAnyOnItsWay(team_)) return late;
+  if (late.finished) return waitingForOthers("waits: others are at the last of it");
+  return late.path.empty() ? late : comingAfter(std::move(late), T_map_robot);
+}
+
+/// By what is to be looked at.
+Decision MapStrategy::decideOn(const paths::FreeSpace& looking, const robot::Scan& scan,
+                               const core::Pose2& T_map_robot) {
+  target_.clear();
   paths::FreeSpace driving = *space_;
   paths::closeGaps(driving);
   bool has_start = false;

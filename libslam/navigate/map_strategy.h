@@ -46,6 +46,9 @@ struct Scene {
 /// decisions and given up the second time. When the planning margin leaves nothing to do, the ways are
 /// planned once more for the bare disc (see PlannerOptions::tight_start), if any frontier remains; on a large
 /// map that is the next decision, so that none takes long.
+/// In a team (seeTeam()) it chooses among what no other robot aims at and, of that, where it is best placed
+/// (see team_share.h); when others aim at all that is left it comes after them, and waits while they are at
+/// the last of it.
 /// Finished when then no viewpoint is left for any frontier of frontier_min_m (or none that `choose` thinks
 /// worth the way); the reason says how many frontiers remain out of reach and how many were given up.
 class MapStrategy : public Strategy {
@@ -60,6 +63,8 @@ class MapStrategy : public Strategy {
   bool isStillGood(const Decision& decision, const core::Pose2& T_map_robot,
                    std::size_t next_waypoint) override;
   void tellOutcome(const Decision& decision, bool reached) final;
+  void seeTeam(const std::vector<Teammate>& team) final { team_ = team; }
+  void annotate(gridmap::OccupancyRaster& map) const final;
 
  protected:
   struct Choice {
@@ -90,6 +95,8 @@ class MapStrategy : public Strategy {
  private:
   using Place = std::int64_t;  ///< a cell's place in the map frame, whatever the raster's extent
   Place placeOf(const core::Point2& p_map) const;
+  Decision decideOn(const paths::FreeSpace& looking, const robot::Scan& scan, const core::Pose2& T_map_robot);
+  void keepMine(std::vector<Viewpoint>& viewpoints) const;
   paths::FreeSpace withoutFalseFrontiers() const;
   void judgeLook();
   paths::PathPlanner plan(const paths::FreeSpace& driving, bool bare, const core::Pose2& T_map_robot) const;
@@ -121,6 +128,7 @@ class MapStrategy : public Strategy {
   std::optional<core::Point2> looked_from_;  ///< the goal that was reached, until the next decision
   std::size_t known_before_ = 0;             ///< cells of the map when the present goal was chosen
   int decisions_ = 0;
+  std::vector<Teammate> team_;
   bool bare_next_ = false;                        ///< the margin leaves nothing to do: plan for the bare disc
   std::size_t out_of_reach_ = 0, abandoned_ = 0;  ///< frontiers, at the newest decision
 };

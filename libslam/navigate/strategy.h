@@ -29,6 +29,16 @@ struct Decision {
       path;           ///< map frame, from the first waypoint after the robot to the goal; or empty
   core::Point2 goal;  ///< map frame, path.back(); meaningless without a path
   std::optional<core::Point2> look_at;  ///< map frame: at the goal, turn until the lidar covers this
+  bool comes_after = false;  ///< it drives after others to what they aim at: its goal is not its own
+  double wait_s = 0;         ///< above 0: stand for so long and decide again, for others are on their way
+};
+
+/// Another robot of a team, as far as it is known, in this robot's map frame.
+struct Teammate {
+  core::Point2 p_map;                ///< where it was when it was last heard
+  std::optional<core::Point2> goal;  ///< where it drives to; nothing: it waits or has finished
+  bool is_heard = true;              ///< now; else all this is of the past
+  bool goes_first = false;           ///< of two who are as near to a place, it takes it
 };
 
 /// Where to go next. Sees the newest scan, the estimated pose and, where it needs one, the map that the robot
@@ -59,6 +69,11 @@ class Strategy {
                            std::size_t /*next_waypoint*/) {
     return true;
   }
+  /// The other robots of the team, before every decision; a strategy that heeds none explores for itself.
+  virtual void seeTeam(const std::vector<Teammate>& /*team*/) {}
+  /// Puts into a map of this robot, before others get it, what the strategy knows beyond it: an obstacle
+  /// where a border of the unknown has turned out to be none, so that nobody else goes to look.
+  virtual void annotate(gridmap::OccupancyRaster& /*map*/) const {}
   /// How a decision with a path ended: at its goal, or short of it because the way was blocked.
   virtual void tellOutcome(const Decision& /*decision*/, bool /*reached*/) {}
 };

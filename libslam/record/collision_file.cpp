@@ -13,9 +13,10 @@ constexpr const char* kCollisionsHeader = "time_s,x_m,y_m,heading_rad";
 
 std::string collisionsCsv(const std::vector<sim::Collision>& collisions) {
   std::string text = std::string(kCollisionsHeader) + "\n";
-  for (const auto& [time_s, pose] : collisions) {
+  for (const auto& collision : collisions) {
     char line[200];
-    std::snprintf(line, sizeof line, "%.3f,%.3f,%.3f,%.4f\n", time_s, pose.x, pose.y, pose.phi);
+    const auto& pose = collision.T_world_robot;
+    std::snprintf(line, sizeof line, "%.3f,%.3f,%.3f,%.4f\n", collision.time_s, pose.x, pose.y, pose.phi);
     text += line;
   }
   return text;

@@ -54,13 +54,29 @@ double Scene::castBodies(const core::Point2& p_world, double angle_rad, double r
   return range_m;
 }
 
+namespace {
+
+bool overlapsAny(const std::vector<Disc>& discs, const core::Point2& p, double radius_m) {
+  return std::any_of(discs.begin(), discs.end(), [&](const Disc& disc) {
+    const double dx = disc.p.x - p.x, dy = disc.p.y - p.y;
+    const double reach_m = disc.radius_m + radius_m;
+    return dx * dx + dy * dy <= reach_m * reach_m;
+  });
+}
+
+}  // namespace
+
 bool Scene::discCollides(const core::Point2& p_world, double radius_m) const {
-  return world::discCollides(plan(), p_world, radius_m) ||
-         std::any_of(persons_.begin(), persons_.end(), [&](const Disc& person) {
-           const double dx = person.p.x - p_world.x, dy = person.p.y - p_world.y;
-           const double reach_m = person.radius_m + radius_m;
-           return dx * dx + dy * dy <= reach_m * reach_m;
-         });
+  return world::discCollides(plan(), p_world, radius_m) || overlapsAny(persons_, p_world, radius_m);
+}
+
+void Scene::setRobots(const std::vector<Disc>& robots) {
+  robots_ = robots;
+  placeBodies();
+}
+
+bool Scene::touchesRobot(const core::Point2& p_world, double radius_m) const {
+  return overlapsAny(robots_, p_world, radius_m);
 }
 
 void Scene::noteCarried(const Disc& robot) {
@@ -99,11 +115,12 @@ void Scene::setDoor(const world::Door& door, world::Cell cell) {
 }
 
 void Scene::placeBodies() {
-  bodies_.clear();
-  persons_.clear();
+  bodies_ = robots_;
+  persons_ = robots_;
   if (!crowd_) return;
+  const std::size_t others = robots_.size();
   crowd_->appendBodies(bodies_);
-  for (auto& body : bodies_) body.p = plan_.T_world_plan * body.p;
+  for (std::size_t i = others; i < bodies_.size(); ++i) bodies_[i].p = plan_.T_world_plan * bodies_[i].p;
   for (const auto& person : crowd_->people())
     persons_.push_back({plan_.T_world_plan * person.p, crowd_->radius_m()});
 }

@@ -38,6 +38,10 @@ class Scene {
   bool discCollides(const core::Point2& p_world, double radius_m) const;
   /// What the lidar meets besides the plan, world frame.
   const std::vector<Disc>& bodies() const { return bodies_; }
+  /// Other robots, world frame: met and bumped into like people, until they are set again.
+  void setRobots(const std::vector<Disc>& robots);
+  /// Whether a disc overlaps one of them.
+  bool touchesRobot(const core::Point2& p_world, double radius_m) const;
 
   /// True when time changes anything: then tick() is owed at every whole multiple of kTick_ns.
   bool isAlive() const { return crowd_ || doors_; }
@@ -63,6 +67,7 @@ class Scene {
   std::unique_ptr<Crowd> crowd_;
   std::unique_ptr<Doors> doors_;
   std::vector<Disc> bodies_, persons_;  ///< world frame: what a lidar meets, and what a body bumps into
+  std::vector<Disc> robots_;            ///< world frame; they are in the two above as well
 };
 
 }  // namespace slam::sim

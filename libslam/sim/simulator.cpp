@@ -12,6 +12,7 @@ namespace slam::sim {
 namespace {
 
 constexpr double kContactTolerance_m = 0.001;
+constexpr double kTouching_m = 0.01;  // more than the contact's tolerance
 
 void requireValid(const robot::Command& command) {
   const bool finite = std::isfinite(command.speed_mps) && std::isfinite(command.turn_rate_radps) &&
@@ -71,6 +72,11 @@ Sensed Simulator::sense() {
 }
 
 Sensed Simulator::step(const robot::Command& command) {
+  drive(command);
+  return sense();
+}
+
+void Simulator::drive(const robot::Command& command) {
   requireValid(command);
   const std::int64_t end_ns = elapsed_ns_ + std::llround(command.duration_s * 1e9);
   collided_ = false;
@@ -93,7 +99,6 @@ Sensed Simulator::step(const robot::Command& command) {
   T_previous_robot_ =
       odometer_.update({command.speed_mps, command.turn_rate_radps, driven_s}, command.duration_s);
   T_odom_robot_ = T_odom_robot_ * T_previous_robot_;
-  return sense();
 }
 
 double Simulator::advance(const robot::Command& command) {
@@ -104,7 +109,9 @@ double Simulator::advance(const robot::Command& command) {
   T_world_robot_ = T_world_robot_ * robot::driveMotion(driven);
   if (driven_s < command.duration_s) {
     collided_ = true;
-    collisions_.push_back({time_s() + driven_s, T_world_robot_});
+    const bool with_robot =
+        scene_.touchesRobot(core::position(T_world_robot_), robot::circumscribedRadius(robot_) + kTouching_m);
+    collisions_.push_back({time_s() + driven_s, T_world_robot_, with_robot});
   }
   elapsed_ns_ += std::llround(command.duration_s * 1e9);
   if (!pending_carries_.empty()) visited_.push_back(core::position(T_world_robot_));

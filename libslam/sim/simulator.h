@@ -49,6 +49,7 @@ struct Sensed {
 struct Collision {
   double time_s;  ///< of the moment of contact, not of the end of the command
   core::Pose2 T_world_robot;
+  bool with_robot = false;  ///< with another robot (setOthers()), not with a wall, a door or a person
 };
 
 /// The true world in motion: advances the truth by one command and senses it. Has its own clock (start_time_s
@@ -95,6 +96,14 @@ class Simulator {
   Sensed sense();
   /// Carries out one command and looks. A command of duration 0 only looks.
   Sensed step(const robot::Command& command);
+  /// The first half of step(): carries out the command; sense() is the second. For several robots in one
+  /// world, which all move before any looks.
+  void drive(const robot::Command& command);
+
+  /// Where other robots stand from now on, world frame: they are met by rays and bumped into as people are,
+  /// and stand still until told otherwise. Each robot of a team has a simulator of its own, and all are told
+  /// of each other.
+  void setOthers(const std::vector<Disc>& robots) { scene_.setRobots(robots); }
 
   /// Has the robot kidnapped at the moments of `orders` (since the first scan; may be called once, before the
   /// first command). Errors: InputError for a place without room for the robot, as for the start.
