@@ -23,8 +23,12 @@ bool ChangeMarks::look(const core::Point2& p_map, double time_s) {
 }
 
 bool ChangeMarks::hasStayed(const core::Point2& p_map) const {
-  const auto mark = marks_.find(cellOf(p_map));
-  return mark != marks_.end() && mark->second.last_s - mark->second.first_s >= kStays_s;
+  for (const double dx : {0.0, -kCell_m, kCell_m})
+    for (const double dy : {0.0, -kCell_m, kCell_m}) {
+      const auto mark = marks_.find(cellOf({p_map.x + dx, p_map.y + dy}));
+      if (mark != marks_.end() && mark->second.last_s - mark->second.first_s >= kStays_s) return true;
+    }
+  return false;
 }
 
 /// Now and then, so that memory does not grow with time.

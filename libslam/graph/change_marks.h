@@ -13,7 +13,7 @@ class ChangeMarks {
   /// Another look at a changed place at a time, in seconds, ascending. Whether it has been so for kStays_s,
   /// without a pause of kForgotten_s.
   bool look(const core::Point2& p_map, double time_s);
-  /// Whether the last look at a place said so.
+  /// Whether the last look at a place, or at one of the cells around, said so.
   bool hasStayed(const core::Point2& p_map) const;
 
   static constexpr double kStays_s = 10, kForgotten_s = 60;

@@ -72,7 +72,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
       if (doubt_.begins < 0) learnWrongPlace(scan, points, step.T_map_robot);
       if (trust == Trust::kOwnMap) beginOwnMap();
       addKeyframe(scan, std::move(points), step.T_map_robot, information);
-      if (trust == Trust::kWell && is_known_ground_) forgetChanged(lastKeyframe());
+      if (trust == Trust::kWell && is_known_ground_) retireOldest(lastKeyframe());
       step.pose_covariance = covariance_;
     }
     if (lost_.isLost() && doubt_.begins >= 0) startElsewhere(step.score);

@@ -66,9 +66,8 @@ namespace slam::graph {
 /// both sides do not pull it into its middle.
 ///
 /// Ground that `known_views` keyframes see from nearby gets no more of them: the robot hangs on those that
-/// are there, and time and memory grow with the area, not with the years. What has stood somewhere for a
-/// while, or has gone, makes a keyframe, which takes the place of the oldest there; what it sees through is
-/// forgotten.
+/// are there; cost grows with the area, not with the years. What has stood somewhere for a while makes a
+/// keyframe, in place of the oldest there; what has gone is taken out.
 ///
 /// Journal: core::journalEventInfos().
 ///
@@ -162,7 +161,8 @@ class GraphSlam {
   int keyframeBefore(int keyframe) const;
   bool hasChanged(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
                   const core::Pose2& T_map_robot);
-  void forgetChanged(int keyframe);
+  void forgetGone(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  void retireOldest(int keyframe);
   bool mayBeMatchedTo(int k) const { return !keyframe(k).unsure && !keyframe(k).is_retired; }
 
   int lastKeyframe() const { return static_cast<int>(keyframes_.size()) - 1; }

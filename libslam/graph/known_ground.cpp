@@ -88,7 +88,8 @@ int GraphSlam::keyframeBefore(int k) const {
   return graph_.edges()[static_cast<size_t>(keyframe(k).odometry_edge)].from;
 }
 
-/// Whether something has been there for a while where none of the keyframes around saw it, or has gone.
+/// Whether something has been there for a while where none of the keyframes around saw it. What has gone is
+/// forgotten.
 bool GraphSlam::hasChanged(const robot::Scan& scan, const std::vector<PatchPoint>& points,
                            const Pose2& T_map_robot) {
   const auto viewers = firstOf(map_keyframes_, kAskedViewers);
@@ -104,54 +105,58 @@ bool GraphSlam::hasChanged(const robot::Scan& scan, const std::vector<PatchPoint
     if (is_passed && !is_agreed) changed += appeared_.look(p_map, scan.time_s);
   }
   const Pose2 T_lidar_map = core::inverse(T_map_robot * scan.T_robot_lidar);
+  int gone = 0;
   for (const int viewer : viewers)
     for (const auto& point : keyframe(viewer).points) {
       const Point2 p_map = graph_.pose(viewer) * position(point);
-      if (sight(scan, T_lidar_map * p_map) == Sight::kPassed) changed += gone_.look(p_map, scan.time_s);
+      if (sight(scan, T_lidar_map * p_map) == Sight::kPassed) gone += gone_.look(p_map, scan.time_s);
     }
+  if (gone >= kLeastChanged) forgetGone(scan, T_map_robot);
   return changed >= kLeastChanged;
 }
 
-/// After keyframe k was made on known ground: what it sees through, and has seen through for a while, is
-/// forgotten; and so is the oldest keyframe there, when they have become too many.
-void GraphSlam::forgetChanged(int k) {
-  const auto& newest = keyframe(k);
-  const Pose2 T_lidar_map = core::inverse(graph_.pose(k) * newest.seen.T_robot_lidar);
+/// What a scan sees through, and what has been seen through for a while, is taken out of the keyframes
+/// around.
+void GraphSlam::forgetGone(const robot::Scan& scan, const Pose2& T_map_robot) {
+  const Pose2 T_lidar_map = core::inverse(T_map_robot * scan.T_robot_lidar);
   const auto isGone = [&](const Point2& p_map) {
-    return gone_.hasStayed(p_map) && sight(newest.seen, T_lidar_map * p_map) == Sight::kPassed;
+    return gone_.hasStayed(p_map) && sight(scan, T_lidar_map * p_map) == Sight::kPassed;
   };
-  bool has_forgotten = false;
-  double views = 0;
-  int oldest = k;
-  for (const int other : keyframesWithin(core::position(graph_.pose(k)), options_.map_radius_m)) {
-    if (other == k) continue;
+  for (const int other : keyframesWithin(core::position(T_map_robot), options_.map_radius_m)) {
     Keyframe& known = keyframes_[static_cast<size_t>(other)];
     const Pose2& T = graph_.pose(other);
     const auto first = std::remove_if(known.points.begin(), known.points.end(),
                                       [&](const PatchPoint& point) { return isGone(T * position(point)); });
-    if (first != known.points.end()) {
-      known.points.erase(first, known.points.end());
-      const Pose2 T_map_lidar = T * known.seen.T_robot_lidar;
-      for (size_t beam = 0; beam < known.seen.ranges_m.size(); ++beam) {
-        float& range_m = known.seen.ranges_m[beam];
-        if (robot::isReturn(range_m) && isGone(T_map_lidar * core::polar(range_m, known.seen.angle(beam))))
-          range_m = robot::kLostReading;
-      }
-      has_forgotten = true;
+    if (first == known.points.end()) continue;
+    known.points.erase(first, known.points.end());
+    const Pose2 T_map_lidar = T * known.seen.T_robot_lidar;
+    for (size_t beam = 0; beam < known.seen.ranges_m.size(); ++beam) {
+      float& range_m = known.seen.ranges_m[beam];
+      if (robot::isReturn(range_m) && isGone(T_map_lidar * core::polar(range_m, known.seen.angle(beam))))
+        range_m = robot::kLostReading;
     }
-    if (core::distance(T, graph_.pose(k)) > kNearby * options_.keyframe_distance_m) continue;
-    const double shared = sharedView(newest.seen, graph_.pose(k), known.seen, T);
+    ++revision_;
+  }
+}
+
+/// Keyframe k, made on known ground, takes the place of the oldest one that sees the same.
+void GraphSlam::retireOldest(int k) {
+  const auto& newest = keyframe(k);
+  double views = 0;
+  int oldest = k;
+  const double nearby_m = kNearby * options_.keyframe_distance_m;
+  for (const int other : keyframesWithin(core::position(graph_.pose(k)), nearby_m)) {
+    if (other == k) continue;
+    const double shared = sharedView(newest.seen, graph_.pose(k), keyframe(other).seen, graph_.pose(other));
     views += shared;
     if (shared > 0.5) oldest = std::min(oldest, other);
   }
-  if (views >= options_.known_views && oldest != k) {
-    Keyframe& known = keyframes_[static_cast<size_t>(oldest)];
-    known.is_retired = true;
-    known.points = {}, known.seen.ranges_m = {};
-    links_.remove(oldest);
-    has_forgotten = true;
-  }
-  if (has_forgotten) ++revision_;
+  if (views < options_.known_views || oldest == k) return;
+  Keyframe& known = keyframes_[static_cast<size_t>(oldest)];
+  known.is_retired = true;
+  known.points = {}, known.seen.ranges_m = {};
+  links_.remove(oldest);
+  ++revision_;
 }
 
 }  // namespace slam::graph
