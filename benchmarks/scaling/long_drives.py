@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What a robot costs that drives on and on where it has been: time a scan over the drive, memory, key frames, error.
 
-  benchmarks/scaling/long_drives.py [-p PROGRAM] [-w WORK] [--hours H] [--visits N]
+  benchmarks/scaling/long_drives.py [-p PROGRAM] [-w WORK] [-c CASES] [--hours H] [--visits N]
 
 A flat and a generated office for so many hours, `graph` as it is and with every keyframe kept (graph.known_views=0). Then
 visits of 15 minutes to an office whose furniture moves, each going on in the map of the one before. Nothing was tuned on the
@@ -26,6 +26,7 @@ def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-p", "--program", default=ROOT / "build/release/apps/rasterslam")
     parser.add_argument("-w", "--work", help="folder for logs and runs that are kept, and not made again")
+    parser.add_argument("-c", "--cases", default="flat,office", help="which of the long drives")
     parser.add_argument("--hours", type=float, default=3)
     parser.add_argument("--visits", type=int, default=10)
     arguments = parser.parse_args()
@@ -75,6 +76,8 @@ def long_drives(arguments, folder):
     if not (folder / "office.yaml").exists():
         call(program, "world", "make", "office", "-o", folder / "office.yaml", "--size", "24x18", "--seed", 8, "-q")
     for case, plan in (("flat", "flat"), ("office", folder / "office.yaml")):
+        if case not in arguments.cases.split(","):
+            continue
         log = folder / f"{case}.rawlog"
         if not log.exists():
             call(program, "simulate", plan, "-o", log, "--seed", 11, "--duration", round(3600 * arguments.hours), "-q")
@@ -109,7 +112,8 @@ def main():
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(arguments.work or temporary)
         folder.mkdir(parents=True, exist_ok=True)
-        print("Made by: benchmarks/scaling/long_drives.py" + "".join(
+        cases = "" if arguments.cases == "flat,office" else f" -c {arguments.cases}"
+        print(f"Made by: benchmarks/scaling/long_drives.py{cases}" + "".join(
             f" --{key} {getattr(arguments, key):g}" for key, usual in (("hours", 3), ("visits", 10))
             if getattr(arguments, key) != usual))
         print("\nCPU time a scan; MB of the whole program. known_views 0: every keyframe is kept.\n")
@@ -117,8 +121,8 @@ def main():
         with open(RESULTS / "scaling.csv", "w", newline="") as file:
             table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
             table.writeheader()
-            for cases in (long_drives, visits):
-                for row in cases(arguments, folder):
+            for kind in (long_drives, visits):
+                for row in kind(arguments, folder):
                     table.writerow({key: shown(value) for key, value in row.items()})
                     print("  ".join(f"{shown(row[column]):>15}" for column in COLUMNS))
                     sys.stdout.flush()
