@@ -3,6 +3,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "apps/commands.h"
 #include "apps/console.h"
@@ -64,23 +65,30 @@ void checkRobots(const Arguments& arguments, std::size_t strategies) {
     refuse("--starts", "--start beside it", "one of the two");
 }
 
-int exploreTogether(const Context& context, const Arguments& arguments,
-                    const explore::ExploreConfig& config) {
-  explore::TeamRequest request;
+/// What an exploration by one robot and one by several have in common.
+template <typename Request>
+Request requestOf(const Context& context, const Arguments& arguments) {
+  Request request;
   request.plan_path = core::resolvePlan(arguments.plan);
   warnOfPlan(context, request.plan_path);
-  request.config = config;
   request.slam = arguments.slam;
   request.methods_folder = core::configsFolder() + "/methods";
   request.output = context.output.empty() ? "exploration" : context.output;
   request.seed = context.seed;
+  request.threads = arguments.threads;
+  request.tables_only = arguments.tables_only;
+  request.overwrite = context.overwrite;
+  return request;
+}
+
+int exploreTogether(const Context& context, const Arguments& arguments,
+                    const explore::ExploreConfig& config) {
+  auto request = requestOf<explore::TeamRequest>(context, arguments);
+  request.config = config;
   request.robots = arguments.robots;
   if (arguments.radio_range_m) request.radio_range_m = *arguments.radio_range_m;
   for (const auto& start : arguments.starts)
     request.T_world_starts.push_back(explore::parsePose(start, "--starts"));
-  request.threads = arguments.threads;
-  request.tables_only = arguments.tables_only;
-  request.overwrite = context.overwrite;
   ConsoleProgress progress(context.quiet);
   const auto result = explore::exploreTeam(request, context.manifest(), progress);
   if (context.json)
@@ -91,25 +99,17 @@ int exploreTogether(const Context& context, const Arguments& arguments,
 }
 
 int explorePlan(const Context& context, const Arguments& arguments) {
-  explore::ExploreRequest request;
-  request.strategies = configsOf(context, arguments);
+  auto strategies = configsOf(context, arguments);
   if (context.print_config) {
-    printParameters(request.strategies.front().record.parameters, context.json);
+    printParameters(strategies.front().record.parameters, context.json);
     return 0;
   }
-  checkRobots(arguments, request.strategies.size());
-  if (arguments.robots != 1) return exploreTogether(context, arguments, request.strategies.front());
-  request.plan_path = core::resolvePlan(arguments.plan);
-  warnOfPlan(context, request.plan_path);
-  request.slam = arguments.slam;
-  request.methods_folder = core::configsFolder() + "/methods";
-  request.output = context.output.empty() ? "exploration" : context.output;
-  request.seed = context.seed;
+  checkRobots(arguments, strategies.size());
+  if (arguments.robots != 1) return exploreTogether(context, arguments, strategies.front());
+  auto request = requestOf<explore::ExploreRequest>(context, arguments);
+  request.strategies = std::move(strategies);
   request.seeds = arguments.seeds;
-  request.threads = arguments.threads;
-  request.tables_only = arguments.tables_only;
   request.oracle = arguments.oracle;
-  request.overwrite = context.overwrite;
   ConsoleProgress progress(context.quiet);
   const auto result = explore::explore(request, context.manifest(), progress);
   if (context.json)

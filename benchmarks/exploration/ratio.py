@@ -99,15 +99,20 @@ def report(rows, strategies, out):
     print(f"\n{len(rows)} runs, {collisions:.0f} collisions", file=out)
 
 
-def main():
+def parser_of(description, seeds, worlds, strategies):
     root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-p", default=os.path.join(root, "build/release/apps/rasterslam"))
-    parser.add_argument("-n", type=int, default=10)
-    parser.add_argument("-w", default=WORLDS)
-    parser.add_argument("-S", default=STRATEGIES)
+    parser.add_argument("-n", type=int, default=seeds)
+    parser.add_argument("-w", default=worlds)
+    parser.add_argument("-S", default=strategies)
     parser.add_argument("-j", type=int, default=2)
     parser.add_argument("-o", default=os.path.join(root, "benchmarks/results"))
+    return parser
+
+
+def main():
+    parser = parser_of(__doc__, 10, WORLDS, STRATEGIES)
     parser.add_argument("-t", default="exploration_ratio")
     parser.add_argument("-k")
     args = parser.parse_args()

@@ -100,17 +100,10 @@ def report(rows, out):
 
 
 def main():
-    root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("-p", default=os.path.join(root, "build/release/apps/rasterslam"))
-    parser.add_argument("-n", type=int, default=5)
-    parser.add_argument("-w", default=WORLDS)
-    parser.add_argument("-S", default="next_best_view")
+    parser = ratio.parser_of(__doc__, 5, WORLDS, "next_best_view")
     parser.add_argument("-m", default="truth,graph")
     parser.add_argument("-R", default="1,2,3")
-    parser.add_argument("-j", type=int, default=2)
     parser.add_argument("-a", action="store_true")
-    parser.add_argument("-o", default=os.path.join(root, "benchmarks/results"))
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         plans = [plan_of(world, args, folder) for world in args.w.split(",")]
@@ -128,7 +121,8 @@ def main():
         table.writeheader()
         table.writerows(rows)
     with open(os.path.join(args.o, "exploration_robots.txt"), "w", encoding="utf-8") as file:
-        print(f"benchmarks/exploration/robots.py; {args.S}, all robots start beside each other", file=file)
+        added = " -a, rows of several calls" if args.a else f" -n {args.n} -w {args.w} -m {args.m} -R {args.R}"
+        print(f"benchmarks/exploration/robots.py{added}; {args.S}, all robots start beside each other", file=file)
         report(rows, file)
 
 

@@ -104,7 +104,9 @@ void GraphMapBuilder::getCurrentlyBuiltMap(mrpt::maps::CSimpleMap& out_map) cons
 }
 
 compat::MapSize GraphMapBuilder::getCurrentlyBuiltMapSize() {
-  return static_cast<compat::MapSize>(graph_.keyframeCount());
+  int kept = 0;
+  for (int k = 0; k < graph_.keyframeCount(); ++k) kept += !graph_.keyframeScan(k).ranges_m.empty();
+  return static_cast<compat::MapSize>(kept);
 }
 
 /// MRPT's grids grow without limit: a path that has come apart is stopped before it is drawn.

@@ -1,6 +1,7 @@
 #include "libslam/graph/change_marks.h"
 
 #include <cmath>
+#include <iterator>
 
 namespace slam::graph {
 namespace {

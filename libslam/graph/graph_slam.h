@@ -82,7 +82,7 @@ class GraphSlam {
 
   struct Step {
     core::Pose2 T_map_robot;
-    /// Map frame: x, y (m), phi (rad). Of the pose in the map; and of its drift since the newest keyframe.
+    /// Map frame: x, y (m), phi (rad). Of the pose in the map; and against the keyframe that it hangs on.
     Eigen::Matrix3d pose_covariance = Eigen::Matrix3d::Zero(), drift_covariance = Eigen::Matrix3d::Zero();
     double score = 1;  ///< share of the scan that the map explains
     bool is_keyframe = false;

@@ -19,7 +19,9 @@ constexpr double kNearby = 2;
 /// Where a scan contradicts known ground it has to have moved by this share of a keyframe's distance, or
 /// angle, to become one.
 constexpr double kSoonest = 1.0 / 3;
-/// Points, 0.05 m apart, that have to be seen changed: a chair.
+/// The oldest keyframe goes among those that share more of the view than this.
+constexpr double kSameView = 0.5;
+/// Points, point_spacing_m apart, that have to be seen changed: a chair.
 constexpr int kLeastChanged = 5;
 
 /// The share of what a scan looks at that another one from nearby looks at, too: of directions.
@@ -122,7 +124,9 @@ void GraphSlam::forgetGone(const robot::Scan& scan, const Pose2& T_map_robot) {
   const auto isGone = [&](const Point2& p_map) {
     return gone_.hasStayed(p_map) && sight(scan, T_lidar_map * p_map) == Sight::kPassed;
   };
-  for (const int other : keyframesWithin(core::position(T_map_robot), options_.map_radius_m)) {
+  // Not what merely lies near: a part whose place is not known, or a pass whose loop is not closed.
+  for (const int other :
+       keyframesAround(anchor_, core::position(T_map_robot), options_.map_path_m, options_.map_radius_m)) {
     Keyframe& known = keyframes_[static_cast<size_t>(other)];
     const Pose2& T = graph_.pose(other);
     const auto first = std::remove_if(known.points.begin(), known.points.end(),
@@ -145,11 +149,11 @@ void GraphSlam::retireOldest(int k) {
   double views = 0;
   int oldest = k;
   const double nearby_m = kNearby * options_.keyframe_distance_m;
-  for (const int other : keyframesWithin(core::position(graph_.pose(k)), nearby_m)) {
+  for (const int other : keyframesAround(k, core::position(graph_.pose(k)), options_.map_path_m, nearby_m)) {
     if (other == k) continue;
     const double shared = sharedView(newest.seen, graph_.pose(k), keyframe(other).seen, graph_.pose(other));
     views += shared;
-    if (shared > 0.5) oldest = std::min(oldest, other);
+    if (shared > kSameView) oldest = std::min(oldest, other);
   }
   if (views < options_.known_views || oldest == k) return;
   Keyframe& known = keyframes_[static_cast<size_t>(oldest)];

@@ -20,7 +20,7 @@ struct Keyframe {
   robot::Scan seen;
   std::vector<scanmatch::PatchPoint> points;  ///< robot frame
   double path_m;                              ///< driven since the start
-  int odometry_edge;                          ///< to the keyframe before
+  int odometry_edge;                          ///< from the one that it was reached from
   bool unsure = false;                        ///< no scan is matched to it: see followWheels()
   bool is_retired = false;                    ///< nor to this one, for ever; nothing of its scan is kept
   // covariance.cpp

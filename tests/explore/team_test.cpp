@@ -20,21 +20,13 @@ using ::testing::HasSubstr;
 
 /// Two rooms of 8 x 7 m on either side of a hall with a door to each.
 world::Plan hallWithRooms() {
-  world::Plan plan;
-  plan.name = "hall_with_rooms";
-  plan.columns = 400;
-  plan.rows = 140;
-  plan.cells.assign(400 * 140, world::Cell::kFree);
-  const auto wall = [&plan](int c0, int r0, int c1, int r1) {
-    for (int row = r0; row < r1; ++row)
-      for (int column = c0; column < c1; ++column)
-        plan.cells[static_cast<size_t>(row * plan.columns + column)] = world::Cell::kOccupied;
-  };
-  wall(0, 0, 400, 2), wall(0, 138, 400, 140), wall(0, 0, 2, 140), wall(398, 0, 400, 140);
-  wall(160, 0, 163, 110), wall(160, 130, 163, 140);
-  wall(240, 0, 243, 110), wall(240, 130, 243, 140);
-  wall(60, 40, 63, 138), wall(340, 40, 343, 138);
-  return plan;
+  return drawnPlan("hall_with_rooms", 400, 140,
+                   {{160, 0, 163, 110},
+                    {160, 130, 163, 140},
+                    {240, 0, 243, 110},
+                    {240, 130, 243, 140},
+                    {60, 40, 63, 138},
+                    {340, 40, 343, 138}});
 }
 
 TeamRequest teamRequest(const testing::TempFolder& folder, const world::Plan& plan, int robots,

@@ -10,21 +10,31 @@
 
 namespace slam::explore {
 
-/// A flat of two rooms, 6 x 4 m at 5 cm, joined by a door of 1 m; cells as drawn by the caller's lambda.
-inline world::Plan twoRooms() {
+/// A block of cells, up to but without the last column and row.
+struct Block {
+  int first_column, first_row, last_column, last_row;
+};
+
+/// A plan at 5 cm, walls of two cells around it and these within.
+inline world::Plan drawnPlan(const std::string& name, int columns, int rows, std::vector<Block> walls) {
   world::Plan plan;
-  plan.name = "two_rooms";
-  plan.columns = 120;
-  plan.rows = 80;
-  plan.cells.assign(120 * 80, world::Cell::kFree);
-  const auto wall = [&plan](int c0, int r0, int c1, int r1) {
-    for (int row = r0; row < r1; ++row)
-      for (int column = c0; column < c1; ++column)
-        plan.cells[static_cast<size_t>(row * plan.columns + column)] = world::Cell::kOccupied;
-  };
-  wall(0, 0, 120, 2), wall(0, 78, 120, 80), wall(0, 0, 2, 80), wall(118, 0, 120, 80);
-  wall(60, 0, 63, 30), wall(60, 50, 63, 80);
+  plan.name = name;
+  plan.columns = columns;
+  plan.rows = rows;
+  plan.cells.assign(static_cast<size_t>(columns * rows), world::Cell::kFree);
+  for (const Block& side : {Block{0, 0, columns, 2}, Block{0, rows - 2, columns, rows}, Block{0, 0, 2, rows},
+                            Block{columns - 2, 0, columns, rows}})
+    walls.push_back(side);
+  for (const Block& wall : walls)
+    for (int row = wall.first_row; row < wall.last_row; ++row)
+      for (int column = wall.first_column; column < wall.last_column; ++column)
+        plan.cells[static_cast<size_t>(row * columns + column)] = world::Cell::kOccupied;
   return plan;
+}
+
+/// A flat of two rooms, 6 x 4 m at 5 cm, joined by a door of 1 m.
+inline world::Plan twoRooms() {
+  return drawnPlan("two_rooms", 120, 80, {{60, 0, 63, 30}, {60, 50, 63, 80}});
 }
 
 inline std::string saved(const testing::TempFolder& folder, const world::Plan& plan) {
