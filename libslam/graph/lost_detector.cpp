@@ -15,6 +15,8 @@ constexpr double kTelling = 0.3;
 /// Wrong places must contradict this much more than the right one, or they cannot be told.
 constexpr double kLeastGap = 0.05;
 constexpr double kLeastVariance = 1e-3;
+/// What is believed of streaks before anything was seen counts as so many looks.
+constexpr double kStreaksBefore = 6;
 
 }  // namespace
 
@@ -38,9 +40,43 @@ double LostDetector::ratio(double share, const Learnt& well) const {
   return std::clamp(gap / variance * (share - 0.5 * (wrong_.mean + well.mean)), -kMostPerLook, kMostPerLook);
 }
 
+/// A look, made of all that count as one: whether it speaks for another place, and did when the one before
+/// had.
+void LostDetector::countStreak(bool is_high, double news) {
+  look_news_ += news;
+  if (is_high) high_news_ += news;
+  if (look_news_ < 1) return;
+  const bool high = 2 * high_news_ > look_news_;
+  if (was_high_) {
+    undecided_.looks += 1;
+    if (high) undecided_.high += 1;
+  }
+  if (evidence_ <= -kUnbroken) learnStreaks();
+  was_high_ = high;
+  look_news_ = high_news_ = 0;
+}
+
+/// The most that one look says for another place, after one that did.
+double LostDetector::mostInStreak() const {
+  const double before = kStreaksBefore * core::exp(-kMostPerLook);
+  return -core::log((streaks_.high + before) / (streaks_.looks + kStreaksBefore));
+}
+
+/// All was well, whatever these looks said.
+void LostDetector::learnStreaks() {
+  streaks_.looks += undecided_.looks, streaks_.high += undecided_.high;
+  undecided_ = {};
+}
+
 void LostDetector::dismiss() {
   dismissed_ += 1;
+  learnStreaks();
   restart();
+}
+
+void LostDetector::restart() {
+  evidence_ = -kUnbroken;
+  undecided_ = {};
 }
 
 void LostDetector::look(const Look& now) {
@@ -57,12 +93,16 @@ void LostDetector::look(const Look& now) {
   double says = ratio(now.contradicted, well_);
   // What is mostly explained speaks against it, whatever the rest says.
   if (!now.may_be_lost) says = std::min(says, -0.5 * kMostPerLook);
+  const bool is_high = says > 0;
+  if (was_high_) says = std::min(says, mostInStreak());
   says *= news * std::min(std::isfinite(now.telling) ? now.telling / kTelling : 0, 1.0);
   // After the break the scans of a robot that was kidnapped fit one another; among people who walk about they
   // do not.
   if (says > 0 && evidence_ > begins_now && std::isfinite(now.broken))
     says *= 1 - std::clamp(now.broken / std::max(wrong_.mean, kLeastGap), 0.0, 1.0);
   evidence_ = std::max(std::max(evidence_, begins_now) + says, -kUnbroken);
+  for (double* count : {&streaks_.looks, &streaks_.high}) *count *= core::exp(-news / kForgotten);
+  countStreak(is_high, news);
   // What speaks for another place is not learnt as what is well.
   if (isInDoubt()) return;
   if (std::isfinite(now.contradicted)) well_.add(now.contradicted, news, kMostLooks);

@@ -17,6 +17,9 @@ namespace slam::graph {
 /// purpose. Where a wrong place contradicts no more than the right one, nothing is ever said. Both shares are
 /// taken as normal with one variance, the larger of the two.
 ///
+/// Looks that speak for another place come in streaks where the world is not flat, or people walk about: one
+/// that follows another says no more than how seldom that was so while all was well.
+///
 /// Evidence counts by time and way, not by scan: a scan counts whole when kLook_s or kLook_m have passed
 /// since the one before, less else, and never more.
 ///
@@ -46,7 +49,7 @@ class LostDetector {
   /// less.
   void dismiss();
   /// The evidence starts anew; what was learnt stays.
-  void restart() { evidence_ = -kUnbroken; }
+  void restart();
 
   static constexpr double kLook_s = 0.4, kLook_m = 0.5;
   /// One false alarm in exp(kLost) looks (1.2 million) at most, as far as the model holds.
@@ -62,12 +65,21 @@ class LostDetector {
     double mean, variance, weight;
     void add(double value, double its_weight, double most_weight);
   };
+  /// Looks that followed one that spoke for another place, and those of them that did as well.
+  struct Streaks {
+    double looks = 0, high = 0;
+  };
   double ratio(double share, const Learnt& well) const;
+  void countStreak(bool is_high, double news);
+  void learnStreaks();
+  double mostInStreak() const;
 
   // What is expected before anything was seen counts as much as the weights say.
   Learnt well_{0.03, 0.003, 20}, unbroken_{0.03, 0.003, 20}, wrong_{0.7, 0.05, 4};
   double evidence_ = -kUnbroken, dismissed_ = 0, last_time_s_ = 0;
-  bool has_time_ = false;
+  bool has_time_ = false, was_high_ = false;
+  double look_news_ = 0, high_news_ = 0;  ///< of the look that is being made
+  Streaks streaks_, undecided_;
 };
 
 }  // namespace slam::graph

@@ -101,6 +101,40 @@ TEST(LostDetector, ListensLessToBreaksWhereDoubtsHavePassed) {
             1.5 * secondsToNotice(fresh, 100, 0.2, 0.5, 0.7, 0.6));
 }
 
+/// Time goes on by a look of 0.4 s each: one break, looks that contradict the map, and some that do not,
+/// until the doubt has passed.
+void passStreak(LostDetector& detector, double& time_s, int looks) {
+  for (int i = 0; i < looks; ++i) detector.look(seen(time_s += 0.4, 0.2, 0.7, i == 0 ? 0.6 : 0.02));
+  while (detector.isInDoubt()) detector.look(seen(time_s += 0.4, 0.2, 0.03, 0.02));
+  detector.dismiss();
+}
+
+TEST(LostDetector, ListensLessToStreaksWhereStreaksHavePassed) {
+  // Slopes: the lidar sees the ground for some metres. Later, on flat ground, breaks are forgotten.
+  auto hilly = settled(5, 0.5), flat = settled(5, 0.5);
+  double time_s = 100;
+  for (int i = 0; i < 10; ++i) passStreak(hilly, time_s, 5);
+  for (int i = 0; i < 600; ++i) hilly.look(seen(time_s += 0.4, 0.2, 0.03, 0.02));
+  const double there_s = secondsToNotice(hilly, time_s, 0.4, 0.5, 0.7, 0.6),
+               here_s = secondsToNotice(flat, 100, 0.4, 0.5, 0.7, 0.6);
+  EXPECT_GT(there_s, 1.5 * here_s);
+  EXPECT_LT(there_s, 20);
+}
+
+TEST(LostDetector, StreaksOfARobotThatWasKidnappedTeachNothing) {
+  auto detector = settled(5, 0.5), fresh = settled(5, 0.5);
+  double time_s = 100;
+  for (int i = 0; i < 10; ++i) {
+    secondsToNotice(detector, time_s, 0.4, 0.5, 0.7, 0.6);
+    ASSERT_TRUE(detector.isLost());
+    detector.restart();
+    time_s += 60;
+    for (int k = 0; k < 5; ++k) detector.look(seen(time_s += 0.4, 0.2, 0.03, 0.02));
+  }
+  EXPECT_NEAR(secondsToNotice(detector, time_s, 0.4, 0.5, 0.7, 0.6),
+              secondsToNotice(fresh, 100, 0.4, 0.5, 0.7, 0.6), 0.5);
+}
+
 TEST(LostDetector, SaysNothingWhereWrongPlacesAreNoWorse) {
   auto detector = settled(5, 0.5);
   for (int i = 0; i < 300; ++i) detector.learnWrong(0.04);
