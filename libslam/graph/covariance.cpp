@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "libslam/graph/graph_slam.h"
+#include "libslam/graph/search.h"
 #include "libslam/posegraph/marginals.h"
 
 /// How sure GraphSlam is of its poses. A scan errs against the map by its points' noise, as their residuals
@@ -15,8 +16,6 @@ namespace {
 using core::Point2;
 using core::Pose2;
 
-/// Two views of one surface both err.
-constexpr double kBothViews = 2;
 /// Of a covariance's eigenvalues, against the largest: below, they are rounding.
 constexpr double kLeastShare = 1e-15;
 

@@ -26,6 +26,9 @@ constexpr size_t kMostQueryPoints = 150;
 /// Windows up to this reach, of views of which half lies this near, are searched on the finest raster; and
 /// how much coarser it may become.
 constexpr double kFineReach_m = 16, kFineView_m = 8, kCoarsest = 2;
+/// Another place of a window is one if it lies so far from the best, and explains such a share of what that
+/// does: where the old map ends, what is new may hide the right place.
+constexpr double kRivalApart_m = 1, kRivalShare = 0.6;
 /// A robot that seemed to be kidnapped may have driven on where it was: a place of another part is searched
 /// for, too, this near to where odometry has it, and farther by what drift allows.
 constexpr double kNoGap_m = 0.5;
@@ -107,11 +110,12 @@ std::vector<int> GraphSlam::loopCandidates(const LoopSearch& search) const {
   return candidates;
 }
 
-/// Looks for a place where the scans of the keyframes [query_first, query_last] around k were seen before.
-std::optional<Hypothesis> GraphSlam::findLoop(int k, int query_first, int query_last) {
+/// Looks for a place where the scans of the keyframes [query_first, query_last] around k were seen before;
+/// the best one, and the best elsewhere in its window, if there is any as good as a loop has to be.
+std::vector<Hypothesis> GraphSlam::findLoop(int k, int query_first, int query_last) {
   LoopSearch search = loopSearch(k);
   const auto candidates = loopCandidates(search);
-  if (candidates.empty()) return std::nullopt;
+  if (candidates.empty()) return {};
   gatherQuery(search, query_first, query_last);
   searched_reach_m_ = 0;
   std::vector<char> is_tried(keyframes_.size(), 0);
@@ -121,13 +125,13 @@ std::optional<Hypothesis> GraphSlam::findLoop(int k, int query_first, int query_
     if (++places > kMostPlaces) break;
     for (const int tried : keyframesAround(old, core::position(graph_.pose(old)), options_.map_path_m, 1e9))
       is_tried[static_cast<size_t>(tried)] = 1;
-    if (auto found = loopAt(search, old)) return found;
+    if (auto found = loopsAt(search, old); !found.empty()) return found;
   }
-  return std::nullopt;
+  return {};
 }
 
 /// The same around one old keyframe.
-std::optional<Hypothesis> GraphSlam::loopAt(const LoopSearch& search, int old) {
+std::vector<Hypothesis> GraphSlam::loopsAt(const LoopSearch& search, int old) {
   auto around = keyframesAround(old, core::position(graph_.pose(old)), kPlacePath_m, kPlaceRadius_m);
   around.erase(std::remove_if(around.begin(), around.end(),
                               [&](int a) { return search.is_local[static_cast<size_t>(a)] != 0; }),
@@ -139,23 +143,40 @@ std::optional<Hypothesis> GraphSlam::loopAt(const LoopSearch& search, int old) {
   const double coarser =
       std::clamp(std::max(reach_m / kFineReach_m, search.view_m / kFineView_m), 1.0, kCoarsest);
   pyramid_.build(placeAround(around), coarser * kSearchCell_m, coarser * kSearchSigma_m, kSearchLevels);
-  const scanmatch::SearchWindow window{
+  scanmatch::SearchWindow window{
       reach_m, std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * search.way_m[static_cast<size_t>(old)],
                         kSearchTurnMost_rad)};
   searched_reach_m_ = std::max(searched_reach_m_, window.half_xy_m);
-  const auto found =
-      searchBest(pyramid_, search.points, graph_.pose(search.keyframe), window, options_.loop_search_score);
-  if (!found) return std::nullopt;
-  note(core::JournalEvent::kSearched, found->score, old);
-  const auto matched = matchFreely(search.match_points, around, found->T_map_robot, coarser > 1);
+  std::vector<Hypothesis> loops;
+  const Pose2& here = graph_.pose(search.keyframe);
+  if (const auto best = searchBest(pyramid_, search.points, here, window, options_.loop_search_score)) {
+    note(core::JournalEvent::kSearched, best->score, old);
+    if (const auto loop =
+            loopFrom(search, old, around, best->T_map_robot, coarser > 1, options_.loop_score)) {
+      loops.push_back(*loop);
+      note(core::JournalEvent::kFound, loop->score, old);
+      window.apart_m = kRivalApart_m, window.not_at = core::position(best->T_map_robot);
+      if (const auto rival = searchBest(pyramid_, search.points, here, window, kRivalShare * best->score))
+        if (const auto other = loopFrom(search, old, around, rival->T_map_robot, coarser > 1, 0))
+          loops.push_back(*other);
+    }
+  }
+  return loops;
+}
+
+/// A place that was found around an old keyframe, if its map, matched, explains what is searched for.
+std::optional<Hypothesis> GraphSlam::loopFrom(const LoopSearch& search, int old,
+                                              const std::vector<int>& around, const Pose2& T_found,
+                                              bool is_coarse, double least_score) const {
+  const auto matched = matchFreely(search.match_points, around, T_found, is_coarse);
   std::vector<int> viewers;
   for (const int a : around)
     if (core::distance(graph_.pose(a), matched.T_map_robot) <= kViewerDistance_m) viewers.push_back(a);
   const double conflict = meanConflict(firstOf(std::move(viewers), kViewers), matched.T_map_robot,
                                        keyframe(search.keyframe).points);
-  if (matched.score < options_.loop_score || conflict > 2 * options_.loop_conflict) return std::nullopt;
-  note(core::JournalEvent::kFound, matched.score, old);
+  if (matched.score < least_score || conflict > 2 * options_.loop_conflict) return std::nullopt;
   Hypothesis hypothesis;
+  hypothesis.score = matched.score;
   hypothesis.keyframe = search.keyframe, hypothesis.old_keyframe = old;
   hypothesis.T_map_robot = matched.T_map_robot;
   hypothesis.begun_m = path_m_;

@@ -69,8 +69,9 @@ Rows loopRows() {
       {"loop_confirm_m", &O::loop_confirm_m, 1.0, 0.0, 100.0, "over at least this path"},
       {"loop_distinctness", &O::loop_distinctness, 0.03, 0.0, 100.0,
        "sum over them of how much more they explain than moved along the place's open direction"},
-      {"loop_chi2_per_m", &O::loop_chi2_per_m, 20.0, 0.0, 1e6,
-       "a loop that costs the graph more per metre of path it closes is wrong"},
+      {"loop_innovation", &O::loop_innovation, 60.0, 0.0, 1e9,
+       "a loop is wrong that lies farther, squared, from where the path between has it, in that path's "
+       "standard deviations"},
       {"refine_rounds", &O::refine_rounds, 0, 0, 100,
        "at the end all keyframes are matched to one another again so many times"}};
 }

@@ -44,8 +44,7 @@ namespace slam::graph {
 /// through the place are matched by themselves: an edge says what was measured between its ends.
 /// Loops: the last metres of the path are searched for, by branch and bound, around every place that drift
 /// could have carried apart; what is found is followed for some keyframes, each of which must fit the old map
-/// by itself, and accepted together, unless the graph as a whole then contradicts what was measured on the
-/// way.
+/// by itself, and accepted together, unless LoopJudge knows better.
 ///
 /// Without odometry the last motion stands in for it, as long as the step takes. Where there is no odometry,
 /// or it is contradicted, the motion that two scans alone give (odometry::ScanOdometry, correlation) is one
@@ -70,7 +69,6 @@ namespace slam::graph {
 /// keyframe, in place of the oldest there; what has gone is taken out.
 ///
 /// Journal: core::journalEventInfos().
-///
 /// Deterministic: the same scans give the same bytes. Cost and memory: benchmarks/results/relations_ours.txt,
 /// scaling.txt.
 /// Sources: Biber and Strasser, IROS 2003 (surfels); Olson, ICRA 2009, and Hess et al., ICRA 2016 (search);
@@ -280,8 +278,10 @@ class GraphSlam {
   void gatherQuery(LoopSearch& search, int first, int last) const;
   double loopReach(const LoopSearch& search, int old) const;
   std::vector<int> loopCandidates(const LoopSearch& search) const;
-  std::optional<Hypothesis> findLoop(int keyframe, int query_first, int query_last);
-  std::optional<Hypothesis> loopAt(const LoopSearch& search, int old);
+  std::vector<Hypothesis> findLoop(int keyframe, int query_first, int query_last);
+  std::vector<Hypothesis> loopsAt(const LoopSearch& search, int old);
+  std::optional<Hypothesis> loopFrom(const LoopSearch& search, int old, const std::vector<int>& around,
+                                     const core::Pose2& T_found, bool is_coarse, double least_score) const;
 
   // parts.cpp: parts of the map that have no known place in one another
   int componentOf(int keyframe) const;
@@ -346,7 +346,7 @@ class GraphSlam {
   std::vector<Keyframe> keyframes_;
   Links links_;
   std::vector<std::pair<int, int>> closures_;  ///< keyframes that accepted loops join
-  std::vector<int> loop_begins_;               ///< first edge of every loop, accepted or rejected
+  std::vector<int> loop_begins_;               ///< first edge of every loop
   std::vector<Hypothesis> hypotheses_;
   std::vector<Record> records_;
   std::vector<core::JournalEntry> journal_;

@@ -4,6 +4,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/graph/graph_slam.h"
+#include "libslam/graph/loop_judge.h"
 #include "libslam/graph/search.h"
 #include "libslam/posegraph/optimize.h"
 
@@ -18,6 +19,7 @@ using scanmatch::PatchPoint;
 constexpr double kPausePerReach = 0.1;
 constexpr double kDistinctShifts_m[] = {-1.5, -1, -0.6, -0.35, 0.35, 0.6, 1, 1.5};
 constexpr double kDistinctKernel = 3;
+
 }  // namespace
 
 /// The shortest way from a keyframe to every earlier one: what the drift between them grows with.
@@ -75,7 +77,7 @@ void GraphSlam::addLoopEdges(std::vector<posegraph::Edge>& edges, const std::vec
 }
 
 /// Whether keyframe k by itself fits the old map where the hypothesis puts it; the hypothesis moves on to k
-/// then.
+/// then. Where the old map ends there is nothing to fit, and nothing that fails.
 bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
   const Pose2 expected =
       hypothesis.T_map_robot * core::between(graph_.pose(hypothesis.keyframe), graph_.pose(k));
@@ -85,14 +87,20 @@ bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
     const bool is_old = old < k && keyframe(k).path_m - keyframe(old).path_m > options_.map_path_m / 2;
     if (is_old && static_cast<int>(around.size()) < options_.map_keyframes) around.push_back(old);
   }
-  if (around.empty()) return false;
   const LevelMaps& maps = mapOf(around, core::position(expected));
   const auto& points = keyframe(k).points;
+  const auto viewers = firstOf(around, kViewers);
   const auto matched = match(points, maps, expected, followedTo(expected), 0, false);
-  if (matched.score < options_.loop_confirm_score ||
-      meanConflict(firstOf(around, kViewers), matched.T_map_robot, points) >= options_.loop_conflict ||
-      !isFollowed(matched.T_map_robot, expected))
+  const double conflict = meanConflict(viewers, matched.T_map_robot, points);
+  const double unknown = 1 - std::min(toldBy(firstOf(around, kAskedViewers), points, expected).telling, 1.0);
+  const bool is_there =
+      !around.empty() && conflict < options_.loop_conflict && isFollowed(matched.T_map_robot, expected);
+  hypothesis.says[k] = {is_there ? kNatsPerScan * (matched.score - conflict) : 0,
+                        around.empty() ? 1 : unknown};
+  if (!is_there || matched.score < options_.loop_confirm_score) {
+    hypothesis.failures += !is_there || matched.score + unknown < options_.loop_confirm_score;
     return false;
+  }
   hypothesis.evidence += distinctness(points, maps, matched);
   addLoopEdges(hypothesis.edges, around, k, matched);
   hypothesis.keyframe = k, hypothesis.old_keyframe = around.front();
@@ -106,19 +114,23 @@ void GraphSlam::closeLoops() {
   const int k = lastKeyframe();
   for (size_t i = 0; i < hypotheses_.size();) {
     Hypothesis& hypothesis = hypotheses_[i];
-    if (!confirm(hypothesis, k)) ++hypothesis.failures;
+    confirm(hypothesis, k);
     if (hypothesis.failures > kMostFailures) {
       note(core::JournalEvent::kDropped, hypothesis.confirmations, hypothesis.old_keyframe);
       hypotheses_.erase(hypotheses_.begin() + static_cast<long>(i));
-    } else if (hypothesis.confirmations >= options_.loop_confirmations &&
-               hypothesis.evidence >= options_.loop_distinctness &&
-               path_m_ - hypothesis.begun_m >= options_.loop_confirm_m) {
-      const Hypothesis confirmed = hypothesis;
-      hypotheses_.clear();
-      accept(confirmed);
     } else {
       ++i;
     }
+  }
+  const auto confirmed = std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& one) {
+    return one.confirmations >= options_.loop_confirmations && one.evidence >= options_.loop_distinctness &&
+           path_m_ - one.begun_m >= options_.loop_confirm_m &&
+           LoopJudge(witnesses(), keyframes_).isBest(one, hypotheses_);
+  });
+  if (confirmed != hypotheses_.end()) {
+    const Hypothesis loop = *confirmed;
+    hypotheses_.clear();
+    accept(loop);
   }
   // A wide search is dear, and what it would find is still there some metres on.
   const double pause_m =
@@ -129,7 +141,7 @@ void GraphSlam::closeLoops() {
   while (first > 0 && k - first < kMostQueryKeyframes &&
          path_m_ - keyframe(first - 1).path_m < options_.loop_path_m)
     --first;
-  if (auto found = findLoop(k, first, k)) follow(*found);
+  for (Hypothesis& found : findLoop(k, first, k)) follow(found);
 }
 
 /// A hypothesis about the newest keyframe joins those that are followed, unless one of them says the same.
@@ -141,7 +153,8 @@ void GraphSlam::follow(Hypothesis& found) {
         std::abs(core::angleDifference(expected.phi, found.T_map_robot.phi)) < 0.1)
       return;
   }
-  if (confirm(found, k)) hypotheses_.push_back(found);
+  confirm(found, k);
+  if (found.failures == 0) hypotheses_.push_back(found);
 }
 
 /// With the whole path known a place can be looked at from both sides, and what drift had carried out of
@@ -157,17 +170,21 @@ void GraphSlam::searchRemainingLoops(int first_searched) {
     int first = k, last = k;
     while (first > 0 && at_m - keyframe(first - 1).path_m < options_.loop_path_m / 2) --first;
     while (last + 1 < n && keyframe(last + 1).path_m - at_m < options_.loop_path_m / 2) ++last;
-    const auto found = findLoop(k, first, last);
-    if (!found) continue;
-    Hypothesis forth = *found, back = *found;
-    for (int i = k; i <= last; ++i) confirm(forth, i);
-    for (int i = k - 1; i >= first; --i) confirm(back, i);
-    const int confirmations = forth.confirmations + back.confirmations;
-    if (confirmations < options_.loop_confirmations || 2 * confirmations < last - first + 1 ||
-        forth.evidence + back.evidence < options_.loop_distinctness)
-      continue;
-    forth.edges.insert(forth.edges.end(), back.edges.begin(), back.edges.end());
-    accept(forth);
+    std::vector<Hypothesis> places = findLoop(k, first, last);
+    for (Hypothesis& forth : places) {
+      Hypothesis back = forth;
+      for (int i = k; i <= last; ++i) confirm(forth, i);
+      for (int i = k - 1; i >= first; --i) confirm(back, i);
+      forth.confirmations += back.confirmations, forth.evidence += back.evidence;
+      forth.says.merge(back.says);
+      forth.edges.insert(forth.edges.end(), back.edges.begin(), back.edges.end());
+    }
+    const auto best = std::find_if(places.begin(), places.end(), [&](const Hypothesis& one) {
+      return one.confirmations >= options_.loop_confirmations && 2 * one.confirmations >= last - first + 1 &&
+             one.evidence >= options_.loop_distinctness &&
+             LoopJudge(witnesses(), keyframes_).isBest(one, places);
+    });
+    if (best != places.end()) accept(*best);
   }
 }
 
@@ -175,11 +192,17 @@ bool GraphSlam::accept(const Hypothesis& hypothesis) {
   const int k = hypothesis.keyframe, old = hypothesis.old_keyframe;
   note(core::JournalEvent::kConfirmed, hypothesis.confirmations, old,
        "distinct by " + std::to_string(hypothesis.evidence));
-  const auto poses_before = graph_.poses();
-  const double chi2_before = graph_.chi2();
   const double way_m = k > old ? pathTo(k)[static_cast<size_t>(old)] : pathTo(old)[static_cast<size_t>(k)];
   const int component = componentOf(k), old_component = componentOf(old);
   const bool joins = component != old_component;
+  if (!joins) {
+    const double off = LoopJudge(witnesses(), keyframes_).innovation(hypothesis);
+    if (off > options_.loop_innovation) {
+      // Nothing that was measured on the way allows for this.
+      note(core::JournalEvent::kRejected, off, old);
+      return false;
+    }
+  }
   // The one that holds the map's origin stays.
   const bool old_moves = joins && component == 0;
   if (joins) {
@@ -188,17 +211,9 @@ bool GraphSlam::accept(const Hypothesis& hypothesis) {
     for (int i = 0; i < graph_.nodeCount(); ++i)
       if (componentOf(i) == (old_moves ? old_component : component)) graph_.setPose(i, T * graph_.pose(i));
   }
-  std::vector<int> edges;
   loop_begins_.push_back(static_cast<int>(graph_.edges().size()));
-  for (const auto& edge : hypothesis.edges) edges.push_back(graph_.addEdge(edge));
+  for (const auto& edge : hypothesis.edges) graph_.addEdge(edge);
   const double chi2 = optimiseGraph();
-  if (chi2 - chi2_before > options_.loop_chi2_per_m * way_m) {
-    // Nothing that was measured on the way allows for this.
-    for (const int edge : edges) graph_.setOn(edge, false);
-    for (int i = 0; i < graph_.nodeCount(); ++i) graph_.setPose(i, poses_before[static_cast<size_t>(i)]);
-    note(core::JournalEvent::kRejected, chi2 - chi2_before, old);
-    return false;
-  }
   for (const auto& edge : hypothesis.edges) link(edge.from, edge.to);
   closures_.push_back({old, k});
   settle();

@@ -30,6 +30,8 @@ inline constexpr int kMostQueryKeyframes = 30;
 inline constexpr int kViewers = 6;
 inline constexpr double kViewerDistance_m = 4;
 
+/// Two views of one surface both err.
+inline constexpr double kBothViews = 2;
 /// A place that is followed may be corrected by this much from keyframe to keyframe, and fail so often.
 inline constexpr double kConfirmStep_m = 0.3, kConfirmTurn_rad = 0.06;
 inline constexpr int kMostFailures = 2;

@@ -68,14 +68,20 @@ struct LoopSearch {
   std::vector<scanmatch::PatchPoint> match_points;
   double view_m;  ///< how far `points` reach
 };
+/// What a scan says for a place, in nats, and the share of it about which the map says nothing there.
+struct Said {
+  double nats, unknown;
+};
 /// A place that may have been recognised, while it is followed.
 struct Hypothesis {
   int keyframe;             ///< that it has come to
   int old_keyframe;         ///< nearest of the old ones there
   core::Pose2 T_map_robot;  ///< of `keyframe`, as the old ones have it
+  double score = 0;         ///< when it was found
   double begun_m;
   int confirmations = 0, failures = 0;
-  double evidence = 0;  ///< sum of distinctness()
+  double evidence = 0;       ///< sum of distinctness()
+  std::map<int, Said> says;  ///< of every keyframe that was asked
   std::vector<posegraph::Edge> edges;
 };
 /// Keyframes from `begin` to the next part's; parts of one component have known places in one another.
@@ -105,11 +111,6 @@ struct Box {
     most = {std::max(most.x, p.x), std::max(most.y, p.y)};
   }
   double diagonal_m() const { return least.x > most.x ? 0 : core::distance(least, most); }
-};
-/// What a point of a trail says for a place, in nats, and the share of its scan about which the map says
-/// nothing there.
-struct Said {
-  double nats, unknown;
 };
 /// A place of a trail in another part of the map, while the rest of the trail is held against it, to both
 /// sides.

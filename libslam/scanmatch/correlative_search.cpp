@@ -96,6 +96,9 @@ class WindowSearch {
     reach_ = static_cast<int>(std::ceil(window.half_xy_m / cell_m));
     width_ = 2 * reach_ + 1;
     best_sum_ = static_cast<int>(std::ceil(least_score * full_)) - 1;
+    apart2_ = window.apart_m * window.apart_m / (cell_m * cell_m);
+    not_column_ = (window.not_at.x - centre.x) / cell_m + reach_;
+    not_row_ = (window.not_at.y - centre.y) / cell_m + reach_;
     turn(points);
   }
 
@@ -144,9 +147,21 @@ class WindowSearch {
     }
   }
 
+  /// Whether all of the node's shifts lie too near to where no answer is looked for.
+  bool isExcluded(const Node& node) const {
+    if (!(apart2_ > 0)) return false;
+    const double width = (1 << node.level) - 1;
+    const auto farthest = [&](double first, double from) {
+      return std::max(std::abs(first - from), std::abs(first + width - from));
+    };
+    const double dc = farthest(node.column, not_column_), dr = farthest(node.row, not_row_);
+    return dc * dc + dr * dr < apart2_;
+  }
+
   /// Sets the node's sum. Given up as soon as the points that are left cannot make it better than the best.
   bool isWorthIt(Node& node) const {
     constexpr size_t kBlock = 16;
+    if (isExcluded(node)) return false;
     const auto& cells = turned_[static_cast<size_t>(node.turn)];
     int sum = 0, left = full_;
     for (size_t i = 0; i < cells.size();) {
@@ -192,6 +207,7 @@ class WindowSearch {
   int full_;
   double turn_step_ = 0;
   int turns_ = 0, reach_ = 0, width_ = 0, best_sum_ = 0;
+  double apart2_ = 0, not_column_ = 0, not_row_ = 0;  ///< in cells
   std::vector<std::vector<Cell>> turned_;
 };
 

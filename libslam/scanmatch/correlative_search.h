@@ -44,6 +44,9 @@ class LikelihoodPyramid {
 
 struct SearchWindow {
   double half_xy_m, half_phi_rad;
+  /// Poses nearer to `not_at` than this are no answer, however they are turned.
+  double apart_m = 0;
+  core::Point2 not_at{};
 };
 
 struct SearchResult {

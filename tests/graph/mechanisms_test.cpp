@@ -115,6 +115,65 @@ TEST(GraphMechanisms, AClosedLoopShortensTheWayOfTheNext) {
   for (size_t i = 1; i < ways.size(); ++i) EXPECT_LT(ways[i], 50) << i;
 }
 
+/// Two corridors side by side that look the same, with the same pillars, 3 m apart; a wide way round joins
+/// them.
+std::vector<Wall> twins() {
+  auto walls = rectangle(-3, 0, 21, 9);
+  add(walls, rectangle(0, 2, 18, 3));
+  add(walls, rectangle(0, 5, 18, 7));
+  for (const double x : {2.0, 4.3, 7.9, 9.0, 12.4, 15.1})
+    for (const double y : {0.0, 3.0}) add(walls, rectangle(x, y, x + 0.4, y + 0.5));
+  for (const core::Point2& p :
+       {core::Point2{3, 8.6}, {8.5, 8.6}, {14, 8.6}, {20.6, 3}, {-3, 6.2}, {20.6, 5.1}})
+    add(walls, rectangle(p.x, p.y, p.x + 0.4, p.y + 0.4));
+  return walls;
+}
+
+// 53 m after one corridor the robot is in the other, where a loop would move it by 3 m.
+TEST(GraphMechanisms, NoLoopIsClosedThatTheWayBetweenRulesOut) {
+  Lidar lidar;
+  lidar.fov_rad = 2 * core::kPi * 359 / 360, lidar.beams = 360, lidar.max_range_m = 5;
+  const auto path = along({{1, 1}, {19.5, 1}, {19.5, 8}, {-1.5, 8}, {-1.5, 4}, {16, 4}}, 0.2);
+  const auto log = drive(twins(), path, lidar, 1e-3);
+  const Driven run = runThrough(log, {});
+  EXPECT_FALSE(valuesOf(run.graph, "rejected").empty()) << eventsOf(run.graph);
+  EXPECT_TRUE(valuesOf(run.graph, "accepted").empty()) << eventsOf(run.graph);
+  EXPECT_LT(worstError(run.graph.poses(), log.truth), 0.3);
+
+  GraphOptions blind;
+  blind.loop_innovation = 1e9;
+  EXPECT_FALSE(valuesOf(runThrough(log, blind).graph, "accepted").empty()) << "the corridors look alike";
+}
+
+/// A corridor around a block, with the same pillar every 2.5 m along its lower side and bare walls else.
+std::vector<Wall> ladder() {
+  auto walls = rectangle(0, 0, 40, 14);
+  add(walls, rectangle(2, 2, 38, 12));
+  for (int i = 0; i < 13; ++i) add(walls, rectangle(4 + 2.5 * i, 0, 4.4 + 2.5 * i, 0.4));
+  return walls;
+}
+
+// Wheels that slipped say that the robot is one pillar farther than it is. Scans fit both places, and more.
+TEST(GraphMechanisms, NoLoopIsClosedWhileAnotherPlaceIsNearlyAsGood) {
+  Lidar lidar;
+  lidar.fov_rad = 2 * core::kPi * 359 / 360, lidar.beams = 360, lidar.max_range_m = 5;
+  const auto path = along({{12, 1}, {39, 1}, {39, 13}, {1, 13}, {1, 1}, {30, 1}}, 0.2);
+  int closed = 0;
+  for (const double slip : {0.04, 0.06})
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      auto log = drive(ladder(), path, lidar, 1e-3, seed);
+      for (size_t i = 0; i < path.size(); ++i)
+        if (path[i].y > 12.9 && path[i].x < 38) log.increments[i].x *= 1 + slip;
+      const Driven run = runThrough(log, {});
+      if (valuesOf(run.graph, "accepted").empty()) continue;
+      ++closed;
+      EXPECT_LT(core::distance(run.graph.poses().back(), log.truth.back()), 0.3)
+          << slip << ", seed " << seed << "\n"
+          << eventsOf(run.graph);
+    }
+  EXPECT_GE(closed, 3);
+}
+
 // A round of hardly more than what links reach: from where the robot was first, its latest keyframes are
 // within reach. They agree with it wherever it thinks that it is.
 TEST(GraphMechanisms, NoLoopIsConfirmedByTheKeyframesJustDriven) {

@@ -35,6 +35,8 @@ double bestByHand(const LikelihoodPyramid& map, const std::vector<core::Point2>&
     const double c = std::cos(centre.phi + t * turn), s = std::sin(centre.phi + t * turn);
     for (int row = -reach; row <= reach; ++row)
       for (int column = -reach; column <= reach; ++column) {
+        const core::Point2 at{centre.x + column * map.cellSize(), centre.y + row * map.cellSize()};
+        if (core::distance(at, window.not_at) < window.apart_m) continue;
         int sum = 0;
         for (const auto& p : points)
           sum += map.value(
@@ -69,6 +71,22 @@ TEST(CorrelativeSearch, IsAsGoodAsTryingEveryPose) {
     const auto found = searchBest(map, points, centre, window, 0);
     ASSERT_TRUE(found);
     EXPECT_DOUBLE_EQ(found->score, bestByHand(map, points, centre, window)) << seed;
+  }
+}
+
+TEST(CorrelativeSearch, FindsTheBestThatIsFarEnoughFromWhereNoneIsLookedFor) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const LikelihoodPyramid map(chaos(60, 5, seed), 0.1, 0.12, 4);
+    const auto points = chaos(25, 3, seed + 100);
+    const core::Pose2 centre{1, 1, 0.3 * static_cast<double>(seed)};
+    SearchWindow window{1.2, 0.2};
+    const auto best = searchBest(map, points, centre, window, 0);
+    ASSERT_TRUE(best);
+    window.apart_m = 0.55, window.not_at = core::position(best->T_map_robot);
+    const auto other = searchBest(map, points, centre, window, 0);
+    ASSERT_TRUE(other);
+    EXPECT_GE(core::distance(other->T_map_robot, best->T_map_robot), 0.55) << seed;
+    EXPECT_DOUBLE_EQ(other->score, bestByHand(map, points, centre, window)) << seed;
   }
 }
 

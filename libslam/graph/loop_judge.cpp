@@ -1,0 +1,52 @@
+#include "libslam/graph/loop_judge.h"
+
+#include <algorithm>
+
+#include "libslam/graph/search.h"
+#include "libslam/scanmatch/information.h"
+
+namespace slam::graph {
+namespace {
+
+using core::Pose2;
+
+/// Nats by which a loop is ahead of every other place that is followed: one wrong in a thousand.
+constexpr double kAheadOfRival = 7;
+
+/// Whether the map says something of most of what was seen, if it was seen there. What lies beyond the map
+/// can be anything: that is no other place.
+bool isTold(const Hypothesis& place) {
+  double unknown = 0;
+  for (const auto& [keyframe, said] : place.says) unknown += said.unknown;
+  return 2 * unknown < static_cast<double>(place.says.size());
+}
+
+}  // namespace
+
+double LoopJudge::innovation(const Hypothesis& loop) const {
+  const auto old = static_cast<size_t>(loop.old_keyframe), newest = static_cast<size_t>(loop.keyframe);
+  const Pose2& T_map_old = T_map_keyframes_[old];
+  const Pose2 by_way = core::between(T_map_old, T_map_keyframes_[newest]),
+              by_scans = core::between(T_map_old, loop.T_map_robot);
+  const Eigen::Vector3d off(by_scans.x - by_way.x, by_scans.y - by_way.y,
+                            core::angleDifference(by_scans.phi, by_way.phi));
+  const Eigen::Matrix3d noise = scanmatch::turned(keyframes_[newest].noise, T_map_old.phi);
+  const Eigen::Matrix3d expected = path_.relative(loop.old_keyframe, loop.keyframe) + kBothViews * noise;
+  return off.dot(scanmatch::covarianceOf(expected) * off);
+}
+
+bool LoopJudge::isBest(const Hypothesis& loop, const std::vector<Hypothesis>& others) const {
+  return std::none_of(others.begin(), others.end(), [&](const Hypothesis& other) {
+    if (&other == &loop || !isTold(other)) return false;
+    double ahead = (innovation(other) - innovation(loop)) / 2;
+    for (const auto& [keyframe, said] : loop.says) {
+      const auto rival = other.says.find(keyframe);
+      // What the map says nothing of may fit there.
+      if (rival != other.says.end())
+        ahead += said.nats - rival->second.nats - kNatsPerScan * rival->second.unknown;
+    }
+    return ahead < kAheadOfRival;
+  });
+}
+
+}  // namespace slam::graph
