@@ -1,56 +1,19 @@
 #include "libslam/core/ini_yaml.h"
 
-#include <yaml-cpp/eventhandler.h>
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <filesystem>
-#include <sstream>
 #include <vector>
 
 #include "libslam/core/error.h"
+#include "libslam/core/yaml_document.h"
 
 namespace slam::core {
 namespace {
 
-/// Listens to a document for its end alone.
-class Ignored : public YAML::EventHandler {
- public:
-  void OnDocumentStart(const YAML::Mark&) override {}
-  void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
-  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
-                       YAML::EmitterStyle::value) override {}
-  void OnSequenceEnd() override {}
-  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
-  }
-  void OnMapEnd() override {}
-};
-
-/// Whether anything follows the first document. YAML::LoadAll() would not end where that is no document
-/// either (",a").
-bool goesOn(const std::string& text) {
-  std::istringstream stream(text);
-  YAML::Parser parser(stream);
-  Ignored ignored;
-  return parser.HandleNextDocument(ignored) && parser.HandleNextDocument(ignored);
-}
-
 class YamlReader {
  public:
   YamlReader(const std::string& text, const std::string& name) : name_(name) {
-    YAML::Node root;
-    try {
-      if (goesOn(text)) throw InputError(name + ": goes on behind its first document, expected one");
-      root = YAML::Load(text);
-    } catch (const YAML::Exception& error) {
-      std::string reason = error.msg;  // may quote what it found
-      std::replace_if(
-          reason.begin(), reason.end(), [](unsigned char c) { return c < ' '; }, ' ');
-      throw InputError(where(error.mark) + ": is not YAML: " + trimmed(reason));
-    }
+    const YAML::Node root = yamlDocument(text, name);
     if (root.IsNull()) return;
     if (!root.IsMap()) throw wrong(root, "sections: a map of maps");
     for (const auto& section : root) {
@@ -68,9 +31,7 @@ class YamlReader {
  private:
   using Entry = YAML::detail::iterator_value;
 
-  std::string where(const YAML::Mark& mark) const {
-    return mark.is_null() ? name_ : name_ + ":" + std::to_string(mark.line + 1);
-  }
+  std::string where(const YAML::Mark& mark) const { return yamlPlace(name_, mark); }
 
   InputError wrong(const YAML::Node& node, const std::string& expected) const {
     static const std::vector<std::string> kKinds = {"nothing", "nothing", "a value", "a list", "a map"};

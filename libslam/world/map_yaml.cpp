@@ -5,13 +5,13 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <sstream>
 #include <vector>
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/ini.h"
 #include "libslam/core/parameters.h"
+#include "libslam/core/yaml_document.h"
 
 namespace slam::world {
 namespace {
@@ -23,125 +23,47 @@ const std::vector<std::string>& knownKeys() {
   return keys;
 }
 
+/// As one would write it on one line.
+std::string textOf(const YAML::Node& node) {
+  if (node.IsScalar()) return node.Scalar();
+  if (node.IsMap()) return "{...}";
+  std::string items;
+  for (const auto& item : node) items += (items.empty() ? "" : ", ") + textOf(item);
+  return node.IsSequence() ? "[" + items + "]" : items;
+}
+
+/// The finite numbers of a list of so many; nothing when it is none.
+std::vector<double> numbersOf(const YAML::Node& node, size_t count) {
+  std::vector<double> numbers;
+  if (!node.IsSequence() || node.size() != count) return numbers;
+  for (const auto& item : node) {
+    double value = 0;
+    if (!item.IsScalar() || !core::parseNumber(item.Scalar(), value)) return {};
+    numbers.push_back(value);
+  }
+  return numbers;
+}
+
 struct Entry {
-  std::vector<std::string> values;  ///< one for a scalar
-  bool is_list = false;
+  YAML::Node value;
   std::string where;  ///< "map.yaml:3"
 };
 using Entries = std::map<std::string, Entry>;
 
-/// Cuts at a # that begins the line or follows white space, outside quotes.
-std::string withoutComment(const std::string& line) {
-  char quote = 0;
-  for (size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    const bool after_blank = i == 0 || line[i - 1] == ' ' || line[i - 1] == '\t';
-    if (quote) {
-      const bool is_doubled = c == '\'' && quote == c && i + 1 < line.size() && line[i + 1] == c;
-      if ((c == '\\' && quote == '"') || is_doubled)
-        ++i;
-      else if (c == quote)
-        quote = 0;
-    } else if ((c == '"' || c == '\'') && after_blank) {
-      quote = c;
-    } else if (c == '#' && after_blank) {
-      return line.substr(0, i);
-    }
-  }
-  return line;
-}
-
-core::InputError malformed(const std::string& where, const std::string& found, const std::string& expected) {
-  return core::InputError(where + ": found '" + found + "', expected " + expected);
-}
-
-core::InputError unknownKey(const std::string& where, const std::string& key) {
-  return core::InputError(where + ": unknown key '" + key + "'" + core::didYouMean(key, knownKeys()));
-}
-
-core::InputError givenTwice(const std::string& where, const std::string& key, const std::string& first) {
-  return core::InputError(where + ": key '" + key + "' is given twice, first at " + first);
-}
-
-std::string unquoted(const std::string& text, const std::string& where) {
-  if (text.empty() || (text.front() != '"' && text.front() != '\'')) return text;
-  const char quote = text.front();
-  std::string result;
-  for (size_t i = 1; i < text.size(); ++i) {
-    const bool has_next = i + 1 < text.size();
-    const bool escapes = quote == '"' && text[i] == '\\' && has_next;
-    const bool is_doubled = quote == '\'' && text[i] == quote && has_next && text[i + 1] == quote;
-    if (escapes || is_doubled)
-      result += text[++i];
-    else if (text[i] != quote)
-      result += text[i];
-    else if (!has_next)
-      return result;
-    else
-      break;
-  }
-  throw malformed(where, text, "a text with its closing quote at the end");
-}
-
-/// The items between the brackets; one that is a list itself is one item.
-std::vector<std::string> listItems(const std::string& text, const std::string& where) {
-  if (text.size() < 2 || text.back() != ']') throw malformed(where, text, "a list [a, b, c] on one line");
-  const std::string inside = core::trimmed(text.substr(1, text.size() - 2));
-  std::vector<std::string> items;
-  int depth = 0;
-  for (size_t begin = 0, i = 0; begin < inside.size(); ++i) {
-    const bool ends = i == inside.size();
-    if (!ends) depth += inside[i] == '[' ? 1 : inside[i] == ']' ? -1 : 0;
-    if (!ends && (inside[i] != ',' || depth > 0)) continue;
-    items.push_back(core::trimmed(inside.substr(begin, i - begin)));
-    begin = i + 1;
-  }
-  return items;
-}
-
-/// The colon that ends the key: followed by white space or the end of the line.
-size_t findColon(const std::string& line) {
-  auto colon = line.find(':');
-  while (colon != std::string::npos && colon + 1 < line.size() && line[colon + 1] != ' ' &&
-         line[colon + 1] != '\t')
-    colon = line.find(':', colon + 1);
-  return colon;
-}
-
 Entries parse(const std::string& text, const std::string& path) {
   Entries entries;
-  Entry* open_list = nullptr;  // a key without a value takes the items below it
-  std::istringstream lines(text);
-  std::string line;
-  for (int number = 1; std::getline(lines, line); ++number) {
-    const std::string where = path + ":" + std::to_string(number);
-    const std::string bare = withoutComment(line);
-    const std::string content = core::trimmed(bare);
-    if (content.empty() || content == "---" || content == "...") continue;
-    if (open_list && content.rfind("- ", 0) == 0) {
-      open_list->values.push_back(core::trimmed(content.substr(2)));
-      open_list->is_list = true;
-      continue;
-    }
-    open_list = nullptr;
-    const auto colon = findColon(content);
-    if (colon == std::string::npos || colon == 0 || bare.front() == ' ' || bare.front() == '\t')
-      throw malformed(where, content, "key: value");
-    const std::string key = unquoted(core::trimmed(content.substr(0, colon)), where);
-    const std::string value = core::trimmed(content.substr(colon + 1));
+  const YAML::Node root = core::yamlDocument(text, path);
+  if (!root.IsNull() && !root.IsMap())
+    throw core::InputError(core::yamlPlace(path, root.Mark()) + ": found '" + textOf(root) +
+                           "', expected key: value");
+  for (const auto& item : root) {
+    const std::string where = core::yamlPlace(path, item.first.Mark());
+    const std::string key = textOf(item.first);
     if (std::find(knownKeys().begin(), knownKeys().end(), key) == knownKeys().end())
-      throw unknownKey(where, key);
-    if (const auto it = entries.find(key); it != entries.end())
-      throw givenTwice(where, key, it->second.where);
-    Entry& entry = entries[key];
-    entry.where = where;
-    entry.is_list = !value.empty() && value.front() == '[';
-    if (entry.is_list)
-      entry.values = listItems(value, where);
-    else if (!value.empty())
-      entry.values = {unquoted(value, where)};
-    else
-      open_list = &entry;
+      throw core::InputError(where + ": unknown key '" + key + "'" + core::didYouMean(key, knownKeys()));
+    const auto [first, is_new] = entries.emplace(key, Entry{item.second, where});
+    if (!is_new)
+      throw core::InputError(where + ": key '" + key + "' is given twice, first at " + first->second.where);
   }
   return entries;
 }
@@ -166,9 +88,9 @@ class Values {
   }
   std::string text(const std::string& key) const {
     const Entry& entry = require(key);
-    if (entry.is_list || entry.values.empty() || entry.values[0].empty())
-      throw wrongValue(entry.where, key, joined(entry), "one value");
-    return entry.values[0];
+    if (!entry.value.IsScalar() || entry.value.Scalar().empty())
+      throw wrongValue(entry.where, key, textOf(entry.value), "one value");
+    return entry.value.Scalar();
   }
   double number(const std::string& key, double low, double high, const std::string& expected) const {
     double value = 0;
@@ -185,26 +107,25 @@ class Values {
   }
   core::Pose2 pose(const std::string& key) const {
     const Entry& entry = require(key);
-    double v[3];
-    bool good = entry.is_list && entry.values.size() == 3;
-    for (size_t i = 0; good && i < 3; ++i) good = core::parseNumber(entry.values[i], v[i]);
-    if (!good) throw wrongValue(entry.where, key, joined(entry), "[x, y, yaw]: three finite numbers");
+    const auto v = numbersOf(entry.value, 3);
+    if (v.empty())
+      throw wrongValue(entry.where, key, textOf(entry.value), "[x, y, yaw]: three finite numbers");
     return {v[0], v[1], v[2]};
   }
   std::vector<Door> doors(const std::string& key) const {
     const Entry& entry = require(key);
-    if (!entry.is_list && !entry.values.empty())
-      throw wrongValue(entry.where, key, entry.values[0], "a list of [x0, y0, x1, y1]");
+    if (!entry.value.IsSequence() && !entry.value.IsNull())
+      throw wrongValue(entry.where, key, textOf(entry.value), "a list of [x0, y0, x1, y1]");
     std::vector<Door> doors;
-    for (const auto& item : entry.values) {
-      const auto corners =
-          item.size() > 1 && item.front() == '[' ? listItems(item, entry.where) : std::vector<std::string>{};
-      double v[4];
-      bool good = corners.size() == 4;
-      for (size_t i = 0; good && i < 4; ++i)
-        good = core::parseNumber(corners[i], v[i]) && v[i] == std::floor(v[i]) && std::abs(v[i]) <= 1e6;
-      if (!good || !(v[0] < v[2] && v[1] < v[3]))
-        throw wrongValue(entry.where, key, item, "[x0, y0, x1, y1]: whole numbers, x0 < x1 and y0 < y1");
+    for (const auto& item : entry.value) {
+      const auto v = numbersOf(item, 4);
+      const bool good =
+          !v.empty() && v[0] < v[2] && v[1] < v[3] && std::all_of(v.begin(), v.end(), [](double corner) {
+            return corner == std::floor(corner) && std::abs(corner) <= 1e6;
+          });
+      if (!good)
+        throw wrongValue(entry.where, key, textOf(item),
+                         "[x0, y0, x1, y1]: whole numbers, x0 < x1 and y0 < y1");
       doors.push_back(
           {static_cast<int>(v[0]), static_cast<int>(v[1]), static_cast<int>(v[2]), static_cast<int>(v[3])});
     }
@@ -212,12 +133,6 @@ class Values {
   }
 
  private:
-  static std::string joined(const Entry& entry) {
-    std::string text;
-    for (const auto& value : entry.values) text += (text.empty() ? "" : ", ") + value;
-    return entry.is_list ? "[" + text + "]" : text;
-  }
-
   const Entries& entries_;
   const std::string& path_;
 };

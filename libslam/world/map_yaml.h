@@ -16,11 +16,9 @@ struct MapYaml {
   std::string doors_where;  ///< "map.yaml:8", for errors about doors that do not fit the picture
 };
 
-/// Reads a map yaml. A small strict reader of the part of YAML that such files use (one key and value a line,
-/// lists [a, b, c] or one item a line, quotes, comments), because the general ones that are at hand let
-/// duplicate keys and malformed lines pass. Keys: image, resolution, origin (required), negate,
-/// occupied_thresh, free_thresh, mode; and two of ours, which map_server passes over: materials, and doors, a
-/// list of [x0, y0, x1, y1], world::Door's cells. Errors (InputError with file, line and key): missing file,
+/// Reads a map yaml, one YAML document. Keys: image, resolution, origin (required), negate, occupied_thresh,
+/// free_thresh, mode; and two of ours, which map_server passes over: materials, and doors, a list of [x0, y0,
+/// x1, y1], world::Door's cells. Errors (InputError with file, line and key): missing file, what is no YAML,
 /// unknown key (with the nearest known one), missing or duplicate key, malformed value, nan, out of range.
 MapYaml readMapYaml(const std::string& path);
 

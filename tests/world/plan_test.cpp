@@ -211,10 +211,12 @@ TEST_F(Plans, RefuseAMalformedYamlInOneLine) {
   EXPECT_EQ(yamlError(std::string(kHeader) + "resolution: 1\n"),
             ":4: key 'resolution' is given twice, first at " + (folder_ / "map.yaml") + ":2");
   EXPECT_EQ(yamlError("just a text\n"), ":1: found 'just a text', expected key: value");
-  EXPECT_EQ(yamlError("  image: good.png\n"), ":1: found 'image: good.png', expected key: value");
-  EXPECT_EQ(yamlError("image: 'good.png\n"),
-            ":1: found ''good.png', expected a text with its closing quote at the end");
-  EXPECT_EQ(yamlError("image: [\n"), ":1: found '[', expected a list [a, b, c] on one line");
+  EXPECT_EQ(yamlError("- good.png\n"), ":1: found '[good.png]', expected key: value");
+  EXPECT_EQ(yamlError("[image]: good.png\n"), ":1: unknown key '[image]'; did you mean 'image'?");
+  for (const std::string bad : {"image: [\n", "image: a: b\n", "\timage: good.png\n"})
+    EXPECT_THAT(yamlError(bad), HasSubstr(" is not YAML: ")) << bad;
+  EXPECT_THAT(yamlError(std::string(kHeader) + "---\nimage: good.png\n"),
+              HasSubstr("goes on behind its first document"));
   EXPECT_EQ(yamlError("image:\nresolution: 1\norigin: [0,0,0]\n"),
             ":1: key 'image': found '', expected one value");
   EXPECT_EQ(yamlError("image: [good.png]\n"), ":1: key 'image': found '[good.png]', expected one value");
@@ -374,9 +376,8 @@ TEST_F(Plans, RefuseDoorsThatAreNone) {
     EXPECT_EQ(doorError("[" + bad + ", [0, 0, 1, 1]]"), ":4: key 'doors': found '" + bad + expected) << bad;
   EXPECT_EQ(doorError("[1, 0, 2, 2]"), ":4: key 'doors': found '1" + expected);
   EXPECT_EQ(doorError("open"), ":4: key 'doors': found 'open', expected a list of [x0, y0, x1, y1]");
-  EXPECT_THAT(doorError("[[1, 0, 2, 2]"), HasSubstr("expected a list [a, b, c] on one line"));
-  EXPECT_THAT(doorError("[[1, 0, 2, 2"), HasSubstr("expected a list [a, b, c] on one line"));
-  EXPECT_THAT(doorError("["), HasSubstr("expected a list [a, b, c] on one line"));
+  for (const std::string bad : {"[[1, 0, 2, 2]", "[[1, 0, 2, 2", "["})
+    EXPECT_THAT(doorError(bad), HasSubstr(" is not YAML: ")) << bad;
   for (const std::string bad : {"[-1, 0, 1, 1]", "[0, 0, 5, 1]", "[0, 0, 1, 3]"})
     EXPECT_EQ(doorError("[" + bad + "]"),
               ":4: key 'doors': found '" + bad + "', expected cells of the plan, 0 to 4 by 0 to 2");
