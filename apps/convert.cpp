@@ -34,20 +34,19 @@ struct Target {
 };
 
 const std::vector<Target>& targets() {
-  using logs::LogFormat;
   using Format = logs::TrajectoryWriter::Format;
-  static const std::vector<Target> all = {{"rawlog", ".rawlog", LogFormat::kRawlog},
-                                          {"carmen", ".clf", LogFormat::kCarmen},
-                                          {"carmen", ".carmen", LogFormat::kCarmen},
-                                          {"carmen", ".log", LogFormat::kCarmen},
-                                          {"bag", ".bag", LogFormat::kRos1Bag},
-                                          {"db3", ".db3", LogFormat::kRos2Db3},
-                                          {"mcap", ".mcap", LogFormat::kMcap},
-                                          {"tum", ".tum", {}, Format::kTum},
-                                          {"csv", ".csv", {}, Format::kCsv},
-                                          {"gt", ".GT.txt", {}, Format::kMrptGroundTruth},
-                                          {"operations", ".operations.txt", {}, {}, true},
-                                          {"original", ".original.txt", {}, {}, true}};
+  static const std::vector<Target> all = [] {
+    std::vector<Target> targets;
+    for (const auto& info : logs::logFormats())
+      for (const auto& suffix : info.suffixes) targets.push_back({info.word, suffix, info.format});
+    for (const Target& other : std::vector<Target>{{"tum", ".tum", {}, Format::kTum},
+                                                   {"csv", ".csv", {}, Format::kCsv},
+                                                   {"gt", ".GT.txt", {}, Format::kMrptGroundTruth},
+                                                   {"operations", ".operations.txt", {}, {}, true},
+                                                   {"original", ".original.txt", {}, {}, true}})
+      targets.push_back(other);
+    return targets;
+  }();
   return all;
 }
 

@@ -1,12 +1,28 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "libslam/objects/object_stream.h"
 
 namespace slam::logs {
 
 enum class LogFormat { kRawlog, kCarmen, kRos1Bag, kRos2Db3, kMcap };
+
+/// A format of logs. A new one is a row of logFormats(), beside its reader and its writer.
+struct LogFormatInfo {
+  LogFormat format;
+  const char* name;  ///< "CARMEN log"
+  const char* word;  ///< "carmen", where one is chosen
+  /// Of files that are to become such a log, the usual one first: ".clf".
+  std::vector<std::string> suffixes;
+  /// Whether a log that begins so is one; no two formats say so of one start. REQUIRES a start, not empty.
+  bool (*looksLike)(const std::string& start);
+  std::unique_ptr<objects::ObjectSource> (*open)(const std::string& path);
+  std::unique_ptr<objects::ObjectSink> (*create)(const std::string& path);
+};
+const std::vector<LogFormatInfo>& logFormats();
 
 /// "MRPT rawlog", "CARMEN log", ...
 const char* formatName(LogFormat format);
