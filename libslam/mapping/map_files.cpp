@@ -20,6 +20,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/memory_guard.h"
+#include "libslam/core/ros_map.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/gridmap/mrpt_grid.h"
 #include "libslam/mapping/key_frames.h"
@@ -67,16 +68,16 @@ void writeObject(const mrpt::serialization::CSerializable& object, const std::st
   core::writeFileAtomically(path, gzipped(buffer.getRawBufferData(), buffer.getTotalBytesCount()));
 }
 
-/// ROS's picture of the map: the top row first, 0 occupied, 254 free, 205 unknown (map_server's own values).
+/// ROS's picture of the map, the top row first.
 void writeRosMap(const gridmap::OccupancyRaster& map, const std::string& folder) {
   cv::Mat picture(map.rows, map.columns, CV_8UC1);
   for (int row = 0; row < map.rows; ++row) {
     auto* pixels = picture.ptr<std::uint8_t>(map.rows - 1 - row);
     const float* cells = map.occupancy.data() + static_cast<size_t>(row) * static_cast<size_t>(map.columns);
     for (int column = 0; column < map.columns; ++column) {
-      std::uint8_t gray = 205;
-      if (cells[column] > gridmap::kOccupiedAbove) gray = 0;
-      if (cells[column] < gridmap::kFreeBelow) gray = 254;
+      std::uint8_t gray = core::kRosUnknown;
+      if (cells[column] > gridmap::kOccupiedAbove) gray = core::kRosOccupied;
+      if (cells[column] < gridmap::kFreeBelow) gray = core::kRosFree;
       pixels[column] = gray;
     }
   }
@@ -85,10 +86,8 @@ void writeRosMap(const gridmap::OccupancyRaster& map, const std::string& folder)
   core::writeFileAtomically(folder + "/map.png", {reinterpret_cast<const char*>(png.data()), png.size()});
   core::writeFileAtomically(
       folder + "/map.yaml",
-      "# ROS map_server. Cells are occupied above a probability of 0.6, free below 0.4, unknown between.\n"
-      "image: map.png\nmode: trinary\nresolution: " +
-          core::formatNumber(map.resolution_m) + "\norigin: [" + core::formatNumber(map.x_min_m) + ", " +
-          core::formatNumber(map.y_min_m) + ", 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n");
+      "# ROS map_server. Cells are occupied above a probability of 0.6, free below 0.4, unknown between.\n" +
+          core::rosMapYaml({"map.png", map.resolution_m, {map.x_min_m, map.y_min_m, 0}}));
 }
 
 /// The first scan of a frame, where it has one.

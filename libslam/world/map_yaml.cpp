@@ -1,7 +1,6 @@
 #include "libslam/world/map_yaml.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -11,6 +10,7 @@
 #include "libslam/core/files.h"
 #include "libslam/core/ini.h"
 #include "libslam/core/parameters.h"
+#include "libslam/core/ros_map.h"
 #include "libslam/core/yaml_document.h"
 
 namespace slam::world {
@@ -137,19 +137,6 @@ class Values {
   const std::string& path_;
 };
 
-bool isPlainScalar(const std::string& text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
-    return std::isalnum(c) || c == '_' || c == '.' || c == '/' || c == '-' || c >= 0x80;
-  });
-}
-
-std::string quotedWhereNeeded(const std::string& text) {
-  if (isPlainScalar(text) && text.front() != '-') return text;
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("''") : std::string(1, c);
-  return quoted + "'";
-}
-
 }  // namespace
 
 void requireSensible(const PlanOptions& options, const std::string& where) {
@@ -202,16 +189,9 @@ MapYaml readMapYaml(const std::string& path) {
 
 std::string formatMapYaml(const std::string& image_name, const PlanOptions& options,
                           const std::string& materials_name, const std::vector<Door>& doors) {
-  const auto& origin = options.T_world_plan;
-  std::string text = "image: " + quotedWhereNeeded(image_name) + "\n";
-  text += "mode: trinary\n";
-  text += "resolution: " + core::formatNumber(options.resolution_m) + "\n";
-  text += "origin: [" + core::formatNumber(origin.x) + ", " + core::formatNumber(origin.y) + ", " +
-          core::formatNumber(origin.phi) + "]\n";
-  text += std::string("negate: ") + (options.negate ? "1" : "0") + "\n";
-  text += "occupied_thresh: " + core::formatNumber(options.occupied_threshold) + "\n";
-  text += "free_thresh: " + core::formatNumber(options.free_threshold) + "\n";
-  if (!materials_name.empty()) text += "materials: " + quotedWhereNeeded(materials_name) + "\n";
+  std::string text = core::rosMapYaml({image_name, options.resolution_m, options.T_world_plan, options.negate,
+                                       options.occupied_threshold, options.free_threshold});
+  if (!materials_name.empty()) text += "materials: " + core::yamlScalar(materials_name) + "\n";
   if (!doors.empty()) text += "doors:\n";
   for (const auto& door : doors)
     text += "  - [" + std::to_string(door.x0) + ", " + std::to_string(door.y0) + ", " +
