@@ -19,6 +19,11 @@ nlohmann::ordered_json numberOrNull(double value) {
   return std::round(value * 1e6) / 1e6;
 }
 
+nlohmann::ordered_json countOrNull(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::llround(value);
+}
+
 std::string scoresJson(const TeamRequest& request, const TeamReport& report, const std::string& plan_name,
                        const std::string& slam) {
   const auto& team = report.team;
@@ -40,18 +45,18 @@ std::string scoresJson(const TeamRequest& request, const TeamReport& report, con
                                                     {"path_sum_m", team.path_sum_m},
                                                     {"path_longest_m", team.path_longest_m},
                                                     {"overlap", team.overlap},
-                                                    {"wall_collisions", team.wall_collisions},
-                                                    {"robot_collisions", team.robot_collisions},
-                                                    {"gave_way", team.gave_way},
                                                     {"map_wall_f1", team.evaluation.map.occupied_f1},
                                                     {"map_free_iou", team.evaluation.map.free_iou}};
   for (const auto& [key, value] : figures) json[key] = numberOrNull(value);
+  json["wall_collisions"] = countOrNull(team.wall_collisions);
+  json["robot_collisions"] = countOrNull(team.robot_collisions);
+  json["gave_way"] = countOrNull(team.gave_way);
   json["each"] = nlohmann::ordered_json::array();
   for (const auto& e : report.robots)
     json["each"].push_back({{"end", endName(e.end)},
                             {"coverage", numberOrNull(e.figures.coverage)},
                             {"path_m", numberOrNull(e.figures.path_m)},
-                            {"collisions", numberOrNull(e.collisions)},
+                            {"collisions", countOrNull(e.collisions)},
                             {"ate_rmse_m", numberOrNull(e.evaluation.trajectory.position_m.rmse)}});
   return json.dump(2) + "\n";
 }

@@ -73,10 +73,18 @@ void drawPaths(draw::Canvas& canvas, const draw::MapView& view, const std::vecto
       draw::drawDashedPath(canvas, view, path.path, kAroundDashes, widths.estimate + 0.4);
       draw::drawDashedPath(canvas, view, path.path, colours.of(path), widths.dashes);
     }
+  // Several robots start in several places; several estimates of one path do not.
+  constexpr double kApart_m = 0.5;
+  std::vector<core::Point2> starts;
   for (const auto& path : ordered) {
     if (path.path.empty()) continue;
-    draw::drawStart(canvas, view.toPixel(core::position(path.path.front().pose)));
-    break;
+    const core::Point2 start = core::position(path.path.front().pose);
+    const bool is_marked = std::any_of(starts.begin(), starts.end(), [&](const core::Point2& other) {
+      return core::distance(start, other) < kApart_m;
+    });
+    if (is_marked) continue;
+    starts.push_back(start);
+    draw::drawStart(canvas, view.toPixel(start));
   }
 }
 
