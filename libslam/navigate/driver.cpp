@@ -27,7 +27,6 @@ constexpr int kTransitionsPerPeriod = 8;
 
 constexpr double kRayPatience = 4;  // times the straight drive, for the ways round what is in the way
 constexpr double kRayTolerance_m = 0.1;
-
 constexpr double kNews_m2 = 0.25;  // less new area than this may be the map's noise
 
 enum class Phase { kDeciding, kTurning, kDriving, kBacking, kFollowing, kNavigating, kWaiting };
@@ -170,6 +169,8 @@ void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_map_rob
 void Driver::State::sense(const robot::Scan& scan, const core::Pose2& T_map_robot) {
   memory->update(scan, T_map_robot);
   remembered = memory->points();
+  const core::Pose2 T_robot_map = core::inverse(T_map_robot);
+  for (const auto& p_map : strategy->people()) remembered.push_back(T_robot_map * p_map);
   if (look_first) {
     look_first->update(scan, T_map_robot);
     for (const auto& p_robot : look_first->hidden()) remembered.push_back(p_robot);
@@ -330,8 +331,8 @@ Driver::~Driver() = default;
 
 robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_map_robot, bool collided) {
   State& state = *state_;
-  state.sense(scan, T_map_robot);
   state.strategy->seeScan(scan, T_map_robot);
+  state.sense(scan, T_map_robot);
   state.collided = collided;
   // A navigator feels for itself what was hit.
   if (collided && state.phase != Phase::kNavigating) {
@@ -356,8 +357,8 @@ robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_map_ro
 }
 
 void Driver::watch(const robot::Scan& scan, const core::Pose2& T_map_robot) {
-  state_->sense(scan, T_map_robot);
   state_->strategy->seeScan(scan, T_map_robot);
+  state_->sense(scan, T_map_robot);
 }
 
 void Driver::reconsider() {

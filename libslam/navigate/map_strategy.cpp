@@ -21,11 +21,12 @@ constexpr std::size_t kViewpointsAtATime = 30;  // at frontiers; keeps a decisio
 constexpr double kSpent_m = 0.25;
 constexpr int kLeaveAlone = 10;  // decisions
 constexpr double kTarget_m = 3.0;
-constexpr double kWorthGoing = 0.3;  // of the frontier cells still there
 constexpr double kLooked_m = 1.5;  // a look from as near as this should have shown what is behind a frontier
 constexpr int kMostLooks = 2;
 constexpr std::size_t kMostCellsForTwoPlans = 1500000;  // in one decision of less than 50 ms
-constexpr double kNews_m2 = 0.1;                        // less new area than this may be the map's noise
+constexpr double kWait_s = 3;
+constexpr int kMostWaits = 20;
+constexpr double kNews_m2 = 0.1;  // less new area than this may be the map's noise
 
 /// Where the robot stands nothing else does, whatever the noisy map says.
 void clearBody(paths::FreeSpace& space, const core::Point2& p_map, double radius_m) {
@@ -46,6 +47,7 @@ bool isNearer(const Viewpoint& a, const Viewpoint& b) {
 
 void MapStrategy::seeMap(const gridmap::OccupancyRaster& map) {
   space_ = paths::readFreeSpace(map);
+  passers_.takeOutOf(*space_);
 }
 
 bool MapStrategy::isSpent(const core::Point2& p_map) const {
@@ -65,11 +67,13 @@ void MapStrategy::seeScan(const robot::Scan& scan, const core::Pose2& T_map_robo
   if (!space_ || !core::isFinite(T_map_robot)) return;
   const double cell_m = space_->resolution_m;
   const core::RigidMotion2 T_map_scan(T_map_robot);
-  for (const auto& p_robot : robot::scanPoints(scan)) {
-    const core::Point2 p = T_map_scan * p_robot;
+  auto points = robot::scanPoints(scan);
+  for (auto& p : points) {
+    p = T_map_scan * p;
     for (const double dy : {-cell_m, 0.0, cell_m})
       for (const double dx : {-cell_m, 0.0, cell_m}) returns_.insert(placeOf({p.x + dx, p.y + dy}));
   }
+  passers_.see(points, *space_);
 }
 
 /// The map with an obstacle in every frontier cell at which the lidar has measured a return.
@@ -302,7 +306,7 @@ Decision MapStrategy::decide(const robot::Scan& scan, const core::Pose2& T_map_r
   judgeLook();
   known_before_ = space_->known;
   const paths::FreeSpace looking = withoutFalseFrontiers();
-  if (team_.empty()) return decideOn(looking, scan, T_map_robot);
+  if (team_.empty()) return despitePeople(decideOn(looking, scan, T_map_robot), scan, T_map_robot);
   paths::FreeSpace left = looking;
   closeTaken(left, team_, options_.unknown_path_m);
   const Decision mine = decideOn(left, scan, T_map_robot);
@@ -311,6 +315,28 @@ Decision MapStrategy::decide(const robot::Scan& scan, const core::Pose2& T_map_r
   if (!isAnyOnItsWay(team_)) return late;
   if (late.finished) return waitingForOthers("waits: others are at the last of it");
   return late.path.empty() ? late : comingAfter(std::move(late), T_map_robot);
+}
+
+/// Somebody may stand, or have stood, where the way goes on: before the robot ends it looks there again, and
+/// waits for a while.
+Decision MapStrategy::despitePeople(Decision decision, const robot::Scan& scan,
+                                    const core::Pose2& T_map_robot) {
+  if (!decision.finished || out_of_reach_ == 0 || !passers_.areKnown()) return decision;
+  if (!passers_.areSmallThingsSuspected()) {
+    passers_.suspectSmallThings();
+    passers_.takeOutOf(*space_);
+    decision = decideOn(withoutFalseFrontiers(), scan, T_map_robot);
+    if (!decision.finished) return decision;
+  }
+  if (space_->known >=
+      known_at_wait_ + static_cast<std::size_t>(kNews_m2 / (space_->resolution_m * space_->resolution_m)))
+    waits_ = 0;
+  known_at_wait_ = space_->known;
+  if (++waits_ > kMostWaits) return decision;
+  Decision waiting;
+  waiting.wait_s = kWait_s;
+  waiting.reason = "waits: somebody may stand in the way";
+  return waiting;
 }
 
 /// By what is to be looked at.
@@ -340,43 +366,6 @@ Decision MapStrategy::decideOn(const paths::FreeSpace& looking, const robot::Sca
   Decision decision;
   decision.reason = "no place near the robot admits it by the map";
   return decision;
-}
-
-bool MapStrategy::isStillGood(const Decision& decision, const core::Pose2& T_map_robot,
-                              std::size_t next_waypoint) {
-  if (!space_ || decision.path.empty()) return true;
-  // By what is certainly in the way, without the planning margin: a path along its edge must not flicker.
-  const double radius_m = robot::circumscribedRadius(robot_) - space_->resolution_m;
-  const int reach = static_cast<int>(std::ceil(radius_m / space_->resolution_m));
-  const auto blocked = [&](const core::Point2& p) {
-    const int column = space_->columnOf(p.x), row = space_->rowOf(p.y);
-    for (int dr = -reach; dr <= reach; ++dr)
-      for (int dc = -reach; dc <= reach; ++dc)
-        if (core::hypot(dc, dr) * space_->resolution_m <= radius_m &&
-            space_->contains(column + dc, row + dr) &&
-            space_->state[space_->index(column + dc, row + dr)] == paths::kOccupiedCell)
-          return true;
-    return false;
-  };
-  core::Point2 from = core::position(T_map_robot);
-  for (std::size_t i = next_waypoint; i < decision.path.size(); from = decision.path[i++]) {
-    const core::Point2& to = decision.path[i];
-    const int steps = static_cast<int>(std::ceil(core::distance(from, to) / (2 * space_->resolution_m)));
-    // Not where the robot stands: by the noisy map it may already touch something.
-    for (int k = 1; k <= steps; ++k) {
-      const double s = static_cast<double>(k) / steps;
-      const core::Point2 p{from.x + s * (to.x - from.x), from.y + s * (to.y - from.y)};
-      if (core::distance(p, core::position(T_map_robot)) > 0.2 && blocked(p)) return false;
-    }
-  }
-  if (!options_.recheck || target_.empty()) return true;
-  std::size_t left = 0;
-  for (const auto& p : target_) {
-    const int column = space_->columnOf(p.x), row = space_->rowOf(p.y);
-    left += column > 0 && row > 0 && column + 1 < space_->columns && row + 1 < space_->rows &&
-            paths::isFrontierCell(*space_, space_->index(column, row)) && returns_.count(placeOf(p)) == 0;
-  }
-  return static_cast<double>(left) >= kWorthGoing * static_cast<double>(target_.size());
 }
 
 void MapStrategy::tellOutcome(const Decision& decision, bool reached) {

@@ -5,6 +5,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "libslam/navigate/passers.h"
 #include "libslam/navigate/strategy.h"
 #include "libslam/paths/expected_gain.h"
 #include "libslam/paths/free_space.h"
@@ -49,6 +50,7 @@ struct Scene {
 /// In a team (seeTeam()) it chooses among what no other robot aims at and, of that, where it is best placed
 /// (see team_share.h); when others aim at all that is left it comes after them, and waits while they are at
 /// the last of it.
+/// Who passes is no wall, see Passers: before it ends the robot looks again where somebody may have stood.
 /// Finished when then no viewpoint is left for any frontier of frontier_min_m (or none that `choose` thinks
 /// worth the way); the reason says how many frontiers remain out of reach and how many were given up.
 class MapStrategy : public Strategy {
@@ -59,6 +61,7 @@ class MapStrategy : public Strategy {
   bool drivesByDisc() const final { return true; }
   void seeMap(const gridmap::OccupancyRaster& map) final;
   void seeScan(const robot::Scan& scan, const core::Pose2& T_map_robot) final;
+  const std::vector<core::Point2>& people() const final { return passers_.bodies(); }
   void setRobot(const robot::RobotOptions& robot) final { robot_ = robot; }
   bool isStillGood(const Decision& decision, const core::Pose2& T_map_robot,
                    std::size_t next_waypoint) override;
@@ -112,6 +115,7 @@ class MapStrategy : public Strategy {
                        const std::vector<Viewpoint>& viewpoints, const Choice& choice);
   bool isSpent(const core::Point2& p_map) const;
   Decision finishedDecision() const;
+  Decision despitePeople(Decision decision, const robot::Scan& scan, const core::Pose2& T_map_robot);
 
   StrategyOptions options_;
   robot::RobotOptions robot_;
@@ -128,6 +132,9 @@ class MapStrategy : public Strategy {
   std::optional<core::Point2> looked_from_;  ///< the goal that was reached, until the next decision
   std::size_t known_before_ = 0;             ///< cells of the map when the present goal was chosen
   int decisions_ = 0;
+  Passers passers_;
+  int waits_ = 0;  ///< in a row without news
+  std::size_t known_at_wait_ = 0;
   std::vector<Teammate> team_;
   bool bare_next_ = false;                        ///< the margin leaves nothing to do: plan for the bare disc
   std::size_t out_of_reach_ = 0, abandoned_ = 0;  ///< frontiers, at the newest decision

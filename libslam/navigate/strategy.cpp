@@ -140,4 +140,9 @@ std::unique_ptr<Strategy> makeStrategy(const StrategyOptions& options, core::Ran
                          core::didYouMean(options.name, strategyNames()));
 }
 
+const std::vector<core::Point2>& Strategy::people() const {
+  static const std::vector<core::Point2> kNobody;
+  return kNobody;
+}
+
 }  // namespace slam::navigate

@@ -56,6 +56,8 @@ class Strategy {
   virtual void seeMap(const gridmap::OccupancyRaster& /*map*/) {}
   /// Every scan and where it was taken, also between the decisions; before decide() sees the same one.
   virtual void seeScan(const robot::Scan& /*scan*/, const core::Pose2& /*T_map_robot*/) {}
+  /// Around people whom the newest scan shows, map frame: to be kept clear of, beside the scan itself.
+  virtual const std::vector<core::Point2>& people() const;
   /// Whose ways are to be planned. A strategy that is not told assumes the default robot.
   virtual void setRobot(const robot::RobotOptions& /*robot*/) {}
   /// The w in force, when it follows from the robot. A strategy that is not told has that of its options.

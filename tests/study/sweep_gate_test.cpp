@@ -49,7 +49,7 @@ const score::Score& scoreOf(const std::vector<score::Score>& scores, const std::
 TEST(SweepGate, NamesACellByItsMethodAndWhatIsNotBuiltIn) {
   const ThreeSettings sweep;
   const auto scores = scoresOf(sweep.plan, sweep.results);
-  const auto& hall = scoreOf(scores, "graph on hall", "ate_final_m");
+  const auto hall = scoreOf(scores, "graph on hall", "ate_final_m");
   EXPECT_THAT(hall.values, ElementsAre(0.1, 0.2));
   EXPECT_THAT(hall.seeds, ElementsAre(1, 2));
   EXPECT_EQ(scoreOf(scores, "graph on office, lidar tim571, fault crowd", "wall_f1").values.size(), 2U);
