@@ -67,7 +67,6 @@ FAILED_M = 1
 
 
 ORIGINAL_LIDAR = "thesis_360"
-NEWER = ("naive", "naive_blind", "particles", "graph")  # run anew by the suite `original`, on the same logs and on those of its own lidar
 
 
 def standard_line(name, what, mine, costs, with_cost=True):
@@ -85,11 +84,11 @@ def standard_line(name, what, mine, costs, with_cost=True):
 
 
 def standard():
-    older, newer = rows("standard.csv.xz"), rows("original.csv.xz")
+    standard_runs, original_runs = rows("standard.csv.xz"), rows("original.csv.xz")
     costs = {row["run"]: row for row in rows("standard_cost.csv.xz") + rows("original_cost.csv.xz")}
 
     def runs(method, with_original_lidar):
-        return [run for run in (newer if method in NEWER else older)
+        return [run for run in (original_runs if with_original_lidar else standard_runs)
                 if run["method"] == method and (run["lidar"] == ORIGINAL_LIDAR) == with_original_lidar]
 
     lines = [standard_line(f"`naive`, `{ORIGINAL_LIDAR}`", "the original robot with its own lidar", runs("naive", True), costs)]
