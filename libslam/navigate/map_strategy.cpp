@@ -321,7 +321,7 @@ Decision MapStrategy::decide(const robot::Scan& scan, const core::Pose2& T_map_r
 /// waits for a while.
 Decision MapStrategy::despitePeople(Decision decision, const robot::Scan& scan,
                                     const core::Pose2& T_map_robot) {
-  if (!decision.finished || out_of_reach_ == 0 || !passers_.areKnown()) return decision;
+  if (!decision.finished || out_of_reach_ == 0 || !passers_.areAbout()) return decision;
   if (!passers_.areSmallThingsSuspected()) {
     passers_.suspectSmallThings();
     passers_.takeOutOf(*space_);

@@ -84,6 +84,9 @@ void Passers::see(const std::vector<Point2>& points_map, const paths::FreeSpace&
       }
     }
   }
+  ++scans_;
+  if (!bodies_.empty()) ++scans_with_people_;
+  if (!areAbout()) bodies_.clear();
 }
 
 /// The cell of a point, and those beside it.
@@ -93,7 +96,7 @@ void Passers::mark(const Point2& p, double cell_m, std::unordered_set<Place>& pl
 }
 
 void Passers::takeOutOf(paths::FreeSpace& space) const {
-  if (passed_.empty()) return;
+  if (!areAbout()) return;
   for (std::size_t cell = 0; cell < space.state.size(); ++cell) {
     if (space.state[cell] != paths::kOccupiedCell) continue;
     const Place place = placeOf(space.centreOf(cell), space.resolution_m);

@@ -10,7 +10,7 @@ namespace slam::navigate {
 
 /// People who pass, as a map made meanwhile shows them: as walls, until the robot looks there again. Who has
 /// come into free space, and is not seen now, is taken to have gone; once that leaves nothing to do, so is
-/// whatever is no larger than a person. Until somebody was seen to come nothing is taken out of any map.
+/// whatever is no larger than a person. While nobody is about nothing is taken out of any map.
 class Passers {
  public:
   /// The newest scan's returns, map frame, in its order, with the map as it was known before. What stands
@@ -19,7 +19,8 @@ class Passers {
   void see(const std::vector<core::Point2>& points_map, const paths::FreeSpace& space);
   /// Where the people of the newest scan may reach, map frame: a lidar sees legs, and bodies are wider.
   const std::vector<core::Point2>& bodies() const { return bodies_; }
-  bool areKnown() const { return !passed_.empty(); }
+  /// In one scan of ten and more: where a map errs, something else may seldom be taken for them.
+  bool areAbout() const { return !passed_.empty() && 10 * scans_with_people_ >= scans_; }
   /// From now on small things that are not seen now are taken for people.
   void suspectSmallThings() { are_small_things_suspected_ = true; }
   bool areSmallThingsSuspected() const { return are_small_things_suspected_; }
@@ -36,6 +37,7 @@ class Passers {
   std::unordered_set<Place> seen_now_;  ///< in or beside which the newest scan has a return
   std::vector<core::Point2> bodies_;
   bool are_small_things_suspected_ = false;
+  int scans_ = 0, scans_with_people_ = 0;
 };
 
 }  // namespace slam::navigate
