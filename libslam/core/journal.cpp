@@ -27,7 +27,8 @@ const std::vector<JournalEventInfo>& journalEventInfos() {
       {Event::kDropped, "dropped", "the keyframes that followed did not fit that place"},
       {Event::kAccepted, "accepted", "a loop closure; value: metres of path that the loop closes"},
       {Event::kRejected, "rejected",
-       "a loop closure that the graph as a whole contradicts; value: the chi2 it would cost"},
+       "a loop closure that the path between rules out; value: its innovation, squared, in standard "
+       "deviations"},
       {Event::kOptimised, "optimised", "all poses were refined jointly; value: chi2"},
       {Event::kResampled, "resampled",
        "likely particles took the place of unlikely ones; value: effective share of the particles"},

@@ -110,8 +110,8 @@ std::vector<int> GraphSlam::loopCandidates(const LoopSearch& search) const {
   return candidates;
 }
 
-/// Looks for a place where the scans of the keyframes [query_first, query_last] around k were seen before;
-/// the best one, and the best elsewhere in its window, if there is any as good as a loop has to be.
+/// Looks for a place where the scans of the keyframes [query_first, query_last] around k were seen before:
+/// the best one, and after it the best elsewhere in its window that explains nearly as much.
 std::vector<Hypothesis> GraphSlam::findLoop(int k, int query_first, int query_last) {
   LoopSearch search = loopSearch(k);
   const auto candidates = loopCandidates(search);
@@ -154,7 +154,6 @@ std::vector<Hypothesis> GraphSlam::loopsAt(const LoopSearch& search, int old) {
     if (const auto loop =
             loopFrom(search, old, around, best->T_map_robot, coarser > 1, options_.loop_score)) {
       loops.push_back(*loop);
-      note(core::JournalEvent::kFound, loop->score, old);
       window.apart_m = kRivalApart_m, window.not_at = core::position(best->T_map_robot);
       if (const auto rival = searchBest(pyramid_, search.points, here, window, kRivalShare * best->score))
         if (const auto other = loopFrom(search, old, around, rival->T_map_robot, coarser > 1, 0))
@@ -167,7 +166,7 @@ std::vector<Hypothesis> GraphSlam::loopsAt(const LoopSearch& search, int old) {
 /// A place that was found around an old keyframe, if its map, matched, explains what is searched for.
 std::optional<Hypothesis> GraphSlam::loopFrom(const LoopSearch& search, int old,
                                               const std::vector<int>& around, const Pose2& T_found,
-                                              bool is_coarse, double least_score) const {
+                                              bool is_coarse, double least_score) {
   const auto matched = matchFreely(search.match_points, around, T_found, is_coarse);
   std::vector<int> viewers;
   for (const int a : around)
@@ -175,8 +174,8 @@ std::optional<Hypothesis> GraphSlam::loopFrom(const LoopSearch& search, int old,
   const double conflict = meanConflict(firstOf(std::move(viewers), kViewers), matched.T_map_robot,
                                        keyframe(search.keyframe).points);
   if (matched.score < least_score || conflict > 2 * options_.loop_conflict) return std::nullopt;
+  note(core::JournalEvent::kFound, matched.score, old);
   Hypothesis hypothesis;
-  hypothesis.score = matched.score;
   hypothesis.keyframe = search.keyframe, hypothesis.old_keyframe = old;
   hypothesis.T_map_robot = matched.T_map_robot;
   hypothesis.begun_m = path_m_;

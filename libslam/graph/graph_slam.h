@@ -44,7 +44,7 @@ namespace slam::graph {
 /// through the place are matched by themselves: an edge says what was measured between its ends.
 /// Loops: the last metres of the path are searched for, by branch and bound, around every place that drift
 /// could have carried apart; what is found is followed for some keyframes, each of which must fit the old map
-/// by itself, and accepted together, unless LoopJudge knows better.
+/// by itself, and accepted together, unless the way between rules it out or another place is nearly as good.
 ///
 /// Without odometry the last motion stands in for it, as long as the step takes. Where there is no odometry,
 /// or it is contradicted, the motion that two scans alone give (odometry::ScanOdometry, correlation) is one
@@ -263,7 +263,7 @@ class GraphSlam {
   void closeLoops();
   void searchRemainingLoops(int first_searched);
   int gapsBetween(int a, int b) const;
-  bool confirm(Hypothesis& hypothesis, int keyframe) const;
+  void confirm(Hypothesis& hypothesis, int keyframe) const;
   void addLoopEdges(std::vector<posegraph::Edge>& edges, const std::vector<int>& around, int keyframe,
                     const scanmatch::MatchResult& matched) const;
   void follow(Hypothesis& found);
@@ -281,7 +281,7 @@ class GraphSlam {
   std::vector<Hypothesis> findLoop(int keyframe, int query_first, int query_last);
   std::vector<Hypothesis> loopsAt(const LoopSearch& search, int old);
   std::optional<Hypothesis> loopFrom(const LoopSearch& search, int old, const std::vector<int>& around,
-                                     const core::Pose2& T_found, bool is_coarse, double least_score) const;
+                                     const core::Pose2& T_found, bool is_coarse, double least_score);
 
   // parts.cpp: parts of the map that have no known place in one another
   int componentOf(int keyframe) const;

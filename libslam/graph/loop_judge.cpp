@@ -23,19 +23,20 @@ bool isTold(const Hypothesis& place) {
 
 }  // namespace
 
-double LoopJudge::innovation(const Hypothesis& loop) const {
-  const auto old = static_cast<size_t>(loop.old_keyframe), newest = static_cast<size_t>(loop.keyframe);
-  const Pose2& T_map_old = T_map_keyframes_[old];
-  const Pose2 by_way = core::between(T_map_old, T_map_keyframes_[newest]),
+double LoopJudge::innovation(const Hypothesis& loop) {
+  if (!way_) way_.emplace(witnesses_, posegraph::Marginals::Open::kBounded);
+  const Pose2& T_map_old = witnesses_.pose(loop.old_keyframe);
+  const Pose2 by_way = core::between(T_map_old, witnesses_.pose(loop.keyframe)),
               by_scans = core::between(T_map_old, loop.T_map_robot);
   const Eigen::Vector3d off(by_scans.x - by_way.x, by_scans.y - by_way.y,
                             core::angleDifference(by_scans.phi, by_way.phi));
-  const Eigen::Matrix3d noise = scanmatch::turned(keyframes_[newest].noise, T_map_old.phi);
-  const Eigen::Matrix3d expected = path_.relative(loop.old_keyframe, loop.keyframe) + kBothViews * noise;
+  const Eigen::Matrix3d noise =
+      scanmatch::turned(keyframes_[static_cast<size_t>(loop.keyframe)].noise, T_map_old.phi);
+  const Eigen::Matrix3d expected = way_->relative(loop.old_keyframe, loop.keyframe) + kBothViews * noise;
   return off.dot(scanmatch::covarianceOf(expected) * off);
 }
 
-bool LoopJudge::isBest(const Hypothesis& loop, const std::vector<Hypothesis>& others) const {
+bool LoopJudge::isBest(const Hypothesis& loop, const std::vector<Hypothesis>& others) {
   return std::none_of(others.begin(), others.end(), [&](const Hypothesis& other) {
     if (&other == &loop || !isTold(other)) return false;
     double ahead = (innovation(other) - innovation(loop)) / 2;

@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "libslam/graph/types.h"
@@ -7,28 +9,27 @@
 namespace slam::graph {
 
 /// What speaks for a place that may have been recognised, and for others that are followed beside it: the way
-/// from there to here, with its covariance, and the scans. A snapshot of the graph.
+/// from there to here, with its covariance, and the scans.
 ///
 /// Sources: innovation gates as in Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking
 /// and Navigation, 2001. Weighing places against each other, scan by scan, is ours.
 class LoopJudge {
  public:
-  /// `witnesses` has the keyframes' poses and what is known of them from one another. Cost: one
-  /// factorisation.
-  LoopJudge(const posegraph::PoseGraph& witnesses, const std::vector<Keyframe>& keyframes)
-      : T_map_keyframes_(witnesses.poses()),
-        path_(witnesses, posegraph::Marginals::Open::kBounded),
-        keyframes_(keyframes) {}
+  /// `witnesses` has the keyframes' poses and what is known of them from one another. The keyframes have to
+  /// stay as they are meanwhile.
+  LoopJudge(posegraph::PoseGraph witnesses, const std::vector<Keyframe>& keyframes)
+      : witnesses_(std::move(witnesses)), keyframes_(keyframes) {}
 
   /// How far a loop lies from where the way between has its keyframe: squared, in standard deviations of that
-  /// way and of the scans. Of chi-square's distribution with three degrees when it is right.
-  double innovation(const Hypothesis& loop) const;
+  /// way and of the scans. Of chi-square's distribution with three degrees of freedom when it is right. The
+  /// first one costs a factorisation.
+  double innovation(const Hypothesis& loop);
   /// Whether no other place that the map says enough of is nearly as good.
-  bool isBest(const Hypothesis& loop, const std::vector<Hypothesis>& others) const;
+  bool isBest(const Hypothesis& loop, const std::vector<Hypothesis>& others);
 
  private:
-  std::vector<core::Pose2> T_map_keyframes_;
-  posegraph::Marginals path_;
+  posegraph::PoseGraph witnesses_;
+  std::optional<posegraph::Marginals> way_;
   const std::vector<Keyframe>& keyframes_;
 };
 

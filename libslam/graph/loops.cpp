@@ -77,8 +77,8 @@ void GraphSlam::addLoopEdges(std::vector<posegraph::Edge>& edges, const std::vec
 }
 
 /// Whether keyframe k by itself fits the old map where the hypothesis puts it; the hypothesis moves on to k
-/// then. Where the old map ends there is nothing to fit, and nothing that fails.
-bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
+/// then. What of the scan lies beyond the old map neither fits nor fails.
+void GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
   const Pose2 expected =
       hypothesis.T_map_robot * core::between(graph_.pose(hypothesis.keyframe), graph_.pose(k));
   std::vector<int> around;
@@ -87,26 +87,28 @@ bool GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
     const bool is_old = old < k && keyframe(k).path_m - keyframe(old).path_m > options_.map_path_m / 2;
     if (is_old && static_cast<int>(around.size()) < options_.map_keyframes) around.push_back(old);
   }
+  if (around.empty()) {
+    hypothesis.says[k] = {0, 1};
+    ++hypothesis.failures;
+    return;
+  }
   const LevelMaps& maps = mapOf(around, core::position(expected));
   const auto& points = keyframe(k).points;
   const auto viewers = firstOf(around, kViewers);
   const auto matched = match(points, maps, expected, followedTo(expected), 0, false);
   const double conflict = meanConflict(viewers, matched.T_map_robot, points);
   const double unknown = 1 - std::min(toldBy(firstOf(around, kAskedViewers), points, expected).telling, 1.0);
-  const bool is_there =
-      !around.empty() && conflict < options_.loop_conflict && isFollowed(matched.T_map_robot, expected);
-  hypothesis.says[k] = {is_there ? kNatsPerScan * (matched.score - conflict) : 0,
-                        around.empty() ? 1 : unknown};
+  const bool is_there = conflict < options_.loop_conflict && isFollowed(matched.T_map_robot, expected);
+  hypothesis.says[k] = {is_there ? kNatsPerScan * (matched.score - conflict) : 0, unknown};
   if (!is_there || matched.score < options_.loop_confirm_score) {
     hypothesis.failures += !is_there || matched.score + unknown < options_.loop_confirm_score;
-    return false;
+    return;
   }
   hypothesis.evidence += distinctness(points, maps, matched);
   addLoopEdges(hypothesis.edges, around, k, matched);
   hypothesis.keyframe = k, hypothesis.old_keyframe = around.front();
   hypothesis.T_map_robot = matched.T_map_robot;
   ++hypothesis.confirmations;
-  return true;
 }
 
 /// Follows the hypotheses to the newest keyframe, accepts what is confirmed, and searches for more.

@@ -77,7 +77,6 @@ struct Hypothesis {
   int keyframe;             ///< that it has come to
   int old_keyframe;         ///< nearest of the old ones there
   core::Pose2 T_map_robot;  ///< of `keyframe`, as the old ones have it
-  double score = 0;         ///< when it was found
   double begun_m;
   int confirmations = 0, failures = 0;
   double evidence = 0;       ///< sum of distinctness()

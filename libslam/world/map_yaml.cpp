@@ -23,13 +23,17 @@ const std::vector<std::string>& knownKeys() {
   return keys;
 }
 
-/// As one would write it on one line.
-std::string textOf(const YAML::Node& node) {
+/// As one would write it on one line, for messages. Lists in lists in lists, which aliases can make endless,
+/// are left out.
+std::string textOf(const YAML::Node& node, int depth = 0) {
+  constexpr int kDeepest = 2;
   if (node.IsScalar()) return node.Scalar();
   if (node.IsMap()) return "{...}";
+  if (!node.IsSequence()) return "";
+  if (depth == kDeepest) return "[...]";
   std::string items;
-  for (const auto& item : node) items += (items.empty() ? "" : ", ") + textOf(item);
-  return node.IsSequence() ? "[" + items + "]" : items;
+  for (const auto& item : node) items += (items.empty() ? "" : ", ") + textOf(item, depth + 1);
+  return "[" + items + "]";
 }
 
 /// The finite numbers of a list of so many; nothing when it is none.
