@@ -50,12 +50,14 @@ std::vector<std::string> namesInFolder(const std::string& folder, const std::str
 }
 
 std::string resolvePlan(const std::string& path_or_name) {
-  if (fs::exists(path_or_name)) return path_or_name;
   const bool is_name = path_or_name.find_first_of("/.") == std::string::npos;
+  // A folder of results may be called as a world is.
+  if (fs::exists(path_or_name) && !(is_name && fs::is_directory(path_or_name))) return path_or_name;
   if (!is_name) throw core::InputError(path_or_name + ": no such file");
   const auto names = namesInFolder(worldsFolder(), ".yaml");
   for (const auto& name : names)
     if (name == path_or_name) return worldsFolder() + "/" + name + ".yaml";
+  if (fs::exists(path_or_name)) return path_or_name;
   throw core::InputError(path_or_name + ": no such file and no world of that name" +
                          core::didYouMean(path_or_name, names));
 }
