@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <utility>
 
 #include "libslam/core/error.h"
 #include "libslam/goals/goal_navigator.h"
@@ -61,6 +62,7 @@ struct Driver::State {
   std::vector<core::Point2> remembered = {};  ///< robot frame
   std::optional<goals::LookFirst> look_first = std::nullopt;
   std::unique_ptr<goals::GoalNavigator> navigator = nullptr;
+  robot::Command told = {};
   bool collided = false;   ///< by the last command
   bool w_follows = false;  ///< stop_clearance_m is that of stopClearance()
 
@@ -164,9 +166,11 @@ void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_map_rob
   if (!escaping && decision.ray_m > 0 && options.ray_navigator != "none") startNavigator(T_map_robot);
 }
 
-/// What the newest scan shows besides itself: the obstacles that are remembered, and the w that follows from
-/// it.
+/// The newest scan, and what it shows besides itself: the obstacles that are remembered, and the w that
+/// follows from it.
 void Driver::State::sense(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+  strategy->seeCommand(std::exchange(told, {}));
+  strategy->seeScan(scan, T_map_robot);
   memory->update(scan, T_map_robot);
   remembered = memory->points();
   const core::Pose2 T_robot_map = core::inverse(T_map_robot);
@@ -331,7 +335,6 @@ Driver::~Driver() = default;
 
 robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_map_robot, bool collided) {
   State& state = *state_;
-  state.strategy->seeScan(scan, T_map_robot);
   state.sense(scan, T_map_robot);
   state.collided = collided;
   // A navigator feels for itself what was hit.
@@ -353,11 +356,11 @@ robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_map_ro
     }
   if (const auto turn = state.look(command)) command = *turn;
   state.map_is_new = false;
+  state.told = command;
   return command;
 }
 
 void Driver::watch(const robot::Scan& scan, const core::Pose2& T_map_robot) {
-  state_->strategy->seeScan(scan, T_map_robot);
   state_->sense(scan, T_map_robot);
 }
 

@@ -67,13 +67,12 @@ void MapStrategy::seeScan(const robot::Scan& scan, const core::Pose2& T_map_robo
   if (!space_ || !core::isFinite(T_map_robot)) return;
   const double cell_m = space_->resolution_m;
   const core::RigidMotion2 T_map_scan(T_map_robot);
-  auto points = robot::scanPoints(scan);
-  for (auto& p : points) {
-    p = T_map_scan * p;
+  for (const auto& p_robot : robot::scanPoints(scan)) {
+    const core::Point2 p = T_map_scan * p_robot;
     for (const double dy : {-cell_m, 0.0, cell_m})
       for (const double dx : {-cell_m, 0.0, cell_m}) returns_.insert(placeOf({p.x + dx, p.y + dy}));
   }
-  passers_.see(points, *space_);
+  passers_.see(scan, T_map_robot, cell_m);
 }
 
 /// The map with an obstacle in every frontier cell at which the lidar has measured a return.

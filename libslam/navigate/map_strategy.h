@@ -60,6 +60,7 @@ class MapStrategy : public Strategy {
   bool needsMap() const final { return true; }
   bool drivesByDisc() const final { return true; }
   void seeMap(const gridmap::OccupancyRaster& map) final;
+  void seeCommand(const robot::Command& command) final { passers_.tell(command); }
   void seeScan(const robot::Scan& scan, const core::Pose2& T_map_robot) final;
   const std::vector<core::Point2>& people() const final { return passers_.bodies(); }
   void setRobot(const robot::RobotOptions& robot) final { robot_ = robot; }

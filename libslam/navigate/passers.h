@@ -1,26 +1,35 @@
 #pragma once
 #include <cstdint>
+#include <deque>
 #include <unordered_set>
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/obstacles/lidar_view.h"
 #include "libslam/paths/free_space.h"
+#include "libslam/robot/drive.h"
+#include "libslam/robot/scan.h"
 
 namespace slam::navigate {
 
-/// People who pass, as a map made meanwhile shows them: as walls, until the robot looks there again. Who has
-/// come into free space, and is not seen now, is taken to have gone; once that leaves nothing to do, so is
-/// whatever is no larger than a person. While nobody is about nothing is taken out of any map.
+/// People who pass, as a map made meanwhile shows them: as walls, until the robot looks there again.
+///
+/// Somebody has come where a scan shows something no larger than a person, apart from all else, and a scan of
+/// a moment before had looked through that place. Two scans tell that, whatever the map's errors have grown
+/// to; where the pose has moved otherwise than the robot was told to, they tell nothing. Who has come, and is
+/// not seen any more, is taken to have gone; once that leaves nothing to do, so is whatever is no larger than
+/// a person. While nobody has come nothing is taken out of any map.
 class Passers {
  public:
-  /// The newest scan's returns, map frame, in its order, with the map as it was known before. What stands
-  /// amid free space, is no larger than a person, and hangs together with nothing else is one: where the map
-  /// and the pose err, whole walls stand there.
-  void see(const std::vector<core::Point2>& points_map, const paths::FreeSpace& space);
+  Passers();
+  /// What the robot was told to do since the scan before.
+  void tell(const robot::Command& command) { T_start_told_ = T_start_told_ * robot::driveMotion(command); }
+  /// Every scan in turn, with the robot's pose and the cells' side of the maps to come. Needs stamps that run
+  /// on.
+  void see(const robot::Scan& scan, const core::Pose2& T_map_robot, double cell_m);
   /// Where the people of the newest scan may reach, map frame: a lidar sees legs, and bodies are wider.
   const std::vector<core::Point2>& bodies() const { return bodies_; }
-  /// In one scan of ten and more: where a map errs, something else may seldom be taken for them.
-  bool areAbout() const { return !passed_.empty() && 10 * scans_with_people_ >= scans_; }
+  bool areAbout() const;
   /// From now on small things that are not seen now are taken for people.
   void suspectSmallThings() { are_small_things_suspected_ = true; }
   bool areSmallThingsSuspected() const { return are_small_things_suspected_; }
@@ -29,15 +38,27 @@ class Passers {
 
  private:
   using Place = std::int64_t;
+  /// What a scan saw, and from where.
+  struct Look {
+    double time_s;
+    core::Pose2 T_map_robot, T_start_told, T_robot_lidar;
+    obstacles::LidarView view;
+  };
   static Place placeOf(const core::Point2& p_map, double cell_m);
   static void mark(const core::Point2& p_map, double cell_m, std::unordered_set<Place>& places);
+  const Look* before(double time_s);
+  core::Pose2 slip(const Look& since, const core::Pose2& T_map_robot) const;
+  static bool isLookedThrough(const Look& look, const core::Pose2& slip, const core::Point2& p_map);
   void takeOutSmallThings(paths::FreeSpace& space) const;
 
+  obstacles::SectorOptions all_round_;
+  core::Pose2 T_start_told_;  ///< where the robot would be if it had done what it was told
+  std::deque<Look> looks_;    ///< of the last moments, the oldest first
+  int scans_with_newcomers_ = 0;
   std::unordered_set<Place> passed_;    ///< cells in or beside which somebody was
   std::unordered_set<Place> seen_now_;  ///< in or beside which the newest scan has a return
   std::vector<core::Point2> bodies_;
   bool are_small_things_suspected_ = false;
-  int scans_ = 0, scans_with_people_ = 0;
 };
 
 }  // namespace slam::navigate

@@ -2,80 +2,149 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/navigate/scenes.h"
+
 namespace slam::navigate {
 namespace {
 
-/// Free space of 6 x 4 m, walls around it.
-paths::FreeSpace hall() {
-  gridmap::OccupancyRaster map;
-  map.columns = 120, map.rows = 80, map.resolution_m = 0.05;
-  map.occupancy.assign(static_cast<size_t>(map.columns * map.rows), 0.0F);
-  for (int row = 0; row < map.rows; ++row)
-    for (int column = 0; column < map.columns; ++column)
-      if (row == 0 || column == 0 || row == map.rows - 1 || column == map.columns - 1)
-        map.occupancy[static_cast<size_t>(row * map.columns + column)] = 1.0F;
-  return paths::readFreeSpace(map);
+constexpr double kCell_m = 0.05, kPeriod_s = 0.2;
+
+/// A hall of 6 x 4 m, as it is and as a map shows it.
+world::Plan hall() {
+  return scenes::room(6, 4);
 }
 
-std::vector<core::Point2> legAt(const core::Point2& p) {
-  return {{p.x - 0.04, p.y}, {p.x, p.y - 0.03}, {p.x + 0.04, p.y}};
+/// With a leg of 0.1 m.
+world::Plan hallWithLegAt(const core::Point2& p) {
+  auto plan = hall();
+  scenes::fill(plan, p.x - 0.05, p.y - 0.05, p.x + 0.05, p.y + 0.05);
+  return plan;
 }
 
-void put(paths::FreeSpace& space, const std::vector<core::Point2>& points) {
-  for (const auto& p : points)
-    space.state[space.index(space.columnOf(p.x), space.rowOf(p.y))] = paths::kOccupiedCell;
+/// Passers, and a robot that is told to stand, or to drive, and does.
+struct Watch {
+  Passers passers;
+  double time_s = 0;
+  core::Pose2 T_world_robot = {1, 2, 0};
+
+  void see(const world::Plan& plan, const core::Pose2& T_world_map = {}) {
+    passers.see(scenes::scanIn(plan, T_world_robot, time_s), core::between(T_world_map, T_world_robot),
+                kCell_m);
+    time_s += kPeriod_s;
+  }
+  void drive(const robot::Command& command) {
+    passers.tell(command);
+    T_world_robot = T_world_robot * robot::driveMotion(command);
+  }
+  /// Somebody crosses before the robot and leaves.
+  void letSomebodyPass() {
+    for (int i = 0; i < 5; ++i) see(hall());
+    for (double y = 1; y < 3; y += 0.2) see(hallWithLegAt({3, y}));
+    for (int i = 0; i < 15; ++i) see(hall());
+  }
+};
+
+paths::FreeSpace mapOf(const world::Plan& plan) {
+  scenes::PerfectMap map(plan);
+  for (const core::Pose2& T : {core::Pose2{1, 2, 0}, {5, 2, 0}, {3, 0.3, 0}, {3, 3.7, 0}})
+    map.insert(T, scenes::scanIn(plan, T, 0));
+  return paths::readFreeSpace(map.raster());
 }
 
-bool isFree(const paths::FreeSpace& space, const core::Point2& p) {
-  return space.at(p) == paths::kFreeCell;
+size_t occupiedCells(const paths::FreeSpace& space) {
+  return static_cast<size_t>(std::count(space.state.begin(), space.state.end(), paths::kOccupiedCell));
 }
 
 TEST(Passers, AreTakenOutOfTheMapOnceTheyAreSeenNoMore) {
-  Passers passers;
-  const auto before = hall();
-  passers.see(legAt({3, 2}), before);
-  EXPECT_TRUE(passers.areAbout());
-  EXPECT_FALSE(passers.bodies().empty());
-  auto map = before;
-  put(map, legAt({3, 2}));
-  passers.takeOutOf(map);
-  EXPECT_FALSE(isFree(map, {3, 2})) << "still there";
-  passers.see({}, before);
-  EXPECT_TRUE(passers.bodies().empty());
-  passers.takeOutOf(map);
-  EXPECT_TRUE(isFree(map, {3, 2}));
-  EXPECT_FALSE(isFree(map, {0.01, 2})) << "a wall is no person";
-  for (int i = 0; i < 20; ++i) passers.see({}, before);
-  EXPECT_FALSE(passers.areAbout()) << "one scan of twenty may err";
+  const core::Point2 where{3, 2};
+  Watch watch;
+  for (int i = 0; i < 5; ++i) watch.see(hall());
+  EXPECT_FALSE(watch.passers.areAbout());
+  for (int i = 0; i < 4; ++i) watch.see(hallWithLegAt(where));
+  EXPECT_TRUE(watch.passers.areAbout());
+  EXPECT_FALSE(watch.passers.bodies().empty());
+  for (const auto& p : watch.passers.bodies()) EXPECT_LT(core::distance(p, where), 0.3);
+
+  auto map = mapOf(hallWithLegAt(where));
+  const auto walls = occupiedCells(mapOf(hall()));
+  ASSERT_GT(occupiedCells(map), walls);
+  watch.passers.takeOutOf(map);
+  EXPECT_GT(occupiedCells(map), walls) << "still there";
+  watch.see(hall());
+  EXPECT_TRUE(watch.passers.bodies().empty());
+  watch.passers.takeOutOf(map);
+  EXPECT_EQ(occupiedCells(map), walls);
 }
 
-TEST(Passers, AreNoWallsThatStandWhereTheyShouldNot) {
-  // The pose errs: a whole wall is seen amid free space, and a corner of one that goes on.
-  Passers passers;
-  std::vector<core::Point2> wall;
-  for (double y = 0.5; y < 3.5; y += 0.04) wall.push_back({5.5, y});
-  passers.see(wall, hall());
-  EXPECT_FALSE(passers.areAbout());
-  auto corner = legAt({5.6, 0.3});
-  for (double y = 0.3; y > 0.03; y -= 0.04) corner.push_back({5.6, y});
-  passers.see(corner, hall());
-  EXPECT_FALSE(passers.areAbout());
+TEST(Passers, WhoStandStillWhereTheyCameAreKeptClearOf) {
+  Watch watch;
+  for (int i = 0; i < 5; ++i) watch.see(hall());
+  for (int i = 0; i < 30; ++i) watch.see(hallWithLegAt({3, 2}));
+  EXPECT_FALSE(watch.passers.bodies().empty());
+}
+
+TEST(Passers, AreNothingThatComesInSightBehindACorner) {
+  auto plan = hall();
+  scenes::fill(plan, 2, 0, 2.1, 2.5);      // hides
+  scenes::fill(plan, 4, 1.4, 4.1, 1.5);    // a post
+  scenes::fill(plan, 3.2, 0.6, 3.3, 0.7);  // another
+  Watch watch;
+  watch.T_world_robot = {1, 1, core::kPi / 2};
+  for (int i = 0; i < 40; ++i) {
+    watch.see(plan);
+    watch.drive({0.3, 0, kPeriod_s});
+  }
+  EXPECT_FALSE(watch.passers.areAbout());
+}
+
+TEST(Passers, AreNoPostsThatAPoseMoves) {
+  auto plan = hall();
+  for (double x = 2; x < 6; x += 1) scenes::fill(plan, x, 1, x + 0.1, 1.1);
+  for (const bool slips : {true, false}) {
+    Watch watch;
+    for (int i = 0; i < 40; ++i)
+      watch.see(plan, i < 20 ? core::Pose2{} : slips ? core::Pose2{0, 0.5, 0} : core::Pose2{0, 0.05, 0});
+    EXPECT_FALSE(watch.passers.areAbout()) << slips;
+  }
+}
+
+TEST(Passers, AreNoLargerThanAPerson) {
+  // A door that swings into what was looked through.
+  auto door = hall();
+  scenes::fill(door, 3, 1, 3.1, 2);
+  Watch watch;
+  for (int i = 0; i < 5; ++i) watch.see(hall());
+  for (int i = 0; i < 10; ++i) watch.see(door);
+  EXPECT_FALSE(watch.passers.areAbout());
+}
+
+TEST(Passers, AreSeenByARobotThatDrives) {
+  Watch watch;
+  watch.T_world_robot = {0.5, 2, 0};
+  for (int i = 0; i < 20; ++i) {
+    watch.see(i < 8 ? hall() : hallWithLegAt({4, 3 - 0.2 * (i - 8)}));
+    watch.drive({0.3, 0.2, kPeriod_s});
+  }
+  EXPECT_TRUE(watch.passers.areAbout());
 }
 
 TEST(Passers, ThatNobodySawComeAreSuspectedAmongSmallThingsOnly) {
-  Passers passers;
-  auto map = hall();
-  put(map, legAt({2, 1}));
-  std::vector<core::Point2> cupboard;
-  for (double x = 4; x < 4.8; x += 0.05) cupboard.push_back({x, 3});
-  put(map, cupboard);
-  passers.suspectSmallThings();
-  passers.takeOutOf(map);
-  EXPECT_FALSE(isFree(map, {2, 1})) << "nobody is about";
-  passers.see(legAt({3, 2}), hall());
-  passers.takeOutOf(map);
-  EXPECT_TRUE(isFree(map, {2, 1}));
-  EXPECT_FALSE(isFree(map, {4.4, 3}));
+  auto plan = hallWithLegAt({2, 1});
+  scenes::fill(plan, 4, 3, 4.8, 3.1);  // a cupboard
+  const auto walls_and_cupboard = [] {
+    auto without = hall();
+    scenes::fill(without, 4, 3, 4.8, 3.1);
+    return occupiedCells(mapOf(without));
+  }();
+  auto map = mapOf(plan);
+  const auto all = occupiedCells(map);
+  Watch watch;
+  watch.passers.suspectSmallThings();
+  watch.passers.takeOutOf(map);
+  EXPECT_EQ(occupiedCells(map), all) << "nobody is about";
+  watch.letSomebodyPass();
+  watch.passers.takeOutOf(map);
+  EXPECT_EQ(occupiedCells(map), walls_and_cupboard);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "libslam/world/ray_caster.h"
+
 namespace slam::navigate::scenes {
 namespace {
 
@@ -74,6 +76,18 @@ void fill(Plan& plan, double x0, double y0, double x1, double y1, Cell cell) {
   for (int row = static_cast<int>(std::lround(low.y)); row < std::lround(high.y); ++row)
     for (int column = static_cast<int>(std::lround(low.x)); column < std::lround(high.x); ++column)
       plan.cells[index(plan, column, row)] = cell;
+}
+
+robot::Scan scanIn(const Plan& plan, const core::Pose2& T_world_robot, double time_s) {
+  robot::Scan scan;
+  scan.time_s = time_s;
+  scan.first_angle_rad = -core::kPi;
+  scan.step_rad = core::degToRad(0.5);
+  scan.max_range_m = 10;
+  for (size_t i = 0; i < 720; ++i)
+    scan.ranges_m.push_back(static_cast<float>(
+        world::castRay(plan, core::position(T_world_robot), T_world_robot.phi + scan.angle(i), 10)));
+  return scan;
 }
 
 Plan flat() {

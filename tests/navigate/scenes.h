@@ -20,6 +20,9 @@ world::Plan flat();
 /// A full circle of one-degree beams, 12 m, 1 cm noise.
 robot::LidarOptions circleLidar();
 
+/// What a lidar without errors sees: a full circle of half-degree beams, 10 m.
+robot::Scan scanIn(const world::Plan& plan, const core::Pose2& T_world_robot, double time_s);
+
 /// What perfect mapping makes of a drive: every cell that a ray has passed or hit, as it is in the plan.
 class PerfectMap {
  public:
