@@ -24,9 +24,6 @@ constexpr double kTarget_m = 3.0;
 constexpr double kLooked_m = 1.5;  // a look from as near as this should have shown what is behind a frontier
 constexpr int kMostLooks = 2;
 constexpr std::size_t kMostCellsForTwoPlans = 1500000;  // in one decision of less than 50 ms
-constexpr double kWait_s = 3;
-constexpr int kMostWaits = 20;
-constexpr double kNews_m2 = 0.1;  // less new area than this may be the map's noise
 
 /// Where the robot stands nothing else does, whatever the noisy map says.
 void clearBody(paths::FreeSpace& space, const core::Point2& p_map, double radius_m) {
@@ -107,7 +104,7 @@ void MapStrategy::judgeLook() {
                          space_->resolution_m * space_->resolution_m;
   for (const auto& p : target_)
     if (core::distance(p, *looked_from_) < kLooked_m)
-      looks_[placeOf(p)] += news_m2 < kNews_m2 ? kMostLooks : 1;
+      looks_[placeOf(p)] += news_m2 < kLeastNews_m2 ? kMostLooks : 1;
   looked_from_.reset();
 }
 
@@ -305,7 +302,8 @@ Decision MapStrategy::decide(const robot::Scan& scan, const core::Pose2& T_map_r
   judgeLook();
   known_before_ = space_->known;
   const paths::FreeSpace looking = withoutFalseFrontiers();
-  if (team_.empty()) return despitePeople(decideOn(looking, scan, T_map_robot), scan, T_map_robot);
+  is_making_way_ = false;
+  if (team_.empty()) return despitePeople(looking, scan, T_map_robot);
   paths::FreeSpace left = looking;
   closeTaken(left, team_, options_.unknown_path_m);
   const Decision mine = decideOn(left, scan, T_map_robot);
@@ -316,39 +314,23 @@ Decision MapStrategy::decide(const robot::Scan& scan, const core::Pose2& T_map_r
   return late.path.empty() ? late : comingAfter(std::move(late), T_map_robot);
 }
 
-/// Somebody may stand, or have stood, where the way goes on: before the robot ends it looks there again, and
-/// waits for a while.
-Decision MapStrategy::despitePeople(Decision decision, const robot::Scan& scan,
-                                    const core::Pose2& T_map_robot) {
-  if (!decision.finished || out_of_reach_ == 0 || !passers_.areAbout()) return decision;
-  if (!passers_.areSmallThingsSuspected()) {
-    passers_.suspectSmallThings();
-    passers_.takeOutOf(*space_);
-    decision = decideOn(withoutFalseFrontiers(), scan, T_map_robot);
-    if (!decision.finished) return decision;
-  }
-  if (space_->known >=
-      known_at_wait_ + static_cast<std::size_t>(kNews_m2 / (space_->resolution_m * space_->resolution_m)))
-    waits_ = 0;
-  known_at_wait_ = space_->known;
-  if (++waits_ > kMostWaits) return decision;
-  Decision waiting;
-  waiting.wait_s = kWait_s;
-  waiting.reason = "waits: somebody may stand in the way";
-  return waiting;
+/// The map to drive by; bare: by the disc alone.
+paths::FreeSpace MapStrategy::drivingSpace(bool bare, const core::Pose2& T_map_robot) const {
+  paths::FreeSpace driving = *space_;
+  paths::closeGaps(driving);
+  if (bare) clearBody(driving, core::position(T_map_robot), robot::circumscribedRadius(robot_));
+  return driving;
 }
 
 /// By what is to be looked at.
 Decision MapStrategy::decideOn(const paths::FreeSpace& looking, const robot::Scan& scan,
                                const core::Pose2& T_map_robot) {
   target_.clear();
-  paths::FreeSpace driving = *space_;
-  paths::closeGaps(driving);
   bool has_start = false;
   const bool only_bare = std::exchange(bare_next_, false);
   for (const bool bare : {false, true}) {
     if (only_bare && !bare) continue;
-    if (bare) clearBody(driving, core::position(T_map_robot), robot::circumscribedRadius(robot_));
+    const paths::FreeSpace driving = drivingSpace(bare, T_map_robot);
     const paths::PathPlanner planner = plan(driving, bare, T_map_robot);
     if (!planner.hasStart()) continue;
     has_start = true;
@@ -368,7 +350,8 @@ Decision MapStrategy::decideOn(const paths::FreeSpace& looking, const robot::Sca
 }
 
 void MapStrategy::tellOutcome(const Decision& decision, bool reached) {
-  if (decision.path.empty()) return;
+  if (decision.path.empty() || is_making_way_) return;
+  is_held_up_ = !reached;
   if (reached) {
     spent_.push_back(decision.goal);
     looked_from_ = decision.goal;
@@ -380,7 +363,8 @@ void MapStrategy::tellOutcome(const Decision& decision, bool reached) {
   if (known == failures_.end())
     failures_.push_back({decision.goal, decisions_ + kLeaveAlone});
   else
-    known->until = std::numeric_limits<int>::max();
+    // Whoever stood in the way may leave it.
+    known->until = passers_.areAbout() ? decisions_ + kLeaveAlone : std::numeric_limits<int>::max();
 }
 
 }  // namespace slam::navigate

@@ -93,16 +93,20 @@ class MapStrategy : public Strategy {
   const robot::RobotOptions& robot() const { return robot_; }
   /// The newest map. REQUIRES that seeMap() was called.
   const paths::FreeSpace& space() const { return *space_; }
+  /// The newest decision leads out of others' way, not to something to look at.
+  bool isMakingWay() const { return is_making_way_; }
   /// Looks at this frontier cell were for nothing.
   bool isGivenUp(std::size_t cell) const;
 
  private:
+  static constexpr double kLeastNews_m2 = 0.1;  ///< less new area than this may be the map's noise
   using Place = std::int64_t;  ///< a cell's place in the map frame, whatever the raster's extent
   Place placeOf(const core::Point2& p_map) const;
   Decision decideOn(const paths::FreeSpace& looking, const robot::Scan& scan, const core::Pose2& T_map_robot);
   void keepMine(std::vector<Viewpoint>& viewpoints) const;
   paths::FreeSpace withoutFalseFrontiers() const;
   void judgeLook();
+  paths::FreeSpace drivingSpace(bool bare, const core::Pose2& T_map_robot) const;
   paths::PathPlanner plan(const paths::FreeSpace& driving, bool bare, const core::Pose2& T_map_robot) const;
   std::optional<Decision> goOn(const paths::PathPlanner& planner, const paths::FreeSpace& looking,
                                const robot::Scan& scan, const core::Pose2& T_map_robot);
@@ -116,7 +120,10 @@ class MapStrategy : public Strategy {
                        const std::vector<Viewpoint>& viewpoints, const Choice& choice);
   bool isSpent(const core::Point2& p_map) const;
   Decision finishedDecision() const;
-  Decision despitePeople(Decision decision, const robot::Scan& scan, const core::Pose2& T_map_robot);
+  Decision despitePeople(const paths::FreeSpace& looking, const robot::Scan& scan,
+                         const core::Pose2& T_map_robot);
+  std::optional<Decision> wait(const core::Pose2& T_map_robot);
+  std::optional<Decision> makeWay(const core::Pose2& T_map_robot) const;
 
   StrategyOptions options_;
   robot::RobotOptions robot_;
@@ -134,7 +141,9 @@ class MapStrategy : public Strategy {
   std::size_t known_before_ = 0;             ///< cells of the map when the present goal was chosen
   int decisions_ = 0;
   Passers passers_;
-  int waits_ = 0;  ///< in a row without news
+  int waits_ = 0;            ///< in a row without news
+  bool is_held_up_ = false;  ///< on its way to the newest goal
+  bool is_making_way_ = false;
   std::size_t known_at_wait_ = 0;
   std::vector<Teammate> team_;
   bool bare_next_ = false;                        ///< the margin leaves nothing to do: plan for the bare disc

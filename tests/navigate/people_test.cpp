@@ -84,10 +84,21 @@ TEST(People, WhoStandInTheWayAreWaitedForAMinuteAndNotForEver) {
     Standing robot(name);
     robot.letSomebodyCome();
     double waited_s = 0;
+    int asides = 0;
     auto decision = robot.decide(robot.with);
     for (int i = 0; i < 100 && !decision.finished; ++i) {
-      ASSERT_GT(decision.wait_s, 0) << name << ": " << decision.reason;
-      EXPECT_THAT(decision.reason, testing::HasSubstr("somebody may stand in the way"));
+      if (!decision.path.empty()) {
+        // They may wait for the robot.
+        EXPECT_THAT(decision.reason, testing::HasSubstr("makes way"));
+        EXPECT_GT(core::distance(decision.goal, core::position(kRobot)), 0.9);
+        EXPECT_LT(decision.goal.x, 3);
+        EXPECT_TRUE(robot.strategy->isStillGood(decision, kRobot, 0));
+        robot.strategy->tellOutcome(decision, true);
+        ++asides;
+      } else {
+        ASSERT_GT(decision.wait_s, 0) << name << ": " << decision.reason;
+        EXPECT_THAT(decision.reason, testing::HasSubstr("somebody may stand in the way"));
+      }
       waited_s += decision.wait_s;
       robot.time_s += decision.wait_s;
       robot.see(robot.with);
@@ -96,6 +107,20 @@ TEST(People, WhoStandInTheWayAreWaitedForAMinuteAndNotForEver) {
     EXPECT_TRUE(decision.finished) << name;
     EXPECT_GE(waited_s, 30) << name;
     EXPECT_LE(waited_s, 90) << name;
+    EXPECT_GE(asides, 2) << name;
+  }
+}
+
+TEST(People, WhoHoldUpARobotOnItsWayAreWaitedFor) {
+  for (const auto& name : strategies()) {
+    Standing robot(name);
+    robot.letSomebodyCome();
+    robot.see(robot.without);
+    const auto decision = robot.decide(robot.without);
+    ASSERT_FALSE(decision.path.empty()) << name << ": " << decision.reason;
+    robot.strategy->tellOutcome(decision, false);
+    EXPECT_GT(robot.decide(robot.without).wait_s, 0) << name;
+    EXPECT_FALSE(robot.decide(robot.without).path.empty()) << name;
   }
 }
 
