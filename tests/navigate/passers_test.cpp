@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/navigate/scenes.h"
 
 namespace slam::navigate {

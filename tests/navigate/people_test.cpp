@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "libslam/navigate/driver.h"
 #include "libslam/navigate/map_strategy.h"
 #include "tests/navigate/scenes.h"
