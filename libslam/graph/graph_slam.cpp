@@ -18,6 +18,8 @@ using scanmatch::PatchPoint;
 /// An edge of odometry that was not to be trusted.
 constexpr double kDistrustedFactor = 5;
 constexpr int kPartnerStep = 3;
+/// A pass that says something of less of a scan holds it too weakly to measure how the passes lie.
+constexpr double kLeastTelling = 0.2;
 
 }  // namespace
 
@@ -185,8 +187,12 @@ std::optional<scanmatch::MatchResult> GraphSlam::matchToPass(int k, const std::v
   flat.mean = T_map_robot;
   flat.information.setIdentity();
   const auto matched = alignToSurfels(keyframe(k).points, pass_map_, T_map_robot, flat, matchOptions(10));
-  if (matched.score < options_.loop_confirm_score || !isFollowed(matched.T_map_robot, T_map_robot))
-    return std::nullopt;
+  if (!isFollowed(matched.T_map_robot, T_map_robot)) return std::nullopt;
+  if (matched.score >= options_.loop_confirm_score) return matched;
+  // Of what lies beyond the pass nothing can be explained.
+  const double telling =
+      std::min(toldBy(firstOf(pass, kAskedViewers), keyframe(k).points, matched.T_map_robot).telling, 1.0);
+  if (telling < kLeastTelling || matched.score < options_.loop_confirm_score * telling) return std::nullopt;
   return matched;
 }
 
