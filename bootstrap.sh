@@ -32,7 +32,7 @@ TEXT
 
 # What the code needs to build and test. `command -v`-like checks would miss headers, so dpkg is asked.
 packages=(
-  g++ cmake ninja-build pkg-config
+  g++ cmake make ninja-build pkg-config
   libmrpt-dev mrpt-apps mrpt-common
   libopencv-dev libeigen3-dev libboost-dev libcli11-dev nlohmann-json3-dev libssl-dev zlib1g-dev libbz2-dev liblzma-dev
   liblz4-dev libzstd-dev libsqlite3-dev libyaml-cpp-dev libcairo2-dev fonts-liberation

@@ -193,7 +193,8 @@ std::string Canvas::toPdf() const {
     const Surface surface(
         cairo_pdf_surface_create_for_stream(append, &bytes, width_ * scale, height_ * scale));
     check(cairo_surface_status(surface.get()));
-    // The clock must not show in the bytes.
+    // What every reader knows, and no objects packed away; and the clock must not show in the bytes.
+    cairo_pdf_surface_restrict_to_version(surface.get(), CAIRO_PDF_VERSION_1_4);
     cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
     draw(*this, surface.get(), scale);
     cairo_surface_finish(surface.get());

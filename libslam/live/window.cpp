@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <optional>
 
@@ -342,6 +343,10 @@ std::vector<viewer::KeyHelp> keysOf(Hands hands) {
 
 void requireDisplay() {
   glfwSetErrorCallback([](int, const char*) {});  // the exception says it
+#ifdef GLFW_PLATFORM
+  // Where no Wayland is said to be, its library would only complain to the terminal.
+  if (std::getenv("WAYLAND_DISPLAY") == nullptr) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
   if (glfwInit() != GLFW_TRUE)
     throw core::IoError(
         "no window can be opened: there is no display (is DISPLAY set?); --screenshot needs none");
