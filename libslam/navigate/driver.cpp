@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <utility>
 
 #include "libslam/core/error.h"
 #include "libslam/goals/goal_navigator.h"
 #include "libslam/goals/look_first.h"
+#include "libslam/navigate/bumps.h"
+#include "libslam/navigate/escape.h"
 #include "libslam/navigate/strategy.h"
 #include "libslam/paths/free_ways.h"
 #include "libslam/paths/obstacle_memory.h"
@@ -19,11 +20,9 @@
 namespace slam::navigate {
 namespace {
 
-constexpr double kNewPlace_m = 0.5;  // nearer to the last place it counts as being stuck
-constexpr double kShortestEscape_m = 0.2;
+constexpr double kNewPlace_m = 0.5;         // nearer to the last place it counts as being stuck
 constexpr double kShortestDrive_m = 0.01;   // less than this is not worth a period
 constexpr double kSmallestTurn_rad = 1e-3;  // below what any odometry notices
-constexpr double kEscapeStep_rad = core::kPi / 36;
 constexpr int kTransitionsPerPeriod = 8;
 
 constexpr double kRayPatience = 4;  // times the straight drive, for the ways round what is in the way
@@ -59,6 +58,7 @@ struct Driver::State {
   double waited_s = 0;        ///< of the decision at hand
 
   std::unique_ptr<paths::ObstacleMemory> memory = nullptr;
+  Bumps bumps = {};
   std::vector<core::Point2> remembered = {};  ///< robot frame
   std::optional<goals::LookFirst> look_first = std::nullopt;
   std::unique_ptr<goals::GoalNavigator> navigator = nullptr;
@@ -68,7 +68,6 @@ struct Driver::State {
 
   std::optional<robot::Command> advance(const robot::Scan& scan, const core::Pose2& T_map_robot);
   void decide(const robot::Scan& scan, const core::Pose2& T_map_robot);
-  Decision escape(const robot::Scan& scan);
   std::optional<robot::Command> turn(const core::Pose2& T_map_robot);
   std::optional<robot::Command> drive(const robot::Scan& scan, const core::Pose2& T_map_robot);
   std::optional<robot::Command> back(const robot::Scan& scan, const core::Pose2& T_map_robot);
@@ -148,7 +147,9 @@ void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_map_rob
     return;
   }
   escaping = failures >= options.patience;
-  decision = escaping ? escape(scan) : strategy->decide(scan, T_map_robot);
+  decision = escaping ? escapeFrom(
+                            scan, [&](double angle_rad) { return reach(scan, angle_rad); }, random)
+                      : strategy->decide(scan, T_map_robot);
   if (decision.wait_s > 0) {
     waited_s = failures = barren = 0;
     phase = Phase::kWaiting;
@@ -174,7 +175,9 @@ void Driver::State::sense(const robot::Scan& scan, const core::Pose2& T_map_robo
   memory->update(scan, T_map_robot);
   remembered = memory->points();
   const core::Pose2 T_robot_map = core::inverse(T_map_robot);
-  for (const auto& p_map : strategy->people()) remembered.push_back(T_robot_map * p_map);
+  bumps.pass(period_s);
+  for (const auto* unseen : {&strategy->people(), &bumps.places()})
+    for (const auto& p_map : *unseen) remembered.push_back(T_robot_map * p_map);
   if (look_first) {
     look_first->update(scan, T_map_robot);
     for (const auto& p_robot : look_first->hidden()) remembered.push_back(p_robot);
@@ -217,36 +220,6 @@ std::optional<robot::Command> Driver::State::navigate(const robot::Scan& scan,
   endDrive(T_map_robot);
   if (!moved) phase = Phase::kBacking;
   return std::nullopt;
-}
-
-Decision Driver::State::escape(const robot::Scan& scan) {
-  struct Way {
-    double angle_rad, reach_m;
-  };
-  std::vector<Way> ways;
-  double last_rad = -core::kPi;
-  for (const auto& beam : paths::seenBeams(scan)) {
-    if (beam.angle_rad - last_rad < kEscapeStep_rad) continue;
-    last_rad = beam.angle_rad;
-    const double reach_m = std::min(beam.range_m, reach(scan, beam.angle_rad));
-    if (reach_m >= kShortestEscape_m) ways.push_back({beam.angle_rad, reach_m});
-  }
-  Decision chosen;
-  char reason[80];
-  if (ways.empty()) {
-    // Nothing that is seen is free: look elsewhere, at least a quarter turn away.
-    chosen.turn_rad = (random.chance(0.5) ? 1 : -1) * random.uniform(core::kPi / 2, core::kPi);
-    std::snprintf(reason, sizeof reason, "stuck: look around by %.0f deg", core::radToDeg(chosen.turn_rad));
-  } else {
-    const Way& way = ways[random.below(ways.size())];
-    chosen.turn_rad = core::wrapToPi(way.angle_rad);
-    chosen.distance_m = std::max(kShortestEscape_m, way.reach_m * random.uniform(0.5, 1.0));
-    chosen.score = way.reach_m;
-    std::snprintf(reason, sizeof reason, "stuck: random free direction at %.0f deg",
-                  core::radToDeg(chosen.turn_rad));
-  }
-  chosen.reason = reason;
-  return chosen;
 }
 
 std::optional<robot::Command> Driver::State::turn(const core::Pose2& T_map_robot) {
@@ -340,9 +313,11 @@ robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_map_ro
   // A navigator feels for itself what was hit.
   if (collided && state.phase != Phase::kNavigating) {
     // What was hit is not in the scans: leave on the side that was just driven.
+    const double radius_m = robot::circumscribedRadius(state.robot);
     ++state.failures;
     state.T_map_begin = T_map_robot;
     const bool ahead = state.phase == Phase::kDriving || state.phase == Phase::kFollowing;
+    state.bumps.feel(T_map_robot * core::Point2{ahead ? radius_m : -radius_m, 0});
     if (state.phase == Phase::kFollowing) state.strategy->tellOutcome(state.decision, false);
     state.phase = ahead ? Phase::kBacking : Phase::kDeciding;
   }

@@ -140,13 +140,30 @@ class PathPastSomebody : public Strategy {
   bool needsMap() const override { return true; }
   bool drivesByDisc() const override { return true; }
   bool isStillGood(const Decision&, const core::Pose2&, size_t) override { return true; }
-  void tellOutcome(const Decision&, bool) override { has_ended_ = true; }
+  void tellOutcome(const Decision&, bool reached) override { has_ended_ = reached; }
   const std::vector<core::Point2>& people() const override { return people_; }
 
  private:
   std::vector<core::Point2> people_;
   bool has_ended_ = false;
 };
+
+/// How often a robot that goes on hits somebody in a passage of whom its lidar sees nothing.
+int hitsIn(double limit_s, const core::Point2& hidden) {
+  const auto plan = twoRooms();
+  const double contact_m = robot::circumscribedRadius({}) + 0.1;
+  Driver driver(std::make_unique<PathPastSomebody>(std::vector<core::Point2>{}), {}, {}, 0.2, {1, "driver"});
+  core::Pose2 T = kRobot;
+  int hits = 0;
+  bool collided = false;
+  for (double time_s = 0; time_s < limit_s && !driver.finished(); time_s += 0.2) {
+    const auto next = T * robot::driveMotion(driver.next(scenes::scanIn(plan, T, time_s), T, collided));
+    collided = core::distance(core::position(next), hidden) < contact_m;
+    hits += collided;
+    if (!collided) T = next;
+  }
+  return hits;
+}
 
 /// The least distance from p on the way.
 double closestTo(const core::Point2& p, std::vector<core::Point2> people) {
@@ -161,6 +178,11 @@ double closestTo(const core::Point2& p, std::vector<core::Point2> people) {
   EXPECT_TRUE(driver.finished());
   EXPECT_NEAR(T.x, 5, 0.3);
   return closest_m;
+}
+
+TEST(People, WhoWereHitAreRememberedForAWhile) {
+  EXPECT_GE(hitsIn(60, {3.6, 2}), 1);
+  EXPECT_LE(hitsIn(60, {3.6, 2}), 3);
 }
 
 TEST(People, AreGivenAWideBerthByTheDriver) {
