@@ -25,7 +25,8 @@ void drive(ExploringRobot& robot, const ExploreConfig& config, core::Progress& p
     progress.update(duration_s > 0 ? elapsed_s / duration_s : 1, elapsed_s);
     robot.locate();
     if (elapsed_s + robot.period_s() / 2 >= duration_s) return robot.end(ExplorationEnd::kDuration);
-    if (const auto verdict = referee.judge(elapsed_s, robot.coverage().area_m2(), robot.truth()))
+    if (const auto verdict = referee.judge(elapsed_s, robot.coverage().area_m2(), robot.truth(),
+                                           robot.driver().currentDecision().wait_s > 0))
       return robot.end(*verdict);
     const robot::Command command = robot.decide();
     if (observer) robot.show(*observer);

@@ -12,16 +12,20 @@ constexpr double kNewPlace_m = 1.0;
 }  // namespace
 
 std::optional<ExplorationEnd> Referee::judge(double time_s, double explored_m2,
-                                             const core::Pose2& T_world_robot) {
+                                             const core::Pose2& T_world_robot, bool waits) {
+  if (waits) waited_s_ += time_s - judged_at_s_;
+  judged_at_s_ = time_s;
   if (!place_ || core::distance(*place_, T_world_robot) >= kNewPlace_m) {
     place_ = T_world_robot;
     placed_at_s_ = time_s;
+    waited_s_ = 0;
   }
   if (explored_m2 - explored_m2_ >= kNewArea_m2) {
     explored_m2_ = explored_m2;
     explored_at_s_ = time_s;
+    waited_s_ = 0;
   }
-  if (options_.stuck_s > 0 && time_s - std::max(placed_at_s_, explored_at_s_) >= options_.stuck_s)
+  if (options_.stuck_s > 0 && time_s - std::max(placed_at_s_, explored_at_s_) - waited_s_ >= options_.stuck_s)
     return ExplorationEnd::kStuck;
   if (!returning_ && options_.give_up_s > 0 && time_s - explored_at_s_ >= options_.give_up_s)
     return ExplorationEnd::kGaveUp;

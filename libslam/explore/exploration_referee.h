@@ -10,7 +10,9 @@ namespace slam::explore {
 class Referee {
  public:
   explicit Referee(const ExplorationOptions& options) : options_(options) {}
-  std::optional<ExplorationEnd> judge(double time_s, double explored_m2, const core::Pose2& T_world_robot);
+  /// `waits`: the strategy has said that it waits for somebody, and does not count as stuck meanwhile.
+  std::optional<ExplorationEnd> judge(double time_s, double explored_m2, const core::Pose2& T_world_robot,
+                                      bool waits = false);
   /// From now on new area is not asked for.
   void watchReturn() { returning_ = true; }
 
@@ -19,6 +21,7 @@ class Referee {
   bool returning_ = false;
   std::optional<core::Pose2> place_;
   double placed_at_s_ = 0, explored_at_s_ = 0, explored_m2_ = 0;
+  double judged_at_s_ = 0, waited_s_ = 0;  ///< since there was anything new
 };
 
 /// Counts episodes of coming too near to a wall.

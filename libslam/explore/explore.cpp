@@ -154,7 +154,8 @@ const core::ParameterTable<ExplorationOptions>& ExplorationOptions::table() {
   static const core::ParameterTable<O> rows(
       "exploration",
       {{"stuck_s", &O::stuck_s, 60.0, 0.0, 1e7,
-        "end after so long without new area and without a new place 1 m away; 0 = never"},
+        "end after so long without new area and without a new place 1 m away, waits for people apart; 0 = "
+        "never"},
        {"give_up_s", &O::give_up_s, 300.0, 0.0, 1e7,
         "end after so long without 0.1 m2 of new area; 0 = never"},
        {"return_to_start", &O::return_to_start, false, "after finishing drive back to the start"}});

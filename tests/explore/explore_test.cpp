@@ -1,4 +1,5 @@
 #include "libslam/explore/explore.h"
+#include "libslam/explore/exploration_referee.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -256,6 +257,19 @@ TEST(Explore, TheRefereeEndsARunThatShowsNothingNew) {
       folder, twoRooms(), {quickConfig("random_heading", 2000, {"exploration.give_up_s=30"})}, "truth"));
   EXPECT_EQ(result.runs[0].end, ExplorationEnd::kGaveUp);
   EXPECT_LT(result.runs[0].figures.time_s, 600);
+}
+
+TEST(Explore, TheRefereeLetsAStrategyWait) {
+  ExplorationOptions options;
+  options.stuck_s = 60;
+  const auto endOf = [&](double waited_s) {
+    Referee referee(options);
+    for (double time_s = 0; time_s < 500; time_s += 0.2)
+      if (referee.judge(time_s, 1, {}, time_s > 10 && time_s <= 10 + waited_s)) return time_s;
+    return 500.0;
+  };
+  EXPECT_NEAR(endOf(0), 60, 0.5);
+  EXPECT_NEAR(endOf(100), 160, 0.5);
 }
 
 TEST(Explore, AStartThatIsCutOffAndAnOpenPlanAreSaid) {
