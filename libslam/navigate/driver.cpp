@@ -322,7 +322,7 @@ robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_map_ro
     state.phase = ahead ? Phase::kBacking : Phase::kDeciding;
   }
   if (state.look_first && !finished())
-    if (const auto turn = state.look_first->looking()) return *turn;
+    if (const auto turn = state.look_first->looking()) return state.told = *turn;
   robot::Command command = state.stand();
   for (int i = 0; i < kTransitionsPerPeriod && !finished(); ++i)
     if (const auto found = state.advance(scan, T_map_robot)) {

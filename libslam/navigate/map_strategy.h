@@ -50,7 +50,9 @@ struct Scene {
 /// In a team (seeTeam()) it chooses among what no other robot aims at and, of that, where it is best placed
 /// (see team_share.h); when others aim at all that is left it comes after them, and waits while they are at
 /// the last of it.
-/// Who passes is no wall, see Passers: before it ends the robot looks again where somebody may have stood.
+/// Who passes is no wall, see Passers: before it ends the robot looks again where somebody may have stood. It
+/// waits where somebody holds it up, for a minute without news at most, and now and then makes way meanwhile
+/// to where there is room, for people wait for a robot, too.
 /// Finished when then no viewpoint is left for any frontier of frontier_min_m (or none that `choose` thinks
 /// worth the way); the reason says how many frontiers remain out of reach and how many were given up.
 class MapStrategy : public Strategy {

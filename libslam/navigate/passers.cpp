@@ -118,10 +118,7 @@ void Passers::see(const robot::Scan& scan, const core::Pose2& T_map_robot, doubl
   auto points = robot::scanPoints(scan);
   seen_now_.clear();
   bodies_.clear();
-  for (auto& p : points) {
-    p = T_map_robot * p;
-    mark(p, cell_m, seen_now_);
-  }
+  for (auto& p : points) p = T_map_robot * p;
   bool has_anybody_come = false;
   for (size_t first = 0, count = 0; first < points.size(); first += count) {
     count = runLength(points, first);
@@ -142,7 +139,10 @@ void Passers::see(const robot::Scan& scan, const core::Pose2& T_map_robot, doubl
     }
   }
   scans_with_newcomers_ += has_anybody_come;
-  if (!areAbout()) bodies_.clear();
+  if (areAbout())
+    for (const auto& p : points) mark(p, cell_m, seen_now_);
+  else
+    bodies_.clear();
   looks_.push_back(
       {scan.time_s, T_map_robot, T_start_told_, scan.T_robot_lidar, obstacles::LidarView(scan, all_round_)});
 }

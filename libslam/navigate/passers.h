@@ -16,9 +16,10 @@ namespace slam::navigate {
 ///
 /// Somebody has come where a scan shows something no larger than a person, apart from all else, and a scan of
 /// a moment before had looked through that place. Two scans tell that, whatever the map's errors have grown
-/// to; where the pose has moved otherwise than the robot was told to, they tell nothing. Who has come, and is
-/// not seen any more, is taken to have gone; once that leaves nothing to do, so is whatever is no larger than
-/// a person. While nobody has come nothing is taken out of any map.
+/// to. By as much as the pose has moved otherwise in between than the robot was told to, so much of what lies
+/// beside the place must have been looked through, too. Who has come, and is not seen any more, is taken to
+/// have gone; once that leaves nothing to do, so is whatever is no larger than a person. While nobody has
+/// come nothing is taken out of any map.
 class Passers {
  public:
   Passers();
