@@ -341,13 +341,15 @@ std::vector<viewer::KeyHelp> keysOf(Hands hands) {
   return keys;
 }
 
+bool isSet(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && *value != 0;
+}
+
 void requireDisplay() {
   glfwSetErrorCallback([](int, const char*) {});  // the exception says it
-#ifdef GLFW_PLATFORM
-  // Where no Wayland is said to be, its library would only complain to the terminal.
-  if (std::getenv("WAYLAND_DISPLAY") == nullptr) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
-#endif
-  if (glfwInit() != GLFW_TRUE)
+  // Asked first: a Wayland library that finds nothing complains to the terminal.
+  if ((!isSet("DISPLAY") && !isSet("WAYLAND_DISPLAY")) || glfwInit() != GLFW_TRUE)
     throw core::IoError(
         "no window can be opened: there is no display (is DISPLAY set?); --screenshot needs none");
 }
