@@ -12,7 +12,11 @@ make_tree() {
   local mirror
   mirror=$(apt-get indextargets --format '$(REPO_URI)' | grep -v security | head -n 1)
   debootstrap --variant=minbase --include=ca-certificates,git "$1" "$tree" "$mirror"
-  cp -r /etc/apt/apt.conf.d/. "$tree/etc/apt/apt.conf.d/"
+  # How this system reaches the net; not what its packages have put there.
+  local file
+  for file in /etc/apt/apt.conf.d/*; do
+    dpkg -S "$file" >/dev/null 2>&1 || cp "$file" "$tree/etc/apt/apt.conf.d/"
+  done
   cp /etc/resolv.conf /etc/hosts "$tree/etc/"
   mount --bind /proc "$tree/proc"
   mount --bind /dev "$tree/dev"
