@@ -84,11 +84,11 @@ def standard_line(name, what, mine, costs, with_cost=True):
 
 
 def standard():
-    standard_runs, original_runs = rows("standard.csv.xz"), rows("original.csv.xz")
-    costs = {row["run"]: row for row in rows("standard_cost.csv.xz") + rows("original_cost.csv.xz")}
+    standard_runs = rows("standard.csv.xz")
+    costs = {row["run"]: row for row in rows("standard_cost.csv.xz")}
 
     def runs(method, with_original_lidar):
-        return [run for run in (original_runs if with_original_lidar else standard_runs)
+        return [run for run in standard_runs
                 if run["method"] == method and (run["lidar"] == ORIGINAL_LIDAR) == with_original_lidar]
 
     lines = [standard_line(f"`naive`, `{ORIGINAL_LIDAR}`", "the original robot with its own lidar", runs("naive", True), costs)]
