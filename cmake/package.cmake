@@ -41,7 +41,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME librasterslam-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "librasterslam${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}), libeigen3-dev")
 # Each component wants its own of these; find_package says which is missing.
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "rasterslam (= ${PROJECT_VERSION}), libmrpt-dev, libopencv-dev, libssl-dev, libyaml-cpp-dev, zlib1g-dev, libbz2-dev, liblzma-dev, liblz4-dev, libzstd-dev, libsqlite3-dev, libcairo2-dev, pkg-config")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS "rasterslam (= ${PROJECT_VERSION}), libmrpt-dev, libopencv-dev, libssl-dev, libyaml-cpp-dev, zlib1g-dev, libbz2-dev, liblzma-dev, liblz4-dev, libzstd-dev, libsqlite3-dev, libcairo2-dev, pkgconf")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "2D-lidar SLAM: headers and libraries\n${about}\n These are its rooms as C++ libraries.")
 set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_NAME rasterslam-doc)
 set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_SECTION doc)
