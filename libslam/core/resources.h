@@ -17,9 +17,8 @@ std::string mrptDatasetsFolder();
 /// Names (without suffix) of the files in a folder that end with `suffix`, sorted.
 std::vector<std::string> namesInFolder(const std::string& folder, const std::string& suffix);
 
-/// A plan by path, or by name among the worlds that come with the program ("flat"); a folder of that name
-/// is no plan.
-/// A name that is neither is an InputError with the nearest known one.
+/// A plan by path, or by name among the worlds that come with the program ("flat"), also beside a folder that
+/// is called so. A name that is neither is an InputError with the nearest known one.
 std::string resolvePlan(const std::string& path_or_name);
 
 /// True when the file is a plan by its suffix (yaml, yml, bmp, png, pgm, jpg, jpeg) or the name of a world.

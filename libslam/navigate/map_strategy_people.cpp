@@ -21,8 +21,8 @@ constexpr double kAside_m = 1, kRoom_m = 1, kPrice = 0.05;
 /// waits for a while; it waits, too, where it was held up.
 Decision MapStrategy::despitePeople(const paths::FreeSpace& looking, const robot::Scan& scan,
                                     const core::Pose2& T_map_robot) {
-  const bool are_about = passers_.areAbout();
-  if (are_about && std::exchange(is_held_up_, false))
+  const bool are_about = passers_.areAbout(), was_held_up = std::exchange(is_held_up_, false);
+  if (are_about && was_held_up)
     if (auto waiting = wait(T_map_robot)) return *std::move(waiting);
   Decision decision = decideOn(looking, scan, T_map_robot);
   if (!are_about || !decision.finished || out_of_reach_ == 0) return decision;

@@ -78,7 +78,7 @@ Passers::Place Passers::placeOf(const Point2& p_map, double cell_m) {
   return at(p_map.y) * (Place{1} << 32) + at(p_map.x);
 }
 
-/// The newest look that lies a moment back, and how the pose has slipped since; null where there is none.
+/// The newest look that lies a moment back; null where there is none.
 const Passers::Look* Passers::before(double time_s) {
   if (!looks_.empty() && !(time_s > looks_.back().time_s)) looks_.clear();
   while (!looks_.empty() && time_s - looks_.front().time_s > kLongest_s) looks_.pop_front();

@@ -54,8 +54,8 @@ class Strategy {
   virtual bool needsMap() const { return false; }
   /// The newest map; the reference is not kept.
   virtual void seeMap(const gridmap::OccupancyRaster& /*map*/) {}
-  /// What the robot was told to do since the scan before; before seeScan(). Where something else kept it from
-  /// that, nobody says so.
+  /// What the robot was told to do since the scan before; before seeScan(). It may have done less: a
+  /// collision ends a command early.
   virtual void seeCommand(const robot::Command& /*command*/) {}
   /// Every scan and where it was taken, also between the decisions; before decide() sees the same one.
   virtual void seeScan(const robot::Scan& /*scan*/, const core::Pose2& /*T_map_robot*/) {}

@@ -70,7 +70,7 @@ TEST(People, InTheWayAreAWallWhileNobodyWasSeenToCome) {
   }
 }
 
-TEST(People, WhoHaveLeftAreDrivenThrough) {
+TEST(People, WhoHaveLeftAreDrivenThroughAndWhoHoldTheRobotUpAreWaitedFor) {
   for (const auto& name : strategies()) {
     Standing robot(name);
     robot.letSomebodyCome();
@@ -78,6 +78,9 @@ TEST(People, WhoHaveLeftAreDrivenThrough) {
     const auto decision = robot.decide(robot.without);
     ASSERT_FALSE(decision.path.empty()) << name << ": " << decision.reason;
     EXPECT_GT(decision.goal.x, 3) << name;
+    robot.strategy->tellOutcome(decision, false);
+    EXPECT_GT(robot.decide(robot.without).wait_s, 0) << name;
+    EXPECT_FALSE(robot.decide(robot.without).path.empty()) << name;
   }
 }
 
@@ -110,19 +113,6 @@ TEST(People, WhoStandInTheWayAreWaitedForAMinuteAndNotForEver) {
     EXPECT_GE(waited_s, 30) << name;
     EXPECT_LE(waited_s, 90) << name;
     EXPECT_GE(asides, 2) << name;
-  }
-}
-
-TEST(People, WhoHoldUpARobotOnItsWayAreWaitedFor) {
-  for (const auto& name : strategies()) {
-    Standing robot(name);
-    robot.letSomebodyCome();
-    robot.see(robot.without);
-    const auto decision = robot.decide(robot.without);
-    ASSERT_FALSE(decision.path.empty()) << name << ": " << decision.reason;
-    robot.strategy->tellOutcome(decision, false);
-    EXPECT_GT(robot.decide(robot.without).wait_s, 0) << name;
-    EXPECT_FALSE(robot.decide(robot.without).path.empty()) << name;
   }
 }
 
