@@ -1,6 +1,7 @@
 #include "libslam/posegraph/descent.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace slam::posegraph {
@@ -15,58 +16,107 @@ constexpr double kLeastShare = 0.1;
 /// chi2 may rise by so much of itself through rounding.
 constexpr double kRounding = 1e-12;
 
-std::vector<core::Pose2> moved(const PoseGraph& graph, const GraphSystem& system,
-                               const std::vector<core::Pose2>& poses,
-                               const std::vector<Eigen::Vector3d>& step, double share) {
-  std::vector<core::Pose2> out = poses;
-  for (int node = 0; node < graph.nodeCount(); ++node) {
-    const int variable = system.variableOf(node);
+}  // namespace
+
+Descent::Descent(const PoseGraph& graph, GraphSystem& system, std::vector<core::Pose2> poses,
+                 std::vector<double> weights, double tolerance, int max_iterations)
+    : graph_(graph),
+      system_(system),
+      poses_(std::move(poses)),
+      weights_(std::move(weights)),
+      tolerance_(tolerance),
+      max_iterations_(max_iterations) {
+  linearise(Doing::kStart);
+}
+
+std::vector<core::Pose2> Descent::moved(double share) const {
+  std::vector<core::Pose2> out = poses_;
+  for (int node = 0; node < graph_.nodeCount(); ++node) {
+    const int variable = system_.variableOf(node);
     if (variable < 0) continue;
-    const Eigen::Vector3d d = share * step[static_cast<size_t>(variable)];
+    const Eigen::Vector3d d = share * step_[static_cast<size_t>(variable)];
     core::Pose2& pose = out[static_cast<size_t>(node)];
     pose = {pose.x + d[0], pose.y + d[1], core::wrapToPi(pose.phi + d[2])};
   }
   return out;
 }
 
-}  // namespace
+void Descent::linearise(Doing doing) {
+  doing_ = doing;
+  system_.beginLinearise();
+}
 
-Descent descend(const PoseGraph& graph, GraphSystem& system, std::vector<core::Pose2> poses,
-                const std::vector<double>& weights, double tolerance, int max_iterations) {
-  Descent out;
-  out.poses = std::move(poses);
-  out.chi2 = system.linearise(graph, out.poses, weights);
-  double damping = 0;
-  std::vector<Eigen::Vector3d> step;
-  while (out.iterations < max_iterations && !out.converged && damping < kMostDamping) {
-    double predicted = 0;
-    ++out.iterations;
-    if (!system.step(damping, step, predicted)) {
-      damping = std::max(kFirstDamping, kDampingUp * damping);
+void Descent::iterate() {
+  if (iterations_ >= max_iterations_ || converged_ || !(damping_ < kMostDamping)) {
+    doing_ = Doing::kNothing;
+    return;
+  }
+  ++iterations_;
+  system_.beginFactorization(damping_);
+  doing_ = Doing::kFactorise;
+}
+
+void Descent::raiseDamping() {
+  damping_ = std::max(kFirstDamping, kDampingUp * damping_);
+}
+
+/// With the factor.
+void Descent::takeStep() {
+  double predicted = 0;
+  system_.solve(step_, predicted);
+  // The undamped step's fall of chi2 is its length in standard deviations, squared, and bounds that of every
+  // pose.
+  is_last_ = damping_ == 0 && predicted <= tolerance_ * tolerance_;
+  share_ = 1;
+  next_ = moved(share_);
+  linearise(Doing::kTry);
+}
+
+/// With the equations at next_.
+void Descent::judgeStep() {
+  const double next_chi2 = system_.weightedChi2();
+  if (!is_last_ && next_chi2 > chi2_ && share_ / 2 >= kLeastShare) {
+    share_ /= 2;
+    next_ = moved(share_);
+    linearise(Doing::kTry);
+    return;
+  }
+  if (next_chi2 <= chi2_ * (1 + kRounding)) {
+    poses_.swap(next_);
+    chi2_ = next_chi2;
+    converged_ = is_last_;
+    damping_ = damping_ <= kLeastDamping ? 0 : kDampingDown * damping_;
+  } else if (is_last_) {
+    converged_ = true;  // what is left to gain is below rounding
+  } else {
+    raiseDamping();
+    linearise(Doing::kBack);
+    return;
+  }
+  iterate();
+}
+
+bool Descent::advance(double work) {
+  while (work > 0 && doing_ != Doing::kNothing) {
+    if (doing_ == Doing::kFactorise) {
+      const auto progress = system_.advanceFactorization(work);
+      if (progress == sparse::BlockCholesky::Progress::kDone) takeStep();
+      if (progress == sparse::BlockCholesky::Progress::kFailed) raiseDamping(), iterate();
       continue;
     }
-    // The undamped step's fall of chi2 is its length in standard deviations, squared, and bounds that of
-    // every pose.
-    const bool is_last = damping == 0 && predicted <= tolerance * tolerance;
-    auto next = moved(graph, system, out.poses, step, 1);
-    double next_chi2 = system.linearise(graph, next, weights);
-    for (double share = 0.5; !is_last && next_chi2 > out.chi2 && share >= kLeastShare; share /= 2) {
-      next = moved(graph, system, out.poses, step, share);
-      next_chi2 = system.linearise(graph, next, weights);
-    }
-    if (next_chi2 <= out.chi2 * (1 + kRounding)) {
-      out.poses = std::move(next);
-      out.chi2 = next_chi2;
-      out.converged = is_last;
-      damping = damping <= kLeastDamping ? 0 : kDampingDown * damping;
-    } else if (is_last) {
-      out.converged = true;  // what is left to gain is below rounding
-    } else {
-      damping = std::max(kFirstDamping, kDampingUp * damping);
-      system.linearise(graph, out.poses, weights);
-    }
+    const bool tries = doing_ == Doing::kTry;
+    if (!system_.lineariseMore(graph_, tries ? next_ : poses_, weights_, work)) continue;
+    if (doing_ == Doing::kStart) chi2_ = system_.weightedChi2();
+    if (tries)
+      judgeStep();
+    else
+      iterate();
   }
-  return out;
+  return doing_ == Doing::kNothing;
+}
+
+void Descent::finish() {
+  advance(std::numeric_limits<double>::infinity());
 }
 
 }  // namespace slam::posegraph

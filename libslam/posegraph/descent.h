@@ -6,18 +6,46 @@
 
 namespace slam::posegraph {
 
-/// Where a descent ended.
-struct Descent {
-  std::vector<core::Pose2> poses;
-  double chi2 = 0;
-  int iterations = 0;  ///< factorisations
-  bool converged = false;
-};
+/// Weighted least squares: Gauss-Newton, with steps shortened and then damped (Levenberg) while they would go
+/// up. A step adds to x, y and phi in the map's frame. In pieces, so that nobody has to wait for all of it.
+///
+/// REQUIRES that the graph and the system live as long, and that the graph does not change meanwhile.
+/// Deterministic: the same bytes, whatever the pieces.
+class Descent {
+ public:
+  /// From `poses`; edge i counts `weights[i]` times. `tolerance` as in OptimizeOptions.
+  Descent(const PoseGraph& graph, GraphSystem& system, std::vector<core::Pose2> poses,
+          std::vector<double> weights, double tolerance, int max_iterations);
+  /// One piece; true when all is done. `work` as in sparse::BlockCholesky::advance().
+  bool advance(double work);
+  /// All that is left.
+  void finish();
 
-/// Weighted least squares from `poses`: Gauss-Newton, with steps shortened and then damped (Levenberg) while
-/// they would go up. A step adds to x, y
-/// and phi in the map's frame. `tolerance` as in OptimizeOptions.
-Descent descend(const PoseGraph& graph, GraphSystem& system, std::vector<core::Pose2> poses,
-                const std::vector<double>& weights, double tolerance, int max_iterations);
+  const std::vector<core::Pose2>& poses() const { return poses_; }
+  double chi2() const { return chi2_; }
+  int iterations() const { return iterations_; }  ///< factorisations
+  bool converged() const { return converged_; }
+
+ private:
+  /// What the piece to come goes on with: kStart, kBack linearise at poses_, kTry at next_.
+  enum class Doing { kStart, kFactorise, kTry, kBack, kNothing };
+  void linearise(Doing doing);
+  void iterate();
+  void raiseDamping();
+  void takeStep();
+  void judgeStep();
+  std::vector<core::Pose2> moved(double share) const;
+
+  const PoseGraph& graph_;
+  GraphSystem& system_;
+  std::vector<core::Pose2> poses_, next_;
+  std::vector<double> weights_;
+  double tolerance_;
+  int max_iterations_, iterations_ = 0;
+  bool converged_ = false, is_last_ = false;
+  double chi2_ = 0, damping_ = 0, share_ = 1;
+  std::vector<Eigen::Vector3d> step_;
+  Doing doing_ = Doing::kStart;
+};
 
 }  // namespace slam::posegraph

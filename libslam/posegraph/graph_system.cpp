@@ -1,12 +1,15 @@
 #include "libslam/posegraph/graph_system.h"
 
-#include <numeric>
+#include <limits>
 
 #include "libslam/posegraph/edge_error.h"
 #include "libslam/posegraph/parts.h"
 
 namespace slam::posegraph {
 namespace {
+
+/// An edge takes as long to linearise as so many of a factorisation's multiplications.
+constexpr double kWorkPerEdge = 600;
 
 /// Covariance of an edge's error from those of its ends.
 Eigen::Matrix3d propagated(const Edge& edge, const std::vector<core::Pose2>& poses, const Eigen::Matrix3d& aa,
@@ -40,17 +43,22 @@ GraphSystem::GraphSystem(const PoseGraph& graph, const std::vector<char>& is_use
   gradient_.resize(static_cast<size_t>(variables));
 }
 
-double GraphSystem::linearise(const PoseGraph& graph, const std::vector<core::Pose2>& poses,
-                              const std::vector<double>& weights) {
+void GraphSystem::beginLinearise() {
   cholesky_.setZero();
   std::fill(gradient_.begin(), gradient_.end(), Eigen::Vector3d::Zero());
-  double chi2 = 0;
-  for (const Term& term : terms_) {
+  chi2_ = 0;
+  next_term_ = 0;
+}
+
+bool GraphSystem::lineariseMore(const PoseGraph& graph, const std::vector<core::Pose2>& poses,
+                                const std::vector<double>& weights, double& work) {
+  for (; next_term_ < terms_.size() && work > 0; ++next_term_, work -= kWorkPerEdge) {
+    const Term& term = terms_[next_term_];
     const double w = weights[static_cast<size_t>(term.edge)];
     const Edge& edge = graph.edges()[static_cast<size_t>(term.edge)];
     const core::Pose2 a = edge.from == kMap ? core::Pose2() : poses[static_cast<size_t>(edge.from)];
     const EdgeQuadratic q = edgeQuadratic(a, poses[static_cast<size_t>(edge.to)], edge);
-    chi2 += w * q.chi2;
+    chi2_ += w * q.chi2;
     if (term.a >= 0) {
       cholesky_.addDiagonal(term.a, w * q.aa);
       gradient_[static_cast<size_t>(term.a)] += w * q.g_a;
@@ -61,11 +69,18 @@ double GraphSystem::linearise(const PoseGraph& graph, const std::vector<core::Po
     }
     if (term.block >= 0) cholesky_.addBlock(term.block, w * q.ab);
   }
-  return chi2;
+  return next_term_ == terms_.size();
 }
 
-bool GraphSystem::step(double damping, std::vector<Eigen::Vector3d>& step, double& predicted) {
-  if (!cholesky_.factorize(damping)) return false;
+double GraphSystem::linearise(const PoseGraph& graph, const std::vector<core::Pose2>& poses,
+                              const std::vector<double>& weights) {
+  beginLinearise();
+  double unlimited = std::numeric_limits<double>::infinity();
+  lineariseMore(graph, poses, weights, unlimited);
+  return chi2_;
+}
+
+void GraphSystem::solve(std::vector<Eigen::Vector3d>& step, double& predicted) const {
   step = gradient_;
   cholesky_.solve(step);
   predicted = 0;
@@ -73,12 +88,17 @@ bool GraphSystem::step(double damping, std::vector<Eigen::Vector3d>& step, doubl
     step[i] = -step[i];
     predicted -= gradient_[i].dot(step[i]);
   }
+}
+
+bool GraphSystem::step(double damping, std::vector<Eigen::Vector3d>& step, double& predicted) {
+  if (!cholesky_.factorize(damping)) return false;
+  solve(step, predicted);
   return true;
 }
 
 std::vector<Eigen::Matrix3d> GraphSystem::errorCovariances(const PoseGraph& graph,
                                                            const std::vector<core::Pose2>& poses) const {
-  const BlockCholesky::SparseInverse inverse = cholesky_.sparseInverse();
+  const sparse::BlockCholesky::SparseInverse inverse = cholesky_.sparseInverse();
   std::vector<Eigen::Matrix3d> out(graph.edges().size(), Eigen::Matrix3d::Zero());
   for (const Term& term : terms_) {
     const Edge& edge = graph.edges()[static_cast<size_t>(term.edge)];
@@ -94,11 +114,11 @@ std::vector<Eigen::Matrix3d> GraphSystem::errorCovariances(const PoseGraph& grap
 Eigen::Matrix3d GraphSystem::errorCovariance(const Edge& edge, const std::vector<core::Pose2>& poses) const {
   const auto halfColumn = [this](int node) {
     const int variable = node == kMap ? -1 : variableOf(node);
-    return variable < 0 ? BlockCholesky::HalfColumn() : cholesky_.halfColumn(variable);
+    return variable < 0 ? sparse::BlockCholesky::HalfColumn() : cholesky_.halfColumn(variable);
   };
   const auto a = halfColumn(edge.from), b = halfColumn(edge.to);
-  return propagated(edge, poses, BlockCholesky::inverseBlock(a, a), BlockCholesky::inverseBlock(a, b),
-                    BlockCholesky::inverseBlock(b, b));
+  return propagated(edge, poses, sparse::BlockCholesky::inverseBlock(a, a),
+                    sparse::BlockCholesky::inverseBlock(a, b), sparse::BlockCholesky::inverseBlock(b, b));
 }
 
 }  // namespace slam::posegraph

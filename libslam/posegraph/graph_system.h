@@ -2,8 +2,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "libslam/posegraph/block_cholesky.h"
 #include "libslam/posegraph/pose_graph.h"
+#include "libslam/sparse/block_cholesky.h"
 
 namespace slam::posegraph {
 
@@ -18,9 +18,19 @@ class GraphSystem {
   /// Fills the equations at these poses, edge i counting `weights[i]` times; returns the weighted chi2.
   double linearise(const PoseGraph& graph, const std::vector<core::Pose2>& poses,
                    const std::vector<double>& weights);
+  /// The same in pieces: begin, then lineariseMore() until it is true, with the same arguments;
+  /// weightedChi2(). `work` as in sparse::BlockCholesky::advance().
+  void beginLinearise();
+  bool lineariseMore(const PoseGraph& graph, const std::vector<core::Pose2>& poses,
+                     const std::vector<double>& weights, double& work);
+  double weightedChi2() const { return chi2_; }
   /// The Gauss-Newton step of linearise()'s equations, one per variable, and what chi2 should fall by. False
-  /// when the equations are singular. `damping` as in BlockCholesky::factorize().
+  /// when the equations are singular. `damping` as in sparse::BlockCholesky::factorize().
   bool step(double damping, std::vector<Eigen::Vector3d>& step, double& predicted);
+  /// The same in pieces: of the factorisation; then solve(), with the factor.
+  void beginFactorization(double damping) { cholesky_.beginFactorization(damping); }
+  sparse::BlockCholesky::Progress advanceFactorization(double& work) { return cholesky_.advance(work); }
+  void solve(std::vector<Eigen::Vector3d>& step, double& predicted) const;
 
   /// Covariance of each used edge's error as the equations have it, by edge; zero for the others. REQUIRES a
   /// factor.
@@ -31,7 +41,7 @@ class GraphSystem {
 
   /// Which block row a node has; -1 when it is fixed.
   int variableOf(int node) const { return variable_[static_cast<size_t>(node)]; }
-  const BlockCholesky& factor() const { return cholesky_; }
+  const sparse::BlockCholesky& factor() const { return cholesky_; }
   /// As step() without the step. REQUIRES linearise() before.
   bool factorize(double damping = 0) { return cholesky_.factorize(damping); }
 
@@ -42,9 +52,10 @@ class GraphSystem {
   };
   std::vector<int> variable_;
   std::vector<Term> terms_;
-  BlockCholesky cholesky_;
+  sparse::BlockCholesky cholesky_;
   std::vector<Eigen::Vector3d> gradient_;
-  std::vector<char> is_used_;
+  double chi2_ = 0;
+  size_t next_term_ = 0;  ///< of the linearisation that goes on
 };
 
 }  // namespace slam::posegraph

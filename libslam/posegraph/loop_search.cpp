@@ -146,11 +146,12 @@ void LoopSearch::settle(LoopChoice& choice, double tolerance, int max_iterations
     if (is_bridge_[n] && !choice.on[loops_[n]]) weights_[loops_[n]] = kBridgeWeight;
   }
   system_.emplace(graph_, used);
-  Descent end = descend(graph_, *system_, std::move(choice.poses), weights_, tolerance, max_iterations);
-  iterations_ += end.iterations;
-  choice.poses = std::move(end.poses);
-  choice.chi2 = end.chi2;
-  choice.converged = end.converged;
+  Descent descent(graph_, *system_, std::move(choice.poses), weights_, tolerance, max_iterations);
+  descent.finish();
+  iterations_ += descent.iterations();
+  choice.poses = descent.poses();
+  choice.chi2 = descent.chi2();
+  choice.converged = descent.converged();
 }
 
 std::vector<LoopSearch::Verdict> LoopSearch::judge(const LoopChoice& choice, bool with_parked) {

@@ -29,17 +29,17 @@ Marginals::Marginals(const PoseGraph& graph, Open open)
 }
 
 /// Empty for a fixed node.
-BlockCholesky::HalfColumn Marginals::halfColumn(int node) const {
+sparse::BlockCholesky::HalfColumn Marginals::halfColumn(int node) const {
   if (node < 0 || static_cast<size_t>(node) >= poses_.size())
     throw core::ContractError("Marginals: node " + std::to_string(node) + " of " +
                               std::to_string(poses_.size()));
   const int variable = system_.variableOf(node);
-  return variable < 0 ? BlockCholesky::HalfColumn() : system_.factor().halfColumn(variable);
+  return variable < 0 ? sparse::BlockCholesky::HalfColumn() : system_.factor().halfColumn(variable);
 }
 
 Eigen::Matrix3d Marginals::covariance(int node) const {
   const auto half = halfColumn(node);
-  return BlockCholesky::inverseBlock(half, half);
+  return sparse::BlockCholesky::inverseBlock(half, half);
 }
 
 std::vector<Eigen::Matrix3d> Marginals::all() const {
@@ -54,10 +54,10 @@ std::vector<Eigen::Matrix3d> Marginals::all() const {
 
 Eigen::Matrix<double, 6, 6> Marginals::joint(int a, int b) const {
   const auto half_a = halfColumn(a), half_b = halfColumn(b);
-  const Eigen::Matrix3d ab = BlockCholesky::inverseBlock(half_a, half_b);
+  const Eigen::Matrix3d ab = sparse::BlockCholesky::inverseBlock(half_a, half_b);
   Eigen::Matrix<double, 6, 6> out;
-  out << BlockCholesky::inverseBlock(half_a, half_a), ab, ab.transpose(),
-      BlockCholesky::inverseBlock(half_b, half_b);
+  out << sparse::BlockCholesky::inverseBlock(half_a, half_a), ab, ab.transpose(),
+      sparse::BlockCholesky::inverseBlock(half_b, half_b);
   return out;
 }
 

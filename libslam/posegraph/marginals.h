@@ -32,7 +32,7 @@ class Marginals {
   Eigen::Matrix3d relative(int a, int b) const;
 
  private:
-  BlockCholesky::HalfColumn halfColumn(int node) const;
+  sparse::BlockCholesky::HalfColumn halfColumn(int node) const;
   std::vector<core::Pose2> poses_;
   GraphSystem system_;
 };

@@ -1,9 +1,14 @@
 #include "libslam/posegraph/optimize.h"
 
+#include <limits>
+#include <optional>
+#include <utility>
+
 #include "libslam/core/error.h"
 #include "libslam/posegraph/descent.h"
 #include "libslam/posegraph/graph_system.h"
 #include "libslam/posegraph/loop_search.h"
+#include "libslam/posegraph/parts.h"
 
 namespace slam::posegraph {
 namespace {
@@ -13,6 +18,12 @@ void requireSound(const OptimizeOptions& o) {
     throw core::ContractError("optimize: robust is '" + o.robust + "', expected none, local or global");
   if (!(o.switch_off_chi2 > 0) || !(o.switch_off_medians >= 0) || !(o.tolerance > 0) || o.max_iterations < 1)
     throw core::ContractError("optimize: an option is out of its bounds");
+}
+
+std::vector<char> edgesOn(const PoseGraph& graph) {
+  std::vector<char> on;
+  for (const Edge& edge : graph.edges()) on.push_back(edge.on);
+  return on;
 }
 
 }  // namespace
@@ -45,13 +56,14 @@ OptimizeResult optimize(PoseGraph& graph, const OptimizeOptions& options) {
   result.initial_chi2 = graph.chi2();
   LoopChoice choice;
   if (options.robust == "none") {
-    for (const Edge& edge : graph.edges()) choice.on.push_back(edge.on);
+    choice.on = edgesOn(graph);
     GraphSystem system(graph, choice.on);
-    const std::vector<double> weights(graph.edges().size(), 1.0);
-    Descent end = descend(graph, system, graph.poses(), weights, options.tolerance, options.max_iterations);
-    choice.poses = std::move(end.poses);
-    choice.converged = end.converged;
-    result.iterations = end.iterations;
+    Descent descent(graph, system, graph.poses(), std::vector<double>(choice.on.size(), 1.0),
+                    options.tolerance, options.max_iterations);
+    descent.finish();
+    choice.poses = descent.poses();
+    choice.converged = descent.converged();
+    result.iterations = descent.iterations();
   } else {
     LoopSearch search(graph, options);
     choice = options.robust == "local" ? search.improve() : search.build();
@@ -67,6 +79,51 @@ OptimizeResult optimize(PoseGraph& graph, const OptimizeOptions& options) {
   }
   result.final_chi2 = graph.chi2();
   return result;
+}
+
+struct OptimizeInPieces::Work {
+  PoseGraph graph;
+  OptimizeOptions options;
+  std::optional<GraphSystem> system;
+  std::optional<Descent> descent;
+};
+
+OptimizeInPieces::OptimizeInPieces(PoseGraph graph, const OptimizeOptions& options)
+    : work_(std::make_unique<Work>(Work{std::move(graph), options, {}, {}})) {
+  requireSound(options);
+  if (options.robust != "none")
+    throw core::ContractError("OptimizeInPieces: robust is '" + options.robust + "', expected none");
+  requireHeld(work_->graph, edgesOn(work_->graph));
+}
+
+OptimizeInPieces::~OptimizeInPieces() = default;
+
+bool OptimizeInPieces::advance(double work) {
+  Work& w = *work_;
+  if (w.descent) return w.descent->advance(work);
+  w.system.emplace(w.graph, edgesOn(w.graph));
+  w.descent.emplace(w.graph, *w.system, w.graph.poses(), std::vector<double>(w.graph.edges().size(), 1.0),
+                    w.options.tolerance, w.options.max_iterations);
+  return false;
+}
+
+OptimizeResult OptimizeInPieces::finish() {
+  while (!advance(std::numeric_limits<double>::infinity())) {
+  }
+  OptimizeResult result;
+  result.converged = work_->descent->converged();
+  result.iterations = work_->descent->iterations();
+  result.initial_chi2 = work_->graph.chi2();
+  result.final_chi2 = work_->descent->chi2();
+  return result;
+}
+
+const PoseGraph& OptimizeInPieces::graph() const {
+  return work_->graph;
+}
+
+const std::vector<core::Pose2>& OptimizeInPieces::poses() const {
+  return work_->descent ? work_->descent->poses() : work_->graph.poses();
 }
 
 }  // namespace slam::posegraph

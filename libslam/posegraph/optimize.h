@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -57,5 +58,26 @@ struct OptimizeResult {
 /// 5500 in 13 ms). Errors: InputError for a node that no chain of edges that are on ties to a fixed node or
 /// to a prior; ContractError for an unknown `robust` or a number out of its row's bounds.
 OptimizeResult optimize(PoseGraph& graph, const OptimizeOptions& options = {});
+
+/// optimize() with `robust` none, in pieces and on a graph of its own: for who cannot wait for all of it. The
+/// result's bytes are those of optimize(), whatever the pieces.
+class OptimizeInPieces {
+ public:
+  /// Errors: as optimize(). REQUIRES robust none (ContractError).
+  OptimizeInPieces(PoseGraph graph, const OptimizeOptions& options);
+  ~OptimizeInPieces();
+  /// One piece; true when all is done. `work`: how much, in multiplications, about (4e6 take a millisecond or
+  /// so). The first piece analyses the graph's structure, whatever that costs: about a factorisation's third.
+  bool advance(double work);
+  /// All that is left.
+  OptimizeResult finish();
+  const PoseGraph& graph() const;
+  /// As far as it has come; of graph()'s nodes.
+  const std::vector<core::Pose2>& poses() const;
+
+ private:
+  struct Work;
+  std::unique_ptr<Work> work_;
+};
 
 }  // namespace slam::posegraph

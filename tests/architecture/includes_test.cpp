@@ -37,7 +37,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     // the robot's side
     {"gridmap", {"core", "robot"}},
     {"scanmatch", {"core", "robot", "gridmap"}},
-    {"posegraph", {"core"}},
+    {"sparse", {"core"}},
+    {"posegraph", {"core", "sparse"}},
     {"obstacles", {"core", "robot"}},
     {"paths", {"core", "robot", "gridmap", "obstacles"}},
     {"goals", {"core", "robot", "obstacles", "paths"}},

@@ -303,5 +303,44 @@ TEST(Optimize, ReachesTheKnownOptimumOfManhattanFromOdometry) {
   EXPECT_NEAR(result.final_chi2, 3549.0368, 3549.0368 * 1e-6);
 }
 
+TEST(OptimizeInPieces, GivesTheSameBytesWhateverThePieces) {
+  const PoseGraph noisy = testing::driveOnGrid(400, 3).graph;
+  PoseGraph whole = noisy;
+  OptimizeOptions options;
+  options.robust = "none";
+  const auto expected = optimize(whole, options);
+  for (const double work : {1.0, 1e5, 1e300}) {
+    OptimizeInPieces pieces(noisy, options);
+    EXPECT_EQ(largestDistance(pieces.graph(), noisy), 0);
+    int count = 1;
+    while (!pieces.advance(work)) ++count;
+    EXPECT_GE(count, work == 1.0 ? 100 : 2);
+    EXPECT_LE(count, work == 1e300 ? 2 : 1000000) << "the structure is the first piece";
+    const auto result = pieces.finish();
+    EXPECT_EQ(result.final_chi2, expected.final_chi2);
+    EXPECT_EQ(result.initial_chi2, expected.initial_chi2);
+    EXPECT_EQ(result.iterations, expected.iterations);
+    EXPECT_TRUE(result.converged);
+    ASSERT_EQ(pieces.poses().size(), static_cast<size_t>(whole.nodeCount()));
+    for (int node = 0; node < whole.nodeCount(); ++node) {
+      const auto& got = pieces.poses()[static_cast<size_t>(node)];
+      EXPECT_EQ(got.x, whole.pose(node).x);
+      EXPECT_EQ(got.phi, whole.pose(node).phi);
+    }
+  }
+}
+
+TEST(OptimizeInPieces, RefusesWhatItDoesNotDo) {
+  PoseGraph graph;
+  graph.addNode({0, 0, 0});
+  graph.setFixed(0);
+  OptimizeOptions options;
+  options.robust = "local";
+  EXPECT_THROW(OptimizeInPieces(graph, options), core::ContractError);
+  options.robust = "none";
+  graph.addNode({1, 0, 0});
+  EXPECT_THROW(OptimizeInPieces(graph, options), core::InputError);
+}
+
 }  // namespace
 }  // namespace slam::posegraph

@@ -1,4 +1,4 @@
-#include "libslam/posegraph/block_cholesky.h"
+#include "libslam/sparse/block_cholesky.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "libslam/core/random.h"
 
-namespace slam::posegraph {
+namespace slam::sparse {
 namespace {
 
 using Blocks = std::vector<std::pair<int, int>>;
@@ -70,7 +70,8 @@ Eigen::VectorXd stacked(const std::vector<Eigen::Vector3d>& blocks) {
 constexpr double kRounding = 1e-13;
 
 TEST(BlockCholesky, SolvesLikeADenseSolver) {
-  for (const auto& [size, count] : {std::pair{1, 0}, {2, 1}, {2, 3}, {7, 0}, {12, 30}, {40, 60}, {40, 400}}) {
+  for (const auto& [size, count] :
+       {std::pair{1, 0}, {2, 1}, {2, 3}, {7, 0}, {12, 30}, {40, 60}, {40, 400}, {150, 500}}) {
     Twin twin = randomMatrix(size, randomBlocks(size, count, 5), 6);
     ASSERT_TRUE(twin.sparse.factorize());
     auto x = ramp(size);
@@ -160,5 +161,58 @@ TEST(BlockCholesky, EliminatesAChainWithoutFill) {
   EXPECT_EQ(matrix.factorBlocks(), size - 1);
 }
 
+// Columns of a grid share rows by dozens: wide supernodes, and narrow ones below them.
+Blocks grid(int side) {
+  Blocks blocks;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      if (x > 0) blocks.emplace_back(y * side + x, y * side + x - 1);
+      if (y > 0) blocks.emplace_back(y * side + x - side, y * side + x);
+    }
+  return blocks;
+}
+
+TEST(BlockCholesky, FactorisesInPiecesToTheSameBytes) {
+  const int side = 13;
+  Twin twin = randomMatrix(side * side, grid(side), 4);
+  auto expected = ramp(side * side);
+  ASSERT_TRUE(twin.sparse.factorize(0.1));
+  twin.sparse.solve(expected);
+  ASSERT_TRUE(twin.sparse.factorize()) << "other numbers in between";
+  int pieces = 1;
+  twin.sparse.beginFactorization(0.1);
+  for (;; ++pieces) {
+    double work = 1;
+    const auto progress = twin.sparse.advance(work);
+    ASSERT_NE(progress, BlockCholesky::Progress::kFailed);
+    EXPECT_LE(work, 0);
+    if (progress == BlockCholesky::Progress::kDone) break;
+  }
+  EXPECT_GT(pieces, 10);
+  auto x = ramp(side * side);
+  twin.sparse.solve(x);
+  EXPECT_EQ(stacked(x), stacked(expected));
+}
+
+TEST(BlockCholesky, InvertsWhereSupernodesAreWideAndNarrow) {
+  const int side = 9;
+  const Blocks blocks = grid(side);
+  Twin twin = randomMatrix(side * side, blocks, 7);
+  ASSERT_TRUE(twin.sparse.factorize());
+  const Eigen::MatrixXd inverse = twin.dense.inverse();
+  const double tolerance = kRounding * inverse.cwiseAbs().maxCoeff();
+  const auto sparse = twin.sparse.sparseInverse();
+  for (size_t b = 0; b < blocks.size(); ++b)
+    EXPECT_LT((sparse.blocks[b] - inverse.block<3, 3>(3L * blocks[b].first, 3L * blocks[b].second))
+                  .cwiseAbs()
+                  .maxCoeff(),
+              tolerance);
+  for (int row = 0; row < side * side; ++row)
+    EXPECT_LT((sparse.diagonal[static_cast<size_t>(row)] - inverse.block<3, 3>(3L * row, 3L * row))
+                  .cwiseAbs()
+                  .maxCoeff(),
+              tolerance);
+}
+
 }  // namespace
-}  // namespace slam::posegraph
+}  // namespace slam::sparse

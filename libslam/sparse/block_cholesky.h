@@ -3,16 +3,16 @@
 #include <utility>
 #include <vector>
 
-namespace slam::posegraph {
+#include "libslam/sparse/elimination.h"
+
+namespace slam::sparse {
 
 /// Sparse Cholesky factorisation of a symmetric positive definite matrix of 3 x 3 blocks, one block row per
-/// pose. Rows are eliminated in the order of approximate minimum degree (Amestoy, Davis and Duff, SIAM J.
-/// Matrix Anal. Appl. 17(4), 1996, as Eigen has it), row by row along the elimination tree (Davis, "Direct
-/// methods for sparse linear systems", 2006, chapter 4). A whole block is one entry of the pattern, so there
-/// is a ninth of the indices that Eigen's SimplicialLLT has to follow.
+/// pose; see Elimination. Columns with the same pattern are stored together, densely, and taken off the
+/// columns after them together (supernodes: Ng and Peyton, SIAM J. Sci. Comput. 14(5), 1993).
 ///
 /// Use: analyse() once per pattern; then setZero(), add..., factorize(), solve() as often as wanted.
-/// Deterministic: the same calls give the same bytes.
+/// Deterministic: the same calls give the same bytes, on every processor.
 class BlockCholesky {
  public:
   /// `blocks`: (row, column) of the off-diagonal blocks that may be other than zero, either triangle,
@@ -21,7 +21,9 @@ class BlockCholesky {
   void analyse(int size, const std::vector<std::pair<int, int>>& blocks);
 
   void setZero();
-  void addDiagonal(int row, const Eigen::Matrix3d& value) { diagonal_[at(position_[at(row)])] += value; }
+  void addDiagonal(int row, const Eigen::Matrix3d& value) {
+    diagonal_[at(elimination_.position(row))] += value;
+  }
   /// `block`: index into analyse()'s list; `value` stands at its (row, column), and its transpose at (column,
   /// row).
   void addBlock(int block, const Eigen::Matrix3d& value) {
@@ -35,6 +37,12 @@ class BlockCholesky {
   /// Factorises what was added, its scalar diagonal multiplied by 1 + damping. False when it is not positive
   /// definite (to rounding); then there is no factor. What was added stays.
   bool factorize(double damping = 0);
+  /// The same in pieces: begin(), then advance() while it says kGoing. `work`: about how many multiplications
+  /// are left for this piece (at least one supernode is done); what was done is taken off. Between them
+  /// nothing is added.
+  enum class Progress { kGoing, kDone, kFailed };
+  void beginFactorization(double damping);
+  Progress advance(double& work);
 
   /// Solves in place. REQUIRES a factor, here and below.
   void solve(std::vector<Eigen::Vector3d>& b) const;
@@ -55,33 +63,42 @@ class BlockCholesky {
   };
   SparseInverse sparseInverse() const;
 
-  int size() const { return static_cast<int>(order_.size()); }
+  int size() const { return elimination_.size(); }
   /// Off-diagonal blocks of the factor: what memory and time grow with.
-  int factorBlocks() const { return static_cast<int>(row_of_.size()); }
+  long factorBlocks() const { return elimination_.entries(); }
 
  private:
   struct Slot {
     int index;
     bool transposed;
   };
-  /// An entry of a row of L: its column, and where it lies in L's storage.
-  struct RowEntry {
-    int column, at;
+  /// A supernode's columns of the factor: scalars by columns, `height` apart.
+  struct Panel {
+    size_t begin = 0;
+    long height = 0;
   };
-  void storeByRows(const std::vector<std::pair<int, int>>& blocks);
-  std::vector<int> eliminate();
-  void listByColumns(const std::vector<int>& count);
-  static size_t at(int i) { return static_cast<size_t>(i); }
+  std::vector<std::pair<int, int>> listValues(int size, const std::vector<std::pair<int, int>>& blocks);
+  void placeValues(const std::vector<std::pair<int, int>>& pairs,
+                   const std::vector<std::pair<int, int>>& blocks);
+  size_t placeOf(int row, int column) const;
+  void setPanels(double damping);
+  bool factorizePanel(int s);
+  double workOf(int s) const;
+  void update(int s);
+  void gatherBelow(int s, const std::vector<double>& inverse, double* square) const;
+  void invertPanel(int s, double* square, double* column) const;
+  static size_t at(long i) { return static_cast<size_t>(i); }
 
-  std::vector<int> order_, position_;  // order_[k]: the row eliminated k-th; position_ is its inverse
-  // The matrix, permuted: lower triangle by rows.
+  Elimination elimination_;
   std::vector<Slot> slots_;
-  std::vector<int> value_start_, value_column_;
-  std::vector<Eigen::Matrix3d> diagonal_, values_;
-  // The factor: by columns, rows ascending; and the same entries listed by rows.
-  std::vector<int> parent_, column_start_, row_of_, row_start_;
-  std::vector<RowEntry> row_entries_;
-  std::vector<Eigen::Matrix3d> factor_, inverse_pivot_, work_;
+  std::vector<Eigen::Matrix3d> diagonal_, values_;  ///< of the matrix; by columns, and as listed
+  std::vector<size_t> value_places_;                ///< of values_, in factor_
+  std::vector<long> value_heights_;
+  std::vector<Panel> panels_;
+  std::vector<double> factor_;
+  double damping_ = 0;  ///< of the factorisation that goes on, and its next supernode
+  int next_ = 0;
+  std::vector<Eigen::Matrix3d> inverse_pivot_;  ///< of the factor's diagonal blocks, by columns
 };
 
-}  // namespace slam::posegraph
+}  // namespace slam::sparse

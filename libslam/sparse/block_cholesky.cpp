@@ -1,0 +1,399 @@
+#include "libslam/sparse/block_cholesky.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+
+namespace slam::sparse {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Column3 = Eigen::Matrix<double, 3, 1>;
+using Column6 = Eigen::Matrix<double, 6, 1>;
+
+/// A pivot below this share of the diagonal entry that it came from is rounding.
+constexpr double kSmallestPivot = 1e-14;
+
+/// Inverse of the lower Cholesky factor of a block. `original`: the diagonal before anything was taken off
+/// it. False when not positive definite.
+bool invertPivot(const Matrix3d& a, const Vector3d& original, Matrix3d& inverse) {
+  const double d0 = a(0, 0);
+  if (!(d0 > kSmallestPivot * original[0])) return false;
+  const double l00 = std::sqrt(d0), l10 = a(1, 0) / l00, l20 = a(2, 0) / l00;
+  const double d1 = a(1, 1) - l10 * l10;
+  if (!(d1 > kSmallestPivot * original[1])) return false;
+  const double l11 = std::sqrt(d1), l21 = (a(2, 1) - l20 * l10) / l11;
+  const double d2 = a(2, 2) - l20 * l20 - l21 * l21;
+  if (!(d2 > kSmallestPivot * original[2])) return false;
+  const double i00 = 1 / l00, i11 = 1 / l11, i22 = 1 / std::sqrt(d2);
+  const double i10 = -l10 * i00 * i11;
+  inverse << i00, 0, 0, i10, i11, 0, -(l20 * i00 + l21 * i10) * i22, -l21 * i11 * i22, i22;
+  return true;
+}
+
+using BlockRef = Eigen::Map<Matrix3d, Eigen::Unaligned, Eigen::OuterStride<>>;
+using ConstBlockRef = Eigen::Map<const Matrix3d, Eigen::Unaligned, Eigen::OuterStride<>>;
+
+BlockRef blockAt(double* p, long height) {
+  return BlockRef(p, Eigen::OuterStride<>(height));
+}
+ConstBlockRef blockAt(const double* p, long height) {
+  return ConstBlockRef(p, Eigen::OuterStride<>(height));
+}
+
+/// A factor of a product: its scalar (r, k) stands at p[r * down + k * right].
+struct Factor {
+  const double* p;
+  long down, right;
+};
+
+/// The products of `Rows` rows of A (which stand one after the other, its columns `height` apart) with the
+/// three rows of B. Summed in the order of k: one sum per scalar, whatever its vectors are.
+template <class Rows>
+void multiply(const double* a, long height, const Factor& b, long terms, Rows sums[3]) {
+  Rows s0 = Rows::Zero(), s1 = Rows::Zero(), s2 = Rows::Zero();
+  const double* row = b.p;
+  for (long k = 0; k < terms; ++k, a += height, row += b.right) {
+    const Eigen::Map<const Rows> column(a);
+    s0 += column * row[0];
+    s1 += column * row[b.down];
+    s2 += column * row[2 * b.down];
+  }
+  sums[0] = s0, sums[1] = s1, sums[2] = s2;
+}
+
+template <class Rows>
+void takeOff(double* target, long height, long from, const Rows sums[3]) {
+  for (long c = 0; c < 3; ++c)
+    for (long r = 0; r < 3; ++r) target[r + c * height] -= sums[c][from + r];
+}
+
+/// Takes A B^T off three columns of a target. `place(i)`: where the i-th block row of A goes.
+template <class Place>
+void takeOffProduct(const double* a, long height, long rows, const Factor& b, long terms, double* target,
+                    long target_height, const Place& place) {
+  Column6 two[3];
+  Column3 one[3];
+  long i = 0;
+  for (; i + 1 < rows; i += 2) {
+    multiply(a + 3 * i, height, b, terms, two);
+    takeOff(target + 3 * place(i), target_height, 0, two);
+    takeOff(target + 3 * place(i + 1), target_height, 3, two);
+  }
+  if (i < rows) {
+    multiply(a + 3 * i, height, b, terms, one);
+    takeOff(target + 3 * place(i), target_height, 0, one);
+  }
+}
+
+/// Three columns of scalars times the transpose of a lower triangular block, or times the block itself.
+void timesTransposed(double* column, long height, long rows, const Matrix3d& lower) {
+  double *c0 = column, *c1 = column + height, *c2 = column + 2 * height;
+  for (long r = 0; r < rows; ++r) {
+    c2[r] = c0[r] * lower(2, 0) + c1[r] * lower(2, 1) + c2[r] * lower(2, 2);
+    c1[r] = c0[r] * lower(1, 0) + c1[r] * lower(1, 1);
+    c0[r] *= lower(0, 0);
+  }
+}
+void timesLower(const double* column, long height, long rows, const Matrix3d& lower, double* out,
+                long out_height) {
+  const double *c0 = column, *c1 = column + height, *c2 = column + 2 * height;
+  for (long r = 0; r < rows; ++r) {
+    out[r] = c0[r] * lower(0, 0) + c1[r] * lower(1, 0) + c2[r] * lower(2, 0);
+    out[r + out_height] = c1[r] * lower(1, 1) + c2[r] * lower(2, 1);
+    out[r + 2 * out_height] = c2[r] * lower(2, 2);
+  }
+}
+
+}  // namespace
+
+/// Gives repeated blocks one value each: the pairs that there are.
+std::vector<std::pair<int, int>> BlockCholesky::listValues(int size,
+                                                           const std::vector<std::pair<int, int>>& blocks) {
+  std::vector<int> begin(at(size) + 2, 0), by_first(blocks.size()), value_of(at(size), -1);
+  for (const auto& [a, b] : blocks) ++begin[at(std::min(a, b)) + 2];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  for (size_t b = 0; b < blocks.size(); ++b)
+    by_first[at(begin[at(std::min(blocks[b].first, blocks[b].second)) + 1]++)] = static_cast<int>(b);
+  std::vector<std::pair<int, int>> pairs;
+  slots_.resize(blocks.size());
+  for (int first = 0; first < size; ++first) {
+    const int known = static_cast<int>(pairs.size());
+    for (int i = begin[at(first)]; i < begin[at(first) + 1]; ++i) {
+      const auto& [a, b] = blocks[at(by_first[at(i)])];
+      int& value = value_of[at(std::max(a, b))];
+      if (value < known) {
+        value = static_cast<int>(pairs.size());
+        pairs.emplace_back(first, std::max(a, b));
+      }
+      slots_[at(by_first[at(i)])].index = value;
+    }
+  }
+  return pairs;
+}
+
+/// Gives every value its place in the factor.
+void BlockCholesky::placeValues(const std::vector<std::pair<int, int>>& pairs,
+                                const std::vector<std::pair<int, int>>& blocks) {
+  values_.resize(pairs.size());
+  value_places_.clear();
+  value_heights_.clear();
+  for (const auto& [a, b] : pairs) {
+    const int row = std::max(elimination_.position(a), elimination_.position(b)),
+              column = std::min(elimination_.position(a), elimination_.position(b));
+    value_places_.push_back(placeOf(row, column));
+    value_heights_.push_back(panels_[at(elimination_.supernodeOf(column))].height);
+  }
+  for (size_t b = 0; b < blocks.size(); ++b)
+    slots_[b].transposed = elimination_.position(blocks[b].first) < elimination_.position(blocks[b].second);
+}
+
+/// Of a block of the factor. REQUIRES row >= column.
+size_t BlockCholesky::placeOf(int row, int column) const {
+  const int s = elimination_.supernodeOf(column);
+  const Panel& panel = panels_[at(s)];
+  return panel.begin + at(3L * elimination_.placeIn(s, row) +
+                          panel.height * 3L * (column - elimination_.supernode(s).first));
+}
+
+void BlockCholesky::analyse(int size, const std::vector<std::pair<int, int>>& blocks) {
+  const auto pairs = listValues(size, blocks);
+  elimination_ = Elimination(size, pairs);
+  panels_.clear();
+  size_t end = 0;
+  for (const auto& supernode : elimination_.supernodes()) {
+    const long height = 3L * (supernode.width + supernode.below());
+    panels_.push_back({end, height});
+    end += at(height * 3 * supernode.width);
+  }
+  factor_.resize(end);
+  diagonal_.resize(at(size));
+  inverse_pivot_.resize(at(size));
+  placeValues(pairs, blocks);
+  setZero();
+}
+
+void BlockCholesky::setZero() {
+  std::fill(diagonal_.begin(), diagonal_.end(), Matrix3d::Zero());
+  std::fill(values_.begin(), values_.end(), Matrix3d::Zero());
+}
+
+/// The matrix where its factor will stand.
+void BlockCholesky::setPanels(double damping) {
+  std::fill(factor_.begin(), factor_.end(), 0);
+  for (int k = 0; k < size(); ++k) {
+    auto block = blockAt(&factor_[placeOf(k, k)], panels_[at(elimination_.supernodeOf(k))].height);
+    block = diagonal_[at(k)];
+    block.diagonal() *= 1 + damping;
+  }
+  for (size_t v = 0; v < values_.size(); ++v)
+    blockAt(&factor_[value_places_[v]], value_heights_[v]) = values_[v];
+}
+
+/// Once all before it were taken off.
+bool BlockCholesky::factorizePanel(int s) {
+  const auto& supernode = elimination_.supernode(s);
+  const long height = panels_[at(s)].height;
+  double* const panel = &factor_[panels_[at(s)].begin];
+  for (int b = 0; b < supernode.width; ++b) {
+    double* const column = panel + height * 3 * b + 3 * b;
+    const long rows = height / 3 - b;
+    takeOffProduct(panel + 3 * b, height, rows, {panel + 3 * b, 1, height}, 3L * b, column, height,
+                   [](long i) { return i; });
+    const int k = supernode.first + b;
+    const Vector3d original = (1 + damping_) * diagonal_[at(k)].diagonal();
+    if (!invertPivot(blockAt(column, height), original, inverse_pivot_[at(k)])) return false;
+    timesTransposed(column + 3, height, 3 * (rows - 1), inverse_pivot_[at(k)]);
+  }
+  return true;
+}
+
+/// Takes a factorised panel off the columns that its rows are.
+void BlockCholesky::update(int s) {
+  const auto& supernode = elimination_.supernode(s);
+  const long height = panels_[at(s)].height;
+  const double* const below = &factor_[panels_[at(s)].begin] + 3L * supernode.width;
+  for (int u = supernode.updates_begin; u < supernode.updates_end; ++u) {
+    const auto& update = elimination_.updates()[at(u)];
+    const Panel& target = panels_[at(update.target)];
+    for (int j = update.from; j < update.to; ++j) {
+      const int* places = &elimination_.places()[at(update.places_begin + j - update.from)];
+      takeOffProduct(below + 3L * j, height, supernode.below() - j, {below + 3L * j, 1, height},
+                     3L * supernode.width, &factor_[target.begin + at(target.height * 3L * places[0])],
+                     target.height, [places](long i) { return long{places[i]}; });
+    }
+  }
+}
+
+/// Multiplications that a supernode costs, about.
+double BlockCholesky::workOf(int s) const {
+  const double width = 3.0 * elimination_.supernode(s).width, below = 3.0 * elimination_.supernode(s).below();
+  return width * (width * width / 6 + width * below / 2 + below * below / 2);
+}
+
+void BlockCholesky::beginFactorization(double damping) {
+  damping_ = damping;
+  next_ = 0;
+  setPanels(damping);
+}
+
+BlockCholesky::Progress BlockCholesky::advance(double& work) {
+  const int count = static_cast<int>(panels_.size());
+  while (next_ < count) {
+    if (!factorizePanel(next_)) return Progress::kFailed;
+    update(next_);
+    work -= workOf(next_++);
+    if (work <= 0) break;
+  }
+  return next_ < count ? Progress::kGoing : Progress::kDone;
+}
+
+bool BlockCholesky::factorize(double damping) {
+  beginFactorization(damping);
+  double unlimited = std::numeric_limits<double>::infinity();
+  return advance(unlimited) == Progress::kDone;
+}
+
+void BlockCholesky::solve(std::vector<Vector3d>& b) const {
+  std::vector<Vector3d> y(b.size());
+  for (int k = 0; k < size(); ++k) y[at(k)] = b[at(elimination_.rowAt(k))];
+  const int count = static_cast<int>(panels_.size());
+  // Calls visit(column, row, block of the factor) for every block below the diagonal of block column c.
+  const auto forColumn = [&](int s, int c, const auto& visit) {
+    const auto& supernode = elimination_.supernode(s);
+    const long height = panels_[at(s)].height;
+    const double* column = &factor_[panels_[at(s)].begin] + height * 3 * c;
+    for (int r = c + 1; r < supernode.width; ++r)
+      visit(supernode.first + r, blockAt(column + 3L * r, height));
+    for (int r = 0; r < supernode.below(); ++r)
+      visit(elimination_.rows()[at(supernode.rows_begin + r)],
+            blockAt(column + 3L * (supernode.width + r), height));
+  };
+  for (int s = 0; s < count; ++s)
+    for (int c = 0; c < elimination_.supernode(s).width; ++c) {
+      const int k = elimination_.supernode(s).first + c;
+      const Vector3d value = inverse_pivot_[at(k)] * y[at(k)];
+      y[at(k)] = value;
+      forColumn(s, c, [&](int row, const ConstBlockRef& block) { y[at(row)].noalias() -= block * value; });
+    }
+  for (int s = count - 1; s >= 0; --s)
+    for (int c = elimination_.supernode(s).width - 1; c >= 0; --c) {
+      const int k = elimination_.supernode(s).first + c;
+      Vector3d sum = y[at(k)];
+      forColumn(s, c, [&](int row, const ConstBlockRef& block) {
+        sum.noalias() -= block.transpose() * y[at(row)];
+      });
+      y[at(k)].noalias() = inverse_pivot_[at(k)].transpose() * sum;
+    }
+  for (int k = 0; k < size(); ++k) b[at(elimination_.rowAt(k))] = y[at(k)];
+}
+
+BlockCholesky::HalfColumn BlockCholesky::halfColumn(int row) const {
+  const int first = elimination_.position(row);
+  std::map<int, Matrix3d> sums;  // of the columns to come
+  sums[first].setIdentity();
+  HalfColumn out;
+  while (!sums.empty()) {
+    const int k = sums.begin()->first;
+    const Matrix3d block = inverse_pivot_[at(k)] * sums.begin()->second;
+    sums.erase(sums.begin());
+    out.rows.push_back(k);
+    out.blocks.push_back(block);
+    const int s = elimination_.supernodeOf(k);
+    const auto& supernode = elimination_.supernode(s);
+    const long height = panels_[at(s)].height;
+    const double* column = &factor_[panels_[at(s)].begin] + height * 3 * (k - supernode.first);
+    const auto take = [&](int r, int place) {
+      const auto [known, is_new] = sums.try_emplace(r, Matrix3d::Zero());
+      known->second.noalias() -= blockAt(column + 3L * place, height) * block;
+    };
+    for (int r = k + 1; r < supernode.first + supernode.width; ++r) take(r, r - supernode.first);
+    for (int r = 0; r < supernode.below(); ++r)
+      take(elimination_.rows()[at(supernode.rows_begin + r)], supernode.width + r);
+  }
+  return out;
+}
+
+Matrix3d BlockCholesky::inverseBlock(const HalfColumn& a, const HalfColumn& b) {
+  Matrix3d sum = Matrix3d::Zero();
+  for (size_t i = 0, j = 0; i < a.rows.size() && j < b.rows.size();) {
+    if (a.rows[i] == b.rows[j])
+      sum.noalias() += a.blocks[i++].transpose() * b.blocks[j++];
+    else if (a.rows[i] < b.rows[j])
+      ++i;
+    else
+      ++j;
+  }
+  return sum;
+}
+
+/// What of the inverse is known of the rows below supernode s, into the square of its whole height.
+void BlockCholesky::gatherBelow(int s, const std::vector<double>& inverse, double* square) const {
+  const auto& supernode = elimination_.supernode(s);
+  const long height = panels_[at(s)].height, width = supernode.width;
+  for (int u = supernode.updates_begin; u < supernode.updates_end; ++u) {
+    const auto& update = elimination_.updates()[at(u)];
+    const Panel& target = panels_[at(update.target)];
+    for (int j = update.from; j < update.to; ++j) {
+      const int* places = &elimination_.places()[at(update.places_begin + j - update.from)];
+      const double* column = &inverse[target.begin + at(target.height * 3L * places[0])];
+      for (int i = j; i < supernode.below(); ++i) {
+        const auto block = blockAt(column + 3L * places[i - j], target.height);
+        blockAt(square + 3 * (width + i) + height * 3 * (width + j), height) = block;
+        blockAt(square + 3 * (width + j) + height * 3 * (width + i), height) = block.transpose();
+      }
+    }
+  }
+}
+
+/// Fills what is missing of the square: its first columns, the last of them first. `column`: room for three.
+void BlockCholesky::invertPanel(int s, double* square, double* column) const {
+  const auto& supernode = elimination_.supernode(s);
+  const long height = panels_[at(s)].height;
+  const double* const panel = &factor_[panels_[at(s)].begin];
+  for (long b = supernode.width - 1; b >= 0; --b) {
+    const Matrix3d& pivot = inverse_pivot_[at(supernode.first + b)];
+    const long first = 3 * (b + 1), rows = height - first;
+    timesLower(panel + first + height * 3 * b, height, rows, pivot, column, rows);
+    double* const out = square + height * 3 * b;
+    std::fill_n(out, 3 * height, 0);
+    takeOffProduct(square + first + height * first, height, rows / 3, {column, rows, 1}, rows, out + first,
+                   height, [](long i) { return i; });
+    Matrix3d corner = pivot.transpose() * pivot;
+    for (long r = 0; r < rows; r += 3) {
+      const auto block = blockAt(out + first + r, height);
+      corner.noalias() -= block.transpose() * blockAt(static_cast<const double*>(column) + r, rows);
+      blockAt(square + 3 * b + height * (first + r), height) = block.transpose();
+    }
+    blockAt(out + 3 * b, height) = corner;
+  }
+}
+
+BlockCholesky::SparseInverse BlockCholesky::sparseInverse() const {
+  std::vector<double> inverse(factor_.size());  // in the factor's places
+  long highest = 0;
+  for (const Panel& panel : panels_) highest = std::max(highest, panel.height);
+  std::vector<double> square(at(highest * highest)), column(at(3 * highest));
+  for (int s = static_cast<int>(panels_.size()) - 1; s >= 0; --s) {
+    gatherBelow(s, inverse, square.data());
+    invertPanel(s, square.data(), column.data());
+    const long count = panels_[at(s)].height * 3 * elimination_.supernode(s).width;
+    std::copy_n(square.begin(), count, inverse.begin() + static_cast<long>(panels_[at(s)].begin));
+  }
+  SparseInverse out;
+  out.diagonal.resize(diagonal_.size());
+  for (int k = 0; k < size(); ++k)
+    out.diagonal[at(elimination_.rowAt(k))] =
+        blockAt(&inverse[placeOf(k, k)], panels_[at(elimination_.supernodeOf(k))].height);
+  out.blocks.reserve(slots_.size());
+  for (const Slot slot : slots_) {
+    out.blocks.emplace_back(blockAt(&inverse[value_places_[at(slot.index)]], value_heights_[at(slot.index)]));
+    if (slot.transposed) out.blocks.back().transposeInPlace();
+  }
+  return out;
+}
+
+}  // namespace slam::sparse
