@@ -35,23 +35,27 @@ Eigen::Matrix3d atLeast(const Eigen::Matrix3d& covariance, const Eigen::Matrix3d
 
 }  // namespace
 
-/// What a scan tells of its pose, and what all scans so far say of the points' noise.
-void GraphSlam::noteEvidence(const std::vector<scanmatch::PatchPoint>& points, const Pose2& T_map_robot,
-                             const scanmatch::SurfelMap& map) {
-  evidence_ = evidenceOf(points, map, T_map_robot, kKernel);
-  squared_ += evidence_.squared, dimensions_ += evidence_.dimensions;
-  for (size_t lag = 0; lag < lagged_.size(); ++lag) lagged_[lag] += evidence_.lagged[lag];
+void PointNoise::add(const scanmatch::MatchEvidence& evidence) {
+  squared_ += evidence.squared, dimensions_ += evidence.dimensions;
+  for (size_t lag = 0; lag < lagged_.size(); ++lag) lagged_[lag] += evidence.lagged[lag];
 }
 
-/// Of a point's residual, in surfels' variances, with what neighbouring points have in common (Newey and
-/// West, Econometrica 55, 1987: triangular weights keep it positive).
-double GraphSlam::variancePerPoint() const {
+/// With what neighbouring points have in common (Newey and West, Econometrica 55, 1987: triangular weights
+/// keep it positive).
+double PointNoise::variance() const {
   if (!(dimensions_ > 0) || !(squared_ > 0)) return 1;
   const double lags = static_cast<double>(lagged_.size()) + 1;
   double common = 1;
   for (size_t lag = 0; lag < lagged_.size(); ++lag)
     common += 2 * (1 - static_cast<double>(lag + 1) / lags) * lagged_[lag] / squared_;
   return squared_ / dimensions_ * std::max(common, 1.0);
+}
+
+/// What a scan tells of its pose, and what all scans so far say of the points' noise.
+void GraphSlam::noteEvidence(const std::vector<scanmatch::PatchPoint>& points, const Pose2& T_map_robot,
+                             const scanmatch::SurfelMap& map) {
+  evidence_ = evidenceOf(points, map, T_map_robot, kKernel);
+  point_noise_.add(evidence_);
 }
 
 /// Carries the covariance on to the scan at hand. The matched pose is a mean of what the map and odometry
@@ -63,7 +67,7 @@ void GraphSlam::estimateCovariance(const Expected& e, const scanmatch::MatchResu
   const Eigen::Matrix3d S = scale * scanmatch::covarianceOf(result.posterior_information);
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero(), root = Eigen::Matrix3d::Zero();
   for (const auto& view : evidence_.by_view) H += view.information;
-  noise_ = variancePerPoint() * S * H * S;
+  noise_ = point_noise_.variance() * S * H * S;
   // The first keyframe lies where it lies; what it saw does not.
   if (keyframes_.size() == 1) keyframes_[0].root = scanmatch::rootOf(noise_);
   for (const auto& view : evidence_.by_view)
@@ -124,7 +128,7 @@ posegraph::PoseGraph GraphSlam::witnesses() const {
     add(known, known.information);
   }
   // A loop's edges were added in a row, some for each of its keyframes.
-  const double variance = kBothViews * variancePerPoint() * matchOptions(1).information_scale;
+  const double variance = kBothViews * point_noise_.variance() * matchOptions(1).information_scale;
   for (size_t loop = 0; loop < loop_begins_.size(); ++loop) {
     const auto first = static_cast<size_t>(loop_begins_[loop]);
     const auto end =

@@ -239,6 +239,7 @@ void GraphSlam::endDoubt() {
 
 /// What was mapped since the doubt began is a part of the map whose place in the rest is not known.
 void GraphSlam::startElsewhere(double score) {
+  completeClosing();
   note(core::JournalEvent::kLost, score);
   const int k = doubt_.begins;
   loosen(k);

@@ -51,6 +51,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
                                    bool has_odometry) {
   if (scan.ranges_m.size() < 2) throw core::ContractError("GraphSlam: a scan of fewer than 2 beams");
   noteScan(scan, has_odometry);
+  continueClosing();
   Step step;
   if (keyframes_.empty()) {
     addKeyframe(scan, pointsOf(scan), {}, Eigen::Matrix3d::Zero());
@@ -80,7 +81,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
     if (lost_.isLost() && doubt_.begins >= 0) startElsewhere(step.score);
     step.T_map_robot = currentPose();
   }
-  if (options_.loops && isCutOff(lastKeyframe()) && doubt_.begins < 0)
+  if (options_.loops && isCutOff(lastKeyframe()) && doubt_.begins < 0 && !closing_)
     lookForPart(parts_.back().begin, lastKeyframe());
   records_.push_back({anchor_, T_keyframe_robot_, step.drift_covariance});
   keepScan(scan);
@@ -89,6 +90,7 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
 
 void GraphSlam::startAt(const Pose2& T_map_robot) {
   if (keyframes_.empty()) throw core::ContractError("GraphSlam: startAt() without a map");
+  completeClosing();
   T_keyframe_robot_ = core::between(graph_.pose(anchor_), T_map_robot);
   T_previous_robot_ = {};
   odometry_holds_ = false;
@@ -231,6 +233,7 @@ std::vector<Pose2> GraphSlam::poses() const {
 
 void GraphSlam::finish() {
   if (keyframes_.empty()) return;
+  completeClosing();
   if (options_.loops) joinRemainingParts();
   const auto first_new = std::find_if(keyframes_.begin(), keyframes_.end(),
                                       [](const Keyframe& one) { return one.scan != kOfEarlierRun; });

@@ -1,7 +1,6 @@
 #pragma once
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <functional>
 #include <map>
 #include <memory>
@@ -16,6 +15,7 @@
 #include "libslam/graph/change_marks.h"
 #include "libslam/graph/graph_options.h"
 #include "libslam/graph/links.h"
+#include "libslam/graph/loop_judge.h"
 #include "libslam/graph/lost_detector.h"
 #include "libslam/graph/part_place.h"
 #include "libslam/graph/types.h"
@@ -128,6 +128,7 @@ class GraphSlam {
   void startAnywhere();
 
  private:
+  using Points = std::vector<scanmatch::PatchPoint>;
   /// In standard deviations of a surfel: farther points hardly count.
   static constexpr double kKernel = 3;
   /// Poses are compared on every third point.
@@ -137,8 +138,8 @@ class GraphSlam {
   static constexpr int kNoComponent = -1, kAnyComponent = -2;
 
   // graph_slam.cpp: keyframes and their edges
-  void addKeyframe(const robot::Scan& scan, std::vector<scanmatch::PatchPoint> points,
-                   const core::Pose2& T_map_robot, const Eigen::Matrix3d& information);
+  void addKeyframe(const robot::Scan& scan, Points points, const core::Pose2& T_map_robot,
+                   const Eigen::Matrix3d& information);
   void addMatchEdges(int keyframe, const core::Pose2& T_map_robot, const Eigen::Matrix3d& information);
   std::optional<scanmatch::MatchResult> matchToPass(int keyframe, const std::vector<int>& pass,
                                                     const core::Pose2& T_map_robot);
@@ -151,14 +152,12 @@ class GraphSlam {
   core::Pose2 currentPose() const;
   const Keyframe& keyframe(int k) const { return keyframes_[static_cast<size_t>(k)]; }
   // known_ground.cpp: where no more keyframes are needed
-  bool needsKeyframe(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
-                     const Step& step);
+  bool needsKeyframe(const robot::Scan& scan, const Points& points, const Step& step);
   bool isKnownGround(const robot::Scan& scan, const core::Pose2& T_map_robot) const;
   bool hasGoneOn(double share) const;
   void hangOn(int keyframe, const core::Pose2& T_map_robot);
   int keyframeBefore(int keyframe) const;
-  bool hasChanged(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
-                  const core::Pose2& T_map_robot);
+  bool hasChanged(const robot::Scan& scan, const Points& points, const core::Pose2& T_map_robot);
   void forgetGone(const robot::Scan& scan, const core::Pose2& T_map_robot);
   void retireOldest(int keyframe);
   bool mayBeMatchedTo(int k) const { return !keyframe(k).unsure && !keyframe(k).is_retired; }
@@ -174,30 +173,25 @@ class GraphSlam {
 
   // track.cpp: a scan and the map around
   static scanmatch::MatchOptions matchOptions(int max_iterations);
-  Step track(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry,
-             std::vector<scanmatch::PatchPoint>& points, Eigen::Matrix3d& information);
+  Step track(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry, Points& points,
+             Eigen::Matrix3d& information);
   Expected expect(const core::Pose2& T_previous_robot, bool has_odometry) const;
-  Start bestStart(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
-                  const Expected& expected) const;
+  Start bestStart(const robot::Scan& scan, const Points& points, const Expected& expected) const;
   double unlikely(const core::Pose2& T_map_robot, const Expected& expected) const;
-  double brokenAt(const core::Pose2& T_map_robot, const std::vector<scanmatch::PatchPoint>& points,
-                  const Expected& expected) const;
+  double brokenAt(const core::Pose2& T_map_robot, const Points& points, const Expected& expected) const;
   bool isBetter(const scanmatch::MatchResult& other, const scanmatch::MatchResult& than, double least_gain,
-                const std::vector<scanmatch::PatchPoint>& points, const Expected& expected) const;
-  bool isPoor(const scanmatch::MatchResult& result, const std::vector<scanmatch::PatchPoint>& points) const;
-  std::pair<scanmatch::MatchResult, bool> bestMatch(const robot::Scan& scan,
-                                                    const std::vector<scanmatch::PatchPoint>& points,
+                const Points& points, const Expected& expected) const;
+  bool isPoor(const scanmatch::MatchResult& result, const Points& points) const;
+  std::pair<scanmatch::MatchResult, bool> bestMatch(const robot::Scan& scan, const Points& points,
                                                     const Expected& expected);
-  std::vector<scanmatch::PatchPoint> pointsOf(const robot::Scan& scan) const;
-  scanmatch::MatchResult match(const std::vector<scanmatch::PatchPoint>& points, const LevelMaps& maps,
-                               const core::Pose2& T_start, const scanmatch::PosePrior& prior,
-                               double prior_kernel, bool with_coarse) const;
-  scanmatch::MatchResult matchFreely(const std::vector<scanmatch::PatchPoint>& points,
-                                     const std::vector<int>& keyframes, const core::Pose2& T_start,
-                                     bool with_coarse = false) const;
+  Points pointsOf(const robot::Scan& scan) const;
+  scanmatch::MatchResult match(const Points& points, const LevelMaps& maps, const core::Pose2& T_start,
+                               const scanmatch::PosePrior& prior, double prior_kernel,
+                               bool with_coarse) const;
+  scanmatch::MatchResult matchFreely(const Points& points, const std::vector<int>& keyframes,
+                                     const core::Pose2& T_start, bool with_coarse = false) const;
   const LevelMaps& mapOf(const std::vector<int>& keyframes, const core::Point2& centre) const;
-  std::optional<scanmatch::MatchResult> recover(const std::vector<scanmatch::PatchPoint>& points,
-                                                const core::Pose2& predicted,
+  std::optional<scanmatch::MatchResult> recover(const Points& points, const core::Pose2& predicted,
                                                 const core::Pose2& matched) const;
   void fill(LevelMaps& maps, const std::vector<int>& keyframes, const core::Point2& centre) const;
   std::vector<int> keyframesAround(int start, const core::Point2& centre, double path_m,
@@ -207,7 +201,7 @@ class GraphSlam {
   void setMap(const std::vector<int>& near, const core::Point2& centre);
   void setMapHere();
   void setMapNear(const core::Point2& centre);
-  double knownShare(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot) const;
+  double knownShare(const Points& points, const core::Pose2& T_map_robot) const;
   void followWheels(const core::Pose2& T_wheels, bool let_go, bool is_elsewhere, bool is_explained);
   void forgetWheels();
   void keepTo(const core::Pose2& predicted, const core::Pose2& increment, Step& step);
@@ -216,31 +210,26 @@ class GraphSlam {
   static Sight sight(const robot::Scan& seen, const core::Point2& p_lidar);
   Sight sight(int viewer, const core::Point2& p_lidar) const;
   std::vector<core::Pose2> lidarsOf(const std::vector<int>& viewers) const;
-  static View view(const robot::Scan& scan, const core::Pose2& T_viewer_points,
-                   const std::vector<scanmatch::PatchPoint>& points, size_t stride = 1);
-  View view(int viewer, const core::Pose2& T_viewer_points,
-            const std::vector<scanmatch::PatchPoint>& points) const;
+  static View view(const robot::Scan& scan, const core::Pose2& T_viewer_points, const Points& points,
+                   size_t stride = 1);
+  View view(int viewer, const core::Pose2& T_viewer_points, const Points& points) const;
   double meanConflict(const std::vector<int>& viewers, const core::Pose2& T_map_points,
-                      const std::vector<scanmatch::PatchPoint>& points) const;
-  double toldScore(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot) const;
-  double gain(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot,
-              const core::Pose2& T_map_other) const;
+                      const Points& points) const;
+  double toldScore(const Points& points, const core::Pose2& T_map_robot) const;
+  double gain(const Points& points, const core::Pose2& T_map_robot, const core::Pose2& T_map_other) const;
 
   // doubt.cpp: whether the robot was kidnapped
-  double brokenBy(const std::vector<scanmatch::PatchPoint>& points,
-                  const core::Pose2& T_previous_robot) const;
-  Break breakBefore(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
-                    const core::Pose2& T_previous_robot, const core::Pose2& T_previous_matched,
-                    bool has_odometry) const;
-  Told toldBy(const std::vector<int>& viewers, const std::vector<scanmatch::PatchPoint>& points,
-              const core::Pose2& T_map_robot, const robot::Scan* scan = nullptr) const;
-  Told trackBefore(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
-                   const core::Pose2& increment, double& explained);
-  void comeBack(const robot::Scan& scan, std::vector<scanmatch::PatchPoint> points, Step& step);
-  void lookWhetherLost(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
-                       const Step& step, const core::Pose2& increment, double broken);
-  void learnWrongPlace(const robot::Scan& scan, const std::vector<scanmatch::PatchPoint>& points,
-                       const core::Pose2& T_map_robot);
+  double brokenBy(const Points& points, const core::Pose2& T_previous_robot) const;
+  Break breakBefore(const robot::Scan& scan, const Points& points, const core::Pose2& T_previous_robot,
+                    const core::Pose2& T_previous_matched, bool has_odometry) const;
+  Told toldBy(const std::vector<int>& viewers, const Points& points, const core::Pose2& T_map_robot,
+              const robot::Scan* scan = nullptr) const;
+  Told trackBefore(const robot::Scan& scan, const Points& points, const core::Pose2& increment,
+                   double& explained);
+  void comeBack(const robot::Scan& scan, Points points, Step& step);
+  void lookWhetherLost(const robot::Scan& scan, const Points& points, const Step& step,
+                       const core::Pose2& increment, double broken);
+  void learnWrongPlace(const robot::Scan& scan, const Points& points, const core::Pose2& T_map_robot);
   std::vector<int> keyframesBeforeDoubt(const core::Pose2& T_map_robot) const;
   Trust weighDoubt(const core::Pose2& T_before, const Break& seam, Step& step);
   void beginOwnMap();
@@ -252,11 +241,9 @@ class GraphSlam {
   // covariance.cpp
   std::vector<Eigen::Matrix3d> keyframeCovariances() const;
   posegraph::PoseGraph witnesses() const;
-  void noteEvidence(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot,
-                    const scanmatch::SurfelMap& map);
+  void noteEvidence(const Points& points, const core::Pose2& T_map_robot, const scanmatch::SurfelMap& map);
   void noteMatch();
   void estimateCovariance(const Expected& expected, const scanmatch::MatchResult& result);
-  double variancePerPoint() const;
   Eigen::Matrix3d driftSinceKeyframe() const;
 
   // loops.cpp: places seen again
@@ -267,9 +254,10 @@ class GraphSlam {
   void addLoopEdges(std::vector<posegraph::Edge>& edges, const std::vector<int>& around, int keyframe,
                     const scanmatch::MatchResult& matched) const;
   void follow(Hypothesis& found);
-  static double distinctness(const std::vector<scanmatch::PatchPoint>& points, const LevelMaps& maps,
+  static double distinctness(const Points& points, const LevelMaps& maps,
                              const scanmatch::MatchResult& matched);
-  bool accept(const Hypothesis& hypothesis);
+  bool accept(const Hypothesis& hypothesis, LoopJudge& judge);
+  bool isAllowed(const Hypothesis& hypothesis, LoopJudge& judge);
   void settle();
   std::vector<core::Point2> placeAround(const std::vector<int>& keyframes) const;
 
@@ -293,14 +281,13 @@ class GraphSlam {
   std::vector<int> keyframesAtPlace(int place) const;
   std::vector<int> keyframesNear(const core::Point2& centre, int component, int most) const;
   const scanmatch::LikelihoodPyramid& pyramidOf(int place);
-  std::optional<scanmatch::MatchResult> matchAtPlace(const std::vector<scanmatch::PatchPoint>& query,
-                                                     int place, double heading_rad);
+  std::optional<scanmatch::MatchResult> matchAtPlace(const Points& query, int place, double heading_rad);
   void noteWhatStaysApart();
 
   // join.cpp: a trail and the rest of the map
   int trailSize() const;
   const core::Pose2& trailPose(int i) const;
-  const std::vector<scanmatch::PatchPoint>& trailPoints(int i) const;
+  const Points& trailPoints(int i) const;
   void lookForPart(int first, int last);
   void joinRemainingParts();
   const Join* workOnJoins(int component);
@@ -331,12 +318,17 @@ class GraphSlam {
   int endOfPart(size_t part) const;
 
   // localise.cpp: in a finished map
-  bool searchWhileLost(const std::vector<scanmatch::PatchPoint>& points, Step& step);
+  bool searchWhileLost(const Points& points, Step& step);
   void beLost(double score);
-  bool fitsMap(const std::vector<scanmatch::PatchPoint>& points, const core::Pose2& T_map_robot) const;
+  bool fitsMap(const Points& points, const core::Pose2& T_map_robot) const;
 
   std::vector<double> pathTo(int keyframe) const;
-  double optimiseGraph();
+
+  // closing.cpp: all poses found anew, a piece with every scan
+  void beginClosing(const Hypothesis& loop, bool is_linked);
+  void continueClosing();
+  void completeClosing();
+  void takeOver();
 
   // refine.cpp
   void refine();
@@ -348,6 +340,7 @@ class GraphSlam {
   std::vector<std::pair<int, int>> closures_;  ///< keyframes that accepted loops join
   std::vector<int> loop_begins_;               ///< first edge of every loop
   std::vector<Hypothesis> hypotheses_;
+  std::optional<Closing> closing_;
   std::vector<Record> records_;
   std::vector<core::JournalEntry> journal_;
   LevelMaps maps_;
@@ -358,8 +351,7 @@ class GraphSlam {
       Eigen::Matrix3d::Zero();  ///< of what odometry alone tells since the keyframe
   Eigen::Matrix3d noise_ = Eigen::Matrix3d::Zero(),
                   least_ = Eigen::Matrix3d::Zero();  ///< of one scan: its match, and with odometry
-  double squared_ = 0, dimensions_ = 0;              ///< of all scans' evidence
-  std::array<double, scanmatch::MatchEvidence::kLags> lagged_{};
+  PointNoise point_noise_;
   int anchor_ = 0;  ///< the keyframe that the robot hangs on: the last, or one of known ground
   core::Pose2 T_keyframe_robot_, T_previous_robot_;
   core::Pose2 T_keyframe_hung_, T_odometry_;  ///< when it was hung on it; by odometry since then

@@ -340,7 +340,8 @@ void GraphSlam::joinPart(const Join& join) {
   hypothesis.confirmations = join.fitting;
   hypothesis.evidence = join.distinct;
   hypothesis.edges = join.edges;
-  accept(hypothesis);
+  LoopJudge judge([this] { return witnesses(); }, keyframes_);
+  accept(hypothesis, judge);
   searchAnew();
   // The keyframes have moved.
   setMapHere();
@@ -364,6 +365,7 @@ void GraphSlam::joinRemainingParts() {
     if (p + 1 < parts_.size()) searchAnew();
     const size_t turns = 4 * kHeadings * placesBeyond(component).size() + kLongestTrail;
     for (size_t n = 0; n < turns && componentOf(first) == component; ++n) lookForPart(first, last);
+    completeClosing();
   }
 }
 

@@ -44,7 +44,8 @@ double sharedView(const robot::Scan& scan, const Pose2& T_map_robot, const robot
 
 /// Whether the keyframes around see all that a scan sees, often enough, so that one more tells nothing.
 bool GraphSlam::isKnownGround(const robot::Scan& scan, const Pose2& T_map_robot) const {
-  if (options_.known_views <= 0 || doubt_.begins >= 0 || by_wheels_ || !hypotheses_.empty()) return false;
+  if (options_.known_views <= 0 || doubt_.begins >= 0 || by_wheels_ || !hypotheses_.empty() || closing_)
+    return false;
   double views = 0;
   for (const int k : map_keyframes_)
     if (core::distance(graph_.pose(k), T_map_robot) <= kNearby * options_.keyframe_distance_m)

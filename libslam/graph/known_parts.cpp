@@ -153,7 +153,9 @@ std::optional<PartPlace> GraphSlam::placeOfPart(int first, int end, core::Progre
   hypothesis.confirmations = place.fitting;
   hypothesis.evidence = best->distinct;
   hypothesis.edges = best->edges;
-  if (!accept(hypothesis)) return std::nullopt;
+  LoopJudge judge([this] { return witnesses(); }, keyframes_);
+  if (!accept(hypothesis, judge)) return std::nullopt;
+  completeClosing();
   return place;
 }
 

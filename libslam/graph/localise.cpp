@@ -27,6 +27,7 @@ void GraphSlam::startAnywhere() {
 GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_previous_robot,
                                     bool has_odometry) {
   if (keyframes_.empty()) throw core::ContractError("GraphSlam: localise() without a map");
+  completeClosing();
   std::vector<PatchPoint> points;
   Eigen::Matrix3d information;
   noteScan(scan, has_odometry);

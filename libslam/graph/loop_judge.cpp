@@ -24,9 +24,13 @@ bool isTold(const Hypothesis& place) {
 }  // namespace
 
 double LoopJudge::innovation(const Hypothesis& loop) {
-  if (!way_) way_.emplace(witnesses_, posegraph::Marginals::Open::kBounded);
-  const Pose2& T_map_old = witnesses_.pose(loop.old_keyframe);
-  const Pose2 by_way = core::between(T_map_old, witnesses_.pose(loop.keyframe)),
+  if (!way_) {
+    const posegraph::PoseGraph graph = witnesses_();
+    poses_ = graph.poses();
+    way_.emplace(graph, posegraph::Marginals::Open::kBounded);
+  }
+  const Pose2& T_map_old = poses_[static_cast<size_t>(loop.old_keyframe)];
+  const Pose2 by_way = core::between(T_map_old, poses_[static_cast<size_t>(loop.keyframe)]),
               by_scans = core::between(T_map_old, loop.T_map_robot);
   const Eigen::Vector3d off(by_scans.x - by_way.x, by_scans.y - by_way.y,
                             core::angleDifference(by_scans.phi, by_way.phi));

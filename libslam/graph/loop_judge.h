@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -15,9 +16,9 @@ namespace slam::graph {
 /// and Navigation, 2001. Weighing places against each other, scan by scan, is ours.
 class LoopJudge {
  public:
-  /// `witnesses` has the keyframes' poses and what is known of them from one another. The keyframes have to
-  /// stay as they are meanwhile.
-  LoopJudge(posegraph::PoseGraph witnesses, const std::vector<Keyframe>& keyframes)
+  /// `witnesses` gives the keyframes' poses and what is known of them from one another; it is asked once,
+  /// when the first question comes. The keyframes have to stay as they are meanwhile.
+  LoopJudge(std::function<posegraph::PoseGraph()> witnesses, const std::vector<Keyframe>& keyframes)
       : witnesses_(std::move(witnesses)), keyframes_(keyframes) {}
 
   /// How far a loop lies from where the way between has its keyframe: squared, in standard deviations of that
@@ -28,7 +29,8 @@ class LoopJudge {
   bool isBest(const Hypothesis& loop, const std::vector<Hypothesis>& others);
 
  private:
-  posegraph::PoseGraph witnesses_;
+  std::function<posegraph::PoseGraph()> witnesses_;
+  std::vector<core::Pose2> poses_;
   std::optional<posegraph::Marginals> way_;
   const std::vector<Keyframe>& keyframes_;
 };

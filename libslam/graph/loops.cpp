@@ -6,7 +6,6 @@
 #include "libslam/graph/graph_slam.h"
 #include "libslam/graph/loop_judge.h"
 #include "libslam/graph/search.h"
-#include "libslam/posegraph/optimize.h"
 
 namespace slam::graph {
 namespace {
@@ -113,6 +112,7 @@ void GraphSlam::confirm(Hypothesis& hypothesis, int k) const {
 
 /// Follows the hypotheses to the newest keyframe, accepts what is confirmed, and searches for more.
 void GraphSlam::closeLoops() {
+  if (closing_) return;
   const int k = lastKeyframe();
   for (size_t i = 0; i < hypotheses_.size();) {
     Hypothesis& hypothesis = hypotheses_[i];
@@ -124,15 +124,15 @@ void GraphSlam::closeLoops() {
       ++i;
     }
   }
+  LoopJudge judge([this] { return witnesses(); }, keyframes_);
   const auto confirmed = std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& one) {
     return one.confirmations >= options_.loop_confirmations && one.evidence >= options_.loop_distinctness &&
-           path_m_ - one.begun_m >= options_.loop_confirm_m &&
-           LoopJudge(witnesses(), keyframes_).isBest(one, hypotheses_);
+           path_m_ - one.begun_m >= options_.loop_confirm_m && judge.isBest(one, hypotheses_);
   });
   if (confirmed != hypotheses_.end()) {
     const Hypothesis loop = *confirmed;
     hypotheses_.clear();
-    accept(loop);
+    if (accept(loop, judge)) return;
   }
   // A wide search is dear, and what it would find is still there some metres on.
   const double pause_m =
@@ -181,30 +181,33 @@ void GraphSlam::searchRemainingLoops(int first_searched) {
       forth.says.merge(back.says);
       forth.edges.insert(forth.edges.end(), back.edges.begin(), back.edges.end());
     }
+    LoopJudge judge([this] { return witnesses(); }, keyframes_);
     const auto best = std::find_if(places.begin(), places.end(), [&](const Hypothesis& one) {
       return one.confirmations >= options_.loop_confirmations && 2 * one.confirmations >= last - first + 1 &&
-             one.evidence >= options_.loop_distinctness &&
-             LoopJudge(witnesses(), keyframes_).isBest(one, places);
+             one.evidence >= options_.loop_distinctness && judge.isBest(one, places);
     });
-    if (best != places.end()) accept(*best);
+    if (best != places.end() && accept(*best, judge)) completeClosing();
   }
 }
 
-bool GraphSlam::accept(const Hypothesis& hypothesis) {
+/// Whether what was measured on the way allows for it.
+bool GraphSlam::isAllowed(const Hypothesis& hypothesis, LoopJudge& judge) {
+  if (componentOf(hypothesis.keyframe) != componentOf(hypothesis.old_keyframe)) return true;
+  const double off = judge.innovation(hypothesis);
+  if (off <= options_.loop_innovation) return true;
+  note(core::JournalEvent::kRejected, off, hypothesis.old_keyframe);
+  return false;
+}
+
+/// Its poses follow: see closing.cpp. `judge` as the keyframes stand.
+bool GraphSlam::accept(const Hypothesis& hypothesis, LoopJudge& judge) {
   const int k = hypothesis.keyframe, old = hypothesis.old_keyframe;
   note(core::JournalEvent::kConfirmed, hypothesis.confirmations, old,
        "distinct by " + std::to_string(hypothesis.evidence));
+  if (!isAllowed(hypothesis, judge)) return false;
   const double way_m = k > old ? pathTo(k)[static_cast<size_t>(old)] : pathTo(old)[static_cast<size_t>(k)];
   const int component = componentOf(k), old_component = componentOf(old);
   const bool joins = component != old_component;
-  if (!joins) {
-    const double off = LoopJudge(witnesses(), keyframes_).innovation(hypothesis);
-    if (off > options_.loop_innovation) {
-      // Nothing that was measured on the way allows for this.
-      note(core::JournalEvent::kRejected, off, old);
-      return false;
-    }
-  }
   // The one that holds the map's origin stays.
   const bool old_moves = joins && component == 0;
   if (joins) {
@@ -212,14 +215,11 @@ bool GraphSlam::accept(const Hypothesis& hypothesis) {
     const Pose2 T = old_moves ? core::inverse(T_map_part) : T_map_part;
     for (int i = 0; i < graph_.nodeCount(); ++i)
       if (componentOf(i) == (old_moves ? old_component : component)) graph_.setPose(i, T * graph_.pose(i));
+    forgetWheels();
+    links_.measure(graph_.poses());
   }
   loop_begins_.push_back(static_cast<int>(graph_.edges().size()));
   for (const auto& edge : hypothesis.edges) graph_.addEdge(edge);
-  const double chi2 = optimiseGraph();
-  for (const auto& edge : hypothesis.edges) link(edge.from, edge.to);
-  closures_.push_back({old, k});
-  settle();
-  searched_m_ = path_m_;
   note(core::JournalEvent::kAccepted, way_m, old);
   // What a loop ties to the rest needs no doubt.
   if (doubt_.begins > old && doubt_.begins <= k) endDoubt();
@@ -230,7 +230,7 @@ bool GraphSlam::accept(const Hypothesis& hypothesis) {
     note(is_back ? core::JournalEvent::kRecovered : core::JournalEvent::kJoined,
          is_back ? hypothesis.evidence : way_m, old);
   }
-  note(core::JournalEvent::kOptimised, chi2);
+  beginClosing(hypothesis, joins);
   return true;
 }
 
@@ -245,13 +245,6 @@ void GraphSlam::settle() {
   }
   covariance_ = covariances[static_cast<size_t>(anchor_)];
   ++revision_;
-}
-
-double GraphSlam::optimiseGraph() {
-  // Loops are judged whole, by accept(); one edge of a loop is no loop.
-  posegraph::OptimizeOptions options;
-  options.robust = "none";
-  return optimize(graph_, options).final_chi2;
 }
 
 }  // namespace slam::graph

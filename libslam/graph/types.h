@@ -1,12 +1,15 @@
 #pragma once
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "libslam/core/pose2.h"
 #include "libslam/graph/graph_options.h"
+#include "libslam/posegraph/optimize.h"
 #include "libslam/posegraph/pose_graph.h"
 #include "libslam/robot/scan.h"
 #include "libslam/scanmatch/surfel_matcher.h"
@@ -82,6 +85,23 @@ struct Hypothesis {
   double evidence = 0;       ///< sum of distinctness()
   std::map<int, Said> says;  ///< of every keyframe that was asked
   std::vector<posegraph::Edge> edges;
+};
+/// A loop that was accepted, while all poses are found anew.
+struct Closing {
+  std::unique_ptr<posegraph::OptimizeInPieces> work;
+  std::vector<posegraph::Edge> edges;  ///< of the loop, if they are not linked yet
+  std::pair<int, int> ends;            ///< keyframes that it joins
+  bool is_found = false;
+};
+/// Of a point's residual, in surfels' variances, as all scans so far have it.
+class PointNoise {
+ public:
+  void add(const scanmatch::MatchEvidence& evidence);
+  double variance() const;
+
+ private:
+  double squared_ = 0, dimensions_ = 0;
+  std::array<double, scanmatch::MatchEvidence::kLags> lagged_{};
 };
 /// Keyframes from `begin` to the next part's; parts of one component have known places in one another.
 struct Part {

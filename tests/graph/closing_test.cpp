@@ -1,0 +1,91 @@
+// A loop's poses are found while the robot drives on: a piece of the work with every scan.
+#include <gtest/gtest.h>
+
+#include "libslam/graph/graph_slam.h"
+#include "tests/graph/drawn_drives.h"
+
+namespace slam::graph {
+namespace {
+
+using namespace test_drives;
+
+/// Two laps, a keyframe every step or two.
+struct Laps {
+  Drive log = drive(ring(), lapsAround(2), {}, 2e-3);
+  GraphSlam graph{options()};
+
+  static GraphOptions options() {
+    GraphOptions o;
+    o.keyframe_distance_m = 0.1, o.known_views = 0;
+    return o;
+  }
+  void process(size_t i) { graph.process(log.scans[i], log.increments[i], true); }
+  bool hasNoted(core::JournalEvent event, size_t from) const {
+    const auto& journal = graph.journal();
+    return std::any_of(journal.begin() + static_cast<long>(from), journal.end(),
+                       [event](const core::JournalEntry& entry) { return entry.event == event; });
+  }
+  /// Drives on until the event is noted; the scans that it took, -1: it never came.
+  int driveUntil(core::JournalEvent event, size_t& i) {
+    const size_t noted = graph.journal().size();
+    for (int scans = 1; i < log.scans.size(); ++scans) {
+      process(i++);
+      if (hasNoted(event, noted)) return scans;
+    }
+    return -1;
+  }
+};
+
+double farthestMoved(const GraphSlam& graph, const std::vector<core::Pose2>& before) {
+  double farthest = 0;
+  for (size_t k = 0; k < before.size(); ++k)
+    farthest = std::max(farthest, core::distance(before[k], graph.keyframePose(static_cast<int>(k))));
+  return farthest;
+}
+
+TEST(Closing, MovesTheMapSomeScansAfterTheLoopWasAccepted) {
+  Laps laps;
+  size_t i = 0;
+  ASSERT_GT(laps.driveUntil(core::JournalEvent::kAccepted, i), 0);
+  const auto before = laps.graph.graph().poses();
+  const int revision = laps.graph.revision();
+  laps.process(i++);
+  EXPECT_EQ(laps.graph.revision(), revision);
+  EXPECT_EQ(farthestMoved(laps.graph, before), 0);
+  EXPECT_GT(laps.driveUntil(core::JournalEvent::kOptimised, i), 0);
+  EXPECT_GT(laps.graph.revision(), revision);
+  EXPECT_GT(farthestMoved(laps.graph, before), 0.1);
+}
+
+TEST(Closing, KeyframesThatCameMeanwhileStayWhereTheyWereReachedFrom) {
+  Laps laps;
+  size_t i = 0;
+  ASSERT_GT(laps.driveUntil(core::JournalEvent::kAccepted, i), 0);
+  const int known = laps.graph.keyframeCount();
+  laps.process(i++);
+  laps.process(i++);
+  const int newest = laps.graph.keyframeCount() - 1;
+  ASSERT_GT(newest, known) << "two keyframes since";
+  const auto pair = [&] {
+    return core::between(laps.graph.keyframePose(known - 1), laps.graph.keyframePose(newest));
+  };
+  const core::Pose2 T_known_newest = pair(), T_map_newest = laps.graph.keyframePose(newest);
+  ASSERT_GT(laps.driveUntil(core::JournalEvent::kOptimised, i), 0);
+  EXPECT_LT(core::distance(pair(), T_known_newest), 1e-9);
+  EXPECT_GT(core::distance(laps.graph.keyframePose(newest), T_map_newest), 0.1);
+}
+
+// A log may end before all pieces are done.
+TEST(Closing, IsCompletedWhenTheLogEnds) {
+  Laps laps;
+  size_t i = 0;
+  ASSERT_GT(laps.driveUntil(core::JournalEvent::kAccepted, i), 0);
+  const size_t noted = laps.graph.journal().size();
+  laps.graph.finish();
+  EXPECT_TRUE(laps.hasNoted(core::JournalEvent::kOptimised, noted));
+  laps.log.truth.resize(i);
+  EXPECT_LT(worstError(laps.graph.poses(), laps.log.truth), 0.15);
+}
+
+}  // namespace
+}  // namespace slam::graph
