@@ -11,16 +11,21 @@
 #include <mutex>
 #include <system_error>
 
-#if defined(__SANITIZE_ADDRESS__)
-#define RASTERSLAM_OWN_ALLOCATOR 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define RASTERSLAM_OWN_ALLOCATOR 1
-#endif
+#if defined(__has_feature)
+#define RASTERSLAM_HAS_FEATURE(name) __has_feature(name)
+#else
+#define RASTERSLAM_HAS_FEATURE(name) 0
 #endif
 
 namespace slam::core {
 namespace {
+
+/// AddressSanitizer's allocator reserves more addresses than any limit would leave it.
+#if defined(__SANITIZE_ADDRESS__) || RASTERSLAM_HAS_FEATURE(address_sanitizer)
+constexpr bool kReservesAddresses = true;
+#else
+constexpr bool kReservesAddresses = false;
+#endif
 
 struct Guards {
   std::mutex mutex;
@@ -47,11 +52,8 @@ std::uint64_t usedBytes() {
 
 }  // namespace
 
-#ifdef RASTERSLAM_OWN_ALLOCATOR
-MemoryGuard::MemoryGuard(std::uint64_t) {}
-MemoryGuard::~MemoryGuard() = default;
-#else
 MemoryGuard::MemoryGuard(std::uint64_t headroom_bytes) {
+  if (kReservesAddresses) return;
   auto& all = guards();
   const std::lock_guard lock(all.mutex);
   if (all.count++ == 0) getrlimit(RLIMIT_AS, &all.before);
@@ -63,11 +65,11 @@ MemoryGuard::MemoryGuard(std::uint64_t headroom_bytes) {
 }
 
 MemoryGuard::~MemoryGuard() {
+  if (kReservesAddresses) return;
   auto& all = guards();
   const std::lock_guard lock(all.mutex);
   if (--all.count == 0) setrlimit(RLIMIT_AS, &all.before);
 }
-#endif
 
 std::uint64_t fileHeadroomBytes(const std::string& path) {
   std::error_code error;
