@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the fuzzers and lets each run for a while from its seeds. Needs clang-14 and libclang-rt-14-dev.
+# Builds the fuzzers, of every reader and of the estimators, and lets each run for a while from its seeds. Needs clang-14 and libclang-rt-14-dev.
 set -euo pipefail
 
 usage() {
