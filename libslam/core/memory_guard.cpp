@@ -20,11 +20,10 @@
 namespace slam::core {
 namespace {
 
-/// AddressSanitizer's allocator reserves more addresses than any limit would leave it.
 #if defined(__SANITIZE_ADDRESS__) || RASTERSLAM_HAS_FEATURE(address_sanitizer)
-constexpr bool kReservesAddresses = true;
+constexpr bool kIsKept = false;
 #else
-constexpr bool kReservesAddresses = false;
+constexpr bool kIsKept = true;
 #endif
 
 struct Guards {
@@ -52,8 +51,12 @@ std::uint64_t usedBytes() {
 
 }  // namespace
 
+bool MemoryGuard::isKept() {
+  return kIsKept;
+}
+
 MemoryGuard::MemoryGuard(std::uint64_t headroom_bytes) {
-  if (kReservesAddresses) return;
+  if (!kIsKept) return;
   auto& all = guards();
   const std::lock_guard lock(all.mutex);
   if (all.count++ == 0) getrlimit(RLIMIT_AS, &all.before);
@@ -65,7 +68,7 @@ MemoryGuard::MemoryGuard(std::uint64_t headroom_bytes) {
 }
 
 MemoryGuard::~MemoryGuard() {
-  if (kReservesAddresses) return;
+  if (!kIsKept) return;
   auto& all = guards();
   const std::lock_guard lock(all.mutex);
   if (--all.count == 0) setrlimit(RLIMIT_AS, &all.before);

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "libslam/graph/graph_slam.h"
+#include "libslam/graph/matching.h"
 #include "libslam/graph/search.h"
-#include "libslam/posegraph/marginals.h"
 
 /// How sure GraphSlam is of its poses. A scan errs against the map by its points' noise, as their residuals
 /// tell it. The map does not lie better than the keyframes that saw its surfaces first: errors grow from one
@@ -16,16 +16,6 @@ namespace {
 using core::Point2;
 using core::Pose2;
 
-/// Of a covariance's eigenvalues, against the largest: below, they are rounding.
-constexpr double kLeastShare = 1e-15;
-
-/// How the error of a pose at `from` shows in one that is firmly joined to it and lies at `to`; map frame.
-Eigen::Matrix3d moved(const Point2& from, const Point2& to) {
-  Eigen::Matrix3d J = Eigen::Matrix3d::Identity();
-  J(0, 2) = from.y - to.y, J(1, 2) = to.x - from.x;
-  return J;
-}
-
 /// The covariance, but in no direction less than the other one, which is positive definite.
 Eigen::Matrix3d atLeast(const Eigen::Matrix3d& covariance, const Eigen::Matrix3d& least) {
   const Eigen::Matrix3d L = Eigen::LLT<Eigen::Matrix3d>(least).matrixL();
@@ -35,27 +25,11 @@ Eigen::Matrix3d atLeast(const Eigen::Matrix3d& covariance, const Eigen::Matrix3d
 
 }  // namespace
 
-void PointNoise::add(const scanmatch::MatchEvidence& evidence) {
-  squared_ += evidence.squared, dimensions_ += evidence.dimensions;
-  for (size_t lag = 0; lag < lagged_.size(); ++lag) lagged_[lag] += evidence.lagged[lag];
-}
-
-/// With what neighbouring points have in common (Newey and West, Econometrica 55, 1987: triangular weights
-/// keep it positive).
-double PointNoise::variance() const {
-  if (!(dimensions_ > 0) || !(squared_ > 0)) return 1;
-  const double lags = static_cast<double>(lagged_.size()) + 1;
-  double common = 1;
-  for (size_t lag = 0; lag < lagged_.size(); ++lag)
-    common += 2 * (1 - static_cast<double>(lag + 1) / lags) * lagged_[lag] / squared_;
-  return squared_ / dimensions_ * std::max(common, 1.0);
-}
-
 /// What a scan tells of its pose, and what all scans so far say of the points' noise.
 void GraphSlam::noteEvidence(const std::vector<scanmatch::PatchPoint>& points, const Pose2& T_map_robot,
                              const scanmatch::SurfelMap& map) {
   evidence_ = evidenceOf(points, map, T_map_robot, kKernel);
-  point_noise_.add(evidence_);
+  map_->pointNoise().add(evidence_);
 }
 
 /// Carries the covariance on to the scan at hand. The matched pose is a mean of what the map and odometry
@@ -67,12 +41,12 @@ void GraphSlam::estimateCovariance(const Expected& e, const scanmatch::MatchResu
   const Eigen::Matrix3d S = scale * scanmatch::covarianceOf(result.posterior_information);
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero(), root = Eigen::Matrix3d::Zero();
   for (const auto& view : evidence_.by_view) H += view.information;
-  noise_ = point_noise_.variance() * S * H * S;
+  noise_ = map_->pointNoise().variance() * S * H * S;
   // The first keyframe lies where it lies; what it saw does not.
-  if (keyframes_.size() == 1) keyframes_[0].root = scanmatch::rootOf(noise_);
+  if (map_->keyframes().size() == 1) map_->keyframes()[0].root = scanmatch::rootOf(noise_);
   for (const auto& view : evidence_.by_view)
-    root +=
-        S * view.information * moved(core::position(graph_.pose(view.view)), here) * keyframe(view.view).root;
+    root += S * view.information * moved(core::position(map_->pose(view.view)), here) *
+            map_->keyframe(view.view).root;
   const Eigen::Matrix3d stays = Eigen::Matrix3d::Identity() - S * H;
   const Eigen::Matrix3d since = moved(core::position(e.T_before), here);
   const Eigen::Matrix3d Q =
@@ -93,7 +67,7 @@ Eigen::Matrix3d GraphSlam::driftSinceKeyframe() const {
 /// From where the newest keyframe's pose is known, and how well: by what its covariance has grown since, and
 /// no better than one match tells.
 void GraphSlam::noteMatch() {
-  Keyframe& newest = keyframes_.back();
+  Keyframe& newest = map_->keyframes().back();
   const auto& views = evidence_.by_view;
   if (views.empty()) return;
   const auto ofPosition = [](const scanmatch::ViewInformation& view) {
@@ -102,60 +76,21 @@ void GraphSlam::noteMatch() {
   const auto most = std::max_element(views.begin(), views.end(), [&](const auto& a, const auto& b) {
     return ofPosition(a) < ofPosition(b);
   });
-  const Keyframe& first = keyframe(most->view);
-  const Pose2& T = graph_.pose(lastKeyframe());
-  const Eigen::Matrix3d J = moved(core::position(graph_.pose(most->view)), core::position(T));
+  const Keyframe& first = map_->keyframe(most->view);
+  const Pose2& T = map_->pose(map_->lastKeyframe());
+  const Eigen::Matrix3d J = moved(core::position(map_->pose(most->view)), core::position(T));
   const Eigen::Matrix3d grown = newest.covariance - J * first.covariance * J.transpose();
   newest.matched_to = most->view;
   newest.information = scanmatch::turned(scanmatch::covarianceOf(atLeast(grown, least_)), T.phi);
 }
 
-/// The keyframes, with what is known of each from one other, and of a loop as much as one match tells.
-posegraph::PoseGraph GraphSlam::witnesses() const {
-  posegraph::PoseGraph result;
-  for (const Pose2& T : graph_.poses()) result.addNode(T);
-  result.setFixed(0);
-  const auto& edges = graph_.edges();
-  const auto add = [&](posegraph::Edge edge, const Eigen::Matrix3d& information) {
-    edge.T_from_to = core::between(graph_.pose(edge.from), graph_.pose(edge.to));
-    edge.information = scanmatch::edgeInformation(information, 0);
-    result.addEdge(edge);
-  };
-  for (int k = 1; k < graph_.nodeCount(); ++k) {
-    posegraph::Edge known = edges[static_cast<size_t>(keyframe(k).odometry_edge)];
-    if (keyframe(k).matched_to >= 0)
-      known.from = keyframe(k).matched_to, known.information = keyframe(k).information;
-    add(known, known.information);
-  }
-  // A loop's edges were added in a row, some for each of its keyframes.
-  const double variance = kBothViews * point_noise_.variance() * matchOptions(1).information_scale;
-  for (size_t loop = 0; loop < loop_begins_.size(); ++loop) {
-    const auto first = static_cast<size_t>(loop_begins_[loop]);
-    const auto end =
-        loop + 1 < loop_begins_.size() ? static_cast<size_t>(loop_begins_[loop + 1]) : edges.size();
-    const auto isOfLoop = [&](size_t i) { return i < end && edges[i].kind == posegraph::EdgeKind::kLoop; };
-    int confirmations = 0;
-    for (size_t i = first; isOfLoop(i); ++i) confirmations += i == first || edges[i].to != edges[i - 1].to;
-    for (size_t i = first; isOfLoop(i); ++i)
-      if (edges[i].on) add(edges[i], edges[i].information / (variance * confirmations));
-  }
-  return result;
-}
-
-std::vector<Eigen::Matrix3d> GraphSlam::keyframeCovariances() const {
-  // Leaps of odometry may leave a pose held by no more than rounding.
-  auto covariances = posegraph::Marginals(witnesses(), posegraph::Marginals::Open::kBounded).all();
-  for (auto& covariance : covariances) covariance = scanmatch::withoutNegatives(covariance, kLeastShare, 0);
-  return covariances;
-}
-
 std::vector<Eigen::Matrix3d> GraphSlam::covariances() const {
   std::vector<Eigen::Matrix3d> result;
   if (records_.empty()) return result;
-  const auto keyframes = keyframeCovariances();
+  const auto keyframes = map_->keyframeCovariances();
   result.reserve(records_.size());
   for (const auto& record : records_) {
-    const Pose2& T_map_keyframe = graph_.pose(record.keyframe);
+    const Pose2& T_map_keyframe = map_->pose(record.keyframe);
     const Eigen::Matrix3d J =
         moved(core::position(T_map_keyframe), core::position(T_map_keyframe * record.T_keyframe_robot));
     result.push_back(J * keyframes[static_cast<size_t>(record.keyframe)] * J.transpose() +

@@ -3,6 +3,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/graph/graph_slam.h"
+#include "libslam/graph/matching.h"
 #include "libslam/graph/search.h"
 
 namespace slam::graph {
@@ -75,32 +76,6 @@ double Told::against(double explained) const {
   return against + explained > 0 ? against / (against + explained) : 0;
 }
 
-/// What keyframes and a scan at a pose say of each other: their beams of its points, and its beams of theirs,
-/// on average. Without the scan: their beams alone.
-Told GraphSlam::toldBy(const std::vector<int>& viewers, const std::vector<PatchPoint>& points,
-                       const Pose2& T_map_robot, const robot::Scan* scan) const {
-  Told told;
-  if (viewers.empty() || points.empty()) return told;
-  const auto add = [](const View& seen, size_t asked, double& passed, double& share) {
-    const double all = static_cast<double>((asked + kStride - 1) / kStride);
-    passed += seen.passed / all;
-    share += (seen.agreed + seen.passed) / all;
-  };
-  for (const int viewer : viewers) {
-    double passed = 0, theirs = 0, its = 0;
-    const Pose2 T_viewer_scan = core::between(graph_.pose(viewer), T_map_robot);
-    add(view(keyframe(viewer).seen, T_viewer_scan, points, kStride), points.size(), passed, theirs);
-    const auto& known = keyframe(viewer).points;
-    if (scan != nullptr && !known.empty())
-      add(view(*scan, core::inverse(T_viewer_scan), known, kStride), known.size(), passed, its);
-    if (theirs + its > 0) told.contradicted += passed / (theirs + its);
-    told.telling += std::max(theirs, its);
-  }
-  told.contradicted /= static_cast<double>(viewers.size());
-  told.telling /= static_cast<double>(viewers.size());
-  return told;
-}
-
 /// What a scan says of whether the robot was kidnapped. A scan that the map explains does not contradict it,
 /// whatever beams went through where somebody stands now.
 void GraphSlam::lookWhetherLost(const robot::Scan& scan, const std::vector<PatchPoint>& points,
@@ -108,11 +83,11 @@ void GraphSlam::lookWhetherLost(const robot::Scan& scan, const std::vector<Patch
   Told told;
   double explained = step.score;
   if (doubt_.begins < 0) {
-    told = toldBy(firstOf(map_keyframes_, kAskedViewers), points, step.T_map_robot, &scan);
+    told = map_->toldBy(firstOf(map_keyframes_, kAskedViewers), points, step.T_map_robot, &scan);
   } else {
     told = trackBefore(scan, points, increment, explained);
     // People who walk about contradict what was seen a moment ago, too.
-    const auto own = toldBy(firstOf(map_keyframes_, kAskedViewers), points, step.T_map_robot, &scan);
+    const auto own = map_->toldBy(firstOf(map_keyframes_, kAskedViewers), points, step.T_map_robot, &scan);
     told.contradicted = std::max(told.contradicted - own.contradicted, 0.0);
   }
   LostDetector::Look look{};
@@ -136,8 +111,8 @@ Told GraphSlam::trackBefore(const robot::Scan& scan, const std::vector<PatchPoin
   prior.information = scanmatch::poseInformation(step.sigma_xy_m, step.sigma_turn_rad);
   const auto matched = match(points, *doubt_.maps, prior.mean, prior, 0, true);
   const auto as_matched =
-      toldBy(keyframesBeforeDoubt(matched.T_map_robot), points, matched.T_map_robot, &scan);
-  const auto as_led = toldBy(keyframesBeforeDoubt(prior.mean), points, prior.mean, &scan);
+      map_->toldBy(keyframesBeforeDoubt(matched.T_map_robot), points, matched.T_map_robot, &scan);
+  const auto as_led = map_->toldBy(keyframesBeforeDoubt(prior.mean), points, prior.mean, &scan);
   const bool fits = as_matched.contradicted <= as_led.contradicted;
   doubt_.T_map_robot = fits ? matched.T_map_robot : prior.mean;
   doubt_.information = fits ? matched.information : prior.information;
@@ -161,14 +136,14 @@ void GraphSlam::learnWrongPlace(const robot::Scan& scan, const std::vector<Patch
   flat.information.setIdentity();
   const auto matched = match(points, maps_, wrong, flat, 0, true);
   if (std::abs(core::angleDifference(matched.T_map_robot.phi, T_map_robot.phi)) < kFoundBack_rad) return;
-  lost_.learnWrong(toldBy(viewers, points, matched.T_map_robot, &scan).against(matched.score));
+  lost_.learnWrong(map_->toldBy(viewers, points, matched.T_map_robot, &scan).against(matched.score));
 }
 
 /// The keyframes from before the doubt that can say most of a pose: the nearest.
 std::vector<int> GraphSlam::keyframesBeforeDoubt(const Pose2& T_map_robot) const {
   std::vector<int> before;
-  for (const int k : keyframesWithin(core::position(T_map_robot), options_.map_radius_m)) {
-    if (k < doubt_.begins && componentOf(k) == componentOf(doubt_.begins)) before.push_back(k);
+  for (const int k : map_->keyframesWithin(core::position(T_map_robot), options_.map_radius_m)) {
+    if (k < doubt_.begins && map_->componentOf(k) == map_->componentOf(doubt_.begins)) before.push_back(k);
     if (static_cast<int>(before.size()) == kAskedViewers) break;
   }
   return before;
@@ -202,7 +177,7 @@ Trust GraphSlam::weighDoubt(const Pose2& T_before, const Break& seam, Step& step
 /// The next keyframe begins a map of its own, for as long as the doubt lasts.
 void GraphSlam::beginOwnMap() {
   forgetWheels();
-  doubt_.begins = graph_.nodeCount();
+  doubt_.begins = map_->size();
   doubt_.maps = std::make_shared<LevelMaps>(maps_);
   doubt_.T_map_robot = currentPose();
   map_keyframes_.clear();
@@ -214,14 +189,14 @@ void GraphSlam::beginOwnMap() {
 void GraphSlam::comeBack(const robot::Scan& scan, std::vector<PatchPoint> points, Step& step) {
   const Pose2 T_map_robot = doubt_.T_map_robot;
   const Eigen::Matrix3d information = doubt_.information;
-  const int before = keyframeBefore(doubt_.begins), k = graph_.nodeCount();
+  const int before = map_->keyframeBefore(doubt_.begins), k = map_->size();
   forgetWheels();
   map_keyframes_ = keyframesBeforeDoubt(T_map_robot);
-  T_keyframe_robot_ = core::between(graph_.pose(anchor_), T_map_robot);
+  T_keyframe_robot_ = core::between(map_->pose(anchor_), T_map_robot);
   noteEvidence(points, T_map_robot, doubt_.maps->fine);
   doubt_.begins = k;  // no link to the keyframe before
   addKeyframe(scan, std::move(points), T_map_robot, information);
-  link(before, k);
+  map_->link(before, k);
   lost_.dismiss();
   doubt_ = {};
   held_back_ = 0;
@@ -231,7 +206,7 @@ void GraphSlam::comeBack(const robot::Scan& scan, std::vector<PatchPoint> points
 
 /// The doubt ends without an answer: what was mapped meanwhile is a part of the rest.
 void GraphSlam::endDoubt() {
-  link(keyframeBefore(doubt_.begins), doubt_.begins);
+  map_->link(map_->keyframeBefore(doubt_.begins), doubt_.begins);
   lost_.dismiss();
   doubt_ = {};
   held_back_ = 0;
@@ -240,19 +215,18 @@ void GraphSlam::endDoubt() {
 /// What was mapped since the doubt began is a part of the map whose place in the rest is not known.
 void GraphSlam::startElsewhere(double score) {
   completeClosing();
-  note(core::JournalEvent::kLost, score);
+  map_->note(core::JournalEvent::kLost, score);
   const int k = doubt_.begins;
   loosen(k);
-  for (int i = k; i < graph_.nodeCount(); ++i) {
-    keyframes_[static_cast<size_t>(i)].path_m += kGapPath_m;
-    keyframes_[static_cast<size_t>(i)].covariance = covariance_;
-    keyframes_[static_cast<size_t>(i)].root = scanmatch::rootOf(covariance_);
+  for (int i = k; i < map_->size(); ++i) {
+    map_->keyframes()[static_cast<size_t>(i)].path_m += kGapPath_m;
+    map_->keyframes()[static_cast<size_t>(i)].covariance = covariance_;
+    map_->keyframes()[static_cast<size_t>(i)].root = scanmatch::rootOf(covariance_);
   }
-  path_m_ += kGapPath_m;
-  searched_m_ = path_m_;
+  map_->drive(kGapPath_m);
   moveHeldBackTo(k);
   beginPart(k);
-  hypotheses_.clear();
+  loops_.forget();
   lost_.restart();
   doubt_ = {};
   held_back_ = 0;
@@ -260,21 +234,21 @@ void GraphSlam::startElsewhere(double score) {
 
 /// Nothing is known of how keyframe k lies to the one before.
 void GraphSlam::loosen(int k) {
-  posegraph::Edge gap = graph_.edges()[static_cast<size_t>(keyframe(k).odometry_edge)];
-  graph_.setOn(keyframe(k).odometry_edge, false);
-  closures_.erase(std::remove(closures_.begin(), closures_.end(), std::pair(gap.from, k)), closures_.end());
+  posegraph::Edge gap = map_->graph().edges()[static_cast<size_t>(map_->keyframe(k).odometry_edge)];
+  map_->graph().setOn(map_->keyframe(k).odometry_edge, false);
+  map_->removeClosure(gap.from, k);
   gap.information = scanmatch::poseInformation(kGap_m, kGap_rad);
-  keyframes_[static_cast<size_t>(k)].odometry_edge = graph_.addEdge(gap);
+  map_->keyframes()[static_cast<size_t>(k)].odometry_edge = map_->graph().addEdge(gap);
   covariance_ = scanmatch::covarianceOf(gap.information);
 }
 
 /// The scans that were held back when the doubt began belong to the new part.
 void GraphSlam::moveHeldBackTo(int k) {
-  const Pose2& T_map_keyframe = graph_.pose(k);
-  const int first = keyframe(k).scan;
+  const Pose2& T_map_keyframe = map_->pose(k);
+  const int first = map_->keyframe(k).scan;
   for (int i = std::max(first - held_back_ + 1, 0); i < first; ++i) {
     auto& record = records_[static_cast<size_t>(i)];
-    const Pose2 T_map_robot = graph_.pose(record.keyframe) * record.T_keyframe_robot;
+    const Pose2 T_map_robot = map_->pose(record.keyframe) * record.T_keyframe_robot;
     record = {k, core::between(T_map_keyframe, T_map_robot), record.drift_covariance};
   }
 }

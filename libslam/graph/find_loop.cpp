@@ -6,7 +6,8 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/middle_value.h"
-#include "libslam/graph/graph_slam.h"
+#include "libslam/graph/loop_closer.h"
+#include "libslam/graph/matching.h"
 #include "libslam/graph/search.h"
 #include "libslam/scanmatch/correlative_search.h"
 
@@ -62,46 +63,47 @@ std::vector<PatchPoint> thinned(const std::vector<PatchPoint>& points, double si
 }
 
 /// From keyframe k, how far it is to each of the old ones.
-LoopSearch GraphSlam::loopSearch(int k) const {
+LoopSearch LoopCloser::loopSearch(int k) const {
   LoopSearch search;
   search.keyframe = k;
-  search.way_m = pathTo(k);
-  const int component = componentOf(k);
+  search.way_m = map_->pathTo(k);
+  const int component = map_->componentOf(k);
   for (int old = 0; old < k; ++old)
-    if (componentOf(old) != component)
+    if (map_->componentOf(old) != component)
       search.way_m[static_cast<size_t>(old)] =
-          keyframe(k).path_m - keyframe(old).path_m - gapsBetween(old, k) * kGapPath_m;
-  search.is_local.assign(keyframes_.size(), 0);
-  for (const int local : keyframesAround(k, core::position(graph_.pose(k)), options_.map_path_m, 1e9))
+          map_->keyframe(k).path_m - map_->keyframe(old).path_m - map_->gapsBetween(old, k) * kGapPath_m;
+  search.is_local.assign(map_->keyframes().size(), 0);
+  for (const int local : map_->keyframesAround(k, core::position(map_->pose(k)), options_->map_path_m, 1e9))
     search.is_local[static_cast<size_t>(local)] = 1;
   return search;
 }
 
 /// With the scans of the keyframes [first, last] around it.
-void GraphSlam::gatherQuery(LoopSearch& search, int first, int last) const {
+void LoopCloser::gatherQuery(LoopSearch& search, int first, int last) const {
   std::vector<PatchPoint> query;
   for (int i = last; i >= first; --i) {
-    const Pose2 T_k_i = core::between(graph_.pose(search.keyframe), graph_.pose(i));
-    for (const auto& point : keyframe(i).points) query.push_back(T_k_i * point);
+    const Pose2 T_k_i = core::between(map_->pose(search.keyframe), map_->pose(i));
+    for (const auto& point : map_->keyframe(i).points) query.push_back(T_k_i * point);
   }
   search.points = searchPoints(query, kMostQueryPoints);
   search.match_points = thinned(query, kQueryMatchSpacing_m);
   search.view_m = viewRadius(search.points);
 }
 
-double GraphSlam::loopReach(const LoopSearch& search, int old) const {
-  const double least_m = componentOf(old) == componentOf(search.keyframe) ? options_.loop_reach_m : kNoGap_m;
-  return std::min(least_m + options_.loop_reach_per_m * search.way_m[static_cast<size_t>(old)],
-                  options_.loop_reach_most_m);
+double LoopCloser::loopReach(const LoopSearch& search, int old) const {
+  const double least_m =
+      map_->componentOf(old) == map_->componentOf(search.keyframe) ? options_->loop_reach_m : kNoGap_m;
+  return std::min(least_m + options_->loop_reach_per_m * search.way_m[static_cast<size_t>(old)],
+                  options_->loop_reach_most_m);
 }
 
 /// Old keyframes that drift could have carried apart from it, the nearest first.
-std::vector<int> GraphSlam::loopCandidates(const LoopSearch& search) const {
+std::vector<int> LoopCloser::loopCandidates(const LoopSearch& search) const {
   const int k = search.keyframe;
   std::vector<std::pair<double, int>> by_distance;
   for (int old = 0; old < k; ++old) {
     if (search.is_local[static_cast<size_t>(old)]) continue;
-    const double away_m = core::distance(graph_.pose(old), graph_.pose(k));
+    const double away_m = core::distance(map_->pose(old), map_->pose(k));
     if (away_m < loopReach(search, old) + 1) by_distance.push_back({away_m, old});
   }
   std::sort(by_distance.begin(), by_distance.end());
@@ -112,18 +114,19 @@ std::vector<int> GraphSlam::loopCandidates(const LoopSearch& search) const {
 
 /// Looks for a place where the scans of the keyframes [query_first, query_last] around k were seen before:
 /// the best one, and after it the best elsewhere in its window that explains nearly as much.
-std::vector<Hypothesis> GraphSlam::findLoop(int k, int query_first, int query_last) {
+std::vector<Hypothesis> LoopCloser::findLoop(int k, int query_first, int query_last) {
   LoopSearch search = loopSearch(k);
   const auto candidates = loopCandidates(search);
   if (candidates.empty()) return {};
   gatherQuery(search, query_first, query_last);
   searched_reach_m_ = 0;
-  std::vector<char> is_tried(keyframes_.size(), 0);
+  std::vector<char> is_tried(map_->keyframes().size(), 0);
   int places = 0;
   for (const int old : candidates) {
     if (is_tried[static_cast<size_t>(old)]) continue;
     if (++places > kMostPlaces) break;
-    for (const int tried : keyframesAround(old, core::position(graph_.pose(old)), options_.map_path_m, 1e9))
+    for (const int tried :
+         map_->keyframesAround(old, core::position(map_->pose(old)), options_->map_path_m, 1e9))
       is_tried[static_cast<size_t>(tried)] = 1;
     if (auto found = loopsAt(search, old); !found.empty()) return found;
   }
@@ -131,28 +134,28 @@ std::vector<Hypothesis> GraphSlam::findLoop(int k, int query_first, int query_la
 }
 
 /// The same around one old keyframe.
-std::vector<Hypothesis> GraphSlam::loopsAt(const LoopSearch& search, int old) {
-  auto around = keyframesAround(old, core::position(graph_.pose(old)), kPlacePath_m, kPlaceRadius_m);
+std::vector<Hypothesis> LoopCloser::loopsAt(const LoopSearch& search, int old) {
+  auto around = map_->keyframesAround(old, core::position(map_->pose(old)), kPlacePath_m, kPlaceRadius_m);
   around.erase(std::remove_if(around.begin(), around.end(),
                               [&](int a) { return search.is_local[static_cast<size_t>(a)] != 0; }),
                around.end());
-  around = firstOf(std::move(around), options_.map_keyframes);
+  around = firstOf(std::move(around), options_->map_keyframes);
   // A wide window is searched on a coarser raster: it costs as its cube. So is a wide view: the angle
   // between two beams leaves it no finer detail, and every turn that it tells apart costs.
   const double reach_m = loopReach(search, old);
   const double coarser =
       std::clamp(std::max(reach_m / kFineReach_m, search.view_m / kFineView_m), 1.0, kCoarsest);
-  pyramid_.build(placeAround(around), coarser * kSearchCell_m, coarser * kSearchSigma_m, kSearchLevels);
+  pyramid_.build(map_->placeAround(around), coarser * kSearchCell_m, coarser * kSearchSigma_m, kSearchLevels);
   scanmatch::SearchWindow window{
       reach_m, std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * search.way_m[static_cast<size_t>(old)],
                         kSearchTurnMost_rad)};
   searched_reach_m_ = std::max(searched_reach_m_, window.half_xy_m);
   std::vector<Hypothesis> loops;
-  const Pose2& here = graph_.pose(search.keyframe);
-  if (const auto best = searchBest(pyramid_, search.points, here, window, options_.loop_search_score)) {
-    note(core::JournalEvent::kSearched, best->score, old);
+  const Pose2& here = map_->pose(search.keyframe);
+  if (const auto best = searchBest(pyramid_, search.points, here, window, options_->loop_search_score)) {
+    map_->note(core::JournalEvent::kSearched, best->score, old);
     if (const auto loop =
-            loopFrom(search, old, around, best->T_map_robot, coarser > 1, options_.loop_score)) {
+            loopFrom(search, old, around, best->T_map_robot, coarser > 1, options_->loop_score)) {
       loops.push_back(*loop);
       window.apart_m = kRivalApart_m, window.not_at = core::position(best->T_map_robot);
       if (const auto rival = searchBest(pyramid_, search.points, here, window, kRivalShare * best->score))
@@ -164,21 +167,21 @@ std::vector<Hypothesis> GraphSlam::loopsAt(const LoopSearch& search, int old) {
 }
 
 /// A place that was found around an old keyframe, if its map, matched, explains what is searched for.
-std::optional<Hypothesis> GraphSlam::loopFrom(const LoopSearch& search, int old,
-                                              const std::vector<int>& around, const Pose2& T_found,
-                                              bool is_coarse, double least_score) {
-  const auto matched = matchFreely(search.match_points, around, T_found, is_coarse);
+std::optional<Hypothesis> LoopCloser::loopFrom(const LoopSearch& search, int old,
+                                               const std::vector<int>& around, const Pose2& T_found,
+                                               bool is_coarse, double least_score) {
+  const auto matched = map_->matchFreely(search.match_points, around, T_found, is_coarse);
   std::vector<int> viewers;
   for (const int a : around)
-    if (core::distance(graph_.pose(a), matched.T_map_robot) <= kViewerDistance_m) viewers.push_back(a);
-  const double conflict = meanConflict(firstOf(std::move(viewers), kViewers), matched.T_map_robot,
-                                       keyframe(search.keyframe).points);
-  if (matched.score < least_score || conflict > 2 * options_.loop_conflict) return std::nullopt;
-  note(core::JournalEvent::kFound, matched.score, old);
+    if (core::distance(map_->pose(a), matched.T_map_robot) <= kViewerDistance_m) viewers.push_back(a);
+  const double conflict = map_->meanConflict(firstOf(std::move(viewers), kViewers), matched.T_map_robot,
+                                             map_->keyframe(search.keyframe).points);
+  if (matched.score < least_score || conflict > 2 * options_->loop_conflict) return std::nullopt;
+  map_->note(core::JournalEvent::kFound, matched.score, old);
   Hypothesis hypothesis;
   hypothesis.keyframe = search.keyframe, hypothesis.old_keyframe = old;
   hypothesis.T_map_robot = matched.T_map_robot;
-  hypothesis.begun_m = path_m_;
+  hypothesis.begun_m = map_->path_m();
   return hypothesis;
 }
 

@@ -1,4 +1,5 @@
 #include "libslam/graph/graph_slam.h"
+#include "libslam/graph/matching.h"
 #include "libslam/graph/search.h"
 
 #include <algorithm>
@@ -11,7 +12,6 @@
 namespace slam::graph {
 namespace {
 
-using core::Point2;
 using core::Pose2;
 using scanmatch::PatchPoint;
 
@@ -23,38 +23,27 @@ constexpr double kLeastTelling = 0.2;
 
 }  // namespace
 
-LevelMaps::LevelMaps(const GraphOptions& o, bool two_sided)
-    : fine(o.cell_m, o.blur_m, two_sided),
-      middle(2 * o.cell_m, o.blur_m + 0.02),
-      coarse(4 * o.cell_m, o.blur_m + 0.07) {}
-
 GraphSlam::GraphSlam(const GraphOptions& options)
     : options_(options),
+      map_(std::make_unique<KeyframeMap>(options)),
+      loops_(*map_),
+      finder_(*map_),
       maps_(options, true),
-      scratch_(options, false),
       pass_map_(options.cell_m, options.blur_m, true) {}
 
-void GraphSlam::note(core::JournalEvent event, double value, int other_keyframe, const std::string& detail) {
-  journal_.push_back({static_cast<int>(records_.size()), event, value,
-                      other_keyframe < 0 ? -1 : keyframe(other_keyframe).scan, detail});
-}
-
 Pose2 GraphSlam::currentPose() const {
-  return graph_.pose(anchor_) * T_keyframe_robot_;
-}
-
-void GraphSlam::link(int a, int b) {
-  links_.join(a, b, core::distance(graph_.pose(a), graph_.pose(b)));
+  return map_->pose(anchor_) * T_keyframe_robot_;
 }
 
 GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previous_robot,
                                    bool has_odometry) {
   if (scan.ranges_m.size() < 2) throw core::ContractError("GraphSlam: a scan of fewer than 2 beams");
   noteScan(scan, has_odometry);
-  continueClosing();
+  // What a doubt holds of the map would not move with it.
+  if (loops_.continueClosing(doubt_.begins < 0 && held_back_ == 0)) haveMoved();
   Step step;
-  if (keyframes_.empty()) {
-    addKeyframe(scan, pointsOf(scan), {}, Eigen::Matrix3d::Zero());
+  if (map_->keyframes().empty()) {
+    addKeyframe(scan, pointsOf(scan, options_), {}, Eigen::Matrix3d::Zero());
     step.is_keyframe = true;
   } else {
     std::vector<PatchPoint> points;
@@ -75,23 +64,24 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
       if (doubt_.begins < 0) learnWrongPlace(scan, points, step.T_map_robot);
       if (trust == Trust::kOwnMap) beginOwnMap();
       addKeyframe(scan, std::move(points), step.T_map_robot, information);
-      if (trust == Trust::kWell && is_known_ground_) retireOldest(lastKeyframe());
+      if (trust == Trust::kWell && is_known_ground_) retireOldest(map_->lastKeyframe());
       step.pose_covariance = covariance_;
     }
     if (lost_.isLost() && doubt_.begins >= 0) startElsewhere(step.score);
     step.T_map_robot = currentPose();
   }
-  if (options_.loops && isCutOff(lastKeyframe()) && doubt_.begins < 0 && !closing_)
-    lookForPart(parts_.back().begin, lastKeyframe());
+  if (options_.loops && map_->isCutOff(map_->lastKeyframe()) && doubt_.begins < 0 && !loops_.isClosing())
+    lookForPart(map_->parts().back().begin, map_->lastKeyframe());
   records_.push_back({anchor_, T_keyframe_robot_, step.drift_covariance});
+  map_->nextScan();
   keepScan(scan);
   return step;
 }
 
 void GraphSlam::startAt(const Pose2& T_map_robot) {
-  if (keyframes_.empty()) throw core::ContractError("GraphSlam: startAt() without a map");
+  if (map_->keyframes().empty()) throw core::ContractError("GraphSlam: startAt() without a map");
   completeClosing();
-  T_keyframe_robot_ = core::between(graph_.pose(anchor_), T_map_robot);
+  T_keyframe_robot_ = core::between(map_->pose(anchor_), T_map_robot);
   T_previous_robot_ = {};
   odometry_holds_ = false;
   covariance_.setZero(), from_keyframe_.setZero();
@@ -99,7 +89,7 @@ void GraphSlam::startAt(const Pose2& T_map_robot) {
   lost_.restart();
   doubt_ = {};
   is_lost_ = false;
-  joins_.clear(), trail_.clear();
+  finder_.endTrail();
   setMapNear(core::position(T_map_robot));
 }
 
@@ -113,12 +103,12 @@ bool GraphSlam::isApart(int keyframe, const std::vector<int>& others) {
 /// agree.
 std::vector<int> GraphSlam::partnersOf(int k, const std::vector<int>& near, const Pose2& T_map_robot) const {
   std::vector<int> partners;
-  const auto& points = keyframe(k).points;
+  const auto& points = map_->keyframe(k).points;
   for (const int other : near) {
     if (other == k) continue;
     if (!isApart(other, partners)) continue;
-    if (other != keyframeBefore(k)) {
-      const View seen = view(other, core::between(graph_.pose(other), T_map_robot), points);
+    if (other != map_->keyframeBefore(k)) {
+      const View seen = map_->view(other, core::between(map_->pose(other), T_map_robot), points);
       if (seen.conflict() > options_.link_conflict ||
           seen.agreed < options_.link_agreed * static_cast<double>(points.size()))
         continue;
@@ -134,14 +124,14 @@ std::vector<int> GraphSlam::partnersOf(int k, const std::vector<int>& near, cons
 int GraphSlam::addOdometryEdge(int k) {
   posegraph::Edge edge;
   edge.from = anchor_, edge.to = k;
-  edge.T_from_to = odometry_holds_ ? T_odometry_ : core::between(graph_.pose(anchor_), graph_.pose(k));
+  edge.T_from_to = odometry_holds_ ? T_odometry_ : core::between(map_->pose(anchor_), map_->pose(k));
   const double factor = odometry_holds_ ? 1 : kDistrustedFactor;
   const double move_m = core::hypot(edge.T_from_to.x, edge.T_from_to.y),
                turn_rad = std::abs(edge.T_from_to.phi);
   edge.information = scanmatch::poseInformation(
       factor * (options_.odometry_xy_m + options_.odometry_xy_per_m * move_m),
       factor * (options_.odometry_turn_rad + options_.odometry_turn_per_rad * turn_rad));
-  return graph_.addEdge(edge);
+  return map_->graph().addEdge(edge);
 }
 
 /// Ties keyframe k to those that it was matched to. Those of an earlier pass may not lie as these do: each
@@ -150,7 +140,7 @@ int GraphSlam::addOdometryEdge(int k) {
 void GraphSlam::addMatchEdges(int k, const Pose2& T_map_robot, const Eigen::Matrix3d& information) {
   std::vector<int> lately, before;
   for (const int other : map_keyframes_) {
-    const bool is_late = std::abs(path_m_ - keyframe(other).path_m) < options_.map_path_m;
+    const bool is_late = std::abs(map_->path_m() - map_->keyframe(other).path_m) < options_.map_path_m;
     (is_late ? lately : before).push_back(other);
   }
   const bool are_two = !lately.empty() && !before.empty();
@@ -172,10 +162,10 @@ void GraphSlam::addMatchEdges(int k, const Pose2& T_map_robot, const Eigen::Matr
     for (const int partner : own) {
       posegraph::Edge edge;
       edge.from = partner, edge.to = k;
-      edge.T_from_to = core::between(graph_.pose(partner), T);
+      edge.T_from_to = core::between(map_->pose(partner), T);
       edge.information = scanmatch::edgeInformation(told, T.phi) / share;
-      graph_.addEdge(edge);
-      link(partner, k);
+      map_->graph().addEdge(edge);
+      map_->link(partner, k);
     }
   }
 }
@@ -184,34 +174,35 @@ void GraphSlam::addMatchEdges(int k, const Pose2& T_map_robot, const Eigen::Matr
 std::optional<scanmatch::MatchResult> GraphSlam::matchToPass(int k, const std::vector<int>& pass,
                                                              const Pose2& T_map_robot) {
   pass_map_.clear(core::position(T_map_robot), kMapReach_m);
-  for (const int other : pass) pass_map_.add(keyframe(other).points, graph_.pose(other), other);
+  for (const int other : pass) pass_map_.add(map_->keyframe(other).points, map_->pose(other), other);
   scanmatch::PosePrior flat;
   flat.mean = T_map_robot;
   flat.information.setIdentity();
-  const auto matched = alignToSurfels(keyframe(k).points, pass_map_, T_map_robot, flat, matchOptions(10));
+  const auto matched =
+      alignToSurfels(map_->keyframe(k).points, pass_map_, T_map_robot, flat, matchOptions(10));
   if (!isFollowed(matched.T_map_robot, T_map_robot)) return std::nullopt;
   if (matched.score >= options_.loop_confirm_score) return matched;
   // Of what lies beyond the pass nothing can be explained.
-  const double telling =
-      std::min(toldBy(firstOf(pass, kAskedViewers), keyframe(k).points, matched.T_map_robot).telling, 1.0);
+  const double telling = std::min(
+      map_->toldBy(firstOf(pass, kAskedViewers), map_->keyframe(k).points, matched.T_map_robot).telling, 1.0);
   if (telling < kLeastTelling || matched.score < options_.loop_confirm_score * telling) return std::nullopt;
   return matched;
 }
 
 void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
                             const Eigen::Matrix3d& information) {
-  const int k = graph_.addNode(T_map_robot);
-  keyframes_.push_back({static_cast<int>(records_.size()), scan, std::move(points), path_m_, -1,
-                        by_wheels_.has_value(), false, -1, Eigen::Matrix3d::Zero(), noise_, covariance_,
-                        scanmatch::rootOf(covariance_ + noise_)});
-  links_.addKeyframe();
+  const int k = map_->graph().addNode(T_map_robot);
+  map_->keyframes().push_back({map_->scan(), scan, std::move(points), map_->path_m(), -1,
+                               by_wheels_.has_value(), false, -1, Eigen::Matrix3d::Zero(), noise_,
+                               covariance_, scanmatch::rootOf(covariance_ + noise_)});
+  map_->links().addKeyframe();
   if (k == 0) {
-    graph_.setFixed(0);
+    map_->graph().setFixed(0);
   } else {
-    keyframes_.back().odometry_edge = addOdometryEdge(k);
-    if (doubt_.begins != k && parts_.back().begin != k) link(anchor_, k);
+    map_->keyframes().back().odometry_edge = addOdometryEdge(k);
+    if (doubt_.begins != k && map_->parts().back().begin != k) map_->link(anchor_, k);
     // What was driven on known ground is no way from one to the other.
-    if (anchor_ != k - 1) closures_.push_back({anchor_, k});
+    if (anchor_ != k - 1) map_->addClosure(anchor_, k);
     addMatchEdges(k, T_map_robot, information);
     noteMatch();
   }
@@ -219,25 +210,27 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> poi
   from_keyframe_.setZero();
   T_keyframe_robot_ = T_keyframe_hung_ = T_odometry_ = {};
   odometry_holds_ = true;
-  if (options_.loops && k > 0) closeLoops();
+  if (options_.loops && k > 0)
+    if (const auto accepted = loops_.closeLoops()) noteLoop(*accepted);
   setMapHere();
 }
 
 std::vector<Pose2> GraphSlam::poses() const {
   std::vector<Pose2> result;
   result.reserve(records_.size());
-  for (const auto& record : records_)
-    result.push_back(graph_.pose(record.keyframe) * record.T_keyframe_robot);
+  for (const auto& record : records_) result.push_back(map_->pose(record.keyframe) * record.T_keyframe_robot);
   return result;
 }
 
 void GraphSlam::finish() {
-  if (keyframes_.empty()) return;
+  if (map_->keyframes().empty()) return;
   completeClosing();
   if (options_.loops) joinRemainingParts();
-  const auto first_new = std::find_if(keyframes_.begin(), keyframes_.end(),
+  const auto first_new = std::find_if(map_->keyframes().begin(), map_->keyframes().end(),
                                       [](const Keyframe& one) { return one.scan != kOfEarlierRun; });
-  if (options_.loops) searchRemainingLoops(static_cast<int>(first_new - keyframes_.begin()));
+  if (options_.loops)
+    loops_.searchRemainingLoops(static_cast<int>(first_new - map_->keyframes().begin()),
+                                [this] { haveMoved(); });
   noteWhatStaysApart();
   if (options_.refine_rounds > 0) refine();
 }

@@ -1,8 +1,6 @@
 #pragma once
 #include <Eigen/Core>
 #include <algorithm>
-#include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,15 +12,14 @@
 #include "libslam/core/progress.h"
 #include "libslam/graph/change_marks.h"
 #include "libslam/graph/graph_options.h"
-#include "libslam/graph/links.h"
-#include "libslam/graph/loop_judge.h"
+#include "libslam/graph/keyframe_map.h"
+#include "libslam/graph/loop_closer.h"
 #include "libslam/graph/lost_detector.h"
+#include "libslam/graph/part_finder.h"
 #include "libslam/graph/part_place.h"
 #include "libslam/graph/types.h"
 #include "libslam/posegraph/pose_graph.h"
 #include "libslam/robot/scan.h"
-#include "libslam/scanmatch/correlative_search.h"
-#include "libslam/scanmatch/information.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 
 namespace slam::graph {
@@ -100,15 +97,13 @@ class GraphSlam {
   std::vector<Eigen::Matrix3d> covariances() const;
 
   /// Without beams where all that it saw was seen anew since.
-  const robot::Scan& keyframeScan(int keyframe) const {
-    return keyframes_[static_cast<size_t>(keyframe)].seen;
-  }
-  int keyframeCount() const { return graph_.nodeCount(); }
-  const core::Pose2& keyframePose(int keyframe) const { return graph_.pose(keyframe); }
+  const robot::Scan& keyframeScan(int keyframe) const { return map_->keyframe(keyframe).seen; }
+  int keyframeCount() const { return map_->size(); }
+  const core::Pose2& keyframePose(int keyframe) const { return map_->pose(keyframe); }
   /// Grows when keyframes that were there before have moved.
-  int revision() const { return revision_; }
-  const posegraph::PoseGraph& graph() const { return graph_; }
-  const std::vector<core::JournalEntry>& journal() const { return journal_; }
+  int revision() const { return map_->revision(); }
+  const posegraph::PoseGraph& graph() const { return map_->graph(); }
+  const std::vector<core::JournalEntry>& journal() const { return map_->journal(); }
 
   /// A keyframe of a map that is continued, at a known pose, tied to the one before. Before the first scan
   /// only.
@@ -129,14 +124,6 @@ class GraphSlam {
 
  private:
   using Points = std::vector<scanmatch::PatchPoint>;
-  /// In standard deviations of a surfel: farther points hardly count.
-  static constexpr double kKernel = 3;
-  /// Poses are compared on every third point.
-  static constexpr int kStride = 3;
-  /// Keyframes that are asked what of a scan they should have seen.
-  static constexpr int kAskedViewers = 4;
-  static constexpr int kNoComponent = -1, kAnyComponent = -2;
-
   // graph_slam.cpp: keyframes and their edges
   void addKeyframe(const robot::Scan& scan, Points points, const core::Pose2& T_map_robot,
                    const Eigen::Matrix3d& information);
@@ -147,22 +134,15 @@ class GraphSlam {
   std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
                               const core::Pose2& T_map_robot) const;
   static bool isApart(int keyframe, const std::vector<int>& others);
-  void link(int a, int b);
-  void note(core::JournalEvent event, double value, int other_keyframe = -1, const std::string& detail = "");
   core::Pose2 currentPose() const;
-  const Keyframe& keyframe(int k) const { return keyframes_[static_cast<size_t>(k)]; }
   // known_ground.cpp: where no more keyframes are needed
   bool needsKeyframe(const robot::Scan& scan, const Points& points, const Step& step);
   bool isKnownGround(const robot::Scan& scan, const core::Pose2& T_map_robot) const;
   bool hasGoneOn(double share) const;
   void hangOn(int keyframe, const core::Pose2& T_map_robot);
-  int keyframeBefore(int keyframe) const;
   bool hasChanged(const robot::Scan& scan, const Points& points, const core::Pose2& T_map_robot);
   void forgetGone(const robot::Scan& scan, const core::Pose2& T_map_robot);
   void retireOldest(int keyframe);
-  bool mayBeMatchedTo(int k) const { return !keyframe(k).unsure && !keyframe(k).is_retired; }
-
-  int lastKeyframe() const { return static_cast<int>(keyframes_.size()) - 1; }
 
   // motion.cpp: what is known of a step before it is matched
   void noteScan(const robot::Scan& scan, bool has_odometry);
@@ -172,7 +152,6 @@ class GraphSlam {
   std::optional<core::Pose2> motionFromScans(const robot::Scan& scan) const;
 
   // track.cpp: a scan and the map around
-  static scanmatch::MatchOptions matchOptions(int max_iterations);
   Step track(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry, Points& points,
              Eigen::Matrix3d& information);
   Expected expect(const core::Pose2& T_previous_robot, bool has_odometry) const;
@@ -184,20 +163,8 @@ class GraphSlam {
   bool isPoor(const scanmatch::MatchResult& result, const Points& points) const;
   std::pair<scanmatch::MatchResult, bool> bestMatch(const robot::Scan& scan, const Points& points,
                                                     const Expected& expected);
-  Points pointsOf(const robot::Scan& scan) const;
-  scanmatch::MatchResult match(const Points& points, const LevelMaps& maps, const core::Pose2& T_start,
-                               const scanmatch::PosePrior& prior, double prior_kernel,
-                               bool with_coarse) const;
-  scanmatch::MatchResult matchFreely(const Points& points, const std::vector<int>& keyframes,
-                                     const core::Pose2& T_start, bool with_coarse = false) const;
-  const LevelMaps& mapOf(const std::vector<int>& keyframes, const core::Point2& centre) const;
   std::optional<scanmatch::MatchResult> recover(const Points& points, const core::Pose2& predicted,
                                                 const core::Pose2& matched) const;
-  void fill(LevelMaps& maps, const std::vector<int>& keyframes, const core::Point2& centre) const;
-  std::vector<int> keyframesAround(int start, const core::Point2& centre, double path_m,
-                                   double radius_m) const;
-  std::vector<int> keyframesWithin(const core::Point2& centre, double radius_m) const;
-  static std::vector<int> firstOf(std::vector<int> keyframes, int most);
   void setMap(const std::vector<int>& near, const core::Point2& centre);
   void setMapHere();
   void setMapNear(const core::Point2& centre);
@@ -206,15 +173,7 @@ class GraphSlam {
   void forgetWheels();
   void keepTo(const core::Pose2& predicted, const core::Pose2& increment, Step& step);
 
-  // views.cpp: what keyframes' beams say of other scans
-  static Sight sight(const robot::Scan& seen, const core::Point2& p_lidar);
-  Sight sight(int viewer, const core::Point2& p_lidar) const;
-  std::vector<core::Pose2> lidarsOf(const std::vector<int>& viewers) const;
-  static View view(const robot::Scan& scan, const core::Pose2& T_viewer_points, const Points& points,
-                   size_t stride = 1);
-  View view(int viewer, const core::Pose2& T_viewer_points, const Points& points) const;
-  double meanConflict(const std::vector<int>& viewers, const core::Pose2& T_map_points,
-                      const Points& points) const;
+  // explained.cpp: what is known of a scan, and explained
   double toldScore(const Points& points, const core::Pose2& T_map_robot) const;
   double gain(const Points& points, const core::Pose2& T_map_robot, const core::Pose2& T_map_other) const;
 
@@ -222,8 +181,6 @@ class GraphSlam {
   double brokenBy(const Points& points, const core::Pose2& T_previous_robot) const;
   Break breakBefore(const robot::Scan& scan, const Points& points, const core::Pose2& T_previous_robot,
                     const core::Pose2& T_previous_matched, bool has_odometry) const;
-  Told toldBy(const std::vector<int>& viewers, const Points& points, const core::Pose2& T_map_robot,
-              const robot::Scan* scan = nullptr) const;
   Told trackBefore(const robot::Scan& scan, const Points& points, const core::Pose2& increment,
                    double& explained);
   void comeBack(const robot::Scan& scan, Points points, Step& step);
@@ -239,81 +196,21 @@ class GraphSlam {
   void moveHeldBackTo(int keyframe);
 
   // covariance.cpp
-  std::vector<Eigen::Matrix3d> keyframeCovariances() const;
-  posegraph::PoseGraph witnesses() const;
   void noteEvidence(const Points& points, const core::Pose2& T_map_robot, const scanmatch::SurfelMap& map);
   void noteMatch();
   void estimateCovariance(const Expected& expected, const scanmatch::MatchResult& result);
   Eigen::Matrix3d driftSinceKeyframe() const;
 
-  // loops.cpp: places seen again
-  void closeLoops();
-  void searchRemainingLoops(int first_searched);
-  int gapsBetween(int a, int b) const;
-  void confirm(Hypothesis& hypothesis, int keyframe) const;
-  void addLoopEdges(std::vector<posegraph::Edge>& edges, const std::vector<int>& around, int keyframe,
-                    const scanmatch::MatchResult& matched) const;
-  void follow(Hypothesis& found);
-  static double distinctness(const Points& points, const LevelMaps& maps,
-                             const scanmatch::MatchResult& matched);
-  bool accept(const Hypothesis& hypothesis, LoopJudge& judge);
-  bool isAllowed(const Hypothesis& hypothesis, LoopJudge& judge);
-  void settle();
-  std::vector<core::Point2> placeAround(const std::vector<int>& keyframes) const;
-
-  // find_loop.cpp: where a place was seen before
-  LoopSearch loopSearch(int keyframe) const;
-  void gatherQuery(LoopSearch& search, int first, int last) const;
-  double loopReach(const LoopSearch& search, int old) const;
-  std::vector<int> loopCandidates(const LoopSearch& search) const;
-  std::vector<Hypothesis> findLoop(int keyframe, int query_first, int query_last);
-  std::vector<Hypothesis> loopsAt(const LoopSearch& search, int old);
-  std::optional<Hypothesis> loopFrom(const LoopSearch& search, int old, const std::vector<int>& around,
-                                     const core::Pose2& T_found, bool is_coarse, double least_score);
-
-  // parts.cpp: parts of the map that have no known place in one another
-  int componentOf(int keyframe) const;
-  bool isCutOff(int keyframe) const { return componentOf(keyframe) != 0; }
+  // parts.cpp: loops, and parts of the map that have no known place in one another
+  void noteLoop(const LoopCloser::Accepted& loop);
+  void haveMoved();
+  void completeClosing();
   void beginPart(int keyframe);
-  void searchAnew();
-  void joinComponents(int from, int to);
-  const std::vector<int>& placesBeyond(int component);
-  std::vector<int> keyframesAtPlace(int place) const;
-  std::vector<int> keyframesNear(const core::Point2& centre, int component, int most) const;
-  const scanmatch::LikelihoodPyramid& pyramidOf(int place);
-  std::optional<scanmatch::MatchResult> matchAtPlace(const Points& query, int place, double heading_rad);
-  void noteWhatStaysApart();
-
-  // join.cpp: a trail and the rest of the map
-  int trailSize() const;
-  const core::Pose2& trailPose(int i) const;
-  const Points& trailPoints(int i) const;
   void lookForPart(int first, int last);
   void joinRemainingParts();
-  const Join* workOnJoins(int component);
-  void lookAtNextPlace(int component);
-  void addJoin(int place, const core::Pose2& T_map_robot);
-  bool isKnown(const Join& join) const;
-  bool isPlausible(const Join& join) const;
-  void holdAgainst(Join& join, Cursor& cursor, int next);
-  bool isCurrent(const Join& join) const;
-  double conflictOf(int trail_point, const std::vector<int>& viewers, const core::Pose2& T_map_robot) const;
-  void refute(const Join& join);
-  bool isRefuted(const core::Pose2& T_map_robot, const Join& join) const;
-  double aheadOf(const Join& join, const Join& other) const;
-  bool isReady(const Join& join) const;
-  Join* decided();
-  std::vector<core::Point2> trailQuery(const Join& join) const;
-  bool isProved(Join& join, int component);
-  void joinPart(const Join& join);
+  void noteWhatStaysApart();
 
   // known_parts.cpp: maps of before whose places in one another are not known
-  std::optional<PartPlace> placeOfPart(int first, int end, core::Progress& progress);
-  void lookFrom(int anchor, std::vector<Overlay>& overlays, const std::function<void()>& tell);
-  core::Pose2 placeAt(const Overlay& one, int keyframe) const;
-  void overlay(Overlay& one, int first, int end) const;
-  void lay(Overlay& one, Cursor& cursor, int keyframe) const;
-  bool fitsWell(const Overlay& one) const;
   void judge(size_t part, PartPlace& place) const;
   int endOfPart(size_t part) const;
 
@@ -322,27 +219,14 @@ class GraphSlam {
   void beLost(double score);
   bool fitsMap(const Points& points, const core::Pose2& T_map_robot) const;
 
-  std::vector<double> pathTo(int keyframe) const;
-
-  // closing.cpp: all poses found anew, a piece with every scan
-  void beginClosing(const Hypothesis& loop, bool is_linked);
-  void continueClosing();
-  void completeClosing();
-  void takeOver();
-
   // refine.cpp
   void refine();
 
   GraphOptions options_;
-  posegraph::PoseGraph graph_;
-  std::vector<Keyframe> keyframes_;
-  Links links_;
-  std::vector<std::pair<int, int>> closures_;  ///< keyframes that accepted loops join
-  std::vector<int> loop_begins_;               ///< first edge of every loop
-  std::vector<Hypothesis> hypotheses_;
-  std::optional<Closing> closing_;
+  std::unique_ptr<KeyframeMap> map_;  ///< stays where it is when this is moved: the next two look at it
+  LoopCloser loops_;
+  PartFinder finder_;
   std::vector<Record> records_;
-  std::vector<core::JournalEntry> journal_;
   LevelMaps maps_;
   std::vector<int> map_keyframes_;
   scanmatch::MatchEvidence evidence_;                     ///< of the scan at hand
@@ -351,7 +235,6 @@ class GraphSlam {
       Eigen::Matrix3d::Zero();  ///< of what odometry alone tells since the keyframe
   Eigen::Matrix3d noise_ = Eigen::Matrix3d::Zero(),
                   least_ = Eigen::Matrix3d::Zero();  ///< of one scan: its match, and with odometry
-  PointNoise point_noise_;
   int anchor_ = 0;  ///< the keyframe that the robot hangs on: the last, or one of known ground
   core::Pose2 T_keyframe_robot_, T_previous_robot_;
   core::Pose2 T_keyframe_hung_, T_odometry_;  ///< when it was hung on it; by odometry since then
@@ -366,27 +249,13 @@ class GraphSlam {
   int before_ = -1;                          ///< of these, the one of the scan at hand; -1: its lidar is new
   double previous_time_s_ = 0;               ///< of the last scan of any
   double period_s_ = 0, mean_period_s_ = 0;  ///< from the scan before to the last one
-  double path_m_ = 0, searched_m_ = 0;
-  double searched_reach_m_ = 0;  ///< window of the last search for loops
-  int revision_ = 0;
   LostDetector lost_;
   Doubt doubt_;
-  int held_back_ = 0;  ///< scans in a row that were not believed
-  std::vector<Part> parts_{{0, 0}};
-  std::vector<KnownPart> known_parts_;  ///< those after the first
-  std::vector<int> places_;             ///< of placesBeyond()
-  int places_known_ = 0, places_component_ = kNoComponent;
-  size_t places_tried_ = 0;                               ///< times kHeadings
-  std::map<int, scanmatch::LikelihoodPyramid> pyramids_;  ///< of places_
-  int wrong_places_ = 0;                                  ///< that were learnt from
-  bool is_lost_ = false, is_outside_ = false;             ///< in a finished map
-  std::vector<Join> joins_;
-  std::vector<Refuted> refuted_;          ///< since searchAnew()
-  std::vector<TrailPoint> trail_;         ///< of a robot that is lost in a finished map
-  int join_first_ = 0, join_last_ = -1;   ///< keyframes that are the trail else
-  mutable LevelMaps scratch_;             ///< of mapOf()
-  scanmatch::LikelihoodPyramid pyramid_;  ///< of findLoop()
-  scanmatch::SurfelMap pass_map_;         ///< of one pass through a place
+  int held_back_ = 0;                          ///< scans in a row that were not believed
+  std::vector<KnownPart> known_parts_;         ///< those after the first
+  int wrong_places_ = 0;                       ///< that were learnt from
+  bool is_lost_ = false, is_outside_ = false;  ///< in a finished map
+  scanmatch::SurfelMap pass_map_;              ///< of one pass through a place
 };
 
 }  // namespace slam::graph

@@ -3,6 +3,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/graph/graph_slam.h"
+#include "libslam/graph/matching.h"
 
 /// Ground that was seen often enough costs no more: the robot goes on along the keyframes that are there (the
 /// idea of a reduced pose graph: Johannsson et al., ICRA 2013). So time and memory grow with the area, and
@@ -44,12 +45,13 @@ double sharedView(const robot::Scan& scan, const Pose2& T_map_robot, const robot
 
 /// Whether the keyframes around see all that a scan sees, often enough, so that one more tells nothing.
 bool GraphSlam::isKnownGround(const robot::Scan& scan, const Pose2& T_map_robot) const {
-  if (options_.known_views <= 0 || doubt_.begins >= 0 || by_wheels_ || !hypotheses_.empty() || closing_)
+  if (options_.known_views <= 0 || doubt_.begins >= 0 || by_wheels_ || loops_.isFollowing() ||
+      loops_.isClosing())
     return false;
   double views = 0;
   for (const int k : map_keyframes_)
-    if (core::distance(graph_.pose(k), T_map_robot) <= kNearby * options_.keyframe_distance_m)
-      views += sharedView(scan, T_map_robot, keyframe(k).seen, graph_.pose(k));
+    if (core::distance(map_->pose(k), T_map_robot) <= kNearby * options_.keyframe_distance_m)
+      views += sharedView(scan, T_map_robot, map_->keyframe(k).seen, map_->pose(k));
   return views >= options_.known_views;
 }
 
@@ -80,15 +82,10 @@ bool GraphSlam::needsKeyframe(const robot::Scan& scan, const std::vector<PatchPo
 /// The robot's pose, and that of the scans to come, is told by keyframe k.
 void GraphSlam::hangOn(int k, const Pose2& T_map_robot) {
   anchor_ = k;
-  T_keyframe_robot_ = T_keyframe_hung_ = T_odometry_ = core::between(graph_.pose(k), T_map_robot);
+  T_keyframe_robot_ = T_keyframe_hung_ = T_odometry_ = core::between(map_->pose(k), T_map_robot);
   odometry_holds_ = true;
   from_keyframe_ = noise_;
   setMapHere();
-}
-
-/// The keyframe that k was reached from.
-int GraphSlam::keyframeBefore(int k) const {
-  return graph_.edges()[static_cast<size_t>(keyframe(k).odometry_edge)].from;
 }
 
 /// Whether something has been there for a while where none of the keyframes around saw it. What has gone is
@@ -96,13 +93,13 @@ int GraphSlam::keyframeBefore(int k) const {
 bool GraphSlam::hasChanged(const robot::Scan& scan, const std::vector<PatchPoint>& points,
                            const Pose2& T_map_robot) {
   const auto viewers = firstOf(map_keyframes_, kAskedViewers);
-  const auto T_lidars_map = lidarsOf(viewers);
+  const auto T_lidars_map = map_->lidarsOf(viewers);
   int changed = 0;
   for (const auto& point : points) {
     const Point2 p_map = T_map_robot * position(point);
     bool is_passed = false, is_agreed = false;
     for (size_t i = 0; i < viewers.size(); ++i) {
-      const Sight seen = sight(viewers[i], T_lidars_map[i] * p_map);
+      const Sight seen = map_->sight(viewers[i], T_lidars_map[i] * p_map);
       is_passed = is_passed || seen == Sight::kPassed, is_agreed = is_agreed || seen == Sight::kAgreed;
     }
     if (is_passed && !is_agreed) changed += appeared_.look(p_map, scan.time_s);
@@ -110,8 +107,8 @@ bool GraphSlam::hasChanged(const robot::Scan& scan, const std::vector<PatchPoint
   const Pose2 T_lidar_map = core::inverse(T_map_robot * scan.T_robot_lidar);
   int gone = 0;
   for (const int viewer : viewers)
-    for (const auto& point : keyframe(viewer).points) {
-      const Point2 p_map = graph_.pose(viewer) * position(point);
+    for (const auto& point : map_->keyframe(viewer).points) {
+      const Point2 p_map = map_->pose(viewer) * position(point);
       if (sight(scan, T_lidar_map * p_map) == Sight::kPassed) gone += gone_.look(p_map, scan.time_s);
     }
   if (gone >= kLeastChanged) forgetGone(scan, T_map_robot);
@@ -126,10 +123,10 @@ void GraphSlam::forgetGone(const robot::Scan& scan, const Pose2& T_map_robot) {
     return gone_.hasStayed(p_map) && sight(scan, T_lidar_map * p_map) == Sight::kPassed;
   };
   // Not what merely lies near: a part whose place is not known, or a pass whose loop is not closed.
-  for (const int other :
-       keyframesAround(anchor_, core::position(T_map_robot), options_.map_path_m, options_.map_radius_m)) {
-    Keyframe& known = keyframes_[static_cast<size_t>(other)];
-    const Pose2& T = graph_.pose(other);
+  for (const int other : map_->keyframesAround(anchor_, core::position(T_map_robot), options_.map_path_m,
+                                               options_.map_radius_m)) {
+    Keyframe& known = map_->keyframes()[static_cast<size_t>(other)];
+    const Pose2& T = map_->pose(other);
     const auto first = std::remove_if(known.points.begin(), known.points.end(),
                                       [&](const PatchPoint& point) { return isGone(T * position(point)); });
     if (first == known.points.end()) continue;
@@ -140,28 +137,30 @@ void GraphSlam::forgetGone(const robot::Scan& scan, const Pose2& T_map_robot) {
       if (robot::isReturn(range_m) && isGone(T_map_lidar * core::polar(range_m, known.seen.angle(beam))))
         range_m = robot::kLostReading;
     }
-    ++revision_;
+    map_->countRevision();
   }
 }
 
 /// Keyframe k, made on known ground, takes the place of the oldest one that sees the same.
 void GraphSlam::retireOldest(int k) {
-  const auto& newest = keyframe(k);
+  const auto& newest = map_->keyframe(k);
   double views = 0;
   int oldest = k;
   const double nearby_m = kNearby * options_.keyframe_distance_m;
-  for (const int other : keyframesAround(k, core::position(graph_.pose(k)), options_.map_path_m, nearby_m)) {
+  for (const int other :
+       map_->keyframesAround(k, core::position(map_->pose(k)), options_.map_path_m, nearby_m)) {
     if (other == k) continue;
-    const double shared = sharedView(newest.seen, graph_.pose(k), keyframe(other).seen, graph_.pose(other));
+    const double shared =
+        sharedView(newest.seen, map_->pose(k), map_->keyframe(other).seen, map_->pose(other));
     views += shared;
     if (shared > kSameView) oldest = std::min(oldest, other);
   }
   if (views < options_.known_views || oldest == k) return;
-  Keyframe& known = keyframes_[static_cast<size_t>(oldest)];
+  Keyframe& known = map_->keyframes()[static_cast<size_t>(oldest)];
   known.is_retired = true;
   known.points = {}, known.seen.ranges_m = {};
-  links_.remove(oldest);
-  ++revision_;
+  map_->links().remove(oldest);
+  map_->countRevision();
 }
 
 }  // namespace slam::graph

@@ -102,8 +102,8 @@ std::vector<double> shortestWays(const std::vector<double>& path_m,
     const auto [way_m, g] = queue.top();
     queue.pop();
     if (way_m > way[g]) continue;
-    const auto reach = [&](size_t other, double length_m) {
-      if (way_m + length_m < way[other]) queue.push({way[other] = way_m + length_m, other});
+    const auto reach = [&, so_far_m = way_m](size_t other, double length_m) {
+      if (so_far_m + length_m < way[other]) queue.push({way[other] = so_far_m + length_m, other});
     };
     reach(gates[g].mate, 0);
     if (g > 0) reach(g - 1, gates[g].at_m - gates[g - 1].at_m);

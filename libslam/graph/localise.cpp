@@ -1,8 +1,8 @@
-#include <algorithm>
 #include <cmath>
 
 #include "libslam/core/error.h"
 #include "libslam/graph/graph_slam.h"
+#include "libslam/graph/matching.h"
 #include "libslam/graph/search.h"
 
 namespace slam::graph {
@@ -19,14 +19,14 @@ constexpr double kSame_m = 0.5, kSame_rad = 0.2;
 }  // namespace
 
 void GraphSlam::startAnywhere() {
-  if (keyframes_.empty()) throw core::ContractError("GraphSlam: startAnywhere() without a map");
-  startAt(graph_.pose(0));
+  if (map_->keyframes().empty()) throw core::ContractError("GraphSlam: startAnywhere() without a map");
+  startAt(map_->pose(0));
   beLost(0);
 }
 
 GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_previous_robot,
                                     bool has_odometry) {
-  if (keyframes_.empty()) throw core::ContractError("GraphSlam: localise() without a map");
+  if (map_->keyframes().empty()) throw core::ContractError("GraphSlam: localise() without a map");
   completeClosing();
   std::vector<PatchPoint> points;
   Eigen::Matrix3d information;
@@ -36,7 +36,7 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
   const Pose2 predicted = currentPose() * increment;
   Step step;
   if (is_lost_) {
-    points = pointsOf(scan);
+    points = pointsOf(scan, options_);
     step.score = 0;
     step.T_map_robot = predicted;
     ++held_back_;
@@ -45,9 +45,8 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
       is_lost_ = false;
       held_back_ = 0;
       lost_.restart();
-      trail_.clear();
-      searchAnew();
-      note(core::JournalEvent::kRecovered, step.score);
+      finder_.endTrail();
+      map_->note(core::JournalEvent::kRecovered, step.score);
     }
   } else {
     const Pose2 T_before = currentPose();
@@ -61,7 +60,7 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
     is_outside_ =
         knownShare(points, predicted) < kLeastKnown || (was_outside && !fitsMap(points, step.T_map_robot));
     if (is_outside_ != was_outside)
-      note(is_outside_ ? core::JournalEvent::kOutside : core::JournalEvent::kInside, step.score);
+      map_->note(is_outside_ ? core::JournalEvent::kOutside : core::JournalEvent::kInside, step.score);
     if (is_outside_ || lost_.isInDoubt()) {
       ++held_back_;
       keepTo(predicted, increment, step);
@@ -71,45 +70,40 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
     if (lost_.isLost()) beLost(step.score);
   }
   odometry_holds_ = false;
-  T_keyframe_robot_ = core::between(graph_.pose(anchor_), step.T_map_robot);
+  T_keyframe_robot_ = core::between(map_->pose(anchor_), step.T_map_robot);
   if (!is_lost_) setMapNear(core::position(step.T_map_robot));
   records_.push_back({anchor_, T_keyframe_robot_, step.drift_covariance});
+  map_->nextScan();
   keepScan(scan);
   return step;
 }
 
 /// While nobody knows where the robot is: by its wheels, and by what it has seen since, all over the map.
 bool GraphSlam::searchWhileLost(const std::vector<PatchPoint>& points, Step& step) {
-  const Pose2 here = currentPose();
-  if (trail_.empty() || core::distance(trail_.back().T_trail_robot, here) > options_.keyframe_distance_m ||
-      std::abs(core::angleDifference(trail_.back().T_trail_robot.phi, here.phi)) >
-          options_.keyframe_angle_rad)
-    trail_.push_back({here, points});
-  const Join* found = workOnJoins(kAnyComponent);
-  if (found == nullptr) return false;
-  step.T_map_robot = found->forth.T_map_robot * core::between(trailPose(found->forth.at), here);
+  const auto found = finder_.lookForRobot(currentPose(), points);
+  if (!found) return false;
+  step.T_map_robot = found->T_map_robot;
   step.score = found->score;
   return true;
 }
 
 /// Whether a scan as a whole fits the map near a pose: explained, and seen through by no beam.
 bool GraphSlam::fitsMap(const std::vector<PatchPoint>& points, const Pose2& T_map_robot) const {
-  const auto around =
-      firstOf(keyframesWithin(core::position(T_map_robot), options_.map_radius_m), options_.map_keyframes);
+  const auto around = firstOf(map_->keyframesWithin(core::position(T_map_robot), options_.map_radius_m),
+                              options_.map_keyframes);
   if (around.empty()) return false;
-  const auto matched = matchFreely(points, around, T_map_robot);
+  const auto matched = map_->matchFreely(points, around, T_map_robot);
   return matched.score >= options_.recover_score &&
          core::distance(matched.T_map_robot, T_map_robot) < kSame_m &&
          std::abs(core::angleDifference(matched.T_map_robot.phi, T_map_robot.phi)) < kSame_rad &&
-         meanConflict(firstOf(around, kViewers), matched.T_map_robot, points) < options_.loop_conflict;
+         map_->meanConflict(firstOf(around, kViewers), matched.T_map_robot, points) < options_.loop_conflict;
 }
 
 void GraphSlam::beLost(double score) {
-  note(core::JournalEvent::kLost, score);
+  map_->note(core::JournalEvent::kLost, score);
   is_lost_ = true, is_outside_ = false;
   lost_.restart();
-  trail_.clear();
-  searchAnew();
+  finder_.beginTrail();
 }
 
 }  // namespace slam::graph

@@ -4,6 +4,7 @@
 #include "libslam/core/elementary.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/odometry/scan_odometry.h"
+#include "libslam/scanmatch/information.h"
 
 namespace slam::graph {
 namespace {

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "libslam/graph/graph_slam.h"
+#include "libslam/graph/matching.h"
 #include "libslam/graph/search.h"
 #include "libslam/posegraph/optimize.h"
 
@@ -16,23 +17,24 @@ void GraphSlam::refine() {
   scanmatch::SurfelMap map(options_.cell_m, options_.blur_m, true);
   posegraph::OptimizeOptions solve;
   solve.robust = "none";
-  const int n = graph_.nodeCount();
+  const int n = map_->size();
   for (int round = 0; round < options_.refine_rounds; ++round) {
     posegraph::PoseGraph next;
-    for (int k = 0; k < n; ++k) next.addNode(graph_.pose(k));
+    for (int k = 0; k < n; ++k) next.addNode(map_->pose(k));
     next.setFixed(0);
-    for (int k = 1; k < n; ++k) next.addEdge(graph_.edges()[static_cast<size_t>(keyframe(k).odometry_edge)]);
-    for (const auto& edge : graph_.edges())
+    for (int k = 1; k < n; ++k)
+      next.addEdge(map_->graph().edges()[static_cast<size_t>(map_->keyframe(k).odometry_edge)]);
+    for (const auto& edge : map_->graph().edges())
       if (edge.kind == posegraph::EdgeKind::kLoop && edge.on) next.addEdge(edge);
     for (int k = 0; k < n; ++k) {
-      const core::Pose2& T = graph_.pose(k);
-      auto around = keyframesAround(k, core::position(T), options_.map_path_m, options_.map_radius_m);
+      const core::Pose2& T = map_->pose(k);
+      auto around = map_->keyframesAround(k, core::position(T), options_.map_path_m, options_.map_radius_m);
       around.erase(std::remove(around.begin(), around.end(), k), around.end());
       around = firstOf(std::move(around), options_.map_keyframes);
       map.clear(core::position(T), kMapReach_m);
-      for (const int other : around) map.add(keyframe(other).points, graph_.pose(other));
+      for (const int other : around) map.add(map_->keyframe(other).points, map_->pose(other));
       flat.mean = T;
-      const auto matched = alignToSurfels(keyframe(k).points, map, T, flat, match_options);
+      const auto matched = alignToSurfels(map_->keyframe(k).points, map, T, flat, match_options);
       const auto partners = partnersOf(k, around, matched.T_map_robot);
       if (partners.empty()) continue;
       posegraph::Edge edge;
@@ -41,14 +43,14 @@ void GraphSlam::refine() {
                          static_cast<double>(partners.size());
       for (const int partner : partners) {
         edge.from = partner;
-        edge.T_from_to = core::between(graph_.pose(partner), matched.T_map_robot);
+        edge.T_from_to = core::between(map_->pose(partner), matched.T_map_robot);
         next.addEdge(edge);
       }
     }
     const auto result = optimize(next, solve);
-    for (int k = 0; k < n; ++k) graph_.setPose(k, next.pose(k));
-    ++revision_;
-    note(core::JournalEvent::kOptimised, result.final_chi2, -1, "refinement");
+    for (int k = 0; k < n; ++k) map_->graph().setPose(k, next.pose(k));
+    map_->countRevision();
+    map_->note(core::JournalEvent::kOptimised, result.final_chi2, -1, "refinement");
   }
 }
 

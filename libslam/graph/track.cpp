@@ -1,13 +1,12 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <utility>
 
 #include "libslam/core/elementary.h"
-#include "libslam/core/error.h"
 #include "libslam/core/rigid_motion2.h"
 #include "libslam/graph/graph_slam.h"
+#include "libslam/graph/matching.h"
 #include "libslam/graph/search.h"
 
 namespace slam::graph {
@@ -48,103 +47,26 @@ double heldAgainst(const Pose2& T, const Pose2& T_odometry, double sigma_xy_m, d
 
 }  // namespace
 
-scanmatch::MatchOptions GraphSlam::matchOptions(int max_iterations) {
-  scanmatch::MatchOptions options;
-  options.kernel = kKernel;
-  options.information_scale = scanmatch::kInformationScale;
-  options.max_iterations = max_iterations;
-  return options;
-}
-
-std::vector<PatchPoint> GraphSlam::pointsOf(const robot::Scan& scan) const {
-  scanmatch::ScanPointOptions options;
-  options.spacing_m = options_.point_spacing_m;
-  options.max_range_m = options_.max_range_m;
-  return patchPoints(scan, options);
-}
-
-MatchResult GraphSlam::match(const std::vector<PatchPoint>& points, const LevelMaps& maps,
-                             const Pose2& T_start, const PosePrior& prior, double prior_kernel,
-                             bool with_coarse) const {
-  auto options = matchOptions(3);
-  options.prior_kernel = prior_kernel;
-  Pose2 T = T_start;
-  if (with_coarse) T = alignToSurfels(points, maps.coarse, T, prior, options).T_map_robot;
-  T = alignToSurfels(points, maps.middle, T, prior, options).T_map_robot;
-  options.max_iterations = 10;
-  return alignToSurfels(points, maps.fine, T, prior, options);
-}
-
-/// To the map of these keyframes, from a pose near the right one, without regard to any prior.
-MatchResult GraphSlam::matchFreely(const std::vector<PatchPoint>& points, const std::vector<int>& keyframes,
-                                   const Pose2& T_start, bool with_coarse) const {
-  const LevelMaps& maps = mapOf(keyframes, core::position(T_start));
-  PosePrior flat;
-  flat.mean = T_start;
-  flat.information.setIdentity();
-  return match(points, maps, T_start, flat, 0, with_coarse);
-}
-
-/// A map of these keyframes, until the next one is asked for.
-const LevelMaps& GraphSlam::mapOf(const std::vector<int>& keyframes, const Point2& centre) const {
-  fill(scratch_, keyframes, centre);
-  return scratch_;
-}
-
-void GraphSlam::fill(LevelMaps& maps, const std::vector<int>& keyframes, const Point2& centre) const {
-  for (auto* map : {&maps.fine, &maps.middle, &maps.coarse}) {
-    map->clear(centre, kMapReach_m);
-    for (const int k : keyframes) map->add(keyframe(k).points, graph_.pose(k), k);
-  }
-}
-
-/// Those that are linked with `start`, see Links::around(), as far as they may be matched to.
-std::vector<int> GraphSlam::keyframesAround(int start, const Point2& centre, double path_m,
-                                            double radius_m) const {
-  std::vector<int> result;
-  for (const auto& [away2, k] : links_.around(graph_.poses(), start, centre, path_m, radius_m))
-    if (mayBeMatchedTo(k)) result.push_back(k);
-  return result;
-}
-
-std::vector<int> GraphSlam::firstOf(std::vector<int> keyframes, int most) {
-  if (static_cast<int>(keyframes.size()) > most) keyframes.resize(static_cast<size_t>(most));
-  return keyframes;
-}
-
 /// Makes the map that the next scan is matched to of the first of these.
 void GraphSlam::setMap(const std::vector<int>& near, const Point2& centre) {
   map_keyframes_ = firstOf(near, options_.map_keyframes);
-  fill(maps_, map_keyframes_, centre);
+  map_->fill(maps_, map_keyframes_, centre);
 }
 
 /// Of the keyframes around the robot that are linked with the one that it hangs on.
 void GraphSlam::setMapHere() {
   const Point2 centre = core::position(currentPose());
   // Where there are many, those of the map lie close, and to look farther costs much.
-  auto near = keyframesAround(anchor_, centre, options_.map_path_m, kNear * options_.keyframe_distance_m);
+  auto near =
+      map_->keyframesAround(anchor_, centre, options_.map_path_m, kNear * options_.keyframe_distance_m);
   if (static_cast<int>(near.size()) < options_.map_keyframes)
-    near = keyframesAround(anchor_, centre, options_.map_path_m, options_.map_radius_m);
+    near = map_->keyframesAround(anchor_, centre, options_.map_path_m, options_.map_radius_m);
   setMap(near, centre);
-}
-
-/// All keyframes within the radius, however they are linked, the nearest first.
-std::vector<int> GraphSlam::keyframesWithin(const Point2& centre, double radius_m) const {
-  std::vector<std::pair<double, int>> near;
-  for (int k = 0; k < graph_.nodeCount(); ++k) {
-    const double away_m = core::distance(core::position(graph_.pose(k)), centre);
-    if (away_m <= radius_m && mayBeMatchedTo(k)) near.push_back({away_m, k});
-  }
-  std::sort(near.begin(), near.end());
-  std::vector<int> keyframes;
-  keyframes.reserve(near.size());
-  for (const auto& item : near) keyframes.push_back(item.second);
-  return keyframes;
 }
 
 /// For a map that is finished.
 void GraphSlam::setMapNear(const Point2& centre) {
-  setMap(keyframesWithin(centre, options_.map_radius_m), centre);
+  setMap(map_->keyframesWithin(centre, options_.map_radius_m), centre);
 }
 
 /// The best pose on a lattice around the predicted one, refined without regard to odometry.
@@ -260,7 +182,7 @@ std::pair<MatchResult, bool> GraphSlam::bestMatch(const robot::Scan& scan,
     if (isBetter(other, result, kStartGain, points, e)) {
       result = other;
       distrusted = contradicted;
-      if (distrusted) note(core::JournalEvent::kDistrusted, start.gain);
+      if (distrusted) map_->note(core::JournalEvent::kDistrusted, start.gain);
     }
   }
   if (isPoor(result, points)) {
@@ -268,7 +190,7 @@ std::pair<MatchResult, bool> GraphSlam::bestMatch(const robot::Scan& scan,
     if (other && isBetter(*other, result, kRecoverGain, points, e)) {
       result = *other;
       distrusted = true;
-      note(core::JournalEvent::kRematched, result.score);
+      map_->note(core::JournalEvent::kRematched, result.score);
     }
   }
   return {result, distrusted};
@@ -277,18 +199,18 @@ std::pair<MatchResult, bool> GraphSlam::bestMatch(const robot::Scan& scan,
 /// Matches a scan to the map around. Fills in its points and the information that they give, map axes.
 GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previous_robot, bool has_odometry,
                                  std::vector<PatchPoint>& points, Eigen::Matrix3d& information) {
-  points = pointsOf(scan);
+  points = pointsOf(scan, options_);
   const Expected e = expect(T_previous_robot, has_odometry);
   const auto [result, distrusted] = bestMatch(scan, points, e);
   const Pose2& T = result.T_map_robot;
   const bool is_poor = isPoor(result, points);
-  if (is_poor) note(core::JournalEvent::kPoor, result.score);
+  if (is_poor) map_->note(core::JournalEvent::kPoor, result.score);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> movement(result.information.topLeftCorner<2, 2>(),
                                                                 Eigen::EigenvaluesOnly);
   const double share = movement.eigenvalues()(1) > 0
                            ? std::max(movement.eigenvalues()(0), 0.0) / movement.eigenvalues()(1)
                            : 0;
-  if (share < kDegenerate) note(core::JournalEvent::kDegenerate, share);
+  if (share < kDegenerate) map_->note(core::JournalEvent::kDegenerate, share);
 
   odometry_holds_ = odometry_holds_ && has_odometry && !distrusted;
   const auto isFarFrom = [&](const Pose2& from) {
@@ -298,9 +220,9 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   followWheels(e.by_wheels, has_odometry && isFarFrom(e.predicted), isFarFrom(e.by_wheels), !is_poor);
   information = result.information;
   T_previous_robot_ = core::between(e.T_before, T);
-  T_keyframe_robot_ = core::between(graph_.pose(anchor_), T);
+  T_keyframe_robot_ = core::between(map_->pose(anchor_), T);
   T_odometry_ = T_odometry_ * e.step.T_previous_robot;
-  path_m_ += core::hypot(T_previous_robot_.x, T_previous_robot_.y);
+  map_->drive(core::hypot(T_previous_robot_.x, T_previous_robot_.y));
   Step step;
   step.T_map_robot = T;
   step.score = result.score;
@@ -316,12 +238,12 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
 /// keyframes in between lie wrong. Meanwhile they do not vouch for themselves.
 void GraphSlam::followWheels(const Pose2& T_wheels, bool let_go, bool is_elsewhere, bool is_explained) {
   if (!by_wheels_ && !let_go) return;
-  if (!by_wheels_) unsure_from_ = graph_.nodeCount(), explained_ = 0, let_go_m_ = path_m_;
+  if (!by_wheels_) unsure_from_ = map_->size(), explained_ = 0, let_go_m_ = map_->path_m();
   by_wheels_ = T_wheels;
   explained_ = is_explained ? explained_ + 1 : 0;
   // Beyond the map from before nothing will tell.
   const bool is_right =
-      explained_ >= options_.loop_confirmations || path_m_ - let_go_m_ > options_.map_radius_m / 2;
+      explained_ >= options_.loop_confirmations || map_->path_m() - let_go_m_ > options_.map_radius_m / 2;
   if (is_right)
     forgetWheels();
   else if (!is_elsewhere)
@@ -331,7 +253,7 @@ void GraphSlam::followWheels(const Pose2& T_wheels, bool let_go, bool is_elsewhe
 /// What was matched since odometry was let go is believed.
 void GraphSlam::forgetWheels() {
   if (!by_wheels_) return;
-  for (int k = unsure_from_; k < graph_.nodeCount(); ++k) keyframes_[static_cast<size_t>(k)].unsure = false;
+  for (int k = unsure_from_; k < map_->size(); ++k) map_->keyframes()[static_cast<size_t>(k)].unsure = false;
   by_wheels_.reset();
 }
 
@@ -343,7 +265,7 @@ void GraphSlam::keepTo(const Pose2& predicted, const Pose2& increment, Step& ste
   step.drift_covariance += drift;
   step.pose_covariance += drift;
   T_previous_robot_ = increment;
-  T_keyframe_robot_ = core::between(graph_.pose(anchor_), predicted);
+  T_keyframe_robot_ = core::between(map_->pose(anchor_), predicted);
 }
 
 /// Share of a scan's points that fall on a mapped surface, or near one.

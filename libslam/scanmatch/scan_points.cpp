@@ -107,7 +107,8 @@ std::vector<int> keptOf(const Returns& returns, double spacing_m, double step_ra
 /// From a return to the next one on its surface: the mean over the returns about it, since noise hides the
 /// direction of a single gap. Where no neighbour lies on the surface: what the beams leave open sideways.
 core::Point2 meanGap(const Returns& returns, int k, double step_rad, const core::Point2& eye) {
-  const auto& [points, beams] = returns;
+  const auto& points = returns.points;
+  const auto& beams = returns.beams;
   const int n = static_cast<int>(points.size());
   const core::Point2& p = points[k];
   const double spot_m = std::sqrt(squaredDistance(p, eye)) * step_rad;
@@ -168,7 +169,8 @@ std::vector<PatchPoint> patchPoints(const robot::Scan& scan, const ScanPointOpti
 
 std::vector<SurfacePoint> surfacePoints(const robot::Scan& scan, const ScanPointOptions& options) {
   const Returns returns = returnsOf(scan, options.max_range_m);
-  const auto& [points, beams] = returns;
+  const auto& points = returns.points;
+  const auto& beams = returns.beams;
   const int n = static_cast<int>(points.size());
   const core::Point2 eye{scan.T_robot_lidar.x, scan.T_robot_lidar.y};
   // joined[k]: point k lies on one surface with point k + 1

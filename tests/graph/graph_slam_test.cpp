@@ -6,6 +6,7 @@
 #include <set>
 
 #include "libslam/core/error.h"
+#include "libslam/scanmatch/information.h"
 #include "tests/graph/drawn_drives.h"
 
 namespace slam::graph {

@@ -14,6 +14,7 @@
 #include "libslam/particles/particle_filter.h"
 #include "libslam/scanmatch/correlative_search.h"
 #include "libslam/scanmatch/field_matcher.h"
+#include "libslam/scanmatch/information.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 #include "tests/mapping/random_scans.h"
 

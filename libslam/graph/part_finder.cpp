@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "libslam/core/elementary.h"
-#include "libslam/graph/graph_slam.h"
+#include "libslam/graph/matching.h"
+#include "libslam/graph/part_finder.h"
 #include "libslam/graph/search.h"
 #include "libslam/scanmatch/correlative_search.h"
 
@@ -67,25 +69,25 @@ bool isFollowed(const Pose2& T_map_matched, const Pose2& T_map_expected) {
 }
 
 /// The trail: keyframes of a part, or what a robot that is lost in a finished map has seen.
-int GraphSlam::trailSize() const {
+int PartFinder::trailSize() const {
   return is_lost_ ? static_cast<int>(trail_.size()) : join_last_ - join_first_ + 1;
 }
 
-const Pose2& GraphSlam::trailPose(int i) const {
-  return is_lost_ ? trail_[static_cast<size_t>(i)].T_trail_robot : graph_.pose(join_first_ + i);
+const Pose2& PartFinder::trailPose(int i) const {
+  return is_lost_ ? trail_[static_cast<size_t>(i)].T_trail_robot : map_->pose(join_first_ + i);
 }
 
-const std::vector<PatchPoint>& GraphSlam::trailPoints(int i) const {
-  return is_lost_ ? trail_[static_cast<size_t>(i)].points : keyframe(join_first_ + i).points;
+const std::vector<PatchPoint>& PartFinder::trailPoints(int i) const {
+  return is_lost_ ? trail_[static_cast<size_t>(i)].points : map_->keyframe(join_first_ + i).points;
 }
 
-bool GraphSlam::isCurrent(const Join& join) const {
+bool PartFinder::isCurrent(const Join& join) const {
   return join.back.at <= join.back_to && join.forth.at == trailSize() - 1;
 }
 
 /// Looks whether the newest of the trail lies at the next place of the map beyond its part, in one of the
 /// headings.
-void GraphSlam::lookAtNextPlace(int component) {
+void PartFinder::lookAtNextPlace(int component) {
   const auto& places = placesBeyond(component);
   if (places.empty()) return;
   const size_t turn = places_tried_++;
@@ -95,7 +97,7 @@ void GraphSlam::lookAtNextPlace(int component) {
   const int last = trailSize() - 1;
   std::vector<PatchPoint> query;
   double way_m = 0;
-  for (int i = last; i >= 0 && last - i < kMostQueryKeyframes && way_m < options_.loop_path_m; --i) {
+  for (int i = last; i >= 0 && last - i < kMostQueryKeyframes && way_m < options_->loop_path_m; --i) {
     const Pose2 T_last_i = core::between(trailPose(last), trailPose(i));
     for (const auto& point : trailPoints(i)) query.push_back(T_last_i * point);
     if (i > 0) way_m += core::distance(trailPose(i), trailPose(i - 1));
@@ -104,12 +106,12 @@ void GraphSlam::lookAtNextPlace(int component) {
   const double heading = trailPose(last).phi + static_cast<double>(turn % kHeadings) * kHeadingStep_rad;
   const auto matched = matchAtPlace(query, place, heading);
   if (!matched) return;
-  note(core::JournalEvent::kFound, matched->score, place);
+  map_->note(core::JournalEvent::kFound, matched->score, place);
   addJoin(place, matched->T_map_robot);
 }
 
 /// The place is followed from now on, unless it is already, or the trail contradicts it at once.
-void GraphSlam::addJoin(int place, const Pose2& T_map_robot) {
+void PartFinder::addJoin(int place, const Pose2& T_map_robot) {
   const int last = trailSize() - 1;
   Join join;
   join.place = join.old_keyframe = place;
@@ -132,7 +134,7 @@ void GraphSlam::addJoin(int place, const Pose2& T_map_robot) {
   joins_.push_back(std::move(join));
 }
 
-bool GraphSlam::isKnown(const Join& join) const {
+bool PartFinder::isKnown(const Join& join) const {
   return std::any_of(joins_.begin(), joins_.end(), [&](const Join& known) {
     const Pose2 expected =
         known.forth.T_map_robot * core::between(trailPose(known.forth.at), trailPose(join.forth.at));
@@ -142,14 +144,15 @@ bool GraphSlam::isKnown(const Join& join) const {
 }
 
 /// Whether the map does not contradict the trail on the whole.
-bool GraphSlam::isPlausible(const Join& join) const {
+bool PartFinder::isPlausible(const Join& join) const {
   const int last = join.forth.at;
   double against = 0, telling = 0;
   for (int n = 0; n < kFirstAsked; ++n) {
     const int i = last - (last - join.back_to) * n / (kFirstAsked - 1);
     const Pose2 T = join.forth.T_map_robot * core::between(trailPose(last), trailPose(i));
     const Told told =
-        toldBy(keyframesNear(core::position(T), componentOf(join.place), kAskedViewers), trailPoints(i), T);
+        map_->toldBy(map_->keyframesNear(core::position(T), map_->componentOf(join.place), kAskedViewers),
+                     trailPoints(i), T);
     against += told.contradicted * told.telling;
     telling += told.telling;
     if (i == join.back_to) break;
@@ -159,37 +162,39 @@ bool GraphSlam::isPlausible(const Join& join) const {
 
 /// How far a point of the trail and the map contradict each other at a pose: by the map's beams, and by the
 /// point's own.
-double GraphSlam::conflictOf(int trail_point, const std::vector<int>& viewers,
-                             const Pose2& T_map_robot) const {
-  const double theirs = meanConflict(viewers, T_map_robot, trailPoints(trail_point));
+double PartFinder::conflictOf(int trail_point, const std::vector<int>& viewers,
+                              const Pose2& T_map_robot) const {
+  const double theirs = map_->meanConflict(viewers, T_map_robot, trailPoints(trail_point));
   if (is_lost_ || viewers.empty()) return theirs;
-  const auto& seen = keyframe(join_first_ + trail_point).seen;
+  const auto& seen = map_->keyframe(join_first_ + trail_point).seen;
   double its = 0;
   for (const int viewer : viewers)
-    its += view(seen, core::between(T_map_robot, graph_.pose(viewer)), keyframe(viewer).points).conflict();
+    its +=
+        view(seen, core::between(T_map_robot, map_->pose(viewer)), map_->keyframe(viewer).points).conflict();
   return std::max(theirs, its / static_cast<double>(viewers.size()));
 }
 
 /// Moves a place on to the next point of its trail.
-void GraphSlam::holdAgainst(Join& join, Cursor& cursor, int next) {
+void PartFinder::holdAgainst(Join& join, Cursor& cursor, int next) {
   const Pose2 expected = cursor.T_map_robot * core::between(trailPose(cursor.at), trailPose(next));
   const auto& points = trailPoints(next);
   cursor = {next, expected};
   ++join.asked;
-  const auto around = keyframesNear(core::position(expected), componentOf(join.place), kJoinKeyframes);
+  const auto around =
+      map_->keyframesNear(core::position(expected), map_->componentOf(join.place), kJoinKeyframes);
   const auto viewers = firstOf(around, kViewers);
-  const double unknown = 1 - std::min(toldBy(viewers, points, expected).telling, 1.0);
+  const double unknown = 1 - std::min(map_->toldBy(viewers, points, expected).telling, 1.0);
   if (1 - unknown < kToldToJoin) {
     join.followed.add(core::position(expected));
     join.says[next] = {0, 1};
     return;
   }
   ++join.told;
-  const LevelMaps& maps = mapOf(around, core::position(expected));
+  const LevelMaps& maps = map_->mapOf(around, core::position(expected));
   const auto matched = match(points, maps, expected, followedTo(expected), 0, false);
   const Pose2& T = matched.T_map_robot;
   const double conflict = conflictOf(next, viewers, T);
-  if (conflict >= options_.loop_conflict || !isFollowed(T, expected)) {
+  if (conflict >= options_->loop_conflict || !isFollowed(T, expected)) {
     join.evidence += kNatsPerScan * (matched.score - conflict);
     join.says[next] = {-kNatsPerScan, 0};
     ++join.failures;
@@ -199,7 +204,7 @@ void GraphSlam::holdAgainst(Join& join, Cursor& cursor, int next) {
   const double nats = kNatsPerScan * (matched.score - conflict);
   join.says[next] = {nats, unknown};
   // Where the map ends much is new, and contradicts nothing.
-  if (matched.score < options_.loop_confirm_score) return;
+  if (matched.score < options_->loop_confirm_score) return;
   join.evidence += nats;
   ++join.fitting;
   cursor.T_map_robot = T;
@@ -209,11 +214,11 @@ void GraphSlam::holdAgainst(Join& join, Cursor& cursor, int next) {
   join.placed.push_back({next, T});
   if (&cursor == &join.forth) join.old_keyframe = around.front();
   if (is_lost_) return;
-  addLoopEdges(join.edges, around, join_first_ + next, matched);
+  map_->addLoopEdges(join.edges, around, join_first_ + next, matched);
 }
 
 /// One scan's share of the search. The place that the trail belongs to, when that is decided.
-const Join* GraphSlam::workOnJoins(int component) {
+const Join* PartFinder::workOnJoins(int component) {
   lookAtNextPlace(component);
   for (int n = 0; n < kChecksPerScan; ++n) {
     // The best that there is first; then those that are known least.
@@ -239,14 +244,14 @@ const Join* GraphSlam::workOnJoins(int component) {
 }
 
 /// A place that is left behind tells over what extent a wrong one can fit.
-void GraphSlam::refute(const Join& join) {
-  note(core::JournalEvent::kDropped, join.fitting, join.old_keyframe);
+void PartFinder::refute(const Join& join) {
+  map_->note(core::JournalEvent::kDropped, join.fitting, join.old_keyframe);
   const double fits_m = join.placed.size() > 1 ? join.fits.diagonal_m() : 0;
   refuted_.push_back({join.forth.T_map_robot * core::inverse(trailPose(join.forth.at)), fits_m});
 }
 
 /// Whether another place was followed before, and fitted over much less than this one does.
-bool GraphSlam::isRefuted(const Pose2& T_map_robot, const Join& join) const {
+bool PartFinder::isRefuted(const Pose2& T_map_robot, const Join& join) const {
   return std::any_of(refuted_.begin(), refuted_.end(), [&](const Refuted& refuted) {
     return isSame(refuted.T_map_trail * trailPose(join.forth.at), T_map_robot) &&
            join.fits.diagonal_m() >= kRefuted * refuted.fits_m;
@@ -255,7 +260,7 @@ bool GraphSlam::isRefuted(const Pose2& T_map_robot, const Join& join) const {
 
 /// By how many nats a place is ahead of another, point by point of the trail. What the other was not asked
 /// yet, and what its map says nothing of, may fit there.
-double GraphSlam::aheadOf(const Join& join, const Join& other) const {
+double PartFinder::aheadOf(const Join& join, const Join& other) const {
   const double credit = is_lost_ ? 0 : kNatsPerScan;
   double ahead = 0;
   for (const auto& [point, said] : join.says) {
@@ -267,14 +272,14 @@ double GraphSlam::aheadOf(const Join& join, const Join& other) const {
 }
 
 /// Whether all of the trail was held against a place, and all of the map was looked at since it was found.
-bool GraphSlam::isReady(const Join& join) const {
-  return isCurrent(join) && join.places_left <= 0 && join.fitting >= options_.loop_confirmations &&
-         join.distinct >= options_.loop_distinctness && join.followed.diagonal_m() >= kExtent_m &&
+bool PartFinder::isReady(const Join& join) const {
+  return isCurrent(join) && join.places_left <= 0 && join.fitting >= options_->loop_confirmations &&
+         join.distinct >= options_->loop_distinctness && join.followed.diagonal_m() >= kExtent_m &&
          join.fits.diagonal_m() >= kFitExtent_m;
 }
 
 /// The place that no other can be as good as, if there is one.
-Join* GraphSlam::decided() {
+Join* PartFinder::decided() {
   for (auto& join : joins_) {
     const bool is_ahead = isReady(join) && std::all_of(joins_.begin(), joins_.end(), [&](const Join& other) {
                             return &other == &join || aheadOf(join, other) > kAhead;
@@ -285,7 +290,7 @@ Join* GraphSlam::decided() {
 }
 
 /// What of the trail fits, as it lies in the map, seen from its newest end.
-std::vector<Point2> GraphSlam::trailQuery(const Join& join) const {
+std::vector<Point2> PartFinder::trailQuery(const Join& join) const {
   std::vector<PatchPoint> query;
   const Pose2 T_last_map = core::inverse(join.forth.T_map_robot);
   for (const auto& fit : join.placed)
@@ -298,11 +303,11 @@ std::vector<Point2> GraphSlam::trailQuery(const Join& join) const {
 
 /// Looks for other places of the map that hold the trail as a whole nearly as well; some are tried at each
 /// scan, and what is found has to be followed and left behind first. True when all were tried.
-bool GraphSlam::isProved(Join& join, int component) {
+bool PartFinder::isProved(Join& join, int component) {
   const auto places = placesBeyond(component);
   const Pose2 T = join.forth.T_map_robot;
   const auto nearest = std::min_element(places.begin(), places.end(), [&](int a, int b) {
-    return core::distance(graph_.pose(a), T) < core::distance(graph_.pose(b), T);
+    return core::distance(map_->pose(a), T) < core::distance(map_->pose(b), T);
   });
   if (nearest == places.end() || join.fitting < join.proof_from) return false;
   const auto query = trailQuery(join);
@@ -314,7 +319,7 @@ bool GraphSlam::isProved(Join& join, int component) {
   std::vector<std::pair<int, Pose2>> others;
   for (int n = 0; n < kProofsPerScan && join.proved < all; ++n, ++join.proved) {
     const int place = places[static_cast<size_t>(join.proved / kHeadings)];
-    const Point2 centre = core::position(graph_.pose(place));
+    const Point2 centre = core::position(map_->pose(place));
     const auto there = searchBest(pyramidOf(place), query,
                                   {centre.x, centre.y, T.phi + join.proved % kHeadings * kHeadingStep_rad},
                                   {kPlaceHalf_m, 0.5 * kHeadingStep_rad}, least);
@@ -331,42 +336,46 @@ bool GraphSlam::isProved(Join& join, int component) {
   return is_proved;
 }
 
-void GraphSlam::joinPart(const Join& join) {
-  Hypothesis hypothesis;
-  hypothesis.keyframe = join_first_ + join.forth.at;
-  hypothesis.old_keyframe = join.old_keyframe;
-  hypothesis.T_map_robot = join.forth.T_map_robot;
-  hypothesis.begun_m = path_m_;
-  hypothesis.confirmations = join.fitting;
-  hypothesis.evidence = join.distinct;
-  hypothesis.edges = join.edges;
-  LoopJudge judge([this] { return witnesses(); }, keyframes_);
-  accept(hypothesis, judge);
-  searchAnew();
-  // The keyframes have moved.
-  setMapHere();
-}
-
-/// Looks for the place of the keyframes [first, last] in the rest of the map, for as long as one scan may
-/// take.
-void GraphSlam::lookForPart(int first, int last) {
+std::optional<Hypothesis> PartFinder::lookForPart(int first, int last) {
   join_first_ = first, join_last_ = last;
-  if (const Join* join = workOnJoins(componentOf(first))) joinPart(*join);
+  const Join* join = workOnJoins(map_->componentOf(first));
+  if (join == nullptr) return std::nullopt;
+  Hypothesis loop;
+  loop.keyframe = join_first_ + join->forth.at;
+  loop.old_keyframe = join->old_keyframe;
+  loop.T_map_robot = join->forth.T_map_robot;
+  loop.begun_m = map_->path_m();
+  loop.confirmations = join->fitting;
+  loop.evidence = join->distinct;
+  loop.edges = join->edges;
+  return loop;
 }
 
-/// In the end there is time to look for every part everywhere, the newest first: its places are being
-/// followed.
-void GraphSlam::joinRemainingParts() {
-  for (size_t p = parts_.size(); p-- > 0;) {
-    const int first = parts_[p].begin;
-    const int last = (p + 1 < parts_.size() ? parts_[p + 1].begin : graph_.nodeCount()) - 1;
-    const int component = componentOf(first);
-    if (component == 0) continue;
-    if (p + 1 < parts_.size()) searchAnew();
-    const size_t turns = 4 * kHeadings * placesBeyond(component).size() + kLongestTrail;
-    for (size_t n = 0; n < turns && componentOf(first) == component; ++n) lookForPart(first, last);
-    completeClosing();
-  }
+size_t PartFinder::mostShares(int component) {
+  return 4 * kHeadings * placesBeyond(component).size() + kLongestTrail;
+}
+
+void PartFinder::beginTrail() {
+  is_lost_ = true;
+  trail_.clear();
+  searchAnew();
+}
+
+void PartFinder::endTrail() {
+  is_lost_ = false;
+  trail_.clear();
+  searchAnew();
+}
+
+std::optional<PartFinder::Found> PartFinder::lookForRobot(const Pose2& here,
+                                                          const std::vector<PatchPoint>& points) {
+  if (trail_.empty() || core::distance(trail_.back().T_trail_robot, here) > options_->keyframe_distance_m ||
+      std::abs(core::angleDifference(trail_.back().T_trail_robot.phi, here.phi)) >
+          options_->keyframe_angle_rad)
+    trail_.push_back({here, points});
+  const Join* found = workOnJoins(kAnyComponent);
+  if (found == nullptr) return std::nullopt;
+  return Found{found->forth.T_map_robot * core::between(trailPose(found->forth.at), here), found->score};
 }
 
 }  // namespace slam::graph
