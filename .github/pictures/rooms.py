@@ -15,7 +15,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 LIBRARY = HERE.parents[1] / "libslam"
 PICTURE = HERE / "rooms.svg"
 TRUTH = {"world", "buildings", "check", "sim", "mrptworld", "metrics", "oracle", "draw", "pictures", "report", "viewer"}
-ROBOT = {"gridmap", "scanmatch", "posegraph", "obstacles", "paths", "goals", "navigate", "mrptnav", "odometry", "graph", "particles", "builders", "methods",
+ROBOT = {"gridmap", "scanmatch", "sparse", "posegraph", "obstacles", "paths", "goals", "navigate", "mrptnav", "odometry", "graph", "particles", "builders", "methods",
          "mapping"}
 FLOOR = {"core", "robot", "stats", "objects", "bags", "logs", "table", "doctor", "process"}
 WIDTH, BOX, ROW = 1180, (104, 30), 74

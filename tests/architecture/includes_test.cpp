@@ -119,8 +119,8 @@ TEST(Includes, EveryRoomKeepsToTheTable) {
 
 TEST(Includes, TheTableHoldsTheTruthWall) {
   for (const std::string robot_side :
-       {"gridmap", "scanmatch", "posegraph", "obstacles", "paths", "goals", "navigate", "mrptnav", "odometry",
-        "graph", "particles", "builders", "methods", "mapping"})
+       {"gridmap", "scanmatch", "sparse", "posegraph", "obstacles", "paths", "goals", "navigate", "mrptnav",
+        "odometry", "graph", "particles", "builders", "methods", "mapping"})
     for (const std::string truth_side :
          {"world",  "buildings", "check",  "sim",     "metrics",  "oracle", "draw",    "pictures",
           "report", "process",   "record", "run",     "sessions", "score",  "explore", "sweep",
