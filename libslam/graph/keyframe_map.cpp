@@ -151,7 +151,8 @@ std::vector<int> KeyframeMap::keyframesNear(const Point2& centre, int component,
 }
 
 int KeyframeMap::keyframeBefore(int k) const {
-  return graph_.edges()[static_cast<size_t>(keyframe(k).odometry_edge)].from;
+  const int edge = keyframe(k).odometry_edge;
+  return edge < 0 ? -1 : graph_.edges()[static_cast<size_t>(edge)].from;
 }
 
 }  // namespace slam::graph

@@ -29,7 +29,7 @@ class KeyframeMap {
   const posegraph::PoseGraph& graph() const { return graph_; }
   Links& links() { return links_; }
   PointNoise& pointNoise() { return point_noise_; }
-  /// The keyframe that k was reached from.
+  /// The keyframe that k was reached from; -1: it is the first.
   int keyframeBefore(int k) const;
   bool mayBeMatchedTo(int k) const { return !keyframe(k).unsure && !keyframe(k).is_retired; }
   void link(int a, int b);
