@@ -11,8 +11,6 @@ namespace {
 
 using core::Pose2;
 
-/// Multiplications that one scan has to wait for: about 6 ms on a machine of 2020.
-constexpr double kWorkPerScan = 3e7;
 /// All poses together are found to so many standard deviations; the last step makes it the square of that.
 constexpr double kFound = 0.05;
 
@@ -36,8 +34,11 @@ void LoopCloser::beginClosing(const Hypothesis& loop, bool is_linked) {
 bool LoopCloser::continueClosing(bool may_move) {
   if (!closing_) return false;
   if (!closing_->is_found) {
-    closing_->is_found = closing_->work->advance(kWorkPerScan);
-    return false;
+    const double most = 1e6 * options_->loop_work;
+    double work = most;
+    closing_->is_found = closing_->work->advance(work);
+    // To take them over is work, too.
+    if (work < most / 2) return false;
   }
   return may_move && completeClosing();
 }

@@ -18,7 +18,7 @@ struct GraphOptions {
   double loop_every_m, loop_reach_m, loop_reach_per_m, loop_reach_most_m;
   double loop_path_m, loop_search_score, loop_score, loop_confirm_score, loop_conflict;
   int loop_confirmations;
-  double loop_confirm_m, loop_distinctness, loop_innovation;
+  double loop_confirm_m, loop_distinctness, loop_innovation, loop_work;
   int refine_rounds;
   GraphOptions();
   static const core::ParameterTable<GraphOptions>& table();

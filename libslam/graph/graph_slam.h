@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,8 +46,9 @@ namespace slam::graph {
 ///
 /// Without odometry the last motion stands in for it, as long as the step takes. Where there is no odometry,
 /// or it is contradicted, the motion that two scans alone give (odometry::ScanOdometry, correlation) is one
-/// of the starts, too. Odometry's noise grows with the root of time, with the metres and with the angle.
-/// Steps are timed by the mean of the stamps of late. Each of several lidars is known by its mounting.
+/// of the starts, too; without odometry every place that the robot may have come to is, with its heading.
+/// Odometry's noise grows with the root of time, with the metres and with the angle. Steps are timed by the
+/// mean of the stamps of late. Each of several lidars is known by its mounting.
 ///
 /// The kidnapped robot (see LostDetector): a scan that breaks with the one before and contradicts the map is
 /// held back for half a second. If that goes on, the robot maps on by itself, while it is still tracked in
@@ -149,6 +151,7 @@ class GraphSlam {
   void keepScan(const robot::Scan& scan);
   const Seen* before() const;
   Prediction predict(const core::Pose2& T_previous_robot, bool has_odometry) const;
+  double farthestMove() const;
   std::optional<core::Pose2> motionFromScans(const robot::Scan& scan) const;
 
   // track.cpp: a scan and the map around
@@ -156,6 +159,8 @@ class GraphSlam {
              Eigen::Matrix3d& information);
   Expected expect(const core::Pose2& T_previous_robot, bool has_odometry) const;
   Start bestStart(const robot::Scan& scan, const Points& points, const Expected& expected) const;
+  void slide(const Expected& expected, const core::Pose2& motion,
+             const std::function<void(const core::Pose2&)>& consider) const;
   double unlikely(const core::Pose2& T_map_robot, const Expected& expected) const;
   double brokenAt(const core::Pose2& T_map_robot, const Points& points, const Expected& expected) const;
   bool isBetter(const scanmatch::MatchResult& other, const scanmatch::MatchResult& than, double least_gain,

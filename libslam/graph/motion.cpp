@@ -17,9 +17,8 @@ constexpr double kLeastPeriod_s = 1e-3, kMostPeriod_s = 2;
 constexpr double kPeriodGain = 0.05;
 /// The last motion goes on, to within what a robot may do otherwise per second, where nothing measures it.
 constexpr double kUnknown_mps = 2.5, kUnknown_radps = 2.5, kUnknownMost = 1;
-/// Two scans are searched for the motion of an indoor robot between them, at most so fast and so far; beyond,
-/// little is seen twice.
-constexpr double kFastest_mps = 3, kFastest_radps = 4, kFarthest_m = 4;
+/// Two scans are searched for turns of an indoor robot between them up to this speed.
+constexpr double kFastest_radps = 4;
 
 /// A motion at the same speed and turn rate, for `times` the time.
 Pose2 goneOn(const Pose2& T, double times) {
@@ -64,6 +63,12 @@ const Seen* GraphSlam::before() const {
   return &seen_[static_cast<size_t>(before_)];
 }
 
+/// Between two scans; of an indoor robot, and no farther than where little is seen twice.
+double GraphSlam::farthestMove() const {
+  constexpr double kFastest_mps = 3, kFarthest_m = 4;
+  return std::min(kFastest_mps * period_s_, kFarthest_m);
+}
+
 Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has_odometry) const {
   Prediction result;
   result.T_previous_robot = has_odometry ? T_previous_robot : T_previous_robot_;
@@ -86,7 +91,7 @@ std::optional<Pose2> GraphSlam::motionFromScans(const robot::Scan& scan) const {
   if (before() == nullptr) return std::nullopt;
   odometry::ScanOdometryOptions options;
   options.max_turn_rad = std::clamp(kFastest_radps * period_s_, options.max_turn_rad, core::kPi);
-  options.max_move_m = std::clamp(kFastest_mps * period_s_, options.max_move_m, kFarthest_m);
+  options.max_move_m = std::max(farthestMove(), options.max_move_m);
   const auto odometry = odometry::makeScanOdometry(options);
   odometry->update(before()->scan);
   const auto motion = odometry->update(scan);

@@ -1,6 +1,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "libslam/core/elementary.h"
@@ -22,6 +23,8 @@ using scanmatch::PosePrior;
 constexpr double kStartGain = 0.02;
 /// In standard deviations of odometry: a match farther from it has let it go.
 constexpr double kLetGo = 3;
+/// Where no odometry tells how far the robot went, it is looked for on a lattice of this pitch.
+constexpr double kSlide_m = 0.2;
 constexpr double kStartTurns_rad[] = {-0.15, -0.07, 0.07, 0.15};
 /// The lattice of recover().
 constexpr int kLatticeTurns = 10, kLatticeSteps = 4;
@@ -117,9 +120,22 @@ Start GraphSlam::bestStart(const robot::Scan& scan, const std::vector<PatchPoint
   consider(e.backwards);
   if (by_wheels_) consider(e.by_wheels);
   for (const double turn : kStartTurns_rad) consider({e.predicted.x, e.predicted.y, e.predicted.phi + turn});
-  if (!e.has_odometry || best.gain > options_.distrust_gain)
-    if (const auto motion = motionFromScans(scan)) consider(e.T_before * *motion);
+  const bool from_scans = !e.has_odometry || best.gain > options_.distrust_gain;
+  const auto motion = from_scans ? motionFromScans(scan) : std::nullopt;
+  if (motion) consider(e.T_before * *motion);
+  if (!e.has_odometry) slide(e, motion.value_or(e.step.T_previous_robot), consider);
   return best;
+}
+
+/// Two scans along a corridor look like one: they do not tell how far the robot went, but the map may. Every
+/// place within reach, with the headings that the last motion and the two scans have.
+void GraphSlam::slide(const Expected& e, const Pose2& motion,
+                      const std::function<void(const Pose2&)>& consider) const {
+  const int steps = static_cast<int>(farthestMove() / kSlide_m);
+  for (int x = -steps; x <= steps; ++x)
+    for (int y = -steps; y <= steps; ++y)
+      for (const double phi : {e.predicted.phi, e.T_before.phi + motion.phi})
+        consider({e.T_before.x + kSlide_m * x, e.T_before.y + kSlide_m * y, phi});
 }
 
 /// What odometry holds against a pose, in nats.

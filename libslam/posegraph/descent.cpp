@@ -96,7 +96,7 @@ void Descent::judgeStep() {
   iterate();
 }
 
-bool Descent::advance(double work) {
+bool Descent::advance(double& work) {
   while (work > 0 && doing_ != Doing::kNothing) {
     if (doing_ == Doing::kFactorise) {
       const auto progress = system_.advanceFactorization(work);
@@ -116,7 +116,8 @@ bool Descent::advance(double work) {
 }
 
 void Descent::finish() {
-  advance(std::numeric_limits<double>::infinity());
+  double unlimited = std::numeric_limits<double>::infinity();
+  advance(unlimited);
 }
 
 }  // namespace slam::posegraph

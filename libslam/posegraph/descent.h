@@ -17,7 +17,7 @@ class Descent {
   Descent(const PoseGraph& graph, GraphSystem& system, std::vector<core::Pose2> poses,
           std::vector<double> weights, double tolerance, int max_iterations);
   /// One piece; true when all is done. `work` as in sparse::BlockCholesky::advance().
-  bool advance(double work);
+  bool advance(double& work);
   /// All that is left.
   void finish();
 

@@ -13,6 +13,9 @@
 namespace slam::posegraph {
 namespace {
 
+/// Analysing a graph takes as long as so many multiplications for each of its edges.
+constexpr double kAnalysisPerEdge = 1800;
+
 void requireSound(const OptimizeOptions& o) {
   if (o.robust != "none" && o.robust != "local" && o.robust != "global")
     throw core::ContractError("optimize: robust is '" + o.robust + "', expected none, local or global");
@@ -98,18 +101,20 @@ OptimizeInPieces::OptimizeInPieces(PoseGraph graph, const OptimizeOptions& optio
 
 OptimizeInPieces::~OptimizeInPieces() = default;
 
-bool OptimizeInPieces::advance(double work) {
+bool OptimizeInPieces::advance(double& work) {
   Work& w = *work_;
-  if (w.descent) return w.descent->advance(work);
-  w.system.emplace(w.graph, edgesOn(w.graph));
-  w.descent.emplace(w.graph, *w.system, w.graph.poses(), std::vector<double>(w.graph.edges().size(), 1.0),
-                    w.options.tolerance, w.options.max_iterations);
-  return false;
+  if (!w.descent) {
+    w.system.emplace(w.graph, edgesOn(w.graph));
+    w.descent.emplace(w.graph, *w.system, w.graph.poses(), std::vector<double>(w.graph.edges().size(), 1.0),
+                      w.options.tolerance, w.options.max_iterations);
+    work -= kAnalysisPerEdge * static_cast<double>(w.graph.edges().size());
+  }
+  return w.descent->advance(work);
 }
 
 OptimizeResult OptimizeInPieces::finish() {
-  while (!advance(std::numeric_limits<double>::infinity())) {
-  }
+  double unlimited = std::numeric_limits<double>::infinity();
+  advance(unlimited);
   OptimizeResult result;
   result.converged = work_->descent->converged();
   result.iterations = work_->descent->iterations();

@@ -67,8 +67,9 @@ class OptimizeInPieces {
   OptimizeInPieces(PoseGraph graph, const OptimizeOptions& options);
   ~OptimizeInPieces();
   /// One piece; true when all is done. `work`: how much, in multiplications, about (4e6 take a millisecond or
-  /// so). The first piece analyses the graph's structure, whatever that costs: about a factorisation's third.
-  bool advance(double work);
+  /// so); what was done is taken off. The first piece analyses the graph's structure, whatever that costs:
+  /// about a factorisation's third.
+  bool advance(double& work);
   /// All that is left.
   OptimizeResult finish();
   const PoseGraph& graph() const;

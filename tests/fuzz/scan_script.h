@@ -19,7 +19,9 @@ class ScanScript {
     bool has_odometry;
   };
 
-  ScanScript(const std::uint8_t* data, std::size_t size) : at_(data), end_(data + size) {
+  /// leap_m: how far odometry leaps at most, 128 times over.
+  ScanScript(const std::uint8_t* data, std::size_t size, double leap_m)
+      : at_(data), end_(data + size), leap_m_(leap_m) {
     lidar_.time_s = 1000;
     lidar_.ranges_m.resize(2 + std::size_t{next()});
     const double fov_rad = (next() + 1) / 256.0 * 2 * core::kPi;
@@ -38,8 +40,8 @@ class ScanScript {
     if ((look & 7) != 7) see(look & 7, (detail + 1) / 256.0 * lidar_.max_range_m);
     if (look & 16) spoil(detail);
     if (look & 32) lidar_.T_robot_lidar = {detail / 256.0, -0.1, turn / 40.0};  // another lidar of the robot
-    // Metres by 1/128; now and then kilometres.
-    const double scale = look & 64 ? 1e3 : 1 / 128.0;
+    // Metres by 1/128; now and then a leap.
+    const double scale = look & 64 ? leap_m_ : 1 / 128.0;
     return Step{lidar_, {scale * along, 0, turn / 40.0}, (look & 128) == 0};
   }
 
@@ -69,6 +71,7 @@ class ScanScript {
   }
 
   const std::uint8_t *at_, *end_;
+  double leap_m_;
   robot::Scan lidar_;
 };
 

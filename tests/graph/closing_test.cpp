@@ -16,7 +16,7 @@ struct Laps {
 
   static GraphOptions options() {
     GraphOptions o;
-    o.keyframe_distance_m = 0.1, o.known_views = 0;
+    o.keyframe_distance_m = 0.1, o.known_views = 0, o.loop_work = 1;
     return o;
   }
   void process(size_t i) { graph.process(log.scans[i], log.increments[i], true); }
