@@ -6,6 +6,7 @@
 #include <mrpt/poses/CPose3D.h>
 
 #include <algorithm>
+#include <cstring>
 #include <string>
 
 #include "libslam/core/error.h"
@@ -48,6 +49,12 @@ std::shared_ptr<mrpt::obs::CObservation2DRangeScan> toMrpt(const Scan& scan) {
   return observation;
 }
 
+bool isRightToLeft(const mrpt::obs::CObservation2DRangeScan& observation) {
+  unsigned char byte = 0;
+  std::memcpy(&byte, &observation.rightToLeft, 1);
+  return byte != 0;
+}
+
 Scan fromMrpt(const mrpt::obs::CObservation2DRangeScan& observation) {
   const size_t beams = observation.getScanSize();
   if (beams < 2)
@@ -81,7 +88,7 @@ Scan fromMrpt(const mrpt::obs::CObservation2DRangeScan& observation) {
       reading = kNoReturn;
     scan.ranges_m[i] = reading;
   }
-  if (!observation.rightToLeft) std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
+  if (!isRightToLeft(observation)) std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
   return scan;
 }
 

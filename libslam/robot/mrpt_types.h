@@ -25,6 +25,10 @@ std::shared_ptr<mrpt::obs::CObservation2DRangeScan> toMrpt(const Scan& scan);
 /// pose that is not finite (InputError, without a file name: the caller adds it).
 Scan fromMrpt(const mrpt::obs::CObservation2DRangeScan& observation);
 
+/// Whether its beams turn to the left. MRPT takes the byte that a file has for a bool, and a damaged file has
+/// any.
+bool isRightToLeft(const mrpt::obs::CObservation2DRangeScan& observation);
+
 mrpt::math::TPose2D toMrpt(const core::Pose2& pose);
 core::Pose2 fromMrpt(const mrpt::math::TPose2D& pose);
 
