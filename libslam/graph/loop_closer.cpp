@@ -164,6 +164,7 @@ std::optional<LoopCloser::Accepted> LoopCloser::accept(const Hypothesis& loop, L
       if (map_->componentOf(i) == (old_moves ? old_component : component))
         map_->graph().setPose(i, T * map_->pose(i));
     map_->links().measure(map_->graph().poses());
+    map_->countRevision();
   }
   map_->addLoop(loop.edges);
   map_->note(core::JournalEvent::kAccepted, way_m, old);

@@ -14,7 +14,7 @@
 #include "libslam/robot/scan.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 
-/// What GraphSlam keeps: its keyframes, the places that it follows, and what it thinks of the robot. For
+/// What graph SLAM keeps: keyframes, the places that it follows, and what it thinks of the robot. For
 /// this room only.
 namespace slam::graph {
 
