@@ -22,7 +22,7 @@ usage: ./bootstrap.sh VERB [--no-install] [ARGUMENTS...]
   tidy     clang-tidy over every source file (an hour and more)
   attack   build, then fail every call of the system once in every command, and damage files of every format
            (ARGUMENTS go to tests/fuzz/campaign.py)
-  fuzz     build every reader of files with clang's fuzzer and let each run a minute (ARGUMENTS go to tests/fuzz/run.sh)
+  fuzz     build every reader of files, and the estimators, with clang's fuzzer and let each run a minute (ARGUMENTS go to tests/fuzz/run.sh)
 
   --no-install   do not install packages (for users without root); says what is missing and goes on
 

@@ -46,7 +46,7 @@ void sortByVotes(std::vector<Overlay>& overlays) {
 
 }  // namespace
 
-std::optional<PartFinder::KnownPart> PartFinder::placeOfPart(int first, int end, core::Progress& progress) {
+std::optional<PartFinder::PlacedPart> PartFinder::placeOfPart(int first, int end, core::Progress& progress) {
   join_first_ = first, join_last_ = end - 1;
   std::vector<Overlay> overlays;
   const int anchors = std::clamp((end - first) / kLeastAnchorStep, 1, kMostAnchors);
@@ -90,7 +90,7 @@ std::optional<PartFinder::KnownPart> PartFinder::placeOfPart(int first, int end,
   hypothesis.confirmations = place.fitting;
   hypothesis.evidence = best->distinct;
   hypothesis.edges = best->edges;
-  return KnownPart{hypothesis, place};
+  return PlacedPart{hypothesis, place};
 }
 
 /// Whether a part fits over enough of the map.

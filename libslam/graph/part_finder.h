@@ -41,7 +41,7 @@ class PartFinder {
                                     const std::vector<scanmatch::PatchPoint>& points);
 
   // overlay.cpp
-  struct KnownPart {
+  struct PlacedPart {
     Hypothesis loop;
     PartPlace place;
   };
@@ -49,7 +49,7 @@ class PartFinder {
   /// Every place that is found holds for the whole part: the places that several of them agree on are held
   /// against all of it, and the part is joined where it fits over a large extent and no other place is nearly
   /// as good.
-  std::optional<KnownPart> placeOfPart(int first, int end, core::Progress& progress);
+  std::optional<PlacedPart> placeOfPart(int first, int end, core::Progress& progress);
 
  private:
   using Points = std::vector<scanmatch::PatchPoint>;
