@@ -12,8 +12,6 @@
 // the second name must differ from the class name in more than that.
 MAP_DEFINITION_REGISTER("slam::builders::ExactGrid,unbiasedGridMap", slam::builders::ExactGrid)
 
-#include "libslam/robot/mrpt_types.h"
-
 namespace slam::builders {
 
 IMPLEMENTS_SERIALIZABLE(ExactGrid, mrpt::maps::COccupancyGridMap2D, slam::builders)
@@ -73,7 +71,7 @@ bool ExactGrid::internal_insertObservation(const mrpt::obs::CObservation& observ
   const double rays = static_cast<double>(scan->getScanSize());
   const double step = static_cast<double>(scan->aperture) / (rays - 1);
   widened.aperture = static_cast<float>(step * rays);
-  const double half_step = robot::isRightToLeft(*scan) ? 0.5 * step : -0.5 * step;
+  const double half_step = scan->rightToLeft ? 0.5 * step : -0.5 * step;
   widened.sensorPose = scan->sensorPose + mrpt::poses::CPose3D(0, 0, 0, half_step, 0, 0);
 
   // MRPT clears every invalid reading to half of maxDistanceInsertion, whatever the lidar's range, and a lost
