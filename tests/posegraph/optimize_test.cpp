@@ -303,6 +303,31 @@ TEST(Optimize, ReachesTheKnownOptimumOfManhattanFromOdometry) {
   EXPECT_NEAR(result.final_chi2, 3549.0368, 3549.0368 * 1e-6);
 }
 
+/// A drive whose poses were thrown about by metres and turns.
+PoseGraph thrownAbout(int nodes, std::uint64_t seed) {
+  PoseGraph graph = testing::driveOnGrid(nodes, seed).graph;
+  core::RandomStream random(seed, "start");
+  for (int k = 1; k < nodes; ++k) {
+    const core::Pose2 T = graph.pose(k);
+    const double x = T.x + 5 * random.normal(), y = T.y + 5 * random.normal();
+    graph.setPose(k, {x, y, core::wrapToPi(T.phi + 2 * random.normal())});
+  }
+  return graph;
+}
+
+// Damping rises until steps go down, and falls again: else steps stay short to the end. And a step that was
+// rejected is taken anew from where it began.
+TEST(Optimize, GoesDownFromAStartThatIsNone) {
+  OptimizeOptions options;
+  options.robust = "none";
+  PoseGraph lucky = thrownAbout(120, 4), unlucky = thrownAbout(120, 1);
+  const auto down = optimize(lucky, options);
+  EXPECT_TRUE(down.converged);
+  EXPECT_LT(down.iterations, 40);
+  EXPECT_NEAR(down.final_chi2, 21.793, 0.01) << "the optimum, as from odometry";
+  EXPECT_LT(optimize(unlucky, options).final_chi2, 1e5) << "another minimum, at 79 thousand";
+}
+
 TEST(OptimizeInPieces, GivesTheSameBytesWhateverThePieces) {
   const PoseGraph noisy = testing::driveOnGrid(400, 3).graph;
   PoseGraph whole = noisy;
