@@ -23,6 +23,12 @@ Eigen::Matrix3d propagated(const Edge& edge, const std::vector<core::Pose2>& pos
 
 }  // namespace
 
+std::vector<char> edgesOn(const PoseGraph& graph) {
+  std::vector<char> on;
+  for (const Edge& edge : graph.edges()) on.push_back(edge.on);
+  return on;
+}
+
 GraphSystem::GraphSystem(const PoseGraph& graph, const std::vector<char>& is_used) {
   requireHeld(graph, is_used);
   int variables = 0;

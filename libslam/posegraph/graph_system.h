@@ -7,6 +7,9 @@
 
 namespace slam::posegraph {
 
+/// Which edges count: those that are on.
+std::vector<char> edgesOn(const PoseGraph& graph);
+
 /// The normal equations of a graph: one block row per node that is not fixed. What optimize() and Marginals
 /// share.
 class GraphSystem {

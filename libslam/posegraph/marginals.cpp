@@ -10,12 +10,6 @@ namespace {
 
 constexpr double kFirstDamping = 1e-14;
 
-std::vector<char> edgesOn(const PoseGraph& graph) {
-  std::vector<char> on;
-  for (const Edge& edge : graph.edges()) on.push_back(edge.on);
-  return on;
-}
-
 }  // namespace
 
 Marginals::Marginals(const PoseGraph& graph, Open open)

@@ -23,12 +23,6 @@ void requireSound(const OptimizeOptions& o) {
     throw core::ContractError("optimize: an option is out of its bounds");
 }
 
-std::vector<char> edgesOn(const PoseGraph& graph) {
-  std::vector<char> on;
-  for (const Edge& edge : graph.edges()) on.push_back(edge.on);
-  return on;
-}
-
 }  // namespace
 
 OptimizeOptions::OptimizeOptions() {

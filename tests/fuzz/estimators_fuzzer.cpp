@@ -1,25 +1,21 @@
 // Drives as no robot would make them, through what estimates from scans: it ends, and what it says is finite.
-#include <Eigen/Eigenvalues>
 #include <cstdlib>
 
 #include "libslam/graph/graph_slam.h"
 #include "libslam/odometry/scan_odometry.h"
 #include "libslam/particles/particle_filter.h"
 #include "tests/fuzz/scan_script.h"
+#include "tests/mapping/is_covariance.h"
 
 namespace slam {
 namespace {
+
+using mapping::test::isCovariance;
 
 constexpr int kMostSteps = 60;
 
 void require(bool holds) {
   if (!holds) std::abort();
-}
-
-bool isCovariance(const Eigen::Matrix3d& matrix) {
-  if (!matrix.allFinite()) return false;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(matrix, Eigen::EigenvaluesOnly);
-  return parts.eigenvalues()[0] >= -1e-9 * std::max(parts.eigenvalues()[2], 1e-12);
 }
 
 void requireSound(const graph::GraphSlam::Step& step) {

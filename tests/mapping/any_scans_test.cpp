@@ -3,7 +3,6 @@
 // for every run of the tests.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <cstdlib>
 #include <limits>
 
@@ -16,11 +15,13 @@
 #include "libslam/scanmatch/field_matcher.h"
 #include "libslam/scanmatch/information.h"
 #include "libslam/scanmatch/surfel_matcher.h"
+#include "tests/mapping/is_covariance.h"
 #include "tests/mapping/random_scans.h"
 
 namespace slam::mapping {
 namespace {
 
+using test::isCovariance;
 using test::RandomStep;
 using test::RandomSteps;
 
@@ -29,12 +30,6 @@ constexpr int kStepsPerDrive = 20;
 int drives(int by_default) {
   const char* wanted = std::getenv("RASTERSLAM_DRIVES");
   return wanted != nullptr ? std::atoi(wanted) : by_default;
-}
-
-bool isCovariance(const Eigen::Matrix3d& matrix) {
-  if (!matrix.allFinite()) return false;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> parts(matrix, Eigen::EigenvaluesOnly);
-  return parts.eigenvalues()[0] >= -1e-9 * std::max(parts.eigenvalues()[2], 1e-12);
 }
 
 TEST(AnyScans, LeaveTheGraphFinite) {
