@@ -60,7 +60,7 @@ void LoopCloser::takeOver() {
       map_->graph().setPose(k, found[static_cast<size_t>(k)]);
       continue;
     }
-    const int from = map_->graph().edges()[static_cast<size_t>(map_->keyframe(k).odometry_edge)].from;
+    const int from = map_->keyframeBefore(k);
     const Pose2 T_from_k = core::between(before[static_cast<size_t>(from)], before[static_cast<size_t>(k)]);
     map_->graph().setPose(k, map_->pose(from) * T_from_k);
   }

@@ -7,6 +7,7 @@
 #include "libslam/graph/search.h"
 
 namespace slam::graph {
+
 using core::Point2;
 using core::Pose2;
 using scanmatch::MatchResult;

@@ -66,9 +66,9 @@ class OptimizeInPieces {
   /// Errors: as optimize(). REQUIRES robust none (ContractError).
   OptimizeInPieces(PoseGraph graph, const OptimizeOptions& options);
   ~OptimizeInPieces();
-  /// One piece; true when all is done. `work`: how much, in multiplications, about (4e6 take a millisecond or
+  /// One piece; true when all is done. `work`: how much, in multiplications, about (5e6 take a millisecond or
   /// so); what was done is taken off. The first piece analyses the graph's structure, whatever that costs:
-  /// about a factorisation's third.
+  /// about what a factorisation costs.
   bool advance(double& work);
   /// All that is left.
   OptimizeResult finish();

@@ -56,7 +56,7 @@ class BlockCholesky {
   /// Block (a, b) of the inverse from the half columns of a and b.
   static Eigen::Matrix3d inverseBlock(const HalfColumn& a, const HalfColumn& b);
   /// Of the inverse: all diagonal blocks, and those at the places of analyse()'s list. By Takahashi's
-  /// recursion over the factor's pattern (Erisman and Tinney, Comm. ACM 18(3), 1975). Cost: about three
+  /// recursion over the factor's pattern (Erisman and Tinney, Comm. ACM 18(3), 1975). Cost: two to three
   /// factorisations.
   struct SparseInverse {
     std::vector<Eigen::Matrix3d> diagonal, blocks;

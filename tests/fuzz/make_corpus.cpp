@@ -1,4 +1,5 @@
-// Writes the seeds of the binary formats: make_corpus FOLDER. The same bytes every time.
+// Writes the seeds of the binary formats and of the estimators: make_corpus FOLDER. The same bytes every
+// time.
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
@@ -8,10 +9,13 @@
 #include <mrpt/serialization/CSerializable.h>
 #include <zlib.h>
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "libslam/bags/ros_logs.h"
@@ -89,6 +93,38 @@ void unpack(const std::string& packed, const std::string& plain) {
   gzclose(in);
 }
 
+using Step = std::array<std::uint8_t, 4>;  // see ScanScript
+
+std::vector<Step> repeated(const std::vector<Step>& steps, int times) {
+  std::vector<Step> all;
+  for (int i = 0; i < times; ++i) all.insert(all.end(), steps.begin(), steps.end());
+  return all;
+}
+
+/// A drive through rooms and corridors for each estimator; and one that nobody would make.
+void writeDrives(const std::string& folder) {
+  const auto write = [&folder](const std::string& name, const std::vector<std::uint8_t>& head,
+                               const std::vector<std::vector<Step>>& parts) {
+    std::ofstream out(folder + name, std::ios::binary);
+    for (const std::uint8_t byte : head) out.put(static_cast<char>(byte));
+    for (const auto& part : parts)
+      for (const Step& step : part)
+        for (const std::uint8_t byte : step) out.put(static_cast<char>(byte));
+  };
+  const std::vector<Step> look_about = {{3, 80, 20, 4}, {3, 78, 20, 4}, {4, 90, 25, 8}};
+  const auto room = repeated(look_about, 12), short_room = repeated(look_about, 4);
+  const std::vector<Step> way = repeated({{2, 40, 30, 0}}, 10), turn = repeated({{3, 80, 10, 30}}, 4),
+                          short_way = repeated({{2, 40, 30, 0}}, 6), blind = repeated({{6, 0, 20, 0}}, 3);
+  write("graph", {255, 79, 178, 128, 64, 107}, {room, way, turn, room});
+  write("localised", {254, 30, 178, 128, 64, 107}, {room, blind, room});
+  write("particles", {5, 0, 178, 128, 64, 107}, {room, way, turn});
+  for (std::uint8_t i = 0; i < 5; ++i)
+    write("odometry" + std::to_string(i), {i, 0, 178, 128, 64, 107}, {short_room, short_way});
+  const std::vector<Step> spoilt = {{19, 9, 20, 4}, {145, 77, 251, 90}, {69, 3, 100, 3},
+                                    {14, 0, 0, 0},  {7, 0, 0, 0},       {35, 70, 20, 4}};
+  write("spoilt", {255, 79, 60, 255, 0, 120}, {repeated(spoilt, 8)});
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -113,5 +149,6 @@ int main(int argc, char** argv) {
     options.ros1 = std::string(compression) == "lz4";
     write(observations(), bags::createMcap(folderOf(corpus, "mcap") + compression + ".mcap", options));
   }
+  writeDrives(folderOf(corpus, "estimators"));
   return 0;
 }
