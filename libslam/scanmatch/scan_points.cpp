@@ -16,6 +16,8 @@ constexpr double kPatchSteepest = 12;
 /// So far to each side returns tell together how a surface lies: less than a corner rounds off, more than
 /// their noise.
 constexpr double kSurface_m = 0.15;
+/// Three returns lie on a line within this share of what lies between two beams there.
+constexpr double kStraight = 0.2;
 constexpr int kLeastNeighbours = 2, kMostNeighbours = 20;
 
 double squaredDistance(const core::Point2& a, const core::Point2& b) {
@@ -104,6 +106,19 @@ std::vector<int> keptOf(const Returns& returns, double spacing_m, double step_ra
   return kept;
 }
 
+/// Returns of three beams in a row, each farther than the one before, on one line: a wall seen at a grazing
+/// angle, however far apart they are. Across such a wall range noise hardly shows.
+bool areGrazing(const Returns& returns, int first, double step_rad, const core::Point2& eye) {
+  const int n = static_cast<int>(returns.points.size());
+  if (first < 0 || first + 2 >= n || returns.beams[first + 2] - returns.beams[first] != 2) return false;
+  const core::Point2 &a = returns.points[first], &b = returns.points[first + 1],
+                     &c = returns.points[first + 2];
+  const double ra2 = squaredDistance(a, eye), rb2 = squaredDistance(b, eye), rc2 = squaredDistance(c, eye);
+  if ((ra2 < rb2) != (rb2 < rc2)) return false;
+  const double across = (c.x - a.x) * (b.y - a.y) - (c.y - a.y) * (b.x - a.x);
+  return across * across < kStraight * kStraight * step_rad * step_rad * rb2 * squaredDistance(a, c);
+}
+
 /// From a return to the next one on its surface: the mean over the returns about it, since noise hides the
 /// direction of a single gap. Where no neighbour lies on the surface: what the beams leave open sideways.
 core::Point2 meanGap(const Returns& returns, int k, double step_rad, const core::Point2& eye) {
@@ -130,6 +145,9 @@ core::Point2 meanGap(const Returns& returns, int k, double step_rad, const core:
     if (first < k && last > k)
       (squaredDistance(points[first], p) <= squaredDistance(points[last], p) ? last : first) = k;
   }
+  for (int from = k - 1; first == last && from >= k - 2; --from)
+    if (areGrazing(returns, from, step_rad, eye)) first = from, last = std::min(from + 2, k + 1);
+  if (first == last && areGrazing(returns, k, step_rad, eye)) last = k + 1;
   if (first == last) return {-(p.y - eye.y) * step_rad, (p.x - eye.x) * step_rad};
   const double gaps = last - first;
   return {(points[last].x - points[first].x) / gaps, (points[last].y - points[first].y) / gaps};

@@ -136,6 +136,21 @@ TEST(ScanPoints, StandForWhatTheirBeamLeavesOpenSidewaysWhereNoNeighbourIsNear) 
   EXPECT_NEAR(patches[1].along_y, 4 * 0.01 / (2 * std::sqrt(3.0)), 1e-6);
 }
 
+// Returns metres apart along a bare corridor are no posts that stand across it.
+TEST(ScanPoints, LieAlongTheirWallHoweverGrazingTheBeams) {
+  Lidar lidar;
+  lidar.beams = 361, lidar.max_range_m = 30;
+  core::RandomStream chance(1, "lidar");
+  int far = 0, along = 0;
+  for (int i = 0; i < 20; ++i)
+    for (const auto& patch : patchPoints(look(rectangle(-50, -1, 50, 1), {}, lidar, chance), {})) {
+      if (patch.x < 13) continue;
+      ++far, along += std::abs(patch.along_x) > 5 * std::abs(patch.along_y);
+    }
+  ASSERT_GT(far, 60);
+  EXPECT_GT(along, 0.7 * far);
+}
+
 TEST(ScanPoints, TurnWithTheirPatches) {
   const PatchPoint turned = core::Pose2{1, 2, core::kPi / 2} * PatchPoint{3, 4, 0.5F, 0.25F};
   EXPECT_NEAR(turned.x, -3, 1e-6);
