@@ -1,0 +1,51 @@
+#include "libslam/odometry/path_scale.h"
+
+#include <algorithm>
+
+#include "libslam/core/elementary.h"
+
+namespace slam::odometry {
+namespace {
+
+/// Wheels measure within this share of the true way, for a start; more than the second is no matter of scale.
+constexpr double kSigma = 0.03, kMost = 0.15;
+/// Below, a scan hardly told how far the robot went.
+constexpr double kTold = 0.5;
+constexpr double kPiece_m = 0.5;
+/// What was driven so many metres ago counts a third.
+constexpr double kMemory_m = 100;
+/// In standard deviations: beyond, a piece counts the less the farther off it is.
+constexpr double kTail = 3;
+/// The variance that wheels are taken to have on a metre, m^2, before pieces show it; and how many it counts.
+constexpr double kVariance = 0.01, kPieces = 2;
+
+}  // namespace
+
+core::Pose2 PathScale::corrected(const core::Pose2& T_wheels) const {
+  return {factor_ * T_wheels.x, factor_ * T_wheels.y, T_wheels.phi};
+}
+
+void PathScale::endPiece() {
+  T_wheels_ = T_matched_ = {};
+}
+
+void PathScale::learn(const core::Pose2& T_corrected, const core::Pose2& T_matched, double told) {
+  if (!(told >= kTold)) return endPiece();
+  T_wheels_ = T_wheels_ * core::Pose2{T_corrected.x / factor_, T_corrected.y / factor_, T_corrected.phi};
+  T_matched_ = T_matched_ * T_matched;
+  const double way_m = core::hypot(T_wheels_.x, T_wheels_.y);
+  if (way_m < kPiece_m) return;
+  const double excess_m = core::hypot(T_matched_.x, T_matched_.y) - way_m;
+  const double off_m = excess_m - (factor_ - 1) * way_m, off2 = off_m * off_m / way_m;
+  const double variance = (kPieces * kVariance + squared_m_) / (kPieces + pieces_);
+  const double tail = kTail * kTail * variance, weight = off2 > tail ? tail / off2 : 1;
+  const double stays = core::exp(-way_m / kMemory_m);
+  pieces_ = stays * pieces_ + weight;
+  way_m_ = stays * way_m_ + weight * way_m;
+  excess_m_ = stays * excess_m_ + weight * excess_m;
+  squared_m_ = stays * squared_m_ + weight * off2;
+  factor_ = 1 + std::clamp(excess_m_ / (way_m_ + variance / (kSigma * kSigma)), -kMost, kMost);
+  endPiece();
+}
+
+}  // namespace slam::odometry

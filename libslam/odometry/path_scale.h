@@ -1,0 +1,34 @@
+#pragma once
+#include "libslam/core/pose2.h"
+
+namespace slam::odometry {
+
+/// How long a metre of the wheels is, learnt while the robot drives: worn tyres and wrong radii make every
+/// step longer or shorter by the same share, which adds up where scans do not tell the way, along a bare
+/// corridor. Rotation is left as it is: any wall corrects it.
+///
+/// The ratio of the sums of the ways over pieces of half a metre, as matched and by the wheels, of the last
+/// metres more than of those before. It is the best linear estimate where noise grows with the way, and
+/// unlike a regression not drawn towards zero by the wheels' own noise; pieces, and not steps, because
+/// standing wheels jitter and turning ones shift. Pieces far off, of slipping wheels, count less; what was
+/// assumed before counts by the noise that the pieces show. Simultaneous calibration and localisation as by
+/// Roy and Thrun, ICRA 1999, with the noise estimated.
+class PathScale {
+ public:
+  /// A step of the wheels, its length set right.
+  core::Pose2 corrected(const core::Pose2& T_wheels) const;
+  /// A step: by corrected(), and as it was matched to a map. `told`: of what holds the match along the way,
+  /// the scan's share, in [0, 1]; the rest is odometry's own word. Too little ends the piece.
+  void learn(const core::Pose2& T_corrected, const core::Pose2& T_matched, double told);
+  /// Nothing is known of a step.
+  void endPiece();
+  /// True way over the wheels'; 1 before anything is learnt.
+  double factor() const { return factor_; }
+
+ private:
+  double factor_ = 1;
+  core::Pose2 T_wheels_, T_matched_;                              ///< along the piece at hand
+  double pieces_ = 0, way_m_ = 0, excess_m_ = 0, squared_m_ = 0;  ///< sums over the pieces, fading
+};
+
+}  // namespace slam::odometry
