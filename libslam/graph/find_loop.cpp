@@ -157,10 +157,18 @@ std::vector<Hypothesis> LoopCloser::loopsAt(const LoopSearch& search, int old) {
     if (const auto loop =
             loopFrom(search, old, around, best->T_map_robot, coarser > 1, options_->loop_score)) {
       loops.push_back(*loop);
-      window.apart_m = kRivalApart_m, window.not_at = core::position(best->T_map_robot);
-      if (const auto rival = searchBest(pyramid_, search.points, here, window, kRivalShare * best->score))
+      const double least_score = kRivalShare * best->score, off_m = core::distance(best->T_map_robot, here);
+      const auto addRival = [&] {
+        window.apart_m = kRivalApart_m, window.not_at = core::position(best->T_map_robot);
+        const auto rival = searchBest(pyramid_, search.points, here, window, least_score);
+        if (!rival) return;
         if (const auto other = loopFrom(search, old, around, rival->T_map_robot, coarser > 1, 0))
           loops.push_back(*other);
+      };
+      addRival();
+      // One that the way there makes likelier may be at the edge of the map, where less is explained.
+      window.half_xy_m = off_m - kRivalApart_m;
+      if (window.half_xy_m > 0) addRival();
     }
   }
   return loops;

@@ -13,6 +13,9 @@ using core::Pose2;
 
 /// Travel to the next search, by the last one's window; never so far that two searches share no scan.
 constexpr double kPausePerReach = 0.1;
+/// 95 of 100 right loops have no larger innovation (chi-square, three degrees of freedom). How many times as
+/// far others are followed, at most.
+constexpr double kLikelyInnovation = 7.8, kMostUnlikely = 8;
 
 }  // namespace
 
@@ -47,10 +50,24 @@ void LoopCloser::confirm(Hypothesis& hypothesis, int k) const {
     return;
   }
   hypothesis.evidence += distinctness(points, maps, matched);
-  map_->addLoopEdges(hypothesis.edges, around, k, matched);
+  map_->addLoopEdges(hypothesis.edges, around, k, matched.T_map_robot, maps.fine);
   hypothesis.keyframe = k, hypothesis.old_keyframe = around.front();
   hypothesis.T_map_robot = matched.T_map_robot;
   ++hypothesis.confirmations;
+}
+
+/// Whether a place was followed for long enough that it would be known if another one were as good: the
+/// longer, the less likely the way between makes it.
+bool LoopCloser::isFollowedEnough(const Hypothesis& place, LoopJudge& judge) const {
+  const double followed_m = map_->path_m() - place.begun_m;
+  if (followed_m < options_->loop_confirm_m) return false;
+  const bool is_joined = map_->componentOf(place.keyframe) == map_->componentOf(place.old_keyframe);
+  const double unlikely = is_joined ? judge.innovation(place) / kLikelyInnovation : 1;
+  if (followed_m < options_->loop_confirm_m * std::min(unlikely, kMostUnlikely)) return false;
+  // So much farther on the robot is well within the map, wherever it came to it.
+  return judge.isBest(
+      place, hypotheses_,
+      followed_m < options_->map_radius_m ? LoopJudge::Beyond::kCounts : LoopJudge::Beyond::kIsNoRival);
 }
 
 std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
@@ -69,7 +86,7 @@ std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
   LoopJudge of_places = judge();
   const auto confirmed = std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& one) {
     return one.confirmations >= options_->loop_confirmations && one.evidence >= options_->loop_distinctness &&
-           map_->path_m() - one.begun_m >= options_->loop_confirm_m && of_places.isBest(one, hypotheses_);
+           isFollowedEnough(one, of_places);
   });
   if (confirmed != hypotheses_.end()) {
     const Hypothesis loop = *confirmed;
@@ -125,7 +142,8 @@ void LoopCloser::searchRemainingLoops(int first_searched, const std::function<vo
     LoopJudge of_places = judge();
     const auto best = std::find_if(places.begin(), places.end(), [&](const Hypothesis& one) {
       return one.confirmations >= options_->loop_confirmations && 2 * one.confirmations >= last - first + 1 &&
-             one.evidence >= options_->loop_distinctness && of_places.isBest(one, places);
+             one.evidence >= options_->loop_distinctness &&
+             of_places.isBest(one, places, LoopJudge::Beyond::kIsNoRival);
     });
     if (best == places.end() || !accept(*best, of_places)) continue;
     completeClosing();

@@ -13,8 +13,7 @@ using core::Pose2;
 /// Nats by which a loop is ahead of every other place that is followed: one wrong in a thousand.
 constexpr double kAheadOfRival = 7;
 
-/// Whether the map says something of most of what was seen, if it was seen there. What lies beyond the map
-/// can be anything: that is no other place.
+/// Whether the map says something of most of what was seen, if it was seen there.
 bool isTold(const Hypothesis& place) {
   double unknown = 0;
   for (const auto& [keyframe, said] : place.says) unknown += said.unknown;
@@ -40,9 +39,9 @@ double LoopJudge::innovation(const Hypothesis& loop) {
   return off.dot(scanmatch::covarianceOf(expected) * off);
 }
 
-bool LoopJudge::isBest(const Hypothesis& loop, const std::vector<Hypothesis>& others) {
+bool LoopJudge::isBest(const Hypothesis& loop, const std::vector<Hypothesis>& others, Beyond beyond) {
   return std::none_of(others.begin(), others.end(), [&](const Hypothesis& other) {
-    if (&other == &loop || !isTold(other)) return false;
+    if (&other == &loop || (beyond == Beyond::kIsNoRival && !isTold(other))) return false;
     double ahead = (innovation(other) - innovation(loop)) / 2;
     for (const auto& [keyframe, said] : loop.says) {
       const auto rival = other.says.find(keyframe);

@@ -25,8 +25,11 @@ class LoopJudge {
   /// way and of the scans. Of chi-square's distribution with three degrees of freedom when it is right. The
   /// first one costs a factorisation.
   double innovation(const Hypothesis& loop);
-  /// Whether no other place that the map says enough of is nearly as good.
-  bool isBest(const Hypothesis& loop, const std::vector<Hypothesis>& others);
+  /// What lies beyond the map can be anything. Where the robot comes to the map from outside, its place may
+  /// be one of those that the map says little of as yet.
+  enum class Beyond { kCounts, kIsNoRival };
+  /// Whether no other place, or none that the map says enough of, is nearly as good.
+  bool isBest(const Hypothesis& loop, const std::vector<Hypothesis>& others, Beyond beyond);
 
  private:
   std::function<posegraph::PoseGraph()> witnesses_;
