@@ -29,6 +29,7 @@ enum class JournalEvent {
   kAccepted,
   kRejected,
   kOptimised,
+  kCalibrated,
   kResampled,
   kFailed,  ///< the run, not the method itself, writes this and the next
   kInterrupted,

@@ -16,14 +16,19 @@ constexpr double kFound = 0.05;
 
 }  // namespace
 
-/// `is_linked`: the loop's ends lie where they belong already, as parts do that were just joined.
-void LoopCloser::beginClosing(const Hypothesis& loop, bool is_linked) {
+void LoopCloser::beginClosing() {
   posegraph::OptimizeOptions options;
   // Loops are judged whole, by accept(); one edge of a loop is no loop.
   options.robust = "none";
   options.tolerance = kFound;
   closing_.emplace();
   closing_->work = std::make_unique<posegraph::OptimizeInPieces>(map_->graph(), options);
+  solved_edges_ = map_->graph().edges().size();
+}
+
+/// `is_linked`: the loop's ends lie where they belong already, as parts do that were just joined.
+void LoopCloser::beginClosing(const Hypothesis& loop, bool is_linked) {
+  beginClosing();
   closing_->ends = {loop.old_keyframe, loop.keyframe};
   closing_->edges = loop.edges;
   if (!is_linked) return;
@@ -49,6 +54,13 @@ bool LoopCloser::completeClosing() {
   return true;
 }
 
+bool LoopCloser::closeRest() {
+  if (closing_ || map_->graph().edges().size() == solved_edges_) return false;
+  beginClosing();
+  takeOver();
+  return true;
+}
+
 /// The poses that were found; keyframes that came since lie as before to those that they were reached from.
 void LoopCloser::takeOver() {
   const double chi2 = closing_->work->finish().final_chi2;
@@ -65,7 +77,8 @@ void LoopCloser::takeOver() {
     map_->graph().setPose(k, map_->pose(from) * T_from_k);
   }
   for (const auto& edge : closing_->edges) map_->link(edge.from, edge.to);
-  map_->addClosure(closing_->ends.first, closing_->ends.second);
+  if (closing_->ends.first != closing_->ends.second)
+    map_->addClosure(closing_->ends.first, closing_->ends.second);
   closing_.reset();
   map_->settle();
   searched_m_ = map_->path_m();

@@ -39,9 +39,9 @@ void GraphSlam::estimateCovariance(const Expected& e, const scanmatch::MatchResu
   const Point2 here = core::position(result.T_map_robot);
   const double scale = matchOptions(1).information_scale;
   const Eigen::Matrix3d S = scale * scanmatch::covarianceOf(result.posterior_information);
-  Eigen::Matrix3d H = Eigen::Matrix3d::Zero(), root = Eigen::Matrix3d::Zero();
-  for (const auto& view : evidence_.by_view) H += view.information;
-  noise_ = map_->pointNoise().variance() * S * H * S;
+  const Eigen::Matrix3d H = evidence_.information();
+  noise_ = scanmatch::withoutNegatives(map_->pointNoise().variance() * S * H * S, 0, 0);
+  Eigen::Matrix3d root = Eigen::Matrix3d::Zero();
   // The first keyframe lies where it lies; what it saw does not.
   if (map_->keyframes().size() == 1) map_->keyframes()[0].root = scanmatch::rootOf(noise_);
   for (const auto& view : evidence_.by_view)

@@ -18,8 +18,6 @@ using scanmatch::PatchPoint;
 /// An edge of odometry that was not to be trusted.
 constexpr double kDistrustedFactor = 5;
 constexpr int kPartnerStep = 3;
-/// A pass that says something of less of a scan holds it too weakly to measure how the passes lie.
-constexpr double kLeastTelling = 0.2;
 
 }  // namespace
 
@@ -48,9 +46,9 @@ GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previ
   } else {
     std::vector<PatchPoint> points;
     Eigen::Matrix3d information;
-    const Pose2 increment = has_odometry ? T_previous_robot : T_previous_robot_;
+    const Pose2 increment = has_odometry ? path_scale_.corrected(T_previous_robot) : T_previous_robot_;
     const Pose2 T_before = currentPose();
-    step = track(scan, T_previous_robot, has_odometry, points, information);
+    step = track(scan, increment, has_odometry, points, information);
     const Pose2 matched = core::between(T_before, step.T_map_robot);
     const Break seam = breakBefore(scan, points, increment, matched, has_odometry);
     lookWhetherLost(scan, points, step, has_odometry ? increment : matched, seam.contradicted);
@@ -134,61 +132,6 @@ int GraphSlam::addOdometryEdge(int k) {
   return map_->graph().addEdge(edge);
 }
 
-/// Ties keyframe k to those that it was matched to. Those of an earlier pass may not lie as these do: each
-/// pass gets the pose that a match to it alone gives, so that an edge says what was measured between its
-/// ends, and not where their mean was.
-void GraphSlam::addMatchEdges(int k, const Pose2& T_map_robot, const Eigen::Matrix3d& information) {
-  std::vector<int> lately, before;
-  for (const int other : map_keyframes_) {
-    const bool is_late = std::abs(map_->path_m() - map_->keyframe(other).path_m) < options_.map_path_m;
-    (is_late ? lately : before).push_back(other);
-  }
-  const bool are_two = !lately.empty() && !before.empty();
-  const auto partners = partnersOf(k, map_keyframes_, T_map_robot);
-  for (const auto* pass : {&lately, &before}) {
-    Pose2 T = T_map_robot;
-    Eigen::Matrix3d told = information;
-    double share = static_cast<double>(std::max<size_t>(partners.size(), 1));
-    std::vector<int> own;
-    for (const int partner : partners)
-      if (std::find(pass->begin(), pass->end(), partner) != pass->end()) own.push_back(partner);
-    if (own.empty()) continue;
-    if (are_two) {
-      const auto matched = matchToPass(k, *pass, T_map_robot);
-      if (!matched && pass == &before) continue;
-      if (matched)
-        T = matched->T_map_robot, told = matched->information, share = static_cast<double>(own.size());
-    }
-    for (const int partner : own) {
-      posegraph::Edge edge;
-      edge.from = partner, edge.to = k;
-      edge.T_from_to = core::between(map_->pose(partner), T);
-      edge.information = scanmatch::edgeInformation(told, T.phi) / share;
-      map_->graph().addEdge(edge);
-      map_->link(partner, k);
-    }
-  }
-}
-
-/// Keyframe k matched to these alone, from where it lies; nothing where that is another place.
-std::optional<scanmatch::MatchResult> GraphSlam::matchToPass(int k, const std::vector<int>& pass,
-                                                             const Pose2& T_map_robot) {
-  pass_map_.clear(core::position(T_map_robot), kMapReach_m);
-  for (const int other : pass) pass_map_.add(map_->keyframe(other).points, map_->pose(other), other);
-  scanmatch::PosePrior flat;
-  flat.mean = T_map_robot;
-  flat.information.setIdentity();
-  const auto matched =
-      alignToSurfels(map_->keyframe(k).points, pass_map_, T_map_robot, flat, matchOptions(10));
-  if (!isFollowed(matched.T_map_robot, T_map_robot)) return std::nullopt;
-  if (matched.score >= options_.loop_confirm_score) return matched;
-  // Of what lies beyond the pass nothing can be explained.
-  const double telling = std::min(
-      map_->toldBy(firstOf(pass, kAskedViewers), map_->keyframe(k).points, matched.T_map_robot).telling, 1.0);
-  if (telling < kLeastTelling || matched.score < options_.loop_confirm_score * telling) return std::nullopt;
-  return matched;
-}
-
 void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
                             const Eigen::Matrix3d& information) {
   const int k = map_->graph().addNode(T_map_robot);
@@ -231,8 +174,10 @@ void GraphSlam::finish() {
   if (options_.loops)
     loops_.searchRemainingLoops(static_cast<int>(first_new - map_->keyframes().begin()),
                                 [this] { haveMoved(); });
+  if (loops_.closeRest()) haveMoved();
   noteWhatStaysApart();
   if (options_.refine_rounds > 0) refine();
+  if (path_scale_.factor() != 1) map_->note(core::JournalEvent::kCalibrated, path_scale_.factor());
 }
 
 }  // namespace slam::graph

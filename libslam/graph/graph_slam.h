@@ -19,6 +19,7 @@
 #include "libslam/graph/part_finder.h"
 #include "libslam/graph/part_place.h"
 #include "libslam/graph/types.h"
+#include "libslam/odometry/path_scale.h"
 #include "libslam/posegraph/pose_graph.h"
 #include "libslam/robot/scan.h"
 #include "libslam/scanmatch/surfel_matcher.h"
@@ -49,8 +50,9 @@ namespace slam::graph {
 /// Without odometry the last motion stands in for it, as long as the step takes. Where there is no odometry,
 /// or it is contradicted, the motion that two scans alone give (odometry::ScanOdometry, correlation) is one
 /// of the starts, too; without odometry every place that the robot may have come to is, with its heading.
-/// Odometry's noise grows with the root of time, with the metres and with the angle. Steps are timed by the
-/// mean of the stamps of late. Each of several lidars is known by its mounting.
+/// Odometry's noise grows with the root of time, with the metres and with the angle; how long its metres are
+/// is learnt while driving (odometry::PathScale). Steps are timed by the mean of the stamps of late. Each of
+/// several lidars is known by its mounting.
 ///
 /// The kidnapped robot (see LostDetector): a scan that breaks with the one before and contradicts the map is
 /// held back for half a second. If that goes on, the robot maps on by itself, while it is still tracked in
@@ -131,14 +133,15 @@ class GraphSlam {
   // graph_slam.cpp: keyframes and their edges
   void addKeyframe(const robot::Scan& scan, Points points, const core::Pose2& T_map_robot,
                    const Eigen::Matrix3d& information);
-  void addMatchEdges(int keyframe, const core::Pose2& T_map_robot, const Eigen::Matrix3d& information);
-  std::optional<scanmatch::MatchResult> matchToPass(int keyframe, const std::vector<int>& pass,
-                                                    const core::Pose2& T_map_robot);
   int addOdometryEdge(int keyframe);
   std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
                               const core::Pose2& T_map_robot) const;
   static bool isApart(int keyframe, const std::vector<int>& others);
   core::Pose2 currentPose() const;
+  // passes.cpp: what a keyframe measures of others
+  void addMatchEdges(int keyframe, const core::Pose2& T_map_robot, const Eigen::Matrix3d& information);
+  std::optional<scanmatch::MatchResult> matchToPass(int keyframe, const std::vector<int>& pass,
+                                                    const core::Pose2& T_map_robot);
   // known_ground.cpp: where no more keyframes are needed
   bool needsKeyframe(const robot::Scan& scan, const Points& points, const Step& step);
   bool isKnownGround(const robot::Scan& scan, const core::Pose2& T_map_robot) const;
@@ -178,6 +181,8 @@ class GraphSlam {
   double knownShare(const Points& points, const core::Pose2& T_map_robot) const;
   void followWheels(const core::Pose2& T_wheels, bool let_go, bool is_elsewhere, bool is_explained);
   void forgetWheels();
+  void learnScale(const Expected& expected, const core::Pose2& T_map_robot,
+                  const Eigen::Matrix3d& information, const Eigen::Matrix3d& posterior_information);
   void keepTo(const core::Pose2& predicted, const core::Pose2& increment, Step& step);
 
   // explained.cpp: what is known of a scan, and explained
@@ -245,8 +250,9 @@ class GraphSlam {
   int anchor_ = 0;  ///< the keyframe that the robot hangs on: the last, or one of known ground
   core::Pose2 T_keyframe_robot_, T_previous_robot_;
   core::Pose2 T_keyframe_hung_, T_odometry_;  ///< when it was hung on it; by odometry since then
-  bool odometry_holds_ = true;                ///< since then
-  bool is_known_ground_ = false;              ///< under the scan at hand
+  odometry::PathScale path_scale_;
+  bool odometry_holds_ = true;    ///< since then
+  bool is_known_ground_ = false;  ///< under the scan at hand
   ChangeMarks appeared_, gone_;
   std::optional<core::Pose2> by_wheels_;     ///< map frame: see followWheels()
   int unsure_from_ = 0;                      ///< keyframe; meanwhile

@@ -111,14 +111,15 @@ std::vector<Point2> KeyframeMap::placeAround(const std::vector<int>& keyframes) 
 }
 
 void KeyframeMap::addLoopEdges(std::vector<posegraph::Edge>& edges, const std::vector<int>& around, int k,
-                               const scanmatch::MatchResult& matched) const {
+                               const Pose2& T_map_robot, const scanmatch::SurfelMap& map) const {
+  const Eigen::Matrix3d information = toldInformation(keyframe(k).points, map, T_map_robot);
   const size_t partners = std::min<size_t>(around.size(), kConfirmEdges);
   for (size_t i = 0; i < partners; ++i) {
     posegraph::Edge edge;
     edge.from = around[i], edge.to = k;
-    edge.T_from_to = core::between(graph_.pose(around[i]), matched.T_map_robot);
-    edge.information = scanmatch::edgeInformation(matched.information, matched.T_map_robot.phi) /
-                       static_cast<double>(kConfirmEdges);
+    edge.T_from_to = core::between(graph_.pose(around[i]), T_map_robot);
+    edge.information =
+        scanmatch::edgeInformation(information, T_map_robot.phi) / static_cast<double>(kConfirmEdges);
     edge.kind = posegraph::EdgeKind::kLoop;
     edges.push_back(edge);
   }

@@ -87,7 +87,7 @@ class KeyframeMap {
                                      bool with_coarse = false) const;
   /// A match of keyframe k to the nearest of `around`, as edges.
   void addLoopEdges(std::vector<posegraph::Edge>& edges, const std::vector<int>& around, int keyframe,
-                    const scanmatch::MatchResult& matched) const;
+                    const core::Pose2& T_map_robot, const scanmatch::SurfelMap& map) const;
 
   // views.cpp: what keyframes' beams say of other scans
   Sight sight(int viewer, const core::Point2& p_lidar) const;

@@ -31,7 +31,7 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
   std::vector<PatchPoint> points;
   Eigen::Matrix3d information;
   noteScan(scan, has_odometry);
-  Pose2 increment = has_odometry ? T_previous_robot : T_previous_robot_;
+  Pose2 increment = has_odometry ? path_scale_.corrected(T_previous_robot) : T_previous_robot_;
   if (is_lost_ && !has_odometry) increment = motionFromScans(scan).value_or(increment);
   const Pose2 predicted = currentPose() * increment;
   Step step;
@@ -50,7 +50,7 @@ GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_prev
     }
   } else {
     const Pose2 T_before = currentPose();
-    step = track(scan, T_previous_robot, has_odometry, points, information);
+    step = track(scan, increment, has_odometry, points, information);
     const Break seam =
         breakBefore(scan, points, increment, core::between(T_before, step.T_map_robot), has_odometry);
     lookWhetherLost(scan, points, step, increment, seam.contradicted);

@@ -41,10 +41,14 @@ class LoopCloser {
   bool continueClosing(bool may_move);
   /// All that is left. True when there was something, and the keyframes have moved.
   bool completeClosing();
+  /// Finds all poses anew by what was measured since the last loop, too: passes through one place that need
+  /// no loop say where the way between them went wrong. True when there was something.
+  bool closeRest();
 
  private:
   std::optional<Accepted> accept(const Hypothesis& loop, LoopJudge& judge);
   bool isAllowed(const Hypothesis& loop, LoopJudge& judge);
+  bool isFollowedEnough(const Hypothesis& place, LoopJudge& judge) const;
   LoopJudge judge() const;
   void confirm(Hypothesis& hypothesis, int keyframe) const;
   void follow(Hypothesis& found);
@@ -60,12 +64,14 @@ class LoopCloser {
                                      const core::Pose2& T_found, bool is_coarse, double least_score);
 
   void beginClosing(const Hypothesis& loop, bool is_linked);
+  void beginClosing();
   void takeOver();
 
   KeyframeMap* map_;
   const GraphOptions* options_;
   std::vector<Hypothesis> hypotheses_;
   std::optional<Closing> closing_;
+  size_t solved_edges_ = 0;               ///< of the graph, when all poses were found last
   double searched_m_ = 0;                 ///< where on the way the last search was
   double searched_reach_m_ = 0;           ///< its window
   scanmatch::LikelihoodPyramid pyramid_;  ///< of findLoop()

@@ -42,6 +42,15 @@ MatchResult match(const std::vector<PatchPoint>& points, const LevelMaps& maps, 
   return alignToSurfels(points, maps.fine, T, prior, options);
 }
 
+Eigen::Matrix3d toldInformation(const scanmatch::MatchEvidence& evidence) {
+  return scanmatch::withoutNegatives(scanmatch::kInformationScale * evidence.information(), 0, 0);
+}
+
+Eigen::Matrix3d toldInformation(const std::vector<PatchPoint>& points, const scanmatch::SurfelMap& map,
+                                const Pose2& T_map_robot) {
+  return toldInformation(evidenceOf(points, map, T_map_robot, kKernel));
+}
+
 double distinctness(const std::vector<PatchPoint>& points, const LevelMaps& maps,
                     const scanmatch::MatchResult& matched) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> movement(matched.information.topLeftCorner<2, 2>());

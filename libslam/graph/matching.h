@@ -21,6 +21,11 @@ std::vector<scanmatch::PatchPoint> pointsOf(const robot::Scan& scan, const Graph
 scanmatch::MatchResult match(const std::vector<scanmatch::PatchPoint>& points, const LevelMaps& maps,
                              const core::Pose2& T_start, const scanmatch::PosePrior& prior,
                              double prior_kernel, bool with_coarse);
+/// What a scan tells of its pose in a map, over (x, y, phi), map frame.
+Eigen::Matrix3d toldInformation(const scanmatch::MatchEvidence& evidence);
+/// The same where it was matched.
+Eigen::Matrix3d toldInformation(const std::vector<scanmatch::PatchPoint>& points,
+                                const scanmatch::SurfelMap& map, const core::Pose2& T_map_robot);
 /// By how much a match explains more than the same moved along the direction of movement that it holds least:
 /// what makes the place unlike its neighbours along a corridor.
 double distinctness(const std::vector<scanmatch::PatchPoint>& points, const LevelMaps& maps,

@@ -171,7 +171,7 @@ void PartFinder::lay(Overlay& one, Cursor& cursor, int k) const {
   one.distinct += distinctness(points, maps, matched);
   one.fits.add(core::position(T));
   one.placed.push_back(cursor);
-  map_->addLoopEdges(one.edges, around, k, matched);
+  map_->addLoopEdges(one.edges, around, k, matched.T_map_robot, maps.fine);
 }
 
 }  // namespace slam::graph

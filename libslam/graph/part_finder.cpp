@@ -214,7 +214,7 @@ void PartFinder::holdAgainst(Join& join, Cursor& cursor, int next) {
   join.placed.push_back({next, T});
   if (&cursor == &join.forth) join.old_keyframe = around.front();
   if (is_lost_) return;
-  map_->addLoopEdges(join.edges, around, join_first_ + next, matched);
+  map_->addLoopEdges(join.edges, around, join_first_ + next, matched.T_map_robot, maps.fine);
 }
 
 /// One scan's share of the search. The place that the trail belongs to, when that is decided.

@@ -39,8 +39,9 @@ void GraphSlam::refine() {
       if (partners.empty()) continue;
       posegraph::Edge edge;
       edge.to = k;
-      edge.information = scanmatch::edgeInformation(matched.information, matched.T_map_robot.phi) /
-                         static_cast<double>(partners.size());
+      const Eigen::Matrix3d told = toldInformation(map_->keyframe(k).points, map, matched.T_map_robot);
+      edge.information =
+          scanmatch::edgeInformation(told, matched.T_map_robot.phi) / static_cast<double>(partners.size());
       for (const int partner : partners) {
         edge.from = partner;
         edge.T_from_to = core::between(map_->pose(partner), matched.T_map_robot);

@@ -234,7 +234,6 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
            std::abs(core::angleDifference(T.phi, from.phi)) > kLetGo * e.step.sigma_turn_rad;
   };
   followWheels(e.by_wheels, has_odometry && isFarFrom(e.predicted), isFarFrom(e.by_wheels), !is_poor);
-  information = result.information;
   T_previous_robot_ = core::between(e.T_before, T);
   T_keyframe_robot_ = core::between(map_->pose(anchor_), T);
   T_odometry_ = T_odometry_ * e.step.T_previous_robot;
@@ -243,6 +242,11 @@ GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previou
   step.T_map_robot = T;
   step.score = result.score;
   noteEvidence(points, T, maps_.fine);
+  information = toldInformation(evidence_);
+  if (has_odometry && !distrusted && !is_poor && !by_wheels_ && doubt_.begins < 0 && held_back_ == 0)
+    learnScale(e, T, information, result.posterior_information);
+  else
+    path_scale_.endPiece();
   estimateCovariance(e, result);
   step.drift_covariance = driftSinceKeyframe();
   step.pose_covariance = covariance_;
@@ -271,6 +275,17 @@ void GraphSlam::forgetWheels() {
   if (!by_wheels_) return;
   for (int k = unsure_from_; k < map_->size(); ++k) map_->keyframes()[static_cast<size_t>(k)].unsure = false;
   by_wheels_.reset();
+}
+
+/// How far the robot went beside how far odometry says.
+void GraphSlam::learnScale(const Expected& e, const Pose2& T, const Eigen::Matrix3d& information,
+                           const Eigen::Matrix3d& posterior_information) {
+  const Pose2& step = e.step.T_previous_robot;
+  const auto [s, c] = core::sinCos(e.T_before.phi);
+  const Eigen::Vector3d way(c * step.x - s * step.y, s * step.x + c * step.y, 0);
+  const double told = way.dot(scanmatch::covarianceOf(posterior_information) * information * way);
+  // Standing still odometry has nothing to say either.
+  path_scale_.learn(step, core::between(e.T_before, T), way.squaredNorm() > 0 ? told / way.squaredNorm() : 1);
 }
 
 /// Puts odometry's word in place of a match.

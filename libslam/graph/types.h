@@ -90,7 +90,7 @@ struct Hypothesis {
 struct Closing {
   std::unique_ptr<posegraph::OptimizeInPieces> work;
   std::vector<posegraph::Edge> edges;  ///< of the loop, if they are not linked yet
-  std::pair<int, int> ends;            ///< keyframes that it joins
+  std::pair<int, int> ends{-1, -1};    ///< keyframes that it joins
   bool is_found = false;
 };
 /// Of a point's residual, in surfels' variances, as all scans so far have it.

@@ -39,7 +39,8 @@ void SurfelMap::clear(const core::Point2& centre, double reach_m) {
   extent_m_ = (static_cast<double>(side_) - 0.5) * cell_m_;
   origin_ = {(std::floor((centre.x - reach_m) * per_cell_) - 3) * cell_m_,
              (std::floor((centre.y - reach_m) * per_cell_) - 3) * cell_m_};
-  sums_.clear(), cells_.clear(), surfels_.clear(), first_views_.clear(), asked_cells_.clear();
+  sums_.clear(), cells_.clear(), surfels_.clear(), first_views_.clear(), feigned_.clear(),
+      asked_cells_.clear();
 }
 
 void SurfelMap::add(const std::vector<PatchPoint>& points, const core::Pose2& T_map_robot, int view) {
@@ -172,6 +173,10 @@ void SurfelMap::pushSurfel(const Sums& pooled, std::int64_t column, std::int64_t
                       static_cast<float>(information_across + gain * uy * uy), static_cast<float>(pooled.nx),
                       static_cast<float>(pooled.ny), -1});
   first_views_.push_back(pooled.first_view);
+  // The direction of a line through n points errs by this variance.
+  const double turned2 = across / (pooled.n * along);
+  feigned_.push_back(
+      information_along > 0 ? 0.0F : static_cast<float>(information_across * turned2 / (1 + turned2)));
 }
 
 }  // namespace slam::scanmatch

@@ -59,6 +59,12 @@ class SurfelMap {
   int firstViewOf(const Surfel& surfel) const {
     return first_views_[static_cast<size_t>(&surfel - surfels_.data())];
   }
+  /// What a wall's surfel seems to tell of where along the wall one is, and does not, 1/m^2: its direction
+  /// errs, by the variance across over that along and the number of points, so that the square of its normal
+  /// has a part along the wall.
+  float feignedBy(const Surfel& surfel) const {
+    return feigned_[static_cast<size_t>(&surfel - surfels_.data())];
+  }
 
  private:
   struct Sums {
@@ -86,6 +92,7 @@ class SurfelMap {
   mutable std::vector<std::int64_t> asked_cells_;  ///< where surfel_of_ is known
   mutable std::vector<Surfel> surfels_;
   mutable std::vector<std::int32_t> first_views_;  ///< of surfels_
+  mutable std::vector<float> feigned_;             ///< of them
 };
 
 }  // namespace slam::scanmatch

@@ -147,6 +147,8 @@ MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap&
       J << 1, 0, -b.ry, 0, 1, b.rx;
       Eigen::Matrix2d L;
       L << surfel->xx, surfel->xy, surfel->xy, surfel->yy;
+      if (const double feigned = map.feignedBy(*surfel); feigned > 0)
+        L -= feigned * (Eigen::Matrix2d::Identity() - L / L.trace());
       at->information += b.w * J.transpose() * L * J;
       const double trace = surfel->xx + surfel->yy;
       const double det =
@@ -160,6 +162,12 @@ MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap&
     before[0] = residual;
   }
   return evidence;
+}
+
+Eigen::Matrix3d MatchEvidence::information() const {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const auto& one : by_view) sum += one.information;
+  return sum;
 }
 
 double surfelScore(const std::vector<PatchPoint>& points, const SurfelMap& map,

@@ -34,8 +34,10 @@ MatchResult alignToSurfels(const std::vector<PatchPoint>& points, const SurfelMa
 /// What a scan tells of its pose, by the view (see SurfelMap::add()) that saw the surfaces first.
 struct ViewInformation {
   int view;
-  Eigen::Matrix3d
-      information;  ///< over x, y (m) and phi (rad) in the map frame, as if points were independent
+  /// Over x, y (m) and phi (rad) in the map frame, as if points were independent, and without what the errors
+  /// of the surfels' directions feign (see SurfelMap::feignedBy()): along a bare corridor it is nothing give
+  /// or take a little, and may be below zero.
+  Eigen::Matrix3d information;
 };
 struct MatchEvidence {
   std::vector<ViewInformation> by_view;  ///< ascending
@@ -44,6 +46,7 @@ struct MatchEvidence {
   static constexpr int kLags = 5;
   double squared = 0, dimensions = 0;
   std::array<double, kLags> lagged{};
+  Eigen::Matrix3d information() const;  ///< by all views
 };
 MatchEvidence evidenceOf(const std::vector<PatchPoint>& points, const SurfelMap& map,
                          const core::Pose2& T_map_robot, double kernel);

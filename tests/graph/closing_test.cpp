@@ -87,5 +87,29 @@ TEST(Closing, IsCompletedWhenTheLogEnds) {
   EXPECT_LT(worstError(laps.graph.poses(), laps.log.truth), 0.15);
 }
 
+// There and back through a corridor no loop is needed to know where one is, and yet what the second pass
+// measured of the first says where the way went wrong.
+TEST(Closing, WhatWasMeasuredSinceTheLastLoopIsSpreadOverTheWayWhenTheLogEnds) {
+  std::vector<core::Pose2> path;
+  for (int i = 0; i < 140; ++i) path.push_back({3 + 0.1 * i, 1, 0});
+  for (int i = 0; i < 32; ++i) path.push_back({17, 1, 0.1 * i});
+  for (int i = 0; i < 140; ++i) path.push_back({17 - 0.1 * i, 1, core::kPi});
+  const auto log = drive(ring(), path, {}, 1e-3);
+  GraphOptions options;
+  options.loops = false;
+  GraphSlam graph(options);
+  for (size_t i = 0; i < log.scans.size(); ++i) graph.process(log.scans[i], log.increments[i], true);
+  const auto online = graph.graph().poses();
+  const double before = graph.graph().chi2();
+  graph.finish();
+  EXPECT_LT(graph.graph().chi2(), before - 0.1);
+  EXPECT_GT(farthestMoved(graph, online), 1e-3);
+  EXPECT_LT(worstError(graph.poses(), log.truth), 0.05);
+  // There is nothing left to do then.
+  const int revision = graph.revision();
+  graph.finish();
+  EXPECT_EQ(graph.revision(), revision);
+}
+
 }  // namespace
 }  // namespace slam::graph

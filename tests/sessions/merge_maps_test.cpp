@@ -175,9 +175,12 @@ TEST_F(TwoVisits, FurnitureThatWasMovedIsFound) {
     return false;
   };
   ASSERT_GE(changes.changes.size(), 2U);
-  int right = 0;
-  for (const auto& change : changes.changes) right += differs(core::inverse(T_map_world) * change.centre());
-  EXPECT_GE(10 * right, 9 * static_cast<int>(changes.changes.size()));
+  double right_m2 = 0, all_m2 = 0;
+  for (const auto& change : changes.changes) {
+    all_m2 += change.area_m2;
+    if (differs(core::inverse(T_map_world) * change.centre())) right_m2 += change.area_m2;
+  }
+  EXPECT_GE(right_m2, 0.9 * all_m2);
   for (const char* file : {"changes.png", "changes.html", "changes.csv", "changes.json", "changes.txt"})
     EXPECT_TRUE(fs::exists(at(std::string("changes/") + file))) << file;
   EXPECT_THAT(core::readTextFile(at("changes/changes.html")),
