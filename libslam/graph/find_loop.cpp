@@ -30,6 +30,8 @@ constexpr double kFineReach_m = 16, kFineView_m = 8, kCoarsest = 2;
 /// Another place of a window is one if it lies so far from the best, and explains such a share of what that
 /// does: where the old map ends, what is new may hide the right place.
 constexpr double kRivalApart_m = 1, kRivalShare = 0.6;
+/// So near to where the way there has it another place is looked for by itself.
+constexpr double kLikelyReach_m = 4;
 /// A robot that seemed to be kidnapped may have driven on where it was: a place of another part is searched
 /// for, too, this near to where odometry has it, and farther by what drift allows.
 constexpr double kNoGap_m = 0.5;
@@ -152,25 +154,27 @@ std::vector<Hypothesis> LoopCloser::loopsAt(const LoopSearch& search, int old) {
   searched_reach_m_ = std::max(searched_reach_m_, window.half_xy_m);
   std::vector<Hypothesis> loops;
   const Pose2& here = map_->pose(search.keyframe);
-  if (const auto best = searchBest(pyramid_, search.points, here, window, options_->loop_search_score)) {
-    map_->note(core::JournalEvent::kSearched, best->score, old);
-    if (const auto loop =
-            loopFrom(search, old, around, best->T_map_robot, coarser > 1, options_->loop_score)) {
-      loops.push_back(*loop);
-      const double least_score = kRivalShare * best->score, off_m = core::distance(best->T_map_robot, here);
-      const auto addRival = [&] {
-        window.apart_m = kRivalApart_m, window.not_at = core::position(best->T_map_robot);
-        const auto rival = searchBest(pyramid_, search.points, here, window, least_score);
-        if (!rival) return;
-        if (const auto other = loopFrom(search, old, around, rival->T_map_robot, coarser > 1, 0))
-          loops.push_back(*other);
-      };
-      addRival();
-      // One that the way there makes likelier may be at the edge of the map, where less is explained.
-      window.half_xy_m = off_m - kRivalApart_m;
-      if (window.half_xy_m > 0) addRival();
-    }
-  }
+  const auto best = searchBest(pyramid_, search.points, here, window, options_->loop_search_score);
+  if (!best) return loops;
+  map_->note(core::JournalEvent::kSearched, best->score, old);
+  // What is followed needs no match of all that is searched for: each keyframe is matched by itself.
+  const auto add = [&](const Pose2& T_found, double least_score) {
+    if (isFollowing(search.keyframe, T_found)) return true;
+    const auto loop = loopFrom(search, old, around, T_found, coarser > 1, least_score);
+    if (loop) loops.push_back(*loop);
+    return loop.has_value();
+  };
+  if (!add(best->T_map_robot, options_->loop_score)) return loops;
+  window.apart_m = kRivalApart_m, window.not_at = core::position(best->T_map_robot);
+  const double off_m = core::distance(best->T_map_robot, here);
+  const auto rival = searchBest(pyramid_, search.points, here, window, kRivalShare * best->score);
+  if (!rival) return loops;
+  add(rival->T_map_robot, 0);
+  // One that the way there makes likelier may be at the edge of the map, where less is explained.
+  window.half_xy_m = std::min(off_m - kRivalApart_m, kLikelyReach_m);
+  if (window.half_xy_m <= 0 || core::distance(rival->T_map_robot, here) < window.half_xy_m) return loops;
+  if (const auto likelier = searchBest(pyramid_, search.points, here, window, kRivalShare * best->score))
+    add(likelier->T_map_robot, 0);
   return loops;
 }
 

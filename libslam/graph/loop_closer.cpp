@@ -12,10 +12,10 @@ namespace {
 using core::Pose2;
 
 /// Travel to the next search, by the last one's window; never so far that two searches share no scan.
-constexpr double kPausePerReach = 0.1;
+constexpr double kPausePerReach = 0.1, kRivalPause = 2;
 /// 95 of 100 right loops have no larger innovation (chi-square, three degrees of freedom). How many times as
 /// far others are followed, at most.
-constexpr double kLikelyInnovation = 7.8, kMostUnlikely = 8;
+constexpr double kLikelyInnovation = 7.8, kMostUnlikely = 4;
 
 }  // namespace
 
@@ -58,12 +58,16 @@ void LoopCloser::confirm(Hypothesis& hypothesis, int k) const {
 
 /// Whether a place was followed for long enough that it would be known if another one were as good: the
 /// longer, the less likely the way between makes it.
-bool LoopCloser::isFollowedEnough(const Hypothesis& place, LoopJudge& judge) const {
+bool LoopCloser::isFollowedEnough(Hypothesis& place, LoopJudge& judge) const {
   const double followed_m = map_->path_m() - place.begun_m;
   if (followed_m < options_->loop_confirm_m) return false;
   const bool is_joined = map_->componentOf(place.keyframe) == map_->componentOf(place.old_keyframe);
-  const double unlikely = is_joined ? judge.innovation(place) / kLikelyInnovation : 1;
-  if (followed_m < options_->loop_confirm_m * std::min(unlikely, kMostUnlikely)) return false;
+  if (is_joined) {
+    // To ask is dear, and it stays as it is.
+    if (!(place.innovation >= 0)) place.innovation = judge.innovation(place);
+    const double unlikely = std::min(place.innovation / kLikelyInnovation, kMostUnlikely);
+    if (followed_m < options_->loop_confirm_m * unlikely) return false;
+  }
   // So much farther on the robot is well within the map, wherever it came to it.
   return judge.isBest(
       place, hypotheses_,
@@ -84,7 +88,7 @@ std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
     }
   }
   LoopJudge of_places = judge();
-  const auto confirmed = std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& one) {
+  const auto confirmed = std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](Hypothesis& one) {
     return one.confirmations >= options_->loop_confirmations && one.evidence >= options_->loop_distinctness &&
            isFollowedEnough(one, of_places);
   });
@@ -96,7 +100,8 @@ std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
   // A wide search is dear, and what it would find is still there some metres on.
   const double pause_m = std::max(options_->loop_every_m,
                                   std::min(kPausePerReach * searched_reach_m_, options_->loop_path_m / 2));
-  if (map_->path_m() - searched_m_ < pause_m) return std::nullopt;
+  // While a place is followed only a rival is still looked for.
+  if (map_->path_m() - searched_m_ < (hypotheses_.empty() ? 1 : kRivalPause) * pause_m) return std::nullopt;
   searched_m_ = map_->path_m();
   int first = k;
   while (first > 0 && k - first < kMostQueryKeyframes &&
@@ -106,16 +111,20 @@ std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
   return std::nullopt;
 }
 
+/// Whether a hypothesis that is followed has the keyframe there.
+bool LoopCloser::isFollowing(int keyframe, const Pose2& T_map_robot) const {
+  return std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& known) {
+    const Pose2 expected =
+        known.T_map_robot * core::between(map_->pose(known.keyframe), map_->pose(keyframe));
+    return core::distance(expected, T_map_robot) < 0.5 &&
+           std::abs(core::angleDifference(expected.phi, T_map_robot.phi)) < 0.1;
+  });
+}
+
 /// A hypothesis about the newest keyframe joins those that are followed, unless one of them says the same.
 void LoopCloser::follow(Hypothesis& found) {
-  const int k = found.keyframe;
-  for (const auto& known : hypotheses_) {
-    const Pose2 expected = known.T_map_robot * core::between(map_->pose(known.keyframe), map_->pose(k));
-    if (core::distance(expected, found.T_map_robot) < 0.5 &&
-        std::abs(core::angleDifference(expected.phi, found.T_map_robot.phi)) < 0.1)
-      return;
-  }
-  confirm(found, k);
+  if (isFollowing(found.keyframe, found.T_map_robot)) return;
+  confirm(found, found.keyframe);
   if (found.failures == 0) hypotheses_.push_back(found);
 }
 

@@ -48,9 +48,10 @@ class LoopCloser {
  private:
   std::optional<Accepted> accept(const Hypothesis& loop, LoopJudge& judge);
   bool isAllowed(const Hypothesis& loop, LoopJudge& judge);
-  bool isFollowedEnough(const Hypothesis& place, LoopJudge& judge) const;
+  bool isFollowedEnough(Hypothesis& place, LoopJudge& judge) const;
   LoopJudge judge() const;
   void confirm(Hypothesis& hypothesis, int keyframe) const;
+  bool isFollowing(int keyframe, const core::Pose2& T_map_robot) const;
   void follow(Hypothesis& found);
 
   // find_loop.cpp: where a place was seen before

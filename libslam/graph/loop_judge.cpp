@@ -23,6 +23,7 @@ bool isTold(const Hypothesis& place) {
 }  // namespace
 
 double LoopJudge::innovation(const Hypothesis& loop) {
+  if (loop.innovation >= 0) return loop.innovation;
   if (!way_) {
     const posegraph::PoseGraph graph = witnesses_();
     poses_ = graph.poses();

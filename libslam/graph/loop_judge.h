@@ -23,7 +23,7 @@ class LoopJudge {
 
   /// How far a loop lies from where the way between has its keyframe: squared, in standard deviations of that
   /// way and of the scans. Of chi-square's distribution with three degrees of freedom when it is right. The
-  /// first one costs a factorisation.
+  /// first one costs a factorisation, but for a loop that was asked before.
   double innovation(const Hypothesis& loop);
   /// What lies beyond the map can be anything. Where the robot comes to the map from outside, its place may
   /// be one of those that the map says little of as yet.

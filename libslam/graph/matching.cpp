@@ -43,7 +43,7 @@ MatchResult match(const std::vector<PatchPoint>& points, const LevelMaps& maps, 
 }
 
 Eigen::Matrix3d toldInformation(const scanmatch::MatchEvidence& evidence) {
-  return scanmatch::withoutNegatives(scanmatch::kInformationScale * evidence.information(), 0, 0);
+  return scanmatch::kInformationScale * evidence.information();
 }
 
 Eigen::Matrix3d toldInformation(const std::vector<PatchPoint>& points, const scanmatch::SurfelMap& map,

@@ -1,3 +1,4 @@
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -283,7 +284,7 @@ void GraphSlam::learnScale(const Expected& e, const Pose2& T, const Eigen::Matri
   const Pose2& step = e.step.T_previous_robot;
   const auto [s, c] = core::sinCos(e.T_before.phi);
   const Eigen::Vector3d way(c * step.x - s * step.y, s * step.x + c * step.y, 0);
-  const double told = way.dot(scanmatch::covarianceOf(posterior_information) * information * way);
+  const double told = way.dot(posterior_information.ldlt().solve(information * way));
   // Standing still odometry has nothing to say either.
   path_scale_.learn(step, core::between(e.T_before, T), way.squaredNorm() > 0 ? told / way.squaredNorm() : 1);
 }

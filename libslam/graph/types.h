@@ -83,6 +83,7 @@ struct Hypothesis {
   double begun_m;
   int confirmations = 0, failures = 0;
   double evidence = 0;       ///< sum of distinctness()
+  double innovation = -1;    ///< see LoopJudge; -1: not asked yet
   std::map<int, Said> says;  ///< of every keyframe that was asked
   std::vector<posegraph::Edge> edges;
 };
