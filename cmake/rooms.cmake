@@ -109,12 +109,16 @@ function(slam_add_tests name)
                                                   RASTERSLAM_BINARY_DIR="${PROJECT_BINARY_DIR}")
   # The tests' own code: what they call is built as ever, and a quarter of the whole build's time is saved.
   target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  set(timeout 480)
+  if(RASTERSLAM_SANITIZE)
+    set(timeout 2400)
+  endif()
   set(listed ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_suites.cmake)
   set(script ${PROJECT_SOURCE_DIR}/cmake/list_suites.cmake)
   set_property(TARGET test_${name} APPEND PROPERTY LINK_DEPENDS ${script})
   add_custom_command(TARGET test_${name} POST_BUILD BYPRODUCTS ${listed}
     COMMAND ${CMAKE_COMMAND} -D PROGRAM=$<TARGET_FILE:test_${name}> -D NAME=${name} -D MOST=${T_CASES}
-            -D "LABELS=${T_LABELS}" -D OUTPUT=${listed} -P ${script} VERBATIM)
+            -D "LABELS=${T_LABELS}" -D TIMEOUT=${timeout} -D OUTPUT=${listed} -P ${script} VERBATIM)
   set(included ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_include.cmake)
   file(WRITE ${included} "if(EXISTS \"${listed}\")\n  include(\"${listed}\")\nelse()\n"
                          "  add_test(${name}.NOT_BUILT test_${name}_is_not_built)\nendif()\n")

@@ -53,12 +53,13 @@ TEST(New, MakesAMethodThatKeepsTheContractFromTheFirstMinute) {
   for (const std::string kind : {"method one", "plugin two", "plugin three --language python"}) {
     const auto made = rasterslam("new " + kind + " --json", folder.path());
     ASSERT_EQ(made.exit_code, 0) << made.err;
-    const std::string name = nlohmann::json::parse(made.out)["folder"];
+    const auto said = nlohmann::json::parse(made.out);
+    const std::string name = said["folder"];
     const auto check = rasterslam("plugin check " + name + "/" + name + ".ini run.rawlog", folder.path());
     EXPECT_EQ(check.exit_code, 0) << check.out;
     EXPECT_THAT(check.out, HasSubstr("keeps the contract: 16 of 16 scans have a pose"));
     // The lines that it says are next, as they are.
-    for (const auto& line : nlohmann::json::parse(made.out)["next"]) {
+    for (const auto& line : said["next"]) {
       if (line.get<std::string>().find("rasterslam") == 0) continue;
       EXPECT_EQ(testing::runCommand("cd '" + folder.path() + "' && " + line.get<std::string>()).exit_code, 0)
           << line;
