@@ -55,6 +55,8 @@ bool LoopCloser::completeClosing() {
 }
 
 bool LoopCloser::closeRest() {
+  // A shorter way has one pass through each place.
+  if (map_->path_m() < options_->map_path_m) return false;
   if (closing_ || map_->graph().edges().size() == solved_edges_) return false;
   beginClosing();
   takeOver();

@@ -174,7 +174,8 @@ void GraphSlam::finish() {
   if (options_.loops)
     loops_.searchRemainingLoops(static_cast<int>(first_new - map_->keyframes().begin()),
                                 [this] { haveMoved(); });
-  if (loops_.closeRest()) haveMoved();
+  // What was known before stays as it is when nothing came to it.
+  if (first_new != map_->keyframes().end() && loops_.closeRest()) haveMoved();
   noteWhatStaysApart();
   if (options_.refine_rounds > 0) refine();
   if (path_scale_.factor() != 1) map_->note(core::JournalEvent::kCalibrated, path_scale_.factor());

@@ -12,6 +12,8 @@ constexpr double kSigma = 0.03, kMost = 0.15;
 /// Below, a scan hardly told how far the robot went.
 constexpr double kTold = 0.5;
 constexpr double kPiece_m = 0.5;
+/// A longer one is a leap, and none of wheels.
+constexpr double kMostStep_m = 20;
 /// What was driven so many metres ago counts a third.
 constexpr double kMemory_m = 100;
 /// In standard deviations: beyond, a piece counts the less the farther off it is.
@@ -30,7 +32,8 @@ void PathScale::endPiece() {
 }
 
 void PathScale::learn(const core::Pose2& T_corrected, const core::Pose2& T_matched, double told) {
-  if (!(told >= kTold)) return endPiece();
+  const double step_m = core::hypot(T_corrected.x, T_corrected.y);
+  if (!(told >= kTold) || !(step_m < kMostStep_m)) return endPiece();
   T_wheels_ = T_wheels_ * core::Pose2{T_corrected.x / factor_, T_corrected.y / factor_, T_corrected.phi};
   T_matched_ = T_matched_ * T_matched;
   const double way_m = core::hypot(T_wheels_.x, T_wheels_.y);

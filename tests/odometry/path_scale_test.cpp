@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "libslam/core/random.h"
 
@@ -68,6 +69,14 @@ TEST(PathScale, WheelsThatSlipNowAndThenHardlyCount) {
     path_scale.learn(path_scale.corrected({0.1, 0, 0}), {slips ? 0.0 : 0.1, 0, 0}, 1);
   }
   EXPECT_NEAR(path_scale.factor(), 1, 0.03);
+}
+
+TEST(PathScale, LeapsOfOdometryAreForgotten) {
+  PathScale path_scale = afterDriving(30, 0.1, 1.05, 0, 0.9);
+  const double factor = path_scale.factor();
+  for (const double leap_m : {1e6, 1e300, std::numeric_limits<double>::infinity(), std::nan("")})
+    path_scale.learn({leap_m, 0, 0}, {0.1, 0, 0}, 1);
+  EXPECT_EQ(path_scale.factor(), factor);
 }
 
 TEST(PathScale, FollowsAChangeOfLoadAndStaysWithinReason) {
