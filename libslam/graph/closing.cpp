@@ -82,6 +82,7 @@ void LoopCloser::takeOver() {
   if (closing_->ends.first != closing_->ends.second)
     map_->addClosure(closing_->ends.first, closing_->ends.second);
   closing_.reset();
+  for (auto& place : hypotheses_) place.innovation = -1;
   map_->settle();
   searched_m_ = map_->path_m();
   map_->note(core::JournalEvent::kOptimised, chi2);

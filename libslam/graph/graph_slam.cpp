@@ -82,6 +82,7 @@ void GraphSlam::startAt(const Pose2& T_map_robot) {
   T_keyframe_robot_ = core::between(map_->pose(anchor_), T_map_robot);
   T_previous_robot_ = {};
   odometry_holds_ = false;
+  path_scale_.endPiece();
   covariance_.setZero(), from_keyframe_.setZero();
   forgetWheels();
   lost_.restart();

@@ -93,8 +93,9 @@ class GraphSlam {
   /// The same without changing the map: where the robot is in what is known. REQUIRES a keyframe.
   Step localise(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
 
-  /// Looks for the loops that are left, now that the whole path is known, and refines all poses jointly
-  /// (`refine_rounds`). What process() gave stays; poses() changes.
+  /// Looks for the loops that are left, now that the whole path is known, finds all poses anew by what later
+  /// passes through a place measured, and refines them jointly (`refine_rounds`). What process() gave stays;
+  /// poses() changes.
   void finish();
 
   /// One per process(), as everything known now has it.

@@ -297,6 +297,7 @@ void GraphSlam::keepTo(const Pose2& predicted, const Pose2& increment, Step& ste
   step.drift_covariance += drift;
   step.pose_covariance += drift;
   T_previous_robot_ = increment;
+  path_scale_.endPiece();
   T_keyframe_robot_ = core::between(map_->pose(anchor_), predicted);
 }
 

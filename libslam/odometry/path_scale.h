@@ -15,10 +15,11 @@ namespace slam::odometry {
 /// Roy and Thrun, ICRA 1999, with the noise estimated.
 class PathScale {
  public:
-  /// A step of the wheels, its length set right.
+  /// A step of the wheels (m, rad; in the robot's frame before it), its length set right.
   core::Pose2 corrected(const core::Pose2& T_wheels) const;
-  /// A step: by corrected(), and as it was matched to a map. `told`: of what holds the match along the way,
-  /// the scan's share, in [0, 1]; the rest is odometry's own word. Too little ends the piece.
+  /// A step: by corrected(), and as it was matched to a map; both in the robot's frame before it. `told`: of
+  /// what holds the match along the way, the scan's share, in [0, 1]; the rest is odometry's own word. Too
+  /// little ends the piece.
   void learn(const core::Pose2& T_corrected, const core::Pose2& T_matched, double told);
   /// Nothing is known of a step.
   void endPiece();

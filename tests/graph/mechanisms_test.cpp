@@ -45,9 +45,9 @@ TEST(GraphMechanisms, OdometrysEdgeIsTheIncrementsOneAfterTheOther) {
     double nearest = 1e9;
     for (const auto& edge : run.graph.graph().edges())
       if (edge.from == static_cast<int>(k) - 1 && edge.to == static_cast<int>(k))
-        nearest = std::min(
-            nearest, core::distance(edge.T_from_to, expected) + std::abs(edge.T_from_to.phi - expected.phi));
-    // Metres of odometry are set right by what was learnt until then.
+        if (std::abs(edge.T_from_to.phi - expected.phi) < 1e-9)
+          nearest = std::min(nearest, core::distance(edge.T_from_to, expected));
+    // Metres of odometry, which are 3 % too long, are set right by what was learnt until then; turns stay.
     EXPECT_LT(nearest, 0.03 * core::hypot(expected.x, expected.y)) << k;
   }
 }
