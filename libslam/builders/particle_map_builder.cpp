@@ -151,6 +151,11 @@ void ParticleMapBuilder::processActionObservation(mrpt::obs::CActionCollection& 
     key_frames_.back().rays.push_back(gridmap::scanRays(other, filter_->rays()));
 }
 
+void ParticleMapBuilder::finish() {
+  filter_->finish();
+  up_to_date_ = false;
+}
+
 void ParticleMapBuilder::getCurrentlyBuiltMap(mrpt::maps::CSimpleMap& out_map) const {
   out_map = initial_map_;
   const core::Trajectory path = filter_->path();

@@ -41,6 +41,9 @@ class ParticleMapBuilder : public mrpt::slam::CMetricMapBuilder {
   /// Writes a picture of the grid; the format follows the suffix.
   void saveCurrentEstimationToImage(RASTERSLAM_MRPT_SAVE_IMAGE_ARGUMENTS) override;
 
+  /// After the last scan: the loops that are left.
+  void finish();
+
   const particles::ParticleFilter& filter() const { return *filter_; }
 
  private:

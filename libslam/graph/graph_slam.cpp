@@ -17,7 +17,6 @@ using scanmatch::PatchPoint;
 
 /// An edge of odometry that was not to be trusted.
 constexpr double kDistrustedFactor = 5;
-constexpr int kPartnerStep = 3;
 
 }  // namespace
 
@@ -90,32 +89,6 @@ void GraphSlam::startAt(const Pose2& T_map_robot) {
   is_lost_ = false;
   finder_.endTrail();
   setMapNear(core::position(T_map_robot));
-}
-
-/// Two partners of a keyframe are so many keyframes apart: neighbours would say the same twice.
-bool GraphSlam::isApart(int keyframe, const std::vector<int>& others) {
-  return std::none_of(others.begin(), others.end(),
-                      [&](int other) { return std::abs(other - keyframe) < kPartnerStep; });
-}
-
-/// The keyframes that a match is shared among: the nearest, not two in a row, and only those whose beams
-/// agree.
-std::vector<int> GraphSlam::partnersOf(int k, const std::vector<int>& near, const Pose2& T_map_robot) const {
-  std::vector<int> partners;
-  const auto& points = map_->keyframe(k).points;
-  for (const int other : near) {
-    if (other == k) continue;
-    if (!isApart(other, partners)) continue;
-    if (other != map_->keyframeBefore(k)) {
-      const View seen = map_->view(other, core::between(map_->pose(other), T_map_robot), points);
-      if (seen.conflict() > options_.link_conflict ||
-          seen.agreed < options_.link_agreed * static_cast<double>(points.size()))
-        continue;
-    }
-    partners.push_back(other);
-    if (static_cast<int>(partners.size()) == options_.edges_per_keyframe) break;
-  }
-  return partners;
 }
 
 /// What the scans cannot see, odometry has to hold; where it was wrong, the matched motion stands in for it,

@@ -135,9 +135,6 @@ class GraphSlam {
   void addKeyframe(const robot::Scan& scan, Points points, const core::Pose2& T_map_robot,
                    const Eigen::Matrix3d& information);
   int addOdometryEdge(int keyframe);
-  std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
-                              const core::Pose2& T_map_robot) const;
-  static bool isApart(int keyframe, const std::vector<int>& others);
   core::Pose2 currentPose() const;
   // passes.cpp: what a keyframe measures of others
   void addMatchEdges(int keyframe, const core::Pose2& T_map_robot, const Eigen::Matrix3d& information);

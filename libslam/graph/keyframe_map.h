@@ -12,7 +12,7 @@
 
 namespace slam::graph {
 
-/// What GraphSlam, LoopCloser and PartFinder share: the keyframes, the graph that ties them together, how
+/// What GraphSlam, TrackedPath, LoopCloser and PartFinder share: the keyframes, the graph that ties them together, how
 /// they hang together, and what they say of scans. For this room only.
 class KeyframeMap {
  public:
@@ -101,6 +101,11 @@ class KeyframeMap {
   /// What keyframes say of a scan at a pose; and the scan, where it is given, of them.
   Told toldBy(const std::vector<int>& viewers, const std::vector<scanmatch::PatchPoint>& points,
               const core::Pose2& T_map_robot, const robot::Scan* scan = nullptr) const;
+
+  /// Of `near`, in its order, the keyframes that k's match at this pose is shared among: not two in a row,
+  /// and only those whose beams agree.
+  std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
+                              const core::Pose2& T_map_robot) const;
 
   // witnesses.cpp
   /// The keyframes, with what is known of each from one other, and of a loop as much as one match tells.

@@ -27,7 +27,7 @@ void GraphSlam::addMatchEdges(int k, const Pose2& T_map_robot, const Eigen::Matr
     (is_late ? lately : before).push_back(other);
   }
   const bool are_two = !lately.empty() && !before.empty();
-  const auto partners = partnersOf(k, map_keyframes_, T_map_robot);
+  const auto partners = map_->partnersOf(k, map_keyframes_, T_map_robot);
   for (const auto* pass : {&lately, &before}) {
     Pose2 T = T_map_robot;
     Eigen::Matrix3d told = information;

@@ -35,7 +35,7 @@ void GraphSlam::refine() {
       for (const int other : around) map.add(map_->keyframe(other).points, map_->pose(other));
       flat.mean = T;
       const auto matched = alignToSurfels(map_->keyframe(k).points, map, T, flat, match_options);
-      const auto partners = partnersOf(k, around, matched.T_map_robot);
+      const auto partners = map_->partnersOf(k, around, matched.T_map_robot);
       if (partners.empty()) continue;
       posegraph::Edge edge;
       edge.to = k;

@@ -12,6 +12,18 @@ using core::Point2;
 using core::Pose2;
 using scanmatch::PatchPoint;
 
+namespace {
+
+constexpr int kPartnerStep = 3;
+
+/// Two partners of a keyframe are so many keyframes apart: neighbours would say the same twice.
+bool isApart(int keyframe, const std::vector<int>& others) {
+  return std::none_of(others.begin(), others.end(),
+                      [&](int other) { return std::abs(other - keyframe) < kPartnerStep; });
+}
+
+}  // namespace
+
 double View::conflict() const {
   return agreed + passed == 0 ? 0 : static_cast<double>(passed) / (agreed + passed);
 }
@@ -95,6 +107,24 @@ Told KeyframeMap::toldBy(const std::vector<int>& viewers, const std::vector<Patc
   told.contradicted /= static_cast<double>(viewers.size());
   told.telling /= static_cast<double>(viewers.size());
   return told;
+}
+
+std::vector<int> KeyframeMap::partnersOf(int k, const std::vector<int>& near,
+                                         const Pose2& T_map_robot) const {
+  std::vector<int> partners;
+  const auto& points = keyframe(k).points;
+  for (const int other : near) {
+    if (other == k || !isApart(other, partners)) continue;
+    if (other != keyframeBefore(k)) {
+      const View seen = view(other, core::between(graph_.pose(other), T_map_robot), points);
+      if (seen.conflict() > options_.link_conflict ||
+          seen.agreed < options_.link_agreed * static_cast<double>(points.size()))
+        continue;
+    }
+    partners.push_back(other);
+    if (static_cast<int>(partners.size()) == options_.edges_per_keyframe) break;
+  }
+  return partners;
 }
 
 }  // namespace slam::graph

@@ -15,6 +15,7 @@ class ParticleMethod : public MrptMethod {
                  const builders::MappingOptions& mapping, const MotionOptions& motion, std::uint64_t seed)
       : MrptMethod(std::move(builder), mapping, motion, seed) {}
 
+  void finish() override;
   std::vector<core::JournalEntry> journal() const override { return filter().journal(); }
   std::optional<core::Trajectory> finalPath(const core::Trajectory& online) const override;
   std::vector<core::Pose2> particlePoses() const override { return filter().poses(); }
@@ -23,10 +24,16 @@ class ParticleMethod : public MrptMethod {
   double cellsWith(const core::Point2& centre, double reach_m) const override;
 
  private:
-  const particles::ParticleFilter& filter() const {
-    return static_cast<builders::ParticleMapBuilder&>(mrptBuilder()).filter();
+  builders::ParticleMapBuilder& builder() const {
+    return static_cast<builders::ParticleMapBuilder&>(mrptBuilder());
   }
+  const particles::ParticleFilter& filter() const { return builder().filter(); }
 };
+
+/// The loops that are left; the poses given online do not change.
+void ParticleMethod::finish() {
+  if (builder().options.enableMapUpdating) builder().finish();
+}
 
 /// That of the most likely particle, whose map map() is.
 std::optional<core::Trajectory> ParticleMethod::finalPath(const core::Trajectory& online) const {

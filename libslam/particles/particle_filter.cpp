@@ -80,6 +80,7 @@ ParticleFilter::ParticleFilter(const ParticleFilterOptions& options, std::uint64
   match_options_.max_iterations = options.iterations;
   particles_.assign(static_cast<size_t>(options.count), Particle(gridOptions(options)));
   for (Particle& particle : particles_) particle.T_raster_robot = rasterFromMap();
+  if (options.loops) past_ = std::make_unique<graph::TrackedPath>(graph::GraphOptions());
 }
 
 void ParticleFilter::note(core::JournalEvent event, double value, const std::string& detail) {
@@ -94,6 +95,7 @@ void ParticleFilter::start(const core::Pose2& T_map_robot,
   for (Particle& particle : particles_) particle = particles_[0];
   step_.T_map_robot = T_map_robot;
   map_is_known_ = !known.empty();
+  if (map_is_known_) past_.reset();
 }
 
 ParticleFilter::Guidance ParticleFilter::guide(const std::vector<SurfacePoint>& points,
@@ -194,27 +196,33 @@ void ParticleFilter::trackDrift(const core::Pose2& T_before, const Eigen::Matrix
                                                                 posterior.transpose();
 }
 
-/// What the map around a pose is off by.
-Eigen::Matrix3d ParticleFilter::mapCovariance(const core::Pose2& T) const {
+/// Of what entered the map around a pose, what is known best; -1: nothing has.
+int ParticleFilter::surestAnchor(const core::Pose2& T) const {
   constexpr double kNear_m = 2;
-  if (anchors_.empty()) return Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d surest = Eigen::Matrix3d::Zero();
+  int surest = -1;
   double least = std::numeric_limits<double>::infinity();
   for (size_t i = step_.degenerate || step_.lost ? anchors_.size() - 1 : 0; i < anchors_.size(); ++i) {
     const core::Pose2& T_anchor = anchors_[i].T_raster_robot;
     const bool is_near = core::distance(T_anchor, T) < kNear_m &&
                          std::abs(core::angleDifference(T_anchor.phi, T.phi)) < core::kPi / 2;
     if (!is_near && i + 1 < anchors_.size()) continue;
-    const Eigen::Matrix3d F = carry(T_anchor, T);
-    const Eigen::Matrix3d covariance = F * anchors_[i].covariance * F.transpose();
+    const Eigen::Matrix3d covariance = carriedCovariance(static_cast<int>(i), T);
     // Radians count as the metres that they move a wall by at 3 m.
     const double size = covariance(0, 0) + covariance(1, 1) + 9 * covariance(2, 2);
-    if (size < least) least = size, surest = covariance;
+    if (size < least) least = size, surest = static_cast<int>(i);
   }
   return surest;
 }
 
-void ParticleFilter::estimateCovariance() {
+/// What a pose that hangs on an anchor is off by with it.
+Eigen::Matrix3d ParticleFilter::carriedCovariance(int anchor, const core::Pose2& T) const {
+  if (anchor < 0) return Eigen::Matrix3d::Zero();
+  const Anchor& from = anchors_[static_cast<size_t>(anchor)];
+  const Eigen::Matrix3d F = carry(from.T_raster_robot, T);
+  return F * from.covariance * F.transpose();
+}
+
+ParticleFilter::Hold ParticleFilter::estimateCovariance() {
   const core::Pose2& T = particles_[best_].T_raster_robot;
   double most = particles_[0].log_weight, sum = 0;
   for (const Particle& particle : particles_) most = std::max(most, particle.log_weight);
@@ -228,12 +236,14 @@ void ParticleFilter::estimateCovariance() {
     spread += weight * off * off.transpose();
   }
   mean /= sum;
-  const Eigen::Matrix3d own = mapCovariance(T) + local_covariance_;
+  const Hold hold{surestAnchor(T), local_covariance_};
+  const Eigen::Matrix3d own = carriedCovariance(hold.anchor, T) + hold.since;
   if (step_.inserted) {
     anchors_.push_back({T, own});
     local_covariance_.setZero();
   }
   step_.covariance = rotated(own + spread / sum - mean * mean.transpose(), mapFromRaster().phi);
+  return hold;
 }
 
 void ParticleFilter::reachFarther(const robot::Scan& scan) {
@@ -257,8 +267,9 @@ void ParticleFilter::findPlace(const std::vector<SurfacePoint>& points, const st
     step_.lost = lost_ = true;
     if (!points.empty()) ++lost_scans_;
     moveAll(motion);
-    trackDrift(T_before, motion ? rotated(motion->covariance, T_before.phi) : unknownCovariance(),
-               Eigen::Matrix3d::Identity());
+    const Eigen::Matrix3d covariance = motion ? motion->covariance : unknownCovariance();
+    trackDrift(T_before, rotated(covariance, T_before.phi), Eigen::Matrix3d::Identity());
+    since_keyframe_ = since_keyframe_ * Motion{velocity_, covariance};
     return;
   }
   if (lost_) note(core::JournalEvent::kRecovered, step_.score);
@@ -272,6 +283,7 @@ void ParticleFilter::findPlace(const std::vector<SurfacePoint>& points, const st
   velocity_ = guidance.moved;
   const Eigen::Matrix3d prior_information = rotated(guidance.information, T_before.phi);
   trackDrift(T_before, prior_information.inverse(), prior_information);
+  since_keyframe_ = since_keyframe_ * Motion{guidance.expected, guidance.information.inverse()};
 }
 
 const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::optional<Motion>& motion,
@@ -279,6 +291,7 @@ const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::o
   if (motion && !(core::isFinite(motion->T_previous_robot) && motion->covariance.allFinite()))
     throw core::ContractError("ParticleFilter::update: the motion is not finite");
   const bool is_first = scans_ == 0 && !map_is_known_;
+  const core::Pose2 T_before = particles_[best_].T_raster_robot;
   step_ = {};
   reachFarther(scan);
   for (const auto& other : others) reachFarther(other);
@@ -295,15 +308,17 @@ const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::o
     note(core::JournalEvent::kRestarted, lost_scans_);
     lost_ = false, lost_scans_ = 0;
   }
-  const core::Pose2& T = particles_[best_].T_raster_robot;
+  const core::Pose2 T = particles_[best_].T_raster_robot;
+  if (past_) past_->nextScan(core::distance(T_before, T));
   const bool is_news = step_.score < options_.insert_score ||
                        core::distance(T, T_inserted_) > options_.insert_distance_m ||
                        std::abs(core::angleDifference(T.phi, T_inserted_.phi)) > options_.insert_angle_rad;
   step_.inserted = mapping_ && (is_first || restarted || (!lost_ && is_news));
+  std::vector<gridmap::ScanRays> seen;
   if (step_.inserted) {
     const bool is_matched = !is_first && !restarted;
     if (is_matched) weigh();
-    std::vector<gridmap::ScanRays> seen = {gridmap::scanRays(scan, options_.rays)};
+    seen.push_back(gridmap::scanRays(scan, options_.rays));
     for (const auto& other : others) seen.push_back(gridmap::scanRays(other, options_.rays));
     team_.forEach(particles_.size(), [&](size_t i) {
       if (is_matched) drawPose(i);
@@ -319,16 +334,15 @@ const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::o
     if (insertions_++ % kCountEvery == 0)
       cells_ = static_cast<double>(distinctTiles()) * gridmap::Grid::tileBytes() / sizeof(gridmap::Cell);
   }
-  estimateCovariance();
+  const Hold hold = estimateCovariance();
+  if (step_.inserted && past_) {
+    std::vector<robot::Scan> scans = {scan};
+    scans.insert(scans.end(), others.begin(), others.end());
+    keepKeyframe(scans, std::move(seen), hold);
+  }
   step_.T_map_robot = mapFromRaster() * particles_[best_].T_raster_robot;
   ++scans_;
   return step_;
-}
-
-core::Trajectory ParticleFilter::path() const {
-  core::Trajectory path = paths_.path(particles_[best_].leaf);
-  for (core::StampedPose& pose : path) pose.pose = mapFromRaster() * pose.pose;
-  return path;
 }
 
 std::vector<core::Pose2> ParticleFilter::poses() const {

@@ -1,6 +1,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "libslam/core/journal.h"
 #include "libslam/core/parameters.h"
 #include "libslam/core/thread_team.h"
+#include "libslam/graph/tracked_path.h"
 #include "libslam/gridmap/grid.h"
 #include "libslam/particles/motion.h"
 #include "libslam/particles/path_tree.h"
@@ -31,6 +33,7 @@ struct ParticleFilterOptions {
   double distrust_score, insert_score, lost_score;
   int lost_scans;
   double hit_probability, pass_probability;
+  bool loops;
   ParticleFilterOptions();
   static const core::ParameterTable<ParticleFilterOptions>& table();
 
@@ -51,6 +54,7 @@ struct ParticleStep {
   bool odometry_distrusted = false;  ///< the scan fits clearly better where the odometry does not lead
   bool degenerate = false;           ///< the scan leaves a direction open; the odometry is trusted along it
   bool lost = false;                 ///< nothing fits: the pose is the odometry's
+  bool loop_closed = false;          ///< the past has moved, and all particles with it
 };
 
 /// Particles that keep, with a confidence of 99 %, the Kullback-Leibler distance between what they stand for
@@ -95,17 +99,25 @@ double logEvidence(const scanmatch::FieldMatch& match, const Eigen::Matrix3d& in
 /// leaves a direction open it hangs on the last one only, so that the odometry's errors along a corridor add
 /// up.
 ///
-/// Journal: `distrusted` (odometry; value = gain in score), `poor` (the map explains less than insert_score;
-/// value = score), `lost` (the first scan; value = score), `recovered` (the map explains a scan again; value
-/// = score), `restarted` (the map goes on from odometry's pose; value = scans lost), `degenerate` (value =
-/// share of information along the open direction), `resampled` (value = effective share of the particles;
-/// detail = how many there are now).
+/// Loops: resampling leaves few pasts to choose from, and none of them may be right when the robot comes back
+/// to where it was long ago. So the best particle's inserted scans are kept as keyframes of a pose graph, too
+/// (graph::TrackedPath), which looks for places seen before and judges them. When a loop is closed all
+/// particles go on from the past that the graph then has, in one map that is drawn anew of it: before a loop
+/// the particles stand for what is open here, after it the graph does for what was open on the way. (Drawing
+/// a past for each particle, each with a map of its own, would cost as many maps; what is drawn at the scans
+/// that follow tells the particles apart again.) A filter that begins in a known map closes no loops.
+///
+/// Journal: TrackedPath's, and `distrusted` (odometry; value = gain in score), `poor` (the map explains less
+/// than insert_score; value = score), `lost` (the first scan; value = score), `recovered` (the map explains a
+/// scan again; value = score), `restarted` (the map goes on from odometry's pose; value = scans lost),
+/// `degenerate` (value = share of information along the open direction), `resampled` (value = effective share
+/// of the particles; detail = how many there are now).
 ///
 /// Frames: map is the robot's at the first scan. raster, that of the particles' grids, is turned against it:
 /// along a wall that lies in the direction of the cells all noise is cut off at the same border of a cell,
 /// which bends the map, while along any other the errors of the cells cancel (ring A 0.005 instead of 0.03
 /// m). Chance: streams named by particle and scan. Same seed, same bytes, with any number of threads. Memory:
-/// map() of one particle, and what the others differ by.
+/// map() of one particle, and what the others differ by; and the keyframes, see TrackedPath.
 class ParticleFilter {
  public:
   ParticleFilter(const ParticleFilterOptions& options, std::uint64_t seed);
@@ -117,6 +129,8 @@ class ParticleFilter {
                              const std::vector<robot::Scan>& others = {});
   const ParticleStep& lastStep() const { return step_; }
 
+  /// After the last scan: loops that are found with all of the path known. The pose at the last scan follows.
+  void finish();
   /// The best particle's path, a pose for every scan: corrected by all that was seen after it.
   core::Trajectory path() const;
   /// The best particle's map, in the raster's frame.
@@ -173,10 +187,22 @@ class ParticleFilter {
   size_t occupiedBins(const std::vector<size_t>& times) const;
   void note(core::JournalEvent event, double value, const std::string& detail = "");
   void findBest();
-  void estimateCovariance();
+  /// The anchor that a pose shares its error with (-1: none), and what it errs by beyond that.
+  struct Hold {
+    int anchor;
+    Eigen::Matrix3d since;
+  };
+  Hold estimateCovariance();
+  // loops.cpp: the past that all particles share since the last loop
+  void keepKeyframe(const std::vector<robot::Scan>& seen, std::vector<gridmap::ScanRays> rays,
+                    const Hold& hold);
+  void alignKeyframes(int newest_scan);
+  void followLoop(const std::vector<core::Pose2>& poses_before);
+  void redrawMap(const std::vector<core::Pose2>& poses_before);
   void trackDrift(const core::Pose2& T_before, const Eigen::Matrix3d& motion_covariance,
                   const Eigen::Matrix3d& prior_information);
-  Eigen::Matrix3d mapCovariance(const core::Pose2& T_raster_robot) const;
+  int surestAnchor(const core::Pose2& T_raster_robot) const;
+  Eigen::Matrix3d carriedCovariance(int anchor, const core::Pose2& T_raster_robot) const;
   size_t distinctTiles() const;
 
   ParticleFilterOptions options_;
@@ -199,11 +225,22 @@ class ParticleFilter {
     core::Pose2 T_raster_robot;
     Eigen::Matrix3d covariance;
   };
-  std::vector<Anchor> anchors_;
+  std::vector<Anchor> anchors_;  ///< with loops, one for each keyframe of past_
   /// Of the best particle against the map, since the last anchor.
   Eigen::Matrix3d local_covariance_ = Eigen::Matrix3d::Zero();
   ParticleStep step_;
   std::vector<core::JournalEntry> journal_;
+  /// The past as it was when the last loop was closed: each scan by the keyframe before it.
+  struct PastScan {
+    double time_s;
+    int keyframe;
+    core::Pose2 T_keyframe_robot;
+  };
+  std::unique_ptr<graph::TrackedPath> past_;  ///< nullptr: no loops are closed
+  std::vector<PastScan> past_scans_;
+  std::vector<std::vector<gridmap::ScanRays>> past_rays_;  ///< of each keyframe, by all lidars
+  int shared_keyframes_ = 0;  ///< of past_, that all particles have in common since the last loop
+  Motion since_keyframe_{{}, Eigen::Matrix3d::Zero()};  ///< by odometry, as far as it was trusted
 };
 
 }  // namespace slam::particles

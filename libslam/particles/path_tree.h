@@ -23,6 +23,9 @@ class PathTree {
   void release(Id leaf);
   /// From the root to the leaf.
   core::Trajectory path(Id leaf) const;
+  const core::StampedPose& pose(Id node) const { return nodes_[static_cast<size_t>(node)].pose; }
+  /// kNone: it is a root.
+  Id before(Id node) const { return nodes_[static_cast<size_t>(node)].before; }
   /// Poses alive.
   size_t size() const { return nodes_.size() - free_.size(); }
   size_t bytes() const { return nodes_.capacity() * sizeof(Node) + free_.capacity() * sizeof(Id); }

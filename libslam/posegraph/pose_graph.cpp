@@ -63,6 +63,12 @@ void PoseGraph::setOn(int edge, bool on) {
   edges_[static_cast<size_t>(edge)].on = on;
 }
 
+void PoseGraph::setMeasurement(int edge, const core::Pose2& T_from_to) {
+  requireEdge(edge, "setMeasurement");
+  if (!core::isFinite(T_from_to)) refuse("setMeasurement", "a measurement that is not finite");
+  edges_[static_cast<size_t>(edge)].T_from_to = T_from_to;
+}
+
 const core::Pose2& PoseGraph::pose(int node) const {
   requireNode(node, "pose");
   return poses_[static_cast<size_t>(node)];

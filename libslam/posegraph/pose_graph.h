@@ -49,6 +49,8 @@ class PoseGraph {
   void setFixed(int node, bool fixed = true);
   void setPose(int node, const core::Pose2& T_map_node);
   void setOn(int edge, bool on);
+  /// REQUIRES a finite measurement (ContractError).
+  void setMeasurement(int edge, const core::Pose2& T_from_to);
 
   int nodeCount() const { return static_cast<int>(poses_.size()); }
   const std::vector<core::Pose2>& poses() const { return poses_; }

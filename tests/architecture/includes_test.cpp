@@ -46,7 +46,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"mrptnav", {"core", "robot", "gridmap", "paths", "goals", "navigate"}},
     {"odometry", {"core", "robot"}},
     {"graph", {"core", "robot", "gridmap", "odometry", "posegraph", "scanmatch"}},
-    {"particles", {"core", "robot", "gridmap", "scanmatch"}},
+    {"particles", {"core", "robot", "gridmap", "graph", "scanmatch"}},
     {"builders", {"core", "robot", "gridmap", "graph", "particles"}},
     {"methods", {"core", "robot", "gridmap", "odometry", "graph", "particles", "builders"}},
     {"mapping",

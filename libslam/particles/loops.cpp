@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <utility>
+
+#include "libslam/particles/particle_filter.h"
+#include "libslam/scanmatch/information.h"
+
+namespace slam::particles {
+namespace {
+
+/// A past that has moved by less, in cells, is drawn as it was.
+constexpr double kSameMap = 0.25;
+
+}  // namespace
+
+/// The best particle may be another one than before: keyframes since the last loop go where its past has
+/// them.
+void ParticleFilter::alignKeyframes(int newest_scan) {
+  PathTree::Id node = particles_[best_].leaf;
+  int scan = newest_scan;
+  for (int k = past_->size() - 1; k >= shared_keyframes_; --k) {
+    for (; scan > past_->scan(k); --scan) node = paths_.before(node);
+    const core::Pose2& T = paths_.pose(node).pose;
+    const core::Pose2& known = past_->pose(k);
+    // From here on they have the same past.
+    if (T.x == known.x && T.y == known.y && T.phi == known.phi) return;
+    past_->setPose(k, T);
+  }
+}
+
+void ParticleFilter::keepKeyframe(const std::vector<robot::Scan>& seen, std::vector<gridmap::ScanRays> rays,
+                                  const Hold& hold) {
+  alignKeyframes(static_cast<int>(scans_));
+  const Particle& best = particles_[best_];
+  graph::TrackedPath::Placed placed;
+  placed.T_map_robot = best.T_raster_robot;
+  placed.T_before_robot = since_keyframe_.T_previous_robot;
+  placed.odometry_covariance = since_keyframe_.covariance;
+  placed.match_information = best.match.information;
+  placed.hangs_on = hold.anchor;
+  placed.covariance_since = hold.since;
+  placed.covariance = anchors_.back().covariance;
+  since_keyframe_ = {{}, Eigen::Matrix3d::Zero()};
+  past_rays_.push_back(std::move(rays));
+  std::vector<core::Pose2> before = past_->poses();
+  before.push_back(placed.T_map_robot);
+  const size_t noted = past_->journal().size();
+  const bool is_closed = past_->addKeyframe(seen, placed);
+  journal_.insert(journal_.end(), past_->journal().begin() + static_cast<long>(noted),
+                  past_->journal().end());
+  if (is_closed) followLoop(before);
+}
+
+/// All particles go on from the past that the graph has now.
+void ParticleFilter::followLoop(const std::vector<core::Pose2>& before) {
+  step_.loop_closed = true;
+  const core::Trajectory since = paths_.path(particles_[best_].leaf);
+  int k = past_scans_.empty() ? 0 : past_scans_.back().keyframe;
+  for (const auto& [time_s, T_raster_robot] : since) {
+    const auto scan = static_cast<int>(past_scans_.size());
+    while (k + 1 < past_->size() && past_->scan(k + 1) <= scan) ++k;
+    past_scans_.push_back({time_s, k, core::between(before[static_cast<size_t>(k)], T_raster_robot)});
+  }
+  redrawMap(before);
+  Particle& best = particles_[best_];
+  best.T_raster_robot = past_->pose(k) * past_scans_.back().T_keyframe_robot;
+  best.log_weight = 0;
+  for (Particle& particle : particles_) {
+    paths_.release(particle.leaf);
+    particle.leaf = PathTree::kNone;
+  }
+  for (Particle& particle : particles_)
+    if (&particle != &best) particle = best;
+  shared_keyframes_ = past_->size();
+  anchors_.clear();
+  for (int i = 0; i < past_->size(); ++i) anchors_.push_back({past_->pose(i), past_->covariance(i)});
+  T_inserted_ = past_->pose(past_->size() - 1);
+  const core::Pose2& T = best.T_raster_robot;
+  step_.covariance = scanmatch::turned(carriedCovariance(past_->size() - 1, T), kRasterTurn_rad);
+}
+
+/// The best particle's, where its past has moved by more than the map shows.
+void ParticleFilter::redrawMap(const std::vector<core::Pose2>& before) {
+  gridmap::Grid& map = particles_[best_].grid;
+  double most_m = 0;
+  for (int k = 0; k < past_->size(); ++k)
+    most_m = std::max(most_m, core::distance(before[static_cast<size_t>(k)], past_->pose(k)));
+  if (most_m < kSameMap * options_.cell_m) return;
+  map = gridmap::Grid(map.options());
+  for (int k = 0; k < past_->size(); ++k)
+    for (const auto& rays : past_rays_[static_cast<size_t>(k)]) map.insert(rays, past_->pose(k));
+}
+
+void ParticleFilter::finish() {
+  if (!past_ || scans_ == 0) return;
+  alignKeyframes(static_cast<int>(scans_) - 1);
+  const std::vector<core::Pose2> before = past_->poses();
+  const size_t noted = past_->journal().size();
+  const bool have_moved = past_->finish();
+  journal_.insert(journal_.end(), past_->journal().begin() + static_cast<long>(noted),
+                  past_->journal().end());
+  if (!have_moved) return;
+  followLoop(before);
+  step_.T_map_robot = mapFromRaster() * particles_[best_].T_raster_robot;
+}
+
+core::Trajectory ParticleFilter::path() const {
+  core::Trajectory path;
+  for (const PastScan& scan : past_scans_)
+    path.push_back({scan.time_s, past_->pose(scan.keyframe) * scan.T_keyframe_robot});
+  const core::Trajectory since = paths_.path(particles_[best_].leaf);
+  path.insert(path.end(), since.begin(), since.end());
+  for (core::StampedPose& pose : path) pose.pose = mapFromRaster() * pose.pose;
+  return path;
+}
+
+}  // namespace slam::particles
