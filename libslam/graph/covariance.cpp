@@ -4,6 +4,7 @@
 
 #include "libslam/graph/graph_slam.h"
 #include "libslam/graph/matching.h"
+#include "libslam/graph/pose_error.h"
 #include "libslam/graph/search.h"
 
 /// How sure GraphSlam is of its poses. A scan errs against the map by its points' noise, as their residuals
@@ -16,13 +17,6 @@ namespace {
 using core::Point2;
 using core::Pose2;
 
-/// The covariance, but in no direction less than the other one, which is positive definite.
-Eigen::Matrix3d atLeast(const Eigen::Matrix3d& covariance, const Eigen::Matrix3d& least) {
-  const Eigen::Matrix3d L = Eigen::LLT<Eigen::Matrix3d>(least).matrixL();
-  const Eigen::Matrix3d inverse = L.inverse();
-  return L * scanmatch::withoutNegatives(inverse * covariance * inverse.transpose(), 0, 1) * L.transpose();
-}
-
 }  // namespace
 
 /// What a scan tells of its pose, and what all scans so far say of the points' noise.
@@ -32,56 +26,25 @@ void GraphSlam::noteEvidence(const std::vector<scanmatch::PatchPoint>& points, c
   map_->pointNoise().add(evidence_);
 }
 
-/// Carries the covariance on to the scan at hand. The matched pose is a mean of what the map and odometry
-/// say, with the weights that matching gave them: its error is that mean of their errors. Errors of views
-/// that share a past are taken as wholly correlated.
+/// Carries the covariance on to the scan at hand.
 void GraphSlam::estimateCovariance(const Expected& e, const scanmatch::MatchResult& result) {
-  const Point2 here = core::position(result.T_map_robot);
-  const double scale = matchOptions(1).information_scale;
-  const Eigen::Matrix3d S = scale * scanmatch::covarianceOf(result.posterior_information);
-  const Eigen::Matrix3d H = evidence_.information();
-  noise_ = scanmatch::withoutNegatives(map_->pointNoise().variance() * S * H * S, 0, 0);
-  Eigen::Matrix3d root = Eigen::Matrix3d::Zero();
-  // The first keyframe lies where it lies; what it saw does not.
-  if (map_->keyframes().size() == 1) map_->keyframes()[0].root = scanmatch::rootOf(noise_);
-  for (const auto& view : evidence_.by_view)
-    root += S * view.information * moved(core::position(map_->pose(view.view)), here) *
-            map_->keyframe(view.view).root;
-  const Eigen::Matrix3d stays = Eigen::Matrix3d::Identity() - S * H;
-  const Eigen::Matrix3d since = moved(core::position(e.T_before), here);
   const Eigen::Matrix3d Q =
       scanmatch::covarianceOf(scanmatch::poseInformation(e.step.sigma_xy_m, e.step.sigma_turn_rad));
-  root += stays * since * scanmatch::rootOf(covariance_);
-  least_ = noise_ + stays * Q * stays.transpose();
-  covariance_ = scanmatch::withoutNegatives(root * root.transpose() + least_, kLeastShare, 0);
+  const PoseError error = errorAfterMatch(*map_, evidence_, result.posterior_information, result.T_map_robot,
+                                          {e.T_before, covariance_, Q});
+  noise_ = error.noise, least_ = error.least, covariance_ = error.covariance;
+  // The first keyframe lies where it lies; what it saw does not.
+  if (map_->keyframes().size() == 1) map_->keyframes()[0].root = scanmatch::rootOf(noise_);
+  const Eigen::Matrix3d since = moved(core::position(e.T_before), core::position(result.T_map_robot));
   from_keyframe_ = scanmatch::withoutNegatives(
-      stays * (since * from_keyframe_ * since.transpose() + Q) * stays.transpose(), kLeastShare, 0);
+      error.stays * (since * from_keyframe_ * since.transpose() + Q) * error.stays.transpose(), kLeastShare,
+      0);
 }
 
 /// What a scan's pose errs by beyond its keyframe's. Both were matched to a map, each with its own noise; but
 /// the first keyframe's pose is given, and what is matched to it errs by both views' noise.
 Eigen::Matrix3d GraphSlam::driftSinceKeyframe() const {
   return anchor_ == 0 ? from_keyframe_ + kBothViews * noise_ : from_keyframe_;
-}
-
-/// From where the newest keyframe's pose is known, and how well: by what its covariance has grown since, and
-/// no better than one match tells.
-void GraphSlam::noteMatch() {
-  Keyframe& newest = map_->keyframes().back();
-  const auto& views = evidence_.by_view;
-  if (views.empty()) return;
-  const auto ofPosition = [](const scanmatch::ViewInformation& view) {
-    return view.information(0, 0) + view.information(1, 1);
-  };
-  const auto most = std::max_element(views.begin(), views.end(), [&](const auto& a, const auto& b) {
-    return ofPosition(a) < ofPosition(b);
-  });
-  const Keyframe& first = map_->keyframe(most->view);
-  const Pose2& T = map_->pose(map_->lastKeyframe());
-  const Eigen::Matrix3d J = moved(core::position(map_->pose(most->view)), core::position(T));
-  const Eigen::Matrix3d grown = newest.covariance - J * first.covariance * J.transpose();
-  newest.matched_to = most->view;
-  newest.information = scanmatch::turned(scanmatch::covarianceOf(atLeast(grown, least_)), T.phi);
 }
 
 std::vector<Eigen::Matrix3d> GraphSlam::covariances() const {

@@ -1,5 +1,6 @@
 #include "libslam/graph/graph_slam.h"
 #include "libslam/graph/matching.h"
+#include "libslam/graph/pose_error.h"
 #include "libslam/graph/search.h"
 
 #include <algorithm>
@@ -121,7 +122,7 @@ void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> poi
     // What was driven on known ground is no way from one to the other.
     if (anchor_ != k - 1) map_->addClosure(anchor_, k);
     addMatchEdges(k, T_map_robot, information);
-    noteMatch();
+    noteMatch(*map_, evidence_, least_);
   }
   anchor_ = k;
   from_keyframe_.setZero();

@@ -207,7 +207,6 @@ class GraphSlam {
 
   // covariance.cpp
   void noteEvidence(const Points& points, const core::Pose2& T_map_robot, const scanmatch::SurfelMap& map);
-  void noteMatch();
   void estimateCovariance(const Expected& expected, const scanmatch::MatchResult& result);
   Eigen::Matrix3d driftSinceKeyframe() const;
 

@@ -12,8 +12,8 @@
 
 namespace slam::graph {
 
-/// What GraphSlam, TrackedPath, LoopCloser and PartFinder share: the keyframes, the graph that ties them together, how
-/// they hang together, and what they say of scans. For this room only.
+/// What GraphSlam, TrackedPath, LoopCloser and PartFinder share: the keyframes, the graph that ties them
+/// together, how they hang together, and what they say of scans. For this room only.
 class KeyframeMap {
  public:
   explicit KeyframeMap(const GraphOptions& options);
@@ -29,6 +29,7 @@ class KeyframeMap {
   const posegraph::PoseGraph& graph() const { return graph_; }
   Links& links() { return links_; }
   PointNoise& pointNoise() { return point_noise_; }
+  const PointNoise& pointNoise() const { return point_noise_; }
   /// The keyframe that k was reached from; -1: it is the first.
   int keyframeBefore(int k) const;
   bool mayBeMatchedTo(int k) const { return !keyframe(k).unsure && !keyframe(k).is_retired; }

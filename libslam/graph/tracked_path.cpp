@@ -6,6 +6,8 @@
 #include "libslam/graph/keyframe_map.h"
 #include "libslam/graph/loop_closer.h"
 #include "libslam/graph/matching.h"
+#include "libslam/graph/pose_error.h"
+#include "libslam/graph/search.h"
 #include "libslam/scanmatch/information.h"
 
 namespace slam::graph {
@@ -13,7 +15,9 @@ namespace slam::graph {
 using core::Pose2;
 
 TrackedPath::TrackedPath(const GraphOptions& options)
-    : map_(std::make_unique<KeyframeMap>(options)), loops_(std::make_unique<LoopCloser>(*map_)) {}
+    : map_(std::make_unique<KeyframeMap>(options)),
+      loops_(std::make_unique<LoopCloser>(*map_)),
+      here_(options.cell_m, options.blur_m, true) {}
 
 TrackedPath::~TrackedPath() = default;
 
@@ -25,24 +29,35 @@ void TrackedPath::nextScan(double moved_m) {
 
 bool TrackedPath::addKeyframe(const std::vector<robot::Scan>& seen, const Placed& placed) {
   if (!has_begun_ || seen.empty()) throw core::ContractError("TrackedPath: a keyframe without a scan");
-  std::vector<scanmatch::PatchPoint> points;
-  for (const auto& scan : seen) {
-    const auto more = pointsOf(scan, map_->options());
-    points.insert(points.end(), more.begin(), more.end());
-  }
-  const int k = map_->graph().addNode(placed.T_map_robot);
+  const auto& options = map_->options();
   Keyframe keyframe{};
+  for (const auto& scan : seen) {
+    const auto points = pointsOf(scan, options);
+    keyframe.points.insert(keyframe.points.end(), points.begin(), points.end());
+  }
   keyframe.scan = map_->scan();
   keyframe.seen = seen.front();
-  keyframe.points = std::move(points);
+  if (seen.size() > 1) others_[map_->size()].assign(seen.begin() + 1, seen.end());
   keyframe.path_m = map_->path_m();
-  keyframe.odometry_edge = -1;
-  keyframe.noise.setZero();
-  keyframe.covariance = placed.covariance;
-  keyframe.root = scanmatch::rootOf(placed.covariance);
-  keyframe.matched_to = placed.hangs_on;
-  keyframe.information =
-      scanmatch::turned(scanmatch::covarianceOf(placed.covariance_since), placed.T_map_robot.phi);
+  keyframe.odometry_edge = keyframe.matched_to = -1;
+  const int k = map_->size();
+  std::vector<int> near;
+  scanmatch::MatchEvidence evidence;
+  PoseError error;
+  if (k == 0) {
+    error.noise = error.covariance = Eigen::Matrix3d::Zero();
+  } else {
+    if (placed.is_matched) {
+      near = firstOf(map_->keyframesAround(k - 1, core::position(placed.T_map_robot), options.map_path_m,
+                                           options.map_radius_m),
+                     options.map_keyframes);
+      evidence = evidenceFrom(near, keyframe.points, placed.T_map_robot);
+    }
+    error = errorOf(evidence, placed);
+  }
+  keyframe.noise = error.noise, keyframe.covariance = error.covariance;
+  keyframe.root = scanmatch::rootOf(error.covariance + error.noise);
+  map_->graph().addNode(placed.T_map_robot);
   map_->keyframes().push_back(std::move(keyframe));
   map_->links().addKeyframe();
   if (k == 0) {
@@ -51,9 +66,34 @@ bool TrackedPath::addKeyframe(const std::vector<robot::Scan>& seen, const Placed
   }
   addOdometryEdge(k, placed);
   map_->link(k - 1, k);
-  if (!placed.match_information.isZero()) addMatchEdges(k, placed);
-  if (!loops_->closeLoops()) return false;
-  return loops_->completeClosing();
+  if (placed.is_matched) addMatchEdges(k, near, toldInformation(evidence));
+  noteMatch(*map_, evidence, error.least);
+  return options.loops && loops_->closeLoops() && loops_->completeClosing();
+}
+
+/// What a scan tells of its pose among these keyframes.
+scanmatch::MatchEvidence TrackedPath::evidenceFrom(const std::vector<int>& near,
+                                                   const std::vector<scanmatch::PatchPoint>& points,
+                                                   const Pose2& T_map_robot) {
+  here_.clear(core::position(T_map_robot), kMapReach_m);
+  for (const int k : near) here_.add(map_->keyframe(k).points, map_->pose(k), k);
+  auto evidence = evidenceOf(points, here_, T_map_robot, kKernel);
+  map_->pointNoise().add(evidence);
+  return evidence;
+}
+
+/// As if the scan had been matched with the motion since the keyframe before as its prior.
+PoseError TrackedPath::errorOf(const scanmatch::MatchEvidence& evidence, const Placed& placed) {
+  const Pose2& T_before = map_->pose(map_->lastKeyframe());
+  const Eigen::Matrix3d odometry = scanmatch::turned(placed.odometry_covariance, -T_before.phi);
+  const Eigen::Matrix3d posterior =
+      matchOptions(1).information_scale * evidence.information() + scanmatch::covarianceOf(odometry);
+  const PoseError error =
+      errorAfterMatch(*map_, evidence, posterior, placed.T_map_robot,
+                      {T_before, map_->keyframe(map_->lastKeyframe()).covariance, odometry});
+  // The first keyframe lies where it lies; what it saw does not.
+  if (map_->size() == 1) map_->keyframes()[0].root = scanmatch::rootOf(error.noise);
+  return error;
 }
 
 void TrackedPath::addOdometryEdge(int k, const Placed& placed) {
@@ -65,26 +105,21 @@ void TrackedPath::addOdometryEdge(int k, const Placed& placed) {
   map_->keyframes().back().odometry_edge = map_->graph().addEdge(edge);
 }
 
-/// The scan was matched to what the keyframes around it have drawn.
-void TrackedPath::addMatchEdges(int k, const Placed& placed) {
-  const auto& options = map_->options();
-  const auto near = firstOf(map_->keyframesAround(k - 1, core::position(placed.T_map_robot),
-                                                  options.map_path_m, options.map_radius_m),
-                            options.map_keyframes);
-  const auto partners = map_->partnersOf(k, near, placed.T_map_robot);
+void TrackedPath::addMatchEdges(int k, const std::vector<int>& near, const Eigen::Matrix3d& information) {
+  const Pose2& T = map_->pose(k);
+  const auto partners = map_->partnersOf(k, near, T);
   for (const int partner : partners) {
     posegraph::Edge edge;
     edge.from = partner, edge.to = k;
-    edge.T_from_to = core::between(map_->pose(partner), placed.T_map_robot);
-    edge.information = scanmatch::edgeInformation(placed.match_information, placed.T_map_robot.phi) /
-                       static_cast<double>(partners.size());
+    edge.T_from_to = core::between(map_->pose(partner), T);
+    edge.information = scanmatch::edgeInformation(information, T.phi) / static_cast<double>(partners.size());
     map_->graph().addEdge(edge);
     map_->link(partner, k);
   }
 }
 
 bool TrackedPath::finish() {
-  if (size() == 0) return false;
+  if (size() == 0 || !map_->options().loops) return false;
   bool have_moved = false;
   loops_->searchRemainingLoops(0, [&] { have_moved = true; });
   return loops_->closeRest() || have_moved;
@@ -108,6 +143,13 @@ const Eigen::Matrix3d& TrackedPath::covariance(int k) const {
 
 std::vector<Pose2> TrackedPath::poses() const {
   return map_->graph().poses();
+}
+
+std::vector<robot::Scan> TrackedPath::seen(int k) const {
+  std::vector<robot::Scan> scans = {map_->keyframe(k).seen};
+  if (const auto others = others_.find(k); others != others_.end())
+    scans.insert(scans.end(), others->second.begin(), others->second.end());
+  return scans;
 }
 
 void TrackedPath::setPose(int k, const Pose2& T_map_robot) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <Eigen/Core>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -7,11 +8,14 @@
 #include "libslam/core/pose2.h"
 #include "libslam/graph/graph_options.h"
 #include "libslam/robot/scan.h"
+#include "libslam/scanmatch/surfel_map.h"
+#include "libslam/scanmatch/surfel_matcher.h"
 
 namespace slam::graph {
 
 class KeyframeMap;
 class LoopCloser;
+struct PoseError;
 
 /// The past of a robot that something else tracks, a particle filter say, as keyframes of a pose graph. Its
 /// loops are looked for, followed, judged and closed as GraphSlam's are: the keyframes move, and whoever
@@ -26,15 +30,12 @@ class TrackedPath {
   explicit TrackedPath(const GraphOptions& options);
   ~TrackedPath();
 
-  /// What is known of a keyframe's pose when it comes.
+  /// Where a keyframe is when it comes.
   struct Placed {
     core::Pose2 T_map_robot;
     core::Pose2 T_before_robot;           ///< since the keyframe before, by odometry
-    Eigen::Matrix3d odometry_covariance;  ///< of that; in the frame of the keyframe before
-    Eigen::Matrix3d match_information;    ///< of its match to the map, map frame; zero: it was not matched
-    int hangs_on = -1;                    ///< the keyframe whose error it shares; -1: the first
-    Eigen::Matrix3d covariance_since;     ///< of what it errs by beyond that, map frame
-    Eigen::Matrix3d covariance;           ///< of its pose in the map
+    Eigen::Matrix3d odometry_covariance;  ///< of that, in the frame of the keyframe before; positive definite
+    bool is_matched;                      ///< to what the keyframes around it have drawn
   };
   /// The next scan; it was taken so far from the one before. Journal entries refer to scans, counted from 0.
   void nextScan(double moved_m);
@@ -47,19 +48,27 @@ class TrackedPath {
   int size() const;
   int scan(int keyframe) const;
   const core::Pose2& pose(int keyframe) const;
-  const Eigen::Matrix3d& covariance(int keyframe) const;  ///< map frame
+  /// Of a pose in the map, map frame, as GraphSlam's.
+  const Eigen::Matrix3d& covariance(int keyframe) const;
   std::vector<core::Pose2> poses() const;
+  std::vector<robot::Scan> seen(int keyframe) const;
   /// The tracker has changed its mind: what was matched to other keyframes was matched from here. For
   /// keyframes since the last loop.
   void setPose(int keyframe, const core::Pose2& T_map_robot);
   const std::vector<core::JournalEntry>& journal() const;
 
  private:
+  scanmatch::MatchEvidence evidenceFrom(const std::vector<int>& near,
+                                        const std::vector<scanmatch::PatchPoint>& points,
+                                        const core::Pose2& T_map_robot);
+  PoseError errorOf(const scanmatch::MatchEvidence& evidence, const Placed& placed);
   void addOdometryEdge(int keyframe, const Placed& placed);
-  void addMatchEdges(int keyframe, const Placed& placed);
+  void addMatchEdges(int keyframe, const std::vector<int>& near, const Eigen::Matrix3d& information);
 
   std::unique_ptr<KeyframeMap> map_;
   std::unique_ptr<LoopCloser> loops_;
+  std::map<int, std::vector<robot::Scan>> others_;  ///< what other lidars than the first saw
+  scanmatch::SurfelMap here_;                       ///< of the keyframes around the newest one
   bool has_begun_ = false;
 };
 

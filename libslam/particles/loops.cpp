@@ -1,8 +1,6 @@
 #include <algorithm>
-#include <utility>
 
 #include "libslam/particles/particle_filter.h"
-#include "libslam/scanmatch/information.h"
 
 namespace slam::particles {
 namespace {
@@ -11,6 +9,12 @@ namespace {
 constexpr double kSameMap = 0.25;
 
 }  // namespace
+
+void ParticleFilter::beginPast(bool closes_loops) {
+  graph::GraphOptions options;
+  options.loops = closes_loops;
+  past_ = std::make_unique<graph::TrackedPath>(options);
+}
 
 /// The best particle may be another one than before: keyframes since the last loop go where its past has
 /// them.
@@ -27,20 +31,15 @@ void ParticleFilter::alignKeyframes(int newest_scan) {
   }
 }
 
-void ParticleFilter::keepKeyframe(const std::vector<robot::Scan>& seen, std::vector<gridmap::ScanRays> rays,
-                                  const Hold& hold) {
+void ParticleFilter::keepKeyframe(const std::vector<robot::Scan>& seen, bool is_matched) {
   alignKeyframes(static_cast<int>(scans_));
-  const Particle& best = particles_[best_];
   graph::TrackedPath::Placed placed;
-  placed.T_map_robot = best.T_raster_robot;
+  placed.T_map_robot = particles_[best_].T_raster_robot;
   placed.T_before_robot = since_keyframe_.T_previous_robot;
   placed.odometry_covariance = since_keyframe_.covariance;
-  placed.match_information = best.match.information;
-  placed.hangs_on = hold.anchor;
-  placed.covariance_since = hold.since;
-  placed.covariance = anchors_.back().covariance;
+  placed.is_matched = is_matched;
+  local_covariance_.setZero();
   since_keyframe_ = {{}, Eigen::Matrix3d::Zero()};
-  past_rays_.push_back(std::move(rays));
   std::vector<core::Pose2> before = past_->poses();
   before.push_back(placed.T_map_robot);
   const size_t noted = past_->journal().size();
@@ -71,11 +70,7 @@ void ParticleFilter::followLoop(const std::vector<core::Pose2>& before) {
   for (Particle& particle : particles_)
     if (&particle != &best) particle = best;
   shared_keyframes_ = past_->size();
-  anchors_.clear();
-  for (int i = 0; i < past_->size(); ++i) anchors_.push_back({past_->pose(i), past_->covariance(i)});
   T_inserted_ = past_->pose(past_->size() - 1);
-  const core::Pose2& T = best.T_raster_robot;
-  step_.covariance = scanmatch::turned(carriedCovariance(past_->size() - 1, T), kRasterTurn_rad);
 }
 
 /// The best particle's, where its past has moved by more than the map shows.
@@ -87,11 +82,12 @@ void ParticleFilter::redrawMap(const std::vector<core::Pose2>& before) {
   if (most_m < kSameMap * options_.cell_m) return;
   map = gridmap::Grid(map.options());
   for (int k = 0; k < past_->size(); ++k)
-    for (const auto& rays : past_rays_[static_cast<size_t>(k)]) map.insert(rays, past_->pose(k));
+    for (const auto& scan : past_->seen(k))
+      map.insert(gridmap::scanRays(scan, options_.rays), past_->pose(k));
 }
 
 void ParticleFilter::finish() {
-  if (!past_ || scans_ == 0) return;
+  if (scans_ == 0) return;
   alignKeyframes(static_cast<int>(scans_) - 1);
   const std::vector<core::Pose2> before = past_->poses();
   const size_t noted = past_->journal().size();

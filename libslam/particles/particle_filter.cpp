@@ -32,9 +32,28 @@ constexpr std::uint64_t kCountEvery = 32;
 constexpr int kWideIterations = 4, kGuideIterations = 8;
 /// Spread of a motion that nobody measured (0.5 m, 0.5 rad), or that is distrusted.
 constexpr double kUnknownSigma = 0.5;
+constexpr double kSearchSigmas = 3, kSearchStep_m = 0.3, kSearchLeast_m = 0.3, kSearchMost_m = 1.2,
+                 kSearchStep_rad = 0.06, kSearchLeast_rad = 0.18, kSearchMost_rad = 0.6;
 /// No lidar of a robot sees farther, and a reading in error must not fill the memory.
 constexpr double kFarthest_m = 100;
 constexpr double kDistrustFactor = 3, kDistrustSigma_m = 0.1, kDistrustSigma_rad = 0.05;
+
+/// Where a scan that nothing explains is looked for: all over what odometry allows for, in steps from which
+/// matching finds home.
+std::vector<core::Pose2> startsAround(const core::Pose2& T, const Eigen::Matrix3d& covariance) {
+  const auto steps = [](double sigma, double step, double least, double most) {
+    return static_cast<int>(std::lround(std::clamp(kSearchSigmas * sigma, least, most) / step));
+  };
+  const double sigma_m = std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+  const int far = steps(sigma_m, kSearchStep_m, kSearchLeast_m, kSearchMost_m);
+  const int turns = steps(std::sqrt(covariance(2, 2)), kSearchStep_rad, kSearchLeast_rad, kSearchMost_rad);
+  std::vector<core::Pose2> starts;
+  for (int turn = -turns; turn <= turns; ++turn)
+    for (int x = -far; x <= far; ++x)
+      for (int y = -far; y <= far; ++y)
+        starts.push_back({T.x + x * kSearchStep_m, T.y + y * kSearchStep_m, T.phi + turn * kSearchStep_rad});
+  return starts;
+}
 
 /// Of an increment's covariance, in the frame that its mean lives in.
 Eigen::Matrix3d rotated(const Eigen::Matrix3d& matrix, double phi) {
@@ -80,7 +99,7 @@ ParticleFilter::ParticleFilter(const ParticleFilterOptions& options, std::uint64
   match_options_.max_iterations = options.iterations;
   particles_.assign(static_cast<size_t>(options.count), Particle(gridOptions(options)));
   for (Particle& particle : particles_) particle.T_raster_robot = rasterFromMap();
-  if (options.loops) past_ = std::make_unique<graph::TrackedPath>(graph::GraphOptions());
+  beginPast(options.loops);
 }
 
 void ParticleFilter::note(core::JournalEvent event, double value, const std::string& detail) {
@@ -95,7 +114,7 @@ void ParticleFilter::start(const core::Pose2& T_map_robot,
   for (Particle& particle : particles_) particle = particles_[0];
   step_.T_map_robot = T_map_robot;
   map_is_known_ = !known.empty();
-  if (map_is_known_) past_.reset();
+  beginPast(options_.loops && !map_is_known_);
 }
 
 ParticleFilter::Guidance ParticleFilter::guide(const std::vector<SurfacePoint>& points,
@@ -119,6 +138,10 @@ ParticleFilter::Guidance ParticleFilter::guide(const std::vector<SurfacePoint>& 
   for (const core::Pose2& other : others)
     if (const double other_score = score(other); other_score > start_score)
       start = other, start_score = other_score;
+  if (std::max(predicted_score, start_score - kStartMargin) < options_.insert_score)
+    for (const core::Pose2& other : startsAround(predicted, covariance))
+      if (const double other_score = score(other); other_score > start_score)
+        start = other, start_score = other_score;
   if (motion && start_score > predicted_score + options_.distrust_score) {
     step_.odometry_distrusted = true;
     note(core::JournalEvent::kDistrusted, start_score - predicted_score);
@@ -196,33 +219,7 @@ void ParticleFilter::trackDrift(const core::Pose2& T_before, const Eigen::Matrix
                                                                 posterior.transpose();
 }
 
-/// Of what entered the map around a pose, what is known best; -1: nothing has.
-int ParticleFilter::surestAnchor(const core::Pose2& T) const {
-  constexpr double kNear_m = 2;
-  int surest = -1;
-  double least = std::numeric_limits<double>::infinity();
-  for (size_t i = step_.degenerate || step_.lost ? anchors_.size() - 1 : 0; i < anchors_.size(); ++i) {
-    const core::Pose2& T_anchor = anchors_[i].T_raster_robot;
-    const bool is_near = core::distance(T_anchor, T) < kNear_m &&
-                         std::abs(core::angleDifference(T_anchor.phi, T.phi)) < core::kPi / 2;
-    if (!is_near && i + 1 < anchors_.size()) continue;
-    const Eigen::Matrix3d covariance = carriedCovariance(static_cast<int>(i), T);
-    // Radians count as the metres that they move a wall by at 3 m.
-    const double size = covariance(0, 0) + covariance(1, 1) + 9 * covariance(2, 2);
-    if (size < least) least = size, surest = static_cast<int>(i);
-  }
-  return surest;
-}
-
-/// What a pose that hangs on an anchor is off by with it.
-Eigen::Matrix3d ParticleFilter::carriedCovariance(int anchor, const core::Pose2& T) const {
-  if (anchor < 0) return Eigen::Matrix3d::Zero();
-  const Anchor& from = anchors_[static_cast<size_t>(anchor)];
-  const Eigen::Matrix3d F = carry(from.T_raster_robot, T);
-  return F * from.covariance * F.transpose();
-}
-
-ParticleFilter::Hold ParticleFilter::estimateCovariance() {
+void ParticleFilter::estimateCovariance() {
   const core::Pose2& T = particles_[best_].T_raster_robot;
   double most = particles_[0].log_weight, sum = 0;
   for (const Particle& particle : particles_) most = std::max(most, particle.log_weight);
@@ -236,14 +233,12 @@ ParticleFilter::Hold ParticleFilter::estimateCovariance() {
     spread += weight * off * off.transpose();
   }
   mean /= sum;
-  const Hold hold{surestAnchor(T), local_covariance_};
-  const Eigen::Matrix3d own = carriedCovariance(hold.anchor, T) + hold.since;
-  if (step_.inserted) {
-    anchors_.push_back({T, own});
-    local_covariance_.setZero();
+  Eigen::Matrix3d own = local_covariance_;
+  if (const int last = past_->size() - 1; last >= 0) {
+    const Eigen::Matrix3d F = carry(past_->pose(last), T);
+    own += F * past_->covariance(last) * F.transpose();
   }
   step_.covariance = rotated(own + spread / sum - mean * mean.transpose(), mapFromRaster().phi);
-  return hold;
 }
 
 void ParticleFilter::reachFarther(const robot::Scan& scan) {
@@ -309,16 +304,15 @@ const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::o
     lost_ = false, lost_scans_ = 0;
   }
   const core::Pose2 T = particles_[best_].T_raster_robot;
-  if (past_) past_->nextScan(core::distance(T_before, T));
+  past_->nextScan(core::distance(T_before, T));
   const bool is_news = step_.score < options_.insert_score ||
                        core::distance(T, T_inserted_) > options_.insert_distance_m ||
                        std::abs(core::angleDifference(T.phi, T_inserted_.phi)) > options_.insert_angle_rad;
   step_.inserted = mapping_ && (is_first || restarted || (!lost_ && is_news));
-  std::vector<gridmap::ScanRays> seen;
   if (step_.inserted) {
     const bool is_matched = !is_first && !restarted;
     if (is_matched) weigh();
-    seen.push_back(gridmap::scanRays(scan, options_.rays));
+    std::vector<gridmap::ScanRays> seen = {gridmap::scanRays(scan, options_.rays)};
     for (const auto& other : others) seen.push_back(gridmap::scanRays(other, options_.rays));
     team_.forEach(particles_.size(), [&](size_t i) {
       if (is_matched) drawPose(i);
@@ -334,12 +328,12 @@ const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::o
     if (insertions_++ % kCountEvery == 0)
       cells_ = static_cast<double>(distinctTiles()) * gridmap::Grid::tileBytes() / sizeof(gridmap::Cell);
   }
-  const Hold hold = estimateCovariance();
-  if (step_.inserted && past_) {
+  if (step_.inserted) {
     std::vector<robot::Scan> scans = {scan};
     scans.insert(scans.end(), others.begin(), others.end());
-    keepKeyframe(scans, std::move(seen), hold);
+    keepKeyframe(scans, !is_first && !restarted);
   }
+  estimateCovariance();
   step_.T_map_robot = mapFromRaster() * particles_[best_].T_raster_robot;
   ++scans_;
   return step_;

@@ -187,22 +187,15 @@ class ParticleFilter {
   size_t occupiedBins(const std::vector<size_t>& times) const;
   void note(core::JournalEvent event, double value, const std::string& detail = "");
   void findBest();
-  /// The anchor that a pose shares its error with (-1: none), and what it errs by beyond that.
-  struct Hold {
-    int anchor;
-    Eigen::Matrix3d since;
-  };
-  Hold estimateCovariance();
+  void estimateCovariance();
   // loops.cpp: the past that all particles share since the last loop
-  void keepKeyframe(const std::vector<robot::Scan>& seen, std::vector<gridmap::ScanRays> rays,
-                    const Hold& hold);
+  void beginPast(bool closes_loops);
+  void keepKeyframe(const std::vector<robot::Scan>& seen, bool is_matched);
   void alignKeyframes(int newest_scan);
   void followLoop(const std::vector<core::Pose2>& poses_before);
   void redrawMap(const std::vector<core::Pose2>& poses_before);
   void trackDrift(const core::Pose2& T_before, const Eigen::Matrix3d& motion_covariance,
                   const Eigen::Matrix3d& prior_information);
-  int surestAnchor(const core::Pose2& T_raster_robot) const;
-  Eigen::Matrix3d carriedCovariance(int anchor, const core::Pose2& T_raster_robot) const;
   size_t distinctTiles() const;
 
   ParticleFilterOptions options_;
@@ -220,13 +213,7 @@ class ParticleFilter {
   core::Pose2 T_inserted_, velocity_;
   int lost_scans_ = 0;  ///< with returns, since the filter is lost
   bool lost_ = false;
-  /// A scan in the map, and what its pose may be off by since the start, raster frame.
-  struct Anchor {
-    core::Pose2 T_raster_robot;
-    Eigen::Matrix3d covariance;
-  };
-  std::vector<Anchor> anchors_;  ///< with loops, one for each keyframe of past_
-  /// Of the best particle against the map, since the last anchor.
+  /// Of the best particle against the map, since the last keyframe.
   Eigen::Matrix3d local_covariance_ = Eigen::Matrix3d::Zero();
   ParticleStep step_;
   std::vector<core::JournalEntry> journal_;
@@ -236,9 +223,8 @@ class ParticleFilter {
     int keyframe;
     core::Pose2 T_keyframe_robot;
   };
-  std::unique_ptr<graph::TrackedPath> past_;  ///< nullptr: no loops are closed
+  std::unique_ptr<graph::TrackedPath> past_;
   std::vector<PastScan> past_scans_;
-  std::vector<std::vector<gridmap::ScanRays>> past_rays_;  ///< of each keyframe, by all lidars
   int shared_keyframes_ = 0;  ///< of past_, that all particles have in common since the last loop
   Motion since_keyframe_{{}, Eigen::Matrix3d::Zero()};  ///< by odometry, as far as it was trusted
 };
