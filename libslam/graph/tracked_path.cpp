@@ -145,6 +145,10 @@ std::vector<Pose2> TrackedPath::poses() const {
   return map_->graph().poses();
 }
 
+std::vector<Eigen::Matrix3d> TrackedPath::covariances() const {
+  return size() == 0 ? std::vector<Eigen::Matrix3d>{} : map_->keyframeCovariances();
+}
+
 std::vector<robot::Scan> TrackedPath::seen(int k) const {
   std::vector<robot::Scan> scans = {map_->keyframe(k).seen};
   if (const auto others = others_.find(k); others != others_.end())

@@ -48,9 +48,11 @@ class TrackedPath {
   int size() const;
   int scan(int keyframe) const;
   const core::Pose2& pose(int keyframe) const;
-  /// Of a pose in the map, map frame, as GraphSlam's.
+  /// Of its pose in the map, map frame, as it was known when it came or when the last loop was closed.
   const Eigen::Matrix3d& covariance(int keyframe) const;
   std::vector<core::Pose2> poses() const;
+  /// Of all poses, by all that is known now.
+  std::vector<Eigen::Matrix3d> covariances() const;
   std::vector<robot::Scan> seen(int keyframe) const;
   /// The tracker has changed its mind: what was matched to other keyframes was matched from here. For
   /// keyframes since the last loop.

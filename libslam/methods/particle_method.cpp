@@ -18,6 +18,7 @@ class ParticleMethod : public MrptMethod {
   void finish() override;
   std::vector<core::JournalEntry> journal() const override { return filter().journal(); }
   std::optional<core::Trajectory> finalPath(const core::Trajectory& online) const override;
+  std::vector<Eigen::Matrix3d> finalCovariances() const override { return filter().covariances(); }
   std::vector<core::Pose2> particlePoses() const override { return filter().poses(); }
 
  protected:

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "libslam/particles/particle_filter.h"
+#include "libslam/scanmatch/information.h"
 
 namespace slam::particles {
 namespace {
@@ -107,6 +108,23 @@ core::Trajectory ParticleFilter::path() const {
   path.insert(path.end(), since.begin(), since.end());
   for (core::StampedPose& pose : path) pose.pose = mapFromRaster() * pose.pose;
   return path;
+}
+
+std::vector<Eigen::Matrix3d> ParticleFilter::covariances() const {
+  const auto keyframes = past_->covariances();
+  const core::Trajectory poses = path();
+  std::vector<Eigen::Matrix3d> result;
+  result.reserve(drifts_.size());
+  for (size_t i = 0; i < drifts_.size(); ++i) {
+    const auto& [k, drift] = drifts_[i];
+    Eigen::Matrix3d own = drift;
+    if (k >= 0) {
+      const Eigen::Matrix3d F = carry(past_->pose(k), rasterFromMap() * poses[i].pose);
+      own += F * keyframes[static_cast<size_t>(k)] * F.transpose();
+    }
+    result.push_back(scanmatch::turned(own, kRasterTurn_rad));
+  }
+  return result;
 }
 
 }  // namespace slam::particles

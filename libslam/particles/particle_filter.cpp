@@ -67,13 +67,6 @@ Eigen::Matrix3d unknownCovariance() {
   return kUnknownSigma * kUnknownSigma * Eigen::Matrix3d::Identity();
 }
 
-/// How an error of the first pose shows in the second, which hangs on it.
-Eigen::Matrix3d carry(const core::Pose2& from, const core::Pose2& to) {
-  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
-  F(0, 2) = from.y - to.y, F(1, 2) = to.x - from.x;
-  return F;
-}
-
 core::Pose2 moved(const core::Pose2& T, const Eigen::Vector3d& by) {
   return {T.x + by.x(), T.y + by.y(), core::wrapToPi(T.phi + by.z())};
 }
@@ -334,6 +327,7 @@ const ParticleStep& ParticleFilter::update(const robot::Scan& scan, const std::o
     keepKeyframe(scans, !is_first && !restarted);
   }
   estimateCovariance();
+  drifts_.push_back({past_->size() - 1, local_covariance_});
   step_.T_map_robot = mapFromRaster() * particles_[best_].T_raster_robot;
   ++scans_;
   return step_;

@@ -77,8 +77,9 @@ double logEvidence(const scanmatch::FieldMatch& match, const Eigen::Matrix3d& in
 ///   Between two insertions every particle stays at its peak: such scans say the same again, and drawing
 ///   would add noise only.
 /// - One particle, the best, looks where the motion leads: at the odometry's word, the motion before, the
-///   odometry reversed, and turned by some degrees. The others start from its motion. Odometry that is
-///   clearly worse than another start is distrusted at that scan.
+///   odometry reversed, and turned by some degrees; and all around, when none of these explains the scan. The
+///   others start from its motion. Odometry that is clearly worse than another start is distrusted at that
+///   scan.
 ///
 /// - The number of particles is fixed, or chosen at every resampling such that the Kullback-Leibler distance
 ///   to what they stand for stays below a bound (Fox, IJRR 22(12), 2003; bins over the pose at this scan).
@@ -93,19 +94,17 @@ double logEvidence(const scanmatch::FieldMatch& match, const Eigen::Matrix3d& in
 /// a scan is matched by.
 ///
 /// Covariance: resampling makes the particles alike, so that their spread alone tells little of how far the
-/// map has drifted. Every inserted scan keeps the covariance that its pose had. A later one nearby (2 m, 90
-/// degrees) hangs on the surest of them, and adds its own error against the map: that of the matched points,
-/// times drift_scale, and of the odometry as far as the match leaves it to hold the pose. Where the scan
-/// leaves a direction open it hangs on the last one only, so that the odometry's errors along a corridor add
-/// up.
+/// map has drifted. Every inserted scan is a keyframe of a graph::TrackedPath, which says how sure its pose
+/// is. A scan after it adds its own error against the map: that of the matched points, times drift_scale, and
+/// of the odometry as far as the match leaves it to hold the pose.
 ///
 /// Loops: resampling leaves few pasts to choose from, and none of them may be right when the robot comes back
-/// to where it was long ago. So the best particle's inserted scans are kept as keyframes of a pose graph, too
-/// (graph::TrackedPath), which looks for places seen before and judges them. When a loop is closed all
-/// particles go on from the past that the graph then has, in one map that is drawn anew of it: before a loop
-/// the particles stand for what is open here, after it the graph does for what was open on the way. (Drawing
-/// a past for each particle, each with a map of its own, would cost as many maps; what is drawn at the scans
-/// that follow tells the particles apart again.) A filter that begins in a known map closes no loops.
+/// to where it was long ago. So the keyframes are those of the best particle, and the TrackedPath looks for
+/// places seen before and judges them. When a loop is closed all particles go on from the past that the graph
+/// then has, in one map that is drawn anew of it: before a loop the particles stand for what is open here,
+/// after it the graph does for what was open on the way. (Drawing a past for each particle, each with a map
+/// of its own, would cost as many maps; what is drawn at the scans that follow tells the particles apart
+/// again.) A filter that begins in a known map closes no loops.
 ///
 /// Journal: TrackedPath's, and `distrusted` (odometry; value = gain in score), `poor` (the map explains less
 /// than insert_score; value = score), `lost` (the first scan; value = score), `recovered` (the map explains a
@@ -133,6 +132,8 @@ class ParticleFilter {
   void finish();
   /// The best particle's path, a pose for every scan: corrected by all that was seen after it.
   core::Trajectory path() const;
+  /// Of each pose of path(), over (x, y, phi) in the map frame, against the true pose from the first scan on.
+  std::vector<Eigen::Matrix3d> covariances() const;
   /// The best particle's map, in the raster's frame.
   const gridmap::Grid& map() const { return particles_[best_].grid; }
   static core::Pose2 rasterFromMap() { return {0, 0, kRasterTurn_rad}; }
@@ -225,6 +226,12 @@ class ParticleFilter {
   };
   std::unique_ptr<graph::TrackedPath> past_;
   std::vector<PastScan> past_scans_;
+  /// Every scan's keyframe, -1: none yet, and what its pose errs by beyond that, raster frame.
+  struct Drift {
+    int keyframe;
+    Eigen::Matrix3d covariance;
+  };
+  std::vector<Drift> drifts_;
   int shared_keyframes_ = 0;  ///< of past_, that all particles have in common since the last loop
   Motion since_keyframe_{{}, Eigen::Matrix3d::Zero()};  ///< by odometry, as far as it was trusted
 };

@@ -1,0 +1,126 @@
+// The past that all particles share once a loop is closed.
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <cstring>
+
+#include "libslam/particles/particle_filter.h"
+#include "tests/graph/drawn_drives.h"
+
+namespace slam::particles {
+namespace {
+
+using namespace graph::test_drives;
+
+/// One and a half laps through a ring of 40 x 28 m, of which a short lidar sees little at a time.
+struct LongWay {
+  std::vector<Wall> walls;
+  std::vector<core::Pose2> path;
+};
+
+LongWay longWay() {
+  LongWay way;
+  way.walls = rectangle(0, 0, 40, 28);
+  const auto block = rectangle(2, 2, 38, 26);
+  way.walls.insert(way.walls.end(), block.begin(), block.end());
+  const auto post = [&](double x, double y, double wide, double high) {
+    const auto walls = rectangle(x, y, x + wide, y + high);
+    way.walls.insert(way.walls.end(), walls.begin(), walls.end());
+  };
+  // Not one place looks like another.
+  double x = 3;
+  for (int i = 0; x < 36; ++i) {
+    post(x, 0, 0.3 + 0.05 * (i % 4), 0.35), post(38.5 - x, 27.6, 0.4, 0.4);
+    x += 1.3 + 0.37 * ((i * 5) % 7);
+  }
+  double y = 3;
+  for (int i = 0; y < 24; ++i) {
+    post(39.65, y, 0.35, 0.4 + 0.06 * (i % 3)), post(0, 26.5 - y, 0.4, 0.5);
+    y += 1.1 + 0.43 * ((i * 3) % 5);
+  }
+  const core::Point2 corners[] = {{1, 1}, {39, 1}, {39, 27}, {1, 27}};
+  for (int side = 0; side < 6; ++side) {
+    const core::Point2 a = corners[side % 4], b = corners[(side + 1) % 4];
+    const double heading = std::atan2(b.y - a.y, b.x - a.x), length = core::distance(a, b);
+    for (double s = 0; s < length; s += 0.2)
+      way.path.push_back({a.x + s / length * (b.x - a.x), a.y + s / length * (b.y - a.y), heading});
+    for (double turn = 0.15; turn < core::kPi / 2; turn += 0.15)
+      way.path.push_back({b.x, b.y, heading + turn});
+  }
+  return way;
+}
+
+const Drive& longDrive() {
+  static const Drive kDrive = [] {
+    const LongWay way = longWay();
+    Lidar lidar;
+    lidar.beams = 91, lidar.max_range_m = 5, lidar.noise_m = 0.03;
+    return drive(way.walls, way.path, lidar, 2e-3, 5);
+  }();
+  return kDrive;
+}
+
+Motion motionOf(const core::Pose2& wheels) {
+  const double xy = 0.02 + 0.1 * std::abs(wheels.x), turn = 0.02 + 0.2 * std::abs(wheels.phi);
+  return {wheels, Eigen::Vector3d(xy * xy, xy * xy, turn * turn).asDiagonal()};
+}
+
+ParticleFilter driven(bool loops, int threads = 1) {
+  ParticleFilterOptions options;
+  options.count = 8, options.loops = loops, options.threads = threads;
+  ParticleFilter filter(options, 3);
+  const Drive& log = longDrive();
+  for (size_t i = 0; i < log.scans.size(); ++i) filter.update(log.scans[i], motionOf(log.increments[i]));
+  filter.finish();
+  return filter;
+}
+
+double worstOf(const core::Trajectory& path) {
+  double worst = 0;
+  for (size_t i = 0; i < path.size(); ++i)
+    worst = std::max(worst, core::distance(path[i].pose, longDrive().truth[i]));
+  return worst;
+}
+
+int times(const ParticleFilter& filter, core::JournalEvent event) {
+  int count = 0;
+  for (const auto& entry : filter.journal()) count += entry.event == event;
+  return count;
+}
+
+TEST(ParticleLoops, CorrectThePast) {
+  const auto without = driven(false), with = driven(true);
+  ASSERT_EQ(with.path().size(), longDrive().scans.size());
+  EXPECT_EQ(times(without, core::JournalEvent::kAccepted), 0);
+  EXPECT_GE(times(with, core::JournalEvent::kAccepted), 1);
+  RecordProperty("worst",
+                 std::to_string(worstOf(without.path())) + " " + std::to_string(worstOf(with.path())));
+  EXPECT_LT(worstOf(with.path()), 0.5 * worstOf(without.path()));
+}
+
+TEST(ParticleLoops, TellHowSureThePastIs) {
+  const auto filter = driven(true);
+  const auto path = filter.path();
+  const auto covariances = filter.covariances();
+  ASSERT_EQ(covariances.size(), path.size());
+  int inside = 0;
+  for (size_t i = 0; i < path.size(); ++i) {
+    const core::Pose2& truth = longDrive().truth[i];
+    const Eigen::Vector3d off(path[i].pose.x - truth.x, path[i].pose.y - truth.y,
+                              core::angleDifference(path[i].pose.phi, truth.phi));
+    const Eigen::Matrix3d covariance = covariances[i] + 1e-9 * Eigen::Matrix3d::Identity();
+    inside += off.dot(covariance.inverse() * off) < 7.81;  // 95 of 100, chi-square with three degrees
+  }
+  RecordProperty("inside", std::to_string(inside) + " of " + std::to_string(path.size()));
+  EXPECT_GT(inside, 0.9 * static_cast<double>(path.size()));
+}
+
+TEST(ParticleLoops, AreTheSameBytesWithAnyNumberOfThreads) {
+  const auto one = driven(true).path(), two = driven(true, 2).path();
+  ASSERT_EQ(one.size(), two.size());
+  EXPECT_EQ(std::memcmp(one.data(), two.data(), one.size() * sizeof(one[0])), 0);
+}
+
+}  // namespace
+}  // namespace slam::particles
