@@ -51,7 +51,7 @@ bool TrackedPath::addKeyframe(const std::vector<robot::Scan>& seen, const Placed
       near = firstOf(map_->keyframesAround(k - 1, core::position(placed.T_map_robot), options.map_path_m,
                                            options.map_radius_m),
                      options.map_keyframes);
-      evidence = evidenceFrom(near, keyframe.points, placed.T_map_robot);
+      evidence = evidenceFrom(near, keyframe.points, placed);
     }
     error = errorOf(evidence, placed);
   }
@@ -74,11 +74,17 @@ bool TrackedPath::addKeyframe(const std::vector<robot::Scan>& seen, const Placed
 /// What a scan tells of its pose among these keyframes.
 scanmatch::MatchEvidence TrackedPath::evidenceFrom(const std::vector<int>& near,
                                                    const std::vector<scanmatch::PatchPoint>& points,
-                                                   const Pose2& T_map_robot) {
+                                                   const Placed& placed) {
+  const Pose2& T_map_robot = placed.T_map_robot;
   here_.clear(core::position(T_map_robot), kMapReach_m);
   for (const int k : near) here_.add(map_->keyframe(k).points, map_->pose(k), k);
   auto evidence = evidenceOf(points, here_, T_map_robot, kKernel);
   map_->pointNoise().add(evidence);
+  if (placed.open) {
+    const Eigen::Vector3d along(placed.open->x, placed.open->y, 0);
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - along * along.transpose();
+    for (auto& view : evidence.by_view) view.information = across * view.information * across;
+  }
   return evidence;
 }
 

@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "libslam/core/journal.h"
@@ -36,6 +37,7 @@ class TrackedPath {
     core::Pose2 T_before_robot;           ///< since the keyframe before, by odometry
     Eigen::Matrix3d odometry_covariance;  ///< of that, in the frame of the keyframe before; positive definite
     bool is_matched;                      ///< to what the keyframes around it have drawn
+    std::optional<core::Point2> open;     ///< unit vector in the map: the match said nothing along it
   };
   /// The next scan; it was taken so far from the one before. Journal entries refer to scans, counted from 0.
   void nextScan(double moved_m);
@@ -62,7 +64,7 @@ class TrackedPath {
  private:
   scanmatch::MatchEvidence evidenceFrom(const std::vector<int>& near,
                                         const std::vector<scanmatch::PatchPoint>& points,
-                                        const core::Pose2& T_map_robot);
+                                        const Placed& placed);
   PoseError errorOf(const scanmatch::MatchEvidence& evidence, const Placed& placed);
   void addOdometryEdge(int keyframe, const Placed& placed);
   void addMatchEdges(int keyframe, const std::vector<int>& near, const Eigen::Matrix3d& information);

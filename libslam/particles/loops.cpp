@@ -39,6 +39,7 @@ void ParticleFilter::keepKeyframe(const std::vector<robot::Scan>& seen, bool is_
   placed.T_before_robot = since_keyframe_.T_previous_robot;
   placed.odometry_covariance = since_keyframe_.covariance;
   placed.is_matched = is_matched;
+  if (step_.degenerate) placed.open = particles_[best_].match.free_direction;
   local_covariance_.setZero();
   since_keyframe_ = {{}, Eigen::Matrix3d::Zero()};
   std::vector<core::Pose2> before = past_->poses();
