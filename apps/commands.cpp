@@ -12,6 +12,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/resources.h"
 #include "libslam/core/word_list.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::apps {
 
@@ -112,7 +113,7 @@ core::IniFile loadLidar(const std::string& lidar) {
       throw core::InputError("--lidar: found '" + lidar + "', expected a name of 'rasterslam list lidars'" +
                              core::didYouMean(lidar, names));
   }
-  return core::IniFile::load(is_path ? lidar : folder + "/" + lidar + ".ini");
+  return core::readConfigFile(is_path ? lidar : folder + "/" + lidar + ".ini");
 }
 
 /// Section [lidar] of "LIDAR", or [lidar NAME] of "NAME=LIDAR@X,Y,DEG".
@@ -144,7 +145,7 @@ void addLidar(const std::string& argument, core::IniFile& config) {
 core::IniFile simulationConfig(const Context& context, const SimulationFlags& flags) {
   core::IniFile config;
   for (const auto& lidar : flags.lidars) addLidar(lidar, config);
-  if (!context.config.empty()) config.overrideWith(core::IniFile::load(context.config));
+  if (!context.config.empty()) config.overrideWith(core::readConfigFile(context.config));
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   if (!flags.sensor.empty()) config.set("sensor", "kind", flags.sensor, "--sensor");
   if (!flags.strategy.empty()) config.set("strategy", "name", flags.strategy, "--strategy");

@@ -10,6 +10,7 @@
 #include "libslam/pages/report_data.h"
 #include "libslam/report/html_report.h"
 #include "libslam/score/compare.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::apps {
 namespace {
@@ -58,7 +59,7 @@ int demo(const Context& context) {
   original.methods = {"naive", "naive_blind", "naive_wheel", "icp", "graph"};
   original.plan_path = simulated.plan_path;
   original.record =
-      record::readRecordConfig(core::IniFile::load(core::configsFolder() + "/lidars/thesis_360.ini"));
+      record::readRecordConfig(core::readConfigFile(core::configsFolder() + "/lidars/thesis_360.ini"));
   original.record.simulation.duration_s = kOriginal_s;
   failed += show(score::compare(original, context.manifest(), progress),
                  "The original robot with the original lidar, thesis_360", original.output, progress);

@@ -17,6 +17,7 @@
 #include "libslam/posegraph/optimize.h"
 #include "libslam/posegraph/parts.h"
 #include "libslam/posegraph/relaxation.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::apps {
 namespace {
@@ -74,7 +75,7 @@ int info(const Context& context, const Arguments& arguments) {
 posegraph::OptimizeOptions readOptions(const Context& context, const Arguments& arguments,
                                        std::vector<core::ParameterReport>& report) {
   core::IniFile ini;
-  if (!context.config.empty()) ini = core::IniFile::load(context.config);
+  if (!context.config.empty()) ini = core::readConfigFile(context.config);
   for (const auto& setting : context.settings) ini.setFromArgument(setting, "--set");
   const auto& table = posegraph::OptimizeOptions::table();
   if (!arguments.robust.empty()) ini.set(table.section(), "robust", arguments.robust, "--robust");

@@ -6,7 +6,7 @@
 #include "apps/navigators_slam.h"
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/resources.h"
 #include "libslam/explore/reach_goal.h"
 #include "libslam/record/record.h"

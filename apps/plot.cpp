@@ -17,6 +17,7 @@
 #include "libslam/run/journal_file.h"
 #include "libslam/score/compare.h"
 #include "libslam/world/plan.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::apps {
 namespace {
@@ -138,7 +139,7 @@ void addPlotScan(CLI::App& plot, Context& context) {
 
 int plotObstacles(const Context& context, const std::string& sensor, const PaperArguments& how) {
   core::IniFile ini;
-  if (!context.config.empty()) ini = core::IniFile::load(context.config);
+  if (!context.config.empty()) ini = core::readConfigFile(context.config);
   for (const auto& setting : context.settings) ini.setFromArgument(setting, "--set");
   if (!sensor.empty()) ini.set("turn_away", "sensor", sensor, "--sensor");
   const auto config = explore::readTurnAwayConfig(ini);

@@ -15,6 +15,7 @@
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
 #include "libslam/run/told_commands.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::apps {
 namespace {
@@ -108,7 +109,7 @@ std::string stoppedText(const run::Stop& stop) {
 
 int runMethod(const Context& context, const Arguments& arguments) {
   auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", arguments.method);
-  if (!context.config.empty()) config.overrideWith(core::IniFile::load(context.config));
+  if (!context.config.empty()) config.overrideWith(core::readConfigFile(context.config));
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   if (!arguments.lidars.empty()) config.set("method", "lidars", arguments.lidars, "--lidars");
   const std::string name = std::filesystem::path(arguments.method).stem().string();

@@ -10,8 +10,10 @@
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/resources.h"
 #include "libslam/record/record.h"
+#include "libslam/record/truth_files.h"
 #include "libslam/record/user_drive.h"
 
 namespace slam::apps {

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/record/carry_file.h"
 
 namespace slam::apps {

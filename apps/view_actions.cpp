@@ -13,6 +13,7 @@
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/resources.h"
 #include "libslam/explore/explore.h"
 #include "libslam/explore/goal_methods.h"
@@ -29,6 +30,7 @@
 #include "libslam/run/external_method.h"
 #include "libslam/score/compare.h"
 #include "libslam/sim/standing_room.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::apps {
 namespace fs = std::filesystem;
@@ -257,7 +259,7 @@ void addTruth(const std::string& log_path, const std::string& given_plan, Show& 
 int viewRun(const Context& context, const ViewArguments& arguments) {
   requireSensible(arguments.show);
   auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", arguments.method);
-  if (!context.config.empty()) config.overrideWith(core::IniFile::load(context.config));
+  if (!context.config.empty()) config.overrideWith(core::readConfigFile(context.config));
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   const std::string name = nameOf(arguments.method);
   if (context.print_config) return printParameters(run::methodParameters(config), context.json), 0;

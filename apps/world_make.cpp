@@ -10,6 +10,7 @@
 #include "libslam/core/files.h"
 #include "libslam/pictures/picture.h"
 #include "libslam/record/generated_world.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::apps {
 namespace {
@@ -33,7 +34,7 @@ void setSize(core::IniFile& config, const std::string& size) {
 
 core::IniFile configOf(const Context& context, const Arguments& arguments) {
   core::IniFile config;
-  if (!context.config.empty()) config = core::IniFile::load(context.config);
+  if (!context.config.empty()) config = core::readConfigFile(context.config);
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   if (!arguments.size.empty()) setSize(config, arguments.size);
   if (arguments.resolution_m >= 0)

@@ -23,6 +23,7 @@
 #include "libslam/record/record.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/table/table.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace {
 
@@ -126,7 +127,7 @@ std::vector<NamedLog> logs(const Arguments& a) {
   };
   for (const char* world : {"flat", "office_loop", "pillar_hall", "maze", "corridor"})
     simulated(std::string("sim ") + world, world, scannerAhead());
-  const auto original = core::IniFile::load(core::configsFolder() + "/lidars/thesis_360.ini");
+  const auto original = core::readConfigFile(core::configsFolder() + "/lidars/thesis_360.ini");
   for (const char* world : {"flat", "office_loop"})
     simulated(std::string("sim ") + world + ", thesis_360", world, original);
   for (const char* ring : {"ring_A", "ring_B"})

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/random.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/score/metric_infos.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "libslam/check/sheet.h"
+#include "libslam/check/regions.h"
 #include "libslam/core/elementary.h"
 
 namespace slam::check {

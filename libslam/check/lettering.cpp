@@ -6,7 +6,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-#include "libslam/check/sheet.h"
+#include "libslam/check/regions.h"
 #include "libslam/core/middle_value.h"
 
 namespace slam::check {

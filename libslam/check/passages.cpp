@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "libslam/check/clearance_flood.h"
-#include "libslam/check/sheet.h"
+#include "libslam/check/regions.h"
 
 namespace slam::check {
 namespace {

@@ -5,7 +5,6 @@
 #include <cctype>
 #include <filesystem>
 
-#include "libslam/check/hidden.h"
 #include "libslam/check/passages.h"
 #include "libslam/check/rules.h"
 #include "libslam/core/error.h"

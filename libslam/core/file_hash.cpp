@@ -1,10 +1,12 @@
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 
 #include <openssl/evp.h>
 
 #include <array>
 #include <fstream>
 #include <memory>
+
+#include "libslam/core/files.h"
 
 namespace slam::core {
 namespace {

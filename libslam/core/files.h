@@ -111,8 +111,4 @@ std::string findProgram(const std::string& name);
 /// is neither a file nor a folder, which is never replaced.
 void refuseToOverwrite(const std::string& path, bool overwrite);
 
-/// SHA-256 of a file's bytes as 64 hexadecimal digits.
-std::string fileSha256(const std::string& path);
-std::string sha256(std::string_view bytes);
-
 }  // namespace slam::core

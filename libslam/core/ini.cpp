@@ -3,8 +3,6 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/ini_yaml.h"
 
 namespace slam::core {
 namespace {
@@ -24,11 +22,6 @@ std::string trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(kBlank);
   if (first == std::string::npos) return "";
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-IniFile IniFile::load(const std::string& path) {
-  const auto text = readTextFile(path);
-  return isYamlFile(path) ? parseYaml(text, path) : parse(text, path);
 }
 
 IniFile IniFile::parse(const std::string& text, const std::string& name) {

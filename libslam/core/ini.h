@@ -19,9 +19,6 @@ class IniFile {
   };
 
   IniFile() = default;
-  /// Reads a file; what ends in .yaml or .yml as YAML (parseYaml()). Errors: missing, a directory,
-  /// unreadable, malformed (InputError).
-  static IniFile load(const std::string& path);
   /// Reads a text; `name` stands for the file in origins and errors.
   static IniFile parse(const std::string& text, const std::string& name);
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "libslam/core/error.h"
+#include "libslam/core/files.h"
 #include "libslam/core/yaml_document.h"
 
 namespace slam::core {
@@ -93,6 +94,11 @@ bool isConfigFile(const std::string& path) {
 
 IniFile parseYaml(const std::string& text, const std::string& name) {
   return YamlReader(text, name).ini();
+}
+
+IniFile readConfigFile(const std::string& path) {
+  const auto text = readTextFile(path);
+  return isYamlFile(path) ? parseYaml(text, path) : IniFile::parse(text, path);
 }
 
 }  // namespace slam::core

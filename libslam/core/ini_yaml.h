@@ -25,4 +25,8 @@ bool isYamlFile(const std::string& path);
 /// without an error.
 IniFile parseYaml(const std::string& text, const std::string& name);
 
+/// Reads a configuration's file; what ends in .yaml or .yml as YAML. Errors: missing, a directory, unreadable,
+/// malformed (InputError).
+IniFile readConfigFile(const std::string& path);
+
 }  // namespace slam::core

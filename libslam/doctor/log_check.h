@@ -4,28 +4,14 @@
 #include <vector>
 
 #include "libslam/core/progress.h"
-#include "libslam/doctor/clock_offset.h"
 #include "libslam/doctor/odometry_fit.h"
+#include "libslam/doctor/odometry_tally.h"
 #include "libslam/doctor/range_tally.h"
 #include "libslam/doctor/stamp_tally.h"
 #include "libslam/doctor/sweep_fit.h"
 #include "libslam/doctor/view_fit.h"
 
 namespace slam::doctor {
-
-inline constexpr const char* kActionStream = "actions";
-
-/// One source of odometry in a log.
-struct OdometryFigures {
-  std::string stream;  ///< the label of its CObservationOdometry; kActionStream for increments in actions
-  std::uint64_t readings = 0;
-  double path_m = 0, turned_rad = 0;  ///< jumps left out
-  /// Steps too far for a robot: more than half a metre and faster than 3 m/s (or five times the speed that it
-  /// keeps under 95 % of the time, if that is more), or more than half a radian and faster than 5 rad/s.
-  std::uint64_t jumps = 0;
-  double largest_jump_m = 0, largest_jump_at_s = 0;
-  ClockOffset clock;
-};
 
 /// What was seen in a log, as plain figures.
 struct LogFigures {

@@ -5,10 +5,24 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/doctor/log_check.h"
+#include "libslam/doctor/clock_offset.h"
 #include "libslam/doctor/thinned_sample.h"
 
 namespace slam::doctor {
+
+inline constexpr const char* kActionStream = "actions";
+
+/// One source of odometry in a log.
+struct OdometryFigures {
+  std::string stream;  ///< the label of its CObservationOdometry; kActionStream for increments in actions
+  std::uint64_t readings = 0;
+  double path_m = 0, turned_rad = 0;  ///< jumps left out
+  /// Steps too far for a robot: more than half a metre and faster than 3 m/s (or five times the speed that it
+  /// keeps under 95 % of the time, if that is more), or more than half a radian and faster than 5 rad/s.
+  std::uint64_t jumps = 0;
+  double largest_jump_m = 0, largest_jump_at_s = 0;
+  ClockOffset clock;
+};
 
 /// Path and jumps of one source of odometry, in file order.
 class OdometryTally {

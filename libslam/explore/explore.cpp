@@ -8,6 +8,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/explore/coverage_charts.h"
 #include "libslam/explore/exploration_jobs.h"
 #include "libslam/explore/exploration_tables.h"

@@ -5,6 +5,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/explore/team_files.h"
 
 namespace slam::explore {

@@ -7,6 +7,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/manifest.h"
 #include "libslam/learn/student_folder.h"
 

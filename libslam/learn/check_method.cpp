@@ -12,6 +12,7 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/run/external_method.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::learn {
 namespace fs = std::filesystem;
@@ -31,7 +32,7 @@ std::string methodIn(const std::string& folder) {
   }
   std::sort(paths.begin(), paths.end());
   for (const auto& path : paths)
-    if (run::isExternal(core::IniFile::load(path))) return path;
+    if (run::isExternal(core::readConfigFile(path))) return path;
   return "";
 }
 
@@ -109,7 +110,7 @@ Verdict checkMethod(const Lesson& lesson, std::uint64_t student, const std::stri
   record::record(plan, place.recordConfig(), place.seed() + kHidden, log_path, {}, progress);
 
   const std::string name = fs::path(ini_path).stem().string();
-  const auto config = run::withFixedFolder(core::IniFile::load(fs::absolute(ini_path).string()));
+  const auto config = run::withFixedFolder(core::readConfigFile(fs::absolute(ini_path).string()));
   run::ExternalRun done;
   try {
     done = run::runExternalMethod(run::readExternalMethod(config), log_path, student, scratch / "work",

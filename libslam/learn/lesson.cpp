@@ -7,6 +7,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/manifest.h"
 #include "libslam/core/resources.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::learn {
 namespace {
@@ -34,7 +35,7 @@ Hint readHint(const core::IniFile& ini, const std::string& section) {
 Lesson readLesson(const std::string& folder, const std::string& name) {
   Lesson lesson;
   lesson.name = name;
-  lesson.ini = core::IniFile::load(folder + "/" + name + ".ini");
+  lesson.ini = core::readConfigFile(folder + "/" + name + ".ini");
   core::readParameters(lesson.ini, LessonOptions::table(), lesson.options);
   for (const auto& [section, entries] : lesson.ini.sections())
     if (section.compare(0, kHint.size(), kHint) == 0) lesson.hints.push_back(readHint(lesson.ini, section));

@@ -4,7 +4,9 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/manifest.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::learn {
 namespace fs = std::filesystem;
@@ -72,7 +74,7 @@ void startLesson(const Lesson& lesson, std::uint64_t student, const std::string&
 std::optional<StudentFolder> readStudentFolder(const std::string& folder) {
   const std::string path = folder + "/" + kLessonFile;
   if (!fs::exists(path)) return std::nullopt;
-  const auto ini = core::IniFile::load(path);
+  const auto ini = core::readConfigFile(path);
   const auto value = [&](const std::string& key) {
     const auto* entry = ini.find("lesson", key);
     if (!entry) throw core::InputError(path + ": section [lesson]: key '" + key + "' is missing");

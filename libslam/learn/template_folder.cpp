@@ -8,6 +8,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
 #include "libslam/core/ini.h"
+#include "libslam/core/ini_yaml.h"
 #include "libslam/core/manifest.h"
 #include "libslam/core/resources.h"
 #include "libslam/core/word_list.h"
@@ -38,7 +39,7 @@ std::string valueOf(const core::IniFile& ini, const std::string& section, const 
 }
 
 core::IniFile templatesIni() {
-  return core::IniFile::load(templatesFolder() + "/templates.ini");
+  return core::readConfigFile(templatesFolder() + "/templates.ini");
 }
 
 std::vector<TemplateKind> kindsOf(const core::IniFile& ini) {

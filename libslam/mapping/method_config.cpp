@@ -81,11 +81,11 @@ namespace {
 
 core::IniFile loadOwnConfig(const std::string& methods_folder, const std::string& name_or_path) {
   const bool is_path = name_or_path.find('/') != std::string::npos || core::isConfigFile(name_or_path);
-  if (is_path) return core::IniFile::load(name_or_path);
+  if (is_path) return core::readConfigFile(name_or_path);
   const auto names = methodNames(methods_folder);
   if (std::find(names.begin(), names.end(), name_or_path) == names.end())
     throw core::InputError("unknown method '" + name_or_path + "'" + core::didYouMean(name_or_path, names));
-  return core::IniFile::load((std::filesystem::path(methods_folder) / (name_or_path + ".ini")).string());
+  return core::readConfigFile((std::filesystem::path(methods_folder) / (name_or_path + ".ini")).string());
 }
 
 /// The file, laid over the method that its [method] base names. `depth`: how many files led here.

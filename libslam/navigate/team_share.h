@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "libslam/navigate/map_strategy.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/navigate/decision.h"
+#include "libslam/navigate/viewpoint.h"
 #include "libslam/paths/expected_gain.h"
 #include "libslam/paths/free_space.h"
 #include "libslam/paths/path_planner.h"

@@ -15,6 +15,7 @@
 #include "libslam/record/carry_file.h"
 #include "libslam/record/collision_file.h"
 #include "libslam/record/record.h"
+#include "libslam/record/truth_files.h"
 #include "libslam/sim/operation_log.h"
 
 namespace slam::pages {

@@ -8,6 +8,7 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/sim/simulator.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::plugin {
 namespace {
@@ -30,13 +31,13 @@ core::ParameterTable<Options> tableFor(const std::string& section) {
 
 core::IniFile lidarPreset(const std::string& lidar, const std::string& origin) {
   if (lidar.empty()) return {};
-  if (lidar.find_first_of("/.") != std::string::npos) return core::IniFile::load(lidar);
+  if (lidar.find_first_of("/.") != std::string::npos) return core::readConfigFile(lidar);
   const std::string folder = core::configsFolder() + "/lidars";
   const auto names = core::namesInFolder(folder, ".ini");
   if (std::find(names.begin(), names.end(), lidar) == names.end())
     throw core::InputError(origin + ", key 'lidar': found '" + lidar + "', expected a lidar of " + folder +
                            core::didYouMean(lidar, names));
-  return core::IniFile::load(folder + "/" + lidar + ".ini");
+  return core::readConfigFile(folder + "/" + lidar + ".ini");
 }
 
 std::uint64_t seedOf(const Options& options) {

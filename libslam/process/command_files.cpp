@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 
 namespace slam::process {
 namespace fs = std::filesystem;

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/manifest.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
-#include "libslam/record/record.h"
 #include "libslam/record/truth_files.h"
 
 namespace slam::record {

@@ -6,7 +6,7 @@
 #include "libslam/core/csv.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
-#include "libslam/record/record.h"
+#include "libslam/record/truth_files.h"
 
 namespace slam::record {
 namespace fs = std::filesystem;

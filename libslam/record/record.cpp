@@ -67,11 +67,6 @@ RecordConfig readRecordConfig(const core::IniFile& given, const std::vector<std:
   return config;
 }
 
-std::string logStem(const std::string& log_path) {
-  const std::filesystem::path path(log_path);
-  return path.extension() == ".rawlog" ? (path.parent_path() / path.stem()).string() : log_path;
-}
-
 world::Plan planOfVisit(const world::Plan& plan, const sim::LivingOptions& living, std::uint64_t seed) {
   world::Plan found = plan;
   for (int visit = 2; visit <= living.visit; ++visit) {

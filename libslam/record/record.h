@@ -101,7 +101,4 @@ Recording recordCommands(const world::Plan& given_plan, const RecordConfig& conf
                          const std::string& log_path, core::Manifest manifest, core::Progress& progress,
                          const Commander& commander, StepObserver* observer = nullptr);
 
-/// "a/run.rawlog" -> "a/run": the stem of the files beside a log.
-std::string logStem(const std::string& log_path);
-
 }  // namespace slam::record

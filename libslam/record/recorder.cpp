@@ -14,6 +14,7 @@
 #include "libslam/record/collision_file.h"
 #include "libslam/record/movers_log.h"
 #include "libslam/sim/operation_log.h"
+#include "libslam/record/truth_files.h"
 
 namespace slam::record {
 namespace {

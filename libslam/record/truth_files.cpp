@@ -2,14 +2,18 @@
 
 #include <filesystem>
 
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/manifest.h"
 #include "libslam/core/resources.h"
 #include "libslam/logs/convert.h"
-#include "libslam/record/record.h"
 
 namespace slam::record {
 namespace fs = std::filesystem;
+
+std::string logStem(const std::string& log_path) {
+  const std::filesystem::path path(log_path);
+  return path.extension() == ".rawlog" ? (path.parent_path() / path.stem()).string() : log_path;
+}
 
 std::string findTruth(const std::string& log_path) {
   for (const auto& path :

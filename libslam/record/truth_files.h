@@ -3,6 +3,8 @@
 
 namespace slam::record {
 
+/// "a/run.rawlog" -> "a/run": the stem of the files beside a log.
+std::string logStem(const std::string& log_path);
 /// Truth beside a log, as `record()` (STEM.gt.tum, LOG.GT.txt) and logs::convertLog() (STEM.truth.tum) leave
 /// it; "" when there is none.
 std::string findTruth(const std::string& log_path);

@@ -12,6 +12,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/parameters.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"

@@ -4,6 +4,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/parameters.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/run/known_map.h"

@@ -6,6 +6,7 @@
 #include "libslam/core/files.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/record/record.h"
+#include "libslam/record/truth_files.h"
 #include "libslam/sim/operation_log.h"
 
 namespace slam::run {

@@ -5,6 +5,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/logs/convert.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/ini_yaml.h"
 #include "libslam/core/manifest.h"
 #include "libslam/core/thread_team.h"

@@ -5,6 +5,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/parameters.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/mapping/key_frames.h"

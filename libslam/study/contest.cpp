@@ -12,6 +12,7 @@
 #include "libslam/stats/proportion.h"
 #include "libslam/stats/ranking.h"
 #include "libslam/study/sweep_groups.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::study {
 namespace fs = std::filesystem;
@@ -88,7 +89,7 @@ sweep::Suite contestSuite(const ContestRequest& request) {
   if (request.entries.size() < 2)
     throw core::InputError("contest: found " + std::to_string(request.entries.size()) +
                            " entries, expected two at least");
-  auto ini = core::IniFile::load(request.suite_path);
+  auto ini = core::readConfigFile(request.suite_path);
   const auto suite_folder = fs::absolute(request.suite_path).lexically_normal().parent_path();
   std::string methods;
   for (const auto& entry : request.entries)

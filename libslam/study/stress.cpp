@@ -14,6 +14,7 @@
 #include "libslam/study/stress_charts.h"
 #include "libslam/study/sweep_groups.h"
 #include "libslam/study/value_range.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::study {
 namespace fs = std::filesystem;
@@ -289,7 +290,7 @@ StressSuite stressSuite(const StressRequest& request) {
   stress.names.resize(stress.values.size());
 
   const bool is_suite = sweep::isSuiteFile(request.ground);
-  auto ini = is_suite ? core::IniFile::load(request.ground) : suiteOfWorld(request.ground);
+  auto ini = is_suite ? core::readConfigFile(request.ground) : suiteOfWorld(request.ground);
   if (!request.methods.empty()) {
     ini.set("suite", "methods", request.methods, "--methods");
     ini.set("suite", "baseline", "", "--methods");

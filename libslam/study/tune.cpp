@@ -19,6 +19,7 @@
 #include "libslam/study/sweep_merge.h"
 #include "libslam/sweep/cell.h"
 #include "libslam/sweep/sweep.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::study {
 namespace fs = std::filesystem;
@@ -43,7 +44,7 @@ class Tuner {
  public:
   Tuner(const TuneRequest& request, const core::Manifest& manifest, core::Progress& progress)
       : request_(request), manifest_(manifest), progress_(progress) {
-    ini_ = core::IniFile::load(request.suite_path);
+    ini_ = core::readConfigFile(request.suite_path);
     core::readParameters(ini_, TuneOptions::table(), options_);
     train_ = worldsOf("train", options_.train);
     hold_out_ = worldsOf("hold_out", options_.hold_out);
@@ -106,7 +107,7 @@ class Tuner {
       if (!fs::exists(shipped))
         throw core::InputError(request_.suite_path + ": has no section [" + kParameters +
                                "], and no ranges come with the program for " + request_.method);
-      source = core::IniFile::load(shipped);
+      source = core::readConfigFile(shipped);
       core::rejectUnknownSections(source, {kParameters});
     }
     const auto section = source.sections().find(kParameters);

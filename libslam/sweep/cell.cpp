@@ -15,6 +15,7 @@
 #include "libslam/core/code_version.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/process/process_memory.h"
 #include "libslam/record/record.h"

@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/ini_yaml.h"
 #include "libslam/record/generated_world.h"
 #include "libslam/sweep/suite_reader.h"

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/ini_yaml.h"
 #include "libslam/core/resources.h"
 #include "libslam/logs/log_reader.h"
@@ -69,7 +69,7 @@ SuiteVariant SuiteReader::variant(const std::string& key, const std::string& kin
 SuiteVariant SuiteReader::preset(const std::string& key, const std::string& kind,
                                  const std::string& word) const {
   if (word == kBuiltIn) return {word, {}};
-  if (core::isConfigFile(word)) return {fs::path(word).stem().string(), core::IniFile::load(resolved(word))};
+  if (core::isConfigFile(word)) return {fs::path(word).stem().string(), core::readConfigFile(resolved(word))};
   std::vector<std::string> names;
   if (kind == "lidar") names = core::namesInFolder(core::configsFolder() + "/lidars", ".ini");
   if (kind == "strategy") names = navigate::strategyNames();
@@ -78,7 +78,7 @@ SuiteVariant SuiteReader::preset(const std::string& key, const std::string& kind
     throw unknown(key, word, std::string("built-in, a known ") + kind + ", an .ini or .yaml file", names,
                   kind);
   }
-  if (kind == "lidar") return {word, core::IniFile::load(core::configsFolder() + "/lidars/" + word + ".ini")};
+  if (kind == "lidar") return {word, core::readConfigFile(core::configsFolder() + "/lidars/" + word + ".ini")};
   SuiteVariant result{word, {}};
   result.overlay.set("strategy", "name", word, where(key));
   return result;

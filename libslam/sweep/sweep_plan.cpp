@@ -7,6 +7,7 @@
 #include "libslam/core/code_version.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 
 namespace slam::sweep {
 namespace fs = std::filesystem;

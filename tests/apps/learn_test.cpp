@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/pose2.h"
 #include "libslam/logs/trajectory_io.h"
 #include "tests/apps/program.h"

@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "tests/apps/program.h"
 #include "tests/check/architect_plan.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/random.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/world/clearance.h"

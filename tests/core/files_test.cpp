@@ -1,4 +1,5 @@
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -48,7 +48,7 @@ TEST(IniYaml, IsReadByItsName) {
     writeFileAtomically(folder / name, std::string(name) == "a.ini" ? "[robot]\na = 1\n" : "robot: {a: 1}\n");
   for (const char* name : {"a.yaml", "a.yml", "a.ini"}) {
     EXPECT_TRUE(isConfigFile(name));
-    EXPECT_EQ(IniFile::load(folder / name).find("robot", "a")->value, "1") << name;
+    EXPECT_EQ(readConfigFile(folder / name).find("robot", "a")->value, "1") << name;
   }
   EXPECT_FALSE(isConfigFile("graph"));
   EXPECT_FALSE(isYamlFile("a.ini"));

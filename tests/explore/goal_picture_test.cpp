@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/explore/goal_methods.h"
 #include "libslam/record/carry_file.h"
 #include "libslam/testing/temp_folder.h"

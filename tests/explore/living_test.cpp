@@ -8,6 +8,7 @@
 #include "libslam/core/csv.h"
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/resources.h"
 #include "libslam/explore/explore.h"
 #include "libslam/explore/reach_goal.h"

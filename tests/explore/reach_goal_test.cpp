@@ -15,6 +15,7 @@
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/testing/temp_folder.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::explore {
 namespace {
@@ -169,7 +170,7 @@ TEST(ReachGoal, WritesEveryTransitionOfTheOriginalBugAndWhereItsFiveDirectionsLe
 
 TEST(ReachGoal, HasTheOriginalNavigationToTheLetterAmongTheConfigurations) {
   const auto config =
-      readReachGoalConfig(core::IniFile::load(core::configsFolder() + "/navigate/thesis.ini"));
+      readReachGoalConfig(core::readConfigFile(core::configsFolder() + "/navigate/thesis.ini"));
   EXPECT_EQ(config.navigate.lidar_bug.wall_end, "front");
   EXPECT_EQ(config.lidar.beams, 275);
   const goals::Surroundings keeps(config.robot, config.navigate.clearance_m, 0.2);

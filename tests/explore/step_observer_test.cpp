@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/resources.h"
 #include "libslam/explore/explore.h"
 #include "libslam/graph/graph_slam.h"

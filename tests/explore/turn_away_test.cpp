@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::explore {

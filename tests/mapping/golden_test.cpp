@@ -6,7 +6,7 @@
 #include <cstring>
 #include <map>
 
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/mapping/map_builder.h"
 #include "tests/graph/drawn_drives.h"
 

@@ -14,7 +14,7 @@
 
 #include "libslam/builders/mrpt_compat.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/mapping/small_room.h"
 

@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/draw/map_view.h"
 #include "libslam/testing/temp_folder.h"
 

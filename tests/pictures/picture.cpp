@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/draw/map_view.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/pictures/read_picture.h"

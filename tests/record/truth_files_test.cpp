@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/manifest.h"
 #include "libslam/testing/temp_folder.h"
 

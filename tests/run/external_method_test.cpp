@@ -10,6 +10,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/core/manifest.h"
 #include "libslam/core/resources.h"
 #include "libslam/logs/trajectory_io.h"
@@ -21,6 +22,7 @@
 #include "libslam/sweep/sweep_plan.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::run {
 namespace {
@@ -143,12 +145,12 @@ class External : public ::testing::Test {
     return path;
   }
   ExternalRun run(const std::string& command, const std::string& more = "") {
-    const auto external = readExternalMethod(core::IniFile::load(method(command, more)));
+    const auto external = readExternalMethod(core::readConfigFile(method(command, more)));
     return runExternalMethod(external, log(), 7, here_ / "work", core::silentProgress());
   }
   std::string errorOfConfig(const std::string& command, const std::string& more = "") {
     const auto path = method(command, more);
-    return errorOf([&] { readExternalMethod(core::IniFile::load(path)); });
+    return errorOf([&] { readExternalMethod(core::readConfigFile(path)); });
   }
 
   testing::TempFolder here_;
@@ -161,7 +163,7 @@ const std::string kWheels =
     R"(awk '{ print $1, $2, $3, 0, 0, 0, sin($4 / 2), cos($4 / 2) }' {scans} > {output})";
 
 TEST_F(External, AProgramIsAMethodWithARunFolderOfItsOwn) {
-  const auto config = core::IniFile::load(method(kWheels, "[mapping]\nresolution_m = 0.1\n"));
+  const auto config = core::readConfigFile(method(kWheels, "[mapping]\nresolution_m = 0.1\n"));
   const auto run = buildMap(log(), config, "mine", 1, here_ / "out", false, {}, core::silentProgress());
   const auto ours =
       buildMap(log(), mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel"),
@@ -195,7 +197,7 @@ TEST_F(External, IsARowOfAComparison) {
 }
 
 TEST_F(External, ItsFilesAreAPartOfIt) {
-  const auto config = [&](const std::string& command) { return core::IniFile::load(method(command)); };
+  const auto config = [&](const std::string& command) { return core::readConfigFile(method(command)); };
   const std::string script = here_ / "my slam.sh";
   core::writeFileAtomically(script, kWheels);
   const auto shell = programFiles(config("sh {output}"));
@@ -246,7 +248,7 @@ TEST_F(External, SeesNoTruthAndWorksInAnEmptyFolder) {
     const auto ini = method(
         "find {workdir} {workdir}/.. -type f && test -z \"$(ls)\" && ! grep -q TRUE {log} && " + kWheels,
         "log = " + form + "\n");
-    const auto result = runExternalMethod(readExternalMethod(core::IniFile::load(ini)), here_ / "robot.clf",
+    const auto result = runExternalMethod(readExternalMethod(core::readConfigFile(ini)), here_ / "robot.clf",
                                           1, here_ / "work", core::silentProgress());
     EXPECT_THAT(result.violations, IsEmpty()) << result.printed;
     EXPECT_THAT(result.printed, HasSubstr(form == "carmen" ? "log.clf" : "log.rawlog"));
@@ -293,7 +295,7 @@ TEST_F(External, ItsFilesAreNotReadBeyondWhatAPathCanTake) {
 }
 
 TEST_F(External, AViolationIsAMethodThatFailedAndLeavesNothing) {
-  const auto config = core::IniFile::load(method("exit 9 {output}"));
+  const auto config = core::readConfigFile(method("exit 9 {output}"));
   try {
     buildMap(log(), config, "mine", 1, here_ / "out", false, {}, core::silentProgress());
     FAIL() << "no error";
@@ -312,7 +314,7 @@ TEST_F(External, AMisspeltConfigurationIsOneClearLine) {
   EXPECT_THAT(errorOfConfig(kWheels, "log = bag\n"), HasSubstr("key 'log': found 'bag'"));
   EXPECT_THAT(errorOfConfig(kWheels, "[graph]\n a = 1\n"), HasSubstr("graph"));
   core::writeFileAtomically(here_ / "none.ini", "[method]\ntype = external\n");
-  EXPECT_THAT(errorOf([&] { readExternalMethod(core::IniFile::load(here_ / "none.ini")); }),
+  EXPECT_THAT(errorOf([&] { readExternalMethod(core::readConfigFile(here_ / "none.ini")); }),
               HasSubstr("none.ini:2: section [method]: key 'command' is missing"));
 }
 
@@ -321,14 +323,14 @@ TEST_F(External, EveryShippedOneIsSound) {
   const auto names = core::namesInFolder(folder, ".ini");
   EXPECT_GE(names.size(), 3U);
   for (const auto& name : names)
-    EXPECT_EQ(readExternalMethod(core::IniFile::load(folder + "/" + name + ".ini")).folder, folder);
+    EXPECT_EQ(readExternalMethod(core::readConfigFile(folder + "/" + name + ".ini")).folder, folder);
 }
 
 /// MRPT's programs as they are shipped, by name; skipped where they are not installed.
 class Shipped : public External {
  protected:
   MapRun build(const std::string& config, const std::string& name) {
-    return buildMap(log(), core::IniFile::load(config), name, 1, here_ / name, false, {},
+    return buildMap(log(), core::readConfigFile(config), name, 1, here_ / name, false, {},
                     core::silentProgress());
   }
   static std::string plugin(const std::string& name) {

@@ -11,7 +11,7 @@
 #include <fstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/mapping/small_room.h"
 

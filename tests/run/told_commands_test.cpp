@@ -13,6 +13,7 @@
 #include "libslam/run/build_map.h"
 #include "libslam/sim/operation_log.h"
 #include "libslam/testing/temp_folder.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::run {
 namespace {
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 
 record::RecordConfig originalRobot(double duration_s) {
   auto config =
-      record::readRecordConfig(core::IniFile::load(core::configsFolder() + "/lidars/thesis_360.ini"));
+      record::readRecordConfig(core::readConfigFile(core::configsFolder() + "/lidars/thesis_360.ini"));
   config.simulation.duration_s = duration_s;
   return config;
 }

@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "tests/sim/two_rooms.h"
 
 namespace slam::sim {

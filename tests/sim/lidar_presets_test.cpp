@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "libslam/core/ini.h"
+#include "libslam/core/ini_yaml.h"
 #include "libslam/robot/lidar.h"
 
 namespace slam::robot {
@@ -11,7 +12,7 @@ namespace {
 const std::string kFolder = RASTERSLAM_SOURCE_DIR "/configs/lidars/";
 
 LidarOptions load(const std::string& name) {
-  const auto ini = core::IniFile::load(kFolder + name + ".ini");
+  const auto ini = core::readConfigFile(kFolder + name + ".ini");
   core::rejectUnknownSections(ini, {"lidar"});
   LidarOptions options;
   core::readParameters(ini, LidarOptions::table(), options);
@@ -25,7 +26,7 @@ TEST(LidarPresets, AllLoadStrictlyAndGiveEveryParameter) {
     names.push_back(entry.path().stem());
     EXPECT_NO_THROW(load(names.back())) << entry.path();
     // A preset that leaves a parameter to the built-in default would change with it.
-    const auto ini = core::IniFile::load(entry.path());
+    const auto ini = core::readConfigFile(entry.path());
     for (const auto& row : LidarOptions::table().rows())
       EXPECT_TRUE(ini.find("lidar", row.info.key)) << entry.path() << " lacks " << row.info.key;
   }

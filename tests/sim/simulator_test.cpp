@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 
 namespace slam::sim {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "libslam/core/files.h"
+#include "libslam/core/file_hash.h"
 #include "libslam/study/sweep_brief.h"
 #include "libslam/study/sweep_consistency.h"
 #include "libslam/study/sweep_index.h"

@@ -7,6 +7,7 @@
 #include "libslam/core/resources.h"
 #include "libslam/sweep/suite.h"
 #include "libslam/testing/error_of.h"
+#include "libslam/core/ini_yaml.h"
 
 namespace slam::study {
 namespace {
@@ -84,7 +85,7 @@ TEST(Tune, EveryShippedRangeFitsItsMethod) {
   const auto names = core::namesInFolder(core::configsFolder() + "/tune", ".ini");
   EXPECT_GE(names.size(), 4U);
   for (const auto& name : names) {
-    const auto ranges = core::IniFile::load(core::configsFolder() + "/tune/" + name + ".ini");
+    const auto ranges = core::readConfigFile(core::configsFolder() + "/tune/" + name + ".ini");
     for (const bool high : {false, true}) {
       core::IniFile suite;
       suite.set("suite", "worlds", "flat", "");
