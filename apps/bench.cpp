@@ -166,7 +166,7 @@ int submit(const Context& context, const Arguments& arguments) {
   const auto script =
       sweep::writeSubmission(sweep, requestOf(context, arguments), arguments.submission, context.manifest());
   if (!arguments.go) {
-    std::printf("next: sh %s\n", core::shellQuoted({script}).c_str());
+    std::printf("next: sh %s\n", resources::shellQuoted({script}).c_str());
     return 0;
   }
   ConsoleProgress progress(true);

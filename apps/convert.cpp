@@ -13,7 +13,7 @@
 #include "apps/quiet.h"
 #include "apps/stream_output.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/convert.h"
 #include "libslam/logs/log_format.h"
 
@@ -123,7 +123,7 @@ int printPoses(const Context& context, const Arguments& arguments, size_t poses)
 
 /// Text whose first line beside remarks starts with a number, or with our own line of names.
 bool isTrajectory(const std::string& path) {
-  core::requireReadableFile(path);
+  files::requireReadableFile(path);
   std::ifstream in(path, std::ios::binary);
   std::string line;
   constexpr int kMostRemarks = 1000;
@@ -137,9 +137,9 @@ bool isTrajectory(const std::string& path) {
 
 int convertOperations(const Context& context, const Arguments& arguments, const std::string& to,
                       const sim::OriginalUnits& units) {
-  core::refuseToOverwrite(arguments.out, context.overwrite);
+  files::refuseToOverwrite(arguments.out, context.overwrite);
   const auto [operations, is_original] = readOperationFile(arguments.in, units);
-  core::writeFileAtomically(arguments.out, to == "original" ? sim::formatOriginalLog(operations, units)
+  files::writeFileAtomically(arguments.out, to == "original" ? sim::formatOriginalLog(operations, units)
                                                             : sim::formatOperations(operations));
   const auto arcs = std::count_if(operations.begin(), operations.end(),
                                   [](const sim::Operation& operation) { return operation.kind == 'a'; });
@@ -175,7 +175,7 @@ int convert(const Context& context, const Arguments& arguments, const sim::Origi
     return printReport(context, arguments, report);
   }
   if (isTrajectory(arguments.in)) {
-    core::refuseToOverwrite(arguments.out, context.overwrite);
+    files::refuseToOverwrite(arguments.out, context.overwrite);
     const auto trajectory = logs::readTrajectory(arguments.in);
     logs::writeTrajectory(trajectory, arguments.out, target.trajectory);
     return printPoses(context, arguments, trajectory.size());

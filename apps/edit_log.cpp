@@ -9,7 +9,7 @@
 #include "apps/console.h"
 #include "apps/edited_log.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_edit.h"
 #include "libslam/record/cut_truth.h"
 #include "libslam/record/record.h"
@@ -23,7 +23,7 @@ namespace {
 
 double number(const std::string& text, const char* flag, const char* expected) {
   double value = 0;
-  if (!core::parseNumber(text, value))
+  if (!files::parseNumber(text, value))
     throw core::InputError(std::string(flag) + ": found '" + text + "', expected " + expected);
   return value;
 }
@@ -42,7 +42,7 @@ struct CutArguments {
 };
 
 int cut(const Context& context, const CutArguments& arguments) {
-  core::refuseToOverwrite(context.output, context.overwrite);
+  files::refuseToOverwrite(context.output, context.overwrite);
   logs::CutOptions options;
   options.from = moment(arguments.from, "--from");
   options.to = moment(arguments.to, "--to");
@@ -51,7 +51,7 @@ int cut(const Context& context, const CutArguments& arguments) {
     throw core::InputError("cut: found neither --from nor --to nor --salvage, expected one of them");
   if (!record::findTruth(arguments.log).empty())
     for (const std::string end : {".gt.tum", ".manifest.json"})
-      core::refuseToOverwrite(record::logStem(context.output) + end, context.overwrite);
+      files::refuseToOverwrite(record::logStem(context.output) + end, context.overwrite);
   ConsoleProgress progress(context.quiet);
   const auto counts = logs::cutLog(arguments.log, context.output, options, progress);
   return reportEditedLog(context, counts, record::keepTruth(arguments.log, context.output));
@@ -156,7 +156,7 @@ int reportOdometry(const Context& context, const std::string& method,
 }
 
 int filter(const Context& context, const FilterArguments& arguments) {
-  core::refuseToOverwrite(context.output, context.overwrite);
+  files::refuseToOverwrite(context.output, context.overwrite);
   const auto options = filterOptions(arguments);
   ConsoleProgress progress(context.quiet);
   if (arguments.odometry.empty()) {
@@ -168,7 +168,7 @@ int filter(const Context& context, const FilterArguments& arguments) {
   if (arguments.odometry == "argmax")
     odometry.commanded = commandsBefore(arguments.log, !editsObservations(options));
   std::string log = arguments.log;
-  const core::PendingFile filtered(context.output + ".filtered");  // never committed
+  const files::PendingFile filtered(context.output + ".filtered");  // never committed
   if (editsObservations(options)) {
     logs::filterLog(log, filtered.path(), options, progress);
     log = filtered.path();

@@ -7,9 +7,9 @@
 
 #include "apps/plot.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
+#include "libslam/resources/resources.h"
 #include "libslam/explore/turn_away.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/pictures/journal_picture.h"
@@ -17,7 +17,7 @@
 #include "libslam/run/journal_file.h"
 #include "libslam/score/compare.h"
 #include "libslam/world/plan.h"
-#include "libslam/core/ini_yaml.h"
+#include "libslam/resources/ini_yaml.h"
 
 namespace slam::apps {
 namespace {
@@ -31,12 +31,12 @@ double lengthOf(const std::string& text, const std::string& option,
   for (const auto& [unit, size] : units) {
     if (text.size() <= unit.size() || text.compare(text.size() - unit.size(), unit.size(), unit) != 0)
       continue;
-    number = core::trimmed(text.substr(0, text.size() - unit.size()));
+    number = files::trimmed(text.substr(0, text.size() - unit.size()));
     factor = size;
     break;
   }
   double value = 0;
-  if (!core::parseNumber(number, value) || !(value > 0)) {
+  if (!files::parseNumber(number, value) || !(value > 0)) {
     std::string known;
     for (const auto& [unit, size] : units) known += (known.empty() ? "" : ", ") + unit;
     throw core::InputError(option + ": found '" + text + "', expected a length above 0 in " + known);
@@ -67,7 +67,7 @@ PicturePlace picturePlace(const Context& context, const PaperArguments& argument
   PicturePlace place;
   place.file = context.output.empty() ? default_name : context.output;
   draw::requirePicturePath(place.file);
-  core::refuseToOverwrite(place.file, context.overwrite);
+  files::refuseToOverwrite(place.file, context.overwrite);
   constexpr double kPage_mm = 170;
   auto& paper = place.paper;
   if (!arguments.width.empty())
@@ -79,9 +79,9 @@ PicturePlace picturePlace(const Context& context, const PaperArguments& argument
   paper.dpi = arguments.dpi;
   constexpr double kLeastUnits = 300;  // narrower, labels have no room
   if (!paper.isScreen() && !(paper.unitsWide() >= kLeastUnits && paper.width_mm <= 2000))
-    throw core::InputError("--width: found " + core::formatNumber(paper.width_mm) + " mm with text of " +
-                           core::formatNumber(paper.font_pt) + " pt, expected " +
-                           core::formatNumber(std::ceil(kLeastUnits / paper.unitsWide() * paper.width_mm)) +
+    throw core::InputError("--width: found " + files::formatNumber(paper.width_mm) + " mm with text of " +
+                           files::formatNumber(paper.font_pt) + " pt, expected " +
+                           files::formatNumber(std::ceil(kLeastUnits / paper.unitsWide() * paper.width_mm)) +
                            " to 2000 mm");
   return place;
 }
@@ -138,8 +138,8 @@ void addPlotScan(CLI::App& plot, Context& context) {
 // --- plot obstacles
 
 int plotObstacles(const Context& context, const std::string& sensor, const PaperArguments& how) {
-  core::IniFile ini;
-  if (!context.config.empty()) ini = core::readConfigFile(context.config);
+  files::IniFile ini;
+  if (!context.config.empty()) ini = resources::readConfigFile(context.config);
   for (const auto& setting : context.settings) ini.setFromArgument(setting, "--set");
   if (!sensor.empty()) ini.set("turn_away", "sensor", sensor, "--sensor");
   const auto config = explore::readTurnAwayConfig(ini);
@@ -183,7 +183,7 @@ int plotPlans(const Context& context, const std::vector<std::string>& plans, con
   auto list = nlohmann::ordered_json::array();
   for (const auto& name : plans) {
     pictures::Panel panel;
-    panel.map = world::loadPlan(core::resolvePlan(name));
+    panel.map = world::loadPlan(resources::resolvePlan(name));
     panel.T_world_map =
         core::inverse(panel.map.T_world_plan);  // beside one another, each from its own corner
     panel.title = panel.map.name;

@@ -7,7 +7,7 @@
 #include "apps/operation_files.h"
 #include "apps/plot.h"
 #include "libslam/core/error.h"
-#include "libslam/core/resources.h"
+#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/pictures/picture.h"
@@ -96,7 +96,7 @@ int plotOperations(const Context& context, const OperationsArguments& given, con
     for (auto& stamped : replayed) stamped.pose = truth.front().pose * stamped.pose;
     paths.push_back({truth, "truth", true});
   }
-  if (!arguments.plan.empty()) plan = world::loadPlan(core::resolvePlan(arguments.plan));
+  if (!arguments.plan.empty()) plan = world::loadPlan(resources::resolvePlan(arguments.plan));
   paths.push_back({replayed, "operations replayed", false});
   pictures::DrawnMarks dots{{}, "returns after moves: the naive map", true};
   if (!arguments.log.empty()) dots.places = naiveDots(arguments.log, operations, replayed);

@@ -9,13 +9,13 @@
 #include "apps/console.h"
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
-#include "libslam/core/resources.h"
+#include "libslam/resources/resources.h"
 #include "libslam/explore/reach_goal.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
 #include "libslam/run/told_commands.h"
-#include "libslam/core/ini_yaml.h"
+#include "libslam/resources/ini_yaml.h"
 
 namespace slam::apps {
 namespace {
@@ -52,7 +52,7 @@ class NotFoundYet : public record::StepObserver {
       was_lost = was_lost || (entry.event == core::JournalEvent::kLost && entry.scan <= 0);
     }
     if (was_lost && !was_found)
-      note(context_, map_ + ": the robot is not found in it after " + core::formatNumber(kPatience_s) +
+      note(context_, map_ + ": the robot is not found in it after " + files::formatNumber(kPatience_s) +
                          " s of the log: is it the map of another place?");
   }
 
@@ -108,8 +108,8 @@ std::string stoppedText(const run::Stop& stop) {
 }
 
 int runMethod(const Context& context, const Arguments& arguments) {
-  auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", arguments.method);
-  if (!context.config.empty()) config.overrideWith(core::readConfigFile(context.config));
+  auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", arguments.method);
+  if (!context.config.empty()) config.overrideWith(resources::readConfigFile(context.config));
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   if (!arguments.lidars.empty()) config.set("method", "lidars", arguments.lidars, "--lidars");
   const std::string name = std::filesystem::path(arguments.method).stem().string();
@@ -154,7 +154,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
               result.estimate.size(), result.path_length_m, end.x, end.y, core::radToDeg(end.phi));
   std::string p99;
   if (std::isfinite(result.cost.p99_ms_per_scan))
-    p99 = " (p99 " + core::formatNumber(std::round(1000 * result.cost.p99_ms_per_scan) / 1000) + ")";
+    p99 = " (p99 " + files::formatNumber(std::round(1000 * result.cost.p99_ms_per_scan) / 1000) + ")";
   std::printf("%.3f ms per scan%s, %.0f x real time, %.1f MB\n", result.cost.mean_ms_per_scan, p99.c_str(),
               result.cost.real_time_factor, result.cost.peak_memory_mb);
   if (result.lost_share && (*result.lost_share > 0 || !arguments.localised.empty()))
@@ -162,7 +162,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
   if (result.filled_poses > 0)
     std::printf("%d scans have no pose of its own, but one from the odometry between their neighbours'\n",
                 result.filled_poses);
-  const auto manifest = core::readManifest(folder + "/manifest.json");
+  const auto manifest = resources::readManifest(folder + "/manifest.json");
   for (const auto& [file, meaning] : manifest.files)
     std::printf("  %-32s %s\n", (folder + "/" + file).c_str(), meaning.c_str());
   return exit_code;

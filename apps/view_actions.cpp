@@ -12,9 +12,9 @@
 #include "apps/show.h"
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/file_hash.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/explore/explore.h"
 #include "libslam/explore/goal_methods.h"
 #include "libslam/explore/reach_goal.h"
@@ -30,7 +30,7 @@
 #include "libslam/run/external_method.h"
 #include "libslam/score/compare.h"
 #include "libslam/sim/standing_room.h"
-#include "libslam/core/ini_yaml.h"
+#include "libslam/resources/ini_yaml.h"
 
 namespace slam::apps {
 namespace fs = std::filesystem;
@@ -39,7 +39,7 @@ namespace {
 /// Instead of a method: no map, the pose by the wheels.
 constexpr const char* kWheelsOnly = "odometry";
 
-core::IniFile configOf(const Context& context, const ViewArguments& arguments) {
+files::IniFile configOf(const Context& context, const ViewArguments& arguments) {
   return withCarries(simulationConfig(context, arguments.simulation), arguments.carries);
 }
 
@@ -63,15 +63,15 @@ std::string nameOf(const std::string& path) {
 struct Start {
   std::string plan_path;
   world::Plan plan;
-  core::Manifest manifest;
+  resources::Manifest manifest;
 };
 
 Start startIn(const Context& context, const std::string& input) {
   Start start;
-  start.plan_path = core::resolvePlan(input);
+  start.plan_path = resources::resolvePlan(input);
   start.plan = world::loadPlan(start.plan_path);
   start.manifest = context.manifest();
-  start.manifest.inputs[start.plan_path] = core::fileSha256(start.plan_path);
+  start.manifest.inputs[start.plan_path] = resources::fileSha256(start.plan_path);
   return start;
 }
 
@@ -85,7 +85,7 @@ Show showOf(const Start& start, const record::RecordConfig& config, std::uint64_
 
 void refuseToOverwriteLog(const Context& context, const std::string& log_path) {
   for (const auto& path : {log_path, record::logStem(log_path) + ".gt.tum"})
-    core::refuseToOverwrite(path, context.overwrite);
+    files::refuseToOverwrite(path, context.overwrite);
 }
 
 std::string writtenText(const record::Recording& recording) {
@@ -106,7 +106,7 @@ int viewSimulate(const Context& context, const ViewArguments& arguments) {
   if (context.print_config) return printParameters(config.parameters, context.json), 0;
   const auto start = startIn(context, arguments.input);
   if (!context.output.empty()) refuseToOverwriteLog(context, context.output);
-  const core::ScratchFolder scratch;
+  const files::ScratchFolder scratch;
   const std::string log_path = context.output.empty() ? scratch / "run.rawlog" : context.output;
   Show what = showOf(start, config, context.seed);
   what.title = "simulate " + start.plan.name;
@@ -126,7 +126,7 @@ namespace {
 /// The method that maps along while somebody drives; nothing for "odometry".
 std::optional<mapping::MapBuilder> mapperOf(const std::string& slam, std::uint64_t seed) {
   if (slam == kWheelsOnly) return std::nullopt;
-  return mapping::makeMapBuilder(mapping::loadMethodConfig(core::configsFolder() + "/methods", slam),
+  return mapping::makeMapBuilder(mapping::loadMethodConfig(resources::configsFolder() + "/methods", slam),
                                  nameOf(slam), seed);
 }
 
@@ -142,7 +142,7 @@ int viewDrive(const Context& context, const ViewArguments& arguments) {
   const auto start = startIn(context, arguments.input);
   const auto commands = readUserCommands(arguments.commands);
   auto mapper = mapperOf(arguments.slam, context.seed);
-  const core::ScratchFolder scratch;
+  const files::ScratchFolder scratch;
   const std::string log_path =
       is_picture ? scratch / "run.rawlog" : (context.output.empty() ? "run.rawlog" : context.output);
   refuseToOverwriteLog(context, log_path);
@@ -181,10 +181,10 @@ int viewExplore(const Context& context, const ViewArguments& arguments) {
   const auto& config = request.strategies.front().record;
   if (context.print_config) return printParameters(config.parameters, context.json), 0;
   const auto start = startIn(context, arguments.input);
-  const core::ScratchFolder scratch;
+  const files::ScratchFolder scratch;
   request.plan_path = start.plan_path;
   request.slam = arguments.slam;
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.output = context.output.empty() ? scratch / "exploration" : context.output;
   request.seed = context.seed;
   request.overwrite = context.overwrite;
@@ -215,8 +215,8 @@ int viewNavigate(const Context& context, const ViewArguments& arguments) {
   request.methods = {arguments.method};
   const std::string slam = navigatorsSlam(arguments.slam, request.config.camera.has_value());
   request.slam = slam == "odometry" ? "" : slam;
-  request.methods_folder = core::configsFolder() + "/methods";
-  const core::ScratchFolder scratch;
+  request.methods_folder = resources::configsFolder() + "/methods";
+  const files::ScratchFolder scratch;
   request.output = context.output.empty() ? scratch / "navigation" : context.output;
   request.seed = context.seed;
   request.overwrite = context.overwrite;
@@ -258,12 +258,12 @@ void addTruth(const std::string& log_path, const std::string& given_plan, Show& 
 
 int viewRun(const Context& context, const ViewArguments& arguments) {
   requireSensible(arguments.show);
-  auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", arguments.method);
-  if (!context.config.empty()) config.overrideWith(core::readConfigFile(context.config));
+  auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", arguments.method);
+  if (!context.config.empty()) config.overrideWith(resources::readConfigFile(context.config));
   for (const auto& setting : context.settings) config.setFromArgument(setting, "--set");
   const std::string name = nameOf(arguments.method);
   if (context.print_config) return printParameters(run::methodParameters(config), context.json), 0;
-  const core::ScratchFolder scratch;
+  const files::ScratchFolder scratch;
   const std::string folder = context.output.empty() ? scratch / name : context.output;
   Show what;
   what.title = name + " on " + fs::path(arguments.input).filename().string();

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "libslam/buildings/generator.h"
-#include "libslam/core/resources.h"
+#include "libslam/resources/resources.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/process/worker.h"
 #include "libslam/record/record.h"
@@ -22,7 +22,7 @@ constexpr int kBeams = 541;
 const double kFov_rad = core::degToRad(270), kMaxRange_m = 30;
 
 const world::Plan& plan() {
-  static const world::Plan office = world::loadPlan(core::resolvePlan("office_loop"));
+  static const world::Plan office = world::loadPlan(resources::resolvePlan("office_loop"));
   return office;
 }
 
@@ -30,7 +30,7 @@ const world::Plan& plan() {
 const std::vector<core::Pose2>& poses() {
   static const std::vector<core::Pose2> visited = [] {
     const testing::TempFolder folder;
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("simulation", "duration_s", "300", "benchmark");
     std::vector<core::Pose2> result;
     record::record(plan(), record::readRecordConfig(ini), 1, folder / "run.rawlog", {},
@@ -93,7 +93,7 @@ BENCHMARK(senseOnly)->Name("simulate, 361 beams with noise, no file")->MinTime(0
 
 void simulateAnHour(benchmark::State& state) {
   const testing::TempFolder folder;
-  core::IniFile ini;
+  files::IniFile ini;
   for (const auto& [key, value] : {std::pair{"rate_hz", "10"}, std::pair{"beams", "361"}})
     ini.set("lidar", key, value, "benchmark");
   ini.set("simulation", "duration_s", "3600", "benchmark");
@@ -114,7 +114,7 @@ BENCHMARK(simulateAnHour)
 
 void simulate(benchmark::State& state) {
   const testing::TempFolder folder;
-  core::IniFile ini;
+  files::IniFile ini;
   ini.set("simulation", "duration_s", "120", "benchmark");
   const auto config = record::readRecordConfig(ini);
   double simulated_s = 0, scans = 0;
@@ -131,7 +131,7 @@ BENCHMARK(simulate)->Name("simulate and write a rawlog, 541 beams")->Unit(benchm
 
 void mapWith(benchmark::State& state, const std::string& method) {
   const testing::TempFolder folder;
-  core::IniFile ini;
+  files::IniFile ini;
   ini.set("simulation", "duration_s", "60", "benchmark");
   record::record(plan(), record::readRecordConfig(ini), 1, folder / "run.rawlog", {}, core::silentProgress());
   // A process of its own, so that the memory is the method's alone.
@@ -149,7 +149,7 @@ void mapWith(benchmark::State& state, const std::string& method) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  for (const auto& method : core::namesInFolder(core::configsFolder() + "/methods", ".ini"))
+  for (const auto& method : resources::namesInFolder(resources::configsFolder() + "/methods", ".ini"))
     benchmark::RegisterBenchmark(("map/" + method).c_str(), mapWith, method)
         ->Iterations(1)
         ->Unit(benchmark::kMillisecond);

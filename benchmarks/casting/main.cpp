@@ -24,7 +24,7 @@
 
 #include "libslam/buildings/generator.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/core/random.h"
 #include "libslam/table/table.h"
 #include "libslam/world/plan.h"
@@ -269,7 +269,7 @@ int benchmark(const Arguments& arguments) {
       addRows(plan, arguments, table);
     }
   std::cout << table::toText(table);
-  if (!arguments.csv.empty()) core::writeFileAtomically(arguments.csv, table::toCsv(table));
+  if (!arguments.csv.empty()) files::writeFileAtomically(arguments.csv, table::toCsv(table));
   return 0;
 }
 

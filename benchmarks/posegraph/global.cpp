@@ -10,7 +10,7 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/posegraph/chaining.h"
 #include "libslam/posegraph/g2o_io.h"
 #include "libslam/posegraph/global.h"
@@ -141,7 +141,7 @@ void run(int seeds, const std::string& csv, const std::vector<std::string>& file
               table);
     }
   std::cout << table::toText(table) << std::endl;
-  if (!csv.empty()) core::writeFileAtomically(csv, table::toCsv(table));
+  if (!csv.empty()) files::writeFileAtomically(csv, table::toCsv(table));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 #include "libslam/bags/ros_objects.h"
 #include "libslam/bags/ros_scan.h"
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"

@@ -160,9 +160,9 @@ PlanFigures figuresOf(const Sheet& sheet) {
 
 }  // namespace
 
-const core::ParameterTable<PlanCheckOptions>& PlanCheckOptions::table() {
+const files::ParameterTable<PlanCheckOptions>& PlanCheckOptions::table() {
   using O = PlanCheckOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "check",
       {{"robot_side_m", &O::robot_side_m, 0.4, 0.01, 10.0, "side of the square robot that has to pass"},
        {"widest_gap_m", &O::widest_gap_m, 2.0, 0.0, 100.0,

@@ -48,7 +48,7 @@ Evidence evidenceOf(Sheet& sheet) {
 }
 
 std::string resolutionText(double resolution_m) {
-  return core::formatNumber(resolution_m) + " m a pixel";
+  return files::formatNumber(resolution_m) + " m a pixel";
 }
 
 /// To two digits: more would say more than a door knows.
@@ -79,7 +79,7 @@ void checkScale(Sheet& sheet) {
     finding.remedy = "keeps what was given";
     if (evidence.door_pixels > 0)
       finding.remedy += "; doors of " + metres(sheet.options.door_m) + " m give --resolution " +
-                        core::formatNumber(rounded(sheet.options.door_m / evidence.door_pixels));
+                        files::formatNumber(rounded(sheet.options.door_m / evidence.door_pixels));
     sheet.findings.push_back(finding);
     return;
   }

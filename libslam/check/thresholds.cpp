@@ -135,7 +135,7 @@ void hideUsualGray(Sheet& sheet) {
   finding.text = "gray 205 and 206, which map servers write for unknown (" +
                  percent(static_cast<double>(count) / static_cast<double>(hidden.total())) +
                  " of the picture), counts as free with free_thresh " +
-                 core::formatNumber(sheet.reading.free_threshold);
+                 files::formatNumber(sheet.reading.free_threshold);
   finding.remedy = "makes it unknown";
   finding.is_mendable = true;
   sheet.paint(hidden, world::Cell::kUnknown, Change::kHidden);

@@ -62,7 +62,7 @@ class ExploringRobot {
   bool hasLocated() const { return !estimate_.empty(); }
 
   LoopResult result() const;
-  void writeFiles(LoopResult& result, core::Manifest manifest);
+  void writeFiles(LoopResult& result, resources::Manifest manifest);
 
   double elapsed_s() const;  ///< since the first scan
   double period_s() const { return 1 / config_.record.lidar.rate_hz; }
@@ -86,7 +86,7 @@ class ExploringRobot {
   table::Table explorationTable() const;
   bool writeMap(const Exploration& e);
   void drawPath(const Exploration& e) const;
-  void describeResults(const Exploration& e, bool has_map, core::Manifest& manifest) const;
+  void describeResults(const Exploration& e, bool has_map, resources::Manifest& manifest) const;
   void score(Exploration& e) const;
 
   const world::Plan& plan_;

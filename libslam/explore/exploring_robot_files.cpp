@@ -1,7 +1,7 @@
 #include <cmath>
 #include <limits>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/explore/exploring_robot.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/pictures/picture.h"
@@ -43,7 +43,7 @@ void ExploringRobot::score(Exploration& e) const {
   run.method = method_.name;
   run.estimate = estimate_;
   run.map = run::toPlan(raster);
-  run.manifest.results["map_mean_entropy_bits"] = core::formatNumber(metrics::mapEntropy(raster.occupancy));
+  run.manifest.results["map_mean_entropy_bits"] = files::formatNumber(metrics::mapEntropy(raster.occupancy));
   score::Truth truth;
   truth.trajectory = truth_;
   truth.plan = plan_;
@@ -136,11 +136,11 @@ void ExploringRobot::drawPath(const Exploration& e) const {
                      plan_.name + ": " + e.strategy, folder_ + "/path.png", marks);
 }
 
-void ExploringRobot::describeResults(const Exploration& e, bool has_map, core::Manifest& manifest) const {
+void ExploringRobot::describeResults(const Exploration& e, bool has_map, resources::Manifest& manifest) const {
   auto& results = manifest.results;
   run::describeLidar(*first_scan_, results);
   run::describeSensors(localiser_.builder(), lidarsOf(config_.record), results);
-  const auto number = [](double value) { return core::formatNumber(value); };
+  const auto number = [](double value) { return files::formatNumber(value); };
   results["method"] = method_.name;
   results["strategy"] = e.strategy;
   results["end"] = endName(e.end);
@@ -148,7 +148,7 @@ void ExploringRobot::describeResults(const Exploration& e, bool has_map, core::M
     results["status"] = "incomplete";
     results["failed"] = e.end_detail;
     const std::vector<core::JournalLine> journal = {run::stopLine(*stop_, estimate_.back().pose)};
-    core::writeFileAtomically(folder_ + "/journal.csv", run::journalCsv(journal));
+    files::writeFileAtomically(folder_ + "/journal.csv", run::journalCsv(journal));
     manifest.files["journal.csv"] = "what failed, where";
   }
   results["end_detail"] = e.end_detail;
@@ -164,13 +164,13 @@ void ExploringRobot::describeResults(const Exploration& e, bool has_map, core::M
   }
 }
 
-void ExploringRobot::writeFiles(LoopResult& result, core::Manifest manifest) {
+void ExploringRobot::writeFiles(LoopResult& result, resources::Manifest manifest) {
   const auto& e = result.exploration;
   recorder_->finish(simulator_, seed_, manifest);
   logs::writeTum(estimate_, folder_ + "/trajectory.tum");
   const bool has_map = writeMap(e);
-  core::writeFileAtomically(folder_ + "/exploration.csv", table::toCsv(explorationTable()));
-  core::writeFileAtomically(folder_ + "/decisions.csv", table::toCsv(decisionTable(decisions_)));
+  files::writeFileAtomically(folder_ + "/exploration.csv", table::toCsv(explorationTable()));
+  files::writeFileAtomically(folder_ + "/decisions.csv", table::toCsv(decisionTable(decisions_)));
   drawPath(e);
 
   manifest.seed = seed_;
@@ -185,7 +185,7 @@ void ExploringRobot::writeFiles(LoopResult& result, core::Manifest manifest) {
   manifest.files["decisions.csv"] = "every decision: time, pose, goal, score, reason";
   manifest.files["path.png"] = "true path and places of the decisions on the plan";
   describeResults(e, has_map, manifest);
-  core::writeManifest(manifest, folder_ + "/manifest.json");
+  resources::writeManifest(manifest, folder_ + "/manifest.json");
 }
 
 }  // namespace slam::explore

@@ -3,7 +3,7 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/ini_yaml.h"
+#include "libslam/resources/ini_yaml.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
@@ -17,7 +17,7 @@ LoopMethod loadMethod(const std::string& slam, const std::string& methods_folder
   // The method that believes its wheels, for perfect wheels.
   const std::string name = method.is_reference ? "naive_wheel" : slam;
   method.config = mapping::loadMethodConfig(methods_folder, name);
-  method.name = core::isConfigFile(name) ? std::filesystem::path(name).stem().string() : name;
+  method.name = resources::isConfigFile(name) ? std::filesystem::path(name).stem().string() : name;
   if (method.is_reference) method.name = kTruthReference;
   mapping::readMethodConfig(method.config);  // a bad key must not show in every run
   return method;

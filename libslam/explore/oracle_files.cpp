@@ -5,7 +5,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/pictures/picture.h"
 #include "libslam/table/table.h"
 
@@ -65,8 +65,8 @@ void writeOracle(const oracle::Oracle& oracle, const world::Plan& plan, const st
       table.rows.push_back({100 * tour->share, point.path_m, point.share});
     for (const auto& p : tour->path) places.rows.push_back({100 * tour->share, p.x, p.y});
   }
-  core::writeFileAtomically(folder + "/oracle.csv", table::toCsv(table));
-  core::writeFileAtomically(folder + "/oracle_path.csv", table::toCsv(places));
+  files::writeFileAtomically(folder + "/oracle.csv", table::toCsv(table));
+  files::writeFileAtomically(folder + "/oracle_path.csv", table::toCsv(places));
   std::vector<pictures::DrawnPath> paths;
   for (const auto* tour : {&oracle.to_99, &oracle.to_90}) {
     char label[80];

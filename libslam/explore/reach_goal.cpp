@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/number_list.h"
+#include "libslam/files/files.h"
+#include "libslam/files/number_list.h"
 #include "libslam/explore/goal_methods.h"
 #include "libslam/explore/goal_picture.h"
 #include "libslam/goals/surroundings.h"
@@ -198,21 +198,21 @@ void writeRun(const ReachGoalRequest& request, const GoalRun& run, const std::st
   std::filesystem::create_directories(folder);
   logs::writeTum(run.truth, folder + "/truth.tum");
   logs::writeTum(run.estimate, folder + "/trajectory.tum");
-  core::writeFileAtomically(folder + "/states.csv", statesCsv(run));
+  files::writeFileAtomically(folder + "/states.csv", statesCsv(run));
   drawGoalRun(request, run, run.method + ": " + resultOf(run), folder + "/path.png");
 }
 
 }  // namespace
 
 core::Point2 parsePlace(const std::string& text, const std::string& flag) {
-  const auto numbers = core::parseNumberList(text);
+  const auto numbers = files::parseNumberList(text);
   if (numbers.size() != 2)
     throw core::InputError(flag + ": found '" + text + "', expected two numbers: x_m,y_m");
   return {numbers[0], numbers[1]};
 }
 
 core::Pose2 parsePose(const std::string& text, const std::string& flag) {
-  const auto numbers = core::parseNumberList(text);
+  const auto numbers = files::parseNumberList(text);
   if (numbers.size() != 3)
     throw core::InputError(flag + ": found '" + text + "', expected three numbers: x_m,y_m,yaw_deg");
   return {numbers[0], numbers[1], core::wrapToPi(core::degToRad(numbers[2]))};
@@ -224,37 +224,37 @@ core::Pose2 goalStart(const world::Plan& plan, const ReachGoalConfig& config, co
   for (const double clearance_m : {radius_m + 0.3, radius_m})
     if (const auto pose = world::findStartPose(plan, clearance_m)) return *pose;
   throw core::InputError(plan.name + ": no free place for a robot of side " +
-                         core::formatNumber(config.robot.side_m) + " m");
+                         files::formatNumber(config.robot.side_m) + " m");
 }
 
-ReachGoalConfig readReachGoalConfig(const core::IniFile& given) {
+ReachGoalConfig readReachGoalConfig(const files::IniFile& given) {
   std::vector<std::string> known = {"robot",    "odometry",  "living",    "events",
                                     "navigate", "lidar_bug", "obstacles", "mrpt_reactive"};
   const auto sensors = record::sensorSections(given);
   known.insert(known.end(), sensors.begin(), sensors.end());
-  core::rejectUnknownSections(given, known);
+  files::rejectUnknownSections(given, known);
   ReachGoalConfig config;
   auto* report = &config.parameters;
-  core::readParameters(given, robot::RobotOptions::table(), config.robot, report);
+  files::readParameters(given, robot::RobotOptions::table(), config.robot, report);
   const auto sensor = record::readSensor(given, config.robot, report);
   config.lidar = sensor.lidar, config.camera = sensor.camera;
   if (!sensor.other_lidars.empty())
     throw core::InputError("section [lidar " + sensor.other_lidars.front().label +
                            "]: a robot that drives to a goal carries one lidar, expected [lidar] alone");
   const auto ini = record::withCameraDefaults(given, sensor.camera, config.robot);
-  core::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
-  core::readParameters(ini, sim::LivingOptions::table(), config.living, report);
+  files::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
+  files::readParameters(ini, sim::LivingOptions::table(), config.living, report);
   config.carries = sim::readCarries(ini, report);
-  core::readParameters(ini, goals::NavigateOptions::table(), config.navigate, report);
-  core::readParameters(ini, goals::LidarBugOptions::table(), config.navigate.lidar_bug, report);
-  core::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.navigate.obstacles, report);
-  core::readParameters(ini, mrptnav::ReactiveOptions::table(), config.mrpt_reactive, report);
+  files::readParameters(ini, goals::NavigateOptions::table(), config.navigate, report);
+  files::readParameters(ini, goals::LidarBugOptions::table(), config.navigate.lidar_bug, report);
+  files::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.navigate.obstacles, report);
+  files::readParameters(ini, mrptnav::ReactiveOptions::table(), config.mrpt_reactive, report);
   sim::requireBefore(config.carries, config.navigate.time_limit_s);
   return config;
 }
 
 GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, core::Progress& progress,
-                    const std::string& folder, const core::Manifest& manifest) {
+                    const std::string& folder, const resources::Manifest& manifest) {
   const auto& config = request.config;
   const double period_s = 1 / config.lidar.rate_hz;
   sim::Simulator simulator(request.plan, config.robot, config.lidar, config.odometry, request.T_world_start,
@@ -314,9 +314,9 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
   return run;
 }
 
-GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifest, core::Progress& progress) {
+GoalComparison reachGoal(const ReachGoalRequest& request, resources::Manifest manifest, core::Progress& progress) {
   requirePossible(request);
-  core::PendingFolder output(request.output, request.overwrite);
+  files::PendingFolder output(request.output, request.overwrite);
   GoalComparison comparison;
   const double radius_m = robot::circumscribedRadius(request.config.robot);
   if (const auto path =
@@ -341,12 +341,12 @@ GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifes
   drawGoalRuns(request, comparison.runs, output.path() + "/paths.png");
   comparison.table = tableOf(request, comparison, out_of_reach);
   const std::string scores = output.path() + "/scores";
-  core::writeFileAtomically(scores + ".txt", table::toText(comparison.table));
-  core::writeFileAtomically(scores + ".md", table::toMarkdown(comparison.table));
-  core::writeFileAtomically(
+  files::writeFileAtomically(scores + ".txt", table::toText(comparison.table));
+  files::writeFileAtomically(scores + ".md", table::toMarkdown(comparison.table));
+  files::writeFileAtomically(
       scores + ".tex", table::toLatex(comparison.table, {"tab:scores", {{"ratio", table::Best::kSmallest}}}));
-  core::writeFileAtomically(scores + ".csv", table::toCsv(comparison.table));
-  core::writeFileAtomically(scores + ".json", table::toJson(comparison.table));
+  files::writeFileAtomically(scores + ".csv", table::toCsv(comparison.table));
+  files::writeFileAtomically(scores + ".json", table::toJson(comparison.table));
 
   manifest.seed = request.seed;
   for (const auto& line : request.config.parameters)
@@ -361,9 +361,9 @@ GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifes
   manifest.files["paths.png"] = "the true paths of all methods";
   manifest.files["scores.txt"] = "the table; also .md, .tex, .csv, .json";
   for (const auto& run : comparison.runs) manifest.results[run.method] = resultOf(run);
-  manifest.results["goal_x_m"] = core::formatNumber(request.p_world_goal.x);
-  manifest.results["goal_y_m"] = core::formatNumber(request.p_world_goal.y);
-  core::writeManifest(manifest, output.path() + "/manifest.json");
+  manifest.results["goal_x_m"] = files::formatNumber(request.p_world_goal.x);
+  manifest.results["goal_y_m"] = files::formatNumber(request.p_world_goal.y);
+  resources::writeManifest(manifest, output.path() + "/manifest.json");
   output.commit();
   return comparison;
 }

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/manifest.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/ini.h"
+#include "libslam/resources/manifest.h"
+#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
 #include "libslam/goals/goal_navigator.h"
@@ -33,11 +33,11 @@ struct ReachGoalConfig {
   goals::NavigateOptions navigate;
   mrptnav::ReactiveOptions mrpt_reactive;
   std::vector<sim::CarryOrder> carries;           ///< when and where somebody carries the robot
-  std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
+  std::vector<files::ParameterReport> parameters;  ///< every value and where it came from
 };
 /// Reads sections [robot], those of readSensor(), [odometry] [living] [events] [navigate] [lidar_bug]
 /// [obstacles] [mrpt_reactive]; strict.
-ReachGoalConfig readReachGoalConfig(const core::IniFile& config);
+ReachGoalConfig readReachGoalConfig(const files::IniFile& config);
 
 /// A navigator that is not one of the library's: its name in tables and folders, and what makes it, as
 /// goals::makeGoalNavigator() does.
@@ -101,11 +101,11 @@ struct GoalComparison {
 /// The folder appears whole or not at all. Same request: the same bytes but for the manifest's times.
 /// Errors: InputError for a start without room for the robot, a goal in a wall or outside the plan, an
 /// unknown or doubled method, an existing folder without `overwrite`.
-GoalComparison reachGoal(const ReachGoalRequest& request, core::Manifest manifest, core::Progress& progress);
+GoalComparison reachGoal(const ReachGoalRequest& request, resources::Manifest manifest, core::Progress& progress);
 
 /// One drive. `folder` (existing) gets what is recorded, see record(), with `manifest`; "" writes nothing.
 GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, core::Progress& progress,
-                    const std::string& folder = "", const core::Manifest& manifest = {});
+                    const std::string& folder = "", const resources::Manifest& manifest = {});
 
 /// "x y" or "x y yaw_deg" in metres and degrees. `flag` stands before errors (InputError).
 core::Point2 parsePlace(const std::string& text, const std::string& flag);

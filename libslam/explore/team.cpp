@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/file_hash.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/explore/team_files.h"
 
 namespace slam::explore {
@@ -22,7 +22,7 @@ void checkRequest(const TeamRequest& request) {
   if (request.robots < 1 || request.robots > kMostRobots)
     refuse(std::to_string(request.robots), "1 to " + std::to_string(kMostRobots));
   if (!(request.radio_range_m >= 0))
-    throw core::InputError("--radio-range: found " + core::formatNumber(request.radio_range_m) +
+    throw core::InputError("--radio-range: found " + files::formatNumber(request.radio_range_m) +
                            ", expected metres from 0 on");
   if (record.living.people > 0 || record.living.doors_share > 0)
     refuse("[living] people or doors that move", "one robot with them: a team has the world for itself");
@@ -41,9 +41,9 @@ std::vector<std::string> makeFolders(const TeamRequest& request, const std::stri
   return folders;
 }
 
-void describe(const TeamRequest& request, const TeamReport& report, core::Manifest& manifest) {
+void describe(const TeamRequest& request, const TeamReport& report, resources::Manifest& manifest) {
   manifest.seed = request.seed;
-  manifest.inputs[request.plan_path] = core::fileSha256(request.plan_path);
+  manifest.inputs[request.plan_path] = resources::fileSha256(request.plan_path);
   for (const auto& line : request.config.record.parameters)
     manifest.config[line.section + "." + line.info.key] = line.value;
   if (!request.tables_only)
@@ -64,13 +64,13 @@ void describe(const TeamRequest& request, const TeamReport& report, core::Manife
 
 }  // namespace
 
-TeamReport exploreTeam(const TeamRequest& request, core::Manifest manifest, core::Progress& progress) {
+TeamReport exploreTeam(const TeamRequest& request, resources::Manifest manifest, core::Progress& progress) {
   checkRequest(request);
   const auto method = loadMethod(request.slam, request.methods_folder);
   const auto given_plan = world::loadPlan(request.plan_path);
   const auto plan = record::planOfVisit(given_plan, request.config.record.living, request.seed);
   const auto starts = teamStarts(plan, request);
-  core::PendingFolder output(request.output, request.overwrite);
+  files::PendingFolder output(request.output, request.overwrite);
   const std::string folder = output.path();
 
   const auto folders = makeFolders(request, folder);
@@ -93,7 +93,7 @@ TeamReport exploreTeam(const TeamRequest& request, core::Manifest manifest, core
   report.scores = teamTable(request, report, plan.name, method.name);
   writeTeam(loop, request, report, results, plan, folder);
   describe(request, report, manifest);
-  core::writeManifest(manifest, folder + "/manifest.json");
+  resources::writeManifest(manifest, folder + "/manifest.json");
   output.commit();
   return report;
 }

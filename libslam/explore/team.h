@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/manifest.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
 #include "libslam/explore/explore.h"
@@ -79,7 +79,7 @@ struct TeamReport {
 /// Errors: as explore(); InputError for robots out of 1 .. kMostRobots, a negative range, starts that are not
 /// one for each robot, overlap or lie in a wall, no room for all beside the first, and what only one robot
 /// can have: people and doors that move, being carried, returning to the start.
-TeamReport exploreTeam(const TeamRequest& request, core::Manifest manifest, core::Progress& progress);
+TeamReport exploreTeam(const TeamRequest& request, resources::Manifest manifest, core::Progress& progress);
 inline constexpr double kRemembers_s = 60.0;
 
 /// Where the robots start: the first as its configuration says, the others with its heading at the free

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/explore/coverage_charts.h"
 #include "libslam/explore/exploration_tables.h"
 #include "libslam/mapping/map_builder.h"
@@ -131,7 +131,7 @@ table::Table teamTable(const TeamRequest& request, const TeamReport& report, con
 void writeTeam(TeamLoop& loop, const TeamRequest& request, const TeamReport& report,
                const std::vector<LoopResult>& results, const world::Plan& plan, const std::string& folder) {
   const auto write = [&](const char* name, const std::string& text) {
-    core::writeFileAtomically(folder + "/" + name, text);
+    files::writeFileAtomically(folder + "/" + name, text);
   };
   const std::string slam = report.robots.front().slam;
   auto statistics = statisticsTable(byStrategy(report.robots, 1), plan.name);

@@ -307,7 +307,7 @@ TeamScores TeamLoop::scores() const {
   run.estimate = members_.front().robot->estimatedTrajectory();
   const auto map = mergedMap();
   run.map = run::toPlan(map);
-  run.manifest.results["map_mean_entropy_bits"] = core::formatNumber(metrics::mapEntropy(map.occupancy));
+  run.manifest.results["map_mean_entropy_bits"] = files::formatNumber(metrics::mapEntropy(map.occupancy));
   score::Truth truth;
   truth.trajectory = members_.front().robot->trueTrajectory();
   truth.plan = plan_;

@@ -107,7 +107,7 @@ class Experiment {
 
 /// "45" or "22.5".
 std::string rounded(double value) {
-  return core::formatNumber(std::round(value * 10) / 10);
+  return files::formatNumber(std::round(value * 10) / 10);
 }
 
 std::string inDegrees(double angle_rad) {
@@ -120,9 +120,9 @@ TurnAwayOptions::TurnAwayOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<TurnAwayOptions>& TurnAwayOptions::table() {
+const files::ParameterTable<TurnAwayOptions>& TurnAwayOptions::table() {
   using O = TurnAwayOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "turn_away",
       {{"sensor", &O::sensor, "camera", {"camera", "lidar"}, "what sees the obstacles"},
        {"turn_deg", &O::turn_rad, 90.0, -180.0, 180.0, "how far the robot turns away, left positive"},
@@ -132,14 +132,14 @@ const core::ParameterTable<TurnAwayOptions>& TurnAwayOptions::table() {
   return rows;
 }
 
-TurnAwayConfig readTurnAwayConfig(const core::IniFile& ini) {
-  core::rejectUnknownSections(ini, {"turn_away", "obstacles", "camera", "sector"});
+TurnAwayConfig readTurnAwayConfig(const files::IniFile& ini) {
+  files::rejectUnknownSections(ini, {"turn_away", "obstacles", "camera", "sector"});
   TurnAwayConfig config;
   auto* report = &config.parameters;
-  core::readParameters(ini, TurnAwayOptions::table(), config.experiment, report);
-  core::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.map, report);
-  core::readParameters(ini, obstacles::CameraOptions::table(), config.camera, report);
-  core::readParameters(ini, obstacles::SectorOptions::table(), config.sector, report);
+  files::readParameters(ini, TurnAwayOptions::table(), config.experiment, report);
+  files::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.map, report);
+  files::readParameters(ini, obstacles::CameraOptions::table(), config.camera, report);
+  files::readParameters(ini, obstacles::SectorOptions::table(), config.sector, report);
   return config;
 }
 

@@ -2,8 +2,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/draw/canvas.h"
 #include "libslam/obstacles/camera_view.h"
@@ -20,7 +20,7 @@ struct TurnAwayOptions {
   double travel_m;       ///< how far it then drives
   double travel_step_m;  ///< per tick
   TurnAwayOptions();
-  static const core::ParameterTable<TurnAwayOptions>& table();
+  static const files::ParameterTable<TurnAwayOptions>& table();
 };
 
 /// All that decides the experiment: sections [turn_away] [obstacles] [camera] [sector]; strict.
@@ -29,9 +29,9 @@ struct TurnAwayConfig {
   obstacles::LocalObstacleOptions map;
   obstacles::CameraOptions camera;
   obstacles::SectorOptions sector;
-  std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
+  std::vector<files::ParameterReport> parameters;  ///< every value and where it came from
 };
-TurnAwayConfig readTurnAwayConfig(const core::IniFile& config);
+TurnAwayConfig readTurnAwayConfig(const files::IniFile& config);
 
 /// What the robot knows at one moment of the experiment, in the robot frame of then.
 struct TurnAwayMoment {

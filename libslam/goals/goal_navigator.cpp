@@ -39,9 +39,9 @@ const char* statusName(GoalStatus status) {
   return kNames[static_cast<int>(status)];
 }
 
-const core::ParameterTable<NavigateOptions>& NavigateOptions::table() {
+const files::ParameterTable<NavigateOptions>& NavigateOptions::table() {
   using O = NavigateOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "navigate",
       {{"goal_tolerance_m", &O::goal_tolerance_m, 0.1, 0.01, 10.0, "nearer to the goal counts as there"},
        {"clearance_m", &O::clearance_m, 0.05, 0.0, 1.0,
@@ -67,9 +67,9 @@ NavigateOptions::NavigateOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<LidarBugOptions>& LidarBugOptions::table() {
+const files::ParameterTable<LidarBugOptions>& LidarBugOptions::table() {
   using O = LidarBugOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "lidar_bug",
       {{"stop_radius_m", &O::stop_radius_m, 0.22, 0.0, 10.0,
         "a reading below is a bump; at least what the robot's circle needs"},

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/obstacles/local_obstacle_map.h"
 #include "libslam/robot/drive.h"
@@ -62,7 +62,7 @@ struct LidarBugOptions {
   int bumps_in_a_row;
   std::string wall_end;
   LidarBugOptions();
-  static const core::ParameterTable<LidarBugOptions>& table();
+  static const files::ParameterTable<LidarBugOptions>& table();
 };
 
 /// Section [navigate].
@@ -75,7 +75,7 @@ struct NavigateOptions {
   LidarBugOptions lidar_bug;
   obstacles::LocalObstacleOptions obstacles;  ///< the zone of memory = local_map and unseen = looked_at
   NavigateOptions();
-  static const core::ParameterTable<NavigateOptions>& table();
+  static const files::ParameterTable<NavigateOptions>& table();
 };
 
 /// Where to, with what.

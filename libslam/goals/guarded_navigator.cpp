@@ -87,10 +87,10 @@ GoalStep GuardedNavigator::next(const robot::Scan& scan, const core::Pose2& T_od
   if (collided) surroundings_.feel(T_odom_robot, last_speed_mps_ >= 0);
   if (goalDistance(T_odom_robot) <= options_.goal_tolerance_m)
     return end(GoalStatus::kReached,
-               "the goal is " + core::formatNumber(options_.goal_tolerance_m) + " m away or nearer");
+               "the goal is " + files::formatNumber(options_.goal_tolerance_m) + " m away or nearer");
   if (elapsed_s_ > options_.time_limit_s)
     return end(GoalStatus::kGaveUp,
-               "time limit of " + core::formatNumber(options_.time_limit_s) + " s of the robot's time");
+               "time limit of " + files::formatNumber(options_.time_limit_s) + " s of the robot's time");
   blind_s_ = seesNothing(scan) ? blind_s_ + task_.period_s : 0;
   if (blind_s_ > kMostBlind_s) return end(GoalStatus::kGaveUp, "no valid reading for 5 s");
   if (standsStill(T_odom_robot)) return end(GoalStatus::kGaveUp, "no way from this spot for a minute");

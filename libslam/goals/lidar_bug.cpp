@@ -164,8 +164,8 @@ bool LidarBug::decideDriving(const core::Pose2& T_odom_robot) {
     bump_in_front_ = std::abs(core::wrapToPi(bump_bearing_rad_)) <= kInFront_rad;
     const bool many = bumps_in_a_row_ >= o.bumps_in_a_row;
     fire(many ? Event::kManyBumps : Event::kBump, T_odom_robot,
-         core::formatNumber(std::round(100 * bump_range_m_) / 100) + " m at " +
-             core::formatNumber(std::round(core::radToDeg(bump_bearing_rad_))) + " deg, " +
+         files::formatNumber(std::round(100 * bump_range_m_) / 100) + " m at " +
+             files::formatNumber(std::round(core::radToDeg(bump_bearing_rad_))) + " deg, " +
              (bump_in_front_ ? "in front" : "behind"));
     if (many) bumps_in_a_row_ = 0;
     return true;

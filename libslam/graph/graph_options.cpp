@@ -6,7 +6,7 @@ namespace slam::graph {
 namespace {
 
 using O = GraphOptions;
-using Rows = std::vector<core::ParameterTable<O>::Row>;
+using Rows = std::vector<files::ParameterTable<O>::Row>;
 
 Rows trackingRows() {
   return {{"point_spacing_m", &O::point_spacing_m, 0.05, 0.0, 10.0,
@@ -85,8 +85,8 @@ GraphOptions::GraphOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<GraphOptions>& GraphOptions::table() {
-  static const core::ParameterTable<O> kTable("graph", [] {
+const files::ParameterTable<GraphOptions>& GraphOptions::table() {
+  static const files::ParameterTable<O> kTable("graph", [] {
     Rows rows = trackingRows();
     for (const Rows& more : {mapRows(), loopRows()}) rows.insert(rows.end(), more.begin(), more.end());
     return rows;

@@ -1,5 +1,5 @@
 #pragma once
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::graph {
 
@@ -21,7 +21,7 @@ struct GraphOptions {
   double loop_confirm_m, loop_distinctness, loop_innovation, loop_work;
   int refine_rounds;
   GraphOptions();
-  static const core::ParameterTable<GraphOptions>& table();
+  static const files::ParameterTable<GraphOptions>& table();
 };
 
 }  // namespace slam::graph

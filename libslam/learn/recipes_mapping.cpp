@@ -6,7 +6,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/learn/recipes.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/posegraph/g2o_io.h"
@@ -268,7 +268,7 @@ Figures poseGraph(const Place& place) {
 Figures claimedMethods(const Place& place) {
   place.makePlan("plan.yaml");
   const std::string first = std::to_string(place.student * 100 + 1);
-  core::writeFileAtomically(
+  files::writeFileAtomically(
       place.file("claim.ini"),
       "# The claim: of the two methods that is better which ends nearer to the truth on "
       "this one drive.\n"

@@ -5,7 +5,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/learn/recipes.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
@@ -31,8 +31,8 @@ core::Pose2 placeFacingAWall(const world::Plan& plan, const record::RecordConfig
 }
 
 std::string poseText(const core::Pose2& pose) {
-  return core::formatNumber(pose.x) + "," + core::formatNumber(pose.y) + "," +
-         core::formatNumber(std::round(core::radToDeg(pose.phi)));
+  return files::formatNumber(pose.x) + "," + files::formatNumber(pose.y) + "," +
+         files::formatNumber(std::round(core::radToDeg(pose.phi)));
 }
 
 /// Of the true path: how far the robot has turned in all, whole turns counted, and how far it has driven.
@@ -114,7 +114,7 @@ Figures scanDifference(const Place& place) {
   const std::string path = place.file("run.operations.txt");
   std::vector<std::vector<double>> rows;
   double turns = 0, wrong = 0, wrong_unwrapped = 0, wrong_turned_round = 0, all_wrong_moves = 0;
-  for (const auto& operation : sim::parseOperations(core::readTextFile(path), path)) {
+  for (const auto& operation : sim::parseOperations(files::readTextFile(path), path)) {
     if (operation.kind != 't') {
       ++all_wrong_moves;
       continue;

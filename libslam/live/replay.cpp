@@ -5,9 +5,9 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/file_hash.h"
-#include "libslam/core/parameters.h"
-#include "libslam/core/resources.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/files/parameters.h"
+#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/run/journal_file.h"
@@ -37,7 +37,7 @@ Replay loadReplay(const std::string& folder, const std::string& given_log) {
   replay.log_path = given_log.empty() ? log_path : given_log;
   if (!fs::exists(replay.log_path))
     throw core::InputError(replay.log_path + ": the log of " + folder + " is not there; give --log");
-  if (!hash.empty() && core::fileSha256(replay.log_path) != hash)
+  if (!hash.empty() && resources::fileSha256(replay.log_path) != hash)
     throw core::InputError(replay.log_path + ": is not the log that " + folder +
                            " was made from (its SHA-256 is another)");
   replay.method = run.method;
@@ -52,7 +52,7 @@ Replay loadReplay(const std::string& folder, const std::string& given_log) {
 }
 
 void play(const Replay& replay, record::StepObserver& observer) {
-  auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel");
+  auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "naive_wheel");
   auto method = mapping::makeMapBuilder(config, "naive_wheel", 1);
   logs::LogReader log(replay.log_path);
   core::Pose2 T_map_previous = replay.path.front().pose;
@@ -65,7 +65,7 @@ void play(const Replay& replay, record::StepObserver& observer) {
         std::lower_bound(replay.path.begin(), replay.path.end(), time_s - kSameStamp_s,
                          [](const core::StampedPose& pose, double stamp_s) { return pose.time_s < stamp_s; });
     if (at == replay.path.end() || at->time_s > time_s + kSameStamp_s)
-      throw core::InputError(replay.log_path + ": the scan at " + core::formatNumber(time_s) +
+      throw core::InputError(replay.log_path + ": the scan at " + files::formatNumber(time_s) +
                              " s has no pose in the run's path, expected one each");
     if (is_first) begin_s = time_s;
     is_first = false;

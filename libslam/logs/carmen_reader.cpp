@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/carmen_log.h"
 #include "libslam/logs/carmen_words.h"
 #include "libslam/objects/mrpt_objects.h"
@@ -171,10 +171,10 @@ void CarmenParser::takeNewLaser(const std::string& kind, CarmenWords& words, Obj
   if (!(geometry.step_rad > 0) || geometry.step_rad * steps > 2 * core::kPi + 1e-4 ||
       std::abs(geometry.first_angle_rad) > 4 * core::kPi)
     throw core::InputError("found a sweep of " + std::to_string(sweep.ranges_m.size()) + " ranges " +
-                           core::formatNumber(geometry.step_rad) + " rad apart from " +
-                           core::formatNumber(geometry.first_angle_rad) + ", expected at most one turn");
+                           files::formatNumber(geometry.step_rad) + " rad apart from " +
+                           files::formatNumber(geometry.first_angle_rad) + ", expected at most one turn");
   if (!(geometry.max_range_m > 0 && geometry.max_range_m <= kLargestNumber))
-    throw core::InputError("found maximum_range " + core::formatNumber(geometry.max_range_m) +
+    throw core::InputError("found maximum_range " + files::formatNumber(geometry.max_range_m) +
                            ", expected a number above 0");
   sweep.readRemissions(words);
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/carmen_log.h"
 #include "libslam/logs/carmen_words.h"
 
@@ -48,8 +48,8 @@ void CarmenSettings::take(std::string_view name, std::string_view value) {
     double number = 0;
     if (!parse(value, number) || number < row.lowest || number > row.highest)
       throw core::InputError("parameter " + std::string(name) + ": found " + quoted(value) +
-                             ", expected a number from " + core::formatNumber(row.lowest) + " to " +
-                             core::formatNumber(row.highest));
+                             ", expected a number from " + files::formatNumber(row.lowest) + " to " +
+                             files::formatNumber(row.highest));
     (this->*row.laser).*row.member = number;
   }
 }

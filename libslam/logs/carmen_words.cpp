@@ -6,7 +6,7 @@
 #include <cstddef>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::logs {
 namespace {

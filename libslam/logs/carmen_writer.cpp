@@ -9,7 +9,7 @@
 #include <map>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/core/fixed_number.h"
 #include "libslam/logs/carmen_log.h"
 #include "libslam/objects/mrpt_objects.h"
@@ -306,7 +306,7 @@ class CarmenSink : public objects::ObjectSink {
     }
   }
 
-  core::GrowingFile file_;
+  files::GrowingFile file_;
   CarmenSettings settings_;
   std::string host_ = "nohost";
   std::map<std::string, std::string> notes_, kinds_;

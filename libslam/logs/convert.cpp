@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_format.h"
 #include "libslam/logs/log_motion.h"
 #include "libslam/logs/log_reader.h"
@@ -152,7 +152,7 @@ std::string logStem(const std::string& path) {
 
 ConversionReport convertLog(const std::string& in, const std::string& out, const LogConversion& conversion,
                             core::Progress& progress) {
-  core::refuseToOverwrite(out, conversion.overwrite);
+  files::refuseToOverwrite(out, conversion.overwrite);
   ConversionReport report;
   report.from = detectLogFormat(in);
   auto sieve = std::make_unique<Sieve>(openLog(in), conversion.label);
@@ -181,7 +181,7 @@ ConversionReport convertLog(const std::string& in, const std::string& out, const
   if (!sieved.truth.empty()) {
     sortByTime(sieved.truth);
     const std::string tum = logStem(out) + ".truth.tum", mrpt = out + ".GT.txt";
-    for (const auto& path : {tum, mrpt}) core::refuseToOverwrite(path, conversion.overwrite);
+    for (const auto& path : {tum, mrpt}) files::refuseToOverwrite(path, conversion.overwrite);
     writeTum(sieved.truth, tum);
     writeMrptGroundTruth(sieved.truth, mrpt);
     report.files.insert(report.files.end(), {tum, mrpt});
@@ -193,7 +193,7 @@ ConversionReport convertLog(const std::string& in, const std::string& out, const
 std::size_t exportTrajectory(const std::string& in, LogPath path, const std::string& label,
                              const std::string& out, TrajectoryWriter::Format format, bool overwrite,
                              core::Progress& progress) {
-  core::refuseToOverwrite(out, overwrite);
+  files::refuseToOverwrite(out, overwrite);
   core::Trajectory trajectory;
   const auto since_start = [&trajectory] { return trajectory.back().time_s - trajectory.front().time_s; };
   progress.begin("reading the " + std::string(path == LogPath::kTruth ? "truth" : "odometry"));

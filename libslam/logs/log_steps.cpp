@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/log_format.h"
 
 namespace slam::logs {

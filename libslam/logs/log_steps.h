@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_edit.h"
 #include "libslam/logs/rawlog_stream.h"
 #include "libslam/objects/mrpt_time.h"
@@ -83,7 +83,7 @@ class StepWriter {
   void serialize(const mrpt::serialization::CSerializable& object);
   std::optional<ComposedActions> dropped_;
   std::string path_;
-  core::PendingFile pending_;
+  files::PendingFile pending_;
   PackingStream stream_;
   EditCounts counts_;
 };

@@ -21,7 +21,7 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/core/memory_guard.h"
+#include "libslam/files/memory_guard.h"
 
 namespace slam::logs {
 namespace {
@@ -214,7 +214,7 @@ std::shared_ptr<mrpt::serialization::CSerializable> RawlogObjects::next() {
     checkHeader();
     std::shared_ptr<mrpt::serialization::CSerializable> object;
     try {
-      const core::MemoryGuard guard(core::kObjectHeadroom_bytes);
+      const files::MemoryGuard guard(core::kObjectHeadroom_bytes);
       object = archive.ReadObject();
     } catch (const std::bad_alloc&) {
       fail(stream_.failure(), "an entry of impossible size");

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/unpacking_stream.h"
 #include "libslam/objects/object_stream.h"
 
@@ -83,7 +83,7 @@ class RawlogSink : public objects::ObjectSink {
   void close() override;
 
  private:
-  core::PendingFile pending_;
+  files::PendingFile pending_;
   PackingStream stream_;
   bool closed_ = false;
 };

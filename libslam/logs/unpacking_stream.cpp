@@ -12,7 +12,7 @@
 #include <stdexcept>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 
 namespace slam::logs {
 namespace {
@@ -151,7 +151,7 @@ std::unique_ptr<Unpacker> unpackerFor(std::string_view start) {
 }  // namespace
 
 UnpackingStream::UnpackingStream(const std::string& path) : input_(kInputBytes) {
-  core::requireReadableFile(path);
+  files::requireReadableFile(path);
   file_.open(path, std::ios::binary);
   std::error_code error;
   file_bytes_ = std::filesystem::file_size(path, error);

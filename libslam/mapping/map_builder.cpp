@@ -55,7 +55,7 @@ std::vector<robot::Scan> takeOthers(MapBuilder::State& state, const core::Pose2&
 
 }  // namespace
 
-MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, std::uint64_t seed) {
+MapBuilder makeMapBuilder(const files::IniFile& config, const std::string& name, std::uint64_t seed) {
   const MethodConfig read = readMethodConfig(config);
   MapBuilder method;
   method.name = name;

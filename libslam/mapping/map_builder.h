@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
+#include "libslam/files/ini.h"
 #include "libslam/core/journal.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
 #include "libslam/graph/part_place.h"
@@ -36,7 +36,7 @@ struct MapBuilder {
   std::string type;      ///< one of methodTypes()
   std::string odometry;  ///< which increments it is fed: [method] odometry
   std::string lidars;    ///< whose scans it wants: [method] lidars
-  std::vector<core::ParameterReport> parameters;
+  std::vector<files::ParameterReport> parameters;
   std::unique_ptr<methods::SlamMethod> method;
 
   struct State;
@@ -45,7 +45,7 @@ struct MapBuilder {
 
 /// Makes a method from its .ini (configs/methods/NAME.ini; sections as methodSections() has them). Errors:
 /// readMethodConfig()'s. Nothing is printed, whatever MRPT would like to say.
-MapBuilder makeMapBuilder(const core::IniFile& config, const std::string& name, std::uint64_t seed);
+MapBuilder makeMapBuilder(const files::IniFile& config, const std::string& name, std::uint64_t seed);
 
 /// The method as MRPT's programs know one; lives as long as it.
 mrpt::slam::CMetricMapBuilder& mrptBuilder(const MapBuilder& method);

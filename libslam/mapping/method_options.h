@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::mapping {
 
@@ -14,7 +14,7 @@ struct MethodOptions {
   double sweep_s;        ///< robot::Sweep, 0: as the log states it
   bool sweep_clockwise;  ///< of sweep_s
   MethodOptions();
-  static const core::ParameterTable<MethodOptions>& table();
+  static const files::ParameterTable<MethodOptions>& table();
 };
 
 }  // namespace slam::mapping

@@ -99,11 +99,11 @@ MethodType graphMethod() {
   type.name = "graph";
   type.sections = {"graph"};
   type.goes_on_alone = type.continues_maps = type.finds_itself = type.joins_maps = true;
-  type.read = [](const core::IniFile& ini, std::vector<core::ParameterReport>& report) -> MethodMaker {
+  type.read = [](const files::IniFile& ini, std::vector<files::ParameterReport>& report) -> MethodMaker {
     builders::MappingOptions mapping;
     graph::GraphOptions graph;
-    core::readParameters(ini, builders::mappingTable({builders::gridRows()}), mapping, &report);
-    core::readParameters(ini, graph::GraphOptions::table(), graph, &report);
+    files::readParameters(ini, builders::mappingTable({builders::gridRows()}), mapping, &report);
+    files::readParameters(ini, graph::GraphOptions::table(), graph, &report);
     return [mapping, graph](const std::string& /*name*/, std::uint64_t /*seed*/) {
       return std::make_unique<GraphMethod>(mapping, graph);
     };

@@ -42,9 +42,9 @@ class NaiveMethod : public MrptMethod {
 MethodType naiveMethod() {
   MethodType type;
   type.name = "naive";
-  type.read = [](const core::IniFile& ini, std::vector<core::ParameterReport>& report) -> MethodMaker {
+  type.read = [](const files::IniFile& ini, std::vector<files::ParameterReport>& report) -> MethodMaker {
     builders::MappingOptions mapping;
-    core::readParameters(
+    files::readParameters(
         ini,
         builders::mappingTable({builders::gridRows(), builders::keyFrameRows(), builders::drawingRows()}),
         mapping, &report);

@@ -28,16 +28,16 @@ struct ParticleOptions {
   int likelihood_decimation;
   bool likelihood_cache;
   ParticleOptions();
-  static const core::ParameterTable<ParticleOptions>& table();
+  static const files::ParameterTable<ParticleOptions>& table();
 };
 
 ParticleOptions::ParticleOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<ParticleOptions>& ParticleOptions::table() {
+const files::ParameterTable<ParticleOptions>& ParticleOptions::table() {
   using O = ParticleOptions;
-  static const core::ParameterTable<O> kTable(
+  static const files::ParameterTable<O> kTable(
       "particles",
       {{"algorithm",
         &O::algorithm,
@@ -212,21 +212,21 @@ double RbpfMethod::cellsWith(const core::Point2& centre, double reach_m) const {
 }
 
 /// MRPT matches with Levenberg-Marquardt against points only, and the particles hold grids.
-void requireClassic(const core::IniFile& ini) {
+void requireClassic(const files::IniFile& ini) {
   const auto* algorithm = ini.find("icp", "algorithm");
   if (algorithm != nullptr && algorithm->value != "classic")
     throw core::InputError(algorithm->origin + ": section [icp], key 'algorithm': found '" +
                            algorithm->value + "', expected classic for type rbpf, which matches to grids");
 }
 
-RbpfMethodOptions readOptions(const core::IniFile& ini, std::vector<core::ParameterReport>& report) {
+RbpfMethodOptions readOptions(const files::IniFile& ini, std::vector<files::ParameterReport>& report) {
   RbpfMethodOptions options;
-  core::readParameters(
+  files::readParameters(
       ini, builders::mappingTable({builders::gridRows(), builders::keyFrameRows(), builders::matcherRows()}),
       options.mapping, &report);
-  core::readParameters(ini, icpTable({icpRows()}), options.icp, &report);
-  core::readParameters(ini, ParticleOptions::table(), options.particles, &report);
-  core::readParameters(ini, MotionOptions::table(), options.motion, &report);
+  files::readParameters(ini, icpTable({icpRows()}), options.icp, &report);
+  files::readParameters(ini, ParticleOptions::table(), options.particles, &report);
+  files::readParameters(ini, MotionOptions::table(), options.motion, &report);
   requireClassic(ini);
   return options;
 }
@@ -237,13 +237,13 @@ MethodType rbpfMethod() {
   MethodType type;
   type.name = "rbpf";
   type.sections = {"icp", "particles", "motion"};
-  type.read = [](const core::IniFile& ini, std::vector<core::ParameterReport>& report) -> MethodMaker {
+  type.read = [](const files::IniFile& ini, std::vector<files::ParameterReport>& report) -> MethodMaker {
     return [options = readOptions(ini, report)](const std::string& name, std::uint64_t seed) {
       return std::make_unique<RbpfMethod>(makeBuilder(rbpfSlamText(options, name)), options, seed);
     };
   };
-  type.mrpt_config = [](const core::IniFile& ini, const std::string& name) {
-    std::vector<core::ParameterReport> report;
+  type.mrpt_config = [](const files::IniFile& ini, const std::string& name) {
+    std::vector<files::ParameterReport> report;
     return rbpfSlamText(readOptions(ini, report), name);
   };
   return type;

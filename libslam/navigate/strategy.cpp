@@ -61,9 +61,9 @@ const Entry& entryOf(const std::string& name, const char* who) {
 
 }  // namespace
 
-const core::ParameterTable<StrategyOptions>& StrategyOptions::table() {
+const files::ParameterTable<StrategyOptions>& StrategyOptions::table() {
   using O = StrategyOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "strategy",
       {{"name", &O::name, "quadrant", strategyNames(), "how the robot decides where to go next"},
        {"divisor_min", &O::divisor_min, 0.1, 0.01, 100.0, "drive (longest ray / u), u at least this"},
@@ -132,8 +132,8 @@ bool strategyNeedsMap(const std::string& name) {
 std::unique_ptr<Strategy> makeStrategy(const StrategyOptions& options, core::RandomStream random) {
   if (options.divisor_max < options.divisor_min)
     throw core::InputError("section [strategy], key 'divisor_max': found '" +
-                           core::formatNumber(options.divisor_max) + "', expected at least divisor_min, " +
-                           core::formatNumber(options.divisor_min));
+                           files::formatNumber(options.divisor_max) + "', expected at least divisor_min, " +
+                           files::formatNumber(options.divisor_min));
   for (const auto& known : kStrategies)
     if (options.name == known.name) return known.maker(options, random);
   throw core::InputError("section [strategy], key 'name': found '" + options.name + "', expected a strategy" +

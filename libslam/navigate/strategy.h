@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/random.h"
 #include "libslam/gridmap/occupancy_raster.h"
@@ -90,7 +90,7 @@ struct StrategyOptions {
   obstacles::LocalObstacleOptions obstacles;  ///< the zone of memory = local_map and unseen = looked_at
   int give_up_after;  ///< decisions in a row that show nothing new before the strategy is stuck
   StrategyOptions();
-  static const core::ParameterTable<StrategyOptions>& table();
+  static const files::ParameterTable<StrategyOptions>& table();
 };
 
 /// Errors: unknown name, divisor_max below divisor_min (InputError).

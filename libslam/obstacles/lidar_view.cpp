@@ -22,9 +22,9 @@ SectorOptions::SectorOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<SectorOptions>& SectorOptions::table() {
+const files::ParameterTable<SectorOptions>& SectorOptions::table() {
   using O = SectorOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "sector",
       {{"width_deg", &O::width_rad, 60.0, 0.1, 360.0, "angle of the scan that counts, around the heading"},
        {"reach_m", &O::reach_m, 4.0, 0.0, 1000.0, "farther returns do not count; 0 = no limit"},

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/obstacles/visible_area.h"
 #include "libslam/robot/scan.h"
 
@@ -14,7 +14,7 @@ struct SectorOptions {
   double depth_margin_m;  ///< how far behind a return the remembered points belong to it
 
   SectorOptions();
-  static const core::ParameterTable<SectorOptions>& table();
+  static const files::ParameterTable<SectorOptions>& table();
 };
 
 /// What a scan sees in a sector that looks along the robot's heading from where the lidar is: along each beam

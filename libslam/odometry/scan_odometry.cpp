@@ -12,8 +12,8 @@ ScanOdometryOptions::ScanOdometryOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<ScanOdometryOptions>& ScanOdometryOptions::table() {
-  static const core::ParameterTable<ScanOdometryOptions> rows(
+const files::ParameterTable<ScanOdometryOptions>& ScanOdometryOptions::table() {
+  static const files::ParameterTable<ScanOdometryOptions> rows(
       "scan_odometry", {{"method", &ScanOdometryOptions::method, "correlation", scanOdometryNames(),
                          "argmax: the longest range and two readings, told what was commanded; argmax_blind "
                          "guesses that; the others "

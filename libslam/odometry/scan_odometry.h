@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/robot/motion_kind.h"
 #include "libslam/robot/scan.h"
@@ -37,7 +37,7 @@ struct ScanOdometryOptions {
   double max_turn_rad;  ///< search range between two scans (correlation); what a guess may be wrong by (both)
   double max_move_m;    ///< the same for the translation
   ScanOdometryOptions();
-  static const core::ParameterTable<ScanOdometryOptions>& table();
+  static const files::ParameterTable<ScanOdometryOptions>& table();
 };
 
 /// Odometry from consecutive scans alone.

@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "libslam/core/csv.h"
+#include "libslam/files/csv.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/json_entry.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/json_entry.h"
+#include "libslam/files/parameters.h"
 #include "libslam/pages/report_meanings.h"
 #include "libslam/pages/report_parts.h"
 #include "libslam/pages/report_verdict.h"
@@ -28,7 +28,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 bool isRunFolder(const std::string& folder) {
   return fs::exists(folder + "/manifest.json") &&
-         !resultOf(core::readManifest(folder + "/manifest.json"), "method").empty();
+         !resultOf(resources::readManifest(folder + "/manifest.json"), "method").empty();
 }
 
 /// A method that was asked for, and what became of it.
@@ -58,7 +58,7 @@ std::vector<Asked> methodsOfComparison(const std::string& folder, report::Report
         "--resume' goes on with it.");
     return methods;
   }
-  const auto scores = core::readJsonFile(path);
+  const auto scores = resources::readJsonFile(path);
   if (!scores.is_object() || !scores.contains("rows") || !scores["rows"].is_array())
     throw core::InputError(path + ": is not a table that rasterslam wrote, expected an object with 'rows'");
   for (const auto& row : scores["rows"]) {
@@ -88,13 +88,13 @@ std::string logOf(const run::RunFolder& run, const std::string& folder, report::
 /// scan_time_s and scan_ms from timing.csv.
 void readTiming(const std::string& path, report::ReportRun& run) {
   if (!fs::exists(path)) return;
-  const std::string text = core::readTextFile(path);
-  core::CsvReader reader(text, path);
+  const std::string text = files::readTextFile(path);
+  files::CsvReader reader(text, path);
   std::vector<std::string> fields;
   reader.next(fields);
   while (reader.next(fields)) {
     double time_s = 0, ms = 0;
-    if (fields.size() != 3 || !core::parseNumber(fields[1], time_s) || !core::parseNumber(fields[2], ms))
+    if (fields.size() != 3 || !files::parseNumber(fields[1], time_s) || !files::parseNumber(fields[2], ms))
       throw core::InputError(reader.place() + ": found '" + std::string(reader.record()) +
                              "', expected scan,time_s,cpu_ms");
     run.scan_time_s.push_back(time_s);
@@ -129,7 +129,7 @@ report::ReportRun pageRun(const run::RunFolder& run, const score::Evaluation& e,
 void addRunDownloads(const std::vector<run::RunFolder>& runs, report::ReportPage& page) {
   for (const auto& run : runs) {
     // Saved from the page both lie in one folder with those of other methods.
-    auto yaml = core::readTextFile(run.path + "/map.yaml");
+    auto yaml = files::readTextFile(run.path + "/map.yaml");
     yaml = std::regex_replace(yaml, std::regex("(^|\n)image:[^\n]*"), "$1image: " + run.method + "_map.png");
     page.downloads.push_back(
         {run.method + "_map.yaml", "the map for ROS, with the picture", "application/yaml", yaml});
@@ -141,8 +141,8 @@ void addRunDownloads(const std::vector<run::RunFolder>& runs, report::ReportPage
   }
 }
 
-void addFacts(const core::Manifest& manifest, report::ReportPage& page) {
-  page.facts = {{"command", core::shellQuoted(manifest.command_line)},
+void addFacts(const resources::Manifest& manifest, report::ReportPage& page) {
+  page.facts = {{"command", resources::shellQuoted(manifest.command_line)},
                 {"seed", std::to_string(manifest.seed)},
                 {"version", "rasterslam " + manifest.version}};
   for (const auto& [path, hash] : manifest.inputs)
@@ -150,7 +150,7 @@ void addFacts(const core::Manifest& manifest, report::ReportPage& page) {
 }
 
 /// Runs, figures and replay of a comparison or of a single run.
-void fill(const std::vector<Asked>& methods, const std::string& folder, const core::Manifest& manifest,
+void fill(const std::vector<Asked>& methods, const std::string& folder, const resources::Manifest& manifest,
           core::Progress& progress, report::ReportPage& page) {
   std::vector<run::RunFolder> runs;
   for (const auto& method : methods)
@@ -213,9 +213,9 @@ void addExploration(const std::string& folder, report::ReportPage& page) {
   const core::Pose2 T_world_map = page.runs.empty() ? core::Pose2{} : page.runs.front().T_world_map;
   addGoals(folder, T_world_map, page.replays.front());
   addCoverage({folder}, {"explored"}, page);
-  const auto manifest = core::readManifest(folder + "/manifest.json");
+  const auto manifest = resources::readManifest(folder + "/manifest.json");
   double share = kNan;
-  if (core::parseNumber(resultOf(manifest, "coverage"), share)) {
+  if (files::parseNumber(resultOf(manifest, "coverage"), share)) {
     std::string text = resultOf(manifest, "strategy") + " explored " + percent(share) +
                        " of what can be explored; it ended by: " + resultOf(manifest, "end");
     if (const auto detail = resultOf(manifest, "end_detail"); !detail.empty()) text += " (" + detail + ")";
@@ -258,7 +258,7 @@ report::ReportPage tuningPage(const std::string& folder) {
   page.title = pageTitle(folder, "Tuning");
   page.subtitle =
       "Candidates were ranked on training worlds, the best judged against the default on held-out ones.";
-  page.verdict = {core::trimmed(core::readTextFile(folder + "/verdict.txt"))};
+  page.verdict = {files::trimmed(files::readTextFile(folder + "/verdict.txt"))};
   for (const std::string name : {"candidates", "sensitivity"})
     if (fs::exists(folder + "/" + name + ".json"))
       page.tables.push_back(readJsonTable(folder + "/" + name + ".json"));
@@ -276,7 +276,7 @@ report::ReportPage pageOf(const std::string& folder, core::Progress& progress) {
     throw core::InputError(folder +
                            ": holds no manifest.json, expected the folder of a compare, run, explore, "
                            "navigate, bench or stress");
-  const auto manifest = core::readManifest(manifest_path);
+  const auto manifest = resources::readManifest(manifest_path);
   report::ReportPage page;
   addFacts(manifest, page);
   page.subtitle = "Written by rasterslam " + manifest.version +

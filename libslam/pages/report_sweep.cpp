@@ -5,8 +5,8 @@
 #include <tuple>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/pages/report_parts.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/study/run_figures.h"
@@ -302,7 +302,7 @@ void addWorstRuns(const std::string& folder, const Rows& rows, const std::vector
     const std::string log_folder = rows.text(row, "log_folder");
     std::string log_path = folder + "/" + log_folder + "/run.rawlog";
     if (log_folder.empty())  // a log that existed already
-      log_path = run::logInput(core::readManifest(runOf(row) + "/manifest.json"));
+      log_path = run::logInput(resources::readManifest(runOf(row) + "/manifest.json"));
     addRun(runOf(row), log_path, name, page.replays.size() - 1, page);
     page.runs.back().summary = "Its worst run: " + where + ". " + page.runs.back().summary;
     if (fs::exists(log_path))
@@ -327,7 +327,7 @@ bool isSweep(const std::string& folder) {
   return true;
 }
 
-void fillSweep(const std::string& folder, const core::Manifest& manifest, core::Progress& progress,
+void fillSweep(const std::string& folder, const resources::Manifest& manifest, core::Progress& progress,
                report::ReportPage& page) {
   const bool is_stress = fs::exists(folder + "/stress.json");
   const auto plan = sweep::readSweepPlan(folder + "/plan.json");

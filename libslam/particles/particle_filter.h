@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "libslam/core/journal.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/core/thread_team.h"
 #include "libslam/gridmap/grid.h"
 #include "libslam/particles/motion.h"
@@ -32,7 +32,7 @@ struct ParticleFilterOptions {
   int lost_scans;
   double hit_probability, pass_probability;
   ParticleFilterOptions();
-  static const core::ParameterTable<ParticleFilterOptions>& table();
+  static const files::ParameterTable<ParticleFilterOptions>& table();
 
   double insert_distance_m = 0.3, insert_angle_rad = 0.3;
   gridmap::RayOptions rays{20, true};

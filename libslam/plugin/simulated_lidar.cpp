@@ -23,15 +23,15 @@ const std::set<std::string> kMrptKeys = {"driver",          "process_rate", "max
                                          "grab_decimation", "sensorLabel",  "rawlog-grabber-ignore"};
 
 /// The keys that are ours. MRPT leaves a comment behind a text in the value; our own grammar takes it off.
-core::IniFile ownKeys(const mrpt::config::CConfigFileBase& source, const std::string& section) {
-  core::IniFile ini;
+files::IniFile ownKeys(const mrpt::config::CConfigFileBase& source, const std::string& section) {
+  files::IniFile ini;
   std::vector<std::string> keys;
   source.getAllKeys(section, keys);
   for (const auto& key : keys) {
     if (kMrptKeys.count(key)) continue;
     const std::string line = key + " = " + source.read_string(section, key, "");
     const std::string origin = "rawlog-grabber's configuration";
-    const auto parsed = core::IniFile::parse("[" + section + "]\n" + line, origin);
+    const auto parsed = files::IniFile::parse("[" + section + "]\n" + line, origin);
     ini.set(section, key, parsed.find(section, key)->value, origin);
   }
   return ini;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "libslam/core/file_hash.h"
-#include "libslam/core/manifest.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/record/truth_files.h"
@@ -25,10 +25,10 @@ std::vector<std::string> keepTruth(const std::string& whole_log, const std::stri
   logs::writeTum(truth, part_truth);
   std::vector<std::string> written = {part_truth};
   if (const auto plan = findPlan(whole_log); !plan.empty()) {
-    core::Manifest manifest;
-    manifest.inputs[plan] = core::fileSha256(plan);
+    resources::Manifest manifest;
+    manifest.inputs[plan] = resources::fileSha256(plan);
     manifest.files[std::filesystem::path(part_truth).filename()] = "truth: poses of the robot, world frame";
-    core::writeManifest(manifest, part_manifest);
+    resources::writeManifest(manifest, part_manifest);
     written.push_back(part_manifest);
   }
   return written;

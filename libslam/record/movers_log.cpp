@@ -5,7 +5,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::record {
 namespace {
@@ -36,7 +36,7 @@ const char* nameOf(sim::DoorState state) {
 
 /// Millimetres and thousandths of a radian: finer than anything that reads it needs.
 std::string rounded(double value) {
-  return core::formatNumber(std::round(value * 1000) / 1000 + 0.0);
+  return files::formatNumber(std::round(value * 1000) / 1000 + 0.0);
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ MoversLog::MoversLog(const std::string& path) : file_(path) {
 void MoversLog::add(const sim::Simulator& simulator) {
   const auto& scene = simulator.scene();
   const auto& plan = scene.plan();
-  const std::string time = core::formatNumber(simulator.time_s());
+  const std::string time = files::formatNumber(simulator.time_s());
   std::ostringstream lines;
   if (const auto* crowd = scene.crowd()) {
     size_t id = 0;

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/sim/simulator.h"
 
 namespace slam::record {
@@ -26,7 +26,7 @@ class MoversLog {
   void commit();
 
  private:
-  core::GrowingFile file_;
+  files::GrowingFile file_;
   std::vector<sim::DoorState> doors_;  ///< as last written
 };
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "libslam/core/csv.h"
+#include "libslam/files/csv.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/record/truth_files.h"
 
 namespace slam::record {
@@ -15,8 +15,8 @@ std::vector<std::vector<double>> readNumberRows(const std::string& path, const s
   std::vector<std::vector<double>> rows;
   if (!fs::exists(path)) return rows;
   const auto columns = static_cast<size_t>(1 + std::count(header.begin(), header.end(), ','));
-  const std::string text = core::readTextFile(path);
-  core::CsvReader reader(text, path);
+  const std::string text = files::readTextFile(path);
+  files::CsvReader reader(text, path);
   for (std::vector<std::string> fields; reader.next(fields);) {
     if (reader.line() == 1) {
       if (reader.record() != header)
@@ -28,7 +28,7 @@ std::vector<std::vector<double>> readNumberRows(const std::string& path, const s
       throw core::InputError(reader.place() + ": found " + std::to_string(fields.size()) +
                              " fields, expected " + std::to_string(columns));
     rows.emplace_back();
-    for (const auto& field : fields) rows.back().push_back(core::csvNumber(field, reader.place()));
+    for (const auto& field : fields) rows.back().push_back(files::csvNumber(field, reader.place()));
   }
   return rows;
 }

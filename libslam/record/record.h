@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/manifest.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/ini.h"
+#include "libslam/resources/manifest.h"
+#include "libslam/files/parameters.h"
 #include "libslam/core/progress.h"
 #include "libslam/navigate/strategy.h"
 #include "libslam/record/step_observer.h"
@@ -28,7 +28,7 @@ struct SimulationOptions {
   std::string start;     ///< "auto", or "x_m,y_m,yaw_deg" in the world frame; blanks do as commas
   std::string log_form;  ///< action | observation
   SimulationOptions();
-  static const core::ParameterTable<SimulationOptions>& table();
+  static const files::ParameterTable<SimulationOptions>& table();
 };
 
 /// All that decides a recording besides the plan and the seed.
@@ -42,13 +42,13 @@ struct RecordConfig {
   sim::LivingOptions living;
   SimulationOptions simulation;
   std::vector<sim::CarryOrder> carries;           ///< when and where somebody carries the robot
-  std::vector<core::ParameterReport> parameters;  ///< every value and where it came from
+  std::vector<files::ParameterReport> parameters;  ///< every value and where it came from
 };
 
 /// Reads sections [robot], those of readSensor(), [odometry] [strategy] [obstacles] [living] [simulation]
 /// [events]; strict but for `other_sections`, which
 /// someone else reads.
-RecordConfig readRecordConfig(const core::IniFile& config,
+RecordConfig readRecordConfig(const files::IniFile& config,
                               const std::vector<std::string>& other_sections = {});
 
 /// Where the robot starts, world frame: as [simulation] start says; "auto" is a free place in the middle,
@@ -83,7 +83,7 @@ struct Recording {
 /// Same plan, config and seed: the same bytes (but for the times in the manifest). InputError for a strategy
 /// that needs a map: explore() builds one.
 Recording record(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
-                 const std::string& log_path, core::Manifest manifest, core::Progress& progress,
+                 const std::string& log_path, resources::Manifest manifest, core::Progress& progress,
                  StepObserver* observer = nullptr);
 
 /// What is done next: a command to the robot, before which it may be kidnapped.
@@ -98,7 +98,7 @@ struct Order {
 using Commander = std::function<std::optional<Order>(const sim::Sensed& sensed)>;
 /// The same with commands from elsewhere, such as from someone at the keys, instead of a strategy.
 Recording recordCommands(const world::Plan& given_plan, const RecordConfig& config, std::uint64_t seed,
-                         const std::string& log_path, core::Manifest manifest, core::Progress& progress,
+                         const std::string& log_path, resources::Manifest manifest, core::Progress& progress,
                          const Commander& commander, StepObserver* observer = nullptr);
 
 }  // namespace slam::record

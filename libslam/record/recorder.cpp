@@ -5,8 +5,8 @@
 #include <map>
 #include <optional>
 
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/odometry/scan_odometry.h"
@@ -102,14 +102,14 @@ struct Recorder::State {
     return recording;
   }
 
-  void describe(const Recording& recording, core::Manifest& manifest) const {
+  void describe(const Recording& recording, resources::Manifest& manifest) const {
     for (const auto& line : config.parameters)
       manifest.config[line.section + "." + line.info.key] = line.value;
     describeFiles(recording, manifest.files);
     auto& results = manifest.results;
     results["scans"] = std::to_string(recording.scans);
-    results["duration_s"] = core::formatNumber(recording.duration_s);
-    results["path_length_m"] = core::formatNumber(recording.path_length_m);
+    results["duration_s"] = files::formatNumber(recording.duration_s);
+    results["path_length_m"] = files::formatNumber(recording.path_length_m);
     results["collisions"] = std::to_string(recording.collisions.size());
     if (!recording.carries.empty()) results["carries"] = std::to_string(recording.carries.size());
     manifest.times_s["simulation"] =
@@ -121,7 +121,7 @@ struct Recorder::State {
   logs::LogWriter log;
   std::unique_ptr<odometry::ScanOdometry> scan_odometry = originalOdometry();
   logs::TrajectoryWriter tum, mrpt_truth;
-  core::GrowingFile operations;
+  files::GrowingFile operations;
   robot::CommandSeries commands;
   std::optional<sim::Operation> operation;  ///< the command that is under way
   size_t scans = 0;
@@ -140,7 +140,7 @@ struct Recorder::State {
       std::filesystem::remove(path);  // of the recording that this one replaces
       return;
     }
-    core::writeFileAtomically(path, toCsv(events));
+    files::writeFileAtomically(path, toCsv(events));
     recording.files.push_back(path);
   }
 
@@ -188,12 +188,12 @@ void Recorder::add(const robot::Command& command, const sim::Simulator& simulato
   if (state_->movers) state_->movers->add(simulator);
 }
 
-Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, core::Manifest manifest) {
+Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, resources::Manifest manifest) {
   State& state = *state_;
   const Recording recording = state.finish(simulator);
   manifest.seed = seed;
   state.describe(recording, manifest);
-  core::writeManifest(manifest, logStem(state.log_path) + ".manifest.json");
+  resources::writeManifest(manifest, logStem(state.log_path) + ".manifest.json");
   return recording;
 }
 

@@ -2,9 +2,9 @@
 
 #include <filesystem>
 
-#include "libslam/core/file_hash.h"
-#include "libslam/core/manifest.h"
-#include "libslam/core/resources.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/manifest.h"
+#include "libslam/resources/resources.h"
 #include "libslam/logs/convert.h"
 
 namespace slam::record {
@@ -25,11 +25,11 @@ std::string findTruth(const std::string& log_path) {
 std::string findPlan(const std::string& log_path) {
   const std::string path = logStem(log_path) + ".manifest.json";
   if (!fs::exists(path)) return "";
-  const auto manifest = core::readManifest(path);
+  const auto manifest = resources::readManifest(path);
   std::string own = logStem(log_path) + ".plan.yaml";
   if (manifest.files.count(fs::path(own).filename().string()) > 0 && fs::exists(own)) return own;
   for (const auto& [input, hash] : manifest.inputs)
-    if (core::looksLikePlan(input) && fs::exists(input) && core::fileSha256(input) == hash) return input;
+    if (resources::looksLikePlan(input) && fs::exists(input) && resources::fileSha256(input) == hash) return input;
   return "";
 }
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/draw/page_text.h"
 #include "libslam/report/page_bundle.h"
 #include "libslam/report/page_plot.h"

@@ -50,9 +50,9 @@ CameraOptions::CameraOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<CameraOptions>& CameraOptions::table() {
+const files::ParameterTable<CameraOptions>& CameraOptions::table() {
   using O = CameraOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "camera", {{"x_m", &O::x_m, 0.1, -10.0, 10.0, "of the camera ahead of the robot's centre"},
                  {"y_m", &O::y_m, 0.0, -10.0, 10.0, "of the camera to the left of the robot's centre"},
                  {"height_m", &O::height_m, 0.5, 0.001, 100.0, "of the camera above the floor"},
@@ -71,9 +71,9 @@ CameraScanOptions::CameraScanOptions() {
   table().setDefaults(*this);
 }
 
-const core::ParameterTable<CameraScanOptions>& CameraScanOptions::table() {
+const files::ParameterTable<CameraScanOptions>& CameraScanOptions::table() {
   using O = CameraScanOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "camera_scan",
       {{"beams_per_circle", &O::beams_per_circle, 720, 36, 36000,
         "bearings are multiples of 360 degrees by this"},
@@ -100,7 +100,7 @@ VisibleFloor visibleFloor(const CameraOptions& options) {
 void requireSensible(const FloorCamera& camera) {
   const auto& view = camera.view;
   const auto degrees = [](double rad) {
-    return core::formatNumber(std::round(core::radToDeg(rad) * 1e6) / 1e6);
+    return files::formatNumber(std::round(core::radToDeg(rad) * 1e6) / 1e6);
   };
   if (view.pitch_rad + view.fov_y_rad / 2 <= 0)
     fail("camera", "pitch_deg", degrees(view.pitch_rad),
@@ -108,8 +108,8 @@ void requireSensible(const FloorCamera& camera) {
              ": the camera looks above the horizon and sees no floor");
   const auto [begin_m, end_m] = depthSpan(camera);
   if (begin_m >= camera.scan.reach_m)
-    fail("camera_scan", "reach_m", core::formatNumber(camera.scan.reach_m),
-         "more than Ymin = " + core::formatNumber(std::round(begin_m * 1e6) / 1e6) +
+    fail("camera_scan", "reach_m", files::formatNumber(camera.scan.reach_m),
+         "more than Ymin = " + files::formatNumber(std::round(begin_m * 1e6) / 1e6) +
              " m, where the visible floor begins");
   if (begin_m >= end_m)
     fail("camera", "pitch_deg", degrees(view.pitch_rad),

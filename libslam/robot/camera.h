@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/core/random.h"
 #include "libslam/robot/lidar.h"
 
@@ -18,7 +18,7 @@ struct CameraOptions {
   std::string area;             ///< exact | original
 
   CameraOptions();
-  static const core::ParameterTable<CameraOptions>& table();
+  static const files::ParameterTable<CameraOptions>& table();
 };
 
 /// The floor that a pinhole camera sees. With X the distance ahead of the camera's foot, Y the distance to
@@ -53,7 +53,7 @@ struct CameraScanOptions {
   double drop_out;        ///< probability that nothing is found under a bearing
 
   CameraScanOptions();
-  static const core::ParameterTable<CameraScanOptions>& table();
+  static const files::ParameterTable<CameraScanOptions>& table();
 };
 
 /// A camera that looks at the floor.

@@ -22,9 +22,9 @@ float largestReading(const LidarOptions& options) {
 
 }  // namespace
 
-const core::ParameterTable<LidarOptions>& LidarOptions::table() {
+const files::ParameterTable<LidarOptions>& LidarOptions::table() {
   using O = LidarOptions;
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "lidar",
       {{"fov_deg", &O::fov_rad, 270.0, 1.0, 360.0, "angle from first to last beam; 360 is a full circle"},
        {"beams", &O::beams, 541, 2, 100000, "number of beams"},
@@ -72,8 +72,8 @@ void requireSensible(const LidarOptions& options) {
   const auto requireBelowMaximum = [&](const char* key, double value_m) {
     if (options.max_range_m > 0 && value_m >= options.max_range_m)
       throw core::InputError(
-          "section [lidar], key '" + std::string(key) + "': found '" + core::formatNumber(value_m) +
-          "', expected less than max_range_m = " + core::formatNumber(options.max_range_m));
+          "section [lidar], key '" + std::string(key) + "': found '" + files::formatNumber(value_m) +
+          "', expected less than max_range_m = " + files::formatNumber(options.max_range_m));
   };
   requireBelowMaximum("min_range_m", options.min_range_m);
   requireBelowMaximum("quantum_m", options.quantum_m);

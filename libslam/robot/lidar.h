@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/core/random.h"
 #include "libslam/robot/scan.h"
 
@@ -34,7 +34,7 @@ struct LidarOptions {
   std::string ray;           ///< exact | original: how the plan is cast, see world/original_ray.h
 
   LidarOptions();
-  static const core::ParameterTable<LidarOptions>& table();
+  static const files::ParameterTable<LidarOptions>& table();
 };
 
 /// InputError for options that are each in bounds but contradict each other: min_range_m or quantum_m not

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::robot {
 
@@ -62,7 +62,7 @@ Scan fromMrpt(const mrpt::obs::CObservation2DRangeScan& observation) {
   const double aperture_rad = observation.aperture;
   if (!(aperture_rad > 0 && aperture_rad <= 2 * core::kPi + 1e-4))
     throw core::InputError("laser scan with a field of view of " +
-                           core::formatNumber(core::radToDeg(aperture_rad)) +
+                           files::formatNumber(core::radToDeg(aperture_rad)) +
                            " deg, expected above 0 and at most 360");
   Scan scan;
   scan.time_s = mrpt::Clock::toDouble(observation.timestamp);
@@ -75,7 +75,7 @@ Scan fromMrpt(const mrpt::obs::CObservation2DRangeScan& observation) {
   if (!core::isFinite(scan.T_robot_lidar))
     throw core::InputError("laser scan with a mounting pose that is not finite");
   if (!(scan.max_range_m > 0))
-    throw core::InputError("laser scan with maximum range " + core::formatNumber(scan.max_range_m) +
+    throw core::InputError("laser scan with maximum range " + files::formatNumber(scan.max_range_m) +
                            ", expected above 0");
   scan.ranges_m.resize(beams);
   for (size_t i = 0; i < beams; ++i) {

@@ -11,9 +11,9 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/file_hash.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
@@ -67,13 +67,13 @@ std::string timingText(const std::vector<double>& milliseconds, const std::vecto
   std::ostringstream timing;
   timing << "scan,time_s,cpu_ms\n";
   for (size_t i = 0; i < milliseconds.size(); ++i)
-    timing << i << ',' << core::formatNumber(stamps_s[i] - stamps_s.front()) << ','
-           << core::formatNumber(milliseconds[i]) << '\n';
+    timing << i << ',' << files::formatNumber(stamps_s[i] - stamps_s.front()) << ','
+           << files::formatNumber(milliseconds[i]) << '\n';
   return timing.str();
 }
 
 /// Another program's path: what our own drawing of its map then follows.
-ExternalRun runExternal(const core::IniFile& config, const std::string& name, const std::string& log_path,
+ExternalRun runExternal(const files::IniFile& config, const std::string& name, const std::string& log_path,
                         std::uint64_t seed, const std::string& work_folder, core::Progress& progress) {
   auto run = runExternalMethod(readExternalMethod(config), log_path, seed, work_folder, progress);
   if (run.violations.empty()) return run;
@@ -131,7 +131,7 @@ void stoppable(MapRun& run, const Taken& taken, bool keep_partial, const std::fu
 
 /// All scans of the log through the method.
 void takeIn(const std::string& log_path, mapping::MapBuilder& method,
-            const std::optional<ExternalRun>& external, MapRun& run, Taken& taken, core::Manifest& manifest,
+            const std::optional<ExternalRun>& external, MapRun& run, Taken& taken, resources::Manifest& manifest,
             core::Progress& progress, record::StepObserver* observer) {
   // An external program reads the log by itself; its poses are those of the main lidar's scans.
   logs::LogReader log(log_path, external ? "" : method.lidars);
@@ -177,13 +177,13 @@ void writePaths(const MapRun& run, const std::string& folder) {
     writeCovariances(run.final_covariances, folder + "/covariances_final.csv");
   // Methods that correct their path keep a journal, be there nothing to tell.
   if (run.final_estimate || !run.journal.empty())
-    core::writeFileAtomically(folder + "/journal.csv", journalCsv(run.journal));
+    files::writeFileAtomically(folder + "/journal.csv", journalCsv(run.journal));
 }
 
 /// Another program's path, and what then draws its map; nothing for a method of ours.
 std::optional<ExternalRun> externalRun(const std::string& name, const std::string& log_path,
                                        std::uint64_t seed, const std::string& work_folder,
-                                       const Continuation& continuation, core::IniFile& config,
+                                       const Continuation& continuation, files::IniFile& config,
                                        core::Progress& progress) {
   if (!isExternal(config)) return std::nullopt;
   if (!continuation.folder.empty())
@@ -273,23 +273,23 @@ void writeFiles(mapping::MapBuilder& method, const MapRun& run, const Ending& en
     mapping::saveKeyFrames(method, folder);
   }
   if (external)
-    core::writeFileAtomically(folder + "/printed.txt", external->printed);
+    files::writeFileAtomically(folder + "/printed.txt", external->printed);
   else
-    core::writeFileAtomically(folder + "/timing.csv", timingText(taken.milliseconds, taken.stamps_s));
+    files::writeFileAtomically(folder + "/timing.csv", timingText(taken.milliseconds, taken.stamps_s));
 }
 
-void describeInputs(const std::string& log_path, const core::IniFile& method_config,
-                    core::Manifest& manifest) {
+void describeInputs(const std::string& log_path, const files::IniFile& method_config,
+                    resources::Manifest& manifest) {
   if (isExternal(method_config))
     for (const auto& [path, hash] : programFiles(method_config)) manifest.inputs[path] = hash;
-  manifest.inputs[log_path] = core::fileSha256(log_path);
+  manifest.inputs[log_path] = resources::fileSha256(log_path);
   manifest.results["log"] = log_path;
   for (const auto& line : methodParameters(method_config))
     manifest.config[line.section + "." + line.info.key] = line.value;
 }
 
 void describeResults(const mapping::MapBuilder& method, const Ending& ending, bool is_external, MapRun& run,
-                     core::Manifest& manifest) {
+                     resources::Manifest& manifest) {
   auto& results = manifest.results;
   results["scans"] = std::to_string(run.estimate.size());
   results["steps_without_odometry"] = std::to_string(run.steps_without_odometry);
@@ -297,17 +297,17 @@ void describeResults(const mapping::MapBuilder& method, const Ending& ending, bo
   run.skew_note = skewNote(results["method"], results);
   if (!run.commands_from.empty()) results["commands_from"] = run.commands_from;
   // Of the log's order, which the files' order of stamps may lose.
-  results["path_length_m"] = core::formatNumber(run.path_length_m);
+  results["path_length_m"] = files::formatNumber(run.path_length_m);
   describePose("end", run.end, results);
   describePose("end_final", ending.path.back().pose, results);
   if (run.stopped) describeStop(*run.stopped, results);
   if (const auto lost = lostInTheEnd(run.journal)) results["lost"] = lostText(*lost);
-  if (run.lost_share) results["lost_share"] = core::formatNumber(*run.lost_share);
+  if (run.lost_share) results["lost_share"] = files::formatNumber(*run.lost_share);
   if (is_external) results["filled_poses"] = std::to_string(run.filled_poses);
   if (ending.map)
-    results["map_mean_entropy_bits"] = core::formatNumber(metrics::mapEntropy(ending.map->occupancy));
+    results["map_mean_entropy_bits"] = files::formatNumber(metrics::mapEntropy(ending.map->occupancy));
   if (ending.self) describeSelfScore(*ending.self, results);
-  results["peak_memory_mb"] = core::formatNumber(run.cost.peak_memory_mb);
+  results["peak_memory_mb"] = files::formatNumber(run.cost.peak_memory_mb);
   manifest.times_s["finish_s"] = ending.finish_s;
   manifest.times_s["mean_ms_per_scan"] = run.cost.mean_ms_per_scan;
   if (!is_external) manifest.times_s["p99_ms_per_scan"] = run.cost.p99_ms_per_scan;
@@ -316,12 +316,12 @@ void describeResults(const mapping::MapBuilder& method, const Ending& ending, bo
 
 }  // namespace
 
-MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
+MapRun buildMap(const std::string& log_path, const files::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
-                core::Manifest manifest, core::Progress& progress, bool measure_memory,
+                resources::Manifest manifest, core::Progress& progress, bool measure_memory,
                 const Continuation& continuation, record::StepObserver* observer, bool keep_partial) {
-  core::PendingFolder output(folder, overwrite);
-  core::IniFile builder_config = method_config;
+  files::PendingFolder output(folder, overwrite);
+  files::IniFile builder_config = method_config;
   const auto external = externalRun(method_name, log_path, seed, output.path() + "/work", continuation,
                                     builder_config, progress);
   const MemoryMeter memory;
@@ -354,7 +354,7 @@ MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
   describeResults(method, ending, external.has_value(), run, manifest);
   for (const auto& [file, note] : fileNotes())
     if (std::filesystem::exists(output.path() + "/" + file)) manifest.files[file] = note;
-  core::writeManifest(manifest, output.path() + "/manifest.json");
+  resources::writeManifest(manifest, output.path() + "/manifest.json");
   output.commit();
   return run;
 }

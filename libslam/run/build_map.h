@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/manifest.h"
+#include "libslam/files/ini.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
 #include "libslam/record/step_observer.h"
@@ -61,9 +61,9 @@ struct MapRun {
 /// journal ends with `failed`, the manifest's results say `status` = incomplete and `failed` = where and why.
 /// keep_partial: an interrupt likewise (`interrupted`), unless no scan was taken in; without it an interrupt
 /// leaves nothing (core::Interrupted).
-MapRun buildMap(const std::string& log_path, const core::IniFile& method_config,
+MapRun buildMap(const std::string& log_path, const files::IniFile& method_config,
                 const std::string& method_name, std::uint64_t seed, const std::string& folder, bool overwrite,
-                core::Manifest manifest, core::Progress& progress, bool measure_memory = true,
+                resources::Manifest manifest, core::Progress& progress, bool measure_memory = true,
                 const Continuation& continuation = {}, record::StepObserver* observer = nullptr,
                 bool keep_partial = false);
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "libslam/core/csv.h"
+#include "libslam/files/csv.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::run {
 
@@ -39,8 +39,8 @@ std::string journalCsv(const std::vector<core::JournalLine>& journal) {
   };
   for (const auto& line : journal) {
     const bool has_other = line.other_scan >= 0;
-    text += std::to_string(line.scan) + ',' + core::formatNumber(line.time_s) + ',' +
-            core::wordOf(line.event) + ',' + core::formatNumber(line.value) + ',' +
+    text += std::to_string(line.scan) + ',' + files::formatNumber(line.time_s) + ',' +
+            core::wordOf(line.event) + ',' + files::formatNumber(line.value) + ',' +
             (has_other ? std::to_string(line.other_scan) : "") + ',' + metres(line.place.x) + ',' +
             metres(line.place.y) + ',' +
             (has_other ? metres(line.other_place.x) + ',' + metres(line.other_place.y) : ",") + ',' +
@@ -50,7 +50,7 @@ std::string journalCsv(const std::vector<core::JournalLine>& journal) {
 }
 
 std::vector<core::JournalLine> readJournal(const std::string& path) {
-  const auto csv = core::CsvTable::read(path);
+  const auto csv = files::CsvTable::read(path);
   for (const char* needed :
        {"scan", "time_s", "event", "value", "other_scan", "x_m", "y_m", "other_x_m", "other_y_m", "detail"})
     if (!csv.has(needed))

@@ -6,7 +6,7 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/middle_value.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/run/map_plan.h"
 #include "libslam/world/clearance.h"
 #include "libslam/world/sector_caster.h"
@@ -127,7 +127,7 @@ std::vector<mapping::KeyFrame> viewsOf(const world::Plan& map, double max_range_
     }
   if (views.empty())
     throw core::InputError(name + ": found no free place from which walls are seen within " +
-                           core::formatNumber(max_range_m) + " m, expected at least 1");
+                           files::formatNumber(max_range_m) + " m, expected at least 1");
   return views;
 }
 

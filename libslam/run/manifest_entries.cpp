@@ -1,6 +1,6 @@
 #include "libslam/run/manifest_entries.h"
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::run {
 
@@ -27,26 +27,26 @@ const std::map<std::string, std::string>& fileNotes() {
 
 void describeLidar(const robot::Scan& scan, std::map<std::string, std::string>& results) {
   results["lidar.beams"] = std::to_string(scan.ranges_m.size());
-  results["lidar.first_angle_rad"] = core::formatNumber(scan.first_angle_rad);
-  results["lidar.step_rad"] = core::formatNumber(scan.step_rad);
-  results["lidar.max_range_m"] = core::formatNumber(scan.max_range_m);
-  results["lidar.mount_x_m"] = core::formatNumber(scan.T_robot_lidar.x);
-  results["lidar.mount_y_m"] = core::formatNumber(scan.T_robot_lidar.y);
-  results["lidar.mount_yaw_rad"] = core::formatNumber(scan.T_robot_lidar.phi);
+  results["lidar.first_angle_rad"] = files::formatNumber(scan.first_angle_rad);
+  results["lidar.step_rad"] = files::formatNumber(scan.step_rad);
+  results["lidar.max_range_m"] = files::formatNumber(scan.max_range_m);
+  results["lidar.mount_x_m"] = files::formatNumber(scan.T_robot_lidar.x);
+  results["lidar.mount_y_m"] = files::formatNumber(scan.T_robot_lidar.y);
+  results["lidar.mount_yaw_rad"] = files::formatNumber(scan.T_robot_lidar.phi);
 }
 
 void describePose(const std::string& name, const core::Pose2& pose,
                   std::map<std::string, std::string>& results) {
-  results[name + ".x_m"] = core::formatNumber(pose.x);
-  results[name + ".y_m"] = core::formatNumber(pose.y);
-  results[name + ".yaw_rad"] = core::formatNumber(pose.phi);
+  results[name + ".x_m"] = files::formatNumber(pose.x);
+  results[name + ".y_m"] = files::formatNumber(pose.y);
+  results[name + ".yaw_rad"] = files::formatNumber(pose.phi);
 }
 
 void describeSelfScore(const SelfScore& score, std::map<std::string, std::string>& results) {
-  results["self.mean_map_entropy"] = core::formatNumber(score.sharpness.mean_map_entropy);
-  results["self.wall_thickness_m"] = core::formatNumber(score.sharpness.wall_thickness_m);
-  results["self.on_wall_share"] = core::formatNumber(score.agreement.on_wall_share);
-  results["self.through_wall_share"] = core::formatNumber(score.agreement.through_wall_share);
+  results["self.mean_map_entropy"] = files::formatNumber(score.sharpness.mean_map_entropy);
+  results["self.wall_thickness_m"] = files::formatNumber(score.sharpness.wall_thickness_m);
+  results["self.on_wall_share"] = files::formatNumber(score.agreement.on_wall_share);
+  results["self.through_wall_share"] = files::formatNumber(score.agreement.through_wall_share);
 }
 
 void describeStop(const Stop& stop, std::map<std::string, std::string>& results) {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "libslam/core/csv.h"
+#include "libslam/files/csv.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/stats/consistency.h"
 
@@ -28,7 +28,7 @@ StampedCovariance covarianceOf(const std::vector<std::string>& fields, const std
   std::array<double, kColumns> values{};
   for (size_t i = 0; i < fields.size(); ++i) {
     double value = 0;
-    if (!core::parseNumber(fields[i], value))
+    if (!files::parseNumber(fields[i], value))
       throw core::InputError(place + ": found '" + fields[i] + "', expected a finite number");
     if (i < kColumns) values[i] = value;
   }
@@ -55,12 +55,12 @@ void writeCovariances(const std::vector<StampedCovariance>& covariances, const s
       }
     text += '\n';
   }
-  core::writeFileAtomically(path, text);
+  files::writeFileAtomically(path, text);
 }
 
 std::vector<StampedCovariance> readCovariances(const std::string& path) {
-  const std::string text = core::readTextFile(path);
-  core::CsvReader reader(text, path);
+  const std::string text = files::readTextFile(path);
+  files::CsvReader reader(text, path);
   std::vector<StampedCovariance> covariances;
   for (std::vector<std::string> fields; reader.next(fields);) {
     if (reader.line() == 1 && reader.record() == kHeader) continue;

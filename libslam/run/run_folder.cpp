@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/parameters.h"
+#include "libslam/resources/resources.h"
 #include "libslam/logs/trajectory_io.h"
 
 namespace slam::run {
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-double timeOf(const core::Manifest& manifest, const std::string& key) {
+double timeOf(const resources::Manifest& manifest, const std::string& key) {
   const auto it = manifest.times_s.find(key);
   return it == manifest.times_s.end() ? kNan : it->second;
 }
@@ -31,26 +31,26 @@ std::vector<StampedCovariance> covariancesOf(const core::Trajectory& poses, cons
 
 }  // namespace
 
-double resultOf(const core::Manifest& manifest, const std::string& key, const std::string& path) {
+double resultOf(const resources::Manifest& manifest, const std::string& key, const std::string& path) {
   const auto it = manifest.results.find(key);
   if (it == manifest.results.end())
     throw core::InputError(path + "/manifest.json: key 'results." + key + "' is missing");
   double value = kNan;
-  core::parseNumber(it->second, value);  // "nan" stays NaN
+  files::parseNumber(it->second, value);  // "nan" stays NaN
   return value;
 }
 
-double resultIfThere(const core::Manifest& manifest, const std::string& key) {
+double resultIfThere(const resources::Manifest& manifest, const std::string& key) {
   const auto it = manifest.results.find(key);
   double value = kNan;
-  if (it != manifest.results.end()) core::parseNumber(it->second, value);
+  if (it != manifest.results.end()) files::parseNumber(it->second, value);
   return value;
 }
 
 RunFolder loadRun(const std::string& folder) {
   RunFolder run;
   run.path = folder;
-  run.manifest = core::readManifest(folder + "/manifest.json");
+  run.manifest = resources::readManifest(folder + "/manifest.json");
   const auto method = run.manifest.results.find("method");
   if (method == run.manifest.results.end())
     throw core::InputError(folder + ": is not the folder of one method's run (its manifest names no method)");
@@ -69,11 +69,11 @@ RunFolder loadRun(const std::string& folder) {
   return run;
 }
 
-std::string logInput(const core::Manifest& manifest) {
+std::string logInput(const resources::Manifest& manifest) {
   if (const auto named = manifest.results.find("log"); named != manifest.results.end()) return named->second;
   for (const auto& [path, hash] : manifest.inputs) {
     const auto suffix = std::filesystem::path(path).extension().string();
-    if (suffix != ".simplemap" && suffix != ".ini" && !core::looksLikePlan(path)) return path;
+    if (suffix != ".simplemap" && suffix != ".ini" && !resources::looksLikePlan(path)) return path;
   }
   return "";
 }

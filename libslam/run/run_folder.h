@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/manifest.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/run/cost.h"
 #include "libslam/run/pose_covariances.h"
@@ -20,19 +20,19 @@ struct RunFolder {
       covariances;  ///< of `estimate`, pose by pose; empty where the method gives none
   std::vector<StampedCovariance> final_covariances;  ///< the same of `final_estimate`
   world::Plan map;                                   ///< in the map frame
-  core::Manifest manifest;
+  resources::Manifest manifest;
   Cost cost;
 };
 /// Errors: InputError naming the file that is missing or broken.
 RunFolder loadRun(const std::string& folder);
 /// The log that a run was made from, as its manifest names it: of older ones the input that is no map,
 /// configuration or plan. "" where there is none.
-std::string logInput(const core::Manifest& manifest);
+std::string logInput(const resources::Manifest& manifest);
 
 /// A number among a run's results. Errors: InputError that names the key, where it is missing; NaN where it
 /// is no number.
-double resultOf(const core::Manifest& manifest, const std::string& key, const std::string& folder);
+double resultOf(const resources::Manifest& manifest, const std::string& key, const std::string& folder);
 /// The same of a figure that not every run has: NaN where it is missing.
-double resultIfThere(const core::Manifest& manifest, const std::string& key);
+double resultIfThere(const resources::Manifest& manifest, const std::string& key);
 
 }  // namespace slam::run

@@ -17,7 +17,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/draw/map_view.h"
 #include "libslam/draw/page_text.h"
 #include "libslam/graph/graph_slam.h"
@@ -40,7 +40,7 @@ void save(const COpenGLScene& scene, const std::string& file) {
   mrpt::img::CImage::DISABLE_JPEG_COMPRESSION(true);
   mrpt::io::CMemoryStream buffer;
   mrpt::serialization::archiveFrom(buffer) << scene;
-  core::writeFileAtomically(
+  files::writeFileAtomically(
       file, draw::gzip({static_cast<const char*>(buffer.getRawBufferData()), buffer.getTotalBytesCount()}));
 }
 
@@ -217,7 +217,7 @@ void writeScene(const mapping::MapBuilder& method, const core::Trajectory& path,
 
 void addTruthToScene(const core::Trajectory& truth, const world::Plan* plan, const core::Pose2& T_map_world,
                      const std::string& file) {
-  core::requireReadableFile(file);
+  files::requireReadableFile(file);
   COpenGLScene scene;
   if (!scene.loadFromFile(file)) throw core::InputError(file + ": is not a scene, expected MRPT's .3Dscene");
   for (const char* name : {viewer::kPlanLayer, viewer::kTruthLayer})

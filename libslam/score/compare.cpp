@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/file_hash.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/logs/convert.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
@@ -35,7 +35,7 @@ std::map<std::string, table::Best> bestMetrics() {
 }
 
 /// An output folder is new, or ours to replace, or ours to go on with.
-core::OutputLock prepareOutput(const CompareRequest& request) {
+files::OutputLock prepareOutput(const CompareRequest& request) {
   const std::string manifest = request.output + "/manifest.json";
   std::error_code error;
   if (fs::exists(request.output) && !fs::is_directory(request.output))
@@ -48,7 +48,7 @@ core::OutputLock prepareOutput(const CompareRequest& request) {
     throw core::InputError(request.output + ": exists; give --overwrite to replace it or --resume to go on");
   fs::create_directories(fs::absolute(request.output).parent_path(), error);
   if (error) throw core::IoError(request.output + ": cannot be made: " + error.message());
-  core::OutputLock lock(request.output);
+  files::OutputLock lock(request.output);
   if (!empty && request.overwrite) fs::remove_all(request.output, error);
   fs::create_directories(request.output, error);
   if (error) throw core::IoError(request.output + ": cannot be made: " + error.message());
@@ -79,11 +79,11 @@ void scoreByRelations(const std::vector<run::RunFolder>& runs, const core::Relat
   comparison.worst_relations = worstRelationsTable(relations, scores, Detail::kShort);
   const auto full = relationTable(scores, Detail::kFull);
   const auto worst = worstRelationsTable(relations, scores, Detail::kFull);
-  core::writeFileAtomically(output + "/relations.txt", table::toText(*comparison.relations) + "\n" +
+  files::writeFileAtomically(output + "/relations.txt", table::toText(*comparison.relations) + "\n" +
                                                            table::toText(*comparison.worst_relations));
-  core::writeFileAtomically(output + "/relations.csv", table::toCsv(full));
-  core::writeFileAtomically(output + "/relations.json", table::toJson(full));
-  core::writeFileAtomically(output + "/worst_relations.csv", table::toCsv(worst));
+  files::writeFileAtomically(output + "/relations.csv", table::toCsv(full));
+  files::writeFileAtomically(output + "/relations.json", table::toJson(full));
+  files::writeFileAtomically(output + "/worst_relations.csv", table::toCsv(worst));
 }
 
 /// Under the tables: which methods took the kinds of the commands from the wheels, and which took skewed
@@ -101,14 +101,14 @@ void noteCommands(const std::vector<run::RunFolder>& runs, const std::vector<tab
 
 /// The log that is compared on: simulated, or the given one. The manifest gets the inputs.
 std::string logOf(const CompareRequest& request, const std::optional<world::Plan>& plan,
-                  core::Manifest& manifest, core::Progress& progress) {
+                  resources::Manifest& manifest, core::Progress& progress) {
   if (!plan) {
-    manifest.inputs[request.log_path] = core::fileSha256(request.log_path);
+    manifest.inputs[request.log_path] = resources::fileSha256(request.log_path);
     return request.log_path;
   }
   const std::string log_path = request.output + "/log/run.rawlog";
   fs::create_directories(request.output + "/log");
-  manifest.inputs[request.plan_path] = core::fileSha256(request.plan_path);
+  manifest.inputs[request.plan_path] = resources::fileSha256(request.plan_path);
   record::record(*plan, request.record, request.seed, log_path, manifest, progress);
   return log_path;
 }
@@ -120,7 +120,7 @@ std::string truthPlanOf(const CompareRequest& request) {
   return request.record.living.visit > 1 ? "" : request.plan_path;
 }
 
-void runAll(std::vector<ComparedMethod>& methods, const CompareRequest& request, core::Manifest manifest,
+void runAll(std::vector<ComparedMethod>& methods, const CompareRequest& request, resources::Manifest manifest,
             Comparison& comparison, core::Progress& progress) {
   manifest.inputs.clear();
   manifest.results.clear();
@@ -174,7 +174,7 @@ void makeTables(const std::vector<run::RunFolder>& runs, const std::optional<Tru
 
 void writeTables(const Comparison& comparison, const std::string& output) {
   const auto write = [&](const char* name, const std::string& text) {
-    core::writeFileAtomically(output + "/" + name, text);
+    files::writeFileAtomically(output + "/" + name, text);
   };
   write("scores.txt", table::toText(comparison.accuracy));
   write("scores.md", table::toMarkdown(comparison.accuracy));
@@ -185,7 +185,7 @@ void writeTables(const Comparison& comparison, const std::string& output) {
   write("cost.json", table::toJson(comparison.cost));
 }
 
-void describeFiles(const Comparison& comparison, core::Manifest& manifest) {
+void describeFiles(const Comparison& comparison, resources::Manifest& manifest) {
   manifest.files["scores.txt"] = "accuracy of every method; also .md, .tex, .csv, .json";
   if (comparison.relations)
     manifest.files["relations.csv"] =
@@ -200,7 +200,7 @@ void describeFiles(const Comparison& comparison, core::Manifest& manifest) {
 
 }  // namespace
 
-Comparison compare(const CompareRequest& request, core::Manifest manifest, core::Progress& progress) {
+Comparison compare(const CompareRequest& request, resources::Manifest manifest, core::Progress& progress) {
   auto methods = loadMethods(request);
   std::optional<world::Plan> plan;
   if (!request.plan_path.empty()) plan = world::loadPlan(request.plan_path);
@@ -213,7 +213,7 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   const auto lock = prepareOutput(request);
   manifest.seed = request.seed;
   manifest.results["status"] = "incomplete";
-  core::writeManifest(manifest, request.output + "/manifest.json");
+  resources::writeManifest(manifest, request.output + "/manifest.json");
 
   Comparison comparison;
   comparison.log_path = logOf(request, plan, manifest, progress);
@@ -228,7 +228,7 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   evaluateAll(methods, runs, truth, comparison, progress);
   makeTables(runs, truth, comparison);
   if (!relations.empty() && !runs.empty()) {
-    manifest.inputs[request.relations_path] = core::fileSha256(request.relations_path);
+    manifest.inputs[request.relations_path] = resources::fileSha256(request.relations_path);
     scoreByRelations(runs, relations, request.output, comparison);
     if (!truth)
       for (auto* table : {&comparison.accuracy, &comparison.full_accuracy})
@@ -240,7 +240,7 @@ Comparison compare(const CompareRequest& request, core::Manifest manifest, core:
   describeFiles(comparison, manifest);
   if (truth && !request.truth_path.empty()) manifest.results["truth"] = request.truth_path;
   if (truth && !plan_path.empty()) manifest.results["plan"] = plan_path;
-  core::writeManifest(manifest, request.output + "/manifest.json");
+  resources::writeManifest(manifest, request.output + "/manifest.json");
   return comparison;
 }
 

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/parameters.h"
+#include "libslam/resources/resources.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/run/lost_time.h"
 #include "libslam/score/metric_infos.h"
@@ -94,13 +94,13 @@ void judgeCovariances(const run::RunFolder& run, const Truth& truth, const Align
 
 }  // namespace
 
-Alignment alignmentOf(const core::Manifest& manifest) {
+Alignment alignmentOf(const resources::Manifest& manifest) {
   Alignment alignment;
   if (manifest.results.count("localised_in") > 0) alignment.how = metrics::Align::kNone;
   return alignment;
 }
 
-core::Pose2 mapFrame(const core::Manifest& manifest, const std::string& map_truth_path) {
+core::Pose2 mapFrame(const resources::Manifest& manifest, const std::string& map_truth_path) {
   const auto map = manifest.results.find("localised_in");
   if (map == manifest.results.end())
     throw core::InputError(

@@ -2,7 +2,7 @@
 #include <optional>
 #include <string>
 
-#include "libslam/core/manifest.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/metrics/map_score.h"
 #include "libslam/metrics/map_structure.h"
@@ -30,11 +30,11 @@ struct Alignment {
 };
 /// A run that was localised in a known map is not aligned: where it says that the robot is has to be right.
 /// Others by SE(2).
-Alignment alignmentOf(const core::Manifest& manifest);
+Alignment alignmentOf(const resources::Manifest& manifest);
 /// Where the frame of the map that a run was localised in lies, by the true path of the run that made the
 /// map: its first pose against the truth's. Errors: InputError where that run's folder or path cannot be
 /// read, or shares no stamp with the truth.
-core::Pose2 mapFrame(const core::Manifest& manifest, const std::string& map_truth_path);
+core::Pose2 mapFrame(const resources::Manifest& manifest, const std::string& map_truth_path);
 
 /// All figures of one run. Without truth the first three blocks are NaN; without plan the map score is.
 struct Evaluation {

@@ -10,8 +10,8 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/files.h"
+#include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/metrics/nearest_points.h"
 #include "libslam/record/carry_file.h"
@@ -329,7 +329,7 @@ std::string failureJson(const FailureReport& report) {
 
 FailureReport readFailure(const std::string& path) {
   try {
-    const auto json = Json::parse(core::readTextFile(path));
+    const auto json = Json::parse(files::readTextFile(path));
     FailureReport report;
     report.divergence =
         Divergence{json.at("divergence") == kJumpWord ? Divergence::kJump : Divergence::kDrift,

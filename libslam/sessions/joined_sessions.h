@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
+#include "libslam/files/ini.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
 #include "libslam/graph/part_place.h"
@@ -42,7 +42,7 @@ struct JoinedSessions {
 /// what holds no key frames, and for maps that hold the same scans; MethodError where a map has no proved
 /// place in the others, or contradicts them there (kMostContradicted): the message says so, or that it is the
 /// mirror image of one. What `progress` throws.
-JoinedSessions joinSessions(const std::vector<std::string>& maps, const core::IniFile& method_config,
+JoinedSessions joinSessions(const std::vector<std::string>& maps, const files::IniFile& method_config,
                             core::Progress& progress);
 
 }  // namespace slam::sessions

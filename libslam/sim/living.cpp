@@ -2,10 +2,10 @@
 
 namespace slam::sim {
 
-const core::ParameterTable<LivingOptions>& LivingOptions::table() {
+const files::ParameterTable<LivingOptions>& LivingOptions::table() {
   using O = LivingOptions;
   // Speeds: Helbing and Molnar, Physical Review E 51(5), 1995, after observations by Henderson and Weidmann.
-  static const core::ParameterTable<O> rows(
+  static const files::ParameterTable<O> rows(
       "living",
       {{"people", &O::people, 0, 0, 1000, "people who walk about"},
        {"speed_mps", &O::speed_mps, 1.34, 0.1, 3.0, "mean speed that people like to walk at"},

@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::sim {
 
@@ -18,7 +18,7 @@ struct LivingOptions {
   int visit;                          ///< 1: the plan as it is; each later visit finds furniture moved
   double furniture_share;             ///< of the free-standing furniture: what moves between two visits
   LivingOptions();
-  static const core::ParameterTable<LivingOptions>& table();
+  static const files::ParameterTable<LivingOptions>& table();
 };
 
 }  // namespace slam::sim

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/world/original_ray.h"
 
 namespace slam::sim {
@@ -18,7 +18,7 @@ Scene::Scene(const world::Plan& plan, const LivingOptions& living, std::uint64_t
   if (living.people > 0) crowd_ = std::make_unique<Crowd>(plan, living, seed, toPlanFrame(robot));
   if (living.doors_share > 0 && plan.doors.empty())
     throw core::InputError("plan '" + plan.name + "': section [living], key 'doors_share': found " +
-                           core::formatNumber(living.doors_share) +
+                           files::formatNumber(living.doors_share) +
                            ", expected 0: the plan names no doors (key 'doors' of its yaml)");
   if (living.doors_share > 0) {
     doors_ = std::make_unique<Doors>(plan, living, seed);

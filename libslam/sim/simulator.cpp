@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/sim/carry_place.h"
 #include "libslam/sim/standing_room.h"
 
@@ -123,7 +123,7 @@ void Simulator::carryAt(const std::vector<CarryOrder>& orders) {
   for (const auto& order : orders) {
     if (order.where == CarryOrder::Where::kGiven)
       requireStandingRoom(scene_.planWithDoorsOpen(),
-                          order.origin + ": the place at " + core::formatNumber(order.time_s) + " s",
+                          order.origin + ": the place at " + files::formatNumber(order.time_s) + " s",
                           order.T_world_robot, radius_m);
     pending_carries_.push_back({std::llround(order.time_s * 1e9), order.T_world_robot, order.where});
   }

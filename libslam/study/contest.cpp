@@ -12,7 +12,7 @@
 #include "libslam/stats/proportion.h"
 #include "libslam/stats/ranking.h"
 #include "libslam/study/sweep_groups.h"
-#include "libslam/core/ini_yaml.h"
+#include "libslam/resources/ini_yaml.h"
 
 namespace slam::study {
 namespace fs = std::filesystem;
@@ -66,7 +66,7 @@ Failures failuresOf(const std::vector<std::size_t>& runs, const sweep::SweepPlan
     if (failures.failed++ > 0) continue;
     const auto& result = *results[run];
     failures.first = result.status == "ok"
-                         ? "ended more than " + core::formatNumber(plan.failure_ate_m) + " m off"
+                         ? "ended more than " + files::formatNumber(plan.failure_ate_m) + " m off"
                          : result.status + (result.message.empty() ? "" : ": " + result.message);
   }
   return failures;
@@ -89,7 +89,7 @@ sweep::Suite contestSuite(const ContestRequest& request) {
   if (request.entries.size() < 2)
     throw core::InputError("contest: found " + std::to_string(request.entries.size()) +
                            " entries, expected two at least");
-  auto ini = core::readConfigFile(request.suite_path);
+  auto ini = resources::readConfigFile(request.suite_path);
   const auto suite_folder = fs::absolute(request.suite_path).lexically_normal().parent_path();
   std::string methods;
   for (const auto& entry : request.entries)

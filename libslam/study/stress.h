@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/ini.h"
+#include "libslam/files/ini.h"
 #include "libslam/draw/curves.h"
 #include "libslam/study/run_figures.h"
 #include "libslam/sweep/suite.h"
@@ -18,7 +18,7 @@ struct StressRequest {
   std::string vary;    ///< KEY=VALUES as readValueRange() reads them: "lidar.fov_deg=30..360:6"
   std::string methods,
       seeds;  ///< in place of the suite's; ""  = the suite's (for a world: graph, icp_exact; 1..5)
-  core::IniFile settings;  ///< of the simulation, over the suite's own sections
+  files::IniFile settings;  ///< of the simulation, over the suite's own sections
 };
 
 /// A suite in which one parameter takes several values, and where each stands.

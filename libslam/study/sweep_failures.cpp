@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <limits>
 
-#include "libslam/core/parameters.h"
-#include "libslam/core/word_wrap.h"
+#include "libslam/files/parameters.h"
+#include "libslam/files/word_wrap.h"
 #include "libslam/score/failure.h"
 #include "libslam/study/sweep_groups.h"
 
@@ -37,7 +37,7 @@ SweepFailures emptyTables() {
                          {"seed", "seed", 0},         {"status", "status", 0},
                          {"ate_final_m", "ATE m", 2}, {"where", "first divergence", 0},
                          {"suspect", "suspect", 0}};
-  for (const std::string& key : core::words(
+  for (const std::string& key : files::words(
            "run world lidar odometry strategy fault seed method parameters status message ate_final_m "
            "divergence time_s x_m y_m error_m error_deg suspect around wrong_loops worst_region_x_m "
            "worst_region_y_m missing_wall_m false_wall_m folder"))
@@ -101,7 +101,7 @@ SweepFailures sweepFailures(const sweep::SweepPlan& plan, const SweepResults& re
   }
   for (auto* table : {&tables.main, &tables.all}) {
     table->caption = "Where and why runs of sweep " + plan.name + " failed or were more than " +
-                     core::formatNumber(score::FailureLimits().drift_m) + " m off";
+                     files::formatNumber(score::FailureLimits().drift_m) + " m off";
     if (table->rows.empty()) table->notes.emplace_back("None did.");
   }
   return tables;

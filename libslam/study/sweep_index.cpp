@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 
 namespace slam::study {
 namespace {
@@ -106,7 +106,7 @@ void fill(Database& database, const sweep::SweepPlan& plan, const SweepResults& 
 }  // namespace
 
 void writeSweepIndex(const sweep::SweepPlan& plan, const SweepResults& results, const std::string& path) {
-  core::PendingFile file(path);
+  files::PendingFile file(path);
   std::error_code ignored;
   std::filesystem::remove(file.path(), ignored);
   {

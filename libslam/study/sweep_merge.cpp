@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/study/sweep_consistency.h"
 #include "libslam/study/sweep_costs.h"
 #include "libslam/study/sweep_failures.h"
@@ -82,7 +82,7 @@ class Merger {
 
  private:
   static void requireEqual(const std::string& id, const std::string& one, const std::string& other) {
-    if (core::readTextFile(one + "/result.json") != core::readTextFile(other + "/result.json"))
+    if (files::readTextFile(one + "/result.json") != files::readTextFile(other + "/result.json"))
       throw core::InputError("cell " + id + " has two different results: " + one + " and " + other);
   }
 
@@ -93,7 +93,7 @@ class Merger {
 void writeTables(const sweep::SweepPlan& plan, const SweepResults& results, const std::string& output,
                  MergedSweep& merged) {
   const auto write = [&](const std::string& name, const std::string& text) {
-    core::writeFileAtomically(output + "/" + name, text);
+    files::writeFileAtomically(output + "/" + name, text);
   };
   {
     const auto table = resultsTable(plan, results);
@@ -132,7 +132,7 @@ void writeTables(const sweep::SweepPlan& plan, const SweepResults& results, cons
 
 }  // namespace
 
-MergedSweep mergeSweep(const MergeRequest& request, core::Manifest manifest, core::Progress& progress) {
+MergedSweep mergeSweep(const MergeRequest& request, resources::Manifest manifest, core::Progress& progress) {
   if (request.folders.empty()) throw core::InputError("no folder to merge, expected at least one");
   MergedSweep merged;
   merged.plan = commonPlan(request.folders);
@@ -141,9 +141,9 @@ MergedSweep mergeSweep(const MergeRequest& request, core::Manifest manifest, cor
   fs::create_directories(request.output + "/cells", error);
   if (error) throw core::IoError(request.output + ": cannot be made: " + error.message());
   if (!fs::exists(request.output + "/plan.json")) {
-    core::writeFileAtomically(request.output + "/suite.ini",
-                              core::readTextFile(request.folders.front() + "/suite.ini"));
-    core::writeFileAtomically(request.output + "/plan.json", sweep::toJson(merged.plan, request.output));
+    files::writeFileAtomically(request.output + "/suite.ini",
+                              files::readTextFile(request.folders.front() + "/suite.ini"));
+    files::writeFileAtomically(request.output + "/plan.json", sweep::toJson(merged.plan, request.output));
   } else {
     commonPlan({request.folders.front(), request.output});
   }
@@ -178,7 +178,7 @@ MergedSweep mergeSweep(const MergeRequest& request, core::Manifest manifest, cor
                     {"index.sqlite", "logs, runs and figures as a database: sqlite3"},
                     {"plan.json", "the cells"},
                     {"suite.ini", "the suite: rasterslam bench exec suite.ini --cell ID -o again"}};
-  core::writeManifest(manifest, request.output + "/manifest.json");
+  resources::writeManifest(manifest, request.output + "/manifest.json");
   progress.end();
   return merged;
 }

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/manifest.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/core/progress.h"
 #include "libslam/study/run_figures.h"
 #include "libslam/sweep/sweep_plan.h"
@@ -37,6 +37,6 @@ struct MergedSweep {
 /// Cells of other folders are linked (or copied) into output/cells. A missing or damaged cell is a row that
 /// says "missing". Errors: folders of different sweeps, one cell with two different results, naming both
 /// (InputError).
-MergedSweep mergeSweep(const MergeRequest& request, core::Manifest manifest, core::Progress& progress);
+MergedSweep mergeSweep(const MergeRequest& request, resources::Manifest manifest, core::Progress& progress);
 
 }  // namespace slam::study

@@ -5,7 +5,7 @@
 #include <map>
 #include <optional>
 
-#include "libslam/core/parameters.h"
+#include "libslam/files/parameters.h"
 #include "libslam/stats/seeds_needed.h"
 #include "libslam/study/sweep_groups.h"
 #include "libslam/study/sweep_statistics.h"
@@ -51,7 +51,7 @@ void addNotes(const sweep::SweepPlan& plan, const SweepResults& results, table::
                           " runs are missing.");
   std::string failed = "A run that ended otherwise than ok";
   if (plan.failure_ate_m > 0)
-    failed += ", or more than " + core::formatNumber(plan.failure_ate_m) + " m off (ate_final_m),";
+    failed += ", or more than " + files::formatNumber(plan.failure_ate_m) + " m off (ate_final_m),";
   table.notes.push_back(failed +
                         " has failed and ranks as worse than any other. In brackets 95 % intervals: "
                         "bootstrap over the runs (BCa) of medians, Clopper and Pearson's of failure rates.");
@@ -69,7 +69,7 @@ void addNotes(const sweep::SweepPlan& plan, const SweepResults& results, table::
       if (const double scans = figureOf(*results[i], "skewed_scans"); scans > 0)
         skewed[fullName(plan.runs[i])] += scans;
   for (const auto& [method, scans] : skewed)
-    table.notes.push_back(method + ": " + core::formatNumber(scans) +
+    table.notes.push_back(method + ": " + files::formatNumber(scans) +
                           " scans were swept while the robot moved and were not deskewed.");
   std::map<std::string, std::size_t> runs_of_group;
   for (const auto& run : plan.runs) {

@@ -12,7 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_writer.h"
 #include "tests/apps/program.h"
 
@@ -63,7 +63,7 @@ void writeLog(const std::string& path, int entries, bool has_odometry = true) {
 
 TEST(BadInput, IsQuotedInOneShortLineThatATerminalCanShow) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "plan.yaml",
+  files::writeFileAtomically(folder / "plan.yaml",
                             "image: x.png\nresolution: '\x1b[31m" + std::string(9000, '7') + "'\n");
   const auto result = rasterslam("simulate plan.yaml", folder.path());
   EXPECT_EQ(result.exit_code, 3);
@@ -77,7 +77,7 @@ TEST(BadInput, PlansThatAreNone) {
   cv::imwrite(folder / "room.png", roomPicture());
   cv::imwrite(folder / "white.png", cv::Mat(20, 20, CV_8UC1, cv::Scalar(255)));
   cv::imwrite(folder / "black.png", cv::Mat(20, 20, CV_8UC1, cv::Scalar(0)));
-  const std::string whole = core::readTextFile(folder / "room.png");
+  const std::string whole = files::readTextFile(folder / "room.png");
   std::ofstream(folder / "cut.png", std::ios::binary) << whole.substr(0, whole.size() / 2);
   std::ofstream(folder / "text.png") << "not a picture";
   std::ofstream(folder / "lost.yaml") << "image: none.png\nresolution: 0.05\norigin: [0, 0, 0]\n";
@@ -179,7 +179,7 @@ TEST(BadInput, MaterialsThatAreNone) {
 TEST(BadInput, LogsThatAreNone) {
   const testing::TempFolder folder;
   writeLog(folder / "good.rawlog", 400);
-  const std::string whole = core::readTextFile(folder / "good.rawlog");
+  const std::string whole = files::readTextFile(folder / "good.rawlog");
   std::ofstream(folder / "cut.rawlog", std::ios::binary) << whole.substr(0, whole.size() * 2 / 3);
   std::ofstream(folder / "text.rawlog") << "this is no log\n";
   std::ofstream(folder / "empty.rawlog");

@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/resources.h"
 #include "libslam/explore/explore.h"
 #include "libslam/run/journal_file.h"
 #include "libslam/testing/temp_folder.h"
@@ -19,10 +19,10 @@ using ::testing::HasSubstr;
 
 TEST(Explore, AMethodThatFailsIsARowOrAnErrorAndLeavesNoFolder) {
   const testing::TempFolder folder;
-  const std::string icp = core::readTextFile(core::configsFolder() + "/methods/icp.ini");
+  const std::string icp = files::readTextFile(resources::configsFolder() + "/methods/icp.ini");
   // A limit that the first map breaks stands for a method that fails.
   const std::string resolution = "resolution_m = 0.05";
-  core::writeFileAtomically(folder / "cramped.ini",
+  files::writeFileAtomically(folder / "cramped.ini",
                             std::string(icp).replace(icp.find(resolution), resolution.size(),
                                                      "resolution_m = 0.02\nmax_map_cells = 10000"));
   auto wanted = request(folder, twoRooms(), {quickConfig("quadrant", 20)}, folder / "cramped.ini");

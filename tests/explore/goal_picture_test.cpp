@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "libslam/core/file_hash.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/explore/goal_methods.h"
 #include "libslam/record/carry_file.h"
 #include "libslam/testing/temp_folder.h"
@@ -45,7 +45,7 @@ TEST(GoalPicture, ShowsTheOverlayOfLidarBugAlone) {
   for (const std::string method : {"tangent", "lidar_bug"}) {
     run.method = method;
     drawGoalRun(request, run, "title", folder / (method + ".png"));
-    hashes.push_back(core::fileSha256(folder / (method + ".png")));
+    hashes.push_back(resources::fileSha256(folder / (method + ".png")));
   }
   EXPECT_NE(hashes[0], hashes[1]);
 }

@@ -8,14 +8,14 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/resources.h"
 #include "libslam/goals/lidar_bug.h"
 #include "libslam/goals/surroundings.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/testing/temp_folder.h"
-#include "libslam/core/ini_yaml.h"
+#include "libslam/resources/ini_yaml.h"
 
 namespace slam::explore {
 namespace {
@@ -38,11 +38,11 @@ ReachGoalRequest roomRequest(const std::string& output, bool with_box) {
   if (with_box) wall(58, 18, 82, 19), wall(58, 41, 82, 42), wall(58, 18, 59, 42), wall(81, 18, 82, 42);
   request.T_world_start = {1, 1.5, 0.5};
   request.p_world_goal = {3.5, 1.5};
-  core::IniFile ini;
+  files::IniFile ini;
   ini.set("lidar", "beams", "181", "test");
   request.config = readReachGoalConfig(ini);
   request.methods = {"bug2", "tangent"};
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.output = output;
   return request;
 }
@@ -83,8 +83,8 @@ TEST(ReachGoal, RecordsALogWithItsTruthForEveryMethod) {
     size_t scans = 0;
     while (log.next()) ++scans;
     EXPECT_EQ(scans, run.truth.size());
-    EXPECT_EQ(core::readTextFile(stem + ".gt.tum"),
-              core::readTextFile(folder / ("out/" + run.method + "/truth.tum")));
+    EXPECT_EQ(files::readTextFile(stem + ".gt.tum"),
+              files::readTextFile(folder / ("out/" + run.method + "/truth.tum")));
     for (const std::string ending : {".rawlog.GT.txt", ".operations.txt", ".manifest.json"})
       EXPECT_TRUE(fs::exists(stem + ending)) << ending;
     EXPECT_FALSE(fs::exists(stem + ".carries.csv"));
@@ -127,7 +127,7 @@ TEST(ReachGoal, WritesPathsStatesPicturesAndTheTable) {
     EXPECT_EQ(run.collisions, 0U);
     EXPECT_EQ(run.truth.size(), run.estimate.size());
     EXPECT_EQ(logs::readTum(folder / ("out/" + run.method + "/truth.tum")).size(), run.truth.size());
-    EXPECT_THAT(core::readTextFile(folder / ("out/" + run.method + "/states.csv")),
+    EXPECT_THAT(files::readTextFile(folder / ("out/" + run.method + "/states.csv")),
                 ::testing::StartsWith("time_s,from,to,why,x_m,y_m\r\n0,,to goal,start,1,1.5\r\n"));
     EXPECT_TRUE(fs::exists(folder / ("out/" + run.method + "/path.png")));
   }
@@ -163,14 +163,14 @@ TEST(ReachGoal, WritesEveryTransitionOfTheOriginalBugAndWhereItsFiveDirectionsLe
   }
   EXPECT_GT(within_a_period, 0U);
   EXPECT_THAT(
-      core::readTextFile(folder / "out/lidar_bug/states.csv"),
+      files::readTextFile(folder / "out/lidar_bug/states.csv"),
       ::testing::StartsWith("time_s,from,to,why,x_m,y_m,ahead_x_m,ahead_y_m,left_ahead_x_m,left_ahead_y_m,"
                             "left_x_m,left_y_m,right_x_m,right_y_m,right_ahead_x_m,right_ahead_y_m\r\n"));
 }
 
 TEST(ReachGoal, HasTheOriginalNavigationToTheLetterAmongTheConfigurations) {
   const auto config =
-      readReachGoalConfig(core::readConfigFile(core::configsFolder() + "/navigate/thesis.ini"));
+      readReachGoalConfig(resources::readConfigFile(resources::configsFolder() + "/navigate/thesis.ini"));
   EXPECT_EQ(config.navigate.lidar_bug.wall_end, "front");
   EXPECT_EQ(config.lidar.beams, 275);
   const goals::Surroundings keeps(config.robot, config.navigate.clearance_m, 0.2);
@@ -180,7 +180,7 @@ TEST(ReachGoal, HasTheOriginalNavigationToTheLetterAmongTheConfigurations) {
 
 TEST(ReachGoal, DrivesByTheLocalObstacleMapWhenAsked) {
   const testing::TempFolder folder;
-  core::IniFile ini;
+  files::IniFile ini;
   for (const auto& [section, key, value] :
        std::vector<std::array<std::string, 3>>{{"navigate", "memory", "local_map"},
                                                {"obstacles", "width_m", "3"},
@@ -239,7 +239,7 @@ TEST(ReachGoal, GivesTheSameBytesForTheSameRequest) {
     reachGoal(roomRequest(output, true), {}, core::silentProgress());
     for (const std::string name : {"bug2/truth.tum", "bug2/trajectory.tum", "bug2/states.csv",
                                    "bug2/path.png", "paths.png", "scores.csv"})
-      bytes[i] += core::readTextFile(output + "/" + name);
+      bytes[i] += files::readTextFile(output + "/" + name);
   }
   EXPECT_EQ(bytes[0], bytes[1]);
 }

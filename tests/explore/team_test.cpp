@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/file_hash.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/explore/team_radio.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/explore/two_rooms.h"
@@ -36,7 +36,7 @@ TeamRequest teamRequest(const testing::TempFolder& folder, const world::Plan& pl
   request.plan_path = saved(folder, plan);
   request.config = quickConfig(strategy, 400, {"simulation.start=10,3,90"});
   request.slam = slam;
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.output = folder / "out";
   request.robots = robots;
   return request;
@@ -51,7 +51,7 @@ std::map<std::string, std::string> hashesIn(const std::string& folder) {
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     if (entry.is_regular_file() && name != "cost.csv" && name.find("manifest.json") == std::string::npos)
-      hashes[fs::relative(entry.path(), folder).string()] = core::fileSha256(entry.path().string());
+      hashes[fs::relative(entry.path(), folder).string()] = resources::fileSha256(entry.path().string());
   }
   return hashes;
 }
@@ -86,7 +86,7 @@ TEST(Team, LeavesAFolderPerRobotAndOneMap) {
         "map.yaml", "map.gridmap.gz", "exploration.json", "team.csv", "scores.txt", "scores.json", "runs.csv",
         "path.png", "coverage.png", "manifest.json"})
     EXPECT_TRUE(fs::exists(folder / ("out/" + std::string(file)))) << file;
-  const auto json = nlohmann::json::parse(core::readTextFile(folder / "out/exploration.json"));
+  const auto json = nlohmann::json::parse(files::readTextFile(folder / "out/exploration.json"));
   EXPECT_EQ(json["robots"], 2);
   EXPECT_TRUE(json["radio_range_m"].is_null());
   EXPECT_NEAR(json["path_sum_m"].get<double>(),

@@ -5,14 +5,14 @@
 #include <algorithm>
 
 #include "libslam/core/error.h"
-#include "libslam/core/file_hash.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::explore {
 namespace {
 
 TurnAwayConfig config(const std::vector<std::string>& settings = {}) {
-  core::IniFile ini;
+  files::IniFile ini;
   for (const auto& setting : settings) ini.setFromArgument(setting, "test");
   return readTurnAwayConfig(ini);
 }
@@ -68,7 +68,7 @@ TEST(TurnAway, DrawsTheSameBytes) {
     const auto c = config({"turn_away.sensor=" + sensor});
     drawTurnAway(turnAway(c), c, folder / "a.png");
     drawTurnAway(turnAway(c), c, folder / "b.png");
-    EXPECT_EQ(core::fileSha256(folder / "a.png"), core::fileSha256(folder / "b.png"));
+    EXPECT_EQ(resources::fileSha256(folder / "a.png"), resources::fileSha256(folder / "b.png"));
   }
 }
 

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "libslam/core/resources.h"
+#include "libslam/resources/resources.h"
 
 namespace slam::live {
 namespace {
@@ -33,7 +33,7 @@ class Watcher : public record::StepObserver {
 };
 
 mapping::MapBuilder naiveByWheels() {
-  return mapping::makeMapBuilder(mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel"),
+  return mapping::makeMapBuilder(mapping::loadMethodConfig(resources::configsFolder() + "/methods", "naive_wheel"),
                                  "naive_wheel", 1);
 }
 

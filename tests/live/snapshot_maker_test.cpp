@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "libslam/core/resources.h"
+#include "libslam/resources/resources.h"
 #include "libslam/record/record.h"
 
 namespace slam::live {
@@ -111,7 +111,7 @@ TEST(SnapshotMaker, ShowsTheStrategicDirectionsUpToTheirReadings) {
 }
 
 TEST(SnapshotMaker, ACarryBreaksTheTruePathAndIsSaid) {
-  const auto plan = world::loadPlan(core::resolvePlan("flat"));
+  const auto plan = world::loadPlan(resources::resolvePlan("flat"));
   robot::LidarOptions lidar;
   lidar.beams = 21;
   sim::Simulator simulator(plan, {}, lidar, {}, {3, 3, 0}, 1);
@@ -141,7 +141,7 @@ TEST(SnapshotMaker, ShowsALoopOnlyOnceItWasClosed) {
 
 TEST(SnapshotMaker, AsksAMethodForItsMapOnlyWhenToldTo) {
   auto method = mapping::makeMapBuilder(
-      mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel"), "naive_wheel", 1);
+      mapping::loadMethodConfig(resources::configsFolder() + "/methods", "naive_wheel"), "naive_wheel", 1);
   SnapshotMaker maker("", "", {});
   const auto step = [&](double time_s) {
     const auto scan = scanAt(100 + time_s);

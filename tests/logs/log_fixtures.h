@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/objects/mrpt_time.h"
@@ -84,7 +84,7 @@ inline Outcome readOutcome(const std::string& path, const std::string& label = "
 }
 
 inline std::string readBytes(const std::string& path) {
-  return core::readTextFile(path);
+  return files::readTextFile(path);
 }
 
 inline void writeBytes(const std::string& bytes, const std::string& path) {

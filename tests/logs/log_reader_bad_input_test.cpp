@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "libslam/core/memory_guard.h"
+#include "libslam/files/memory_guard.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/logs/log_fixtures.h"
@@ -189,7 +189,7 @@ TEST(LogReader, GivesTheEntriesBeforeTheDamageFirst) {
 }
 
 TEST(LogReader, RefusesAnEntryOfImpossibleSizeAsCorrupt) {
-  if (!core::MemoryGuard::isKept()) GTEST_SKIP() << "this build has an allocator of its own";
+  if (!files::MemoryGuard::isKept()) GTEST_SKIP() << "this build has an allocator of its own";
   const testing::TempFolder folder;
   {
     RawObjects log(folder / "a.rawlog");

@@ -289,7 +289,7 @@ void writeStart(const std::string& path, RawlogForm form, const std::string& out
 }
 
 size_t linesIn(const std::string& path) {
-  const std::string text = core::readTextFile(path);
+  const std::string text = files::readTextFile(path);
   return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 

@@ -105,7 +105,7 @@ TEST(UnpackingStream, GivesAFileThatIsNotPackedAsItIs) {
 
 TEST(UnpackingStream, GivesLinesAcrossItsPieces) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "a", bzip2(longText() + "\n\nno newline"));
+  files::writeFileAtomically(folder / "a", bzip2(longText() + "\n\nno newline"));
   UnpackingStream stream(folder / "a");
   std::string joined;
   UnpackingStream::Line line;
@@ -115,7 +115,7 @@ TEST(UnpackingStream, GivesLinesAcrossItsPieces) {
 
 TEST(UnpackingStream, CutsALineThatIsTooLong) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "a", "abcdefg\nhi\n");
+  files::writeFileAtomically(folder / "a", "abcdefg\nhi\n");
   UnpackingStream stream(folder / "a");
   UnpackingStream::Line line;
   std::vector<std::pair<std::string, bool>> lines;

@@ -14,7 +14,7 @@
 
 #include "libslam/builders/mrpt_compat.h"
 #include "libslam/core/error.h"
-#include "libslam/core/file_hash.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/mapping/small_room.h"
 
@@ -40,7 +40,7 @@ core::Trajectory runDrive(MapBuilder& method, const test::Drive& drive) {
 
 /// A run that is the same to the last bit.
 std::string fingerprint(const core::Trajectory& estimate) {
-  return core::sha256(
+  return resources::sha256(
       {reinterpret_cast<const char*>(estimate.data()), estimate.size() * sizeof(estimate[0])});
 }
 
@@ -78,7 +78,7 @@ TEST_P(EveryMethod, GivesTheSameBytesForTheSameSeedWhateverElseUsesTheGenerator)
 
   EXPECT_EQ(fingerprint(first_path), fingerprint(second_path));
   for (const char* file : {"map.yaml", "map.png", "map.gridmap.gz", "map.simplemap"})
-    EXPECT_EQ(core::fileSha256(first_folder / file), core::fileSha256(second_folder / file)) << file;
+    EXPECT_EQ(resources::fileSha256(first_folder / file), resources::fileSha256(second_folder / file)) << file;
 }
 
 TEST_P(EveryMethod, PrintsNothing) {

@@ -15,7 +15,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/testing/temp_folder.h"
@@ -40,7 +40,7 @@ testing::CommandResult runIn(const testing::TempFolder& folder, const std::strin
 
 /// The numbers of the last line of a file that holds numbers.
 std::vector<double> lastLine(const std::string& path) {
-  std::istringstream lines(core::readTextFile(path));
+  std::istringstream lines(files::readTextFile(path));
   std::string line, last;
   while (std::getline(lines, line))
     if (line.find_first_of("0123456789") != std::string::npos) last = line;

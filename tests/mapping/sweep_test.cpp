@@ -36,9 +36,9 @@ struct Told {
 };
 
 double worstHeading(const Told& told, const test::Drive& drive, SweptScans* swept = nullptr) {
-  core::IniFile config;
+  files::IniFile config;
   config.set("method", "type", "graph", "test");
-  config.set("method", "sweep_s", core::formatNumber(told.sweep_s), "test");
+  config.set("method", "sweep_s", files::formatNumber(told.sweep_s), "test");
   config.set("method", "deskew", told.deskew ? "true" : "false", "test");
   auto method = makeMapBuilder(config, "graph", 1);
   double worst_rad = 0;

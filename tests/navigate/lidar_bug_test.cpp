@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <set>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "tests/navigate/goal_scenes.h"
 
 namespace slam::navigate {
@@ -59,11 +59,11 @@ TEST(LidarBugTable, IsTheDiagramInTheDocumentation) {
   const std::string path = std::string(RASTERSLAM_SOURCE_DIR) + "/libslam/goals/lidar_bug.md";
   std::string committed;
   try {
-    committed = core::readTextFile(path);
+    committed = files::readTextFile(path);
   } catch (const std::exception&) {
   }
   if (committed != goals::lidarBugDiagram())
-    core::writeFileAtomically(std::string(RASTERSLAM_BINARY_DIR) + "/lidar_bug.md", goals::lidarBugDiagram());
+    files::writeFileAtomically(std::string(RASTERSLAM_BINARY_DIR) + "/lidar_bug.md", goals::lidarBugDiagram());
   EXPECT_EQ(committed, goals::lidarBugDiagram());
 }
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
-#include "libslam/core/file_hash.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/draw/canvas.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -94,7 +94,7 @@ TEST_F(JournalPicture, NothingIsAPictureTooAndTheSameInputGivesTheSameBytes) {
                                                  at(61, "resampled", 0.4)};
   drawJournal(room(), straight(), events, "some", folder_ / "c.png");
   drawJournal(room(), straight(), events, "some", folder_ / "d.png");
-  EXPECT_EQ(core::fileSha256(folder_ / "c.png"), core::fileSha256(folder_ / "d.png"));
+  EXPECT_EQ(resources::fileSha256(folder_ / "c.png"), resources::fileSha256(folder_ / "d.png"));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "libslam/core/error.h"
-#include "libslam/core/file_hash.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/draw/map_view.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/pictures/read_picture.h"
@@ -63,8 +63,8 @@ TEST(Pictures, HaveTheSameBytesForTheSameInput) {
     drawScan(scan, folder / (name + "scan.png"));
   }
   for (const std::string kind : {"plan", "difference", "panels", "scan"})
-    EXPECT_EQ(core::fileSha256(folder / ("a" + kind + ".png")),
-              core::fileSha256(folder / ("b" + kind + ".png")));
+    EXPECT_EQ(resources::fileSha256(folder / ("a" + kind + ".png")),
+              resources::fileSha256(folder / ("b" + kind + ".png")));
 }
 
 TEST(DrawPlan, ShowsWallsFreeSpaceAndPathsInTheirPlaces) {

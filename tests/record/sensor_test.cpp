@@ -10,8 +10,8 @@
 namespace slam::record {
 namespace {
 
-core::IniFile ini(const std::string& text) {
-  return core::IniFile::parse(text, "a.ini");
+files::IniFile ini(const std::string& text) {
+  return files::IniFile::parse(text, "a.ini");
 }
 
 std::string errorOf(const std::string& text) {

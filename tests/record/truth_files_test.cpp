@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "libslam/core/files.h"
-#include "libslam/core/file_hash.h"
-#include "libslam/core/manifest.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::record {
@@ -14,14 +14,14 @@ namespace {
 // before the plan.
 TEST(FindPlan, TakesAPlanAmongTheInputsAndNothingElse) {
   const testing::TempFolder folder;
-  core::Manifest manifest;
+  resources::Manifest manifest;
   for (const char* name : {"a_commands.txt", "plan.yaml"}) {
-    core::writeFileAtomically(folder / name, name);
-    manifest.inputs[folder / name] = core::fileSha256(folder / name);
+    files::writeFileAtomically(folder / name, name);
+    manifest.inputs[folder / name] = resources::fileSha256(folder / name);
   }
-  core::writeManifest(manifest, folder / "run.manifest.json");
+  resources::writeManifest(manifest, folder / "run.manifest.json");
   EXPECT_EQ(findPlan(folder / "run.rawlog"), folder / "plan.yaml");
-  core::writeFileAtomically(folder / "plan.yaml", "another one");
+  files::writeFileAtomically(folder / "plan.yaml", "another one");
   EXPECT_EQ(findPlan(folder / "run.rawlog"), "");
 }
 

@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/record/carry_file.h"
@@ -21,16 +21,16 @@ class UserDriveTest : public ::testing::Test {
     ini_.set("simulation", "start", "3 3 0", "test");
   }
   UserDrive drive(const std::string& commands) {
-    return recordUserCommands(world::loadPlan(core::resolvePlan("flat")), readRecordConfig(ini_), 4,
+    return recordUserCommands(world::loadPlan(resources::resolvePlan("flat")), readRecordConfig(ini_), 4,
                               folder_ / "run.rawlog", robot::parseUserCommands(commands, "test"), {},
                               core::silentProgress());
   }
   std::vector<sim::Operation> operations() const {
-    return sim::parseOperations(core::readTextFile(folder_ / "run.operations.txt"), "operations");
+    return sim::parseOperations(files::readTextFile(folder_ / "run.operations.txt"), "operations");
   }
 
   const testing::TempFolder folder_;
-  core::IniFile ini_;
+  files::IniFile ini_;
 };
 
 TEST_F(UserDriveTest, OneScanAndOneEntryOfTheLogPerWholeCommand) {

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/draw/page_text.h"
 #include "libslam/report/page_bundle.h"
 #include "libslam/report/page_plot.h"
@@ -135,8 +135,8 @@ TEST(HtmlReport, TheSamePageGivesTheSameBytes) {
 
 TEST(HtmlReport, TheBundleIsInsideUnchanged) {
   const std::string folder = std::string(RASTERSLAM_SOURCE_DIR) + "/libslam/report/page/bundle";
-  EXPECT_EQ(core::readTextFile(folder + "/page.js"), kPageScript);
-  EXPECT_EQ(core::readTextFile(folder + "/page.css"), kPageStyle);
+  EXPECT_EQ(files::readTextFile(folder + "/page.js"), kPageScript);
+  EXPECT_EQ(files::readTextFile(folder + "/page.css"), kPageStyle);
   EXPECT_THAT(toHtml(smallPage()), HasSubstr(kPageScript));
 }
 

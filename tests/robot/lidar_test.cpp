@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/core/ini.h"
+#include "libslam/files/ini.h"
 #include "libslam/testing/error_of.h"
 
 namespace slam::robot {
@@ -162,10 +162,10 @@ TEST(LidarOptionsCheck, RefusesEveryNumberOutOfBounds) {
                                                         {"drop_out", "1.01"},
                                                         {"glass_reflectance", "-1"},
                                                         {"mount_error_yaw_deg", "200"}}) {
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("lidar", key, value, "test.ini:1");
     LidarOptions options;
-    EXPECT_THAT(testing::errorOf([&] { core::readParameters(ini, LidarOptions::table(), options); }),
+    EXPECT_THAT(testing::errorOf([&] { files::readParameters(ini, LidarOptions::table(), options); }),
                 AllOf(HasSubstr("test.ini:1: section [lidar], key '" + key), HasSubstr("': found '" + value),
                       HasSubstr("', expected ")));
   }

@@ -6,10 +6,10 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/file_hash.h"
-#include "libslam/core/parameters.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/files/parameters.h"
+#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/mapping/map_builder.h"
@@ -30,11 +30,11 @@ class TwoHalves : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new testing::TempFolder;
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("simulation", "duration_s", "40", "test");
     ini.set("lidar", "beams", "181", "test");
     const std::string whole = *folder_ / "whole.rawlog";
-    record::record(world::loadPlan(core::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole, {},
+    record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole, {},
                    core::silentProgress());
     logs::LogReader log(whole);
     logs::LogWriter first(*folder_ / "first.rawlog", logs::RawlogForm::kActionFrame);
@@ -51,7 +51,7 @@ class TwoHalves : public ::testing::Test {
   }
   static core::Pose2 build(const std::string& method, const std::string& log,
                            const Continuation& continuation, const std::string& output = "") {
-    const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", method);
+    const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", method);
     const std::string folder = *folder_ / (output.empty() ? log : output);
     buildMap(*folder_ / (log + ".rawlog"), config, method, 1, folder, true, {}, core::silentProgress(), false,
              continuation);
@@ -68,10 +68,10 @@ TEST_F(TwoHalves, ContinuedEndsWhereTheWholeDoes) {
   // Each closes the same loops in another order; the flat's walls hold both to a few millimetres.
   EXPECT_LT(core::distance(end, whole_), 0.03);
   EXPECT_LT(std::abs(core::angleDifference(end.phi, whole_.phi)), core::degToRad(0.5));
-  const auto manifest = core::readManifest(*folder_ / "both/manifest.json");
+  const auto manifest = resources::readManifest(*folder_ / "both/manifest.json");
   EXPECT_EQ(manifest.results.at("continues"), *folder_ / "first");
   EXPECT_EQ(manifest.inputs.count(*folder_ / "first/map.simplemap"), 1U);
-  EXPECT_NE(core::fileSha256(*folder_ / "both/map.png"), core::fileSha256(*folder_ / "first/map.png"));
+  EXPECT_NE(resources::fileSha256(*folder_ / "both/map.png"), resources::fileSha256(*folder_ / "first/map.png"));
 }
 
 TEST_F(TwoHalves, OfOtherMethodsToo) {
@@ -87,10 +87,10 @@ TEST_F(TwoHalves, LocalisingKeepsTheMapsBytes) {
       build("graph", "second", {*folder_ / "whole", true, endOfRun(*folder_ / "first")}, "localised");
   EXPECT_LT(core::distance(end, whole_), 0.03);
   for (const std::string file : {"map.yaml", "map.png", "map.gridmap.gz", "map.simplemap"})
-    EXPECT_EQ(core::fileSha256(*folder_ / ("localised/" + file)),
-              core::fileSha256(*folder_ / ("whole/" + file)))
+    EXPECT_EQ(resources::fileSha256(*folder_ / ("localised/" + file)),
+              resources::fileSha256(*folder_ / ("whole/" + file)))
         << file;
-  EXPECT_EQ(core::readManifest(*folder_ / "localised/manifest.json").results.at("localised_in"),
+  EXPECT_EQ(resources::readManifest(*folder_ / "localised/manifest.json").results.at("localised_in"),
             *folder_ / "whole");
 }
 
@@ -99,8 +99,8 @@ TEST_F(TwoHalves, AStartElsewhereIsTaken) {
   moved.x += 0.05;
   build("icp", "first", {}, "icp_first");
   build("icp", "second", {*folder_ / "icp_first", true, moved}, "moved");
-  const auto manifest = core::readManifest(*folder_ / "moved/manifest.json");
-  EXPECT_EQ(manifest.results.at("start.x_m"), core::formatNumber(moved.x));
+  const auto manifest = resources::readManifest(*folder_ / "moved/manifest.json");
+  EXPECT_EQ(manifest.results.at("start.x_m"), files::formatNumber(moved.x));
 }
 
 TEST_F(TwoHalves, MethodsThatCannotSaySo) {
@@ -114,7 +114,7 @@ TEST_F(TwoHalves, MethodsThatCannotSaySo) {
               }),
               HasSubstr("nowhere/manifest.json: no such file"));
   build("graph", "first", {}, "broken");
-  core::writeFileAtomically(*folder_ / "broken/map.simplemap", "not a map");
+  files::writeFileAtomically(*folder_ / "broken/map.simplemap", "not a map");
   EXPECT_THAT(errorOf([&] {
                 build("graph", "second", {*folder_ / "broken", false, {}}, "x");
               }),
@@ -149,7 +149,7 @@ TEST_F(TwoHalves, ARunThatEndsLostHasItsFiguresAndANote) {
 // `rasterslam run` ends with exit code 4 then; the files are all there.
 TEST_F(TwoHalves, AComparisonShowsTheFiguresOfARunThatEndsLost) {
   const std::string program = *folder_ / "lost.sh";
-  core::writeFileAtomically(program,
+  files::writeFileAtomically(program,
                             "#!/bin/sh\n"
                             "cp -r '" +
                                 (*folder_ / "whole") + "' \"$5\"\n" +
@@ -160,7 +160,7 @@ TEST_F(TwoHalves, AComparisonShowsTheFiguresOfARunThatEndsLost) {
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);
   score::CompareRequest request;
   request.log_path = *folder_ / "whole.rawlog";
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.methods = {"graph"};
   request.output = *folder_ / "compared";
   request.program = program;

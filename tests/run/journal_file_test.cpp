@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/run/stopped_run.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
@@ -52,7 +52,7 @@ TEST(Journal, AFailuresOddWordsStayInTheirField) {
   const testing::TempFolder folder;
   Stop stop;
   stop.why = "\"map\", three\nlines";
-  core::writeFileAtomically(folder / "journal.csv", journalCsv({stopLine(stop, {})}));
+  files::writeFileAtomically(folder / "journal.csv", journalCsv({stopLine(stop, {})}));
   const auto journal = readJournal(folder / "journal.csv");
   ASSERT_EQ(journal.size(), 1U);
   EXPECT_EQ(journal[0].event, core::JournalEvent::kFailed);
@@ -63,7 +63,7 @@ TEST(Journal, AWordThatIsNoEventIsRefusedWithItsLine) {
   const testing::TempFolder folder;
   std::string csv = journalCsv(someJournal());
   csv.replace(csv.find("accepted"), 8, "sneezed");
-  core::writeFileAtomically(folder / "journal.csv", csv);
+  files::writeFileAtomically(folder / "journal.csv", csv);
   EXPECT_THAT(errorOf([&] { readJournal(folder / "journal.csv"); }),
               HasSubstr("journal.csv:3: event: found 'sneezed'"));
 }
@@ -71,7 +71,7 @@ TEST(Journal, AWordThatIsNoEventIsRefusedWithItsLine) {
 TEST(Journal, ComesBackAsItWasWritten) {
   const testing::TempFolder folder;
   const std::string csv = journalCsv(someJournal());
-  core::writeFileAtomically(folder / "journal.csv", csv);
+  files::writeFileAtomically(folder / "journal.csv", csv);
   const auto journal = readJournal(folder / "journal.csv");
   ASSERT_EQ(journal.size(), 3U);
   EXPECT_EQ(journal[0].other_scan, -1);
@@ -83,13 +83,13 @@ TEST(Journal, ComesBackAsItWasWritten) {
 TEST(Journal, ABrokenFileIsOneClearLine) {
   const testing::TempFolder folder;
   const std::string path = folder / "journal.csv";
-  core::writeFileAtomically(path, "scan,time_s,event,value,other_scan,detail\n");
+  files::writeFileAtomically(path, "scan,time_s,event,value,other_scan,detail\n");
   EXPECT_THAT(errorOf([&] { readJournal(path); }), HasSubstr(path + ":1: the column 'x_m' is missing"));
   std::string csv = journalCsv(someJournal());
-  core::writeFileAtomically(path, csv + "4,5\n");
+  files::writeFileAtomically(path, csv + "4,5\n");
   EXPECT_THAT(errorOf([&] { readJournal(path); }), HasSubstr(path + ":5: found 2 fields, expected 10"));
   csv.replace(csv.find("0.25"), 4, "many");
-  core::writeFileAtomically(path, csv);
+  files::writeFileAtomically(path, csv);
   EXPECT_THAT(errorOf([&] { readJournal(path); }),
               HasSubstr(path + ":2: value: found 'many', expected a number"));
 }

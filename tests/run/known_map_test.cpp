@@ -8,9 +8,9 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/file_hash.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
@@ -97,7 +97,7 @@ TEST(GridMaps, AreKnownByTheirNames) {
 
 TEST(GridMaps, WhatIsNoneIsRefused) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "bad.gridmap.gz", "no grid");
+  files::writeFileAtomically(folder / "bad.gridmap.gz", "no grid");
   EXPECT_EQ(errorOf([&] { loadGridMap(folder / "bad.gridmap.gz"); }),
             folder / "bad.gridmap.gz" + ": is no MRPT occupancy grid");
   EXPECT_THAT(errorOf([&] { loadGridMap(folder / "none.yaml"); }), HasSubstr("no such file"));
@@ -108,9 +108,9 @@ class InAGrid : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new testing::TempFolder;
-    const world::Plan plan = world::loadPlan(core::resolvePlan("flat"));
+    const world::Plan plan = world::loadPlan(resources::resolvePlan("flat"));
     world::savePlan(plan, *folder_ / "flat.yaml");
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("simulation", "duration_s", "30", "test");
     ini.set("lidar", "beams", "181", "test");
     for (const int seed : {1, 2})
@@ -124,7 +124,7 @@ class InAGrid : public ::testing::Test {
   }
   static MapRun build(const std::string& log, const Continuation& continuation, const std::string& output) {
     return buildMap(*folder_ / (log + ".rawlog"),
-                    mapping::loadMethodConfig(core::configsFolder() + "/methods", "graph"), "graph", 1,
+                    mapping::loadMethodConfig(resources::configsFolder() + "/methods", "graph"), "graph", 1,
                     *folder_ / output, true, {}, core::silentProgress(), false, continuation);
   }
   static core::Trajectory truthOf(const std::string& log) {
@@ -152,7 +152,7 @@ TEST_F(InAGrid, SoInMrptsGrid) {
   const core::Pose2 T_world_map = truthOf("drive1").front().pose;
   const std::string map = *folder_ / "map/map.gridmap.gz";
   build("drive2", {map, true, core::between(T_world_map, truth.front().pose)}, "in_grid");
-  EXPECT_EQ(core::fileSha256(*folder_ / "in_grid/map.gridmap.gz"), core::fileSha256(map));
+  EXPECT_EQ(resources::fileSha256(*folder_ / "in_grid/map.gridmap.gz"), resources::fileSha256(map));
   const auto run = loadRun(*folder_ / "in_grid");
   const score::Alignment alignment{metrics::Align::kNone,
                                    score::mapFrame(run.manifest, *folder_ / "drive1.gt.tum")};

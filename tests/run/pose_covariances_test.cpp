@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/core/random.h"
 #include "libslam/stats/consistency.h"
 #include "libslam/testing/error_of.h"
@@ -31,7 +31,7 @@ TEST(Covariances, ReadWhatTheyWrite) {
   full << 4e-4, 1e-4, -3e-5, 1e-4, 9e-4, 1.0 / 3e5, -3e-5, 1.0 / 3e5, 1e-5;
   writeCovariances({{1.5e9 + 0.25, full}, {1.5e9 + 0.5, Eigen::Matrix3d::Zero()}}, folder / "c.csv");
   EXPECT_THAT(
-      core::readTextFile(folder / "c.csv"),
+      files::readTextFile(folder / "c.csv"),
       ::testing::StartsWith("time_s,xx,xy,xphi,yy,yphi,phiphi\n1500000000.250000,0.0004,0.0001,-3e-05,"));
   const auto read = readCovariances(folder / "c.csv");
   ASSERT_EQ(read.size(), 2U);
@@ -44,7 +44,7 @@ TEST(Covariances, ReadWhatTheyWrite) {
 TEST(Covariances, SayWhichLineIsWrong) {
   const testing::TempFolder folder;
   const auto errorWith = [&](const std::string& line) {
-    core::writeFileAtomically(folder / "c.csv", "time_s,xx,xy,xphi,yy,yphi,phiphi\n" + line + "\n");
+    files::writeFileAtomically(folder / "c.csv", "time_s,xx,xy,xphi,yy,yphi,phiphi\n" + line + "\n");
     return errorOf([&] { readCovariances(folder / "c.csv"); });
   };
   EXPECT_THAT(errorWith("1,2,3"), HasSubstr("c.csv:2: found 3 numbers, expected 7"));

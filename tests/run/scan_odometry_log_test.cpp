@@ -12,7 +12,7 @@
 #include <mrpt/poses/CPosePDFGaussian.h>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/log_format.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
@@ -217,7 +217,7 @@ TEST(ScanOdometryLog, TheSameLogGivesTheSameBytes) {
   const auto in = writeDrive(folder, RawlogForm::kActionFrame, true);
   write(in, folder / "a.rawlog", optionsOf("range_flow"));
   write(in, folder / "b.rawlog", optionsOf("range_flow"));
-  EXPECT_EQ(core::readTextFile(folder / "a.rawlog"), core::readTextFile(folder / "b.rawlog"));
+  EXPECT_EQ(files::readTextFile(folder / "a.rawlog"), files::readTextFile(folder / "b.rawlog"));
 }
 
 std::string errorOf(const std::string& in, const std::string& out, const ScanOdometryLogOptions& options) {
@@ -245,7 +245,7 @@ TEST(ScanOdometryLog, RefusesWhatItCannotTakeOdometryFromAndLeavesNothing) {
               HasSubstr("frames and bare scans of 'LASER' in one log, expected one form; give --form"));
   EXPECT_THAT(errorOf(folder / "mixed.rawlog", folder / "out.rawlog", optionsOf("plicpp")),
               HasSubstr("did you mean 'plicp'?"));
-  EXPECT_THROW(core::requireReadableFile(folder / "out.rawlog"), core::InputError);
+  EXPECT_THROW(files::requireReadableFile(folder / "out.rawlog"), core::InputError);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include <fstream>
 
 #include "libslam/core/error.h"
-#include "libslam/core/file_hash.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/mapping/small_room.h"
 
@@ -82,10 +82,10 @@ TEST(SceneFile, TheTruthGoesUnderneathAndTakesThePlaceOfAnEarlierOne) {
   addTruthToScene(truth, &plan, {-1, -2, 0}, file);
   const std::vector<std::string> layers = {"plan", "map", "truth", "path", "scan", "robot"};
   EXPECT_EQ(layersOf(file), layers);
-  const auto once = core::fileSha256(file);
+  const auto once = resources::fileSha256(file);
   addTruthToScene(truth, &plan, {-1, -2, 0}, file);
   EXPECT_EQ(layersOf(file), layers);
-  EXPECT_EQ(core::fileSha256(file), once);
+  EXPECT_EQ(resources::fileSha256(file), once);
   COpenGLScene scene;
   ASSERT_TRUE(scene.loadFromFile(file));
   EXPECT_NEAR(scene.getByName("plan")->getPose().x, -1, 1e-6);  // in the map frame
@@ -95,7 +95,7 @@ TEST(SceneFile, HasTheSameBytesAgain) {
   const testing::TempFolder folder;
   write("graph", folder / "a.3Dscene");
   write("graph", folder / "b.3Dscene");
-  EXPECT_EQ(core::fileSha256(folder / "a.3Dscene"), core::fileSha256(folder / "b.3Dscene"));
+  EXPECT_EQ(resources::fileSha256(folder / "a.3Dscene"), resources::fileSha256(folder / "b.3Dscene"));
 }
 
 TEST(SceneFile, ThatIsNoSceneIsAnInputError) {

@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/resources.h"
+#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
@@ -25,7 +25,7 @@ namespace {
 class SelfScoring : public ::testing::Test {
  protected:
   void SetUp() override {
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("simulation", "duration_s", "60", "test");
     ini.set("lidar", "beams", "181", "test");
     record::record(plan_, record::readRecordConfig(ini), 1, log_, {}, core::silentProgress());
@@ -36,7 +36,7 @@ class SelfScoring : public ::testing::Test {
   }
 
   testing::TempFolder folder_;
-  world::Plan plan_ = world::loadPlan(core::resolvePlan("flat"));
+  world::Plan plan_ = world::loadPlan(resources::resolvePlan("flat"));
   std::string log_ = folder_ / "run.rawlog";
   core::Trajectory truth_;
 };
@@ -67,7 +67,7 @@ TEST_F(SelfScoring, WantsOnePoseForEveryScan) {
 }
 
 TEST_F(SelfScoring, StandsInEveryRunAndInItsTable) {
-  const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "rbpf_exact");
+  const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "rbpf_exact");
   const auto run =
       buildMap(log_, config, "rbpf_exact", 1, folder_ / "out", false, {}, core::silentProgress());
   ASSERT_TRUE(run.final_estimate.has_value());
@@ -89,7 +89,7 @@ TEST_F(SelfScoring, StandsInEveryRunAndInItsTable) {
 
 // A run of another version, or an exploration, has no such figures: the table says so and the rest stands.
 TEST_F(SelfScoring, IsNotMissedWhereARunDoesNotHaveIt) {
-  const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel");
+  const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "naive_wheel");
   buildMap(log_, config, "naive_wheel", 1, folder_ / "out", false, {}, core::silentProgress());
   auto loaded = loadRun(folder_ / "out");
   EXPECT_FALSE(loaded.final_estimate.has_value());
@@ -114,7 +114,7 @@ TEST_F(SelfScoring, ALogWhoseStampsRunBackGivesAPathInTheOrderOfTheStamps) {
     writer.write(*entry);
   }
   writer.close();
-  const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "naive_wheel");
+  const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "naive_wheel");
   const auto run =
       buildMap(shuffled, config, "naive_wheel", 1, folder_ / "out", false, {}, core::silentProgress());
   const auto byStamp = [](const auto& a, const auto& b) { return a.time_s < b.time_s; };

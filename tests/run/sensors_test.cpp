@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
@@ -22,14 +22,14 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-core::IniFile configOf(const std::vector<std::string>& settings) {
-  core::IniFile ini;
+files::IniFile configOf(const std::vector<std::string>& settings) {
+  files::IniFile ini;
   for (const auto& setting : settings) ini.setFromArgument(setting, "test");
   return ini;
 }
 
 void simulate(const std::vector<std::string>& settings, const std::string& log) {
-  record::record(world::loadPlan(core::resolvePlan("flat")), record::readRecordConfig(configOf(settings)), 1,
+  record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(configOf(settings)), 1,
                  log, {}, core::silentProgress());
 }
 
@@ -41,7 +41,7 @@ struct Run {
 
 Run runOf(const std::string& method, const std::string& log, const std::string& folder,
           const std::vector<std::string>& settings = {}) {
-  auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", method);
+  auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", method);
   for (const auto& setting : settings) config.setFromArgument(setting, "test");
   Run run;
   run.map = buildMap(log, config, method, 1, folder, true, {}, core::silentProgress(), false);
@@ -132,8 +132,8 @@ TEST_F(TwoLidars, EveryMethodTakesThem) {
     EXPECT_EQ(both.map.estimate.size(), front.map.estimate.size()) << method;
     // A map of both differs from one of the front; nowhere is it worse by more than 5 mm, which the noise may
     // do.
-    EXPECT_NE(core::readTextFile(*folder_ / (method + "/map.png")),
-              core::readTextFile(*folder_ / (method + "_front/map.png")))
+    EXPECT_NE(files::readTextFile(*folder_ / (method + "/map.png")),
+              files::readTextFile(*folder_ / (method + "_front/map.png")))
         << method;
     EXPECT_LT(both.ate_m, front.ate_m + 0.005) << method;
   }

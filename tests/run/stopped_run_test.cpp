@@ -6,9 +6,9 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/file_hash.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
@@ -32,11 +32,11 @@ class BrokenOdometry : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new testing::TempFolder;
-    core::IniFile ini;
+    files::IniFile ini;
     ini.set("simulation", "duration_s", "20", "test");
     ini.set("lidar", "beams", "181", "test");
     const std::string whole = *folder_ / "whole.rawlog";
-    record::record(world::loadPlan(core::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole, {},
+    record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole, {},
                    core::silentProgress());
     logs::LogReader log(whole);
     logs::LogWriter bad(*folder_ / "bad.rawlog", logs::RawlogForm::kActionFrame);
@@ -55,7 +55,7 @@ class BrokenOdometry : public ::testing::Test {
   }
   static MapRun build(const std::string& method, const std::string& log, const std::string& output,
                       core::Progress& progress = core::silentProgress(), bool keep_partial = false) {
-    const auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", method);
+    const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", method);
     return buildMap(*folder_ / (log + ".rawlog"), config, method, 1, *folder_ / output, true, {}, progress,
                     false, {}, nullptr, keep_partial);
   }
@@ -82,8 +82,8 @@ TEST_F(BrokenOdometry, WhatWasMappedBeforeIsKept) {
       EXPECT_TRUE(fs::exists(*folder_ / (method + "/" + file))) << method << " " << file;
     // A method that gives its path as it goes has mapped what it maps of the first part alone.
     build(method, "first", method + "_first");
-    EXPECT_EQ(core::fileSha256(*folder_ / (method + "/trajectory.tum")),
-              core::fileSha256(*folder_ / (method + "_first/trajectory.tum")))
+    EXPECT_EQ(resources::fileSha256(*folder_ / (method + "/trajectory.tum")),
+              resources::fileSha256(*folder_ / (method + "_first/trajectory.tum")))
         << method;
   }
 }
@@ -91,7 +91,7 @@ TEST_F(BrokenOdometry, WhatWasMappedBeforeIsKept) {
 TEST_F(BrokenOdometry, AComparisonHasARowThatSaysWhereAndKeepsTheFolder) {
   score::CompareRequest request;
   request.log_path = *folder_ / "bad.rawlog";
-  request.methods_folder = core::configsFolder() + "/methods";
+  request.methods_folder = resources::configsFolder() + "/methods";
   request.methods = {"naive_wheel", "icp"};
   request.output = *folder_ / "compared";
   const auto comparison = score::compare(request, {}, core::silentProgress());
@@ -99,11 +99,11 @@ TEST_F(BrokenOdometry, AComparisonHasARowThatSaysWhereAndKeepsTheFolder) {
   EXPECT_THAT(comparison.evaluations[1].failure, HasSubstr("at scan 60 (12.0 s): "));
   EXPECT_TRUE(std::isnan(comparison.evaluations[1].path_length_m));
   EXPECT_TRUE(fs::exists(*folder_ / "compared/icp/map.png"));
-  EXPECT_THAT(core::readTextFile(*folder_ / "compared/scores.txt"), HasSubstr("icp failed: at scan 60"));
+  EXPECT_THAT(files::readTextFile(*folder_ / "compared/scores.txt"), HasSubstr("icp failed: at scan 60"));
 }
 
 TEST_F(BrokenOdometry, AMapThatCannotBeDrawnLeavesItsPathAndKeyFrames) {
-  auto config = mapping::loadMethodConfig(core::configsFolder() + "/methods", "graph");
+  auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "graph");
   config.setFromArgument("mapping.max_map_cells=10000", "test");
   const auto run = buildMap(*folder_ / "first.rawlog", config, "graph", 1, *folder_ / "undrawn", true, {},
                             core::silentProgress(), false);
@@ -111,7 +111,7 @@ TEST_F(BrokenOdometry, AMapThatCannotBeDrawnLeavesItsPathAndKeyFrames) {
   EXPECT_THAT(run.stopped->why, HasSubstr("max_map_cells"));
   EXPECT_EQ(logs::readTum(*folder_ / "undrawn/trajectory_final.tum").size(), static_cast<size_t>(kBadScan));
   EXPECT_TRUE(fs::exists(*folder_ / "undrawn/map.simplemap"));
-  const auto manifest = core::readManifest(*folder_ / "undrawn/manifest.json");
+  const auto manifest = resources::readManifest(*folder_ / "undrawn/manifest.json");
   EXPECT_EQ(manifest.files.count("map.png"), 0U);
   EXPECT_EQ(manifest.files.count("map.simplemap"), 1U);
 }

@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "libslam/core/error.h"
-#include "libslam/core/file_hash.h"
+#include "libslam/resources/file_hash.h"
 #include "tests/sim/two_rooms.h"
 
 namespace slam::sim {
@@ -120,7 +120,7 @@ TEST(Crowd, HasGoldenBytes) {
       bytes.append(raw, sizeof raw);
     }
   }
-  EXPECT_EQ(core::sha256(bytes), "f2429871dd85f947035df57e571ed590cbc14fc791f4d4a30f1d092da48324ca");
+  EXPECT_EQ(resources::sha256(bytes), "f2429871dd85f947035df57e571ed590cbc14fc791f4d4a30f1d092da48324ca");
 }
 
 TEST(Crowd, GoesThroughDoorsAndRests) {

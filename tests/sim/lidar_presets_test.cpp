@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "libslam/core/ini.h"
-#include "libslam/core/ini_yaml.h"
+#include "libslam/files/ini.h"
+#include "libslam/resources/ini_yaml.h"
 #include "libslam/robot/lidar.h"
 
 namespace slam::robot {
@@ -12,10 +12,10 @@ namespace {
 const std::string kFolder = RASTERSLAM_SOURCE_DIR "/configs/lidars/";
 
 LidarOptions load(const std::string& name) {
-  const auto ini = core::readConfigFile(kFolder + name + ".ini");
-  core::rejectUnknownSections(ini, {"lidar"});
+  const auto ini = resources::readConfigFile(kFolder + name + ".ini");
+  files::rejectUnknownSections(ini, {"lidar"});
   LidarOptions options;
-  core::readParameters(ini, LidarOptions::table(), options);
+  files::readParameters(ini, LidarOptions::table(), options);
   return options;
 }
 
@@ -26,7 +26,7 @@ TEST(LidarPresets, AllLoadStrictlyAndGiveEveryParameter) {
     names.push_back(entry.path().stem());
     EXPECT_NO_THROW(load(names.back())) << entry.path();
     // A preset that leaves a parameter to the built-in default would change with it.
-    const auto ini = core::readConfigFile(entry.path());
+    const auto ini = resources::readConfigFile(entry.path());
     for (const auto& row : LidarOptions::table().rows())
       EXPECT_TRUE(ini.find("lidar", row.info.key)) << entry.path() << " lacks " << row.info.key;
   }

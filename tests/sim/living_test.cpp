@@ -282,11 +282,11 @@ TEST(LivingWorld, SaysWhenThereIsNoDoorToMove) {
 }
 
 TEST(LivingWorld, SaysWhatIsWrongWithItsOptions) {
-  core::IniFile ini;
+  files::IniFile ini;
   ini.set("living", "people", "-1", "run.ini:3");
   LivingOptions options;
   try {
-    core::readParameters(ini, LivingOptions::table(), options);
+    files::readParameters(ini, LivingOptions::table(), options);
     FAIL();
   } catch (const core::InputError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("run.ini:3"));

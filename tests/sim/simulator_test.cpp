@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "libslam/core/error.h"
-#include "libslam/core/file_hash.h"
+#include "libslam/resources/file_hash.h"
 
 namespace slam::sim {
 namespace {
@@ -206,7 +206,7 @@ Recording record(const robot::LidarOptions& lidar, const robot::OdometryOptions&
     recording.scans.append(reinterpret_cast<const char*>(sensed.scan.ranges_m.data()),
                            sensed.scan.ranges_m.size() * sizeof(float));
   }
-  for (auto* bytes : {&recording.truth, &recording.odometry, &recording.scans}) *bytes = core::sha256(*bytes);
+  for (auto* bytes : {&recording.truth, &recording.odometry, &recording.scans}) *bytes = resources::sha256(*bytes);
   return recording;
 }
 

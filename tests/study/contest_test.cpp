@@ -6,8 +6,8 @@
 #include <set>
 
 #include "libslam/core/error.h"
-#include "libslam/core/files.h"
-#include "libslam/core/resources.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/resources.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 ContestRequest request(std::vector<std::string> entries, std::uint64_t seed = 1) {
   ContestRequest request;
   request.entries = std::move(entries);
-  request.suite_path = core::configsFolder() + "/suites/contest.ini";
+  request.suite_path = resources::configsFolder() + "/suites/contest.ini";
   request.seed = seed;
   request.seeds = 3;
   return request;
@@ -46,7 +46,7 @@ TEST(ContestSuite, DrawsBuildingsAndDrivesFromItsSeed) {
 
 TEST(ContestSuite, TakesFilesByTheirPath) {
   const testing::TempFolder folder;
-  core::writeFileAtomically(folder / "mine.ini",
+  files::writeFileAtomically(folder / "mine.ini",
                             "[method]\ntype = external\ncommand = cp {scans} {output}\n");
   auto with_file = request({"mine.ini", "graph"});
   with_file.folder = folder.path();

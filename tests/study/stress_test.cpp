@@ -39,7 +39,7 @@ TEST(Stress, VariesANumberOfTheSimulationAsFaults) {
   EXPECT_EQ(stress.suite.faults[1].overlay.find("lidar", "fov_deg")->value, "210");
   EXPECT_EQ(sweep::planSweep(stress.suite).plan.runs.size(), 48U);  // 3 values, 8 seeds, 2 methods
   // The text that goes into the sweep's folder is the same suite.
-  const auto again = sweep::readSuite(core::IniFile::parse(stress.suite.text, "suite.ini"), "suite.ini",
+  const auto again = sweep::readSuite(files::IniFile::parse(stress.suite.text, "suite.ini"), "suite.ini",
                                       stress.suite.folder);
   EXPECT_EQ(sweep::planSweep(again).plan.runs[7].id, sweep::planSweep(stress.suite).plan.runs[7].id);
 }

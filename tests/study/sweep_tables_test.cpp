@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "libslam/core/file_hash.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/study/sweep_brief.h"
 #include "libslam/study/sweep_consistency.h"
 #include "libslam/study/sweep_index.h"
@@ -295,7 +295,7 @@ TEST(SweepTables, TheIndexIsTheSameBytesEveryTime) {
   const TwoMethods sweep;
   writeSweepIndex(sweep.plan, sweep.results, folder / "a.sqlite");
   writeSweepIndex(sweep.plan, sweep.results, folder / "b.sqlite");
-  EXPECT_EQ(core::fileSha256(folder / "a.sqlite"), core::fileSha256(folder / "b.sqlite"));
+  EXPECT_EQ(resources::fileSha256(folder / "a.sqlite"), resources::fileSha256(folder / "b.sqlite"));
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ int main() {
   request.plan = room();
   request.T_world_start = {1, 1.5, 0};
   request.p_world_goal = {4, 1.5};
-  slam::core::IniFile settings;
+  slam::files::IniFile settings;
   settings.set("navigate", "time_limit_s", "60", "test");
   request.config = slam::explore::readReachGoalConfig(settings);
   request.own = {ownNavigator()};
