@@ -125,11 +125,11 @@ run::ScanOdometryLogOptions odometryOptions(const FilterArguments& arguments) {
 run::CommandBefore commandsBefore(const std::string& log_path, bool all_scans) {
   const auto told = all_scans ? run::commandsOfLog(log_path) : std::nullopt;
   if (!told)
-    return [series = robot::CommandSeries()](const robot::Scan&,
+    return [series = robot::CommandSeries()](const lidar::Scan&,
                                              const std::optional<core::Pose2>& wheels) mutable {
       return wheels ? series.next(*wheels) : odometry::Commanded();
     };
-  return [told, scan = std::size_t{0}](const robot::Scan&, const std::optional<core::Pose2>&) mutable {
+  return [told, scan = std::size_t{0}](const lidar::Scan&, const std::optional<core::Pose2>&) mutable {
     return scan < told->size() ? (*told)[scan++] : odometry::Commanded();
   };
 }

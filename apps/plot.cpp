@@ -102,7 +102,7 @@ struct ScanArguments {
   int index = 0;
 };
 
-robot::Scan scanAt(const std::string& log_path, int index) {
+lidar::Scan scanAt(const std::string& log_path, int index) {
   logs::LogReader log(log_path);
   int count = 0;
   while (const auto entry = log.next())

@@ -52,7 +52,7 @@ std::vector<core::Point2> naiveDots(const std::string& log_path,
     if (number < scanAfter(next)) continue;
     const core::Pose2 pose = T_map_robot[++next].pose;
     if (operations[next - 1].kind == 't') continue;
-    for (const auto& p_robot : robot::scanPoints(entry->scan)) {
+    for (const auto& p_robot : lidar::scanPoints(entry->scan)) {
       const core::Point2 dot = pose * p_robot;
       const std::pair<long, long> cell{std::lround(dot.x / kDot_m), std::lround(dot.y / kDot_m)};
       if (cells.insert(cell).second) dots.push_back(dot);

@@ -78,7 +78,7 @@ BENCHMARK(castMrpt)->Name("cast/MRPT laserScanSimulator (approximate)")->MinTime
 
 /// Truth, odometry and a scan with noise per step, without a file. 361 beams over 180 degrees.
 void senseOnly(benchmark::State& state) {
-  robot::LidarOptions lidar;
+  lidar::LidarOptions lidar;
   lidar.fov_rad = core::kPi;
   lidar.beams = 361;
   const auto start = world::findStartPose(plan(), 0.5);

@@ -9,7 +9,7 @@
 #include "libslam/resources/resources.h"
 #include "libslam/mrptnav/mrpt_explorer.h"
 #include "libslam/record/record.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 int main() {
   const auto plan = slam::world::loadPlan(slam::resources::resolvePlan("flat"));
@@ -24,8 +24,8 @@ int main() {
   slam::mrptnav::MrptMotion motion;
   for (auto sensed = robot.sense(); !motion.finished;) {
     mrpt::obs::CActionRobotMovement2D wheels;
-    wheels.computeFromOdometry(mrpt::poses::CPose2D(slam::robot::toMrpt(sensed.T_previous_robot)), {});
-    const auto scan = slam::robot::toMrpt(sensed.scan);
+    wheels.computeFromOdometry(mrpt::poses::CPose2D(slam::lidar::toMrpt(sensed.T_previous_robot)), {});
+    const auto scan = slam::lidar::toMrpt(sensed.scan);
     mrpt::obs::CActionCollection actions(wheels);
     mrpt::obs::CSensoryFrame frame;
     frame.insert(scan);

@@ -60,7 +60,7 @@ void runOnce(const BenchLog& log, const Variant& variant, int seed) {
   for (const auto& entry : log.entries) {
     auto scan = entry.scan;
     for (float& range : scan.ranges_m)
-      if (slam::robot::isReturn(range) && variant.jitter_m > 0)
+      if (slam::lidar::isReturn(range) && variant.jitter_m > 0)
         range += static_cast<float>(noise.uniform(-variant.jitter_m, variant.jitter_m));
     const Pose2& odom = entry.T_odom_robot;
     const Pose2 T_odom_robot{rounded(odom.x, variant.round_m), rounded(odom.y, variant.round_m),

@@ -38,7 +38,7 @@ class GraphMapBuilder : public mrpt::slam::CMetricMapBuilder {
   void saveCurrentEstimationToImage(RASTERSLAM_MRPT_SAVE_IMAGE_ARGUMENTS) override;
 
   /// The same as processActionObservation() without MRPT's types in between.
-  core::Pose2 processScan(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
+  core::Pose2 processScan(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
   void finish() { graph_.finish(); }
   /// After initialize() with a map: nobody knows where in it the robot is. REQUIRES options.enableMapUpdating
   /// = false from then on.

@@ -21,7 +21,7 @@
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/objects/sweep_note.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::doctor {
 namespace {
@@ -177,7 +177,7 @@ class Survey : public LogVisitor {
   LogFigures& figures_;
   StreamSurvey streams_;
   std::map<std::string, RangeTally> lidars_;
-  std::map<std::string, robot::Sweep> sweeps_;
+  std::map<std::string, lidar::Sweep> sweeps_;
   OdometryReader odometry_;
   std::map<std::string, OdometryTally> odometry_tallies_;
   std::optional<double> newest_s_;
@@ -244,9 +244,9 @@ class Matching : public LogVisitor {
       ++figures_.scans_without_time;
       return;
     }
-    robot::Scan scan;
+    lidar::Scan scan;
     try {
-      scan = robot::fromMrpt(observation);
+      scan = lidar::fromMrpt(observation);
     } catch (const core::InputError& error) {
       if (figures_.refused_scans++ == 0) figures_.refused_scan = error.what();
       return;
@@ -255,7 +255,7 @@ class Matching : public LogVisitor {
     newest_s_ = time_s;
     if (const auto& spike = figures_.ranges.spike)
       for (float& range_m : scan.ranges_m)
-        if (range_m >= spike->threshold_m) range_m = robot::kNoReturn;
+        if (range_m >= spike->threshold_m) range_m = lidar::kNoReturn;
     const ScanStep* step = series_.addScan(scan);
     pairs_.addScan(scan, step);
     sweep_pairs_.addScan(scan, motionTo(step));

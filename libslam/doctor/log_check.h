@@ -37,7 +37,7 @@ struct LogFigures {
   std::uint64_t matched_pairs = 0, unmatched_pairs = 0, unsure_pairs = 0;  ///< of consecutive scans
   double first_unmatched_s = 0;
   ViewFit view;
-  std::optional<robot::Sweep> stated_sweep;  ///< of the lidar, where the log says it (objects/sweep_note.h)
+  std::optional<lidar::Sweep> stated_sweep;  ///< of the lidar, where the log says it (objects/sweep_note.h)
   SweepFit sweep;
   std::vector<OdometryFigures> odometry;  ///< by stream
   int best_odometry = -1;  ///< the one that agrees best with the scans; the next three are of it

@@ -46,13 +46,13 @@ void MotionSeries::addOdometry(const std::string& stream, const core::StampedPos
   odometry.push_back(reading);
 }
 
-const ScanStep* MotionSeries::addScan(const robot::Scan& scan) {
+const ScanStep* MotionSeries::addScan(const lidar::Scan& scan) {
   const std::uint64_t index = seen_++;
   if (!isWanted(index)) {
     previous_s_.reset();
     return nullptr;
   }
-  robot::Scan unmounted = scan;
+  lidar::Scan unmounted = scan;
   unmounted.T_robot_lidar = {};
   if (!previous_s_) {
     matcher_->reset();

@@ -8,7 +8,7 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/odometry/scan_odometry.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::doctor {
 
@@ -40,7 +40,7 @@ class MotionSeries {
 
   void addOdometry(const std::string& stream, const core::StampedPose& reading);
   /// The step that ends with this scan; nullptr for the first scan of a stretch and between stretches.
-  const ScanStep* addScan(const robot::Scan& scan);
+  const ScanStep* addScan(const lidar::Scan& scan);
   void finish();
   const std::vector<Stretch>& stretches() const { return stretches_; }
 

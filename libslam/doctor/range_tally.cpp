@@ -24,7 +24,7 @@ constexpr double kLeastShare = 1e-4, kLeastBeamSpread = 0.1;
 
 constexpr std::uint64_t kFewScans = 20;  // too few to say "always"
 constexpr double kStuck_m = 0.03, kLively_m = 0.3;
-constexpr double kFarShare = 0.99;  // as robot::fromMrpt: an invalid reading from here on is a no-return
+constexpr double kFarShare = 0.99;  // as lidar::fromMrpt: an invalid reading from here on is a no-return
 
 std::size_t binOf(float range_m) {
   return static_cast<std::size_t>(std::lround(static_cast<double>(range_m) / kBin_m));

@@ -41,7 +41,7 @@ std::optional<double> lowest(const std::vector<double>& costs) {
 
 SweepPairs::SweepPairs(std::uint64_t scans) : spacing_(scans / (4 * kMostPairs)) {}
 
-void SweepPairs::addScan(const robot::Scan& scan, const std::optional<core::Pose2>& T_previous_robot) {
+void SweepPairs::addScan(const lidar::Scan& scan, const std::optional<core::Pose2>& T_previous_robot) {
   ++since_pair_;
   const double period_s = previous_scan_ ? scan.time_s - previous_scan_->time_s : 0;
   std::optional<Moving> moving;
@@ -61,10 +61,10 @@ void SweepPairs::addScan(const robot::Scan& scan, const std::optional<core::Pose
 }
 
 double SweepPairs::costOf(const Pair& pair, double duration_s) const {
-  const robot::Sweep sweep{std::abs(duration_s), duration_s < 0};
+  const lidar::Sweep sweep{std::abs(duration_s), duration_s < 0};
   const auto deskew = [&](const Moving& moving) {
     return odometry::findLocalLines(
-        robot::deskewed(moving.scan, moving.T_previous_robot, moving.period_s, sweep));
+        lidar::deskewed(moving.scan, moving.T_previous_robot, moving.period_s, sweep));
   };
   const core::Pose2& mount = pair.to.scan.T_robot_lidar;
   const core::Pose2 T_from_to = core::inverse(mount) * pair.to.T_previous_robot * mount;

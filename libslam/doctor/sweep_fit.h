@@ -5,8 +5,8 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/doctor/estimate.h"
-#include "libslam/robot/deskew.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/deskew.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::doctor {
 
@@ -19,7 +19,7 @@ struct SweepFit {
 
 /// Judges the sweep of a lidar by the scans alone. A robot that turns all the time skews all of its scans
 /// alike, and they fit on one another as if they were none; but where its turning changes, one scan is skewed
-/// more than the next, and only with the right duration do both lie, deskewed (robot::deskewed()), on one
+/// more than the next, and only with the right duration do both lie, deskewed (lidar::deskewed()), on one
 /// another.
 class SweepPairs {
  public:
@@ -28,12 +28,12 @@ class SweepPairs {
   /// scans: how many will come, to spread the pairs over all.
   explicit SweepPairs(std::uint64_t scans);
   /// The next scan and the robot's motion since the scan before; nullopt where that is not known.
-  void addScan(const robot::Scan& scan, const std::optional<core::Pose2>& T_previous_robot);
+  void addScan(const lidar::Scan& scan, const std::optional<core::Pose2>& T_previous_robot);
   SweepFit fit() const;
 
  private:
   struct Moving {
-    robot::Scan scan;
+    lidar::Scan scan;
     core::Pose2 T_previous_robot;
     double period_s = 0;
   };
@@ -43,7 +43,7 @@ class SweepPairs {
   double costOf(const Pair& pair, double duration_s) const;
 
   std::uint64_t spacing_, since_pair_ = 0;
-  std::optional<robot::Scan> previous_scan_;
+  std::optional<lidar::Scan> previous_scan_;
   std::optional<Moving> previous_;
   std::vector<Pair> pairs_;
 };

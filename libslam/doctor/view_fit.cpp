@@ -19,14 +19,14 @@ constexpr int kResamples = 200;
 /// The best factor must beat the ones half and double of it by this much.
 constexpr double kClearly = 0.05;
 
-robot::Scan spread(robot::Scan scan, double factor) {
+lidar::Scan spread(lidar::Scan scan, double factor) {
   scan.first_angle_rad *= factor;
   scan.step_rad *= factor;
   return scan;
 }
 
 /// 1 where the readings would go round more than once.
-double costOf(const robot::Scan& from, const robot::Scan& to, const core::Pose2& T_from_to, double factor) {
+double costOf(const lidar::Scan& from, const lidar::Scan& to, const core::Pose2& T_from_to, double factor) {
   if (static_cast<double>(from.ranges_m.size() - 1) * from.step_rad * factor > 2 * core::kPi) return 1;
   odometry::PlanarFitOptions options;
   options.first_scale_m = 0.1;
@@ -64,7 +64,7 @@ std::optional<double> lowest(const std::vector<ViewFit::Candidate>& candidates, 
 
 ViewPairs::ViewPairs(std::uint64_t scans) : spacing_(scans / (2 * kMostPairs)) {}
 
-void ViewPairs::addScan(const robot::Scan& scan, const ScanStep* step) {
+void ViewPairs::addScan(const lidar::Scan& scan, const ScanStep* step) {
   ++since_pair_;
   if (pairs_.size() >= kMostPairs) return;
   if (!step || !step->is_matched) {

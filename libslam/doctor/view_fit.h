@@ -6,7 +6,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/doctor/estimate.h"
 #include "libslam/doctor/motion_series.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::doctor {
 
@@ -34,16 +34,16 @@ class ViewPairs {
   /// scans: how many will come, to spread the pairs over all.
   explicit ViewPairs(std::uint64_t scans);
   /// step: as of MotionSeries::addScan() for this scan.
-  void addScan(const robot::Scan& scan, const ScanStep* step);
+  void addScan(const lidar::Scan& scan, const ScanStep* step);
   ViewFit fit() const;
 
  private:
   struct Pair {
-    robot::Scan from, to;
+    lidar::Scan from, to;
     core::Pose2 T_from_to;  ///< of the lidar, as matched with the stated angle
   };
   std::uint64_t spacing_, since_pair_ = 0;
-  std::optional<robot::Scan> from_;
+  std::optional<lidar::Scan> from_;
   core::Pose2 T_from_here_;
   std::vector<Pair> pairs_;
 };

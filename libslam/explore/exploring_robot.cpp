@@ -79,7 +79,7 @@ void ExploringRobot::locate() {
   curve_.push_back({elapsed_s(), path_.length_m(), truth_.size(), coverage_.area_m2()});
   near_misses_.look(T_world_robot);
   saw_something_ = saw_something_ || std::any_of(scan.ranges_m.begin(), scan.ranges_m.end(),
-                                                 [](float range) { return robot::isReturn(range); });
+                                                 [](float range) { return lidar::isReturn(range); });
 }
 
 robot::Command ExploringRobot::decide(const gridmap::OccupancyRaster* map) {
@@ -131,11 +131,11 @@ void ExploringRobot::leaveOut(const std::vector<sim::Disc>& discs_robot) {
   auto& scan = sensed_.scan;
   if (discs_robot.empty()) return;
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
-    if (!robot::isReturn(scan.ranges_m[beam])) continue;
+    if (!lidar::isReturn(scan.ranges_m[beam])) continue;
     const core::Point2 p_robot =
         scan.T_robot_lidar * core::polar(static_cast<double>(scan.ranges_m[beam]), scan.angle(beam));
     for (const auto& disc : discs_robot)
-      if (core::distance(disc.p, p_robot) < disc.radius_m) scan.ranges_m[beam] = robot::kLostReading;
+      if (core::distance(disc.p, p_robot) < disc.radius_m) scan.ranges_m[beam] = lidar::kLostReading;
   }
 }
 

@@ -106,7 +106,7 @@ class ExploringRobot {
 
   sim::Sensed sensed_;
   core::Pose2 T_map_robot_;
-  std::optional<robot::Scan> first_scan_, last_scan_;
+  std::optional<lidar::Scan> first_scan_, last_scan_;
   core::Trajectory truth_, estimate_;
   std::vector<metrics::CoveragePoint> curve_;
   std::vector<core::Point2> goals_;  ///< after every scan, map frame; none for the last when it ended there

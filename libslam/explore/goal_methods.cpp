@@ -43,7 +43,7 @@ std::unique_ptr<goals::GoalNavigator> makeGoalMethod(const std::string& name,
 std::optional<StrategicOverlay> strategicOverlay(const std::string& method,
                                                  const goals::NavigateOptions& options,
                                                  const robot::RobotOptions& robot,
-                                                 const robot::LidarOptions& lidar) {
+                                                 const lidar::LidarOptions& lidar) {
   if (method != "lidar_bug") return std::nullopt;
   const goals::Surroundings surroundings(robot, options.clearance_m, 1 / lidar.rate_hz);
   const double guard_m = surroundings.guardRadius() + lidar.sigma_m;

@@ -7,7 +7,7 @@
 #include "libslam/goals/goal_navigator.h"
 #include "libslam/mrptnav/reactive_navigator.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/lidar.h"
+#include "libslam/lidar/lidar.h"
 
 namespace slam::explore {
 
@@ -33,6 +33,6 @@ struct StrategicOverlay {
 std::optional<StrategicOverlay> strategicOverlay(const std::string& method,
                                                  const goals::NavigateOptions& options,
                                                  const robot::RobotOptions& robot,
-                                                 const robot::LidarOptions& lidar);
+                                                 const lidar::LidarOptions& lidar);
 
 }  // namespace slam::explore

@@ -29,10 +29,10 @@ oracle::Oracle askOracle(const world::Plan& plan, const ExploreConfig& config, c
   oracle::TourRequest request;
   request.start_world = core::position(record::startPose(plan, record));
   request.radius_m = robot::circumscribedRadius(record.robot);
-  const auto mounting = robot::trueMountingPose(record.lidar);
+  const auto mounting = lidar::trueMountingPose(record.lidar);
   request.lidar_offset_m = core::hypot(mounting.x, mounting.y);
   request.max_range_m = record.lidar.max_range_m;
-  request.beam_step_rad = robot::beamStep(record.lidar);
+  request.beam_step_rad = lidar::beamStep(record.lidar);
   const auto area = metrics::explorableArea(plan, request.start_world, request.radius_m, request.max_range_m);
   return oracle::consultOracle(plan, area, request, [&] { progress.update(-1, 0); });
 }

@@ -14,7 +14,7 @@
 #include "libslam/goals/goal_navigator.h"
 #include "libslam/mrptnav/reactive_navigator.h"
 #include "libslam/record/step_observer.h"
-#include "libslam/robot/lidar.h"
+#include "libslam/lidar/lidar.h"
 #include "libslam/robot/odometry_noise.h"
 #include "libslam/sim/carry.h"
 #include "libslam/sim/living.h"
@@ -26,7 +26,7 @@ namespace slam::explore {
 /// All that decides a drive to a goal besides the plan, the places, the method and the seed.
 struct ReachGoalConfig {
   robot::RobotOptions robot;
-  robot::LidarOptions lidar;                 ///< with a camera: the one that would give its scans
+  lidar::LidarOptions lidar;                 ///< with a camera: the one that would give its scans
   std::optional<robot::FloorCamera> camera;  ///< looks in place of the lidar
   robot::OdometryOptions odometry;
   sim::LivingOptions living;

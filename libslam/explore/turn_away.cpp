@@ -6,7 +6,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/pictures/obstacle_picture.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::explore {
 namespace {
@@ -33,8 +33,8 @@ double distanceToDisc(double angle_rad, const core::Point2& centre, double radiu
   return along - std::sqrt(radius_m * radius_m - beside * beside);
 }
 
-robot::Scan exactScan(const std::vector<core::Point2>& p_robot) {
-  robot::Scan scan;
+lidar::Scan exactScan(const std::vector<core::Point2>& p_robot) {
+  lidar::Scan scan;
   constexpr size_t kBeams = 720;
   scan.step_rad = core::degToRad(0.5);
   scan.first_angle_rad = -core::kPi;
@@ -43,7 +43,7 @@ robot::Scan exactScan(const std::vector<core::Point2>& p_robot) {
     double nearest_m = INFINITY;
     for (const auto& p : p_robot)
       nearest_m = std::min(nearest_m, distanceToDisc(scan.angle(i), p, kPostRadius_m));
-    scan.ranges_m.push_back(nearest_m <= scan.max_range_m ? static_cast<float>(nearest_m) : robot::kNoReturn);
+    scan.ranges_m.push_back(nearest_m <= scan.max_range_m ? static_cast<float>(nearest_m) : lidar::kNoReturn);
   }
   return scan;
 }

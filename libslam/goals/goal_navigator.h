@@ -7,7 +7,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/obstacles/local_obstacle_map.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::goals {
 
@@ -50,7 +50,7 @@ class GoalNavigator {
   virtual ~GoalNavigator() = default;
   /// `collided`: the bumper cut the last command short. Things that the lidar does not show are remembered
   /// where they were felt.
-  virtual GoalStep next(const robot::Scan& scan, const core::Pose2& T_odom_robot, bool collided) = 0;
+  virtual GoalStep next(const lidar::Scan& scan, const core::Pose2& T_odom_robot, bool collided) = 0;
 };
 
 /// Section [lidar_bug]: the figures of the original state machine that its description gives, and those

@@ -12,9 +12,9 @@ constexpr double kMostBlind_s = 5, kMostStill_s = 60;
 constexpr double kSpot_m = 0.05;
 constexpr double kNearGoal_m = 0.6;
 
-bool seesNothing(const robot::Scan& scan) {
+bool seesNothing(const lidar::Scan& scan) {
   return std::none_of(scan.ranges_m.begin(), scan.ranges_m.end(),
-                      [](float range_m) { return robot::isReturn(range_m) || range_m == robot::kNoReturn; });
+                      [](float range_m) { return lidar::isReturn(range_m) || range_m == lidar::kNoReturn; });
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ bool GuardedNavigator::standsStill(const core::Pose2& T_odom_robot) {
   return still_s_ > kMostStill_s;
 }
 
-GoalStep GuardedNavigator::next(const robot::Scan& scan, const core::Pose2& T_odom_robot, bool collided) {
+GoalStep GuardedNavigator::next(const lidar::Scan& scan, const core::Pose2& T_odom_robot, bool collided) {
   if (last_.status != GoalStatus::kMoving) {
     last_.changes.clear();
     return last_;

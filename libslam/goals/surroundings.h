@@ -7,7 +7,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/paths/obstacle_memory.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::goals {
 
@@ -26,7 +26,7 @@ class Surroundings {
   Surroundings(const robot::RobotOptions& robot, double clearance_m, double period_s,
                const std::string& memory = "short", const obstacles::LocalObstacleOptions& zone = {});
 
-  void update(const robot::Scan& scan, const core::Pose2& T_odom_robot);
+  void update(const lidar::Scan& scan, const core::Pose2& T_odom_robot);
   /// Further obstacles, robot frame, until the next update().
   void add(const std::vector<core::Point2>& p_robot);
   /// The bumper met something on the side to which the last command drove.

@@ -47,7 +47,7 @@ double GraphSlam::brokenBy(const std::vector<PatchPoint>& points, const Pose2& T
 
 /// The motion since the scan before by which the two scans contradict each other least, and by how much: as
 /// odometry has it, as matched, or, where these do not fit, as the two scans alone have it.
-Break GraphSlam::breakBefore(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+Break GraphSlam::breakBefore(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
                              const Pose2& T_previous_robot, const Pose2& T_previous_matched,
                              bool has_odometry) const {
   if (before() == nullptr || points.empty()) return {T_previous_robot, std::nan("")};
@@ -78,7 +78,7 @@ double Told::against(double explained) const {
 
 /// What a scan says of whether the robot was kidnapped. A scan that the map explains does not contradict it,
 /// whatever beams went through where somebody stands now.
-void GraphSlam::lookWhetherLost(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+void GraphSlam::lookWhetherLost(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
                                 const Step& step, const Pose2& increment, double broken) {
   Told told;
   double explained = step.score;
@@ -103,7 +103,7 @@ void GraphSlam::lookWhetherLost(const robot::Scan& scan, const std::vector<Patch
 
 /// While in doubt: where the robot is if it was not kidnapped, by the map from before, and what that says of
 /// the scan. Odometry leads, within its noise.
-Told GraphSlam::trackBefore(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+Told GraphSlam::trackBefore(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
                             const Pose2& increment, double& explained) {
   const Prediction step = predict(increment, true);
   PosePrior prior;
@@ -122,7 +122,7 @@ Told GraphSlam::trackBefore(const robot::Scan& scan, const std::vector<PatchPoin
 
 /// What a scan contradicts where the robot is not: turned on the spot, and matched again as a kidnapped robot
 /// would be.
-void GraphSlam::learnWrongPlace(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+void GraphSlam::learnWrongPlace(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
                                 const Pose2& T_map_robot) {
   // Often in the beginning, seldom when much is known.
   ++wrong_places_;
@@ -186,7 +186,7 @@ void GraphSlam::beginOwnMap() {
 
 /// All is well again, and the robot is where the map from before has it. That map goes on from here; what was
 /// mapped meanwhile hangs on it by odometry alone, and no scan is matched to it any more.
-void GraphSlam::comeBack(const robot::Scan& scan, std::vector<PatchPoint> points, Step& step) {
+void GraphSlam::comeBack(const lidar::Scan& scan, std::vector<PatchPoint> points, Step& step) {
   const Pose2 T_map_robot = doubt_.T_map_robot;
   const Eigen::Matrix3d information = doubt_.information;
   const int before = map_->keyframeBefore(doubt_.begins), k = map_->size();

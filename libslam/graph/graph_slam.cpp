@@ -33,7 +33,7 @@ Pose2 GraphSlam::currentPose() const {
   return map_->pose(anchor_) * T_keyframe_robot_;
 }
 
-GraphSlam::Step GraphSlam::process(const robot::Scan& scan, const Pose2& T_previous_robot,
+GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previous_robot,
                                    bool has_odometry) {
   if (scan.ranges_m.size() < 2) throw core::ContractError("GraphSlam: a scan of fewer than 2 beams");
   noteScan(scan, has_odometry);
@@ -133,7 +133,7 @@ int GraphSlam::addOdometryEdge(int k) {
   return map_->graph().addEdge(edge);
 }
 
-void GraphSlam::addKeyframe(const robot::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
+void GraphSlam::addKeyframe(const lidar::Scan& scan, std::vector<PatchPoint> points, const Pose2& T_map_robot,
                             const Eigen::Matrix3d& information) {
   const int k = map_->graph().addNode(T_map_robot);
   map_->keyframes().push_back({map_->scan(), scan, std::move(points), map_->path_m(), -1,

@@ -21,7 +21,7 @@
 #include "libslam/graph/types.h"
 #include "libslam/odometry/path_scale.h"
 #include "libslam/posegraph/pose_graph.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 
 namespace slam::graph {
@@ -89,9 +89,9 @@ class GraphSlam {
     bool is_keyframe = false;
   };
   /// REQUIRES at least 2 beams. T_previous_robot is read when has_odometry.
-  Step process(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
+  Step process(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
   /// The same without changing the map: where the robot is in what is known. REQUIRES a keyframe.
-  Step localise(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
+  Step localise(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry);
 
   /// Looks for the loops that are left, now that the whole path is known, finds all poses anew by what later
   /// passes through a place measured, and refines them jointly (`refine_rounds`). What process() gave stays;
@@ -104,7 +104,7 @@ class GraphSlam {
   std::vector<Eigen::Matrix3d> covariances() const;
 
   /// Without beams where all that it saw was seen anew since.
-  const robot::Scan& keyframeScan(int keyframe) const { return map_->keyframe(keyframe).seen; }
+  const lidar::Scan& keyframeScan(int keyframe) const { return map_->keyframe(keyframe).seen; }
   int keyframeCount() const { return map_->size(); }
   const core::Pose2& keyframePose(int keyframe) const { return map_->pose(keyframe); }
   /// Grows when keyframes that were there before have moved.
@@ -114,7 +114,7 @@ class GraphSlam {
 
   /// A keyframe of a map that is continued, at a known pose, tied to the one before. Before the first scan
   /// only.
-  void addKnownKeyframe(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  void addKnownKeyframe(const lidar::Scan& scan, const core::Pose2& T_map_robot);
   /// The known keyframes to come are those of a map of its own, in its own frame: nobody knows where it lies
   /// in what was known before. REQUIRES a keyframe, and no scan.
   void beginKnownPart();
@@ -132,7 +132,7 @@ class GraphSlam {
  private:
   using Points = std::vector<scanmatch::PatchPoint>;
   // graph_slam.cpp: keyframes and their edges
-  void addKeyframe(const robot::Scan& scan, Points points, const core::Pose2& T_map_robot,
+  void addKeyframe(const lidar::Scan& scan, Points points, const core::Pose2& T_map_robot,
                    const Eigen::Matrix3d& information);
   int addOdometryEdge(int keyframe);
   std::vector<int> partnersOf(int keyframe, const std::vector<int>& near,
@@ -144,27 +144,27 @@ class GraphSlam {
   std::optional<scanmatch::MatchResult> matchToPass(int keyframe, const std::vector<int>& pass,
                                                     const core::Pose2& T_map_robot);
   // known_ground.cpp: where no more keyframes are needed
-  bool needsKeyframe(const robot::Scan& scan, const Points& points, const Step& step);
-  bool isKnownGround(const robot::Scan& scan, const core::Pose2& T_map_robot) const;
+  bool needsKeyframe(const lidar::Scan& scan, const Points& points, const Step& step);
+  bool isKnownGround(const lidar::Scan& scan, const core::Pose2& T_map_robot) const;
   bool hasGoneOn(double share) const;
   void hangOn(int keyframe, const core::Pose2& T_map_robot);
-  bool hasChanged(const robot::Scan& scan, const Points& points, const core::Pose2& T_map_robot);
-  void forgetGone(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  bool hasChanged(const lidar::Scan& scan, const Points& points, const core::Pose2& T_map_robot);
+  void forgetGone(const lidar::Scan& scan, const core::Pose2& T_map_robot);
   void retireOldest(int keyframe);
 
   // motion.cpp: what is known of a step before it is matched
-  void noteScan(const robot::Scan& scan, bool has_odometry);
-  void keepScan(const robot::Scan& scan);
+  void noteScan(const lidar::Scan& scan, bool has_odometry);
+  void keepScan(const lidar::Scan& scan);
   const Seen* before() const;
   Prediction predict(const core::Pose2& T_previous_robot, bool has_odometry) const;
   double farthestMove() const;
-  std::optional<core::Pose2> motionFromScans(const robot::Scan& scan) const;
+  std::optional<core::Pose2> motionFromScans(const lidar::Scan& scan) const;
 
   // track.cpp: a scan and the map around
-  Step track(const robot::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry, Points& points,
+  Step track(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry, Points& points,
              Eigen::Matrix3d& information);
   Expected expect(const core::Pose2& T_previous_robot, bool has_odometry) const;
-  Start bestStart(const robot::Scan& scan, const Points& points, const Expected& expected) const;
+  Start bestStart(const lidar::Scan& scan, const Points& points, const Expected& expected) const;
   void slide(const Expected& expected, const core::Pose2& motion,
              const std::function<void(const core::Pose2&)>& consider) const;
   double unlikely(const core::Pose2& T_map_robot, const Expected& expected) const;
@@ -172,7 +172,7 @@ class GraphSlam {
   bool isBetter(const scanmatch::MatchResult& other, const scanmatch::MatchResult& than, double least_gain,
                 const Points& points, const Expected& expected) const;
   bool isPoor(const scanmatch::MatchResult& result, const Points& points) const;
-  std::pair<scanmatch::MatchResult, bool> bestMatch(const robot::Scan& scan, const Points& points,
+  std::pair<scanmatch::MatchResult, bool> bestMatch(const lidar::Scan& scan, const Points& points,
                                                     const Expected& expected);
   std::optional<scanmatch::MatchResult> recover(const Points& points, const core::Pose2& predicted,
                                                 const core::Pose2& matched) const;
@@ -192,14 +192,14 @@ class GraphSlam {
 
   // doubt.cpp: whether the robot was kidnapped
   double brokenBy(const Points& points, const core::Pose2& T_previous_robot) const;
-  Break breakBefore(const robot::Scan& scan, const Points& points, const core::Pose2& T_previous_robot,
+  Break breakBefore(const lidar::Scan& scan, const Points& points, const core::Pose2& T_previous_robot,
                     const core::Pose2& T_previous_matched, bool has_odometry) const;
-  Told trackBefore(const robot::Scan& scan, const Points& points, const core::Pose2& increment,
+  Told trackBefore(const lidar::Scan& scan, const Points& points, const core::Pose2& increment,
                    double& explained);
-  void comeBack(const robot::Scan& scan, Points points, Step& step);
-  void lookWhetherLost(const robot::Scan& scan, const Points& points, const Step& step,
+  void comeBack(const lidar::Scan& scan, Points points, Step& step);
+  void lookWhetherLost(const lidar::Scan& scan, const Points& points, const Step& step,
                        const core::Pose2& increment, double broken);
-  void learnWrongPlace(const robot::Scan& scan, const Points& points, const core::Pose2& T_map_robot);
+  void learnWrongPlace(const lidar::Scan& scan, const Points& points, const core::Pose2& T_map_robot);
   std::vector<int> keyframesBeforeDoubt(const core::Pose2& T_map_robot) const;
   Trust weighDoubt(const core::Pose2& T_before, const Break& seam, Step& step);
   void beginOwnMap();

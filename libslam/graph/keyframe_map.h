@@ -100,7 +100,7 @@ class KeyframeMap {
                       const std::vector<scanmatch::PatchPoint>& points) const;
   /// What keyframes say of a scan at a pose; and the scan, where it is given, of them.
   Told toldBy(const std::vector<int>& viewers, const std::vector<scanmatch::PatchPoint>& points,
-              const core::Pose2& T_map_robot, const robot::Scan* scan = nullptr) const;
+              const core::Pose2& T_map_robot, const lidar::Scan* scan = nullptr) const;
 
   // witnesses.cpp
   /// The keyframes, with what is known of each from one other, and of a loop as much as one match tells.

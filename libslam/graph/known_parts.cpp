@@ -20,7 +20,7 @@ constexpr int kJudgedStep = 2;
 
 }  // namespace
 
-void GraphSlam::addKnownKeyframe(const robot::Scan& scan, const Pose2& T_given_robot) {
+void GraphSlam::addKnownKeyframe(const lidar::Scan& scan, const Pose2& T_given_robot) {
   if (!records_.empty()) throw core::ContractError("GraphSlam: known keyframes come before the first scan");
   const int k = map_->size();
   const bool begins_part = k > 0 && map_->parts().back().begin == k;

@@ -24,7 +24,7 @@ void GraphSlam::startAnywhere() {
   beLost(0);
 }
 
-GraphSlam::Step GraphSlam::localise(const robot::Scan& scan, const Pose2& T_previous_robot,
+GraphSlam::Step GraphSlam::localise(const lidar::Scan& scan, const Pose2& T_previous_robot,
                                     bool has_odometry) {
   if (map_->keyframes().empty()) throw core::ContractError("GraphSlam: localise() without a map");
   completeClosing();

@@ -24,7 +24,7 @@ scanmatch::MatchOptions matchOptions(int max_iterations) {
   return options;
 }
 
-std::vector<PatchPoint> pointsOf(const robot::Scan& scan, const GraphOptions& o) {
+std::vector<PatchPoint> pointsOf(const lidar::Scan& scan, const GraphOptions& o) {
   scanmatch::ScanPointOptions options;
   options.spacing_m = o.point_spacing_m;
   options.max_range_m = o.max_range_m;

@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "libslam/graph/types.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/scanmatch/information.h"
 
 /// How scans are matched to the surfels of keyframes. For this room only.
@@ -16,7 +16,7 @@ inline constexpr int kStride = 3;
 inline constexpr int kAskedViewers = 4;
 
 scanmatch::MatchOptions matchOptions(int max_iterations);
-std::vector<scanmatch::PatchPoint> pointsOf(const robot::Scan& scan, const GraphOptions& options);
+std::vector<scanmatch::PatchPoint> pointsOf(const lidar::Scan& scan, const GraphOptions& options);
 /// From coarse to fine.
 scanmatch::MatchResult match(const std::vector<scanmatch::PatchPoint>& points, const LevelMaps& maps,
                              const core::Pose2& T_start, const scanmatch::PosePrior& prior,
@@ -33,9 +33,9 @@ double distinctness(const std::vector<scanmatch::PatchPoint>& points, const Leve
 std::vector<int> firstOf(std::vector<int> keyframes, int most);
 
 /// What a scan says of a point in its lidar's frame.
-Sight sight(const robot::Scan& seen, const core::Point2& p_lidar);
+Sight sight(const lidar::Scan& seen, const core::Point2& p_lidar);
 /// The same of points of the robot that T_viewer_points puts there.
-View view(const robot::Scan& scan, const core::Pose2& T_viewer_points,
+View view(const lidar::Scan& scan, const core::Pose2& T_viewer_points,
           const std::vector<scanmatch::PatchPoint>& points, size_t stride = 1);
 
 /// How the error of a pose at `from` shows in one that is firmly joined to it and lies at `to`; map frame.

@@ -109,7 +109,7 @@ Expected GraphSlam::expect(const Pose2& T_previous_robot, bool has_odometry) con
 }
 
 /// The start that explains most of a scan, odometry's unless another is better by more than kStartGain.
-Start GraphSlam::bestStart(const robot::Scan& scan, const std::vector<PatchPoint>& points,
+Start GraphSlam::bestStart(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
                            const Expected& e) const {
   const double own = surfelScore(points, maps_.coarse, e.predicted, kKernel, kStride);
   Start best{e.predicted, kStartGain};
@@ -173,7 +173,7 @@ bool GraphSlam::isPoor(const MatchResult& result, const std::vector<PatchPoint>&
 }
 
 /// The best match of a scan to the map around, and whether odometry was dropped for it.
-std::pair<MatchResult, bool> GraphSlam::bestMatch(const robot::Scan& scan,
+std::pair<MatchResult, bool> GraphSlam::bestMatch(const lidar::Scan& scan,
                                                   const std::vector<PatchPoint>& points, const Expected& e) {
   const auto [T_step, sigma_xy, sigma_turn] = e.step;
   const Start start = bestStart(scan, points, e);
@@ -214,7 +214,7 @@ std::pair<MatchResult, bool> GraphSlam::bestMatch(const robot::Scan& scan,
 }
 
 /// Matches a scan to the map around. Fills in its points and the information that they give, map axes.
-GraphSlam::Step GraphSlam::track(const robot::Scan& scan, const Pose2& T_previous_robot, bool has_odometry,
+GraphSlam::Step GraphSlam::track(const lidar::Scan& scan, const Pose2& T_previous_robot, bool has_odometry,
                                  std::vector<PatchPoint>& points, Eigen::Matrix3d& information) {
   points = pointsOf(scan, options_);
   const Expected e = expect(T_previous_robot, has_odometry);

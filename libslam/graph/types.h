@@ -11,7 +11,7 @@
 #include "libslam/graph/graph_options.h"
 #include "libslam/posegraph/optimize.h"
 #include "libslam/posegraph/pose_graph.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 
 /// What graph SLAM keeps: keyframes, the places that it follows, and what it thinks of the robot. For
@@ -20,7 +20,7 @@ namespace slam::graph {
 
 struct Keyframe {
   int scan;  ///< counted from 0
-  robot::Scan seen;
+  lidar::Scan seen;
   std::vector<scanmatch::PatchPoint> points;  ///< robot frame
   double path_m;                              ///< driven since the start
   int odometry_edge;                          ///< from the one that it was reached from
@@ -177,7 +177,7 @@ struct View {
 
 /// The last scan of a lidar, and how the robot has moved from there to the scan before the one at hand.
 struct Seen {
-  robot::Scan scan;
+  lidar::Scan scan;
   core::Pose2 T_seen_robot;
 };
 /// How a scan joins the last one of its lidar.

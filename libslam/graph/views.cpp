@@ -16,7 +16,7 @@ double View::conflict() const {
   return agreed + passed == 0 ? 0 : static_cast<double>(passed) / (agreed + passed);
 }
 
-Sight sight(const robot::Scan& seen, const Point2& p_lidar) {
+Sight sight(const lidar::Scan& seen, const Point2& p_lidar) {
   const auto& ranges = seen.ranges_m;
   // Half of what two walls are apart at least; and beams are compared with their neighbours.
   constexpr double kSame_m = 0.3;
@@ -28,7 +28,7 @@ Sight sight(const robot::Scan& seen, const Point2& p_lidar) {
   double off_m = 1e9, nearest_m = 1e9;
   for (long b = beam - 1; b <= beam + 1; ++b) {
     const float range_m = ranges[static_cast<size_t>(b)];
-    if (!robot::isReturn(range_m)) continue;
+    if (!lidar::isReturn(range_m)) continue;
     off_m = std::min(off_m, std::abs(range_m - distance_m));
     nearest_m = std::min(nearest_m, static_cast<double>(range_m));
   }
@@ -53,7 +53,7 @@ View KeyframeMap::view(int viewer, const Pose2& T_viewer_points,
   return graph::view(keyframe(viewer).seen, T_viewer_points, points);
 }
 
-View view(const robot::Scan& scan, const Pose2& T_viewer_points, const std::vector<PatchPoint>& points,
+View view(const lidar::Scan& scan, const Pose2& T_viewer_points, const std::vector<PatchPoint>& points,
           size_t stride) {
   const core::RigidMotion2 T_lidar_points(core::inverse(scan.T_robot_lidar) * T_viewer_points);
   View result;
@@ -74,7 +74,7 @@ double KeyframeMap::meanConflict(const std::vector<int>& viewers, const Pose2& T
 }
 
 Told KeyframeMap::toldBy(const std::vector<int>& viewers, const std::vector<PatchPoint>& points,
-                         const Pose2& T_map_robot, const robot::Scan* scan) const {
+                         const Pose2& T_map_robot, const lidar::Scan* scan) const {
   Told told;
   if (viewers.empty() || points.empty()) return told;
   const auto add = [](const View& seen, size_t asked, double& passed, double& share) {

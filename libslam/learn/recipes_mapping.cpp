@@ -49,10 +49,10 @@ struct WatchedCell {
 };
 
 /// What a whole scan says, its n beams `step_rad` apart from the first angle on.
-int look(const WatchedCell& cell, const robot::Scan& scan, double step_rad) {
+int look(const WatchedCell& cell, const lidar::Scan& scan, double step_rad) {
   int seen = kNothing;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i)
-    if (robot::isReturn(scan.ranges_m[i]))
+    if (lidar::isReturn(scan.ranges_m[i]))
       seen = std::max(seen, cell.look(scan.first_angle_rad + static_cast<double>(i) * step_rad,
                                       static_cast<double>(scan.ranges_m[i])));
   return seen;
@@ -86,7 +86,7 @@ Figures gridCell(const Place& place) {
                          [&](const sim::Sensed&) {
                            return record::Order({0, 0, 1 / config.lidar.rate_hz});
                          });
-  std::vector<robot::Scan> scans;
+  std::vector<lidar::Scan> scans;
   logs::LogReader log(place.log());
   while (const auto entry = log.next()) scans.push_back(entry->scan);
   core::RandomStream random(place.seed(), "lesson");
@@ -157,7 +157,7 @@ Figures particleWeights(const Place& place) {
       const auto pose = start * drift;
       double of_all = 0, of_some = 0;
       for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
-        if (!robot::isReturn(scan.ranges_m[i])) continue;
+        if (!lidar::isReturn(scan.ranges_m[i])) continue;
         const double expected_m =
             world::castRay(plan, core::position(pose), pose.phi + scan.angle(i), scan.max_range_m);
         const double error = std::clamp(

@@ -61,7 +61,7 @@ Figures standingLidar(const Place& place) {
   logs::LogReader log(place.log());
   while (const auto entry = log.next()) {
     const float range_m = entry->scan.ranges_m[entry->scan.ranges_m.size() / 2];
-    const double written_m = robot::isReturn(range_m) ? static_cast<double>(range_m) : 0;
+    const double written_m = lidar::isReturn(range_m) ? static_cast<double>(range_m) : 0;
     rows.push_back({static_cast<double>(rows.size()), written_m});
     sum += written_m;
     most = std::max(most, written_m);

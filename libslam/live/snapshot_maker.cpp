@@ -97,7 +97,7 @@ void SnapshotMaker::setStrategicView(double stop_radius_m, std::vector<double> d
   strategic_rad_ = std::move(directions_rad);
 }
 
-void SnapshotMaker::lookStrategically(const robot::Scan& scan) {
+void SnapshotMaker::lookStrategically(const lidar::Scan& scan) {
   if (!now_.strategic) return;
   now_.strategic->projected.clear();
   for (const double direction_rad : strategic_rad_) {
@@ -110,7 +110,7 @@ void SnapshotMaker::lookStrategically(const robot::Scan& scan) {
     if (scan.ranges_m.empty() || aside(nearest) > scan.step_rad) continue;  // out of the field of view
     const double range_m = scan.ranges_m[nearest];
     const double shown_m =
-        robot::isReturn(scan.ranges_m[nearest]) ? std::min(range_m, kStrategicShown_m) : kStrategicShown_m;
+        lidar::isReturn(scan.ranges_m[nearest]) ? std::min(range_m, kStrategicShown_m) : kStrategicShown_m;
     const double angle_rad = scan.angle(nearest);
     now_.strategic->projected.push_back(scan.T_robot_lidar * core::polar(shown_m, angle_rad));
   }

@@ -43,7 +43,7 @@ class SnapshotMaker {
   void lookAround(const record::Step& step);
   void followDecision(const record::Step& step);
   void takeTruth(const record::Step& step);
-  void lookStrategically(const robot::Scan& scan);
+  void lookStrategically(const lidar::Scan& scan);
 
   viewer::Snapshot now_;  ///< all but what snapshot() asks the method for
   core::Trajectory online_, known_truth_;

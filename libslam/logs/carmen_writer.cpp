@@ -14,7 +14,7 @@
 #include "libslam/logs/carmen_log.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::logs {
 namespace {
@@ -86,7 +86,7 @@ Sweep sweepOf(const CObservation2DRangeScan& scan, const core::Pose2& mount, dou
   sweep.accuracy_m = scan.stdError;
   sweep.T_robot_lidar = mount;
   for (size_t i = 0; i < readings; ++i) {
-    const size_t beam = robot::isRightToLeft(scan) ? i : readings - 1 - i;
+    const size_t beam = lidar::isRightToLeft(scan) ? i : readings - 1 - i;
     const float range_m = scan.getScanRange(beam);
     const bool is_finite = std::isfinite(range_m);
     // Without its mark an invalid reading would look like a distance.
@@ -228,7 +228,7 @@ class CarmenSink : public objects::ObjectSink {
         std::abs(static_cast<double>(scan.aperture) - aperture_rad) < kSameGeometry &&
         std::abs(static_cast<double>(scan.maxRange) - geometry.max_range_m) < 1e-4 &&
         std::abs(pose.x - mount.x) < kSameGeometry && std::abs(pose.y - mount.y) < kSameGeometry &&
-        std::abs(core::angleDifference(pose.phi, yaw_rad)) < kSameGeometry && robot::isRightToLeft(scan);
+        std::abs(core::angleDifference(pose.phi, yaw_rad)) < kSameGeometry && lidar::isRightToLeft(scan);
     if (!is_same) return false;
     const auto sweep = sweepOf(scan, mount, geometry.first_angle_rad);
     std::string line = kind + ' ' + std::to_string(sweep.ranges_m.size());

@@ -21,7 +21,7 @@
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/objects/sweep_note.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::logs {
 namespace {
@@ -140,7 +140,7 @@ class StepReader {
     Step step;
     step.seen.lidar = observation.sensorLabel;
     try {
-      step.seen.scan = robot::fromMrpt(observation);
+      step.seen.scan = lidar::fromMrpt(observation);
     } catch (const core::InputError& error) {
       fail(error.what());
     }
@@ -172,7 +172,7 @@ class StepReader {
   Motion motion_;
   bool has_actions_ = false;  ///< an action with an increment was met: bare readings count no more
   BareOdometry bare_odometry_;
-  std::map<std::string, robot::Sweep> sweeps_;     ///< by label, as stated so far
+  std::map<std::string, lidar::Sweep> sweeps_;     ///< by label, as stated so far
   std::uint64_t frames_ = 0, frame_ = 0;           ///< how many; the one at work
   std::int64_t newest_ticks_ = objects::kNoStamp;  ///< of an action or odometry reading
   std::deque<Step> ready_;
@@ -248,7 +248,7 @@ struct LogReader::State {
     return entry;
   }
 
-  void dropImpossible(const std::string& label, std::optional<robot::Sweep>& sweep) const {
+  void dropImpossible(const std::string& label, std::optional<lidar::Sweep>& sweep) const {
     if (std::find(no_sweep.begin(), no_sweep.end(), label) != no_sweep.end()) sweep.reset();
   }
 

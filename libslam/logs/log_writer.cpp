@@ -17,7 +17,7 @@
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/sweep_note.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::logs {
 namespace {
@@ -27,9 +27,9 @@ std::vector<mrpt::obs::CObservation::Ptr> observationsOf(const LogEntry& entry,
                                                          std::map<std::string, std::string>& notes) {
   std::vector<mrpt::obs::CObservation::Ptr> scans, news;
   const auto ticks = objects::mrptTicks(entry.scan.time_s);
-  const auto add = [&](const std::string& lidar, const robot::Scan& scan,
-                       const std::optional<robot::Sweep>& sweep) {
-    auto observation = robot::toMrpt(scan);
+  const auto add = [&](const std::string& lidar, const lidar::Scan& scan,
+                       const std::optional<lidar::Sweep>& sweep) {
+    auto observation = lidar::toMrpt(scan);
     observation->timestamp = mrpt::Clock::time_point(mrpt::Clock::duration(objects::mrptTicks(scan.time_s)));
     if (!lidar.empty()) observation->sensorLabel = lidar;
     scans.push_back(observation);

@@ -15,9 +15,9 @@
 #include "libslam/gridmap/occupancy_raster.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/mapping/scan_deskewer.h"
-#include "libslam/robot/deskew.h"
+#include "libslam/lidar/deskew.h"
 #include "libslam/robot/motion_kind.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::graph {
 class GraphSlam;
@@ -71,15 +71,15 @@ void setCommands(MapBuilder& method, std::vector<robot::Commanded> commands);
 
 /// How the scans to come are swept, by whoever measures them; nullopt (at first): all beams at once, or
 /// nobody knows. [method] sweep_s comes before it.
-void setSweep(MapBuilder& method, const std::optional<robot::Sweep>& sweep);
+void setSweep(MapBuilder& method, const std::optional<lidar::Sweep>& sweep);
 
 /// What became of the scans so far.
 SweptScans sweptScans(const MapBuilder& method);
 
 /// A scan and how it was swept, as setSweep().
 struct SweptScan {
-  robot::Scan scan;
-  std::optional<robot::Sweep> sweep;
+  lidar::Scan scan;
+  std::optional<lidar::Sweep> sweep;
 };
 /// What other lidars saw at the moment of the next scan that processScan() gets, each at its own mounting
 /// pose. Every type takes them in with that scan.
@@ -89,7 +89,7 @@ void addScans(MapBuilder& method, std::vector<SweptScan> others);
 /// as null. Which increment the builder gets is for [method] odometry to say; `wheel` takes the one estimated
 /// from the two scans (method correlation unless [scan_odometry] says otherwise) at every step for which
 /// has_odometry is false. Stamps that do not grow are moved on by a millisecond, for the builder only.
-/// A scan whose sweep is known (setSweep(), [method] sweep_s) is deskewed (robot::deskewed())
+/// A scan whose sweep is known (setSweep(), [method] sweep_s) is deskewed (lidar::deskewed())
 /// before anything else sees it, unless [method] deskew is false. The motion is
 /// the odometry's, of this step or else of the one before; without either, as at the first scan, the scan
 /// stays. The other way round, correlation, range_flow and plicp take the wheels' increment, where there is
@@ -105,7 +105,7 @@ void addScans(MapBuilder& method, std::vector<SweptScan> others);
 /// The random numbers of step k come from (seed, k) alone: neither the thread nor other methods run in
 /// between matter. Errors: MethodError when the motion or the pose is not finite, the grids would grow beyond
 /// [mapping] max_map_cells (checked before the scan is inserted), or MRPT throws. REQUIRES at least 2 beams.
-core::Pose2 processScan(MapBuilder& method, const robot::Scan& scan, const core::Pose2& T_previous_robot,
+core::Pose2 processScan(MapBuilder& method, const lidar::Scan& scan, const core::Pose2& T_previous_robot,
                         bool has_odometry, const robot::Commanded& commanded = {});
 
 /// How sure the method says that it is of the pose that processScan() gave last: covariance of x (m), y (m),

@@ -27,7 +27,7 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/mapping/simple_map.h"
 #include "libslam/posegraph/g2o_io.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::mapping {
 namespace {
@@ -96,7 +96,7 @@ std::optional<KeyFrame> scanOf(const mrpt::maps::CSimpleMap& map, size_t frame_n
   const auto observation = frame->getObservationByClass<mrpt::obs::CObservation2DRangeScan>();
   if (!observation) return std::nullopt;
   const auto mean = pose->getMeanVal();
-  return KeyFrame{robot::fromMrpt(*observation), {mean.x(), mean.y(), mean.yaw()}};
+  return KeyFrame{lidar::fromMrpt(*observation), {mean.x(), mean.y(), mean.yaw()}};
 }
 
 }  // namespace
@@ -123,12 +123,12 @@ void saveRaster(const gridmap::OccupancyRaster& map, const std::string& folder) 
 void writeKeyFrames(const std::vector<KeyFrame>& key_frames, const std::string& path) {
   mrpt::maps::CSimpleMap map;
   for (const KeyFrame& key_frame : key_frames) {
-    const auto observation = robot::toMrpt(key_frame.scan);
+    const auto observation = lidar::toMrpt(key_frame.scan);
     observation->timestamp = mrpt::Clock::fromDouble(key_frame.scan.time_s);
     mrpt::obs::CSensoryFrame frame;
     frame.insert(observation);
     mrpt::poses::CPose3DPDFGaussian pose;
-    pose.mean = mrpt::poses::CPose3D(mrpt::poses::CPose2D(robot::toMrpt(key_frame.T_map_robot)));
+    pose.mean = mrpt::poses::CPose3D(mrpt::poses::CPose2D(lidar::toMrpt(key_frame.T_map_robot)));
     builders::compat::insertFrame(map, pose, frame);
   }
   writeObject(map, path);

@@ -28,7 +28,7 @@ class NaiveMethod : public MrptMethod {
   }
 
  protected:
-  double reach(const robot::Scan& scan) const override {
+  double reach(const lidar::Scan& scan) const override {
     if (!draws_dots_) return MrptMethod::reach(scan);
     return farthestReturn(scan) + core::hypot(scan.T_robot_lidar.x, scan.T_robot_lidar.y);
   }

@@ -11,7 +11,7 @@
 #include "libslam/core/error.h"
 #include "libslam/methods/mrpt_config.h"
 #include "libslam/methods/mrpt_method.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::methods {
 namespace {
@@ -189,7 +189,7 @@ std::optional<core::Trajectory> RbpfMethod::finalPath(const core::Trajectory& on
                                      [](const auto& a, const auto& b) { return a.log_w < b.log_w; });
   core::Trajectory path = online;
   for (size_t i = 0; i < updates_.size(); ++i) {
-    const core::Pose2 T_map_robot = robot::fromMrpt(mrpt::math::TPose2D(best->d->robotPath[i]));
+    const core::Pose2 T_map_robot = lidar::fromMrpt(mrpt::math::TPose2D(best->d->robotPath[i]));
     const size_t end = i + 1 < updates_.size() ? updates_[i + 1] : path.size();
     for (size_t scan = updates_[i]; scan < end; ++scan)
       path[scan].pose = T_map_robot * core::between(online[updates_[i]].pose, online[scan].pose);
@@ -201,7 +201,7 @@ std::vector<core::Pose2> RbpfMethod::particlePoses() const {
   std::vector<core::Pose2> poses;
   for (const auto& particle : pdf().m_particles)
     if (!particle.d->robotPath.empty())
-      poses.push_back(robot::fromMrpt(mrpt::math::TPose2D(particle.d->robotPath.back())));
+      poses.push_back(lidar::fromMrpt(mrpt::math::TPose2D(particle.d->robotPath.back())));
   return poses;
 }
 

@@ -11,7 +11,7 @@
 #include "libslam/graph/part_place.h"
 #include "libslam/gridmap/occupancy_raster.h"
 #include "libslam/odometry/scan_odometry.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace mrpt::maps {
 class CSimpleMap;
@@ -38,8 +38,8 @@ struct StepMotion {
 struct MethodStep {
   std::uint64_t number = 0;                ///< 0: the first
   double time_s = 0;                       ///< grows from step to step, also where the scans' stamps do not
-  const robot::Scan& scan;                 ///< deskewed; at least 2 beams
-  const std::vector<robot::Scan>& others;  ///< what other lidars saw at the same moment, deskewed
+  const lidar::Scan& scan;                 ///< deskewed; at least 2 beams
+  const std::vector<lidar::Scan>& others;  ///< what other lidars saw at the same moment, deskewed
   const StepMotion& motion;
 };
 

@@ -52,7 +52,7 @@ class MrptStrategy {
   /// Every scan between the decisions, where there is time for it: map strategies learn from it where
   /// frontiers are walls.
   void seeScan(const mrpt::obs::CObservation2DRangeScan& scan, const mrpt::poses::CPose2D& pose);
-  /// Errors: a scan that robot::fromMrpt refuses (InputError); the strategy needs a map and has none
+  /// Errors: a scan that lidar::fromMrpt refuses (InputError); the strategy needs a map and has none
   /// (ContractError).
   Answer decide(const mrpt::obs::CObservation2DRangeScan& scan, const mrpt::poses::CPose2D& pose);
 
@@ -79,7 +79,7 @@ class MrptExplorer {
   /// The reference is not kept.
   void setMap(const mrpt::maps::COccupancyGridMap2D& grid);
   /// `collided`: the bumper cut the last command short. `finished` with a reason when nothing is left to
-  /// explore, or the strategy is stuck. Errors: a scan that robot::fromMrpt refuses (InputError); a map is
+  /// explore, or the strategy is stuck. Errors: a scan that lidar::fromMrpt refuses (InputError); a map is
   /// needed and was never set (ContractError).
   MrptMotion next(const mrpt::obs::CObservation2DRangeScan& scan, const mrpt::poses::CPose2D& pose,
                   bool collided = false);

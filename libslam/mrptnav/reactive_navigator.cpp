@@ -16,7 +16,7 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/goals/guarded_navigator.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::mrptnav {
 namespace {
@@ -71,7 +71,7 @@ class RobotForMrpt : public mrpt::nav::CRobot2NavInterface {
   bool getCurrentPoseAndSpeeds(mrpt::math::TPose2D& pose, mrpt::math::TTwist2D& velocity,
                                mrpt::system::TTimeStamp& stamp, mrpt::math::TPose2D& odometry,
                                std::string& /*frame*/) override {
-    pose = odometry = robot::toMrpt(T_odom_robot_);
+    pose = odometry = lidar::toMrpt(T_odom_robot_);
     velocity = {driven_.speed_mps * core::cos(T_odom_robot_.phi),
                 driven_.speed_mps * core::sin(T_odom_robot_.phi), driven_.turn_rate_radps};
     stamp = mrpt::Clock::now();
@@ -181,7 +181,7 @@ class ReactiveNavigator : public goals::GuardedNavigator {
   }
 
  private:
-  GoalStep plan(const robot::Scan& /*scan*/, const core::Pose2& T_odom_robot) override {
+  GoalStep plan(const lidar::Scan& /*scan*/, const core::Pose2& T_odom_robot) override {
     now_s_ += task_.period_s;
     GoalStep step = decide(T_odom_robot);
     robot_.drive(step.command);

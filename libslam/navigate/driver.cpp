@@ -66,31 +66,31 @@ struct Driver::State {
   bool collided = false;   ///< by the last command
   bool w_follows = false;  ///< stop_clearance_m is that of stopClearance()
 
-  std::optional<robot::Command> advance(const robot::Scan& scan, const core::Pose2& T_map_robot);
-  void decide(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  std::optional<robot::Command> advance(const lidar::Scan& scan, const core::Pose2& T_map_robot);
+  void decide(const lidar::Scan& scan, const core::Pose2& T_map_robot);
   std::optional<robot::Command> turn(const core::Pose2& T_map_robot);
-  std::optional<robot::Command> drive(const robot::Scan& scan, const core::Pose2& T_map_robot);
-  std::optional<robot::Command> back(const robot::Scan& scan, const core::Pose2& T_map_robot);
-  std::optional<robot::Command> follow(const robot::Scan& scan, const core::Pose2& T_map_robot);
-  std::optional<robot::Command> navigate(const robot::Scan& scan, const core::Pose2& T_map_robot);
-  void sense(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  std::optional<robot::Command> drive(const lidar::Scan& scan, const core::Pose2& T_map_robot);
+  std::optional<robot::Command> back(const lidar::Scan& scan, const core::Pose2& T_map_robot);
+  std::optional<robot::Command> follow(const lidar::Scan& scan, const core::Pose2& T_map_robot);
+  std::optional<robot::Command> navigate(const lidar::Scan& scan, const core::Pose2& T_map_robot);
+  void sense(const lidar::Scan& scan, const core::Pose2& T_map_robot);
   void startNavigator(const core::Pose2& T_map_robot);
   void endDrive(const core::Pose2& T_map_robot);
   std::optional<robot::Command> look(const robot::Command& command);
   bool isBarren();
   bool checkIsDue() const { return periods_unchecked * period_s >= options.recheck_s; }
 
-  double reach(const robot::Scan& scan, double direction_rad) const {
+  double reach(const lidar::Scan& scan, double direction_rad) const {
     return paths::discReach(scan, direction_rad, robot, remembered);
   }
   /// By the rule that the strategy drives by.
-  bool frontIsFree(const robot::Scan& scan) const {
+  bool frontIsFree(const lidar::Scan& scan) const {
     if (escaping) return true;
     if (strategy->drivesByDisc()) return paths::seesAhead(scan);
     const paths::FreeWays ways = paths::canMove(scan, options.stop_clearance_m, remembered);
     return ways == paths::FreeWays::kBoth || ways == paths::FreeWays::kFrontOnly;
   }
-  bool rearIsFree(const robot::Scan& scan) const {
+  bool rearIsFree(const lidar::Scan& scan) const {
     const double body_m = robot::circumscribedRadius(robot);
     const double clearance_m =
         strategy->drivesByDisc() ? std::min(body_m, options.stop_clearance_m) : options.stop_clearance_m;
@@ -101,7 +101,7 @@ struct Driver::State {
   robot::Command stand() const { return {0, 0, period_s}; }
 };
 
-std::optional<robot::Command> Driver::State::advance(const robot::Scan& scan,
+std::optional<robot::Command> Driver::State::advance(const lidar::Scan& scan,
                                                      const core::Pose2& T_map_robot) {
   switch (phase) {
     case Phase::kDeciding:
@@ -136,7 +136,7 @@ bool Driver::State::isBarren() {
   return ++barren > options.give_up_after;
 }
 
-void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+void Driver::State::decide(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   if (!T_map_place) T_map_place = T_map_robot;
   if (strategy->needsMap() && isBarren()) {
     const std::string last = decision.reason;
@@ -169,7 +169,7 @@ void Driver::State::decide(const robot::Scan& scan, const core::Pose2& T_map_rob
 
 /// The newest scan, and what it shows besides itself: the obstacles that are remembered, and the w that
 /// follows from it.
-void Driver::State::sense(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+void Driver::State::sense(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   strategy->seeCommand(std::exchange(told, {}));
   strategy->seeScan(scan, T_map_robot);
   memory->update(scan, T_map_robot);
@@ -211,7 +211,7 @@ void Driver::State::startNavigator(const core::Pose2& T_map_robot) {
   phase = Phase::kNavigating;
 }
 
-std::optional<robot::Command> Driver::State::navigate(const robot::Scan& scan,
+std::optional<robot::Command> Driver::State::navigate(const lidar::Scan& scan,
                                                       const core::Pose2& T_map_robot) {
   const goals::GoalStep step = navigator->next(scan, T_map_robot, collided);
   if (step.status == goals::GoalStatus::kMoving) return step.command;
@@ -231,7 +231,7 @@ std::optional<robot::Command> Driver::State::turn(const core::Pose2& T_map_robot
   return robot::Command{0, std::clamp(rest_rad, -most_rad, most_rad) / period_s, period_s};
 }
 
-std::optional<robot::Command> Driver::State::drive(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+std::optional<robot::Command> Driver::State::drive(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   const double driven_m = core::distance(T_map_begin, T_map_robot);
   const double rest_m = decision.distance_m - driven_m;
   if (rest_m < kShortestDrive_m) {
@@ -248,7 +248,7 @@ std::optional<robot::Command> Driver::State::drive(const robot::Scan& scan, cons
   return straight(step_m);
 }
 
-std::optional<robot::Command> Driver::State::back(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+std::optional<robot::Command> Driver::State::back(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   const double rest_m = options.back_off_m - core::distance(T_map_begin, T_map_robot);
   const double step_m = std::min({rest_m, robot.max_speed_mps * period_s, reach(scan, core::kPi)});
   const robot::Command command = straight(-step_m);
@@ -260,7 +260,7 @@ std::optional<robot::Command> Driver::State::back(const robot::Scan& scan, const
   return command;
 }
 
-std::optional<robot::Command> Driver::State::follow(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+std::optional<robot::Command> Driver::State::follow(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   if (map_is_new) {
     periods_unchecked = 0;
     if (!strategy->isStillGood(decision, T_map_robot, follower.waypoint())) {
@@ -306,7 +306,7 @@ Driver::Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& option
 
 Driver::~Driver() = default;
 
-robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_map_robot, bool collided) {
+robot::Command Driver::next(const lidar::Scan& scan, const core::Pose2& T_map_robot, bool collided) {
   State& state = *state_;
   state.sense(scan, T_map_robot);
   state.collided = collided;
@@ -335,7 +335,7 @@ robot::Command Driver::next(const robot::Scan& scan, const core::Pose2& T_map_ro
   return command;
 }
 
-void Driver::watch(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+void Driver::watch(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   state_->sense(scan, T_map_robot);
 }
 

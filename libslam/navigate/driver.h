@@ -6,7 +6,7 @@
 #include "libslam/gridmap/occupancy_raster.h"
 #include "libslam/navigate/strategy.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::navigate {
 
@@ -43,9 +43,9 @@ class Driver {
   /// The command for the next period. `collided`: the last command ended in a collision. T_map_robot: the
   /// robot in the frame of the map; without a map in odometry's frame. Errors: the strategy needs a map and
   /// setMap() was never called (ContractError).
-  robot::Command next(const robot::Scan& scan, const core::Pose2& T_map_robot, bool collided);
+  robot::Command next(const lidar::Scan& scan, const core::Pose2& T_map_robot, bool collided);
   /// In place of next() while something else drives the robot: scans are looked at, nothing is decided.
-  void watch(const robot::Scan& scan, const core::Pose2& T_map_robot);
+  void watch(const lidar::Scan& scan, const core::Pose2& T_map_robot);
   /// The decision at hand is dropped, without blame: the next call of next() decides.
   void reconsider();
   /// What is known of the other robots, for the strategy: see Strategy::seeTeam().

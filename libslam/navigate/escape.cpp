@@ -14,7 +14,7 @@ constexpr double kEscapeStep_rad = core::kPi / 36;
 
 }  // namespace
 
-Decision escapeFrom(const robot::Scan& scan, const std::function<double(double)>& reach_m,
+Decision escapeFrom(const lidar::Scan& scan, const std::function<double(double)>& reach_m,
                     core::RandomStream& random) {
   struct Way {
     double angle_rad, reach_m;

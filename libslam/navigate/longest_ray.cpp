@@ -7,7 +7,7 @@
 
 namespace slam::navigate {
 
-Decision LongestRay::decide(const robot::Scan& scan, const core::Pose2& /*T_odom_robot*/) {
+Decision LongestRay::decide(const lidar::Scan& scan, const core::Pose2& /*T_odom_robot*/) {
   // Drawn whatever the scan holds, so that one empty scan does not shift the later draws.
   const double divisor = random_.uniform(options_.divisor_min, options_.divisor_max);
   const auto beams = paths::seenBeams(scan);

@@ -12,7 +12,7 @@ class LongestRay : public Strategy {
  public:
   LongestRay(const StrategyOptions& options, core::RandomStream random)
       : options_(options), random_(random) {}
-  Decision decide(const robot::Scan& scan, const core::Pose2& T_odom_robot) override;
+  Decision decide(const lidar::Scan& scan, const core::Pose2& T_odom_robot) override;
 
  private:
   StrategyOptions options_;

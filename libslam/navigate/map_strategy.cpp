@@ -60,11 +60,11 @@ MapStrategy::Place MapStrategy::placeOf(const core::Point2& p_map) const {
   return at(p_map.y) * (Place{1} << 32) + at(p_map.x);
 }
 
-void MapStrategy::seeScan(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+void MapStrategy::seeScan(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   if (!space_ || !core::isFinite(T_map_robot)) return;
   const double cell_m = space_->resolution_m;
   const core::RigidMotion2 T_map_scan(T_map_robot);
-  for (const auto& p_robot : robot::scanPoints(scan)) {
+  for (const auto& p_robot : lidar::scanPoints(scan)) {
     const core::Point2 p = T_map_scan * p_robot;
     for (const double dy : {-cell_m, 0.0, cell_m})
       for (const double dx : {-cell_m, 0.0, cell_m}) returns_.insert(placeOf({p.x + dx, p.y + dy}));
@@ -241,7 +241,7 @@ paths::PathPlanner MapStrategy::plan(const paths::FreeSpace& driving, bool bare,
 
 /// Nothing when there is nowhere to go by this plan.
 std::optional<Decision> MapStrategy::goOn(const paths::PathPlanner& planner, const paths::FreeSpace& looking,
-                                          const robot::Scan& scan, const core::Pose2& T_map_robot) {
+                                          const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   const auto min_cells = static_cast<std::size_t>(
       std::max(1.0, std::ceil(options_.frontier_min_m / space_->resolution_m - 1e-9)));
   const auto frontiers = openFrontiers(looking, planner, min_cells);
@@ -294,7 +294,7 @@ Decision MapStrategy::decisionFor(const paths::PathPlanner& planner,
   return decision;
 }
 
-Decision MapStrategy::decide(const robot::Scan& scan, const core::Pose2& T_map_robot) {
+Decision MapStrategy::decide(const lidar::Scan& scan, const core::Pose2& T_map_robot) {
   if (!space_)
     throw core::ContractError("strategy '" + options_.name +
                               "' works on the map: give it one first, seeMap()");
@@ -323,7 +323,7 @@ paths::FreeSpace MapStrategy::drivingSpace(bool bare, const core::Pose2& T_map_r
 }
 
 /// By what is to be looked at.
-Decision MapStrategy::decideOn(const paths::FreeSpace& looking, const robot::Scan& scan,
+Decision MapStrategy::decideOn(const paths::FreeSpace& looking, const lidar::Scan& scan,
                                const core::Pose2& T_map_robot) {
   target_.clear();
   bool has_start = false;

@@ -48,12 +48,12 @@ struct Scene {
 class MapStrategy : public Strategy {
  public:
   explicit MapStrategy(const StrategyOptions& options) : options_(options) {}
-  Decision decide(const robot::Scan& scan, const core::Pose2& T_map_robot) final;
+  Decision decide(const lidar::Scan& scan, const core::Pose2& T_map_robot) final;
   bool needsMap() const final { return true; }
   bool drivesByDisc() const final { return true; }
   void seeMap(const gridmap::OccupancyRaster& map) final;
   void seeCommand(const robot::Command& command) final { passers_.tell(command); }
-  void seeScan(const robot::Scan& scan, const core::Pose2& T_map_robot) final;
+  void seeScan(const lidar::Scan& scan, const core::Pose2& T_map_robot) final;
   const std::vector<core::Point2>& people() const final { return passers_.bodies(); }
   void setRobot(const robot::RobotOptions& robot) final { robot_ = robot; }
   bool isStillGood(const Decision& decision, const core::Pose2& T_map_robot,
@@ -94,14 +94,14 @@ class MapStrategy : public Strategy {
   static constexpr double kLeastNews_m2 = 0.1;  ///< less new area than this may be the map's noise
   using Place = std::int64_t;  ///< a cell's place in the map frame, whatever the raster's extent
   Place placeOf(const core::Point2& p_map) const;
-  Decision decideOn(const paths::FreeSpace& looking, const robot::Scan& scan, const core::Pose2& T_map_robot);
+  Decision decideOn(const paths::FreeSpace& looking, const lidar::Scan& scan, const core::Pose2& T_map_robot);
   void keepMine(std::vector<Viewpoint>& viewpoints) const;
   paths::FreeSpace withoutFalseFrontiers() const;
   void judgeLook();
   paths::FreeSpace drivingSpace(bool bare, const core::Pose2& T_map_robot) const;
   paths::PathPlanner plan(const paths::FreeSpace& driving, bool bare, const core::Pose2& T_map_robot) const;
   std::optional<Decision> goOn(const paths::PathPlanner& planner, const paths::FreeSpace& looking,
-                               const robot::Scan& scan, const core::Pose2& T_map_robot);
+                               const lidar::Scan& scan, const core::Pose2& T_map_robot);
   std::vector<paths::Frontier> openFrontiers(const paths::FreeSpace& looking,
                                              const paths::PathPlanner& planner, std::size_t min_cells);
   bool seesStraight(const core::Point2& a, const core::Point2& b) const;
@@ -112,7 +112,7 @@ class MapStrategy : public Strategy {
                        const std::vector<Viewpoint>& viewpoints, const Choice& choice);
   bool isSpent(const core::Point2& p_map) const;
   Decision finishedDecision() const;
-  Decision despitePeople(const paths::FreeSpace& looking, const robot::Scan& scan,
+  Decision despitePeople(const paths::FreeSpace& looking, const lidar::Scan& scan,
                          const core::Pose2& T_map_robot);
   std::optional<Decision> wait(const core::Pose2& T_map_robot);
   std::optional<Decision> makeWay(const core::Pose2& T_map_robot) const;

@@ -112,10 +112,10 @@ bool Passers::isLookedThrough(const Look& look, const core::Pose2& slip, const P
   return true;
 }
 
-void Passers::see(const robot::Scan& scan, const core::Pose2& T_map_robot, double cell_m) {
+void Passers::see(const lidar::Scan& scan, const core::Pose2& T_map_robot, double cell_m) {
   const Look* old = before(scan.time_s);
   const core::Pose2 slipped = old == nullptr ? core::Pose2{} : slip(*old, T_map_robot);
-  auto points = robot::scanPoints(scan);
+  auto points = lidar::scanPoints(scan);
   seen_now_.clear();
   bodies_.clear();
   for (auto& p : points) p = T_map_robot * p;

@@ -8,7 +8,7 @@
 #include "libslam/obstacles/lidar_view.h"
 #include "libslam/paths/free_space.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::navigate {
 
@@ -27,7 +27,7 @@ class Passers {
   void tell(const robot::Command& command) { T_start_told_ = T_start_told_ * robot::driveMotion(command); }
   /// Every scan in turn, with the robot's pose and the cells' side of the maps to come. Needs stamps that run
   /// on.
-  void see(const robot::Scan& scan, const core::Pose2& T_map_robot, double cell_m);
+  void see(const lidar::Scan& scan, const core::Pose2& T_map_robot, double cell_m);
   /// Where the people of the newest scan may reach, map frame: a lidar sees legs, and bodies are wider.
   const std::vector<core::Point2>& bodies() const { return bodies_; }
   bool areAbout() const;

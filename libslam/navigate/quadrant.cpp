@@ -43,7 +43,7 @@ bool Quadrant::leadsBack(double angle_rad, const core::Pose2& T_odom_robot) cons
   return std::abs(core::angleDifference(angle_rad, back_rad)) <= kLeadsBack_rad;
 }
 
-Decision Quadrant::decide(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
+Decision Quadrant::decide(const lidar::Scan& scan, const core::Pose2& T_odom_robot) {
   rememberWay(T_odom_robot);
   // Drawn whatever the scan holds, so that one empty scan does not shift the later draws.
   const double divisor = random_.uniform(options_.divisor_min, options_.divisor_max);

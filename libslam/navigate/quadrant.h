@@ -13,7 +13,7 @@ namespace slam::navigate {
 class Quadrant : public Strategy {
  public:
   Quadrant(const StrategyOptions& options, core::RandomStream random) : options_(options), random_(random) {}
-  Decision decide(const robot::Scan& scan, const core::Pose2& T_odom_robot) override;
+  Decision decide(const lidar::Scan& scan, const core::Pose2& T_odom_robot) override;
   void setStopClearance(double clearance_m) override { options_.stop_clearance_m = clearance_m; }
 
  private:

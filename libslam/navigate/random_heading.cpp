@@ -8,7 +8,7 @@
 
 namespace slam::navigate {
 
-Decision RandomHeading::decide(const robot::Scan& scan, const core::Pose2& /*T_map_robot*/) {
+Decision RandomHeading::decide(const lidar::Scan& scan, const core::Pose2& /*T_map_robot*/) {
   // Drawn whatever the scan holds, so that one empty scan does not shift the later draws.
   const double divisor = random_.uniform(options_.divisor_min, options_.divisor_max);
   const double pick = random_.uniform(), turn = random_.uniform(-1, 1);

@@ -19,7 +19,7 @@ navigate::Decision finishedBecause(const std::string& reason) {
 
 }  // namespace
 
-navigate::Decision ReturnToStart::decide(const robot::Scan& /*scan*/, const core::Pose2& T_map_robot) {
+navigate::Decision ReturnToStart::decide(const lidar::Scan& /*scan*/, const core::Pose2& T_map_robot) {
   if (!space_) throw core::ContractError("ReturnToStart: decides by a map and was given none");
   if (core::distance(core::position(T_map_robot), core::Point2{}) <= kBackAtStart_m)
     return finishedBecause("back at the start");

@@ -12,7 +12,7 @@ class ReturnToStart : public navigate::Strategy {
  public:
   ReturnToStart(const navigate::StrategyOptions& options, const robot::RobotOptions& robot)
       : options_(options), robot_(robot) {}
-  navigate::Decision decide(const robot::Scan& scan, const core::Pose2& T_map_robot) override;
+  navigate::Decision decide(const lidar::Scan& scan, const core::Pose2& T_map_robot) override;
   bool needsMap() const override { return true; }
   void seeMap(const gridmap::OccupancyRaster& map) override { space_ = paths::readFreeSpace(map); }
   bool drivesByDisc() const override { return true; }

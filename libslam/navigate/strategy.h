@@ -11,7 +11,7 @@
 #include "libslam/navigate/decision.h"
 #include "libslam/obstacles/local_obstacle_map.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::navigate {
 
@@ -22,7 +22,7 @@ class Strategy {
   virtual ~Strategy() = default;
   /// T_map_robot: the robot in the frame of the map that seeMap() gave; without a map any frame that stays
   /// put, such as odometry's.
-  virtual Decision decide(const robot::Scan& scan, const core::Pose2& T_map_robot) = 0;
+  virtual Decision decide(const lidar::Scan& scan, const core::Pose2& T_map_robot) = 0;
 
   /// True when decide() works on the map. It then throws ContractError when seeMap() was never called.
   virtual bool needsMap() const { return false; }
@@ -32,7 +32,7 @@ class Strategy {
   /// collision ends a command early.
   virtual void seeCommand(const robot::Command& /*command*/) {}
   /// Every scan and where it was taken, also between the decisions; before decide() sees the same one.
-  virtual void seeScan(const robot::Scan& /*scan*/, const core::Pose2& /*T_map_robot*/) {}
+  virtual void seeScan(const lidar::Scan& /*scan*/, const core::Pose2& /*T_map_robot*/) {}
   /// Around people whom the newest scan shows, map frame: to be kept clear of, beside the scan itself.
   virtual const std::vector<core::Point2>& people() const;
   /// Whose ways are to be planned. A strategy that is not told assumes the default robot.

@@ -17,10 +17,10 @@ constexpr double kRight_rad = -core::kPi / 2;
 
 }  // namespace
 
-Decision WallFollow::decide(const robot::Scan& scan, const core::Pose2& /*T_map_robot*/) {
+Decision WallFollow::decide(const lidar::Scan& scan, const core::Pose2& /*T_map_robot*/) {
   Decision decision;
   decision.reason = "no valid reading";
-  const auto points = robot::scanPoints(scan);
+  const auto points = lidar::scanPoints(scan);
   const auto beams = paths::seenBeams(scan);
   if (beams.empty()) return decision;
   char reason[100];

@@ -11,7 +11,7 @@ namespace slam::navigate {
 class WallFollow : public Strategy {
  public:
   WallFollow(const StrategyOptions& options, core::RandomStream) : options_(options) {}
-  Decision decide(const robot::Scan& scan, const core::Pose2& T_map_robot) override;
+  Decision decide(const lidar::Scan& scan, const core::Pose2& T_map_robot) override;
   bool drivesByDisc() const override { return true; }
   void setRobot(const robot::RobotOptions& robot) override { robot_ = robot; }
 

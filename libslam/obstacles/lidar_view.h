@@ -3,7 +3,7 @@
 
 #include "libslam/files/parameters.h"
 #include "libslam/obstacles/visible_area.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::obstacles {
 
@@ -24,7 +24,7 @@ struct SectorOptions {
 /// A point belongs to the beam nearest in angle; a scan that does not cover the whole sector sees less.
 class LidarView : public VisibleArea {
  public:
-  LidarView(const robot::Scan& scan, const SectorOptions& options);
+  LidarView(const lidar::Scan& scan, const SectorOptions& options);
 
   bool contains(const core::Point2& p_robot) const override;
   std::vector<core::Point2> outline(double reach_m) const override;

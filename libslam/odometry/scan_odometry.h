@@ -7,7 +7,7 @@
 #include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/robot/motion_kind.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace mrpt::obs {
 class CActionRobotMovement2D;
@@ -47,8 +47,8 @@ class ScanOdometry {
   /// Motion since the scan before; the first scan gives the identity with tiny covariance. `commanded` is for
   /// argmax, which reads a turn and a move differently; the others ignore it. REQUIRES at least 2 beams and a
   /// finite, positive step (ContractError).
-  virtual ScanMotion update(const robot::Scan& scan, const Commanded& commanded) = 0;
-  ScanMotion update(const robot::Scan& scan) { return update(scan, MotionKind::kUnknown); }
+  virtual ScanMotion update(const lidar::Scan& scan, const Commanded& commanded) = 0;
+  ScanMotion update(const lidar::Scan& scan) { return update(scan, MotionKind::kUnknown); }
   /// Forgets the scan before.
   virtual void reset() = 0;
 };

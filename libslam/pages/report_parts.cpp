@@ -134,7 +134,7 @@ void readReplay(const std::string& log_path, std::size_t most, core::Progress& p
   const std::uint64_t kept = std::min<std::uint64_t>(info.scans, most);
   const auto operations = readOperations(log_path, info.scans);
   struct Shown {
-    robot::Scan scan;
+    lidar::Scan scan;
     std::string operation;
   };
   std::vector<Shown> shown;

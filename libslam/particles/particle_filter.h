@@ -113,8 +113,8 @@ class ParticleFilter {
   /// The pose at this scan. Without a motion the motion before is taken to go on, loosely. The first scan's
   /// motion is ignored. `others`: what other lidars saw at that moment. REQUIRES a finite motion
   /// (ContractError).
-  const ParticleStep& update(const robot::Scan& scan, const std::optional<Motion>& motion,
-                             const std::vector<robot::Scan>& others = {});
+  const ParticleStep& update(const lidar::Scan& scan, const std::optional<Motion>& motion,
+                             const std::vector<lidar::Scan>& others = {});
   const ParticleStep& lastStep() const { return step_; }
 
   /// The best particle's path, a pose for every scan: corrected by all that was seen after it.
@@ -161,7 +161,7 @@ class ParticleFilter {
     scanmatch::FieldMatch match;
   };
   static core::Pose2 mapFromRaster() { return {0, 0, -kRasterTurn_rad}; }
-  void reachFarther(const robot::Scan& scan);
+  void reachFarther(const lidar::Scan& scan);
   void findPlace(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
   Guidance guide(const std::vector<scanmatch::SurfacePoint>& points, const std::optional<Motion>& motion);
   void matchAll(const std::vector<scanmatch::SurfacePoint>& points, const Guidance& guidance);

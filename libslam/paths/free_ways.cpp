@@ -12,14 +12,14 @@ constexpr double kHalfSector_rad = core::kPi / 4;
 // A beam meant for the sector's edge belongs to it, however its angle was rounded.
 constexpr double kRounding_rad = 1e-9;
 
-double returnDistance(const robot::Scan& scan, size_t beam) {
+double returnDistance(const lidar::Scan& scan, size_t beam) {
   const double range_m = scan.ranges_m[beam], angle_rad = scan.angle(beam);
   const core::Point2 p_lidar = core::polar(range_m, angle_rad);
   const core::Point2 p_robot = scan.T_robot_lidar * p_lidar;
   return core::hypot(p_robot.x, p_robot.y);
 }
 
-bool sectorIsFree(const robot::Scan& scan, double middle_rad, double clearance_m,
+bool sectorIsFree(const lidar::Scan& scan, double middle_rad, double clearance_m,
                   const std::vector<core::Point2>& remembered) {
   for (const auto& p : remembered) {
     const double aside_rad = std::abs(core::angleDifference(core::atan2(p.y, p.x), middle_rad));
@@ -30,16 +30,16 @@ bool sectorIsFree(const robot::Scan& scan, double middle_rad, double clearance_m
     const double beam_rad = scan.angle(i) + scan.T_robot_lidar.phi;
     const double aside_rad = std::abs(core::angleDifference(beam_rad, middle_rad));
     if (aside_rad > kHalfSector_rad + kRounding_rad) continue;
-    const bool is_return = robot::isReturn(scan.ranges_m[i]);
+    const bool is_return = lidar::isReturn(scan.ranges_m[i]);
     if (is_return && returnDistance(scan, i) < clearance_m) return false;
-    if (is_return || scan.ranges_m[i] == robot::kNoReturn) ++seen;
+    if (is_return || scan.ranges_m[i] == lidar::kNoReturn) ++seen;
   }
   return static_cast<double>(seen) * scan.step_rad >= kHalfSector_rad;
 }
 
 }  // namespace
 
-FreeWays canMove(const robot::Scan& scan, double clearance_m, const std::vector<core::Point2>& remembered) {
+FreeWays canMove(const lidar::Scan& scan, double clearance_m, const std::vector<core::Point2>& remembered) {
   const bool front = sectorIsFree(scan, 0, clearance_m, remembered);
   const bool rear = sectorIsFree(scan, core::kPi, clearance_m, remembered);
   if (front) return rear ? FreeWays::kBoth : FreeWays::kFrontOnly;

@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::paths {
 
@@ -13,7 +13,7 @@ enum class FreeWays { kBoth = 0, kFrontOnly = 1, kRearOnly = 2, kNone = 3 };
 /// is blocked when any return in its sector lies nearer than clearance_m to the robot's centre, and when the
 /// lidar does not see that sector: when its readings (lost ones do not count) cover less than half of it. A
 /// remembered obstacle (robot frame, see ObstacleMemory) blocks like a return.
-FreeWays canMove(const robot::Scan& scan, double clearance_m,
+FreeWays canMove(const lidar::Scan& scan, double clearance_m,
                  const std::vector<core::Point2>& remembered = {});
 
 }  // namespace slam::paths

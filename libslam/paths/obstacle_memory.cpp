@@ -18,7 +18,7 @@ constexpr double kReach_m = 1.5;
 constexpr double kGrid_m = 0.03;
 
 /// True where the scan would show a thing if it were there (and in no dead zone).
-bool isInView(const robot::Scan& scan, const core::Point2& p_robot) {
+bool isInView(const lidar::Scan& scan, const core::Point2& p_robot) {
   if (scan.isFullCircle()) return true;
   const core::Point2 p_lidar = core::inverse(scan.T_robot_lidar) * p_robot;
   const double first = scan.first_angle_rad, last = scan.angle(scan.ranges_m.size() - 1);
@@ -40,13 +40,13 @@ void thin(std::vector<core::Point2>& points, double cell_m) {
 
 class NoMemory : public ObstacleMemory {
  public:
-  void update(const robot::Scan& /*scan*/, const core::Pose2& /*T_odom_robot*/) override {}
+  void update(const lidar::Scan& /*scan*/, const core::Pose2& /*T_odom_robot*/) override {}
   std::vector<core::Point2> points() const override { return {}; }
 };
 
 class ShortMemory : public ObstacleMemory {
  public:
-  void update(const robot::Scan& scan, const core::Pose2& T_odom_robot) override {
+  void update(const lidar::Scan& scan, const core::Pose2& T_odom_robot) override {
     memory_odom_.insert(memory_odom_.end(), seen_odom_.begin(), seen_odom_.end());
     T_robot_odom_ = core::inverse(T_odom_robot);
     const core::RigidMotion2 T_robot_memory(T_robot_odom_), T_odom_seen(T_odom_robot);
@@ -57,7 +57,7 @@ class ShortMemory : public ObstacleMemory {
     memory_odom_.erase(std::remove_if(memory_odom_.begin(), memory_odom_.end(), forget), memory_odom_.end());
     thin(memory_odom_, kGrid_m);
     seen_odom_.clear();
-    for (const auto& p_robot : robot::scanPoints(scan))
+    for (const auto& p_robot : lidar::scanPoints(scan))
       if (core::hypot(p_robot.x, p_robot.y) <= kReach_m) seen_odom_.push_back(T_odom_seen * p_robot);
   }
   std::vector<core::Point2> points() const override {
@@ -81,7 +81,7 @@ class LocalMapMemory : public ObstacleMemory {
     view_.width_rad = 2 * core::kPi;
     view_.reach_m = 0;
   }
-  void update(const robot::Scan& scan, const core::Pose2& T_odom_robot) override {
+  void update(const lidar::Scan& scan, const core::Pose2& T_odom_robot) override {
     const obstacles::LidarView view(scan, view_);
     std::vector<core::Point2> seen;
     std::copy_if(view.obstacles().begin(), view.obstacles().end(), std::back_inserter(seen),

@@ -5,7 +5,7 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/obstacles/local_obstacle_map.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::paths {
 
@@ -22,7 +22,7 @@ class ObstacleMemory {
  public:
   virtual ~ObstacleMemory() = default;
   /// The newest scan, taken at T_odom_robot (in any frame that stays put). Cost: the beams and the points.
-  virtual void update(const robot::Scan& scan, const core::Pose2& T_odom_robot) = 0;
+  virtual void update(const lidar::Scan& scan, const core::Pose2& T_odom_robot) = 0;
   /// After the newest update, robot frame. None of the newest scan's own returns.
   virtual std::vector<core::Point2> points() const = 0;
 };

@@ -42,7 +42,7 @@ bool PathFollower::advanceWaypoint(const core::Pose2& T_map_robot) {
   return false;
 }
 
-std::optional<core::Point2> PathFollower::sidestep(const robot::Scan& scan, const core::Pose2& T_map_robot,
+std::optional<core::Point2> PathFollower::sidestep(const lidar::Scan& scan, const core::Pose2& T_map_robot,
                                                    const robot::RobotOptions& robot, double towards_rad,
                                                    const std::vector<core::Point2>& remembered) {
   const double rest_m = core::distance(path_[waypoint_], core::position(T_map_robot));
@@ -70,7 +70,7 @@ bool PathFollower::mustTurn(double error_rad, double rest_m, double most_rad) {
   return true;
 }
 
-PathFollower::Step PathFollower::next(const robot::Scan& scan, const core::Pose2& T_map_robot,
+PathFollower::Step PathFollower::next(const lidar::Scan& scan, const core::Pose2& T_map_robot,
                                       const robot::RobotOptions& robot, double slow_clearance_m,
                                       double period_s, const std::vector<core::Point2>& remembered) {
   const robot::Command stand{0, 0, period_s};

@@ -3,7 +3,7 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::paths {
 
@@ -11,15 +11,15 @@ namespace slam::paths {
 /// range, can be shifted straight along direction_rad (robot frame) by the returns of this scan; +infinity
 /// when none is in the way. `remembered` are further obstacles, robot frame: see ObstacleMemory. Says nothing
 /// of what no beam saw: see seesAhead().
-double discReach(const robot::Scan& scan, double direction_rad, const robot::RobotOptions& robot,
+double discReach(const lidar::Scan& scan, double direction_rad, const robot::RobotOptions& robot,
                  const std::vector<core::Point2>& remembered = {});
 
 /// True when the readings (lost ones do not count) cover at least half of the front sector of canMove().
-bool seesAhead(const robot::Scan& scan);
+bool seesAhead(const lidar::Scan& scan);
 
 /// The largest speed near to obstacles: max_speed_mps where every return is at least slow_clearance_m away
 /// from the disc, falling linearly with the gap to 0.4 of it at the disc.
-double safeSpeed(const robot::Scan& scan, const robot::RobotOptions& robot, double slow_clearance_m,
+double safeSpeed(const lidar::Scan& scan, const robot::RobotOptions& robot, double slow_clearance_m,
                  const std::vector<core::Point2>& remembered = {});
 
 /// The distance threshold w of canMove() that follows from the robot: R + s + m, with R the circle around the

@@ -20,13 +20,13 @@ double wrapToTurn(double angle_rad) {
 
 }  // namespace
 
-std::vector<SeenBeam> seenBeams(const robot::Scan& scan) {
+std::vector<SeenBeam> seenBeams(const lidar::Scan& scan) {
   std::vector<SeenBeam> beams;
   beams.reserve(scan.ranges_m.size());
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const float range_m = scan.ranges_m[i];
-    const bool nothing = range_m == robot::kNoReturn;
-    if (!nothing && !robot::isReturn(range_m)) continue;
+    const bool nothing = range_m == lidar::kNoReturn;
+    if (!nothing && !lidar::isReturn(range_m)) continue;
     beams.push_back({wrapToTurn(scan.angle(i) + scan.T_robot_lidar.phi),
                      nothing ? scan.max_range_m : static_cast<double>(range_m)});
   }

@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace slam::paths {
 
@@ -14,7 +14,7 @@ struct SeenBeam {
 
 /// The beams in the order of the original documents: from straight ahead once round in one turning direction.
 /// Lost readings are left out; directions outside the field of view are simply not there.
-std::vector<SeenBeam> seenBeams(const robot::Scan& scan);
+std::vector<SeenBeam> seenBeams(const lidar::Scan& scan);
 
 /// How far a disc of radius_m around the robot's centre can be shifted straight along direction_rad (robot
 /// frame) until it touches one of the points: 0 when it already does and would go on into it, +infinity when

@@ -13,7 +13,7 @@
 #include "libslam/core/error.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/plugin/exploring_robot.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::plugin {
 namespace {
@@ -88,12 +88,12 @@ class SimulatedLidar : public mrpt::hwdrivers::CGenericSensor {
     auto odometry = mrpt::obs::CObservationOdometry::Create();
     odometry->sensorLabel = "ODOMETRY";
     odometry->timestamp = stampOf(sensed);
-    odometry->odometry = mrpt::poses::CPose2D(robot::toMrpt(sensed.T_odom_robot));
+    odometry->odometry = mrpt::poses::CPose2D(lidar::toMrpt(sensed.T_odom_robot));
     return odometry;
   }
 
   mrpt::obs::CObservation2DRangeScan::Ptr scanOf(const sim::Sensed& sensed) const {
-    auto scan = robot::toMrpt(sensed.scan);
+    auto scan = lidar::toMrpt(sensed.scan);
     scan->sensorLabel = m_sensorLabel;
     scan->timestamp = stampOf(sensed);
     return scan;

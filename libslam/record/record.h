@@ -13,7 +13,7 @@
 #include "libslam/record/step_observer.h"
 #include "libslam/robot/camera.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/lidar.h"
+#include "libslam/lidar/lidar.h"
 #include "libslam/robot/odometry_noise.h"
 #include "libslam/sim/carry.h"
 #include "libslam/sim/living.h"
@@ -34,7 +34,7 @@ struct SimulationOptions {
 /// All that decides a recording besides the plan and the seed.
 struct RecordConfig {
   robot::RobotOptions robot;
-  robot::LidarOptions lidar;                  ///< with a camera: the one that would give its scans
+  lidar::LidarOptions lidar;                  ///< with a camera: the one that would give its scans
   std::vector<sim::NamedLidar> other_lidars;  ///< of the sections [lidar NAME]
   std::optional<robot::FloorCamera> camera;   ///< looks in place of the lidar
   robot::OdometryOptions odometry;

@@ -60,7 +60,7 @@ struct Recorder::State {
   }
 
   /// The command that led to the newest scan, which is not counted yet.
-  void addOperation(const robot::Commanded& commanded, const robot::Scan& scan) {
+  void addOperation(const robot::Commanded& commanded, const lidar::Scan& scan) {
     const auto motion = scan_odometry->update(scan, commanded);
     if (!commanded.continues) endOperation();
     if (commanded.kind == robot::MotionKind::kRest) return;

@@ -22,14 +22,14 @@ std::string lidarName(const std::string& section) {
 }
 
 /// The rows of [lidar], from a section of another name too.
-robot::LidarOptions readLidar(const files::IniFile& config, const std::string& section,
+lidar::LidarOptions readLidar(const files::IniFile& config, const std::string& section,
                               const robot::RobotOptions& robot, std::vector<files::ParameterReport>* report) {
   files::IniFile own;
   if (const auto it = config.sections().find(section); it != config.sections().end())
     for (const auto& [key, entry] : it->second) own.set(kLidar, key, entry.value, entry.origin);
-  robot::LidarOptions lidar;
+  lidar::LidarOptions lidar;
   std::vector<files::ParameterReport> lines;
-  files::readParameters(own, robot::LidarOptions::table(), lidar, &lines);
+  files::readParameters(own, lidar::LidarOptions::table(), lidar, &lines);
   for (auto& line : lines) line.section = section;
   if (report != nullptr) report->insert(report->end(), lines.begin(), lines.end());
   const double away_m = core::hypot(lidar.mount_x_m, lidar.mount_y_m);
@@ -44,7 +44,7 @@ robot::LidarOptions readLidar(const files::IniFile& config, const std::string& s
 
 /// Lidars in one place are one for whoever reads the log, as are those of one name.
 void requireApart(const SensorConfig& sensor) {
-  std::vector<const robot::LidarOptions*> mounted = {&sensor.lidar};
+  std::vector<const lidar::LidarOptions*> mounted = {&sensor.lidar};
   for (const auto& other : sensor.other_lidars) {
     const std::string section = "section [lidar " + other.label + "]: ";
     if (other.label == kFirstLabel || other.label.find(',') != std::string::npos)
@@ -131,7 +131,7 @@ files::IniFile withCameraDefaults(const files::IniFile& config, const std::optio
 }
 
 std::pair<double, int> beamsOverFloor(const std::optional<robot::FloorCamera>& camera,
-                                      const robot::Scan& scan) {
+                                      const lidar::Scan& scan) {
   if (!camera) return {scan.first_angle_rad, static_cast<int>(scan.ranges_m.size())};
   const double half_rad = robot::wholeHalfAngle(*camera);
   return {-half_rad, 2 * static_cast<int>(std::lround(half_rad / scan.step_rad)) + 1};

@@ -8,8 +8,8 @@
 #include "libslam/files/parameters.h"
 #include "libslam/robot/camera.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/lidar.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/lidar.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/sim/simulator.h"
 
 namespace slam::record {
@@ -24,7 +24,7 @@ struct SensorOptions {
 /// What the robot looks with.
 struct SensorConfig {
   std::optional<robot::FloorCamera> camera;   ///< none: a lidar
-  robot::LidarOptions lidar;                  ///< of a camera robot::asLidar(): its scans, period and range
+  lidar::LidarOptions lidar;                  ///< of a camera robot::asLidar(): its scans, period and range
   std::vector<sim::NamedLidar> other_lidars;  ///< one for each section [lidar NAME], by name
 };
 
@@ -49,6 +49,6 @@ files::IniFile withCameraDefaults(const files::IniFile& config, const std::optio
 /// referee may count as looked over: all of a lidar's; not those of a camera that the sides of its picture
 /// end.
 std::pair<double, int> beamsOverFloor(const std::optional<robot::FloorCamera>& camera,
-                                      const robot::Scan& scan);
+                                      const lidar::Scan& scan);
 
 }  // namespace slam::record

@@ -4,7 +4,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/navigate/strategy.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/sim/simulator.h"
 
 namespace slam::record {
@@ -13,7 +13,7 @@ namespace slam::record {
 /// only.
 struct Step {
   double time_s;                                ///< since the first scan
-  const robot::Scan& scan;                      ///< the new one
+  const lidar::Scan& scan;                      ///< the new one
   core::Pose2 T_previous_robot;                 ///< odometry's increment since the scan before
   core::Pose2 T_map_robot;                      ///< the estimate; without a method odometry's, from the start
   const mapping::MapBuilder* method = nullptr;  ///< nullptr: no map is built

@@ -132,10 +132,10 @@ BearingSpan bearingSpan(const FloorCamera& camera, double bearing_rad) {
   return {begin_m / cosine, std::min(end_m / cosine, depthSpan(camera).end_m)};
 }
 
-LidarOptions asLidar(const FloorCamera& camera) {
+lidar::LidarOptions asLidar(const FloorCamera& camera) {
   const auto [begin_m, end_m] = depthSpan(camera);
   const int aside = bearingsAside(camera);
-  LidarOptions lidar;
+  lidar::LidarOptions lidar;
   lidar.fov_rad = 2 * aside * step(camera.scan);
   lidar.beams = 2 * aside + 1;
   lidar.min_range_m = begin_m;
@@ -171,9 +171,9 @@ void applyCameraErrors(const FloorCamera& camera, core::RandomStream& random, st
     float& range_m = ranges_m[static_cast<size_t>(beam)];
     const auto [begin_m, end_m] = bearingSpan(camera, (beam - middle) * step(camera.scan));
     if (is_lost || range_m < begin_m || !(begin_m < end_m)) {
-      range_m = kLostReading;
+      range_m = lidar::kLostReading;
     } else if (range_m >= end_m) {
-      range_m = end_m >= most_m ? kNoReturn : kLostReading;
+      range_m = end_m >= most_m ? lidar::kNoReturn : lidar::kLostReading;
     } else {
       const double below_rad = core::atan2(height_m, static_cast<double>(range_m)) + error_rad;
       const double seen_m = floorDistance(height_m, std::max(0.0, below_rad));

@@ -4,7 +4,7 @@
 
 #include "libslam/files/parameters.h"
 #include "libslam/core/random.h"
-#include "libslam/robot/lidar.h"
+#include "libslam/lidar/lidar.h"
 
 namespace slam::robot {
 
@@ -76,7 +76,7 @@ BearingSpan bearingSpan(const FloorCamera& camera, double bearing_rad);
 /// The scan that the camera gives, as the lidar that would give it: beams symmetrical about straight ahead,
 /// as far aside as any floor is visible; from the camera's foot; ranges from Ymin to the reach or the far
 /// edge, whichever is nearer; noise as in edgeSigma() at 3 m. REQUIRES requireSensible().
-LidarOptions asLidar(const FloorCamera& camera);
+lidar::LidarOptions asLidar(const FloorCamera& camera);
 
 /// Half of the angle of the wedge, in radians, along whose bearings all floor is visible from the near edge
 /// to asLidar()'s maximum range. Farther aside the sides of the picture end it sooner.

@@ -108,7 +108,7 @@ bool areGiven(const std::vector<StampedCovariance>& covariances) {
 /// What is kept of the scans while they come, in the order of the log.
 struct Taken {
   std::vector<double> milliseconds, stamps_s;
-  robot::Scan last_scan;
+  lidar::Scan last_scan;
   double time_s = 0;  ///< of the scan at work, since the first
 };
 

@@ -41,15 +41,15 @@ class Looker {
         caster_(withUnknownShut(map)),
         beams_(-core::kPi, 2 * core::kPi / kBeams, kBeams) {}
 
-  robot::Scan look(const core::Pose2& T_map_robot) const {
-    robot::Scan scan;
+  lidar::Scan look(const core::Pose2& T_map_robot) const {
+    lidar::Scan scan;
     scan.first_angle_rad = beams_.firstAngle(), scan.step_rad = beams_.step();
     scan.max_range_m = max_range_m_;
     scan.range_sigma_m = map_.resolution_m / 2;
     caster_.castScan(T_map_robot, beams_, max_range_m_, scan.ranges_m);
     for (size_t i = 0; i < scan.ranges_m.size(); ++i)
-      if (robot::isReturn(scan.ranges_m[i]) && !isWall(T_map_robot, scan.angle(i), scan.ranges_m[i]))
-        scan.ranges_m[i] = robot::kLostReading;
+      if (lidar::isReturn(scan.ranges_m[i]) && !isWall(T_map_robot, scan.angle(i), scan.ranges_m[i]))
+        scan.ranges_m[i] = lidar::kLostReading;
     return scan;
   }
 
@@ -68,10 +68,10 @@ class Looker {
   world::BeamTable beams_;
 };
 
-double medianReturn(const robot::Scan& scan) {
+double medianReturn(const lidar::Scan& scan) {
   std::vector<float> returns_m;
   for (const float range_m : scan.ranges_m)
-    if (robot::isReturn(range_m)) returns_m.push_back(range_m);
+    if (lidar::isReturn(range_m)) returns_m.push_back(range_m);
   if (returns_m.size() < static_cast<size_t>(kLeastReturns)) return 0;
   return core::middleValue(std::move(returns_m));
 }
@@ -117,7 +117,7 @@ std::vector<mapping::KeyFrame> viewsOf(const world::Plan& map, double max_range_
         return false;
       };
       if (isCovered(kLeastSpacing_m)) continue;
-      robot::Scan scan = looker.look({p.x, p.y, 0});
+      lidar::Scan scan = looker.look({p.x, p.y, 0});
       const double median_m = medianReturn(scan);
       const double spacing = std::clamp(kSpacingShare * median_m, kLeastSpacing_m, kMostSpacing_m);
       if (median_m == 0 || isCovered(spacing)) continue;

@@ -25,7 +25,7 @@ const std::map<std::string, std::string>& fileNotes() {
   return notes;
 }
 
-void describeLidar(const robot::Scan& scan, std::map<std::string, std::string>& results) {
+void describeLidar(const lidar::Scan& scan, std::map<std::string, std::string>& results) {
   results["lidar.beams"] = std::to_string(scan.ranges_m.size());
   results["lidar.first_angle_rad"] = files::formatNumber(scan.first_angle_rad);
   results["lidar.step_rad"] = files::formatNumber(scan.step_rad);

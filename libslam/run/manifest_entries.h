@@ -3,7 +3,7 @@
 #include <string>
 
 #include "libslam/core/pose2.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/run/self_score.h"
 #include "libslam/run/stopped_run.h"
 
@@ -15,7 +15,7 @@ namespace slam::run {
 const std::map<std::string, std::string>& fileNotes();
 
 /// What scoring a map needs to know of the lidar: keys `lidar.*` of a run's manifest.
-void describeLidar(const robot::Scan& scan, std::map<std::string, std::string>& results);
+void describeLidar(const lidar::Scan& scan, std::map<std::string, std::string>& results);
 /// Keys `NAME.x_m`, `NAME.y_m` and `NAME.yaw_rad`.
 void describePose(const std::string& name, const core::Pose2& pose,
                   std::map<std::string, std::string>& results);

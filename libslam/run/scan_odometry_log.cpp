@@ -17,7 +17,7 @@
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/odometry/mrpt_action.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::run {
 namespace {
@@ -145,9 +145,9 @@ class ScanOdometryLog {
   }
 
   odometry::ScanMotion update(const CObservation2DRangeScan& observation) {
-    robot::Scan scan;
+    lidar::Scan scan;
     try {
-      scan = robot::fromMrpt(observation);
+      scan = lidar::fromMrpt(observation);
     } catch (const core::InputError& error) {
       throw core::InputError(path_ + ": " + source_->place() + ": " + error.what());
     }

@@ -13,7 +13,7 @@ namespace slam::run {
 /// What the robot was commanded to do before this scan, where somebody knows it (argmax asks). `wheels`: the
 /// increment since the scan before by the log's own odometry, where it has one.
 using CommandBefore =
-    std::function<odometry::Commanded(const robot::Scan& scan, const std::optional<core::Pose2>& wheels)>;
+    std::function<odometry::Commanded(const lidar::Scan& scan, const std::optional<core::Pose2>& wheels)>;
 
 struct ScanOdometryLogOptions {
   odometry::ScanOdometryOptions odometry;
@@ -47,7 +47,7 @@ struct ScanOdometryLogReport {
 /// A stamp that is missing is that of the newest object before. The first motion is null. Memory does not
 /// grow with the log. The same log, the same bytes.
 /// Errors (InputError): those of openLog() and inForm(); unknown method; no scan of the lidar, or one that
-/// robot::fromMrpt refuses (with its place); frames and bare scans of the lidar in one log without `form`; a
+/// lidar::fromMrpt refuses (with its place); frames and bare scans of the lidar in one log without `form`; a
 /// first scan without any stamp.
 ScanOdometryLogReport writeScanOdometry(const std::string& path, const std::string& output,
                                         const ScanOdometryLogOptions& options, core::Progress& progress);

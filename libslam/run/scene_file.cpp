@@ -195,7 +195,7 @@ void stackLayers(COpenGLScene& scene, const draw::Window& window) {
 
 }  // namespace
 
-void writeScene(const mapping::MapBuilder& method, const core::Trajectory& path, const robot::Scan& last_scan,
+void writeScene(const mapping::MapBuilder& method, const core::Trajectory& path, const lidar::Scan& last_scan,
                 const std::string& file) {
   const auto map = mapping::currentMap(method);
   const auto window = windowOf(map, path);

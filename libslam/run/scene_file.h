@@ -3,7 +3,7 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/world/plan.h"
 
 namespace slam::run {
@@ -12,7 +12,7 @@ namespace slam::run {
 /// the layers map, path, scan (`last_scan`) and robot, and where the method has them particles, graph and
 /// loops (viewer/layers.h has their names and looks). `path`: as the method has it in the end, in the order
 /// of the log. Same input, same bytes. Errors: core::IoError.
-void writeScene(const mapping::MapBuilder& method, const core::Trajectory& path, const robot::Scan& last_scan,
+void writeScene(const mapping::MapBuilder& method, const core::Trajectory& path, const lidar::Scan& last_scan,
                 const std::string& file);
 
 /// Puts the true path, and the plan where it is known, under the layers of such a file, in place of those

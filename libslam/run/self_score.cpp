@@ -6,11 +6,11 @@
 namespace slam::run {
 namespace {
 
-std::vector<core::Point2> returnsOf(const robot::Scan& scan) {
+std::vector<core::Point2> returnsOf(const lidar::Scan& scan) {
   std::vector<core::Point2> returns_lidar;
   returns_lidar.reserve(scan.ranges_m.size());
   for (size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
-    if (!robot::isReturn(scan.ranges_m[beam])) continue;
+    if (!lidar::isReturn(scan.ranges_m[beam])) continue;
     const double range_m = scan.ranges_m[beam], angle_rad = scan.angle(beam);
     returns_lidar.push_back(core::polar(range_m, angle_rad));
   }

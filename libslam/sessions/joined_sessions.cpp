@@ -55,7 +55,7 @@ void refuseSameScans(const std::vector<Session>& sessions, const std::vector<std
 /// What a lidar that hangs upside down would make of it.
 KeyFrame mirrored(KeyFrame frame) {
   const auto mirror = [](const Pose2& pose) { return Pose2{pose.x, -pose.y, -pose.phi}; };
-  robot::Scan& scan = frame.scan;
+  lidar::Scan& scan = frame.scan;
   std::reverse(scan.ranges_m.begin(), scan.ranges_m.end());
   scan.first_angle_rad =
       -(scan.first_angle_rad + scan.step_rad * static_cast<double>(scan.ranges_m.size() - 1));

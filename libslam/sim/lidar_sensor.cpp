@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "libslam/core/elementary.h"
-#include "libslam/robot/beam.h"
+#include "libslam/lidar/beam.h"
 
 namespace slam::sim {
 namespace {
@@ -41,11 +41,11 @@ std::optional<world::WallHit> specialWall(const world::Plan& plan, const LidarSe
 }
 
 /// The poses of a lidar at its beams; one when it stood still.
-std::vector<core::Pose2> beamPoses(const robot::LidarOptions& options, const core::Pose2& T_world_robot,
+std::vector<core::Pose2> beamPoses(const lidar::LidarOptions& options, const core::Pose2& T_world_robot,
                                    const RecentPath& path) {
-  const core::Pose2 T_robot_lidar = robot::trueMountingPose(options);
+  const core::Pose2 T_robot_lidar = lidar::trueMountingPose(options);
   const auto poseAtBeam = [&](int beam) {
-    const double ago_s = options.latency_s + robot::secondsBeforeLastBeam(options, beam);
+    const double ago_s = options.latency_s + lidar::secondsBeforeLastBeam(options, beam);
     return path.poseBefore(T_world_robot, ago_s) * T_robot_lidar;
   };
   std::vector<core::Pose2> poses;
@@ -65,16 +65,16 @@ core::Point2 LidarSensor::Ray::direction() const {
   return core::polar(1, angle_rad);
 }
 
-LidarSensor::LidarSensor(const robot::LidarOptions& options, std::uint64_t seed, const std::string& name)
+LidarSensor::LidarSensor(const lidar::LidarOptions& options, std::uint64_t seed, const std::string& name)
     : options_(options),
       random_(seed, name),
       mixed_random_(seed, name + " mixed"),
       glass_random_(seed, name + " glass") {
   robot::requireSensible(options);
-  const int rays = options.beam_width_rad > 0 ? robot::kRaysPerBeam : 1;
+  const int rays = options.beam_width_rad > 0 ? lidar::kRaysPerBeam : 1;
   for (int ray = 0; ray < rays; ++ray) {
-    const double offset_rad = rays > 1 ? robot::rayOffset(options, ray) : 0;
-    beams_.emplace_back(robot::firstAngle(options) + offset_rad, robot::beamStep(options), options.beams);
+    const double offset_rad = rays > 1 ? lidar::rayOffset(options, ray) : 0;
+    beams_.emplace_back(lidar::firstAngle(options) + offset_rad, lidar::beamStep(options), options.beams);
   }
 }
 
@@ -82,28 +82,28 @@ double LidarSensor::memory_s() const {
   return options_.latency_s + options_.sweep / options_.rate_hz;
 }
 
-robot::Scan LidarSensor::sense(const Scene& scene, const core::Pose2& T_world_robot, const RecentPath& path,
+lidar::Scan LidarSensor::sense(const Scene& scene, const core::Pose2& T_world_robot, const RecentPath& path,
                                double time_s) {
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.time_s = time_s;
-  scan.first_angle_rad = robot::firstAngle(options_);
-  scan.step_rad = robot::beamStep(options_);
+  scan.first_angle_rad = lidar::firstAngle(options_);
+  scan.step_rad = lidar::beamStep(options_);
   scan.min_range_m = options_.min_range_m;
   scan.max_range_m = options_.max_range_m > 0 ? options_.max_range_m : diagonal(scene.plan());
-  scan.range_sigma_m = robot::statedSigma(options_);
-  scan.T_robot_lidar = robot::mountingPose(options_);
+  scan.range_sigma_m = lidar::statedSigma(options_);
+  scan.T_robot_lidar = lidar::mountingPose(options_);
   T_world_lidar_ = beamPoses(options_, T_world_robot, path);
   if (options_.beam_width_rad > 0)
     castWideBeams(scene, scan.ranges_m);
   else
     castBeams(scene, beams_[0], scan.ranges_m);
-  robot::applyLidarErrors(options_, random_, scan.ranges_m);
+  lidar::applyLidarErrors(options_, random_, scan.ranges_m);
   return scan;
 }
 
 void LidarSensor::castWideBeams(const Scene& scene, std::vector<float>& out_ranges_m) {
-  std::array<std::vector<float>, robot::kRaysPerBeam> rays_m;
-  for (int ray = 0; ray < robot::kRaysPerBeam; ++ray)
+  std::array<std::vector<float>, lidar::kRaysPerBeam> rays_m;
+  for (int ray = 0; ray < lidar::kRaysPerBeam; ++ray)
     castBeams(scene, beams_[static_cast<size_t>(ray)], rays_m[static_cast<size_t>(ray)]);
   out_ranges_m.resize(rays_m[0].size());
   for (size_t beam = 0; beam < out_ranges_m.size(); ++beam) {
@@ -116,7 +116,7 @@ void LidarSensor::castWideBeams(const Scene& scene, std::vector<float>& out_rang
       mixes = mixed_random_.chance(options_.mixed_pixels);
       where = mixed_random_.uniform();
     }
-    out_ranges_m[beam] = static_cast<float>(robot::beamRange(ranges_m, mixes, where));
+    out_ranges_m[beam] = static_cast<float>(lidar::beamRange(ranges_m, mixes, where));
   }
 }
 
@@ -181,8 +181,8 @@ std::optional<LidarSensor::Ray> LidarSensor::sendOn(const world::Plan& plan, con
   const double clearance_m = 1e-6 * plan.resolution_m;
   if (wall.material == world::Material::kGlass) {
     const double incidence_rad = core::acos(std::min(1.0, cosine));
-    if (glass_random_.chance(robot::glassEcho(options_, incidence_rad))) return std::nullopt;
-    if (!glass_random_.chance(robot::glassReflectance(options_, incidence_rad))) {
+    if (glass_random_.chance(lidar::glassEcho(options_, incidence_rad))) return std::nullopt;
+    if (!glass_random_.chance(lidar::glassReflectance(options_, incidence_rad))) {
       const double through_m = wall.leaves_m + clearance_m;
       return Ray{along(ray.p_world, direction, through_m), ray.angle_rad, ray.travelled_m + through_m};
     }

@@ -21,15 +21,15 @@ void requireValid(const robot::Command& command) {
     throw core::ContractError("Simulator::step: expected a finite command with a duration of at least 0");
 }
 
-std::optional<robot::Sweep> statedSweep(const robot::LidarOptions& lidar) {
+std::optional<lidar::Sweep> statedSweep(const lidar::LidarOptions& lidar) {
   if (!(lidar.sweep > 0)) return std::nullopt;
-  return robot::sweepOf(lidar);
+  return lidar::sweepOf(lidar);
 }
 
 }  // namespace
 
 Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
-                     const robot::LidarOptions& lidar, const robot::OdometryOptions& odometry,
+                     const lidar::LidarOptions& lidar, const robot::OdometryOptions& odometry,
                      const core::Pose2& start, std::uint64_t seed, double start_time_s,
                      const LivingOptions& living, const std::optional<robot::FloorCamera>& camera)
     : scene_(plan, living, seed, {core::position(start), robot::circumscribedRadius(robot)}),

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/robot/deskew.h"
+#include "libslam/lidar/deskew.h"
 #include "libslam/robot/drive.h"
-#include "libslam/robot/lidar.h"
+#include "libslam/lidar/lidar.h"
 #include "libslam/robot/odometer.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/sim/camera_sensor.h"
 #include "libslam/sim/carry.h"
 #include "libslam/sim/lidar_sensor.h"
@@ -23,24 +23,24 @@ namespace slam::sim {
 /// A lidar beside the first one.
 struct NamedLidar {
   std::string label;  ///< of its scans, not "LASER", which is the first one's
-  robot::LidarOptions options;
+  lidar::LidarOptions options;
 };
 
 /// What another lidar than the first sees.
 struct OtherScan {
   std::string label;
-  robot::Scan scan;
-  std::optional<robot::Sweep> sweep;
+  lidar::Scan scan;
+  std::optional<lidar::Sweep> sweep;
 };
 
 /// What the robot senses after a command. Nothing of the truth is in it.
 struct Sensed {
-  robot::Scan scan;
+  lidar::Scan scan;
   core::Pose2 T_odom_robot;      ///< dead reckoning from the start
   core::Pose2 T_previous_robot;  ///< its last increment
   bool collided = false;         ///< the bumper: the command was cut short by an obstacle
-  std::optional<robot::Sweep> sweep =
-      {};  ///< of `scan`, where the lidar's beams are not all at once: robot::sweepOf()
+  std::optional<lidar::Sweep> sweep =
+      {};  ///< of `scan`, where the lidar's beams are not all at once: lidar::sweepOf()
   std::vector<OtherScan> others =
       {};  ///< of the lidars that were mounted beside the first, of the same moment
 };
@@ -79,11 +79,11 @@ class Simulator {
   /// visit is not the simulator's to know, `plan` is what this visit finds. `camera`: what looks in place of
   /// the lidar; of `lidar`, which should be robot::asLidar() then, nothing is used. Makes a
   /// world::SectorCaster: some milliseconds per million cells, and 8 bytes per cell.
-  Simulator(const world::Plan& plan, const robot::RobotOptions& robot, const robot::LidarOptions& lidar,
+  Simulator(const world::Plan& plan, const robot::RobotOptions& robot, const lidar::LidarOptions& lidar,
             const robot::OdometryOptions& odometry, const core::Pose2& start, std::uint64_t seed,
             double start_time_s = kStartTime_s, const LivingOptions& living = {},
             const std::optional<robot::FloorCamera>& camera = {});
-  Simulator(world::Plan&&, const robot::RobotOptions&, const robot::LidarOptions&,
+  Simulator(world::Plan&&, const robot::RobotOptions&, const lidar::LidarOptions&,
             const robot::OdometryOptions&, const core::Pose2&, std::uint64_t, double = 0,
             const LivingOptions& = {}, const std::optional<robot::FloorCamera>& = {}) = delete;
 
@@ -143,11 +143,11 @@ class Simulator {
   robot::RobotOptions robot_;
   struct MountedLidar {
     std::string label;
-    std::optional<robot::Sweep> sweep;
+    std::optional<lidar::Sweep> sweep;
     LidarSensor sensor;
   };
   LidarSensor lidar_;
-  std::optional<robot::Sweep> sweep_;  ///< of lidar_
+  std::optional<lidar::Sweep> sweep_;  ///< of lidar_
   std::vector<MountedLidar> others_;
   std::optional<CameraSensor> camera_;
   robot::Odometer odometer_;

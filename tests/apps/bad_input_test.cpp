@@ -44,8 +44,8 @@ cv::Mat roomPicture() {
   return picture;
 }
 
-robot::Scan smallScan(double time_s, int beams) {
-  robot::Scan scan;
+lidar::Scan smallScan(double time_s, int beams) {
+  lidar::Scan scan;
   scan.time_s = 1700000000 + time_s;
   scan.first_angle_rad = -1;
   scan.step_rad = beams > 1 ? 2.0 / (beams - 1) : 1.0;

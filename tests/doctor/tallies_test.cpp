@@ -102,7 +102,7 @@ TEST(RangeTally, TakesAPileThatIsSpreadOverSeveralCentimetres) {
 TEST(MotionSeries, MatchesABoundedNumberOfScansOfALongLog) {
   const std::uint64_t scans = 3 * MotionSeries::kMostSteps;
   MotionSeries series(scans, 0);
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.step_rad = 1;
   scan.ranges_m = {1, 1};
   std::uint64_t steps = 0;

@@ -38,7 +38,7 @@ std::map<std::string, std::string> contents(const std::string& folder) {
 /// Stands at the start and is done.
 class Idle : public navigate::Strategy {
  public:
-  navigate::Decision decide(const robot::Scan& /*scan*/, const core::Pose2& /*T_map_robot*/) override {
+  navigate::Decision decide(const lidar::Scan& /*scan*/, const core::Pose2& /*T_map_robot*/) override {
     navigate::Decision decision;
     decision.finished = true;
     decision.reason = "seen enough";

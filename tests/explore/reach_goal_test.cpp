@@ -50,7 +50,7 @@ ReachGoalRequest roomRequest(const std::string& output, bool with_box) {
 /// Gives up at once.
 class Quitter : public goals::GoalNavigator {
  public:
-  goals::GoalStep next(const robot::Scan& /*scan*/, const core::Pose2& /*T_odom_robot*/,
+  goals::GoalStep next(const lidar::Scan& /*scan*/, const core::Pose2& /*T_odom_robot*/,
                        bool /*collided*/) override {
     return {{}, goals::GoalStatus::kGaveUp, "gave up", "too far"};
   }

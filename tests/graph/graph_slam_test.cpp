@@ -77,7 +77,7 @@ TEST(GraphSlam, LetsGoOfOdometryThatJumpsAndSaysSo) {
 TEST(GraphSlam, CarriesOnThroughScansWithoutAnyReturn) {
   auto log = drive(ring(), lapsAround(1), {}, 0);
   for (size_t i = 40; i < 46; ++i)
-    for (float& range : log.scans[i].ranges_m) range = robot::kNoReturn;
+    for (float& range : log.scans[i].ranges_m) range = lidar::kNoReturn;
   const auto graph = run(log);
   EXPECT_LT(worstError(graph.poses(), log.truth), 0.5);
   EXPECT_TRUE(eventsOf(graph).count("poor"));
@@ -144,7 +144,7 @@ TEST(GraphSlam, IsUnsureWhereTheScanSaysNothing) {
   for (size_t i = 0; i < 20; ++i) graph.process(log.scans[i], log.increments[i], true);
   const auto seen = graph.process(log.scans[20], log.increments[20], true).drift_covariance;
   auto blind = log.scans[21];
-  for (float& range : blind.ranges_m) range = robot::kNoReturn;
+  for (float& range : blind.ranges_m) range = lidar::kNoReturn;
   const auto unseen = graph.process(blind, log.increments[21], true).drift_covariance;
   EXPECT_GT(unseen(0, 0), 4 * seen(0, 0));
   EXPECT_LT(unseen(0, 0), 1);
@@ -347,7 +347,7 @@ TEST(GraphSlam, GivesItsEdgesInformationThatTheGraphTakesWhereADirectionIsOpen) 
 
 TEST(GraphSlam, RefusesWhatItsContractRulesOut) {
   GraphSlam graph{GraphOptions()};
-  EXPECT_THROW(graph.process(robot::Scan(), {}, false), core::ContractError);
+  EXPECT_THROW(graph.process(lidar::Scan(), {}, false), core::ContractError);
   EXPECT_THROW(graph.startAt({}), core::ContractError);
   graph.finish();
   EXPECT_TRUE(graph.poses().empty());

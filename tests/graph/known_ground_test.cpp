@@ -154,7 +154,7 @@ int returnsWithin(const GraphSlam& graph, const core::Point2& centre, double hal
   int count = 0;
   for (int k = 0; k < graph.keyframeCount(); ++k) {
     const auto& scan = graph.keyframeScan(k);
-    for (const auto& p_robot : robot::scanPoints(scan)) {
+    for (const auto& p_robot : lidar::scanPoints(scan)) {
       const core::Point2 p = graph.keyframePose(k) * p_robot;
       count += std::abs(p.x - centre.x) < half_m && std::abs(p.y - centre.y) < half_m;
     }

@@ -340,7 +340,7 @@ TEST(GraphMechanisms, EveryPassThroughAPlaceIsMeasuredByItself) {
     for (size_t i = 0; i < 4; ++i) {
       auto& ranges = log.scans[i].ranges_m;
       const auto first = static_cast<std::ptrdiff_t>(seen * static_cast<double>(ranges.size()));
-      std::fill(ranges.begin() + first, ranges.end(), robot::kLostReading);
+      std::fill(ranges.begin() + first, ranges.end(), lidar::kLostReading);
     }
     GraphOptions options;
     options.loops = false;

@@ -9,8 +9,8 @@
 namespace slam::live {
 namespace {
 
-robot::Scan scanAt(double time_s) {
-  robot::Scan scan;
+lidar::Scan scanAt(double time_s) {
+  lidar::Scan scan;
   scan.time_s = time_s;
   scan.first_angle_rad = -1, scan.step_rad = 0.1, scan.max_range_m = 10;
   scan.ranges_m.assign(21, 2);

@@ -8,8 +8,8 @@
 namespace slam::live {
 namespace {
 
-robot::Scan scanAt(double time_s, float range_m = 2) {
-  robot::Scan scan;
+lidar::Scan scanAt(double time_s, float range_m = 2) {
+  lidar::Scan scan;
   scan.time_s = time_s;
   scan.first_angle_rad = -1, scan.step_rad = 0.1, scan.max_range_m = 10;
   scan.ranges_m.assign(21, range_m);
@@ -99,7 +99,7 @@ TEST(SnapshotMaker, ShowsTheStrategicDirectionsUpToTheirReadings) {
   SnapshotMaker maker("", "", {});
   maker.setStrategicView(0.4, {0, 0.5, core::kPi});
   auto scan = scanAt(100, 1.5);
-  scan.ranges_m[15] = robot::kNoReturn;  // at 0.5
+  scan.ranges_m[15] = lidar::kNoReturn;  // at 0.5
   maker.add({0, scan, {}, {}});
   const auto strategic = maker.snapshot(nullptr, false).strategic;
   ASSERT_TRUE(strategic);
@@ -112,7 +112,7 @@ TEST(SnapshotMaker, ShowsTheStrategicDirectionsUpToTheirReadings) {
 
 TEST(SnapshotMaker, ACarryBreaksTheTruePathAndIsSaid) {
   const auto plan = world::loadPlan(resources::resolvePlan("flat"));
-  robot::LidarOptions lidar;
+  lidar::LidarOptions lidar;
   lidar.beams = 21;
   sim::Simulator simulator(plan, {}, lidar, {}, {3, 3, 0}, 1);
   simulator.carryAt(sim::parseCarries("1:11,3,90", "test"));

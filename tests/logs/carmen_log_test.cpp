@@ -373,7 +373,7 @@ TEST(CarmenWriter, WritesScansOfOtherLogsAsNewLinesThatReadBackTheSame) {
   EXPECT_NEAR(entry->scan.T_robot_lidar.x, 0.1, 1e-9);
   EXPECT_NEAR(entry->scan.T_robot_lidar.phi, 0.5, 1e-6);
   EXPECT_EQ(entry->scan.ranges_m[3], 1.2345678F) << "a sweep from left to right is turned round";
-  EXPECT_EQ(entry->scan.ranges_m[2], robot::kNoReturn);
+  EXPECT_EQ(entry->scan.ranges_m[2], lidar::kNoReturn);
   EXPECT_TRUE(std::isnan(entry->scan.ranges_m[1]));
   EXPECT_EQ(entry->scan.ranges_m[0], 0.1F);
 }

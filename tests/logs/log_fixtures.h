@@ -26,15 +26,15 @@ namespace slam::logs {
 inline constexpr double kStart_s = 1'700'000'000.0;
 
 /// A scan of 5 beams over 180 deg, one of each kind of reading among them.
-inline robot::Scan sampleScan(double time_s, float first_range_m) {
-  robot::Scan scan;
+inline lidar::Scan sampleScan(double time_s, float first_range_m) {
+  lidar::Scan scan;
   scan.time_s = time_s;
   scan.first_angle_rad = -core::kPi / 2;
   scan.step_rad = core::kPi / 4;
   scan.max_range_m = 30;
   scan.range_sigma_m = 0.0078125;  // a power of two, so that MRPT's float holds it exactly
   scan.T_robot_lidar = {0.25, -0.125, 0.5};
-  scan.ranges_m = {first_range_m, 2.5F, robot::kNoReturn, robot::kLostReading, 29.5F};
+  scan.ranges_m = {first_range_m, 2.5F, lidar::kNoReturn, lidar::kLostReading, 29.5F};
   return scan;
 }
 

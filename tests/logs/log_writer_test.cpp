@@ -34,7 +34,7 @@ void expectSamePose(const core::Pose2& read, const core::Pose2& written) {
   EXPECT_NEAR(core::angleDifference(read.phi, written.phi), 0, 1e-13);
 }
 
-void expectSameScan(const robot::Scan& read, const robot::Scan& written) {
+void expectSameScan(const lidar::Scan& read, const lidar::Scan& written) {
   EXPECT_EQ(read.time_s, written.time_s);
   EXPECT_EQ(read.max_range_m, written.max_range_m);
   EXPECT_EQ(read.range_sigma_m, written.range_sigma_m);

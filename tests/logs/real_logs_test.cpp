@@ -249,7 +249,7 @@ TEST(RealLogs, MountTheLidarOfFr079BehindTheCentre) {
   const auto entry = LogReader(path).next();
   EXPECT_EQ(entry->scan.T_robot_lidar.x, -0.04);
   // What the readings are taken from is 4 cm further back than the robot's centre.
-  const auto points = robot::scanPoints(entry->scan);
+  const auto points = lidar::scanPoints(entry->scan);
   const double range_m = static_cast<double>(entry->scan.ranges_m[0]);
   EXPECT_NEAR(points[0].x, -0.04, 1e-6) << "the first beam points to the right";
   EXPECT_NEAR(points[0].y, -range_m, 1e-6);

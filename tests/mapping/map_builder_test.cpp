@@ -130,7 +130,7 @@ TEST(MapBuilder, MatchersBeatTheirOdometryInTheSmallRoom) {
 TEST(MapBuilder, WheelsFillInWhereTheScansLeaveTheMotionOpenButNotForArgmax) {
   auto drive = test::driveThroughRoom(6);
   for (auto& entry : drive.entries) {
-    for (auto& range_m : entry.scan.ranges_m) range_m = robot::kNoReturn;
+    for (auto& range_m : entry.scan.ranges_m) range_m = lidar::kNoReturn;
     entry.T_previous_robot = {0.1, 0, 0};
   }
   for (const std::string name : {"naive_correlation", "naive_flow"}) {
@@ -150,7 +150,7 @@ TEST(MapBuilder, WheelOdometryIsUsedFromTheFirstStepOfAnOldLog) {
   core::Pose2 pose;
   for (auto& entry : drive.entries) {
     entry.scan.time_s -= 1.5e9;  // 1973
-    entry.scan.ranges_m.assign(entry.scan.ranges_m.size(), robot::kNoReturn);
+    entry.scan.ranges_m.assign(entry.scan.ranges_m.size(), lidar::kNoReturn);
     T_odom_robot = T_odom_robot * entry.T_previous_robot;
     pose = processScan(method, entry.scan, entry.T_previous_robot, true);
   }

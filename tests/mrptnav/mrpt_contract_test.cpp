@@ -15,7 +15,7 @@
 #include "libslam/mrptnav/mrpt_navigator.h"
 #include "libslam/mrptnav/reactive_navigator.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/world/plan.h"
 
@@ -43,8 +43,8 @@ world::Plan twoRooms() {
   return plan;
 }
 
-robot::LidarOptions lidar() {
-  robot::LidarOptions options;
+lidar::LidarOptions lidar() {
+  lidar::LidarOptions options;
   options.fov_rad = core::degToRad(270);
   options.beams = 541;
   options.max_range_m = 8;
@@ -75,12 +75,12 @@ class Drive {
     take(simulator_.step(command));
     driven_m += core::distance(before, simulator_.truth());
   }
-  CPose2D pose() const { return CPose2D(robot::toMrpt(simulator_.truth())); }
+  CPose2D pose() const { return CPose2D(lidar::toMrpt(simulator_.truth())); }
   const core::Pose2& ourPose() const { return simulator_.truth(); }
   const COccupancyGridMap2D& grid() const { return grid_; }
   const mrpt::obs::CObservation2DRangeScan& scan() const { return *scan_; }
   /// What the adapters see of the scan: in MRPT's single precision.
-  robot::Scan ourScan() const { return robot::fromMrpt(*scan_); }
+  lidar::Scan ourScan() const { return lidar::fromMrpt(*scan_); }
   bool collided() const { return collided_; }
   size_t collisions() const { return simulator_.collisions().size(); }
 
@@ -88,7 +88,7 @@ class Drive {
 
  private:
   void take(const sim::Sensed& sensed) {
-    scan_ = robot::toMrpt(sensed.scan);
+    scan_ = lidar::toMrpt(sensed.scan);
     collided_ = sensed.collided;
     grid_.insertObservation(*scan_, mrpt::poses::CPose3D(pose()));
   }

@@ -19,7 +19,7 @@ using world::Cell;
 class Script : public Strategy {
  public:
   explicit Script(std::vector<Decision> decisions) : decisions_(std::move(decisions)) {}
-  Decision decide(const robot::Scan&, const core::Pose2&) override {
+  Decision decide(const lidar::Scan&, const core::Pose2&) override {
     Decision decision;
     decision.finished = next_ == decisions_.size();
     return decision.finished ? decision : decisions_[next_++];
@@ -120,7 +120,7 @@ TEST(Driver, LeavesAPocketWhereEveryWayIsBlocked) {
 TEST(Driver, BacksOffFromWhatTheLidarDoesNotSee) {
   Driver driver(std::make_unique<Script>(std::vector<Decision>(9, turnAndDrive(0, 5))), {}, {}, 0.2,
                 {1, "driver"});
-  robot::Scan scan;  // nothing near, all round
+  lidar::Scan scan;  // nothing near, all round
   scan.first_angle_rad = -core::kPi;
   scan.step_rad = degToRad(1);
   scan.max_range_m = 10;
@@ -145,9 +145,9 @@ TEST(Driver, RefusesToWorkWithoutStrategyOrPeriod) {
 
 TEST(Driver, SurvivesALidarThatLosesEverything) {
   Driver driver(makeStrategy({}, {1, "s"}), {}, {}, 0.2, {1, "driver"});
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.step_rad = degToRad(1);
-  scan.ranges_m.assign(360, robot::kLostReading);
+  scan.ranges_m.assign(360, lidar::kLostReading);
   for (int i = 0; i < 100; ++i) ASSERT_EQ(driver.next(scan, {}, false).speed_mps, 0);  // never blind
 }
 
@@ -253,7 +253,7 @@ TEST(Exploration, FollowingTheWallGoesRoundTheRoomAtItsDistance) {
 class MapScript : public Strategy {
  public:
   explicit MapScript(std::vector<core::Point2> path) : path_(std::move(path)) {}
-  Decision decide(const robot::Scan&, const core::Pose2&) override {
+  Decision decide(const lidar::Scan&, const core::Pose2&) override {
     Decision decision;
     decision.finished = arrivals > 0;
     decision.path = path_;

@@ -9,12 +9,12 @@ namespace slam::navigate {
 namespace {
 
 using core::degToRad;
-using robot::kLostReading;
-using robot::kNoReturn;
+using lidar::kLostReading;
+using lidar::kNoReturn;
 
 /// Beams at -180, -135, -90, -45, 0, 45, 90 and 135 degrees.
-robot::Scan star(std::vector<float> ranges_m) {
-  robot::Scan scan;
+lidar::Scan star(std::vector<float> ranges_m) {
+  lidar::Scan scan;
   scan.first_angle_rad = -core::kPi;
   scan.step_rad = core::kPi / 4;
   scan.max_range_m = 10;
@@ -87,7 +87,7 @@ TEST(CanMove, AgreesWithTheOriginalIndicesOnRandomScans) {
     // sides.
     std::vector<float> original(360, 5);
     for (int k = 0; k < 2; ++k) original[random.below(360)] = 0.5F;
-    robot::Scan scan;
+    lidar::Scan scan;
     scan.first_angle_rad = degToRad(-179.5);
     scan.step_rad = degToRad(1);
     scan.max_range_m = 10;

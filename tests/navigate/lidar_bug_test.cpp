@@ -78,8 +78,8 @@ TEST(StrategicDirections, AreTheOriginalOnes) {
 }
 
 /// A circle of one-degree beams at 5 m with obstacles at given angles (degrees).
-robot::Scan scanWith(const std::vector<std::pair<int, float>>& obstacles) {
-  robot::Scan scan;
+lidar::Scan scanWith(const std::vector<std::pair<int, float>>& obstacles) {
+  lidar::Scan scan;
   scan.first_angle_rad = -core::kPi;
   scan.step_rad = core::kPi / 180;
   scan.max_range_m = 6;
@@ -93,7 +93,7 @@ robot::Scan scanWith(const std::vector<std::pair<int, float>>& obstacles) {
 class Shown {
  public:
   Shown() : navigator_(goals::makeGoalNavigator("lidar_bug", {}, {{10, 0}, robot::RobotOptions(), 0.2})) {}
-  std::string show(const robot::Scan& scan, const core::Pose2& T_odom_robot) {
+  std::string show(const lidar::Scan& scan, const core::Pose2& T_odom_robot) {
     step_ = navigator_->next(scan, T_odom_robot, false);
     return step_.state;
   }

@@ -26,8 +26,8 @@ StrategyOptions named(const std::string& name) {
 }
 
 /// The geometry is all that a map strategy takes from a scan.
-robot::Scan circleScan() {
-  robot::Scan scan;
+lidar::Scan circleScan() {
+  lidar::Scan scan;
   scan.first_angle_rad = -core::kPi;
   scan.step_rad = core::degToRad(1);
   scan.max_range_m = 10;
@@ -178,7 +178,7 @@ TEST(MapStrategies, DropAGoalThatHasBeenSeenAndAPathThatIsBlocked) {
 TEST(MapStrategies, SeeNoFrontierWhereTheLidarMeasuresAWall) {
   const auto map = paths::enlarged({"########", "#......?", "#......?", "#......?", "########"}, 8, 0.05);
   const core::Pose2 pose{1.4, 1.0, 0};
-  robot::Scan scan = circleScan();
+  lidar::Scan scan = circleScan();
   for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const double c = std::cos(scan.angle(static_cast<int>(i)));
     // The right wall stands at x = 2.8; elsewhere nothing comes back.

@@ -18,12 +18,12 @@ namespace {
 using core::degToRad;
 
 /// Beams a degree apart over `fov_deg` around the heading; `ranges` are {degrees, range}, nothing elsewhere.
-robot::Scan sector(int fov_deg, const std::vector<std::pair<int, float>>& ranges) {
-  robot::Scan scan;
+lidar::Scan sector(int fov_deg, const std::vector<std::pair<int, float>>& ranges) {
+  lidar::Scan scan;
   scan.first_angle_rad = degToRad(-0.5 * fov_deg);
   scan.step_rad = degToRad(1);
   scan.max_range_m = 8;
-  scan.ranges_m.assign(static_cast<size_t>(fov_deg) + 1, robot::kNoReturn);
+  scan.ranges_m.assign(static_cast<size_t>(fov_deg) + 1, lidar::kNoReturn);
   for (const auto& [degrees, range_m] : ranges)
     scan.ranges_m[static_cast<size_t>(degrees + fov_deg / 2)] = range_m;
   return scan;
@@ -124,7 +124,7 @@ TEST(SafeMotion, CountsWhatIsRememberedLikeWhatIsSeen) {
 /// Wants straight ahead for ever.
 class Ahead : public Strategy {
  public:
-  Decision decide(const robot::Scan& /*scan*/, const core::Pose2& /*T_odom_robot*/) override {
+  Decision decide(const lidar::Scan& /*scan*/, const core::Pose2& /*T_odom_robot*/) override {
     Decision decision;
     decision.distance_m = decision.ray_m = 6;
     decision.reason = "ahead";

@@ -20,8 +20,8 @@ using core::degToRad;
 using core::radToDeg;
 
 /// A original scan: N readings once round, reading 0 straight ahead, indices growing to the left.
-robot::Scan originalScan(std::vector<float> ranges_m) {
-  robot::Scan scan;
+lidar::Scan originalScan(std::vector<float> ranges_m) {
+  lidar::Scan scan;
   scan.first_angle_rad = 0;
   scan.step_rad = 2 * core::kPi / static_cast<double>(ranges_m.size());
   scan.max_range_m = 50;
@@ -29,7 +29,7 @@ robot::Scan originalScan(std::vector<float> ranges_m) {
   return scan;
 }
 
-robot::Scan originalScan(size_t readings, float everywhere_m,
+lidar::Scan originalScan(size_t readings, float everywhere_m,
                          const std::vector<std::pair<size_t, float>>& other) {
   std::vector<float> ranges_m(readings, everywhere_m);
   for (const auto& [index, range_m] : other) ranges_m[index] = range_m;
@@ -131,7 +131,7 @@ robot::RobotOptions smallRobot() {
 }
 
 /// One look of a bug that drives towards a goal 10 m ahead.
-goals::GoalStep look(const robot::Scan& scan, const robot::RobotOptions& robot = smallRobot(),
+goals::GoalStep look(const lidar::Scan& scan, const robot::RobotOptions& robot = smallRobot(),
                      const goals::NavigateOptions& options = {}) {
   const auto bug = goals::makeGoalNavigator("lidar_bug", options, {{10, 0}, robot, 0.2});
   bug->next(originalScan(275, 5, {}), {}, false);
@@ -215,7 +215,7 @@ TEST(OriginalBug, TellsEveryTransitionOfAPeriod) {
   EXPECT_TRUE(bug->next(originalScan(275, 5, {{0, 0.5F}}), {}, false).changes.empty());
   // Nothing is told twice where it only waits for a valid reading.
   bug->next(originalScan(275, 5, {}), {0, 0, 1}, false);
-  EXPECT_TRUE(bug->next(originalScan(275, robot::kLostReading, {}), {0, 0, 1}, false).changes.empty());
+  EXPECT_TRUE(bug->next(originalScan(275, lidar::kLostReading, {}), {0, 0, 1}, false).changes.empty());
 }
 
 /// Brings a bug to its wall's end with the goal far aside, and looks once more.

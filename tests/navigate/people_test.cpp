@@ -120,7 +120,7 @@ TEST(People, WhoStandInTheWayAreWaitedForAMinuteAndNotForEver) {
 class PathPastSomebody : public Strategy {
  public:
   explicit PathPastSomebody(std::vector<core::Point2> people) : people_(std::move(people)) {}
-  Decision decide(const robot::Scan&, const core::Pose2&) override {
+  Decision decide(const lidar::Scan&, const core::Pose2&) override {
     Decision decision;
     decision.finished = has_ended_;
     decision.path = {{5, 2}};

@@ -18,16 +18,16 @@ void fill(world::Plan& plan, double x0, double y0, double x1, double y1,
 world::Plan flat();
 
 /// A full circle of one-degree beams, 12 m, 1 cm noise.
-robot::LidarOptions circleLidar();
+lidar::LidarOptions circleLidar();
 
 /// What a lidar without errors sees: a full circle of half-degree beams, 10 m.
-robot::Scan scanIn(const world::Plan& plan, const core::Pose2& T_world_robot, double time_s);
+lidar::Scan scanIn(const world::Plan& plan, const core::Pose2& T_world_robot, double time_s);
 
 /// What perfect mapping makes of a drive: every cell that a ray has passed or hit, as it is in the plan.
 class PerfectMap {
  public:
   explicit PerfectMap(const world::Plan& plan);
-  void insert(const core::Pose2& T_world_robot, const robot::Scan& scan);
+  void insert(const core::Pose2& T_world_robot, const lidar::Scan& scan);
   /// The map frame is the world.
   const gridmap::OccupancyRaster& raster() const { return raster_; }
   /// Share of the cells of the plan's floor that are connected with p_world.
@@ -52,7 +52,7 @@ struct Exploration {
 
 /// Drives for duration_s with noise on lidar and odometry.
 Exploration explore(const world::Plan& plan, const core::Pose2& start, const StrategyOptions& options,
-                    const robot::LidarOptions& lidar, std::uint64_t seed, double duration_s);
+                    const lidar::LidarOptions& lidar, std::uint64_t seed, double duration_s);
 
 /// An exploration on a perfect map and with the true pose, with noise on the lidar that the driver sees.
 struct MapExploration {
@@ -66,6 +66,6 @@ struct MapExploration {
   std::vector<Decision> decisions;
 };
 MapExploration exploreOnMap(const world::Plan& plan, const core::Pose2& start, const StrategyOptions& options,
-                            const robot::LidarOptions& lidar, std::uint64_t seed, double limit_s);
+                            const lidar::LidarOptions& lidar, std::uint64_t seed, double limit_s);
 
 }  // namespace slam::navigate::scenes

@@ -15,8 +15,8 @@ using core::degToRad;
 using core::radToDeg;
 
 /// One beam per degree from -180 to 179; `rays` are {degrees, range}, every other range is 1 m.
-robot::Scan circle(const std::vector<std::pair<int, float>>& rays) {
-  robot::Scan scan;
+lidar::Scan circle(const std::vector<std::pair<int, float>>& rays) {
+  lidar::Scan scan;
   scan.first_angle_rad = -core::kPi;
   scan.step_rad = degToRad(1);
   scan.max_range_m = 20;
@@ -70,7 +70,7 @@ TEST(Strategies, SayWhatTheyAreFor) {
 TEST(Strategies, StandStillWithoutAnyReading) {
   for (const auto& name : scenes::maplessStrategies()) {
     auto scan = circle({});
-    std::fill(scan.ranges_m.begin(), scan.ranges_m.end(), robot::kLostReading);
+    std::fill(scan.ranges_m.begin(), scan.ranges_m.end(), lidar::kLostReading);
     const auto decision = make(name)->decide(scan, {});
     EXPECT_EQ(decision.turn_rad, 0);
     EXPECT_EQ(decision.distance_m, 0);
@@ -97,7 +97,7 @@ TEST(LongestRay, TakesTheFirstOfEqualRaysCounterClockwiseFromAhead) {
 }
 
 TEST(LongestRay, TakesNoReturnForTheMaximumRange) {
-  const auto decision = make("longest_ray")->decide(circle({{10, 19}, {30, robot::kNoReturn}}), {});
+  const auto decision = make("longest_ray")->decide(circle({{10, 19}, {30, lidar::kNoReturn}}), {});
   EXPECT_NEAR(radToDeg(decision.turn_rad), 30, 1e-9);
   EXPECT_EQ(decision.distance_m, 20);
 }

@@ -18,12 +18,12 @@ gridmap::OccupancyRaster corridor() {
   return map;
 }
 
-robot::Scan emptyScan() {
-  robot::Scan scan;
+lidar::Scan emptyScan() {
+  lidar::Scan scan;
   scan.first_angle_rad = -core::kPi;
   scan.step_rad = core::kPi / 90;
   scan.max_range_m = 8;
-  scan.ranges_m.assign(180, robot::kNoReturn);
+  scan.ranges_m.assign(180, lidar::kNoReturn);
   return scan;
 }
 

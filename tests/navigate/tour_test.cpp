@@ -19,8 +19,8 @@ std::unique_ptr<Strategy> tour() {
 }
 
 /// The geometry is all that a map strategy takes from a scan.
-robot::Scan scanOf(double fov_deg) {
-  robot::Scan scan;
+lidar::Scan scanOf(double fov_deg) {
+  lidar::Scan scan;
   scan.first_angle_rad = -core::degToRad(fov_deg / 2);
   scan.step_rad = core::degToRad(1);
   scan.max_range_m = 10;

@@ -52,9 +52,9 @@ cv::Rect extentOf(const cv::Mat& image, draw::Colour colour) {
 TEST(Pictures, HaveTheSameBytesForTheSameInput) {
   const TempFolder folder;
   const auto plan = room();
-  robot::Scan scan;
+  lidar::Scan scan;
   scan.first_angle_rad = -1, scan.step_rad = 0.1, scan.max_range_m = 5;
-  scan.ranges_m = {1, 2, robot::kNoReturn, robot::kLostReading, 3};
+  scan.ranges_m = {1, 2, lidar::kNoReturn, lidar::kLostReading, 3};
   for (const std::string name : {"a", "b"}) {
     drawPlan(plan, {{straight(1, 7, 2), "true path", true}}, "Room", folder / (name + "plan.png"));
     drawDifference(plan, plan, {0.3, 0, 0}, "Room", folder / (name + "difference.png"));

@@ -29,8 +29,8 @@ world::Plan room() {
   return plan;
 }
 
-robot::Scan scan(double time_s, size_t beams) {
-  robot::Scan scan;
+lidar::Scan scan(double time_s, size_t beams) {
+  lidar::Scan scan;
   scan.time_s = time_s;
   scan.first_angle_rad = -1;
   scan.step_rad = 2.0 / static_cast<double>(beams);

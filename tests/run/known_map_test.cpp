@@ -74,7 +74,7 @@ TEST(ViewsOf, SeeNothingThroughUnknownCells) {
       const core::Point2 end =
           view.T_map_robot * core::Point2{view.scan.ranges_m[i] * std::cos(view.scan.angle(i)),
                                           view.scan.ranges_m[i] * std::sin(view.scan.angle(i))};
-      if (robot::isReturn(view.scan.ranges_m[i])) {
+      if (lidar::isReturn(view.scan.ranges_m[i])) {
         EXPECT_GT(side * (world::worldToCells(map, end).x - 40.5), 0);
       }
     }

@@ -25,7 +25,7 @@ void write(const std::string& method_name, const std::string& file) {
   const std::string folder = std::string(RASTERSLAM_SOURCE_DIR) + "/configs/methods";
   auto method = mapping::makeMapBuilder(mapping::loadMethodConfig(folder, method_name), method_name, 1);
   core::Trajectory path;
-  robot::Scan last;
+  lidar::Scan last;
   for (const auto& entry : mapping::test::driveThroughRoom(30).entries) {
     path.push_back(
         {entry.scan.time_s, mapping::processScan(method, entry.scan, entry.T_previous_robot, true)});

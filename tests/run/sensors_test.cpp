@@ -110,7 +110,7 @@ TEST_F(TwoLidars, TheSecondChangesNothingOfTheFirst) {
     ASSERT_TRUE(both);
     EXPECT_EQ(entry->scan.ranges_m.size(), both->scan.ranges_m.size());
     for (size_t i = 0; i < entry->scan.ranges_m.size(); ++i)
-      if (robot::isReturn(entry->scan.ranges_m[i])) {
+      if (lidar::isReturn(entry->scan.ranges_m[i])) {
         EXPECT_EQ(entry->scan.ranges_m[i], both->scan.ranges_m[i]);
       }
     ASSERT_EQ(both->others.size(), 1U);

@@ -31,8 +31,8 @@ LivingOptions quickDoor() {
   return options;
 }
 
-robot::LidarOptions exactCircle(int beams) {
-  robot::LidarOptions options;
+lidar::LidarOptions exactCircle(int beams) {
+  lidar::LidarOptions options;
   options.fov_rad = 2 * core::kPi;
   options.beams = beams;
   options.min_range_m = options.max_range_m = options.sigma_m = 0;

@@ -11,7 +11,7 @@ class @Name@ : public slam::goals::GuardedNavigator {
       : GuardedNavigator(options, task) {}
 
  private:
-  slam::goals::GoalStep plan(const slam::robot::Scan& scan, const slam::core::Pose2& T_odom_robot) override;
+  slam::goals::GoalStep plan(const slam::lidar::Scan& scan, const slam::core::Pose2& T_odom_robot) override;
 };
 
 /// What the closed loop makes it from.

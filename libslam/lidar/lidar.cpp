@@ -1,8 +1,8 @@
-#include "libslam/robot/lidar.h"
+#include "libslam/lidar/lidar.h"
 
 #include "libslam/core/error.h"
 
-namespace slam::robot {
+namespace slam::lidar {
 namespace {
 
 bool isFullCircle(const LidarOptions& options) {
@@ -133,4 +133,4 @@ void applyLidarErrors(const LidarOptions& options, core::RandomStream& random, s
   }
 }
 
-}  // namespace slam::robot
+}  // namespace slam::lidar

@@ -1,6 +1,6 @@
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
-namespace slam::robot {
+namespace slam::lidar {
 
 std::vector<core::Point2> scanPoints(const Scan& scan) {
   std::vector<core::Point2> points;
@@ -18,4 +18,4 @@ bool areOfOneLidar(const Scan& scan_a, const Scan& scan_b) {
   return a.x == b.x && a.y == b.y && a.phi == b.phi;
 }
 
-}  // namespace slam::robot
+}  // namespace slam::lidar

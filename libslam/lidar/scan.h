@@ -5,7 +5,7 @@
 
 #include "libslam/core/pose2.h"
 
-namespace slam::robot {
+namespace slam::lidar {
 
 /// Reading of a beam that met nothing up to the maximum range (as ROS REP 117: +infinity).
 inline constexpr float kNoReturn = std::numeric_limits<float>::infinity();
@@ -43,4 +43,4 @@ bool areOfOneLidar(const Scan& a, const Scan& b);
 /// The points of all returns, in the robot frame, in beam order.
 std::vector<core::Point2> scanPoints(const Scan& scan);
 
-}  // namespace slam::robot
+}  // namespace slam::lidar

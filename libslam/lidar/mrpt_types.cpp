@@ -1,4 +1,4 @@
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 #include <mrpt/core/Clock.h>
 #include <mrpt/math/TPose2D.h>
@@ -12,7 +12,7 @@
 #include "libslam/core/error.h"
 #include "libslam/files/parameters.h"
 
-namespace slam::robot {
+namespace slam::lidar {
 
 mrpt::math::TPose2D toMrpt(const core::Pose2& pose) {
   return {pose.x, pose.y, pose.phi};
@@ -92,4 +92,4 @@ Scan fromMrpt(const mrpt::obs::CObservation2DRangeScan& observation) {
   return scan;
 }
 
-}  // namespace slam::robot
+}  // namespace slam::lidar

@@ -1,4 +1,4 @@
-#include "libslam/robot/mrpt_types.h"
+#include "libslam/lidar/mrpt_types.h"
 
 #include <gtest/gtest.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
@@ -6,7 +6,7 @@
 #include <cstring>
 #include <initializer_list>
 
-namespace slam::robot {
+namespace slam::lidar {
 namespace {
 
 // A damaged file has any byte where a bool should be.
@@ -22,4 +22,4 @@ TEST(FromMrpt, TakesAnyByteForADirection) {
 }
 
 }  // namespace
-}  // namespace slam::robot
+}  // namespace slam::lidar

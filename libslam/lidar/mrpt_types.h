@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "libslam/core/pose2.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
 namespace mrpt::obs {
 class CObservation2DRangeScan;
@@ -11,7 +11,7 @@ namespace mrpt::math {
 struct TPose2D;
 }
 
-namespace slam::robot {
+namespace slam::lidar {
 
 /// The same sweep as MRPT's observation: rightToLeft, aperture = (n - 1) * step (MRPT's own meaning: first to
 /// last beam), centred by turning the sensor pose when first + last angle is not zero (MRPT has no first
@@ -32,4 +32,4 @@ bool isRightToLeft(const mrpt::obs::CObservation2DRangeScan& observation);
 mrpt::math::TPose2D toMrpt(const core::Pose2& pose);
 core::Pose2 fromMrpt(const mrpt::math::TPose2D& pose);
 
-}  // namespace slam::robot
+}  // namespace slam::lidar

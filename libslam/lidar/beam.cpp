@@ -1,4 +1,4 @@
-#include "libslam/robot/beam.h"
+#include "libslam/lidar/beam.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "libslam/core/elementary.h"
 
-namespace slam::robot {
+namespace slam::lidar {
 namespace {
 
 constexpr double kSmallestEdge_m = 0.1;
@@ -68,4 +68,4 @@ double glassReflectance(const LidarOptions& options, double incidence_rad) {
   return 2 * face / (1 + face);
 }
 
-}  // namespace slam::robot
+}  // namespace slam::lidar

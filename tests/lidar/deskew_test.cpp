@@ -1,12 +1,12 @@
-#include "libslam/robot/deskew.h"
+#include "libslam/lidar/deskew.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "libslam/robot/lidar.h"
+#include "libslam/lidar/lidar.h"
 
-namespace slam::robot {
+namespace slam::lidar {
 namespace {
 
 /// A room of 8 x 6 m around the origin; the lidar may be anywhere in it.
@@ -141,4 +141,4 @@ TEST(Deskew, TheSweepOfASimulatedLidarIsFromItsFirstToItsLastBeam) {
 }
 
 }  // namespace
-}  // namespace slam::robot
+}  // namespace slam::lidar

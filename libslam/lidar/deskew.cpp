@@ -1,12 +1,12 @@
-#include "libslam/robot/deskew.h"
+#include "libslam/lidar/deskew.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "libslam/core/elementary.h"
-#include "libslam/robot/lidar.h"
+#include "libslam/lidar/lidar.h"
 
-namespace slam::robot {
+namespace slam::lidar {
 namespace {
 
 /// A reading where it would be seen at the scan's stamp.
@@ -100,4 +100,4 @@ Scan deskewed(const Scan& scan, const core::Pose2& T_previous_robot, double peri
   return result;
 }
 
-}  // namespace slam::robot
+}  // namespace slam::lidar

@@ -1,8 +1,8 @@
 #pragma once
 #include "libslam/core/pose2.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
-namespace slam::robot {
+namespace slam::lidar {
 
 struct LidarOptions;
 
@@ -28,4 +28,4 @@ Sweep sweepOf(const LidarOptions& options);
 /// beams.
 Scan deskewed(const Scan& scan, const core::Pose2& T_previous_robot, double period_s, const Sweep& sweep);
 
-}  // namespace slam::robot
+}  // namespace slam::lidar

@@ -1,4 +1,4 @@
-#include "libslam/robot/lidar.h"
+#include "libslam/lidar/lidar.h"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 #include "libslam/files/ini.h"
 #include "libslam/testing/error_of.h"
 
-namespace slam::robot {
+namespace slam::lidar {
 namespace {
 
 using ::testing::AllOf;
@@ -172,4 +172,4 @@ TEST(LidarOptionsCheck, RefusesEveryNumberOutOfBounds) {
 }
 
 }  // namespace
-}  // namespace slam::robot
+}  // namespace slam::lidar

@@ -1,4 +1,4 @@
-#include "libslam/robot/beam.h"
+#include "libslam/lidar/beam.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace slam::robot {
+namespace slam::lidar {
 namespace {
 
 using core::degToRad;
@@ -97,4 +97,4 @@ TEST(Glass, CanBeNothingOrAMirror) {
 }
 
 }  // namespace
-}  // namespace slam::robot
+}  // namespace slam::lidar

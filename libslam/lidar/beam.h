@@ -1,9 +1,9 @@
 #pragma once
 #include <vector>
 
-#include "libslam/robot/lidar.h"
+#include "libslam/lidar/lidar.h"
 
-namespace slam::robot {
+namespace slam::lidar {
 
 /// Rays that stand for one beam of some width.
 inline constexpr int kRaysPerBeam = 5;
@@ -31,4 +31,4 @@ double glassEcho(const LidarOptions& options, double incidence_rad);
 /// refractive index: 0.08 for 1.51, 0 for a pane that is not there, 1 for a mirror. Absorption is left out.
 double glassReflectance(const LidarOptions& options, double incidence_rad);
 
-}  // namespace slam::robot
+}  // namespace slam::lidar

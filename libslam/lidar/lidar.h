@@ -4,9 +4,9 @@
 
 #include "libslam/files/parameters.h"
 #include "libslam/core/random.h"
-#include "libslam/robot/scan.h"
+#include "libslam/lidar/scan.h"
 
-namespace slam::robot {
+namespace slam::lidar {
 
 /// Geometry and errors of a 2D lidar; section [lidar]. Presets are in configs/lidars/. The rows from
 /// sigma_share on are off at their defaults, but for the glass_ ones, which only matter to plans with glass.
@@ -67,4 +67,4 @@ double secondsBeforeLastBeam(const LidarOptions& options, int beam);
 /// same noise under other options. A reading that would be 0 or less is lost; none reaches max_range_m.
 void applyLidarErrors(const LidarOptions& options, core::RandomStream& random, std::vector<float>& ranges_m);
 
-}  // namespace slam::robot
+}  // namespace slam::lidar
