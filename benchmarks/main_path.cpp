@@ -13,7 +13,7 @@
 #include "libslam/record/record.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 
 namespace {
 using namespace slam;
@@ -43,11 +43,11 @@ const std::vector<core::Pose2>& poses() {
 }
 
 void castOurs(benchmark::State& state) {
-  const world::BeamTable beams(-kFov_rad / 2, kFov_rad / (kBeams - 1), kBeams);
+  const rays::BeamTable beams(-kFov_rad / 2, kFov_rad / (kBeams - 1), kBeams);
   std::vector<float> ranges;
   size_t i = 0;
   for (auto _ : state) {
-    world::castScan(plan(), poses()[i++ % poses().size()], beams, kMaxRange_m, ranges);
+    rays::castScan(plan(), poses()[i++ % poses().size()], beams, kMaxRange_m, ranges);
     benchmark::DoNotOptimize(ranges.data());
   }
   state.counters["Mrays/s"] =

@@ -12,7 +12,7 @@
 #include "libslam/posegraph/g2o_io.h"
 #include "libslam/posegraph/optimize.h"
 #include "libslam/robot/odometry_noise.h"
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 
 namespace slam::learn {
 namespace {
@@ -105,7 +105,7 @@ Figures gridCell(const Place& place) {
   } best;
   for (std::size_t beam = first.ranges_m.size() * 2 / 3; beam < first.ranges_m.size(); ++beam) {
     const double angle = first.angle(beam),
-                 range_m = world::castRay(plan, core::position(start), start.phi + angle, 0);
+                 range_m = rays::castRay(plan, core::position(start), start.phi + angle, 0);
     if (!(range_m > 1.5 && range_m < 7)) continue;
     const WatchedCell cell({(range_m + 0.005) * core::cos(angle), (range_m + 0.005) * core::sin(angle)});
     CellCounts exact, squeezed;
@@ -159,7 +159,7 @@ Figures particleWeights(const Place& place) {
       for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
         if (!lidar::isReturn(scan.ranges_m[i])) continue;
         const double expected_m =
-            world::castRay(plan, core::position(pose), pose.phi + scan.angle(i), scan.max_range_m);
+            rays::castRay(plan, core::position(pose), pose.phi + scan.angle(i), scan.max_range_m);
         const double error = std::clamp(
             (static_cast<double>(scan.ranges_m[i]) - std::min(expected_m, scan.max_range_m)) / kSigma_m, -3.0,
             3.0);

@@ -12,7 +12,7 @@
 #include "libslam/odometry/scan_odometry.h"
 #include "libslam/record/user_drive.h"
 #include "libslam/sim/operation_log.h"
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 
 namespace slam::learn {
 namespace {
@@ -24,7 +24,7 @@ core::Pose2 placeFacingAWall(const world::Plan& plan, const record::RecordConfig
   auto start = record::startPose(plan, config);
   for (int draw = 0; draw < 1000; ++draw) {
     start.phi = core::degToRad(static_cast<double>(random.below(360)) - 180);
-    const double range_m = world::castRay(plan, core::position(start), start.phi, 0);
+    const double range_m = rays::castRay(plan, core::position(start), start.phi, 0);
     if (range_m > least_m && range_m < most_m) break;
   }
   return start;
@@ -68,7 +68,7 @@ Figures standingLidar(const Place& place) {
     if (written_m > 0) least = std::min(least, written_m);
   }
   writeNumbers(place.file("ahead.csv"), {"scan", "range_m"}, rows);
-  const double truth_m = world::castRay(plan, core::position(start), start.phi, 0);
+  const double truth_m = rays::castRay(plan, core::position(start), start.phi, 0);
   return {{"answer", truth_m},
           {"mean_with_lost", sum / static_cast<double>(rows.size())},
           {"least", least},

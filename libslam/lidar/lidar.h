@@ -31,7 +31,7 @@ struct LidarOptions {
   double glass_echo;         ///< probability that glass answers a beam head on: see glassEcho()
   double glass_echo_rad;     ///< incidence at which that has fallen to a half
   double glass_reflectance;  ///< of a pane head on: see glassReflectance()
-  std::string ray;           ///< exact | original: how the plan is cast, see world/original_ray.h
+  std::string ray;           ///< exact | original: how the plan is cast, see rays/original_ray.h
 
   LidarOptions();
   static const files::ParameterTable<LidarOptions>& table();

@@ -9,7 +9,7 @@
 #include "libslam/files/parameters.h"
 #include "libslam/run/map_plan.h"
 #include "libslam/world/clearance.h"
-#include "libslam/world/sector_caster.h"
+#include "libslam/rays/sector_caster.h"
 
 namespace slam::run {
 namespace {
@@ -64,8 +64,8 @@ class Looker {
 
   const world::Plan& map_;
   double max_range_m_;
-  world::SectorCaster caster_;
-  world::BeamTable beams_;
+  rays::SectorCaster caster_;
+  rays::BeamTable beams_;
 };
 
 double medianReturn(const lidar::Scan& scan) {

@@ -6,7 +6,7 @@
 #include "libslam/robot/camera.h"
 #include "libslam/lidar/scan.h"
 #include "libslam/sim/scene.h"
-#include "libslam/world/beam_table.h"
+#include "libslam/rays/beam_table.h"
 
 namespace slam::sim {
 
@@ -35,7 +35,7 @@ class CameraSensor {
  private:
   robot::FloorCamera camera_;
   lidar::LidarOptions lidar_;
-  world::BeamTable beams_;
+  rays::BeamTable beams_;
   core::RandomStream random_;
 };
 

@@ -16,7 +16,7 @@ struct Disc {
 double castRay(const Disc& disc, const core::Point2& origin, const core::Point2& direction);
 
 /// Puts discs in front of a cast scan: shortens the ranges of beams that meet one nearer than what they have,
-/// up to max_range_m (<= 0: no limit). Beams as world::castScan() has them, one per element of `ranges_m`.
+/// up to max_range_m (<= 0: no limit). Beams as rays::castScan() has them, one per element of `ranges_m`.
 /// Only the beams within a disc's bearing are looked at. A pose that is not finite changes nothing.
 void castScan(const std::vector<Disc>& discs, const core::Pose2& T_world_lidar, double first_angle_rad,
               double step_rad, double max_range_m, std::vector<float>& ranges_m);

@@ -27,12 +27,12 @@ bool areEqual(const core::Pose2& a, const core::Pose2& b) {
 
 /// The wall that a ray met after range_m if it is not plain; nullopt for plain walls, for what is not in the
 /// plan, and for a ray that starts in the wall.
-std::optional<world::WallHit> specialWall(const world::Plan& plan, const LidarSensor::Ray& ray,
+std::optional<rays::WallHit> specialWall(const world::Plan& plan, const LidarSensor::Ray& ray,
                                           double range_m) {
   // Ranges are floats: this far apart, the scene's answer and the plan's wall are the same place.
   constexpr double kSamePlace = 1e-6;
-  if (world::isPlainAt(plan, along(ray.p_world, ray.direction(), range_m))) return std::nullopt;
-  const auto wall = world::findWall(plan, ray.p_world, ray.angle_rad);
+  if (rays::isPlainAt(plan, along(ray.p_world, ray.direction(), range_m))) return std::nullopt;
+  const auto wall = rays::findWall(plan, ray.p_world, ray.angle_rad);
   const bool is_met = wall && wall->distance_m <= range_m * (1 + kSamePlace) + kSamePlace;
   if (!is_met || wall->material == world::Material::kPlain) return std::nullopt;
   const bool starts_inside = wall->face_x == 0 && wall->face_y == 0;
@@ -120,7 +120,7 @@ void LidarSensor::castWideBeams(const Scene& scene, std::vector<float>& out_rang
   }
 }
 
-void LidarSensor::castBeams(const Scene& scene, const world::BeamTable& beams,
+void LidarSensor::castBeams(const Scene& scene, const rays::BeamTable& beams,
                             std::vector<float>& out_ranges_m) {
   const bool stood_still = T_world_lidar_.size() == 1;
   if (options_.ray == "original") return castOriginalBeams(scene, beams, out_ranges_m);
@@ -140,7 +140,7 @@ void LidarSensor::castBeams(const Scene& scene, const world::BeamTable& beams,
   }
 }
 
-void LidarSensor::castOriginalBeams(const Scene& scene, const world::BeamTable& beams,
+void LidarSensor::castOriginalBeams(const Scene& scene, const rays::BeamTable& beams,
                                     std::vector<float>& out_ranges_m) const {
   out_ranges_m.resize(static_cast<size_t>(options_.beams));
   for (size_t beam = 0; beam < out_ranges_m.size(); ++beam) {
@@ -171,10 +171,10 @@ double LidarSensor::followRay(const Scene& scene, Ray ray, double range_m) {
 }
 
 std::optional<LidarSensor::Ray> LidarSensor::sendOn(const world::Plan& plan, const Ray& ray,
-                                                    const world::WallHit& wall) {
+                                                    const rays::WallHit& wall) {
   constexpr double kLeastCosine = 0.01;
   const core::Point2 direction = ray.direction();
-  const auto [normal, steps_m] = world::surfaceAt(plan, wall);
+  const auto [normal, steps_m] = rays::surfaceAt(plan, wall);
   // The estimated plane of a wall off the axes may face away from a ray that grazes it.
   const double cosine = std::max(kLeastCosine, -(direction.x * normal.x + direction.y * normal.y));
   // So that rounding leaves no ray in the wall that it has just left.

@@ -10,7 +10,7 @@
 #include "libslam/lidar/scan.h"
 #include "libslam/sim/recent_path.h"
 #include "libslam/sim/scene.h"
-#include "libslam/world/wall_hit.h"
+#include "libslam/rays/wall_hit.h"
 
 namespace slam::sim {
 
@@ -28,13 +28,13 @@ namespace slam::sim {
 /// Width. With a beam_width_deg each beam is lidar::kRaysPerBeam rays that lidar::beamRange() makes one of.
 ///
 /// Materials, where the plan has some: a mirror sends the ray on about the wall's normal
-/// (world::surfaceAt()), glass answers, mirrors or lets through as lidar::glassEcho() and
+/// (rays::surfaceAt()), glass answers, mirrors or lets through as lidar::glassEcho() and
 /// lidar::glassReflectance() draw it, for each ray anew; a range is the length of the whole way. Transmission
 /// does not bend or weaken. The way of a ray ends at its kMostTurns-th pane or mirror: no return. Dark
 /// surfaces beyond dark_range_m give none. A mirror that a pane touches from behind is a wall to rays through
 /// the pane. What is in the scene and not in its plan is plain.
 ///
-/// Rays: exact, or with ray = original as world::castOriginalRay(); to that one all materials are plain.
+/// Rays: exact, or with ray = original as rays::castOriginalRay(); to that one all materials are plain.
 ///
 /// Streams: the name, "lidar" (as lidar::applyLidarErrors()), with " mixed" and with " glass". Effects that
 /// are off neither draw nor cost.
@@ -60,18 +60,18 @@ class LidarSensor {
                     double time_s);
 
  private:
-  void castBeams(const Scene& scene, const world::BeamTable& beams, std::vector<float>& out_ranges_m);
-  void castOriginalBeams(const Scene& scene, const world::BeamTable& beams,
+  void castBeams(const Scene& scene, const rays::BeamTable& beams, std::vector<float>& out_ranges_m);
+  void castOriginalBeams(const Scene& scene, const rays::BeamTable& beams,
                          std::vector<float>& out_ranges_m) const;
   void castWideBeams(const Scene& scene, std::vector<float>& out_ranges_m);
   /// The length of the whole way of a ray that meets something after range_m.
   double followRay(const Scene& scene, Ray ray, double range_m);
   /// Past a pane or off a mirror; nullopt when a pane answers.
-  std::optional<Ray> sendOn(const world::Plan& plan, const Ray& ray, const world::WallHit& wall);
+  std::optional<Ray> sendOn(const world::Plan& plan, const Ray& ray, const rays::WallHit& wall);
 
   lidar::LidarOptions options_;
   core::RandomStream random_, mixed_random_, glass_random_;
-  std::vector<world::BeamTable> beams_;     ///< one for each ray of a beam
+  std::vector<rays::BeamTable> beams_;     ///< one for each ray of a beam
   std::vector<core::Pose2> T_world_lidar_;  ///< of the present scan: one for each beam, or one for all
 };
 

@@ -5,7 +5,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/parameters.h"
-#include "libslam/world/original_ray.h"
+#include "libslam/rays/original_ray.h"
 
 namespace slam::sim {
 
@@ -27,7 +27,7 @@ Scene::Scene(const world::Plan& plan, const LivingOptions& living, std::uint64_t
   placeBodies();
 }
 
-void Scene::castScan(const core::Pose2& T_world_lidar, const world::BeamTable& beams, double max_range_m,
+void Scene::castScan(const core::Pose2& T_world_lidar, const rays::BeamTable& beams, double max_range_m,
                      std::vector<float>& out_ranges_m) const {
   caster_.castScan(T_world_lidar, beams, max_range_m, out_ranges_m);
   if (!bodies_.empty())
@@ -39,7 +39,7 @@ double Scene::castRay(const core::Point2& p_world, double angle_rad, double max_
 }
 
 double Scene::castOriginalRay(const core::Point2& p_world, double angle_rad, double max_range_m) const {
-  const double wall_m = world::castOriginalRay(plan(), p_world, angle_rad, max_range_m);
+  const double wall_m = rays::castOriginalRay(plan(), p_world, angle_rad, max_range_m);
   const double range_m = castBodies(p_world, angle_rad, wall_m, max_range_m);
   return range_m < wall_m ? std::round(range_m / plan().resolution_m) * plan().resolution_m : wall_m;
 }

@@ -9,7 +9,7 @@
 #include "libslam/sim/doors.h"
 #include "libslam/sim/living.h"
 #include "libslam/world/plan.h"
-#include "libslam/world/sector_caster.h"
+#include "libslam/rays/sector_caster.h"
 
 namespace slam::sim {
 
@@ -27,12 +27,12 @@ class Scene {
   /// The plan as it is now: the cells of a closed door are occupied.
   const world::Plan& plan() const { return changing_ ? *changing_ : plan_; }
   const world::Plan& planWithDoorsOpen() const { return plan_; }
-  /// As world::castScan(), and people are met like walls.
-  void castScan(const core::Pose2& T_world_lidar, const world::BeamTable& beams, double max_range_m,
+  /// As rays::castScan(), and people are met like walls.
+  void castScan(const core::Pose2& T_world_lidar, const rays::BeamTable& beams, double max_range_m,
                 std::vector<float>& out_ranges_m) const;
-  /// As world::castRay(), and people are met like walls.
+  /// As rays::castRay(), and people are met like walls.
   double castRay(const core::Point2& p_world, double angle_rad, double max_range_m) const;
-  /// As world::castOriginalRay(), and people are met as by castRay(), in whole cells too.
+  /// As rays::castOriginalRay(), and people are met as by castRay(), in whole cells too.
   double castOriginalRay(const core::Point2& p_world, double angle_rad, double max_range_m) const;
   /// As world::discCollides(); and people count.
   bool discCollides(const core::Point2& p_world, double radius_m) const;
@@ -63,7 +63,7 @@ class Scene {
 
   const world::Plan& plan_;
   std::unique_ptr<world::Plan> changing_;  ///< a copy, when there are doors that move
-  world::SectorCaster caster_;
+  rays::SectorCaster caster_;
   std::unique_ptr<Crowd> crowd_;
   std::unique_ptr<Doors> doors_;
   std::vector<Disc> bodies_, persons_;  ///< world frame: what a lidar meets, and what a body bumps into

@@ -78,7 +78,7 @@ class Simulator {
   /// Keeps a reference to `plan`, which must outlive it and not change. `living`: what else moves; of it the
   /// visit is not the simulator's to know, `plan` is what this visit finds. `camera`: what looks in place of
   /// the lidar; of `lidar`, which should be robot::asLidar() then, nothing is used. Makes a
-  /// world::SectorCaster: some milliseconds per million cells, and 8 bytes per cell.
+  /// rays::SectorCaster: some milliseconds per million cells, and 8 bytes per cell.
   Simulator(const world::Plan& plan, const robot::RobotOptions& robot, const lidar::LidarOptions& lidar,
             const robot::OdometryOptions& odometry, const core::Pose2& start, std::uint64_t seed,
             double start_time_s = kStartTime_s, const LivingOptions& living = {},

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 
 namespace slam::navigate::scenes {
 namespace {
@@ -86,7 +86,7 @@ lidar::Scan scanIn(const Plan& plan, const core::Pose2& T_world_robot, double ti
   scan.max_range_m = 10;
   for (size_t i = 0; i < 720; ++i)
     scan.ranges_m.push_back(static_cast<float>(
-        world::castRay(plan, core::position(T_world_robot), T_world_robot.phi + scan.angle(i), 10)));
+        rays::castRay(plan, core::position(T_world_robot), T_world_robot.phi + scan.angle(i), 10)));
   return scan;
 }
 

@@ -19,7 +19,7 @@
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 #include "tests/world/drawn_plan.h"
 
 namespace slam::run {
@@ -54,7 +54,7 @@ TEST(ViewsOf, SeeWhatTheMapHoldsFromItsFreePlaces) {
     EXPECT_FALSE(world::discCollides(map, core::position(view.T_map_robot), 0.3));
     ASSERT_EQ(view.scan.ranges_m.size(), 360U);
     for (size_t i = 0; i < 360; i += 7)
-      EXPECT_EQ(view.scan.ranges_m[i], static_cast<float>(world::castRay(
+      EXPECT_EQ(view.scan.ranges_m[i], static_cast<float>(rays::castRay(
                                            map, core::position(view.T_map_robot), view.scan.angle(i), 20)));
   }
   for (const double side : {-1.0, 1.0})  // both rooms

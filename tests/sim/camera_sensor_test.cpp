@@ -6,7 +6,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/sim/simulator.h"
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 #include "tests/world/drawn_plan.h"
 
 namespace slam::sim {
@@ -64,7 +64,7 @@ TEST(CameraSensors, SeeOfEveryBearingWhatTheExactRayMeetsInTheVisibleFloor) {
     const Pose2 T_world_camera = T_world_robot * scan.T_robot_lidar;
     for (size_t i = 0; i < scan.ranges_m.size(); ++i) {
       const double exact_m =
-          world::castRay(plan, core::position(T_world_camera), T_world_camera.phi + scan.angle(i), 0);
+          rays::castRay(plan, core::position(T_world_camera), T_world_camera.phi + scan.angle(i), 0);
       const auto span = robot::bearingSpan(camera, scan.angle(i));
       const bool is_seen = exact_m > span.begin_m && exact_m < span.end_m;
       EXPECT_EQ(lidar::isReturn(scan.ranges_m[i]), is_seen) << i;

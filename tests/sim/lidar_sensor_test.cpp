@@ -7,7 +7,7 @@
 
 #include "libslam/lidar/beam.h"
 #include "libslam/sim/simulator.h"
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 #include "tests/world/drawn_plan.h"
 
 namespace slam::sim {
@@ -150,7 +150,7 @@ TEST(Sweep, SensesEveryBeamFromWhereTheRobotThenWas) {
       const size_t order = clockwise ? 39 - i : i;
       const double time_s = static_cast<double>(order + 1) / 40;
       const Pose2 then = start * robot::driveMotion(command, time_s);
-      EXPECT_NEAR(scan.ranges_m[i], world::castRay(plan, core::position(then), then.phi + scan.angle(i), 0),
+      EXPECT_NEAR(scan.ranges_m[i], rays::castRay(plan, core::position(then), then.phi + scan.angle(i), 0),
                   kFloat_m)
           << i;
     }
@@ -169,7 +169,7 @@ TEST(Sweep, CoversOnlyItsShareOfThePeriod) {
   options.rate_hz = 1, options.sweep = 0.25;
   const auto [scan, start, end] = drive(options, {0, 1, 1});
   const double ago_s = 0.25 * 39 / 40;
-  EXPECT_NEAR(scan.ranges_m[0], world::castRay(room(40, 40), core::position(end), end.phi - kPi - ago_s, 0),
+  EXPECT_NEAR(scan.ranges_m[0], rays::castRay(room(40, 40), core::position(end), end.phi - kPi - ago_s, 0),
               kFloat_m);
 }
 

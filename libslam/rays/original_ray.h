@@ -2,7 +2,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/world/plan.h"
 
-namespace slam::world {
+namespace slam::rays {
 
 /// The ray of the original raster lidar, where castRay() is exact. From the pixel that holds the origin the
 /// ray is walked one pixel at a time along its longer axis; the other coordinate is rounded to the nearest
@@ -22,7 +22,7 @@ namespace slam::world {
 /// edge or up to max_range_m is +infinity, max_range_m <= 0 means no limit, unknown cells are transparent,
 /// and the answer is 0 in an occupied cell and +infinity for a pose outside the plan or not finite, as for
 /// castRay(). How the document makes a whole number of the distance it does not say; we round.
-double castOriginalRay(const Plan& plan, const core::Point2& origin_world, double angle_rad,
+double castOriginalRay(const world::Plan& plan, const core::Point2& origin_world, double angle_rad,
                        double max_range_m);
 
-}  // namespace slam::world
+}  // namespace slam::rays

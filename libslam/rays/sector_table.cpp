@@ -1,4 +1,4 @@
-#include "libslam/world/sector_table.h"
+#include "libslam/rays/sector_table.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -12,7 +12,7 @@
 #include <sys/mman.h>
 #endif
 
-namespace slam::world {
+namespace slam::rays {
 namespace {
 
 constexpr std::size_t kPadding = 3;
@@ -50,20 +50,20 @@ void fillColumn(const std::uint8_t* __restrict wall, const std::uint8_t* __restr
 }
 
 /// Walls of the plan, 1 or 0, with the minor axis contiguous.
-std::vector<std::uint8_t> wallsOf(const Plan& plan, bool x_is_major) {
+std::vector<std::uint8_t> wallsOf(const world::Plan& plan, bool x_is_major) {
   constexpr int kBlock = 64;  // a transposition by blocks keeps both sides in the cache
   const size_t columns = static_cast<size_t>(plan.columns), rows = static_cast<size_t>(plan.rows);
   std::vector<std::uint8_t> walls(columns * rows);
   if (!x_is_major) {
     std::transform(plan.cells.begin(), plan.cells.end(), walls.begin(),
-                   [](Cell cell) { return static_cast<std::uint8_t>(cell == Cell::kOccupied); });
+                   [](world::Cell cell) { return static_cast<std::uint8_t>(cell == world::Cell::kOccupied); });
     return walls;
   }
   for (size_t row = 0; row < rows; row += kBlock)
     for (size_t column = 0; column < columns; column += kBlock)
       for (size_t r = row; r < std::min(rows, row + kBlock); ++r)
         for (size_t c = column; c < std::min(columns, column + kBlock); ++c)
-          walls[c * rows + r] = plan.cells[r * columns + c] == Cell::kOccupied;
+          walls[c * rows + r] = plan.cells[r * columns + c] == world::Cell::kOccupied;
   return walls;
 }
 
@@ -121,13 +121,13 @@ void forEachOctant(AnyOctant do_octant) {
 
 /// Carries a change of walls in `changed_u` by `changed_v` to all codes of the octant that depend on it: from
 /// the last column back to the first that nothing changed in.
-void updateOctant(const Plan& plan, const Octant& octant, const Span& changed_u, const Span& changed_v,
+void updateOctant(const world::Plan& plan, const Octant& octant, const Span& changed_u, const Span& changed_v,
                   int tiles, std::uint8_t* codes) {
   const int size_v = octant.x_is_major ? plan.rows : plan.columns;
   const auto isWall = [&](int u, int v) {
     const int along_x = octant.x_is_major ? u : v, along_y = octant.x_is_major ? v : u;
     return v < size_v && plan.at(octant.x_falls ? plan.columns - 1 - along_x : along_x,
-                                 octant.y_falls ? plan.rows - 1 - along_y : along_y) == Cell::kOccupied;
+                                 octant.y_falls ? plan.rows - 1 - along_y : along_y) == world::Cell::kOccupied;
   };
   const size_t room = static_cast<size_t>(size_v) + 2;
   std::vector<std::uint8_t> wall(room), next(room), column(room);
@@ -168,7 +168,7 @@ void SectorTable::Free::operator()(std::uint8_t* bytes) const {
   std::free(bytes);
 }
 
-SectorTable::SectorTable(const Plan& plan)
+SectorTable::SectorTable(const world::Plan& plan)
     : columns_(requireSide(plan.columns)),
       rows_(requireSide(plan.rows)),
       octant_size_(static_cast<size_t>(tilesFor(plan.columns)) * tilesFor(plan.rows) * kTileSide * kTileSide),
@@ -183,7 +183,7 @@ SectorTable::SectorTable(const Plan& plan)
   });
 }
 
-void SectorTable::update(const Plan& plan, int x0, int y0, int x1, int y1) {
+void SectorTable::update(const world::Plan& plan, int x0, int y0, int x1, int y1) {
   if (plan.columns != columns_ || plan.rows != rows_)
     throw core::ContractError("SectorTable::update: the plan has another size");
   const Span x{std::max(x0, 0), std::min(x1, columns_)}, y{std::max(y0, 0), std::min(y1, rows_)};
@@ -195,4 +195,4 @@ void SectorTable::update(const Plan& plan, int x0, int y0, int x1, int y1) {
   });
 }
 
-}  // namespace slam::world
+}  // namespace slam::rays

@@ -1,7 +1,7 @@
 #pragma once
 #include <cstdint>
 
-namespace slam::world {
+namespace slam::rays {
 
 /// Beams of a scan that are cast together: bounds what the casters keep on the stack.
 constexpr int kMarchBlock = 1024;
@@ -72,4 +72,4 @@ extern const ScanKernel kPortableKernel, kAvx2Kernel, kAvx512Kernel;
 bool hasAvx2();
 bool hasAvx512();
 
-}  // namespace slam::world
+}  // namespace slam::rays

@@ -1,4 +1,4 @@
-#include "libslam/world/sector_caster.h"
+#include "libslam/rays/sector_caster.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 #include <thread>
 
 #include "libslam/core/error.h"
-#include "libslam/world/ray_walk.h"
+#include "libslam/rays/ray_walk.h"
 
-namespace slam::world {
+namespace slam::rays {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -210,7 +210,7 @@ bool isSupported(Instructions instructions) {
   return true;
 }
 
-SectorCaster::SectorCaster(const Plan& plan, Instructions instructions)
+SectorCaster::SectorCaster(const world::Plan& plan, Instructions instructions)
     : kernel_(kernelFor(instructions)), table_(plan) {
   frame_.columns = plan.columns;
   frame_.rows = plan.rows;
@@ -241,7 +241,7 @@ double SectorCaster::castRayInCells(const core::Point2& origin, const core::Poin
 }
 
 double SectorCaster::castRay(const core::Point2& origin_world, double angle_rad, double max_range_m) const {
-  const core::Point2 origin = worldToCells(frame_, origin_world);
+  const core::Point2 origin = world::worldToCells(frame_, origin_world);
   return castInMetres(
       frame_, rayDirection(frame_, angle_rad), max_range_m,
       [&](const core::Point2& direction, double) { return castRayInCells(origin, direction); });
@@ -255,7 +255,7 @@ void SectorCaster::castScan(const core::Pose2& T_world_lidar, const BeamTable& b
 
 void SectorCaster::castBeams(const core::Pose2& T_world_lidar, const BeamTable& beams, int first, int count,
                              double max_range_m, float* out_ranges_m) const {
-  const core::Point2 origin = worldToCells(frame_, core::position(T_world_lidar));
+  const core::Point2 origin = world::worldToCells(frame_, core::position(T_world_lidar));
   const Rotation turn(T_world_lidar.phi - frame_.T_world_plan.phi);
   if (!isFiniteRay(origin, {turn.cosine, turn.sine})) {
     std::fill_n(out_ranges_m, count, std::numeric_limits<float>::infinity());
@@ -298,4 +298,4 @@ void SectorCaster::castScans(const std::vector<core::Pose2>& T_world_lidars, con
   for (auto& other : others) other.join();
 }
 
-}  // namespace slam::world
+}  // namespace slam::rays

@@ -1,6 +1,6 @@
-#include "libslam/world/march_steps.h"
-#include "libslam/world/sector_march.h"
-#include "libslam/world/sector_table.h"
+#include "libslam/rays/march_steps.h"
+#include "libslam/rays/sector_march.h"
+#include "libslam/rays/sector_table.h"
 
 #ifdef SLAM_X86_KERNELS
 
@@ -12,7 +12,7 @@
 #include <immintrin.h>
 #pragma GCC diagnostic pop
 
-namespace slam::world {
+namespace slam::rays {
 
 #define SLAM_AVX2 __attribute__((target("avx2,fma,popcnt")))
 #define SLAM_AVX512 __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,popcnt")))
@@ -240,6 +240,6 @@ bool hasAvx512() {
          __builtin_cpu_supports("avx512dq") != 0 && __builtin_cpu_supports("avx512vl") != 0;
 }
 
-}  // namespace slam::world
+}  // namespace slam::rays
 
 #endif

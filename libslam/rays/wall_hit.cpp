@@ -1,4 +1,4 @@
-#include "libslam/world/wall_hit.h"
+#include "libslam/rays/wall_hit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/world/ray_walk.h"
+#include "libslam/rays/ray_walk.h"
 
-namespace slam::world {
+namespace slam::rays {
 namespace {
 
 constexpr int kReach = 40;  // faces
@@ -32,15 +32,15 @@ core::Point2 asPoint(const Step& step) {
   return {static_cast<double>(step.x), static_cast<double>(step.y)};
 }
 
-Material materialOf(const Plan& plan, size_t index) {
-  return plan.materials.empty() ? Material::kPlain : plan.materials[index];
+world::Material materialOf(const world::Plan& plan, size_t index) {
+  return plan.materials.empty() ? world::Material::kPlain : plan.materials[index];
 }
 
 /// Walks along the contour of a wall, face by face.
 class Contour {
  public:
   /// At the face of `cell` with outward normal `face`, looking along `heading`.
-  Contour(const Plan& plan, Step cell, Step face, Step heading)
+  Contour(const world::Plan& plan, Step cell, Step face, Step heading)
       : plan_(plan), cell_(cell), face_(face), heading_(heading), material_(materialAt(cell)) {}
 
   const Step& heading() const { return heading_; }
@@ -60,9 +60,9 @@ class Contour {
 
  private:
   bool isWall(const Step& cell) const {
-    return plan_.contains(cell.x, cell.y) && plan_.at(cell.x, cell.y) == Cell::kOccupied;
+    return plan_.contains(cell.x, cell.y) && plan_.at(cell.x, cell.y) == world::Cell::kOccupied;
   }
-  Material materialAt(const Step& cell) const {
+  world::Material materialAt(const Step& cell) const {
     return materialOf(plan_, static_cast<size_t>(cell.y) * plan_.columns + cell.x);
   }
   void turnTo(Step heading, Step face) {
@@ -70,9 +70,9 @@ class Contour {
     face_ = face;
   }
 
-  const Plan& plan_;
+  const world::Plan& plan_;
   Step cell_, face_, heading_;
-  Material material_;
+  world::Material material_;
 };
 
 /// Faces in one direction.
@@ -154,20 +154,20 @@ class Staircase {
 
 }  // namespace
 
-std::optional<WallHit> findWall(const Plan& plan, const core::Point2& origin_world, double angle_rad) {
+std::optional<WallHit> findWall(const world::Plan& plan, const core::Point2& origin_world, double angle_rad) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::optional<WallHit> hit;
-  const Cell* before = nullptr;
-  walkRay(plan, worldToCells(plan, origin_world), rayDirection(plan, angle_rad), kInfinity,
-          [&](const Cell* cell, const RayEntry& entry) {
+  const world::Cell* before = nullptr;
+  walkRay(plan, world::worldToCells(plan, origin_world), rayDirection(plan, angle_rad), kInfinity,
+          [&](const world::Cell* cell, const RayEntry& entry) {
             const auto index = static_cast<size_t>(cell - plan.cells.data());
-            const Material material = *cell == Cell::kOccupied ? materialOf(plan, index) : Material::kPlain;
+            const world::Material material = *cell == world::Cell::kOccupied ? materialOf(plan, index) : world::Material::kPlain;
             if (hit) {
-              if (*cell == Cell::kOccupied && material == hit->material) return true;
+              if (*cell == world::Cell::kOccupied && material == hit->material) return true;
               hit->leaves_m = entry.distance() * plan.resolution_m;
               return false;
             }
-            if (*cell == Cell::kOccupied) {
+            if (*cell == world::Cell::kOccupied) {
               const auto step = before ? cell - before : 0;
               const int row_step = std::abs(step) > 1 || plan.columns == 1 ? (step > 0) - (step < 0) : 0;
               const int column_step = row_step == 0 ? static_cast<int>(step) : 0;
@@ -185,22 +185,22 @@ std::optional<WallHit> findWall(const Plan& plan, const core::Point2& origin_wor
   return hit;
 }
 
-bool isPlainAt(const Plan& plan, const core::Point2& p_world) {
+bool isPlainAt(const world::Plan& plan, const core::Point2& p_world) {
   constexpr double kNear = 1e-3;
   if (plan.materials.empty()) return true;
-  const core::Point2 p = worldToCells(plan, p_world);
+  const core::Point2 p = world::worldToCells(plan, p_world);
   const auto clampedTo = [](double cell, int size) {
     return static_cast<int>(std::clamp(std::floor(cell), 0.0, size - 1.0));
   };
   for (int row = clampedTo(p.y - kNear, plan.rows); row <= clampedTo(p.y + kNear, plan.rows); ++row)
     for (int column = clampedTo(p.x - kNear, plan.columns); column <= clampedTo(p.x + kNear, plan.columns);
          ++column)
-      if (materialOf(plan, static_cast<size_t>(row) * plan.columns + column) != Material::kPlain)
+      if (materialOf(plan, static_cast<size_t>(row) * plan.columns + column) != world::Material::kPlain)
         return false;
   return true;
 }
 
-Surface surfaceAt(const Plan& plan, const WallHit& hit) {
+Surface surfaceAt(const world::Plan& plan, const WallHit& hit) {
   const Step cell{hit.column, hit.row}, face{hit.face_x, hit.face_y}, heading{-face.y, face.x};
   if (face == Step{}) throw core::ContractError("surfaceAt: the hit has no face");
   const Staircase stairs(runsAlong({plan, cell, face, heading}), runsAlong({plan, cell, face, -heading}));
@@ -213,4 +213,4 @@ Surface surfaceAt(const Plan& plan, const WallHit& hit) {
   return {T_world_axes * normal, on_axis ? 0 : 1.5 * plan.resolution_m};
 }
 
-}  // namespace slam::world
+}  // namespace slam::rays

@@ -1,11 +1,11 @@
-#include "libslam/world/beam_table.h"
+#include "libslam/rays/beam_table.h"
 
 #include <cmath>
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 
-namespace slam::world {
+namespace slam::rays {
 
 BeamTable::BeamTable(double first_angle_rad, double step_rad, int beams)
     : first_angle_rad_(first_angle_rad), step_rad_(step_rad) {
@@ -19,4 +19,4 @@ BeamTable::BeamTable(double first_angle_rad, double step_rad, int beams)
 
 Rotation::Rotation(double angle_rad) : cosine(core::cos(angle_rad)), sine(core::sin(angle_rad)) {}
 
-}  // namespace slam::world
+}  // namespace slam::rays

@@ -1,4 +1,4 @@
-#include "libslam/world/sector_caster.h"
+#include "libslam/rays/sector_caster.h"
 
 #include <gtest/gtest.h>
 
@@ -16,9 +16,9 @@
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "libslam/testing/temp_folder.h"
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 
-namespace slam::world {
+namespace slam::rays {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -33,7 +33,7 @@ bool sameBits(Number a, Number b) {
 /// Counts rays on which the caster and the reference differ, and tells the first of them.
 class Comparison {
  public:
-  explicit Comparison(const Plan& plan) : plan_(plan), caster_(plan) {
+  explicit Comparison(const world::Plan& plan) : plan_(plan), caster_(plan) {
     for (const auto instructions : {Instructions::kPortable, Instructions::kAvx2, Instructions::kAvx512})
       if (isSupported(instructions)) casters_.emplace_back(plan, instructions);
   }
@@ -90,7 +90,7 @@ class Comparison {
                std::to_string(expected);
   }
 
-  const Plan& plan_;
+  const world::Plan& plan_;
   SectorCaster caster_;
   std::deque<SectorCaster> casters_;  ///< one for each instruction set of this processor
   std::int64_t rays_ = 0, hits_ = 0, differences_ = 0;
@@ -98,25 +98,25 @@ class Comparison {
   std::vector<float> expected_, found_;
 };
 
-Plan placedPlan(int columns, int rows, std::uint64_t seed, int one_in) {
-  Plan plan = scatteredPlan(columns, rows, seed, one_in);
+world::Plan placedPlan(int columns, int rows, std::uint64_t seed, int one_in) {
+  world::Plan plan = scatteredPlan(columns, rows, seed, one_in);
   plan.T_world_plan = {3, -2, 0.7};
   return plan;
 }
 
 /// In a wall, in the open or just outside.
-core::Point2 anyPoint(core::RandomStream& random, const Plan& plan) {
-  return cellsToWorld(plan,
+core::Point2 anyPoint(core::RandomStream& random, const world::Plan& plan) {
+  return world::cellsToWorld(plan,
                       {random.uniform(-0.5, plan.columns + 0.5), random.uniform(-0.5, plan.rows + 0.5)});
 }
 
 /// A committed world, a generated building or a real map, by name; nullopt for a real map that is not here.
-std::optional<Plan> planNamed(const std::string& name) {
+std::optional<world::Plan> planNamed(const std::string& name) {
   const auto is = [&](const auto& names) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
   if (is(buildings::buildingNames()))
-    return loadPlan(std::string(RASTERSLAM_SOURCE_DIR "/datasets/worlds/") + name + ".yaml");
+    return world::loadPlan(std::string(RASTERSLAM_SOURCE_DIR "/datasets/worlds/") + name + ".yaml");
   const std::string kind = name.substr(name.find('_') + 1);
   if (name.rfind("generated_", 0) == 0) {
     buildings::BuildingOptions options;
@@ -129,7 +129,7 @@ std::optional<Plan> planNamed(const std::string& name) {
                                              : "turtlebot3/map";
   const std::string data = slam::testing::realDataFolder(RASTERSLAM_SOURCE_DIR);
   if (data.empty()) return std::nullopt;
-  return loadPlan(data + "/worlds/" + file + ".yaml");
+  return world::loadPlan(data + "/worlds/" + file + ".yaml");
 }
 
 class OfEveryPlan : public ::testing::TestWithParam<const char*> {
@@ -139,11 +139,11 @@ class OfEveryPlan : public ::testing::TestWithParam<const char*> {
     if (!plan_)
       GTEST_SKIP() << "the real plan is not here: set RASTERSLAM_REAL_DATA to a folder with worlds/";
   }
-  std::optional<Plan> plan_;
+  std::optional<world::Plan> plan_;
 };
 
 TEST_P(OfEveryPlan, AMillionRaysEqualTheReferenceBitForBit) {
-  const Plan& plan = *plan_;
+  const world::Plan& plan = *plan_;
   Comparison compare(plan);
   core::RandomStream random(1, "sector caster");
   for (int i = 0; i < 500; ++i) {
@@ -160,7 +160,7 @@ TEST_P(OfEveryPlan, AMillionRaysEqualTheReferenceBitForBit) {
 }
 
 TEST_P(OfEveryPlan, RaysOnGridLinesAndThroughCornersEqualTheReference) {
-  const Plan& plan = *plan_;
+  const world::Plan& plan = *plan_;
   Comparison compare(plan);
   core::RandomStream random(2, "grid lines");
   const auto onLine = [&](int size) { return double(random.below(static_cast<std::uint64_t>(size) + 1)); };
@@ -187,7 +187,7 @@ INSTANTIATE_TEST_SUITE_P(SectorCaster, OfEveryPlan,
 
 TEST(SectorCaster, EqualsTheReferenceAtEveryDensityOfWallsAndWithOpenRims) {
   for (const int one_in : {1, 2, 8, 60, 1000, 1000000}) {
-    const Plan plan = placedPlan(150, 110, 7, one_in);
+    const world::Plan plan = placedPlan(150, 110, 7, one_in);
     Comparison compare(plan);
     core::RandomStream random(11, "densities");
     for (int i = 0; i < 40; ++i) {
@@ -201,9 +201,9 @@ TEST(SectorCaster, EqualsTheReferenceAtEveryDensityOfWallsAndWithOpenRims) {
 }
 
 TEST(SectorCaster, SkipsFartherThanOneByteCounts) {
-  Plan plan = placedPlan(1500, 40, 1, 1000000000);
+  world::Plan plan = placedPlan(1500, 40, 1, 1000000000);
   for (int row = 0; row < plan.rows; ++row)
-    plan.cells[static_cast<size_t>(row) * 1500 + 1400] = Cell::kOccupied;
+    plan.cells[static_cast<size_t>(row) * 1500 + 1400] = world::Cell::kOccupied;
   Comparison compare(plan);
   core::RandomStream random(3, "long skips");
   for (int i = 0; i < 40000; ++i) {
@@ -215,8 +215,8 @@ TEST(SectorCaster, SkipsFartherThanOneByteCounts) {
 }
 
 TEST(SectorCaster, EqualsTheReferenceOnDrawnPlansOfOneCellOneLineAndNothing) {
-  for (const Plan& plan : {drawnPlan({"#"}), drawnPlan({"."}), drawnPlan({"?"}), drawnPlan({".?.#"}),
-                           drawnPlan({"#", ".", "."}), drawnPlan({"#.", ".#"}), Plan{}}) {
+  for (const world::Plan& plan : {drawnPlan({"#"}), drawnPlan({"."}), drawnPlan({"?"}), drawnPlan({".?.#"}),
+                           drawnPlan({"#", ".", "."}), drawnPlan({"#.", ".#"}), world::Plan{}}) {
     Comparison compare(plan);
     for (double x = -0.5; x <= plan.columns + 0.5; x += 0.25)
       for (double y = -0.5; y <= plan.rows + 0.5; y += 0.25) {
@@ -254,7 +254,7 @@ TEST(SectorCaster, AnswersInfinityForAPoseThatIsNotFiniteOrOutside) {
 }
 
 TEST(SectorCaster, DecidesTiesAtCornersInAScanAsTheReferenceDoes) {
-  Plan plan = placedPlan(60, 60, 9, 12);
+  world::Plan plan = placedPlan(60, 60, 9, 12);
   plan.resolution_m = 1;  // so that quarters of cells stay exact, and with them the ties
   plan.T_world_plan = {};
   Comparison compare(plan);
@@ -268,9 +268,9 @@ TEST(SectorCaster, DecidesTiesAtCornersInAScanAsTheReferenceDoes) {
 }
 
 TEST(SectorCaster, CastsBeamsInAnyOrderAndOfAnyNumber) {
-  const Plan plan = placedPlan(50, 50, 1, 30);
+  const world::Plan plan = placedPlan(50, 50, 1, 30);
   Comparison compare(plan);
-  const core::Point2 p = cellsToWorld(plan, {25.3, 24.6});
+  const core::Point2 p = world::cellsToWorld(plan, {25.3, 24.6});
   for (const double step : {0.0, 1.0, 2.5, -0.01, 100.7})
     for (const int beams : {1, 2, 7, 700, 2048, 2049, 5000})
       compare.scan({p.x, p.y, 0.3}, 40, step, beams, 0);
@@ -281,7 +281,7 @@ TEST(SectorCaster, CastsBeamsInAnyOrderAndOfAnyNumber) {
 }
 
 TEST(SectorCaster, CastsAsManyScansAsThereArePosesWithAnyNumberOfThreads) {
-  const Plan plan = placedPlan(120, 80, 5, 90);
+  const world::Plan plan = placedPlan(120, 80, 5, 90);
   const SectorCaster caster(plan);
   const BeamTable table(-2, 0.01, 333);
   core::RandomStream random(8, "batch");
@@ -306,12 +306,12 @@ TEST(SectorCaster, CastsAsManyScansAsThereArePosesWithAnyNumberOfThreads) {
 TEST(SectorCaster, EqualsTheReferenceInTheLongestPlans) {
   for (const int length : {32766, 32767, 32768})
     for (const bool lying : {true, false}) {
-      Plan plan;
+      world::Plan plan;
       plan.columns = lying ? length : 3;
       plan.rows = lying ? 3 : length;
       plan.resolution_m = 1;
-      plan.cells.assign(static_cast<size_t>(length) * 3, Cell::kFree);
-      plan.cells.front() = plan.cells.back() = Cell::kOccupied;
+      plan.cells.assign(static_cast<size_t>(length) * 3, world::Cell::kFree);
+      plan.cells.front() = plan.cells.back() = world::Cell::kOccupied;
       Comparison compare(plan);
       core::RandomStream random(static_cast<std::uint64_t>(length), "long plans");
       for (int i = 0; i < 60; ++i) {
@@ -323,18 +323,18 @@ TEST(SectorCaster, EqualsTheReferenceInTheLongestPlans) {
       compare.expectNoDifference(10000);
       EXPECT_GT(compare.hits(), 100);
     }
-  Plan longer;
+  world::Plan longer;
   longer.columns = 32769;
   longer.rows = 1;
-  longer.cells.assign(32769, Cell::kFree);
+  longer.cells.assign(32769, world::Cell::kFree);
   EXPECT_THROW(SectorCaster{longer}, core::ContractError);
 }
 
 TEST(SectorCaster, CastsPartOfATable) {
-  const Plan plan = placedPlan(120, 80, 5, 90);
+  const world::Plan plan = placedPlan(120, 80, 5, 90);
   const SectorCaster caster(plan);
   const BeamTable table(-3, 0.01, 600);
-  const core::Point2 p = cellsToWorld(plan, {60.2, 40.7});
+  const core::Point2 p = world::cellsToWorld(plan, {60.2, 40.7});
   std::vector<float> all, part(600, -1.0F);
   caster.castScan({p.x, p.y, 1}, table, 0, all);
   caster.castBeams({p.x, p.y, 1}, table, 100, 57, 0, part.data());
@@ -343,11 +343,11 @@ TEST(SectorCaster, CastsPartOfATable) {
 }
 
 TEST(SectorCaster, OutlivesAndIgnoresThePlanItWasMadeFrom) {
-  Plan plan = drawnPlan({".....#"});
+  world::Plan plan = drawnPlan({".....#"});
   const SectorCaster caster(plan);
   plan = drawnPlan({".#"});
   EXPECT_EQ(caster.castRay({0.5, 0.5}, 0, 0), 4.5);
 }
 
 }  // namespace
-}  // namespace slam::world
+}  // namespace slam::rays

@@ -1,4 +1,4 @@
-#include "libslam/world/sector_table.h"
+#include "libslam/rays/sector_table.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 
-namespace slam::world {
+namespace slam::rays {
 namespace {
 
 bool sameCodes(const SectorTable& a, const SectorTable& b) {
@@ -18,13 +18,13 @@ bool sameCodes(const SectorTable& a, const SectorTable& b) {
          0;
 }
 
-void fill(Plan& plan, int x0, int y0, int x1, int y1, Cell cell) {
+void fill(world::Plan& plan, int x0, int y0, int x1, int y1, world::Cell cell) {
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) plan.cells[static_cast<size_t>(y) * plan.columns + x] = cell;
 }
 
 TEST(SectorTable, CountsTheColumnsThatAreFreeForEverySlope) {
-  const Plan plan = drawnPlan({"....#",  //
+  const world::Plan plan = drawnPlan({"....#",  //
                                ".....",  //
                                "....."});
   const SectorTable table(plan);
@@ -43,14 +43,14 @@ TEST(SectorTable, CountsTheColumnsThatAreFreeForEverySlope) {
 
 TEST(SectorTable, AnUpdateGivesTheTableThatANewOneWouldBe) {
   for (const int one_in : {5, 200, 5000}) {
-    Plan plan = scatteredPlan(330, 270, 1, one_in);
+    world::Plan plan = scatteredPlan(330, 270, 1, one_in);
     SectorTable table(plan);
     core::RandomStream random(2, "update");
     for (int i = 0; i < 60; ++i) {
       const int x0 = static_cast<int>(random.below(330)), y0 = static_cast<int>(random.below(270));
       const int x1 = std::min(330, x0 + 1 + static_cast<int>(random.below(20)));
       const int y1 = std::min(270, y0 + 1 + static_cast<int>(random.below(20)));
-      fill(plan, x0, y0, x1, y1, random.below(2) == 0 ? Cell::kOccupied : Cell::kFree);
+      fill(plan, x0, y0, x1, y1, random.below(2) == 0 ? world::Cell::kOccupied : world::Cell::kFree);
       table.update(plan, x0, y0, x1, y1);
       if (i % 6 == 0) {
         ASSERT_TRUE(sameCodes(table, SectorTable(plan))) << one_in << " " << i;
@@ -61,12 +61,12 @@ TEST(SectorTable, AnUpdateGivesTheTableThatANewOneWouldBe) {
 }
 
 TEST(SectorTable, AnUpdateReachesTheBordersAndIgnoresWhatIsOutside) {
-  Plan plan = scatteredPlan(40, 30, 1, 1000000);
+  world::Plan plan = scatteredPlan(40, 30, 1, 1000000);
   SectorTable table(plan);
-  fill(plan, 0, 0, 40, 1, Cell::kOccupied);
+  fill(plan, 0, 0, 40, 1, world::Cell::kOccupied);
   table.update(plan, -5, -5, 45, 1);
   EXPECT_TRUE(sameCodes(table, SectorTable(plan)));
-  fill(plan, 39, 0, 40, 30, Cell::kOccupied);
+  fill(plan, 39, 0, 40, 30, world::Cell::kOccupied);
   table.update(plan, 39, 0, 100, 100);
   EXPECT_TRUE(sameCodes(table, SectorTable(plan)));
   table.update(plan, 50, 0, 60, 10);
@@ -76,4 +76,4 @@ TEST(SectorTable, AnUpdateReachesTheBordersAndIgnoresWhatIsOutside) {
 }
 
 }  // namespace
-}  // namespace slam::world
+}  // namespace slam::rays

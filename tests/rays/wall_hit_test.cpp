@@ -1,4 +1,4 @@
-#include "libslam/world/wall_hit.h"
+#include "libslam/rays/wall_hit.h"
 
 #include <gtest/gtest.h>
 
@@ -8,16 +8,16 @@
 #include "drawn_plan.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 
-namespace slam::world {
+namespace slam::rays {
 namespace {
 
 using core::degToRad;
 using core::kPi;
 
 TEST(FindWall, NamesCellFaceAndMaterial) {
-  const Plan plan = drawnPlan({"....", "..G.", "...."});
+  const world::Plan plan = drawnPlan({"....", "..G.", "...."});
   const auto east = findWall(plan, {0.5, 1.5}, 0);
   ASSERT_TRUE(east);
   EXPECT_EQ(east->distance_m, 1.5);
@@ -26,7 +26,7 @@ TEST(FindWall, NamesCellFaceAndMaterial) {
   EXPECT_EQ(east->row, 1);
   EXPECT_EQ(east->face_x, -1);
   EXPECT_EQ(east->face_y, 0);
-  EXPECT_EQ(east->material, Material::kGlass);
+  EXPECT_EQ(east->material, world::Material::kGlass);
   const auto south = findWall(plan, {2.5, 2.75}, -kPi / 2);
   ASSERT_TRUE(south);
   EXPECT_EQ(south->face_x, 0);
@@ -36,7 +36,7 @@ TEST(FindWall, NamesCellFaceAndMaterial) {
 }
 
 TEST(FindWall, LeavesAWallWhereItsMaterialEnds) {
-  const Plan plan = drawnPlan({".GG#.#"});
+  const world::Plan plan = drawnPlan({".GG#.#"});
   const auto hit = findWall(plan, {0.5, 0.5}, 0);
   ASSERT_TRUE(hit);
   EXPECT_EQ(hit->distance_m, 0.5);
@@ -51,12 +51,12 @@ TEST(FindWall, LeavesAWallWhereItsMaterialEnds) {
 
 TEST(FindWall, IsAsFarAsTheCasterSays) {
   core::RandomStream random(1, "wall hit test");
-  Plan plan;
+  world::Plan plan;
   plan.columns = 40, plan.rows = 30, plan.resolution_m = 0.1, plan.T_world_plan = {3, -2, 0.4};
   for (int i = 0; i < plan.columns * plan.rows; ++i)
-    plan.cells.push_back(random.chance(0.05) ? Cell::kOccupied : Cell::kFree);
+    plan.cells.push_back(random.chance(0.05) ? world::Cell::kOccupied : world::Cell::kFree);
   for (int i = 0; i < 2000; ++i) {
-    const core::Point2 p = cellsToWorld(plan, {random.uniform(0, 40), random.uniform(0, 30)});
+    const core::Point2 p = world::cellsToWorld(plan, {random.uniform(0, 40), random.uniform(0, 30)});
     const double angle_rad = random.uniform(-kPi, kPi);
     const auto hit = findWall(plan, p, angle_rad);
     ASSERT_EQ(hit ? hit->distance_m : INFINITY, castRay(plan, p, angle_rad, 0));
@@ -70,7 +70,7 @@ TEST(FindWall, IsAsFarAsTheCasterSays) {
 }
 
 TEST(IsPlainAt, LooksAtEveryCellThatAPointMayBelongTo) {
-  const Plan plan = drawnPlan({"...", ".G.", "..."});
+  const world::Plan plan = drawnPlan({"...", ".G.", "..."});
   EXPECT_FALSE(isPlainAt(plan, {1.5, 1.5}));
   for (const double off : {-1e-6, 0.0, 1e-6}) {
     EXPECT_FALSE(isPlainAt(plan, {1 + off, 1.5})) << off;
@@ -83,7 +83,7 @@ TEST(IsPlainAt, LooksAtEveryCellThatAPointMayBelongTo) {
 }
 
 /// The normal where a ray from `origin` hits, degrees in the world.
-double normalAt(const Plan& plan, const core::Point2& origin, double angle_rad) {
+double normalAt(const world::Plan& plan, const core::Point2& origin, double angle_rad) {
   const auto hit = findWall(plan, origin, angle_rad);
   if (!hit) return NAN;
   const core::Point2 normal = surfaceAt(plan, *hit).normal;
@@ -92,7 +92,7 @@ double normalAt(const Plan& plan, const core::Point2& origin, double angle_rad) 
 }
 
 TEST(SurfaceAt, IsTheFaceOfAWallAlongAnAxis) {
-  const Plan plan = drawnPlan({"########", "#......#", "#......#", "#......#", "#..MM..#", "########"});
+  const world::Plan plan = drawnPlan({"########", "#......#", "#......#", "#......#", "#..MM..#", "########"});
   for (int i = 0; i < 12; ++i) {
     const double x = 1.25 + 0.5 * i;
     EXPECT_EQ(normalAt(plan, {x, 2.5}, kPi / 2), -90) << x;
@@ -106,7 +106,7 @@ TEST(SurfaceAt, IsTheFaceOfAWallAlongAnAxis) {
 }
 
 TEST(SurfaceAt, IsTheFaceOfThinPanesAndSinglePosts) {
-  const Plan plan = drawnPlan({".......", ".GGGGG.", ".......", "...#...", "......."});
+  const world::Plan plan = drawnPlan({".......", ".GGGGG.", ".......", "...#...", "......."});
   EXPECT_EQ(normalAt(plan, {1.5, 2.5}, kPi / 2), -90);
   EXPECT_EQ(normalAt(plan, {5.5, 4.5}, -kPi / 2), 90);
   EXPECT_EQ(normalAt(plan, {0.5, 3.5}, 0), 180) << "the pane's end is no staircase";
@@ -117,32 +117,32 @@ TEST(SurfaceAt, IsTheFaceOfThinPanesAndSinglePosts) {
 
 TEST(SurfaceAt, KeepsToTheMaterialThatWasHit) {
   // A mirror that stands one cell out of the wall: its frame must not tilt it.
-  const Plan plan = drawnPlan({"##########", "....MMMM..", "..........", ".........."});
+  const world::Plan plan = drawnPlan({"##########", "....MMMM..", "..........", ".........."});
   for (int i = 0; i < 8; ++i) EXPECT_EQ(normalAt(plan, {4.25 + 0.5 * i, 0.5}, kPi / 2), -90) << i;
 }
 
 TEST(SurfaceAt, TurnsWithThePlan) {
-  Plan plan = drawnPlan({"####", "....", "...."});
+  world::Plan plan = drawnPlan({"####", "....", "...."});
   plan.T_world_plan = {5, 6, degToRad(30)};
-  const core::Point2 origin = cellsToWorld(plan, {2.5, 0.5});
+  const core::Point2 origin = world::cellsToWorld(plan, {2.5, 0.5});
   EXPECT_NEAR(normalAt(plan, origin, degToRad(120)), -60, 1e-12);
 }
 
 /// Occupied below the line through the middle that rises by `slope`.
-Plan slope(double slope, int side = 120) {
-  Plan plan;
+world::Plan slope(double slope, int side = 120) {
+  world::Plan plan;
   plan.columns = plan.rows = side;
   plan.resolution_m = 0.05;
   for (int row = 0; row < side; ++row)
     for (int column = 0; column < side; ++column)
-      plan.cells.push_back(row + 0.5 < 0.5 * side + slope * (column + 0.5 - 0.5 * side) ? Cell::kOccupied
-                                                                                        : Cell::kFree);
+      plan.cells.push_back(row + 0.5 < 0.5 * side + slope * (column + 0.5 - 0.5 * side) ? world::Cell::kOccupied
+                                                                                        : world::Cell::kFree);
   return plan;
 }
 
 /// The worst error of the normal over the middle of that line, degrees.
 double worstNormalError(double rise) {
-  const Plan plan = slope(rise);
+  const world::Plan plan = slope(rise);
   const double expected_deg = core::radToDeg(std::atan(rise)) + 90;
   double worst_deg = 0;
   for (int i = 0; i < 300; ++i) {
@@ -169,9 +169,9 @@ TEST(SurfaceAt, SaysHowFarTheStepsStandOut) {
 }
 
 TEST(SurfaceAt, NeedsAFace) {
-  const Plan plan = drawnPlan({"###"});
+  const world::Plan plan = drawnPlan({"###"});
   EXPECT_THROW(surfaceAt(plan, *findWall(plan, {1.5, 0.5}, 0)), core::ContractError);
 }
 
 }  // namespace
-}  // namespace slam::world
+}  // namespace slam::rays

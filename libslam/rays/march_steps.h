@@ -3,14 +3,14 @@
 #include <cmath>
 #include <limits>
 
-#include "libslam/world/sector_march.h"
-#include "libslam/world/sector_table.h"
+#include "libslam/rays/sector_march.h"
+#include "libslam/rays/sector_table.h"
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #define SLAM_X86_KERNELS 1
 #endif
 
-namespace slam::world {
+namespace slam::rays {
 
 // What the marches for all processors share: compiled into each for its own.
 
@@ -111,4 +111,4 @@ SLAM_INLINE bool anyRay(const OctantMarch* octants, int count) {
   return rays != 0;
 }
 
-}  // namespace slam::world
+}  // namespace slam::rays

@@ -1,11 +1,11 @@
-#include "libslam/world/sector_march.h"
+#include "libslam/rays/sector_march.h"
 
 #include <algorithm>
 
-#include "libslam/world/march_steps.h"
-#include "libslam/world/sector_table.h"
+#include "libslam/rays/march_steps.h"
+#include "libslam/rays/sector_table.h"
 
-namespace slam::world {
+namespace slam::rays {
 namespace {
 
 // In 2^-40 of a cell: the slope errs by half of one per column, of at most 2^15, the start and the double by
@@ -93,4 +93,4 @@ bool hasAvx512() {
 
 #endif
 
-}  // namespace slam::world
+}  // namespace slam::rays

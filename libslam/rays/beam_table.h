@@ -3,7 +3,7 @@
 
 #include "libslam/core/pose2.h"
 
-namespace slam::world {
+namespace slam::rays {
 
 /// Where the beams of a lidar point: made once per lidar, so that a scan costs no sine and cosine per beam.
 /// Beam i is at first_angle_rad + i * step_rad in the lidar frame. Any order, any angle; the fast casters
@@ -37,4 +37,4 @@ struct Rotation {
   }
 };
 
-}  // namespace slam::world
+}  // namespace slam::rays

@@ -2,12 +2,12 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/world/beam_table.h"
+#include "libslam/rays/beam_table.h"
 #include "libslam/world/plan.h"
-#include "libslam/world/sector_march.h"
-#include "libslam/world/sector_table.h"
+#include "libslam/rays/sector_march.h"
+#include "libslam/rays/sector_table.h"
 
-namespace slam::world {
+namespace slam::rays {
 
 /// What castScan() may use of the processor. The ranges are the same bits.
 enum class Instructions { kPortable, kAvx2, kAvx512, kFastest };
@@ -25,9 +25,9 @@ bool isSupported(Instructions instructions);
 class SectorCaster {
  public:
   /// ContractError for instructions that the processor lacks.
-  explicit SectorCaster(const Plan& plan, Instructions instructions = Instructions::kFastest);
+  explicit SectorCaster(const world::Plan& plan, Instructions instructions = Instructions::kFastest);
 
-  /// As world::castScan().
+  /// As rays::castScan().
   void castScan(const core::Pose2& T_world_lidar, const BeamTable& beams, double max_range_m,
                 std::vector<float>& out_ranges_m) const;
   /// Beams first .. first + count - 1 of the table only; out_ranges_m gets `count` ranges.
@@ -37,18 +37,18 @@ class SectorCaster {
   /// do not depend on how many.
   void castScans(const std::vector<core::Pose2>& T_world_lidars, const BeamTable& beams, double max_range_m,
                  int threads, std::vector<float>& out_ranges_m) const;
-  /// As world::castRay().
+  /// As rays::castRay().
   double castRay(const core::Point2& origin_world, double angle_rad, double max_range_m) const;
-  /// As world::castRayInCells().
+  /// As rays::castRayInCells().
   double castRayInCells(const core::Point2& origin, const core::Point2& direction) const;
 
   /// As SectorTable::update(): a door was shut, a thing was put somewhere.
-  void update(const Plan& plan, int x0, int y0, int x1, int y1) { table_.update(plan, x0, y0, x1, y1); }
+  void update(const world::Plan& plan, int x0, int y0, int x1, int y1) { table_.update(plan, x0, y0, x1, y1); }
 
  private:
   const ScanKernel* kernel_;
-  Plan frame_;  ///< size and placement; no cells
+  world::Plan frame_;  ///< size and placement; no cells
   SectorTable table_;
 };
 
-}  // namespace slam::world
+}  // namespace slam::rays

@@ -1,18 +1,18 @@
-#include "libslam/world/original_ray.h"
+#include "libslam/rays/original_ray.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "libslam/core/elementary.h"
-#include "libslam/world/ray_walk.h"
+#include "libslam/rays/ray_walk.h"
 
-namespace slam::world {
+namespace slam::rays {
 
-double castOriginalRay(const Plan& plan, const core::Point2& origin_world, double angle_rad,
+double castOriginalRay(const world::Plan& plan, const core::Point2& origin_world, double angle_rad,
                        double max_range_m) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const core::Point2 origin = worldToCells(plan, origin_world), direction = rayDirection(plan, angle_rad);
+  const core::Point2 origin = world::worldToCells(plan, origin_world), direction = rayDirection(plan, angle_rad);
   if (!isFiniteRay(origin, direction)) return kInfinity;
   const double column = std::floor(origin.x), row = std::floor(origin.y);
   if (!(column >= 0 && row >= 0 && column < plan.columns && row < plan.rows)) return kInfinity;
@@ -23,10 +23,10 @@ double castOriginalRay(const Plan& plan, const core::Point2& origin_world, doubl
                  up = std::round(step * direction.y / longer);
     const int at_column = static_cast<int>(column + right), at_row = static_cast<int>(row + up);
     if (!plan.contains(at_column, at_row)) return kInfinity;
-    if (plan.at(at_column, at_row) != Cell::kOccupied) continue;
+    if (plan.at(at_column, at_row) != world::Cell::kOccupied) continue;
     const double range_m = std::round(core::hypot(right, up)) * plan.resolution_m;
     return max_range_m > 0 && range_m > max_range_m ? kInfinity : range_m;
   }
 }
 
-}  // namespace slam::world
+}  // namespace slam::rays

@@ -5,7 +5,7 @@
 
 #include "libslam/world/plan.h"
 
-namespace slam::world {
+namespace slam::rays {
 
 /// What the table says of a ray in cell (u, v), where it came in through the face u or began. A code n from 2
 /// to 254 means that columns u to u + n - 2 are free (or outside) for every ray of the octant and that column
@@ -29,12 +29,12 @@ struct Octant {
 class SectorTable {
  public:
   /// ContractError for a plan of more than 2^15 cells on a side.
-  explicit SectorTable(const Plan& plan);
+  explicit SectorTable(const world::Plan& plan);
 
   /// Cells x0 .. x1-1 by y0 .. y1-1 of the plan have other walls now: the table becomes what a new one would
   /// be. REQUIRES a plan of the same size that differs from the known one nowhere else. Cost: the cells from
   /// which the change is seen within 254 columns.
-  void update(const Plan& plan, int x0, int y0, int x1, int y1);
+  void update(const world::Plan& plan, int x0, int y0, int x1, int y1);
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
@@ -65,4 +65,4 @@ class SectorTable {
   std::unique_ptr<std::uint8_t, Free> codes_;
 };
 
-}  // namespace slam::world
+}  // namespace slam::rays

@@ -4,7 +4,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/world/plan.h"
 
-namespace slam::world {
+namespace slam::rays {
 
 /// The first wall on a ray, and what it is.
 struct WallHit {
@@ -15,15 +15,15 @@ struct WallHit {
   int column, row;  ///< the occupied cell
   int face_x,
       face_y;  ///< outward normal of the face that it is entered by, plan axes; 0, 0: origin in the wall
-  Material material;
+  world::Material material;
 };
 
 /// nullopt where castRay() without a limit gives infinity. Cost: as castRay().
-std::optional<WallHit> findWall(const Plan& plan, const core::Point2& origin_world, double angle_rad);
+std::optional<WallHit> findWall(const world::Plan& plan, const core::Point2& origin_world, double angle_rad);
 
 /// True when no wall within a thousandth of a cell of a point is of another material than plain: then a ray
 /// that ends there met a plain wall or none, and findWall() need not be asked.
-bool isPlainAt(const Plan& plan, const core::Point2& p_world);
+bool isPlainAt(const world::Plan& plan, const core::Point2& p_world);
 
 /// What plane the raster's faces around a hit stand for.
 struct Surface {
@@ -40,6 +40,6 @@ struct Surface {
 /// of which two steps are in reach; for other straight walls off by at most one cell over the steps in reach,
 /// less than a degree. A curved wall gets its chord. An edge one cell wide is no staircase: its own face.
 /// REQUIRES a hit with a face (ContractError).
-Surface surfaceAt(const Plan& plan, const WallHit& hit);
+Surface surfaceAt(const world::Plan& plan, const WallHit& hit);
 
-}  // namespace slam::world
+}  // namespace slam::rays

@@ -1,4 +1,4 @@
-#include "libslam/world/ray_walk.h"
+#include "libslam/rays/ray_walk.h"
 
 #include <gtest/gtest.h>
 
@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "libslam/core/random.h"
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 #include "tests/world/drawn_plan.h"
 
-namespace slam::world {
+namespace slam::rays {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -20,13 +20,13 @@ struct Visit {
   double distance;
 };
 
-std::vector<Visit> visits(const Plan& plan, const core::Point2& origin, const core::Point2& direction,
+std::vector<Visit> visits(const world::Plan& plan, const core::Point2& origin, const core::Point2& direction,
                           double limit = kInfinity) {
   std::vector<Visit> all;
-  walkRay(plan, origin, direction, limit, [&](const Cell* cell, const RayEntry& entry) {
+  walkRay(plan, origin, direction, limit, [&](const world::Cell* cell, const RayEntry& entry) {
     const auto index = static_cast<int>(cell - plan.cells.data());
     all.push_back({index % plan.columns, index / plan.columns, entry.distance()});
-    return *cell != Cell::kOccupied;
+    return *cell != world::Cell::kOccupied;
   });
   return all;
 }
@@ -39,7 +39,7 @@ std::string path(const std::vector<Visit>& all) {
 }
 
 TEST(RayWalk, EntersTheCellsInOrderUpToTheWall) {
-  const Plan plan = drawnPlan({"...#.",  //
+  const world::Plan plan = drawnPlan({"...#.",  //
                                ".....",  //
                                "....."});
   EXPECT_EQ(path(visits(plan, {0.5, 0.5}, {0.8, 0.6})), "0,0 1,0 1,1 2,1 2,2 3,2 ");
@@ -48,7 +48,7 @@ TEST(RayWalk, EntersTheCellsInOrderUpToTheWall) {
 }
 
 TEST(RayWalk, VisitsNothingFromOutside) {
-  const Plan plan = drawnPlan({"...", "..."});
+  const world::Plan plan = drawnPlan({"...", "..."});
   for (const core::Point2 origin : {core::Point2{-0.1, 1}, {1, 2.1}, {std::nan(""), 1}})
     EXPECT_EQ(path(visits(plan, origin, {1, 0})), "");
   EXPECT_EQ(path(visits(plan, {1, 1}, {std::nan(""), 1})), "");
@@ -56,9 +56,9 @@ TEST(RayWalk, VisitsNothingFromOutside) {
 
 TEST(RayWalk, EntersEveryCellOnItsFaceAndEndsWhereTheRayCastEnds) {
   core::RandomStream random(5, "walk");
-  Plan plan = drawnPlan(std::vector<std::string>(40, std::string(60, '.')));
+  world::Plan plan = drawnPlan(std::vector<std::string>(40, std::string(60, '.')));
   for (auto& cell : plan.cells)
-    if (random.chance(0.02)) cell = Cell::kOccupied;
+    if (random.chance(0.02)) cell = world::Cell::kOccupied;
   for (int i = 0; i < 2000; ++i) {
     const core::Point2 origin{random.uniform(0, 60), random.uniform(0, 40)};
     const double angle = random.uniform(-4, 4);
@@ -67,7 +67,7 @@ TEST(RayWalk, EntersEveryCellOnItsFaceAndEndsWhereTheRayCastEnds) {
     const double range = castRayInCells(plan, origin, direction);
     ASSERT_FALSE(all.empty());
     EXPECT_EQ(all.front().distance, 0);
-    const bool hit = plan.at(all.back().column, all.back().row) == Cell::kOccupied;
+    const bool hit = plan.at(all.back().column, all.back().row) == world::Cell::kOccupied;
     EXPECT_EQ(hit ? all.back().distance : kInfinity, range);
     for (size_t k = 1; k < all.size(); ++k) {
       EXPECT_EQ(std::abs(all[k].column - all[k - 1].column) + std::abs(all[k].row - all[k - 1].row), 1);
@@ -84,11 +84,11 @@ TEST(RayWalk, EntersEveryCellOnItsFaceAndEndsWhereTheRayCastEnds) {
 }
 
 TEST(RayWalk, ALimitEndsItAtMostTwoColumnsLate) {
-  const Plan plan = drawnPlan({std::string(30, '.')});
+  const world::Plan plan = drawnPlan({std::string(30, '.')});
   for (const double limit : {0.0, 0.4, 0.6, 3.0, 7.7}) {
     const auto all = visits(plan, {0.5, 0.5}, {1, 0}, limit);
     int within = 0;
-    walkRay(plan, {0.5, 0.5}, {1, 0}, limit, [&](const Cell*, const RayEntry& entry) {
+    walkRay(plan, {0.5, 0.5}, {1, 0}, limit, [&](const world::Cell*, const RayEntry& entry) {
       EXPECT_EQ(entry.isWithin(limit), entry.distance() <= limit);
       within += entry.isWithin(limit);
       return true;
@@ -99,4 +99,4 @@ TEST(RayWalk, ALimitEndsItAtMostTwoColumnsLate) {
 }
 
 }  // namespace
-}  // namespace slam::world
+}  // namespace slam::rays

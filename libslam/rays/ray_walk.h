@@ -7,7 +7,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/world/plan.h"
 
-namespace slam::world {
+namespace slam::rays {
 
 /// One axis of a plan in cells, mirrored where a ray runs down it so that the ray always grows along it. Cell
 /// k of the plan is cell -k - 1 of its mirror image: negation is exact, so the image costs no bit.
@@ -81,7 +81,7 @@ class RayEntry {
 /// from outside the plan or when one of them is not finite. `limit` in cells only ends the walk early, up to
 /// two columns late: compare entries exactly where it matters.
 template <class GoOn>
-void walkRay(const Plan& plan, const core::Point2& origin, const core::Point2& direction, double limit,
+void walkRay(const world::Plan& plan, const core::Point2& origin, const core::Point2& direction, double limit,
              GoOn go_on) {
   if (!isFiniteRay(origin, direction)) return;
   const GrowingAxis x = growingAxis(origin.x, direction.x, plan.columns, 1);
@@ -90,7 +90,7 @@ void walkRay(const Plan& plan, const core::Point2& origin, const core::Point2& d
 
   if (!major.contains(major.origin) || !minor.contains(minor.origin)) return;
   int u = static_cast<int>(std::floor(major.origin)), v = static_cast<int>(std::floor(minor.origin));
-  const Cell* cell = plan.cells.data() + major.zero + minor.zero + u * major.step + v * minor.step;
+  const world::Cell* cell = plan.cells.data() + major.zero + minor.zero + u * major.step + v * minor.step;
   if (!go_on(cell, RayEntry(major, minor, u, u, false))) return;
 
   const double slope = raySlope(major, minor);
@@ -110,7 +110,7 @@ void walkRay(const Plan& plan, const core::Point2& origin, const core::Point2& d
 }
 
 /// The unit vector in the plan's axes.
-inline core::Point2 rayDirection(const Plan& plan, double angle_rad) {
+inline core::Point2 rayDirection(const world::Plan& plan, double angle_rad) {
   const double angle_in_plan = angle_rad - plan.T_world_plan.phi;
   return core::polar(1, angle_in_plan);
 }
@@ -119,11 +119,11 @@ inline core::Point2 rayDirection(const Plan& plan, double angle_rad) {
 /// answers the distance in cells and may answer anything greater than `limit` for hits beyond it. Infinity
 /// beyond max_range_m; <= 0 means no limit.
 template <class Cast>
-double castInMetres(const Plan& plan, const core::Point2& direction, double max_range_m, Cast cast) {
+double castInMetres(const world::Plan& plan, const core::Point2& direction, double max_range_m, Cast cast) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double limit_m = max_range_m > 0 ? max_range_m : kInfinity;
   const double distance_m = plan.resolution_m * cast(direction, limit_m / plan.resolution_m);
   return distance_m <= limit_m ? distance_m : kInfinity;
 }
 
-}  // namespace slam::world
+}  // namespace slam::rays

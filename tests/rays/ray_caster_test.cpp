@@ -1,4 +1,4 @@
-#include "libslam/world/ray_caster.h"
+#include "libslam/rays/ray_caster.h"
 
 #include <gtest/gtest.h>
 
@@ -11,15 +11,15 @@
 #include "drawn_plan.h"
 #include "libslam/core/random.h"
 
-namespace slam::world {
+namespace slam::rays {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 using core::kPi;
 
-const Plan& room() {
-  static const Plan plan = drawnPlan({"########",  //
+const world::Plan& room() {
+  static const world::Plan plan = drawnPlan({"########",  //
                                       "#......#",  //
                                       "#......#",  //
                                       "#..##..#",  //
@@ -32,7 +32,7 @@ const Plan& room() {
 struct Ray {
   core::Point2 origin, direction;
 };
-Ray randomRay(core::RandomStream& random, const Plan& plan) {
+Ray randomRay(core::RandomStream& random, const world::Plan& plan) {
   Ray ray;
   ray.origin = {random.uniform(0, plan.columns), random.uniform(0, plan.rows)};
   double x = 0, y = 0, norm2 = 0;
@@ -46,14 +46,14 @@ Ray randomRay(core::RandomStream& random, const Plan& plan) {
 
 /// The plain walk (Amanatides and Woo, Eurographics 1987): step into whichever neighbour the ray reaches
 /// first, keeping the travelled distance per axis.
-double plainWalk(const Plan& plan, const Ray& ray) {
+double plainWalk(const world::Plan& plan, const Ray& ray) {
   int column = static_cast<int>(std::floor(ray.origin.x)), row = static_cast<int>(std::floor(ray.origin.y));
   const auto distanceToLine = [](double origin, double direction, int line) {
     return direction == 0 ? kInfinity : (line - origin) / direction;
   };
   double entered = 0;
   while (plan.contains(column, row)) {
-    if (plan.at(column, row) == Cell::kOccupied) return entered;
+    if (plan.at(column, row) == world::Cell::kOccupied) return entered;
     const double to_column = distanceToLine(ray.origin.x, ray.direction.x, column + (ray.direction.x > 0));
     const double to_row = distanceToLine(ray.origin.y, ray.direction.y, row + (ray.direction.y > 0));
     entered = std::min(to_column, to_row);
@@ -120,7 +120,7 @@ TEST(RayCaster, EntersTheUpperNeighbourWhereTheRowIsReachedExactlyAtAColumn) {
 }
 
 TEST(RayCaster, CountsAnOriginOnAGridLineToTheCellAhead) {
-  const Plan plan = drawnPlan({"..#.."});
+  const world::Plan plan = drawnPlan({"..#.."});
   EXPECT_EQ(castRayInCells(plan, {2, 0.5}, {1, 0}), 0);
   EXPECT_EQ(castRayInCells(plan, {2, 0.5}, {-1, 0}), kInfinity);
   EXPECT_EQ(castRayInCells(plan, {3, 0.5}, {-1, 0}), 0);
@@ -135,7 +135,7 @@ TEST(RayCaster, ReturnsZeroInsideAWall) {
 }
 
 TEST(RayCaster, ReturnsInfinityAtTheEdgeOfThePlan) {
-  const Plan open = drawnPlan({"...", "...", "..."});
+  const world::Plan open = drawnPlan({"...", "...", "..."});
   for (int i = 0; i < 100; ++i) EXPECT_EQ(castRay(open, {1.5, 1.5}, 0.0628 * i, 0), kInfinity);
 }
 
@@ -157,13 +157,13 @@ TEST(RayCaster, AnswersInfinityForAPoseThatIsNotFiniteOrOutside) {
   }
   EXPECT_EQ(castRay(room(), {1.5, 1.5}, kNaN, 0), kInfinity);
   EXPECT_EQ(castRay(room(), {1.5, 1.5}, kInfinity, 0), kInfinity);
-  EXPECT_EQ(castRay(Plan{}, {0, 0}, 0, 0), kInfinity) << "a plan without cells";
+  EXPECT_EQ(castRay(world::Plan{}, {0, 0}, 0, 0), kInfinity) << "a plan without cells";
 }
 
 TEST(RayCaster, AgreesWithThePlainWalkExceptThroughCorners) {
   int rays = 0, ties = 0, hits = 0;
   for (const int one_in : {8, 60, 1000}) {
-    const Plan plan = scatteredPlan(150, 110, 7, one_in);
+    const world::Plan plan = scatteredPlan(150, 110, 7, one_in);
     core::RandomStream random(11, "oracle");
     for (int i = 0; i < 80000; ++i, ++rays) {
       const Ray ray = randomRay(random, plan);
@@ -182,7 +182,7 @@ TEST(RayCaster, AgreesWithThePlainWalkExceptThroughCorners) {
 }
 
 TEST(RayCaster, DiffersFromThePlainWalkOnlyAtCornersOnRationalRays) {
-  const Plan plan = scatteredPlan(64, 64, 3, 20);
+  const world::Plan plan = scatteredPlan(64, 64, 3, 20);
   core::RandomStream random(5, "rational rays");
   int ties = 0;
   const int rays = 40000;
@@ -207,8 +207,8 @@ TEST(RayCaster, DiffersFromThePlainWalkOnlyAtCornersOnRationalRays) {
 struct Symmetry {
   bool mirror_x, mirror_y, swap;
 
-  Plan operator()(const Plan& plan) const {
-    Plan image = plan;
+  world::Plan operator()(const world::Plan& plan) const {
+    world::Plan image = plan;
     if (swap) std::swap(image.columns, image.rows);
     for (int row = 0; row < plan.rows; ++row)
       for (int column = 0; column < plan.columns; ++column) {
@@ -218,7 +218,7 @@ struct Symmetry {
       }
     return image;
   }
-  Ray operator()(const Ray& ray, const Plan& plan) const {
+  Ray operator()(const Ray& ray, const world::Plan& plan) const {
     Ray image = ray;
     if (mirror_x) image.origin.x = plan.columns - ray.origin.x, image.direction.x = -ray.direction.x;
     if (mirror_y) image.origin.y = plan.rows - ray.origin.y, image.direction.y = -ray.direction.y;
@@ -228,10 +228,10 @@ struct Symmetry {
 };
 
 TEST(RayCaster, GivesTheSameBitsInTheEightImagesOfAPlan) {
-  const Plan plan = scatteredPlan(120, 90, 21, 80);
+  const world::Plan plan = scatteredPlan(120, 90, 21, 80);
   for (int image = 1; image < 8; ++image) {
     const Symmetry symmetry{(image & 1) != 0, (image & 2) != 0, (image & 4) != 0};
-    const Plan image_plan = symmetry(plan);
+    const world::Plan image_plan = symmetry(plan);
     core::RandomStream random(33, "symmetry");
     for (int i = 0; i < 5000; ++i) {
       Ray ray = randomRay(random, plan);
@@ -246,7 +246,7 @@ TEST(RayCaster, GivesTheSameBitsInTheEightImagesOfAPlan) {
 }
 
 TEST(RayCaster, EndsEveryAxisAlignedRayOnAGridLine) {
-  const Plan plan = scatteredPlan(40, 30, 2, 30);
+  const world::Plan plan = scatteredPlan(40, 30, 2, 30);
   for (int column = 0; column <= plan.columns; ++column)
     for (int row = 0; row <= plan.rows; ++row)
       for (const core::Point2 direction :
@@ -260,13 +260,13 @@ TEST(RayCaster, EndsEveryAxisAlignedRayOnAGridLine) {
 TEST(RayCaster, KeepsTheHitInItsColumnOnAnAlmostParallelRay) {
   // One rounding step below the wall y = 2, with the slope of cos(pi/2): row(3) rounds to 2, so the walk
   // enters the wall in column 2, while the line through the same numbers meets y = 2 only at x = 4.2.
-  const Plan plan = drawnPlan({"############", "............", "............"});
+  const world::Plan plan = drawnPlan({"############", "............", "............"});
   EXPECT_EQ(castRayInCells(plan, {0.5, std::nextafter(2.0, 0.0)}, {1, 6e-17}), 2.5);
 }
 
 TEST(RayCaster, TurnsAndShiftsWithThePlan) {
-  Plan placed = scatteredPlan(90, 120, 4, 50);
-  const Plan still = placed;
+  world::Plan placed = scatteredPlan(90, 120, 4, 50);
+  const world::Plan still = placed;
   core::RandomStream random(8, "placed");
   int ties = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -288,7 +288,7 @@ TEST(RayCaster, TurnsAndShiftsWithThePlan) {
 }
 
 TEST(RayCaster, CastsAScanBeamByBeam) {
-  Plan plan = scatteredPlan(100, 100, 6, 40);
+  world::Plan plan = scatteredPlan(100, 100, 6, 40);
   plan.T_world_plan = {-1, 2, 0.3};
   const core::Pose2 T_world_lidar{0.5, 4.5, 1.2};
   std::vector<float> ranges(3, -1.0F);
@@ -309,7 +309,7 @@ TEST(RayCaster, CastsAScanBeamByBeam) {
 }
 
 TEST(RayCaster, GivesTheSameBitsInEveryBuild) {
-  const Plan plan = scatteredPlan(300, 200, 1, 200);
+  const world::Plan plan = scatteredPlan(300, 200, 1, 200);
   core::RandomStream random(1, "golden");
   std::uint64_t hash = 0xcbf29ce484222325ULL;  // FNV-1a over the bits of 20000 ranges
   for (int i = 0; i < 20000; ++i) {
@@ -323,4 +323,4 @@ TEST(RayCaster, GivesTheSameBitsInEveryBuild) {
 }
 
 }  // namespace
-}  // namespace slam::world
+}  // namespace slam::rays
