@@ -5,7 +5,7 @@
 #include <cctype>
 #include <filesystem>
 
-#include "libslam/check/passages.h"
+#include "libslam/drafting/passages.h"
 #include "libslam/check/rules.h"
 #include "libslam/core/error.h"
 #include "libslam/world/map_yaml.h"
@@ -149,7 +149,7 @@ PlanFigures figuresOf(const Sheet& sheet) {
   figures.free_m2 = sheet.squareMetres(figures.free_share * total);
   figures.reachable_m2 = sheet.squareMetres(cv::countNonZero(reachOfRobot(sheet).body));
   const double least_room = sheet.toPixels(1) * sheet.toPixels(1) * sheet.options.least_room_m2;
-  const Passages found = findPassages(free, least_room);
+  const drafting::Passages found = drafting::findPassages(free, least_room);
   figures.rooms = found.rooms;
   for (const auto& passage : found.passages)
     figures.door_widths_m.push_back(passage.width * sheet.resolution_m);

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <opencv2/imgproc.hpp>
 
-#include "libslam/check/lettering.h"
+#include "libslam/drafting/lettering.h"
 
 namespace slam::check {
 namespace {
@@ -20,8 +20,8 @@ cv::Mat paperAround(const Sheet& sheet, const cv::Mat& drawn) {
   const int margin = static_cast<int>(std::ceil(radius)) + 2;
   cv::Mat page;
   cv::copyMakeBorder(walls, page, margin, margin, margin, margin, cv::BORDER_CONSTANT, cv::Scalar(0));
-  const cv::Mat reached = reachedFromEdge(~grown(page, radius));
-  return grown(reached, radius)(cv::Rect(margin, margin, walls.cols, walls.rows)).clone();
+  const cv::Mat reached = drafting::reachedFromEdge(~grown(page, radius));
+  return drafting::grown(reached, radius)(cv::Rect(margin, margin, walls.cols, walls.rows)).clone();
 }
 
 }  // namespace
@@ -45,12 +45,12 @@ bool Sheet::isAskedFor(const std::string& key) const {
   return std::find(options.only.begin(), options.only.end(), key) != options.only.end();
 }
 
-const std::vector<DoorArc>& doorArcsOf(Sheet& sheet) {
+const std::vector<drafting::DoorArc>& doorArcsOf(Sheet& sheet) {
   if (!sheet.door_arcs) {
-    const auto arcsIn = [](const cv::Mat& ink) { return findDoorArcs(ink & ~findLettering(ink).ink); };
+    const auto arcsIn = [](const cv::Mat& ink) { return drafting::findDoorArcs(ink & ~findLettering(ink).ink); };
     sheet.door_arcs = arcsIn(sheet.mask(world::Cell::kOccupied));
     // Leaves and arcs are drawn finer than walls, so in a scan they are paler.
-    if (!sheet.faint.empty()) addDoorArcs(*sheet.door_arcs, arcsIn(sheet.faint));
+    if (!sheet.faint.empty()) drafting::addDoorArcs(*sheet.door_arcs, arcsIn(sheet.faint));
   }
   return *sheet.door_arcs;
 }
@@ -59,8 +59,8 @@ Reach reachOfRobot(const Sheet& sheet) {
   const cv::Mat free = sheet.mask(world::Cell::kFree);
   // Distances are between centres, and a cell reaches half a side towards the robot's centre.
   const double radius = sheet.toPixels(sheet.options.robot_side_m * std::sqrt(0.5));
-  const cv::Mat places = clearance(free, true) > radius + 0.5;
-  const Regions regions = regionsOf(places, 4);
+  const cv::Mat places = drafting::clearance(free, true) > radius + 0.5;
+  const drafting::Regions regions = drafting::regionsOf(places, 4);
   Reach reach{cv::Mat(free.size(), CV_8U, cv::Scalar(0)), cv::Mat(free.size(), CV_8U, cv::Scalar(0))};
   int best = 0;
   for (int label = 1; label < regions.count; ++label)
@@ -69,9 +69,9 @@ Reach reachOfRobot(const Sheet& sheet) {
   std::vector<char> chosen(static_cast<size_t>(regions.count), 0);
   chosen[static_cast<size_t>(best)] = 1;
   // One cell more than the body: what it brushes against counts as covered.
-  reach.body = grown(maskOf(regions, chosen), radius + 1) & free;
+  reach.body = drafting::grown(drafting::maskOf(regions, chosen), radius + 1) & free;
   for (size_t label = 0; label < chosen.size(); ++label) chosen[label] = label > 0 && !chosen[label];
-  reach.pockets = grown(maskOf(regions, chosen), radius + 1) & free & ~reach.body;
+  reach.pockets = drafting::grown(drafting::maskOf(regions, chosen), radius + 1) & free & ~reach.body;
   return reach;
 }
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/check/door_arcs.h"
+#include "libslam/drafting/door_arcs.h"
 #include "libslam/check/plan_check.h"
-#include "libslam/check/regions.h"
+#include "libslam/drafting/regions.h"
 #include "libslam/world/picture_file.h"
 
 namespace slam::check {
@@ -27,7 +27,7 @@ struct Sheet {
   cv::Mat changes;             ///< CV_8U, values of Change
   cv::Mat faint;               ///< 255 on all lines of a drawing, those too pale for a wall, too; or empty
   std::vector<Finding> findings;
-  std::optional<std::vector<DoorArc>> door_arcs;  ///< once they have been looked for: doorArcsOf()
+  std::optional<std::vector<drafting::DoorArc>> door_arcs;  ///< once they have been looked for: doorArcsOf()
 
   cv::Mat mask(world::Cell cell) const { return cells == static_cast<int>(cell); }  ///< 255 where it is
   /// Sets the cells under the mask; those that already are so stay unchanged. Returns how many changed.
@@ -40,7 +40,7 @@ struct Sheet {
 };
 
 /// The doors drawn on the sheet when this was first asked, lettering left out.
-const std::vector<DoorArc>& doorArcsOf(Sheet& sheet);
+const std::vector<drafting::DoorArc>& doorArcsOf(Sheet& sheet);
 
 /// What a robot can do in it, when it keeps to free cells: the unknown stops it as walls do, because there
 /// walls are built in the end.

@@ -1,9 +1,9 @@
-#include "libslam/check/regions.h"
+#include "libslam/drafting/regions.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace slam::check {
+namespace slam::drafting {
 
 cv::Rect Regions::box(int label) const {
   return {stats.at<int>(label, cv::CC_STAT_LEFT), stats.at<int>(label, cv::CC_STAT_TOP),
@@ -86,4 +86,4 @@ cv::Mat thickStrokes(const cv::Mat& ink, double diameter) {
   return grown(middle, least - 0.4) & ink;
 }
 
-}  // namespace slam::check
+}  // namespace slam::drafting

@@ -3,7 +3,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-namespace slam::check {
+namespace slam::drafting {
 
 /// Connected sets of a mask; label 0 is the background.
 struct Regions {
@@ -33,4 +33,4 @@ cv::Mat thickStrokes(const cv::Mat& ink, double diameter);
 /// as not marked when `edge_counts`. CV_32F.
 cv::Mat clearance(const cv::Mat& mask, bool edge_counts);
 
-}  // namespace slam::check
+}  // namespace slam::drafting

@@ -1,13 +1,13 @@
-#include "libslam/check/door_arcs.h"
+#include "libslam/drafting/door_arcs.h"
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "libslam/check/regions.h"
+#include "libslam/drafting/regions.h"
 #include "libslam/core/elementary.h"
 
-namespace slam::check {
+namespace slam::drafting {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -389,4 +389,4 @@ void addDoorArcs(std::vector<DoorArc>& doors, const std::vector<DoorArc>& more) 
     if (std::abs(door.radius - usual) <= 0.25 * usual) addApart(doors, door);
 }
 
-}  // namespace slam::check
+}  // namespace slam::drafting

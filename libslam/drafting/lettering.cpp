@@ -1,4 +1,4 @@
-#include "libslam/check/lettering.h"
+#include "libslam/drafting/lettering.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-#include "libslam/check/regions.h"
+#include "libslam/drafting/regions.h"
 #include "libslam/core/middle_value.h"
 
-namespace slam::check {
+namespace slam::drafting {
 namespace {
 
 constexpr int kLeastHeight = 5;
@@ -183,4 +183,4 @@ Lettering findLettering(const cv::Mat& ink) {
   return across;
 }
 
-}  // namespace slam::check
+}  // namespace slam::drafting

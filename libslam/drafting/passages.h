@@ -2,7 +2,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace slam::check {
+namespace slam::drafting {
 
 /// A way that is clearly narrower than the spaces it joins: a door, for what a raster shows.
 struct Passage {
@@ -25,4 +25,4 @@ inline double widthOfGap(double clearance) {
   return 2 * clearance - 0.75;  // between an odd and an even n
 }
 
-}  // namespace slam::check
+}  // namespace slam::drafting

@@ -2,7 +2,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace slam::check {
+namespace slam::drafting {
 
 /// A door as architects draw it: a leaf that stands open and the quarter circle that its edge sweeps.
 struct DoorArc {
@@ -23,4 +23,4 @@ void addDoorArcs(std::vector<DoorArc>& doors, const std::vector<DoorArc>& more);
 /// The radius that most others are within 15 % of, of equals the largest; their median. 0 without doors.
 double usualRadius(const std::vector<DoorArc>& doors);
 
-}  // namespace slam::check
+}  // namespace slam::drafting

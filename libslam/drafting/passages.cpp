@@ -1,12 +1,12 @@
-#include "libslam/check/passages.h"
+#include "libslam/drafting/passages.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "libslam/check/clearance_flood.h"
-#include "libslam/check/regions.h"
+#include "libslam/drafting/clearance_flood.h"
+#include "libslam/drafting/regions.h"
 
-namespace slam::check {
+namespace slam::drafting {
 namespace {
 
 constexpr double kMostCells = 4e6;
@@ -48,4 +48,4 @@ Passages findPassages(const cv::Mat& free, double least_area) {
   return found;
 }
 
-}  // namespace slam::check
+}  // namespace slam::drafting

@@ -2,7 +2,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace slam::check {
+namespace slam::drafting {
 
 /// A word or figure found in ink.
 struct Word {
@@ -22,4 +22,4 @@ struct Lettering {
 /// touches a wall is ever text.
 Lettering findLettering(const cv::Mat& ink);
 
-}  // namespace slam::check
+}  // namespace slam::drafting

@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace slam::check {
+namespace slam::drafting {
 
 /// A space that widens towards its middle, as far as the flood has come.
 struct Basin {
@@ -123,4 +123,4 @@ class ClearanceFlood {
   size_t outside_ = static_cast<size_t>(-1);
 };
 
-}  // namespace slam::check
+}  // namespace slam::drafting
