@@ -127,7 +127,7 @@ void ExploringRobot::carryOut(const robot::Command& command) {
   look(command);
 }
 
-void ExploringRobot::leaveOut(const std::vector<sim::Disc>& discs_robot) {
+void ExploringRobot::leaveOut(const std::vector<movers::Disc>& discs_robot) {
   auto& scan = sensed_.scan;
   if (discs_robot.empty()) return;
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {

@@ -50,7 +50,7 @@ class ExploringRobot {
   void look(const robot::Command& command);
   /// Beams that end on these discs (robot frame) count as lost from now on: other robots are no part of the
   /// map. What is recorded keeps them.
-  void leaveOut(const std::vector<sim::Disc>& discs_robot);
+  void leaveOut(const std::vector<movers::Disc>& discs_robot);
 
   /// From now on it drives back to its start.
   void startReturn();

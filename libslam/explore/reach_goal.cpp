@@ -243,7 +243,7 @@ ReachGoalConfig readReachGoalConfig(const files::IniFile& given) {
                            "]: a robot that drives to a goal carries one lidar, expected [lidar] alone");
   const auto ini = record::withCameraDefaults(given, sensor.camera, config.robot);
   files::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
-  files::readParameters(ini, sim::LivingOptions::table(), config.living, report);
+  files::readParameters(ini, movers::LivingOptions::table(), config.living, report);
   config.carries = sim::readCarries(ini, report);
   files::readParameters(ini, goals::NavigateOptions::table(), config.navigate, report);
   files::readParameters(ini, goals::LidarBugOptions::table(), config.navigate.lidar_bug, report);

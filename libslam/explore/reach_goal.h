@@ -17,7 +17,7 @@
 #include "libslam/lidar/lidar.h"
 #include "libslam/robot/odometry_noise.h"
 #include "libslam/sim/carry.h"
-#include "libslam/sim/living.h"
+#include "libslam/movers/living.h"
 #include "libslam/table/table.h"
 #include "libslam/world/plan.h"
 
@@ -29,7 +29,7 @@ struct ReachGoalConfig {
   lidar::LidarOptions lidar;                 ///< with a camera: the one that would give its scans
   std::optional<robot::FloorCamera> camera;  ///< looks in place of the lidar
   robot::OdometryOptions odometry;
-  sim::LivingOptions living;
+  movers::LivingOptions living;
   goals::NavigateOptions navigate;
   mrptnav::ReactiveOptions mrpt_reactive;
   std::vector<sim::CarryOrder> carries;           ///< when and where somebody carries the robot

@@ -111,7 +111,7 @@ void TeamLoop::sight() {
     Member& member = members_[i];
     member.neighbours.clear();
     member.map.reset();
-    std::vector<sim::Disc> discs;
+    std::vector<movers::Disc> discs;
     for (const auto& seen : sim::sightings(plan_, member.robot->truth(), others)) {
       const std::size_t other = who[seen.robot];
       member.neighbours.push_back({static_cast<int>(other), seen.p_robot, members_[other].wants_to_drive});
@@ -251,7 +251,7 @@ void TeamLoop::decide(std::size_t i) {
 }
 
 void TeamLoop::tellOthers(std::size_t i) {
-  std::vector<sim::Disc> others;
+  std::vector<movers::Disc> others;
   for (std::size_t other = 0; other < members_.size(); ++other)
     if (other != i)
       others.push_back({core::position(members_[other].robot->truth()), members_[other].robot->radius_m()});

@@ -10,25 +10,25 @@
 namespace slam::record {
 namespace {
 
-const char* nameOf(sim::PersonState state) {
+const char* nameOf(movers::PersonState state) {
   switch (state) {
-    case sim::PersonState::kWalking:
+    case movers::PersonState::kWalking:
       return "walking";
-    case sim::PersonState::kWaiting:
+    case movers::PersonState::kWaiting:
       return "waiting";
-    case sim::PersonState::kPausing:
+    case movers::PersonState::kPausing:
       return "pausing";
   }
   throw core::ContractError("MoversLog: no such state");
 }
 
-const char* nameOf(sim::DoorState state) {
+const char* nameOf(movers::DoorState state) {
   switch (state) {
-    case sim::DoorState::kOpen:
+    case movers::DoorState::kOpen:
       return "open";
-    case sim::DoorState::kClosed:
+    case movers::DoorState::kClosed:
       return "closed";
-    case sim::DoorState::kHeld:
+    case movers::DoorState::kHeld:
       return "held";
   }
   throw core::ContractError("MoversLog: no such state");

@@ -27,7 +27,7 @@ class MoversLog {
 
  private:
   files::GrowingFile file_;
-  std::vector<sim::DoorState> doors_;  ///< as last written
+  std::vector<movers::DoorState> doors_;  ///< as last written
 };
 
 }  // namespace slam::record

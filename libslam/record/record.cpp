@@ -60,14 +60,14 @@ RecordConfig readRecordConfig(const files::IniFile& given, const std::vector<std
   files::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
   files::readParameters(ini, navigate::StrategyOptions::table(), config.strategy, report);
   files::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.strategy.obstacles, report);
-  files::readParameters(ini, sim::LivingOptions::table(), config.living, report);
+  files::readParameters(ini, movers::LivingOptions::table(), config.living, report);
   files::readParameters(ini, SimulationOptions::table(), config.simulation, report);
   config.carries = sim::readCarries(ini, report);
   sim::requireBefore(config.carries, config.simulation.duration_s);
   return config;
 }
 
-world::Plan planOfVisit(const world::Plan& plan, const sim::LivingOptions& living, std::uint64_t seed) {
+world::Plan planOfVisit(const world::Plan& plan, const movers::LivingOptions& living, std::uint64_t seed) {
   world::Plan found = plan;
   for (int visit = 2; visit <= living.visit; ++visit) {
     core::RandomStream random(seed, "visit " + std::to_string(visit));

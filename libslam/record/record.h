@@ -16,7 +16,7 @@
 #include "libslam/lidar/lidar.h"
 #include "libslam/robot/odometry_noise.h"
 #include "libslam/sim/carry.h"
-#include "libslam/sim/living.h"
+#include "libslam/movers/living.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/world/plan.h"
 
@@ -39,7 +39,7 @@ struct RecordConfig {
   std::optional<robot::FloorCamera> camera;   ///< looks in place of the lidar
   robot::OdometryOptions odometry;
   navigate::StrategyOptions strategy;
-  sim::LivingOptions living;
+  movers::LivingOptions living;
   SimulationOptions simulation;
   std::vector<sim::CarryOrder> carries;           ///< when and where somebody carries the robot
   std::vector<files::ParameterReport> parameters;  ///< every value and where it came from
@@ -56,7 +56,7 @@ RecordConfig readRecordConfig(const files::IniFile& config,
 core::Pose2 startPose(const world::Plan& plan, const RecordConfig& config);
 
 /// What the robot finds on this [living] visit: the plan, its furniture moved visit - 1 times.
-world::Plan planOfVisit(const world::Plan& plan, const sim::LivingOptions& living, std::uint64_t seed);
+world::Plan planOfVisit(const world::Plan& plan, const movers::LivingOptions& living, std::uint64_t seed);
 
 /// What came out of a recording.
 struct Recording {

@@ -16,7 +16,7 @@ CameraSensor::CameraSensor(const robot::FloorCamera& camera, std::uint64_t seed)
       beams_(lidar::firstAngle(lidar_), lidar::beamStep(lidar_), lidar_.beams),
       random_(seed, "camera") {}
 
-lidar::Scan CameraSensor::sense(const Scene& scene, const core::Pose2& T_world_robot, double time_s) {
+lidar::Scan CameraSensor::sense(const movers::Scene& scene, const core::Pose2& T_world_robot, double time_s) {
   lidar::Scan scan;
   scan.time_s = time_s;
   scan.first_angle_rad = beams_.firstAngle();

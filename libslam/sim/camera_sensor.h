@@ -5,7 +5,7 @@
 #include "libslam/core/random.h"
 #include "libslam/robot/camera.h"
 #include "libslam/lidar/scan.h"
-#include "libslam/sim/scene.h"
+#include "libslam/movers/scene.h"
 #include "libslam/rays/beam_table.h"
 
 namespace slam::sim {
@@ -30,7 +30,7 @@ class CameraSensor {
   /// InputError as robot::requireSensible().
   CameraSensor(const robot::FloorCamera& camera, std::uint64_t seed);
 
-  lidar::Scan sense(const Scene& scene, const core::Pose2& T_world_robot, double time_s);
+  lidar::Scan sense(const movers::Scene& scene, const core::Pose2& T_world_robot, double time_s);
 
  private:
   robot::FloorCamera camera_;

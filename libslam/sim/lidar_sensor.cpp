@@ -82,7 +82,7 @@ double LidarSensor::memory_s() const {
   return options_.latency_s + options_.sweep / options_.rate_hz;
 }
 
-lidar::Scan LidarSensor::sense(const Scene& scene, const core::Pose2& T_world_robot, const RecentPath& path,
+lidar::Scan LidarSensor::sense(const movers::Scene& scene, const core::Pose2& T_world_robot, const RecentPath& path,
                                double time_s) {
   lidar::Scan scan;
   scan.time_s = time_s;
@@ -101,7 +101,7 @@ lidar::Scan LidarSensor::sense(const Scene& scene, const core::Pose2& T_world_ro
   return scan;
 }
 
-void LidarSensor::castWideBeams(const Scene& scene, std::vector<float>& out_ranges_m) {
+void LidarSensor::castWideBeams(const movers::Scene& scene, std::vector<float>& out_ranges_m) {
   std::array<std::vector<float>, lidar::kRaysPerBeam> rays_m;
   for (int ray = 0; ray < lidar::kRaysPerBeam; ++ray)
     castBeams(scene, beams_[static_cast<size_t>(ray)], rays_m[static_cast<size_t>(ray)]);
@@ -120,7 +120,7 @@ void LidarSensor::castWideBeams(const Scene& scene, std::vector<float>& out_rang
   }
 }
 
-void LidarSensor::castBeams(const Scene& scene, const rays::BeamTable& beams,
+void LidarSensor::castBeams(const movers::Scene& scene, const rays::BeamTable& beams,
                             std::vector<float>& out_ranges_m) {
   const bool stood_still = T_world_lidar_.size() == 1;
   if (options_.ray == "original") return castOriginalBeams(scene, beams, out_ranges_m);
@@ -140,7 +140,7 @@ void LidarSensor::castBeams(const Scene& scene, const rays::BeamTable& beams,
   }
 }
 
-void LidarSensor::castOriginalBeams(const Scene& scene, const rays::BeamTable& beams,
+void LidarSensor::castOriginalBeams(const movers::Scene& scene, const rays::BeamTable& beams,
                                     std::vector<float>& out_ranges_m) const {
   out_ranges_m.resize(static_cast<size_t>(options_.beams));
   for (size_t beam = 0; beam < out_ranges_m.size(); ++beam) {
@@ -152,7 +152,7 @@ void LidarSensor::castOriginalBeams(const Scene& scene, const rays::BeamTable& b
   }
 }
 
-double LidarSensor::followRay(const Scene& scene, Ray ray, double range_m) {
+double LidarSensor::followRay(const movers::Scene& scene, Ray ray, double range_m) {
   for (int turn = 0; turn < kMostTurns; ++turn) {
     if (std::isinf(range_m)) return kInfinity;
     const double way_m = ray.travelled_m + range_m;

@@ -9,7 +9,7 @@
 #include "libslam/lidar/lidar.h"
 #include "libslam/lidar/scan.h"
 #include "libslam/sim/recent_path.h"
-#include "libslam/sim/scene.h"
+#include "libslam/movers/scene.h"
 #include "libslam/rays/wall_hit.h"
 
 namespace slam::sim {
@@ -56,16 +56,16 @@ class LidarSensor {
   /// How long ago the oldest beam of a scan was measured, for the RecentPath that sense() is given.
   double memory_s() const;
   /// A lidar without a maximum range states the plan's diagonal as Scan::max_range_m.
-  lidar::Scan sense(const Scene& scene, const core::Pose2& T_world_robot, const RecentPath& path,
+  lidar::Scan sense(const movers::Scene& scene, const core::Pose2& T_world_robot, const RecentPath& path,
                     double time_s);
 
  private:
-  void castBeams(const Scene& scene, const rays::BeamTable& beams, std::vector<float>& out_ranges_m);
-  void castOriginalBeams(const Scene& scene, const rays::BeamTable& beams,
+  void castBeams(const movers::Scene& scene, const rays::BeamTable& beams, std::vector<float>& out_ranges_m);
+  void castOriginalBeams(const movers::Scene& scene, const rays::BeamTable& beams,
                          std::vector<float>& out_ranges_m) const;
-  void castWideBeams(const Scene& scene, std::vector<float>& out_ranges_m);
+  void castWideBeams(const movers::Scene& scene, std::vector<float>& out_ranges_m);
   /// The length of the whole way of a ray that meets something after range_m.
-  double followRay(const Scene& scene, Ray ray, double range_m);
+  double followRay(const movers::Scene& scene, Ray ray, double range_m);
   /// Past a pane or off a mirror; nullopt when a pane answers.
   std::optional<Ray> sendOn(const world::Plan& plan, const Ray& ray, const rays::WallHit& wall);
 

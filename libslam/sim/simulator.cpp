@@ -31,7 +31,7 @@ std::optional<lidar::Sweep> statedSweep(const lidar::LidarOptions& lidar) {
 Simulator::Simulator(const world::Plan& plan, const robot::RobotOptions& robot,
                      const lidar::LidarOptions& lidar, const robot::OdometryOptions& odometry,
                      const core::Pose2& start, std::uint64_t seed, double start_time_s,
-                     const LivingOptions& living, const std::optional<robot::FloorCamera>& camera)
+                     const movers::LivingOptions& living, const std::optional<robot::FloorCamera>& camera)
     : scene_(plan, living, seed, {core::position(start), robot::circumscribedRadius(robot)}),
       robot_(robot),
       lidar_(lidar, seed),
@@ -169,8 +169,8 @@ double Simulator::driveInLivingWorld(const robot::Command& command) {
     driven_s = freeDuration(command, driven_s, to_s);
     is_free = driven_s >= to_s;
   };
-  for (std::int64_t tick_ns = (elapsed_ns_ / kTick_ns + 1) * kTick_ns; tick_ns <= end_ns;
-       tick_ns += kTick_ns) {
+  for (std::int64_t tick_ns = (elapsed_ns_ / movers::kTick_ns + 1) * movers::kTick_ns; tick_ns <= end_ns;
+       tick_ns += movers::kTick_ns) {
     driveTo(std::min(command.duration_s, static_cast<double>(tick_ns - elapsed_ns_) * 1e-9));
     scene_.tick({core::position(T_world_robot_ * robot::driveMotion(command, driven_s)), radius_m});
   }

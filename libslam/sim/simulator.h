@@ -13,9 +13,9 @@
 #include "libslam/sim/camera_sensor.h"
 #include "libslam/sim/carry.h"
 #include "libslam/sim/lidar_sensor.h"
-#include "libslam/sim/living.h"
+#include "libslam/movers/living.h"
 #include "libslam/sim/recent_path.h"
-#include "libslam/sim/scene.h"
+#include "libslam/movers/scene.h"
 #include "libslam/world/plan.h"
 
 namespace slam::sim {
@@ -81,11 +81,11 @@ class Simulator {
   /// rays::SectorCaster: some milliseconds per million cells, and 8 bytes per cell.
   Simulator(const world::Plan& plan, const robot::RobotOptions& robot, const lidar::LidarOptions& lidar,
             const robot::OdometryOptions& odometry, const core::Pose2& start, std::uint64_t seed,
-            double start_time_s = kStartTime_s, const LivingOptions& living = {},
+            double start_time_s = kStartTime_s, const movers::LivingOptions& living = {},
             const std::optional<robot::FloorCamera>& camera = {});
   Simulator(world::Plan&&, const robot::RobotOptions&, const lidar::LidarOptions&,
             const robot::OdometryOptions&, const core::Pose2&, std::uint64_t, double = 0,
-            const LivingOptions& = {}, const std::optional<robot::FloorCamera>& = {}) = delete;
+            const movers::LivingOptions& = {}, const std::optional<robot::FloorCamera>& = {}) = delete;
 
   /// Mounts one more lidar, which then looks whenever the first does (its own rate says only how long its
   /// sweep takes). Before the first look. Its random streams are of its label, so that the first one's noise
@@ -103,7 +103,7 @@ class Simulator {
   /// Where other robots stand from now on, world frame: they are met by rays and bumped into as people are,
   /// and stand still until told otherwise. Each robot of a team has a simulator of its own, and all are told
   /// of each other.
-  void setOthers(const std::vector<Disc>& robots) { scene_.setRobots(robots); }
+  void setOthers(const std::vector<movers::Disc>& robots) { scene_.setRobots(robots); }
 
   /// Has the robot kidnapped at the moments of `orders` (since the first scan; may be called once, before the
   /// first command). Errors: InputError for a place without room for the robot, as for the start.
@@ -114,7 +114,7 @@ class Simulator {
   double time_s() const;
   const core::Pose2& truth() const { return T_world_robot_; }  ///< for the recorder only
   const std::vector<Collision>& collisions() const { return collisions_; }
-  const Scene& scene() const { return scene_; }                   ///< likewise
+  const movers::Scene& scene() const { return scene_; }                   ///< likewise
   const std::vector<Carry>& carries() const { return carries_; }  ///< that took place, in the order of time
   /// Orders that are not carried out yet.
   std::size_t waitingCarries() const { return pending_carries_.size(); }
@@ -139,7 +139,7 @@ class Simulator {
   /// The same over the whole command while the world goes on.
   double driveInLivingWorld(const robot::Command& command);
 
-  Scene scene_;
+  movers::Scene scene_;
   robot::RobotOptions robot_;
   struct MountedLidar {
     std::string label;

@@ -124,7 +124,7 @@ TEST(RecordLivingWorld, ALaterVisitIsScoredOnThePlanThatWasThere) {
 }
 
 TEST(RecordLivingWorld, EveryVisitIsAnother) {
-  sim::LivingOptions living;
+  movers::LivingOptions living;
   living.furniture_share = 1;
   const auto plan = flat();
   EXPECT_EQ(record::planOfVisit(plan, living, 1).cells, plan.cells);

@@ -31,7 +31,7 @@ world::Plan room() {
 
 lidar::Scan look(const robot::FloorCamera& camera, const Pose2& T_world_robot) {
   const auto plan = room();
-  const Scene scene(plan);
+  const movers::Scene scene(plan);
   return CameraSensor(camera, 1).sense(scene, T_world_robot, 7);
 }
 

@@ -35,7 +35,7 @@ robot::OdometryOptions perfectOdometry() {
 
 class CarriedRobot : public ::testing::Test {
  protected:
-  Simulator simulatorAt(const core::Pose2& start, const LivingOptions& living = {}) const {
+  Simulator simulatorAt(const core::Pose2& start, const movers::LivingOptions& living = {}) const {
     return {plan_, {}, lidar::LidarOptions{}, perfectOdometry(), start, 3, 0, living};
   }
   world::Plan plan_ = room();
@@ -196,7 +196,7 @@ TEST_F(CarriedRobot, PlacesWithoutRoomAreRefused) {
 }
 
 TEST_F(CarriedRobot, WaitsUntilNobodyStandsThere) {
-  LivingOptions living;
+  movers::LivingOptions living;
   living.people = 1;
   living.body = "disc";
   auto simulator = simulatorAt({1, 1, 0}, living);

@@ -41,7 +41,7 @@ lidar::LidarOptions ahead(double fov_rad = degToRad(2), int beams = 3) {
 
 lidar::Scan look(const Plan& plan, const lidar::LidarOptions& options, const Pose2& T_world_robot,
                  std::uint64_t seed = 1) {
-  const Scene scene(plan);
+  const movers::Scene scene(plan);
   return LidarSensor(options, seed).sense(scene, T_world_robot, RecentPath(0), 100);
 }
 
@@ -53,7 +53,7 @@ float lookAhead(const Plan& plan, lidar::LidarOptions options, const Pose2& pose
 /// Shares of what one beam straight ahead reads in many scans.
 std::map<float, double> sharesAhead(const Plan& plan, const lidar::LidarOptions& options, const Pose2& pose,
                                     int scans) {
-  const Scene scene(plan);
+  const movers::Scene scene(plan);
   LidarSensor sensor(options, 1);
   std::map<float, double> shares;
   for (int i = 0; i < scans; ++i)
@@ -78,7 +78,7 @@ TEST(LidarSensor, WithEverythingOffCastsOnceAndAddsTheOlderErrors) {
   lidar::LidarOptions options = circle(90);
   options.sigma_m = 0.02, options.drop_out = 0.1, options.mount_x_m = 0.2, options.mount_yaw_rad = 0.3;
   const Pose2 pose{4.3, 3.7, 1.1};
-  const Scene scene(plan);
+  const movers::Scene scene(plan);
   std::vector<float> expected_m;
   scene.castScan(pose * Pose2{0.2, 0, 0.3}, {-kPi, 2 * kPi / 90, 90}, 0, expected_m);
   core::RandomStream random(1, "lidar");
@@ -221,7 +221,7 @@ TEST(MixedPixels, AreTheStatedShareAndUniformBetweenBothSides) {
   // Straight ahead along the edge of that wall: two rays of five on it at 10 m, the rest at 29 m.
   lidar::LidarOptions options = ahead();
   options.beam_width_rad = degToRad(1), options.mixed_pixels = 0.3;
-  const Scene scene(plan);
+  const movers::Scene scene(plan);
   LidarSensor sensor(options, 1);
   const int scans = 4000;
   int mixed = 0;

@@ -3,7 +3,7 @@
 
 #include "libslam/core/pose2.h"
 
-namespace slam::sim {
+namespace slam::movers {
 
 /// A round thing: a leg, a person, the robot's footprint.
 struct Disc {
@@ -21,4 +21,4 @@ double castRay(const Disc& disc, const core::Point2& origin, const core::Point2&
 void castScan(const std::vector<Disc>& discs, const core::Pose2& T_world_lidar, double first_angle_rad,
               double step_rad, double max_range_m, std::vector<float>& ranges_m);
 
-}  // namespace slam::sim
+}  // namespace slam::movers

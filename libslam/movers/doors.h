@@ -3,11 +3,11 @@
 #include <vector>
 
 #include "libslam/core/random.h"
-#include "libslam/sim/disc.h"
-#include "libslam/sim/living.h"
+#include "libslam/movers/disc.h"
+#include "libslam/movers/living.h"
 #include "libslam/world/plan.h"
 
-namespace slam::sim {
+namespace slam::movers {
 
 enum class DoorState { kOpen, kClosed, kHeld };  ///< held: would close, but somebody stands there
 
@@ -17,7 +17,7 @@ class Doors {
  public:
   Doors(const world::Plan& plan, const LivingOptions& options, std::uint64_t seed);
 
-  /// One tick of sim::kTick_ns. `bodies`: people and robot in the plan frame; a door does not close while one
+  /// One tick of movers::kTick_ns. `bodies`: people and robot in the plan frame; a door does not close while one
   /// is in it or within `keep_m` of it. Returns the indices (into all()) of the doors whose cells changed.
   const std::vector<size_t>& tick(const std::vector<Disc>& bodies, double keep_m);
 
@@ -37,4 +37,4 @@ class Doors {
   std::vector<size_t> changed_;
 };
 
-}  // namespace slam::sim
+}  // namespace slam::movers

@@ -1,4 +1,4 @@
-#include "libslam/sim/disc.h"
+#include "libslam/movers/disc.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "libslam/core/random.h"
 
-namespace slam::sim {
+namespace slam::movers {
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::infinity();
@@ -93,4 +93,4 @@ TEST(DiscScan, LeavesAScanAloneThatItCannotSee) {
 }
 
 }  // namespace
-}  // namespace slam::sim
+}  // namespace slam::movers

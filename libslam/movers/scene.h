@@ -4,14 +4,14 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/sim/crowd.h"
-#include "libslam/sim/disc.h"
-#include "libslam/sim/doors.h"
-#include "libslam/sim/living.h"
+#include "libslam/movers/crowd.h"
+#include "libslam/movers/disc.h"
+#include "libslam/movers/doors.h"
+#include "libslam/movers/living.h"
 #include "libslam/world/plan.h"
 #include "libslam/rays/sector_caster.h"
 
-namespace slam::sim {
+namespace slam::movers {
 
 /// What stands around the robot at the present moment: what a ray meets and what a body bumps into. Walls,
 /// doors that are closed, people.
@@ -70,4 +70,4 @@ class Scene {
   std::vector<Disc> robots_;            ///< world frame; they are in the two above as well
 };
 
-}  // namespace slam::sim
+}  // namespace slam::movers

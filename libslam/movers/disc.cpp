@@ -1,4 +1,4 @@
-#include "libslam/sim/disc.h"
+#include "libslam/movers/disc.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "libslam/core/elementary.h"
 
-namespace slam::sim {
+namespace slam::movers {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -81,4 +81,4 @@ void castScan(const std::vector<Disc>& discs, const core::Pose2& T_world_lidar, 
   }
 }
 
-}  // namespace slam::sim
+}  // namespace slam::movers

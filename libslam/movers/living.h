@@ -3,7 +3,7 @@
 
 #include "libslam/files/parameters.h"
 
-namespace slam::sim {
+namespace slam::movers {
 
 /// What moves in the world besides the robot; section [living]. By default nothing does.
 struct LivingOptions {
@@ -21,4 +21,4 @@ struct LivingOptions {
   static const files::ParameterTable<LivingOptions>& table();
 };
 
-}  // namespace slam::sim
+}  // namespace slam::movers

@@ -1,4 +1,4 @@
-#include "libslam/sim/walkways.h"
+#include "libslam/movers/walkways.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 
 #include "libslam/world/region.h"
 
-namespace slam::sim {
+namespace slam::movers {
 namespace {
 
 constexpr double kLongestWalk_m = 30, kAreaPerPlace_m2 = 12, kBetweenPlaces_m = 1.5, kRoomToPass_m = 0.35;
@@ -269,4 +269,4 @@ const std::vector<Walkways::Way>& Walkways::waysFrom(size_t place) {
   return ways;
 }
 
-}  // namespace slam::sim
+}  // namespace slam::movers

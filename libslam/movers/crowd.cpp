@@ -1,4 +1,4 @@
-#include "libslam/sim/crowd.h"
+#include "libslam/movers/crowd.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "libslam/core/error.h"
 
-namespace slam::sim {
+namespace slam::movers {
 namespace {
 
 using core::Point2;
@@ -313,4 +313,4 @@ void Crowd::appendBodies(std::vector<Disc>& bodies) const {
   }
 }
 
-}  // namespace slam::sim
+}  // namespace slam::movers

@@ -1,4 +1,4 @@
-#include "libslam/sim/walkways.h"
+#include "libslam/movers/walkways.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "tests/sim/two_rooms.h"
 
-namespace slam::sim {
+namespace slam::movers {
 namespace {
 
 constexpr double kRadius_m = 0.25;
@@ -131,4 +131,4 @@ TEST(Walkways, AOnlyPlaceHasTheWayToItself) {
 }
 
 }  // namespace
-}  // namespace slam::sim
+}  // namespace slam::movers

@@ -1,4 +1,4 @@
-#include "libslam/sim/scene.h"
+#include "libslam/movers/scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "libslam/files/parameters.h"
 #include "libslam/rays/original_ray.h"
 
-namespace slam::sim {
+namespace slam::movers {
 
 Scene::Scene(const world::Plan& plan) : Scene(plan, {}, 0, {}) {}
 
@@ -31,7 +31,7 @@ void Scene::castScan(const core::Pose2& T_world_lidar, const rays::BeamTable& be
                      std::vector<float>& out_ranges_m) const {
   caster_.castScan(T_world_lidar, beams, max_range_m, out_ranges_m);
   if (!bodies_.empty())
-    sim::castScan(bodies_, T_world_lidar, beams.firstAngle(), beams.step(), max_range_m, out_ranges_m);
+    movers::castScan(bodies_, T_world_lidar, beams.firstAngle(), beams.step(), max_range_m, out_ranges_m);
 }
 
 double Scene::castRay(const core::Point2& p_world, double angle_rad, double max_range_m) const {
@@ -48,7 +48,7 @@ double Scene::castBodies(const core::Point2& p_world, double angle_rad, double r
                          double max_range_m) const {
   const core::Point2 direction = core::polar(1, angle_rad);
   for (const Disc& body : bodies_) {
-    const double body_m = sim::castRay(body, p_world, direction);
+    const double body_m = movers::castRay(body, p_world, direction);
     if (body_m < range_m && (max_range_m <= 0 || body_m <= max_range_m)) range_m = body_m;
   }
   return range_m;
@@ -125,4 +125,4 @@ void Scene::placeBodies() {
     persons_.push_back({plan_.T_world_plan * person.p, crowd_->radius_m()});
 }
 
-}  // namespace slam::sim
+}  // namespace slam::movers

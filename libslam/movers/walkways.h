@@ -7,7 +7,7 @@
 #include "libslam/core/random.h"
 #include "libslam/world/plan.h"
 
-namespace slam::sim {
+namespace slam::movers {
 
 /// Where people of one radius can stand in a plan, places worth walking to, and the ways between them. All in
 /// the plan frame, in metres. Only whole cells are told apart: a point can be stood on when the person fits
@@ -69,4 +69,4 @@ class Walkways {
   std::map<size_t, std::vector<Way>> ways_;
 };
 
-}  // namespace slam::sim
+}  // namespace slam::movers

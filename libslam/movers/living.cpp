@@ -1,6 +1,6 @@
-#include "libslam/sim/living.h"
+#include "libslam/movers/living.h"
 
-namespace slam::sim {
+namespace slam::movers {
 
 const files::ParameterTable<LivingOptions>& LivingOptions::table() {
   using O = LivingOptions;
@@ -27,4 +27,4 @@ LivingOptions::LivingOptions() {
   table().setDefaults(*this);
 }
 
-}  // namespace slam::sim
+}  // namespace slam::movers

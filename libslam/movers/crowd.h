@@ -4,12 +4,12 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/core/random.h"
-#include "libslam/sim/disc.h"
-#include "libslam/sim/living.h"
-#include "libslam/sim/walkways.h"
+#include "libslam/movers/disc.h"
+#include "libslam/movers/living.h"
+#include "libslam/movers/walkways.h"
 #include "libslam/world/plan.h"
 
-namespace slam::sim {
+namespace slam::movers {
 
 /// The world's clock: people and doors move at whole multiples of it.
 inline constexpr std::int64_t kTick_ns = 25'000'000;
@@ -91,4 +91,4 @@ class Crowd {
   std::int64_t ticks_ = 0;
 };
 
-}  // namespace slam::sim
+}  // namespace slam::movers

@@ -1,4 +1,4 @@
-#include "libslam/sim/crowd.h"
+#include "libslam/movers/crowd.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include "libslam/resources/file_hash.h"
 #include "tests/sim/two_rooms.h"
 
-namespace slam::sim {
+namespace slam::movers {
 namespace {
 
 const Disc kFarAway{{-100, -100}, 0.3};
@@ -213,4 +213,4 @@ TEST(Crowd, SaysWhenThereIsNoRoom) {
 }
 
 }  // namespace
-}  // namespace slam::sim
+}  // namespace slam::movers

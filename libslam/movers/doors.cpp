@@ -1,11 +1,11 @@
-#include "libslam/sim/doors.h"
+#include "libslam/movers/doors.h"
 
 #include <algorithm>
 #include <string>
 
-#include "libslam/sim/crowd.h"
+#include "libslam/movers/crowd.h"
 
-namespace slam::sim {
+namespace slam::movers {
 namespace {
 
 bool isInTheWay(const Disc& body, const world::Door& door, double resolution_m, double keep_m) {
@@ -59,4 +59,4 @@ const std::vector<size_t>& Doors::tick(const std::vector<Disc>& bodies, double k
   return changed_;
 }
 
-}  // namespace slam::sim
+}  // namespace slam::movers
