@@ -67,12 +67,12 @@ const Target& targetOf(const Arguments& arguments) {
                          ", or --to with one of " + names);
 }
 
-std::optional<logs::RawlogForm> formOf(const Arguments& arguments, const Target& target) {
+std::optional<rawlogs::RawlogForm> formOf(const Arguments& arguments, const Target& target) {
   if (arguments.form.empty()) return std::nullopt;
   if (target.log != logs::LogFormat::kRawlog)
     throw core::InputError("--form: is of rawlogs, expected none with --to " + target.name);
-  if (arguments.form == "action") return logs::RawlogForm::kActionFrame;
-  if (arguments.form == "observation") return logs::RawlogForm::kObservationOnly;
+  if (arguments.form == "action") return rawlogs::RawlogForm::kActionFrame;
+  if (arguments.form == "observation") return rawlogs::RawlogForm::kObservationOnly;
   throw core::InputError("--form: found '" + arguments.form + "', expected action or observation");
 }
 

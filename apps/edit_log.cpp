@@ -112,9 +112,9 @@ run::ScanOdometryLogOptions odometryOptions(const FilterArguments& arguments) {
   }
   options.odometry.method = arguments.odometry;
   if (arguments.form == "action")
-    options.form = logs::RawlogForm::kActionFrame;
+    options.form = rawlogs::RawlogForm::kActionFrame;
   else if (arguments.form == "observation")
-    options.form = logs::RawlogForm::kObservationOnly;
+    options.form = rawlogs::RawlogForm::kObservationOnly;
   else if (!arguments.form.empty())
     throw core::InputError("--form: found '" + arguments.form + "', expected action or observation");
   return options;

@@ -17,7 +17,7 @@
 #include "libslam/doctor/motion_series.h"
 #include "libslam/doctor/odometry_tally.h"
 #include "libslam/logs/log_format.h"
-#include "libslam/logs/log_motion.h"
+#include "libslam/rawlogs/log_motion.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/objects/sweep_note.h"
@@ -55,7 +55,7 @@ class OdometryReader {
     core::Pose2 T_odom_robot;
   };
   void takeActions(const CActionCollection& actions) {
-    const auto increment = logs::incrementOf(actions);
+    const auto increment = rawlogs::incrementOf(actions);
     if (!increment || !core::isFinite(*increment)) return;
     pose_ = pose_ * *increment;
     is_pending_ = true;

@@ -16,7 +16,7 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/logs/log_format.h"
-#include "libslam/logs/log_motion.h"
+#include "libslam/rawlogs/log_motion.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
@@ -96,7 +96,7 @@ class Counter {
   /// The object's stamp in seconds since the first one, for progress.
   double take(const mrpt::serialization::CSerializable& object) {
     if (const auto* actions = dynamic_cast<const CActionCollection*>(&object)) {
-      report_.odometry_readings += incrementOf(*actions) ? 1 : 0;
+      report_.odometry_readings += rawlogs::incrementOf(*actions) ? 1 : 0;
     } else if (const auto* frame = dynamic_cast<const CSensoryFrame*>(&object)) {
       for (const auto& observation : *frame) takeObservation(*observation);
     } else if (const auto* observation = dynamic_cast<const CObservation*>(&object)) {
@@ -160,7 +160,7 @@ ConversionReport convertLog(const std::string& in, const std::string& out, const
   std::unique_ptr<objects::ObjectSource> source = std::move(sieve);
   const bool is_rawlog = conversion.to == LogFormat::kRawlog;
   if (!is_rawlog || conversion.form)
-    source = inForm(std::move(source), is_rawlog ? *conversion.form : RawlogForm::kObservationOnly, in);
+    source = rawlogs::inForm(std::move(source), is_rawlog ? *conversion.form : rawlogs::RawlogForm::kObservationOnly, in);
   const auto sink = createLog(out, conversion.to);
   Counter counter(report);
   progress.begin("converting to " + std::string(formatName(conversion.to)));

@@ -13,7 +13,7 @@
 
 #include "libslam/files/files.h"
 #include "libslam/logs/log_edit.h"
-#include "libslam/logs/rawlog_stream.h"
+#include "libslam/rawlogs/rawlog_stream.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
 
@@ -47,7 +47,7 @@ class StepReader {
  private:
   static void setTime(LogStep& step);
   std::unique_ptr<objects::ObjectSource> source_;
-  const RawlogObjects* rawlog_ = nullptr;
+  const rawlogs::RawlogObjects* rawlog_ = nullptr;
   std::vector<LogObject> waiting_;  ///< actions before their frame
 };
 
@@ -84,7 +84,7 @@ class StepWriter {
   std::optional<ComposedActions> dropped_;
   std::string path_;
   files::PendingFile pending_;
-  PackingStream stream_;
+  rawlogs::PackingStream stream_;
   EditCounts counts_;
 };
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/logs/rawlog_stream.h"
+#include "libslam/rawlogs/rawlog_stream.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/sweep_note.h"
@@ -77,17 +77,17 @@ void requireWritable(const LogEntry& entry) {
 }  // namespace
 
 struct LogWriter::State {
-  RawlogSink sink;
-  RawlogForm form;
+  rawlogs::RawlogSink sink;
+  rawlogs::RawlogForm form;
   std::map<std::string, std::string> sweep_notes = {};  ///< the last by label
 };
 
-LogWriter::LogWriter(const std::string& path, RawlogForm form) : state_(new State{RawlogSink(path), form}) {}
+LogWriter::LogWriter(const std::string& path, rawlogs::RawlogForm form) : state_(new State{rawlogs::RawlogSink(path), form}) {}
 LogWriter::~LogWriter() = default;
 
 void LogWriter::write(const LogEntry& entry) {
   requireWritable(entry);
-  if (state_->form == RawlogForm::kActionFrame)
+  if (state_->form == rawlogs::RawlogForm::kActionFrame)
     writeActionAndFrame(entry, state_->sweep_notes, state_->sink);
   else
     writeObservations(entry, state_->sweep_notes, state_->sink);

@@ -45,8 +45,8 @@ struct Recorder::State {
   State(const std::string& path, const RecordConfig& record_config)
       : log_path(path),
         config(record_config),
-        log(path, record_config.simulation.log_form == "action" ? logs::RawlogForm::kActionFrame
-                                                                : logs::RawlogForm::kObservationOnly),
+        log(path, record_config.simulation.log_form == "action" ? rawlogs::RawlogForm::kActionFrame
+                                                                : rawlogs::RawlogForm::kObservationOnly),
         tum(logStem(path) + ".gt.tum", logs::TrajectoryWriter::Format::kTum),
         mrpt_truth(path + ".GT.txt", logs::TrajectoryWriter::Format::kMrptGroundTruth),
         operations(logStem(path) + ".operations.txt") {}

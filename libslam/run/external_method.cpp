@@ -116,7 +116,7 @@ void writeLog(const ExternalMethod& method, const std::string& log_path, const s
     conversion.to = logs::LogFormat::kCarmen;
   else
     conversion.form =
-        wanted == "action" ? logs::RawlogForm::kActionFrame : logs::RawlogForm::kObservationOnly;
+        wanted == "action" ? rawlogs::RawlogForm::kActionFrame : rawlogs::RawlogForm::kObservationOnly;
   const auto report = logs::convertLog(log_path, files.log, conversion, progress);
   for (const auto& file : report.files)
     if (!fs::equivalent(file, files.log)) fs::remove(file);

@@ -38,7 +38,7 @@ namespace slam::run {
 struct ExternalOptions {
   std::string type;     ///< external
   std::string command;  ///< with the placeholders
-  std::string log;      ///< action | observation: MRPT rawlog of that form (logs/rawlog_form.h); carmen
+  std::string log;      ///< action | observation: MRPT rawlog of that form (rawlogs/rawlog_form.h); carmen
   double time_limit_s, memory_limit_mb;
   ExternalOptions();
   static const files::ParameterTable<ExternalOptions>& table();

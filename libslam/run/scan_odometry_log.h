@@ -5,7 +5,7 @@
 #include <string>
 
 #include "libslam/core/progress.h"
-#include "libslam/logs/rawlog_form.h"
+#include "libslam/rawlogs/rawlog_form.h"
 #include "libslam/odometry/scan_odometry.h"
 
 namespace slam::run {
@@ -18,7 +18,7 @@ using CommandBefore =
 struct ScanOdometryLogOptions {
   odometry::ScanOdometryOptions odometry;
   std::string label;  ///< the lidar; "": the one with the most scans among the first 100 (LogReader's rule)
-  std::optional<logs::RawlogForm> form;  ///< turned into it first; none: as the log is
+  std::optional<rawlogs::RawlogForm> form;  ///< turned into it first; none: as the log is
   CommandBefore commanded;               ///< none: MotionKind::kUnknown
 };
 

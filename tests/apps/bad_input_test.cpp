@@ -55,7 +55,7 @@ lidar::Scan smallScan(double time_s, int beams) {
 }
 
 void writeLog(const std::string& path, int entries, bool has_odometry = true) {
-  logs::LogWriter writer(path, logs::RawlogForm::kActionFrame);
+  logs::LogWriter writer(path, rawlogs::RawlogForm::kActionFrame);
   for (int i = 0; i < entries; ++i)
     writer.write({smallScan(0.2 * i, 31), {0.0, 0, 0}, {0.0, 0, 0}, has_odometry});
   writer.close();

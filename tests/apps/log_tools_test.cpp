@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 
 /// Scans of a wall ahead, 0.2 s apart, while the robot goes 2 cm each time.
 std::string writeLog(const testing::TempFolder& folder, const std::string& name, int scans) {
-  logs::LogWriter writer(folder / name, logs::RawlogForm::kActionFrame);
+  logs::LogWriter writer(folder / name, rawlogs::RawlogForm::kActionFrame);
   logs::LogEntry entry;
   entry.scan.step_rad = core::degToRad(1);
   entry.scan.first_angle_rad = core::degToRad(-45);

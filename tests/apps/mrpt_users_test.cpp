@@ -21,7 +21,7 @@ const std::string kSource = RASTERSLAM_SOURCE_DIR;
 /// A drive with exact scans and no odometry, as from a lidar in somebody's hand.
 mapping::test::Drive writeScansAlone(const std::string& path) {
   auto drive = mapping::test::driveThroughRoom();
-  logs::LogWriter writer(path, logs::RawlogForm::kObservationOnly);
+  logs::LogWriter writer(path, rawlogs::RawlogForm::kObservationOnly);
   for (auto entry : drive.entries) {
     entry.has_odometry = false;
     writer.write(entry);

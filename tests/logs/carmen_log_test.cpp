@@ -293,7 +293,7 @@ TEST(LogFormats, AreToldByContentWhateverTheName) {
 // --- The way back
 // -------------------------------------------------------------------------------------------
 
-std::string throughRawlog(const std::string& text, std::optional<RawlogForm> form = std::nullopt) {
+std::string throughRawlog(const std::string& text, std::optional<rawlogs::RawlogForm> form = std::nullopt) {
   const testing::TempFolder folder;
   files::writeFileAtomically(folder / "a.clf", text);
   LogConversion to_rawlog, to_carmen;
@@ -333,7 +333,7 @@ TEST(CarmenWriter, KeepsScansAndStampsThroughTheActionForm) {
   const auto back =
       throughRawlog(line("0.000000", "1000.250000", "0.000000") + "ODOM 0.5 0 0 0 0 0 1000.3 host 0.05\n" +
                         line("0.750000", "1000.500000", "0.250000"),
-                    RawlogForm::kActionFrame);
+                    rawlogs::RawlogForm::kActionFrame);
   // Odometry stands in lines of its own, and that between scans is in the increments.
   EXPECT_EQ(back,
             "ODOM 0.000000 0.000000 0.000000 0.000000 0.000000 0.000000 1000.250000 nohost 0.000000\n" +

@@ -54,7 +54,7 @@ inline std::vector<LogEntry> sampleEntries(int count) {
   return entries;
 }
 
-inline void writeLog(const std::vector<LogEntry>& entries, const std::string& path, RawlogForm form) {
+inline void writeLog(const std::vector<LogEntry>& entries, const std::string& path, rawlogs::RawlogForm form) {
   LogWriter writer(path, form);
   for (const auto& entry : entries) writer.write(entry);
   writer.close();

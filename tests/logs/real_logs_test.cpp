@@ -275,8 +275,8 @@ TEST(RealLogs, SayWhichStampsOfMitKillianAreInterpolated) {
 constexpr size_t kScansForPrograms = 300;
 
 /// The beginning of a log in one of the forms.
-void writeStart(const std::string& path, RawlogForm form, const std::string& out, size_t most_scans) {
-  const auto source = inForm(openLog(path), form, path);
+void writeStart(const std::string& path, rawlogs::RawlogForm form, const std::string& out, size_t most_scans) {
+  const auto source = rawlogs::inForm(openLog(path), form, path);
   const auto sink = createLog(out, LogFormat::kRawlog);
   for (size_t scans = 0; scans < most_scans;) {
     const auto object = source->next();
@@ -299,7 +299,7 @@ TEST_P(EveryLog, IsMappedByStockIcpSlam) {
   if (!testing::programExists("icp-slam"))
     GTEST_SKIP() << "icp-slam (Debian package mrpt-apps) is not installed";
   const testing::TempFolder folder;
-  writeStart(path, RawlogForm::kObservationOnly, folder / "a.rawlog", kScansForPrograms);
+  writeStart(path, rawlogs::RawlogForm::kObservationOnly, folder / "a.rawlog", kScansForPrograms);
   const auto run = testing::runCommand("cd '" + folder.path() + "' && env -u DISPLAY icp-slam '" + kSource +
                                        "/configs/mrpt/icp-slam.ini' a.rawlog");
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -313,7 +313,7 @@ TEST_P(EveryLog, IsMappedByStockRbpfSlamInTheActionForm) {
     GTEST_SKIP() << "rbpf-slam (Debian package mrpt-apps) is not installed";
   const testing::TempFolder folder;
   constexpr size_t kScans = 60;
-  writeStart(path, RawlogForm::kActionFrame, folder / "a.rawlog", kScans);
+  writeStart(path, rawlogs::RawlogForm::kActionFrame, folder / "a.rawlog", kScans);
   const auto run = testing::runCommand("cd '" + folder.path() + "' && env -u DISPLAY rbpf-slam '" + kSource +
                                        "/configs/mrpt/rbpf-slam.ini' a.rawlog");
   ASSERT_EQ(run.exit_code, 0) << run.err;

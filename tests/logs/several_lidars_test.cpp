@@ -35,7 +35,7 @@ struct Given {
   bool is_copy = false;     ///< the rear repeats the front's readings
   bool is_together = true;  ///< in one entry
   std::optional<lidar::Sweep> sweep = {};
-  RawlogForm form = RawlogForm::kActionFrame;
+  rawlogs::RawlogForm form = rawlogs::RawlogForm::kActionFrame;
 };
 
 /// Ten steps of 0.1 m, a scan to the front and one to the rear at each.
@@ -68,7 +68,7 @@ std::vector<LogEntry> readAll(LogReader& reader) {
 }
 
 TEST(SeveralLidars, OneMomentIsOneEntryInEitherForm) {
-  for (const auto form : {RawlogForm::kActionFrame, RawlogForm::kObservationOnly}) {
+  for (const auto form : {rawlogs::RawlogForm::kActionFrame, rawlogs::RawlogForm::kObservationOnly}) {
     const testing::TempFolder folder;
     Given given;
     given.form = form;
@@ -159,7 +159,7 @@ TEST(SeveralLidars, NamedOnesWhoseStampsDisagreeAreRefused) {
 }
 
 TEST(SeveralLidars, TheLogStatesWhoseScansAreSwept) {
-  for (const auto form : {RawlogForm::kActionFrame, RawlogForm::kObservationOnly}) {
+  for (const auto form : {rawlogs::RawlogForm::kActionFrame, rawlogs::RawlogForm::kObservationOnly}) {
     const testing::TempFolder folder;
     Given given;
     given.form = form;

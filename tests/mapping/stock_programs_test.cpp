@@ -28,7 +28,7 @@ const std::string kSource = RASTERSLAM_SOURCE_DIR, kBinary = RASTERSLAM_BINARY_D
 
 std::string writeLog(const testing::TempFolder& folder, const test::Drive& drive) {
   const std::string path = folder / "drive.rawlog";
-  logs::LogWriter writer(path, logs::RawlogForm::kActionFrame);
+  logs::LogWriter writer(path, rawlogs::RawlogForm::kActionFrame);
   for (const auto& entry : drive.entries) writer.write(entry);
   writer.close();
   return path;

@@ -37,8 +37,8 @@ class TwoHalves : public ::testing::Test {
     record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole, {},
                    core::silentProgress());
     logs::LogReader log(whole);
-    logs::LogWriter first(*folder_ / "first.rawlog", logs::RawlogForm::kActionFrame);
-    logs::LogWriter second(*folder_ / "second.rawlog", logs::RawlogForm::kActionFrame);
+    logs::LogWriter first(*folder_ / "first.rawlog", rawlogs::RawlogForm::kActionFrame);
+    logs::LogWriter second(*folder_ / "second.rawlog", rawlogs::RawlogForm::kActionFrame);
     for (int i = 0; const auto entry = log.next(); ++i) (i < 100 ? first : second).write(*entry);
     first.close();
     second.close();

@@ -24,7 +24,7 @@
 namespace slam::run {
 namespace {
 
-using logs::RawlogForm;
+using rawlogs::RawlogForm;
 using mapping::test::driveThroughRoom;
 using mrpt::obs::CActionCollection;
 using mrpt::obs::CActionRobotMovement2D;

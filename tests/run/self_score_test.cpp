@@ -107,7 +107,7 @@ TEST_F(SelfScoring, IsNotMissedWhereARunDoesNotHaveIt) {
 TEST_F(SelfScoring, ALogWhoseStampsRunBackGivesAPathInTheOrderOfTheStamps) {
   const std::string shuffled = folder_ / "shuffled.rawlog";
   logs::LogReader reader(log_);
-  logs::LogWriter writer(shuffled, logs::RawlogForm::kActionFrame);
+  logs::LogWriter writer(shuffled, rawlogs::RawlogForm::kActionFrame);
   size_t index = 0;
   while (auto entry = reader.next()) {
     if (index++ % 20 == 7) entry->scan.time_s -= 0.3;  // before the scan before

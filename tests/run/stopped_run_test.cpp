@@ -39,8 +39,8 @@ class BrokenOdometry : public ::testing::Test {
     record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole, {},
                    core::silentProgress());
     logs::LogReader log(whole);
-    logs::LogWriter bad(*folder_ / "bad.rawlog", logs::RawlogForm::kActionFrame);
-    logs::LogWriter first(*folder_ / "first.rawlog", logs::RawlogForm::kActionFrame);
+    logs::LogWriter bad(*folder_ / "bad.rawlog", rawlogs::RawlogForm::kActionFrame);
+    logs::LogWriter first(*folder_ / "first.rawlog", rawlogs::RawlogForm::kActionFrame);
     for (int i = 0; auto entry = log.next(); ++i) {
       if (i < kBadScan) first.write(*entry);
       if (i == kBadScan) entry->T_previous_robot.x = 1e6;

@@ -1,4 +1,4 @@
-#include "libslam/logs/carmen_words.h"
+#include "libslam/rawlogs/carmen_words.h"
 
 #include <algorithm>
 #include <charconv>
@@ -8,7 +8,7 @@
 #include "libslam/core/error.h"
 #include "libslam/files/parameters.h"
 
-namespace slam::logs {
+namespace slam::rawlogs {
 namespace {
 
 constexpr double kYear10000_s = 253'402'300'800.0;
@@ -92,4 +92,4 @@ std::string CarmenWords::tail() {
   return host;
 }
 
-}  // namespace slam::logs
+}  // namespace slam::rawlogs

@@ -11,12 +11,12 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/core/fixed_number.h"
-#include "libslam/logs/carmen_log.h"
+#include "libslam/rawlogs/carmen_log.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/lidar/mrpt_types.h"
 
-namespace slam::logs {
+namespace slam::rawlogs {
 namespace {
 
 using mrpt::obs::CObservation2DRangeScan;
@@ -323,4 +323,4 @@ std::unique_ptr<objects::ObjectSink> createCarmenLog(const std::string& path) {
   return std::make_unique<CarmenSink>(path);
 }
 
-}  // namespace slam::logs
+}  // namespace slam::rawlogs

@@ -9,7 +9,7 @@ namespace mrpt::obs {
 class CActionCollection;
 }
 
-namespace slam::logs {
+namespace slam::rawlogs {
 
 /// What the odometry says about the time since the scan before.
 struct Motion {
@@ -51,4 +51,4 @@ class BareOdometry {
   Motion motion_;
 };
 
-}  // namespace slam::logs
+}  // namespace slam::rawlogs

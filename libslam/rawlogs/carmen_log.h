@@ -8,10 +8,10 @@
 #include <string_view>
 
 #include "libslam/core/pose2.h"
-#include "libslam/logs/unpacking_stream.h"
+#include "libslam/rawlogs/unpacking_stream.h"
 #include "libslam/objects/object_stream.h"
 
-namespace slam::logs {
+namespace slam::rawlogs {
 
 // CARMEN's text logs, one message per line:
 //   PARAM name value                                                             then of every message:
@@ -158,4 +158,4 @@ class CarmenObjects : public objects::ObjectSource {
 /// counted and dropped. Plain text whatever the name.
 std::unique_ptr<objects::ObjectSink> createCarmenLog(const std::string& path);
 
-}  // namespace slam::logs
+}  // namespace slam::rawlogs

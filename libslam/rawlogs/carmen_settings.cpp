@@ -4,10 +4,10 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/parameters.h"
-#include "libslam/logs/carmen_log.h"
-#include "libslam/logs/carmen_words.h"
+#include "libslam/rawlogs/carmen_log.h"
+#include "libslam/rawlogs/carmen_words.h"
 
-namespace slam::logs {
+namespace slam::rawlogs {
 namespace {
 
 // CARMEN's reader of logs: carmen_laser_laser_message.maximum_range of lines that do not say.
@@ -84,4 +84,4 @@ void CarmenSettings::takeLine(std::string_view line) {
   take(name, value);
 }
 
-}  // namespace slam::logs
+}  // namespace slam::rawlogs

@@ -11,12 +11,12 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/parameters.h"
-#include "libslam/logs/carmen_log.h"
-#include "libslam/logs/carmen_words.h"
+#include "libslam/rawlogs/carmen_log.h"
+#include "libslam/rawlogs/carmen_words.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
 
-namespace slam::logs {
+namespace slam::rawlogs {
 namespace {
 
 constexpr size_t kLongestLine = 1 << 20;
@@ -346,4 +346,4 @@ std::shared_ptr<mrpt::serialization::CSerializable> CarmenObjects::next() {
   return object;
 }
 
-}  // namespace slam::logs
+}  // namespace slam::rawlogs

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace slam::logs {
+namespace slam::rawlogs {
 
 /// One way of packing, undone piece by piece.
 class Unpacker {
@@ -95,4 +95,4 @@ class UnpackingStream : public mrpt::io::CStream {
   std::string failure_text_;
 };
 
-}  // namespace slam::logs
+}  // namespace slam::rawlogs

@@ -1,4 +1,4 @@
-#include "libslam/logs/rawlog_form.h"
+#include "libslam/rawlogs/rawlog_form.h"
 
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/logs/log_motion.h"
+#include "libslam/rawlogs/log_motion.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
 
-namespace slam::logs {
+namespace slam::rawlogs {
 namespace {
 
 using mrpt::obs::CActionCollection;
@@ -217,4 +217,4 @@ std::unique_ptr<objects::ObjectSource> inForm(std::unique_ptr<objects::ObjectSou
   return std::make_unique<ToObservations>(std::move(source), path);
 }
 
-}  // namespace slam::logs
+}  // namespace slam::rawlogs

@@ -4,7 +4,7 @@
 
 #include "libslam/core/pose2.h"
 
-namespace slam::logs {
+namespace slam::rawlogs {
 
 /// The words of one line, in order.
 class CarmenWords {
@@ -33,4 +33,4 @@ std::string quoted(std::string_view word);
 bool parse(std::string_view word, double& value);
 bool isBlank(char c);
 
-}  // namespace slam::logs
+}  // namespace slam::rawlogs

@@ -1,4 +1,4 @@
-#include "libslam/logs/log_motion.h"
+#include "libslam/rawlogs/log_motion.h"
 
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
@@ -9,7 +9,7 @@
 
 #include "libslam/objects/mrpt_objects.h"
 
-namespace slam::logs {
+namespace slam::rawlogs {
 namespace {
 
 // Odometry that waits for a scan of its time. More than this means that the two clocks do not agree; then the
@@ -55,4 +55,4 @@ void BareOdometry::use(const Reading& reading) {
   motion_.has_reading = true;
 }
 
-}  // namespace slam::logs
+}  // namespace slam::rawlogs

@@ -1,4 +1,4 @@
-#include "libslam/logs/unpacking_stream.h"
+#include "libslam/rawlogs/unpacking_stream.h"
 
 #include <bzlib.h>
 #include <lzma.h>
@@ -14,7 +14,7 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 
-namespace slam::logs {
+namespace slam::rawlogs {
 namespace {
 
 constexpr size_t kInputBytes = 1 << 16;
@@ -283,4 +283,4 @@ std::uint64_t UnpackingStream::Seek(std::int64_t, TSeekOrigin) {
   notOffered("seeking");
 }
 
-}  // namespace slam::logs
+}  // namespace slam::rawlogs

@@ -4,7 +4,7 @@
 
 #include "libslam/objects/object_stream.h"
 
-namespace slam::logs {
+namespace slam::rawlogs {
 
 /// MRPT's two forms of a log: action and sensory frame in turn, which all of its programs read; or bare
 /// observations, which rbpf-slam does not (it crashes: on a bare comment too).
@@ -32,4 +32,4 @@ enum class RawlogForm { kActionFrame, kObservationOnly };
 std::unique_ptr<objects::ObjectSource> inForm(std::unique_ptr<objects::ObjectSource> source, RawlogForm form,
                                               const std::string& path);
 
-}  // namespace slam::logs
+}  // namespace slam::rawlogs

@@ -1,4 +1,4 @@
-#include "libslam/logs/rawlog_stream.h"
+#include "libslam/rawlogs/rawlog_stream.h"
 
 #include <mrpt/maps/registerAllClasses.h>
 #include <mrpt/obs/CAction.h>
@@ -23,7 +23,7 @@
 #include "libslam/core/error.h"
 #include "libslam/files/memory_guard.h"
 
-namespace slam::logs {
+namespace slam::rawlogs {
 namespace {
 
 [[noreturn]] void notOffered(const char* what) {
@@ -291,4 +291,4 @@ void RawlogSink::close() {
   pending_.commit();
 }
 
-}  // namespace slam::logs
+}  // namespace slam::rawlogs

@@ -8,10 +8,10 @@
 #include <string>
 
 #include "libslam/files/files.h"
-#include "libslam/logs/unpacking_stream.h"
+#include "libslam/rawlogs/unpacking_stream.h"
 #include "libslam/objects/object_stream.h"
 
-namespace slam::logs {
+namespace slam::rawlogs {
 
 /// True when this start of a file may be an MRPT object, also of a class that is no log's.
 bool looksLikeRawlog(const std::string& start);
@@ -88,4 +88,4 @@ class RawlogSink : public objects::ObjectSink {
   bool closed_ = false;
 };
 
-}  // namespace slam::logs
+}  // namespace slam::rawlogs
