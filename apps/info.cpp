@@ -13,7 +13,7 @@
 namespace slam::apps {
 namespace {
 
-nlohmann::ordered_json toJson(const std::vector<doctor::StreamFigures>& streams) {
+nlohmann::ordered_json toJson(const std::vector<calibration::StreamFigures>& streams) {
   auto list = nlohmann::ordered_json::array();
   for (const auto& stream : streams) {
     const bool has_rate = stream.mean_period_s > 0;
@@ -27,7 +27,7 @@ nlohmann::ordered_json toJson(const std::vector<doctor::StreamFigures>& streams)
   return list;
 }
 
-nlohmann::ordered_json toJson(const logs::LogInfo& info, const std::vector<doctor::StreamFigures>& streams,
+nlohmann::ordered_json toJson(const logs::LogInfo& info, const std::vector<calibration::StreamFigures>& streams,
                               const std::string& truth) {
   return nlohmann::ordered_json{
       {"path", info.path},
@@ -78,7 +78,7 @@ void printScans(const logs::LogInfo& info) {
        info.stamps_run_back ? ", stamps run back" : "");
 }
 
-void printStream(const doctor::StreamFigures& stream) {
+void printStream(const calibration::StreamFigures& stream) {
   std::string rate;
   if (stream.mean_period_s > 0) {
     char text[40];

@@ -1,4 +1,4 @@
-#include "libslam/doctor/sweep_fit.h"
+#include "libslam/calibration/sweep_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "libslam/core/random.h"
 #include "libslam/odometry/planar_fit.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 namespace {
 
 constexpr double kLeastChange_radps = 0.25;  // of the turning between two scans
@@ -110,4 +110,4 @@ SweepFit SweepPairs::fit() const {
   return result;
 }
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

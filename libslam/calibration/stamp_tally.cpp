@@ -1,8 +1,8 @@
-#include "libslam/doctor/stamp_tally.h"
+#include "libslam/calibration/stamp_tally.h"
 
 #include <algorithm>
 
-namespace slam::doctor {
+namespace slam::calibration {
 namespace {
 
 constexpr std::size_t kMostStreams = 256;
@@ -83,4 +83,4 @@ std::vector<StreamFigures> StreamTallies::figures() const {
   return all;
 }
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

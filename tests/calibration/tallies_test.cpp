@@ -1,12 +1,12 @@
 #include <gtest/gtest.h>
 
-#include "libslam/doctor/motion_series.h"
-#include "libslam/doctor/range_tally.h"
-#include "libslam/doctor/stamp_tally.h"
-#include "libslam/doctor/thinned_sample.h"
+#include "libslam/calibration/motion_series.h"
+#include "libslam/calibration/range_tally.h"
+#include "libslam/calibration/stamp_tally.h"
+#include "libslam/calibration/thinned_sample.h"
 #include "tests/doctor/drive.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 namespace {
 
 TEST(ThinnedSample, IsExactForShortSeriesAndCloseForLongOnes) {
@@ -138,4 +138,4 @@ TEST(OdometryCurve, IsStraightBetweenReadingsAndEndsAtGaps) {
 }
 
 }  // namespace
-}  // namespace slam::doctor
+}  // namespace slam::calibration

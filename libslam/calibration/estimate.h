@@ -1,7 +1,7 @@
 #pragma once
 #include <cmath>
 
-namespace slam::doctor {
+namespace slam::calibration {
 
 /// A figure found from data, with the ends of its 95 % interval.
 struct Estimate {
@@ -14,4 +14,4 @@ struct Estimate {
   }
 };
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

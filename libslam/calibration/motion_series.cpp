@@ -1,11 +1,11 @@
-#include "libslam/doctor/motion_series.h"
+#include "libslam/calibration/motion_series.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "libslam/core/elementary.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 namespace {
 
 constexpr std::uint64_t kStretches = 40;
@@ -103,4 +103,4 @@ std::optional<core::Pose2> OdometryCurve::at(double time_s) const {
                      a.pose.phi + s * (b.pose.phi - a.pose.phi)};
 }
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

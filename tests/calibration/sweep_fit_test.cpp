@@ -1,11 +1,11 @@
-#include "libslam/doctor/sweep_fit.h"
+#include "libslam/calibration/sweep_fit.h"
 
 #include <gtest/gtest.h>
 
 #include "libslam/core/random.h"
 #include "tests/mapping/small_room.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 namespace {
 
 constexpr double kPeriod_s = 0.1;
@@ -54,4 +54,4 @@ TEST(SweepFit, ARobotThatTurnsSteadilyTellsNothing) {
 }
 
 }  // namespace
-}  // namespace slam::doctor
+}  // namespace slam::calibration

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/doctor/thinned_sample.h"
+#include "libslam/calibration/thinned_sample.h"
 
 namespace mrpt::obs {
 class CObservation2DRangeScan;
 }
 
-namespace slam::doctor {
+namespace slam::calibration {
 
 /// A pile of readings at the far end of all: what the lidar says where it meets nothing.
 struct NoReturnSpike {
@@ -77,4 +77,4 @@ class RangeTally {
   RangeFigures last_;      ///< geometry of the scan before
 };
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

@@ -1,11 +1,11 @@
-#include "libslam/doctor/clock_offset.h"
+#include "libslam/calibration/clock_offset.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "libslam/core/random.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 namespace {
 
 constexpr int kReach = 60;  // lags to each side
@@ -110,4 +110,4 @@ ClockOffset findClockOffset(const std::vector<Stretch>& stretches, const std::st
   return result;
 }
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

@@ -1,8 +1,8 @@
 #pragma once
-#include "libslam/doctor/estimate.h"
-#include "libslam/doctor/motion_series.h"
+#include "libslam/calibration/estimate.h"
+#include "libslam/calibration/motion_series.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 
 /// How far the odometry's clock is from that of the scans.
 struct ClockOffset {
@@ -19,4 +19,4 @@ struct ClockOffset {
 /// Annals of Statistics 17(3), 1989: blocks keep what hangs together in time).
 ClockOffset findClockOffset(const std::vector<Stretch>& stretches, const std::string& stream);
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

@@ -10,7 +10,7 @@
 #include "libslam/odometry/scan_odometry.h"
 #include "libslam/lidar/scan.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 
 /// What scan matching says of the time between two consecutive scans of one lidar, in the lidar's own frame:
 /// no mounting is believed.
@@ -68,4 +68,4 @@ class OdometryCurve {
   mutable std::size_t near_ = 0;  ///< where the last question was answered
 };
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

@@ -1,8 +1,8 @@
 #pragma once
-#include "libslam/doctor/estimate.h"
-#include "libslam/doctor/motion_series.h"
+#include "libslam/calibration/estimate.h"
+#include "libslam/calibration/motion_series.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 
 /// The odometry against scan matching, and where the lidar sits by what it sees while the robot turns.
 struct OdometryFit {
@@ -28,4 +28,4 @@ struct OdometryFit {
 /// where wheel radii are found too).
 OdometryFit fitOdometry(const std::vector<Stretch>& stretches, const std::string& stream, double offset_s);
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

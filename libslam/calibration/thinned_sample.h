@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace slam::doctor {
+namespace slam::calibration {
 
 /// Quantiles of a long series in bounded memory: every value up to 65536 of them, then every second, every
 /// fourth and so on, evenly over the series. The same series gives the same sample.
@@ -20,4 +20,4 @@ class ThinnedSample {
   std::size_t stride_ = 1, count_ = 0;
 };
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/doctor/estimate.h"
-#include "libslam/doctor/motion_series.h"
+#include "libslam/calibration/estimate.h"
+#include "libslam/calibration/motion_series.h"
 #include "libslam/lidar/scan.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 
 /// How well the scans lie on one another when their readings are spread over another field of view.
 struct ViewFit {
@@ -48,4 +48,4 @@ class ViewPairs {
   std::vector<Pair> pairs_;
 };
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

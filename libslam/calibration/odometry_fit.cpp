@@ -1,4 +1,4 @@
-#include "libslam/doctor/odometry_fit.h"
+#include "libslam/calibration/odometry_fit.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/middle_value.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 namespace {
 
 constexpr double kWindowPath_m = 0.5, kWindowTurn_rad = 0.5, kLongestWindow_s = 5;
@@ -170,4 +170,4 @@ OdometryFit fitOdometry(const std::vector<Stretch>& stretches, const std::string
   return result;
 }
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

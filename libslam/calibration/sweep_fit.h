@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/doctor/estimate.h"
+#include "libslam/calibration/estimate.h"
 #include "libslam/lidar/deskew.h"
 #include "libslam/lidar/scan.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 
 /// How long the lidar takes from its first to its last beam, by how well scans lie on one another.
 struct SweepFit {
@@ -48,4 +48,4 @@ class SweepPairs {
   std::vector<Pair> pairs_;
 };
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

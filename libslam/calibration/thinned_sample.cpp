@@ -1,8 +1,8 @@
-#include "libslam/doctor/thinned_sample.h"
+#include "libslam/calibration/thinned_sample.h"
 
 #include "libslam/core/middle_value.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 namespace {
 constexpr std::size_t kMostKept = 1 << 16;
 }
@@ -22,4 +22,4 @@ double ThinnedSample::quantile(double share) const {
   return core::valueOfRank(values, static_cast<std::size_t>(share * static_cast<double>(values.size() - 1)));
 }
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

@@ -1,4 +1,4 @@
-#include "libslam/doctor/range_tally.h"
+#include "libslam/calibration/range_tally.h"
 
 #include <mrpt/obs/CObservation2DRangeScan.h>
 
@@ -7,7 +7,7 @@
 
 #include "libslam/core/middle_value.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 namespace {
 
 constexpr double kBin_m = 0.01;
@@ -175,4 +175,4 @@ RangeFigures RangeTally::figures() const {
   return figures;
 }
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

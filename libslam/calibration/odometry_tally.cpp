@@ -1,11 +1,11 @@
-#include "libslam/doctor/odometry_tally.h"
+#include "libslam/calibration/odometry_tally.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "libslam/core/elementary.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 
 void OdometryTally::add(std::optional<double> time_s, const core::Pose2& pose) {
   ++figures_.readings;
@@ -46,4 +46,4 @@ OdometryFigures OdometryTally::figures(const std::string& stream) const {
   return figures;
 }
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/doctor/clock_offset.h"
-#include "libslam/doctor/thinned_sample.h"
+#include "libslam/calibration/clock_offset.h"
+#include "libslam/calibration/thinned_sample.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 
 inline constexpr const char* kActionStream = "actions";
 
@@ -45,4 +45,4 @@ class OdometryTally {
   double largest_m_ = -1, largest_at_s_ = 0;
 };
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "libslam/doctor/thinned_sample.h"
+#include "libslam/calibration/thinned_sample.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 
 /// A pause between two stamps of one stream.
 struct Gap {
@@ -59,4 +59,4 @@ class StreamTallies {
   std::map<std::pair<std::string, std::string>, StampTally> tallies_;
 };
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration

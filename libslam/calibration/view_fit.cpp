@@ -1,4 +1,4 @@
-#include "libslam/doctor/view_fit.h"
+#include "libslam/calibration/view_fit.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include "libslam/core/random.h"
 #include "libslam/odometry/planar_fit.h"
 
-namespace slam::doctor {
+namespace slam::calibration {
 namespace {
 
 constexpr double kApart_m = 0.5, kLargestTurn_rad = 1;
@@ -135,4 +135,4 @@ ViewFit ViewPairs::fit() const {
   return result;
 }
 
-}  // namespace slam::doctor
+}  // namespace slam::calibration
