@@ -11,9 +11,9 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/logs/log_edit.h"
-#include "libslam/record/cut_truth.h"
+#include "libslam/truth/cut_truth.h"
 #include "libslam/record/record.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/truth/truth_files.h"
 #include "libslam/run/scan_odometry_log.h"
 #include "libslam/run/told_commands.h"
 #include "libslam/score/compare.h"
@@ -49,12 +49,12 @@ int cut(const Context& context, const CutArguments& arguments) {
   options.salvage = arguments.salvage;
   if (!options.from && !options.to && !options.salvage)
     throw core::InputError("cut: found neither --from nor --to nor --salvage, expected one of them");
-  if (!record::findTruth(arguments.log).empty())
+  if (!truth::findTruth(arguments.log).empty())
     for (const std::string end : {".gt.tum", ".manifest.json"})
-      files::refuseToOverwrite(record::logStem(context.output) + end, context.overwrite);
+      files::refuseToOverwrite(truth::logStem(context.output) + end, context.overwrite);
   ConsoleProgress progress(context.quiet);
   const auto counts = logs::cutLog(arguments.log, context.output, options, progress);
-  return reportEditedLog(context, counts, record::keepTruth(arguments.log, context.output));
+  return reportEditedLog(context, counts, truth::keepTruth(arguments.log, context.output));
 }
 
 struct FilterArguments {

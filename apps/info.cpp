@@ -7,7 +7,7 @@
 #include "apps/console.h"
 #include "libslam/doctor/log_check.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/truth/truth_files.h"
 #include "libslam/score/compare.h"
 
 namespace slam::apps {
@@ -92,7 +92,7 @@ void printStream(const calibration::StreamFigures& stream) {
 int showInfo(const Context& context, const std::string& path) {
   const auto info = logs::inspectLog(path);
   const auto streams = doctor::streamsOf(path);
-  const std::string truth = record::findTruth(path);
+  const std::string truth = truth::findTruth(path);
   if (context.json) {
     std::cout << toJson(info, streams, truth).dump(2) << "\n";
     return 0;

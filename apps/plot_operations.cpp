@@ -11,7 +11,7 @@
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/pictures/picture.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/truth/truth_files.h"
 #include "libslam/score/compare.h"
 #include "libslam/world/plan.h"
 
@@ -69,11 +69,11 @@ std::vector<core::Point2> naiveDots(const std::string& log_path,
 OperationsArguments completed(OperationsArguments arguments) {
   const std::string log = logBeside(arguments.file);
   const bool truth_given = !arguments.truth.empty();
-  if (!truth_given && !log.empty()) arguments.truth = record::findTruth(log);
+  if (!truth_given && !log.empty()) arguments.truth = truth::findTruth(log);
   // MRPT's own form of the truth begins at the origin, as the replay does: nothing to lay it on.
   if (!truth_given && std::filesystem::path(arguments.truth).extension() != ".tum") arguments.truth.clear();
   if (arguments.plan.empty() && !log.empty() && !arguments.truth.empty())
-    arguments.plan = record::findPlan(log);
+    arguments.plan = truth::findPlan(log);
   if (!arguments.plan.empty() && arguments.truth.empty())
     throw core::InputError("--plan needs --truth: the operation log does not say where the robot began");
   if (arguments.log.empty() && std::filesystem::exists(log)) arguments.log = log;

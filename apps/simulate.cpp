@@ -13,7 +13,7 @@
 #include "libslam/resources/file_hash.h"
 #include "libslam/resources/resources.h"
 #include "libslam/record/record.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/truth/truth_files.h"
 #include "libslam/record/user_drive.h"
 
 namespace slam::apps {
@@ -67,7 +67,7 @@ int simulate(const Context& context, const Arguments& arguments) {
   const std::string plan_path = resources::resolvePlan(arguments.plan);
   const auto commands = readUserCommands(arguments.commands);
   const std::string log_path = context.output.empty() ? "run.rawlog" : context.output;
-  for (const auto& path : {log_path, record::logStem(log_path) + ".gt.tum"})
+  for (const auto& path : {log_path, truth::logStem(log_path) + ".gt.tum"})
     files::refuseToOverwrite(path, context.overwrite);
   const auto plan = world::loadPlan(plan_path);
   warnOfPlan(context, plan_path);

@@ -5,7 +5,7 @@
 
 #include "libslam/files/files.h"
 #include "libslam/resources/file_hash.h"
-#include "libslam/record/carry_file.h"
+#include "libslam/truth/carry_file.h"
 
 namespace slam::apps {
 namespace {
@@ -53,7 +53,7 @@ void noteCommands(const std::string& path, resources::Manifest& manifest) {
 std::string eventLines(const record::Recording& recording) {
   std::string lines;
   for (const auto& carry : recording.carries)
-    lines += "  " + record::carryText(carry, sim::Simulator::kStartTime_s) + "\n";
+    lines += "  " + truth::carryText(carry, sim::Simulator::kStartTime_s) + "\n";
   if (recording.carries_left > 0)
     lines += "  " + std::to_string(recording.carries_left) + " of the carries came after the end\n";
   return lines;

@@ -25,7 +25,7 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/trajectory_error.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/truth/truth_files.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
 #include "libslam/score/compare.h"
@@ -84,7 +84,7 @@ Show showOf(const Start& start, const record::RecordConfig& config, std::uint64_
 }
 
 void refuseToOverwriteLog(const Context& context, const std::string& log_path) {
-  for (const auto& path : {log_path, record::logStem(log_path) + ".gt.tum"})
+  for (const auto& path : {log_path, truth::logStem(log_path) + ".gt.tum"})
     files::refuseToOverwrite(path, context.overwrite);
 }
 
@@ -245,7 +245,7 @@ namespace {
 /// What is known to be true of a log, laid under what is shown. `path` in the map frame, nothing for a method
 /// that is to begin.
 void addTruth(const std::string& log_path, const std::string& given_plan, Show& what) {
-  const auto truth = record::truthFiles(log_path, "", given_plan);
+  const auto truth = truth::truthFiles(log_path, "", given_plan);
   if (!truth.trajectory.empty()) {
     what.truth = logs::readTrajectory(truth.trajectory);
     const auto first = logs::LogReader(log_path).next();

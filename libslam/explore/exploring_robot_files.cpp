@@ -5,7 +5,7 @@
 #include "libslam/explore/exploring_robot.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/pictures/picture.h"
-#include "libslam/record/carry_file.h"
+#include "libslam/truth/carry_file.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/run/manifest_entries.h"
@@ -79,7 +79,7 @@ LoopResult ExploringRobot::result() const {
   result.plan_is_open = opensToTheEdge(area);
   result.saw_nothing = !saw_something_;
   for (const auto& carry : simulator_.carries())
-    result.carries.push_back(record::carryText(carry, sim::Simulator::kStartTime_s));
+    result.carries.push_back(truth::carryText(carry, sim::Simulator::kStartTime_s));
   if (simulator_.waitingCarries() > 0)
     result.carries.push_back(std::to_string(simulator_.waitingCarries()) +
                              " of the carries came after the end");
@@ -131,7 +131,7 @@ void ExploringRobot::drawPath(const Exploration& e) const {
                                            : e.evaluation.trajectory.T_truth_estimate;
   for (auto& stamped : believed) stamped.pose = T_truth_estimate * stamped.pose;
   pictures::drawPlan(plan_,
-                     {{record::brokenAtCarries(truth_, simulator_.carries()), "true path", true},
+                     {{truth::brokenAtCarries(truth_, simulator_.carries()), "true path", true},
                       {believed, "path as " + method_.name + " has it"}},
                      plan_.name + ": " + e.strategy, folder_ + "/path.png", marks);
 }

@@ -5,7 +5,7 @@
 
 #include "libslam/explore/goal_methods.h"
 #include "libslam/pictures/picture.h"
-#include "libslam/record/carry_file.h"
+#include "libslam/truth/carry_file.h"
 
 namespace slam::explore {
 namespace {
@@ -33,7 +33,7 @@ std::string manoeuvreOf(const std::string& state) {
 std::vector<pictures::DrawnPath> piecesByState(const GoalRun& run) {
   std::vector<pictures::DrawnPath> pieces;
   size_t next = 0;
-  for (const auto& pose : record::brokenAtCarries(run.truth, run.carries)) {
+  for (const auto& pose : truth::brokenAtCarries(run.truth, run.carries)) {
     const double time_s = pose.time_s - run.truth.front().time_s;
     while (next < run.changes.size() && run.changes[next].time_s <= time_s + 1e-9) {
       if (!pieces.empty()) pieces.back().path.push_back(pose);
@@ -92,7 +92,7 @@ void drawGoalRun(const ReachGoalRequest& request, const GoalRun& run, const std:
 void drawGoalRuns(const ReachGoalRequest& request, const std::vector<GoalRun>& runs,
                   const std::string& path) {
   std::vector<pictures::DrawnPath> paths;
-  for (const auto& run : runs) paths.push_back({record::brokenAtCarries(run.truth, run.carries), run.method});
+  for (const auto& run : runs) paths.push_back({truth::brokenAtCarries(run.truth, run.carries), run.method});
   paths.push_back(goalMark(request.p_world_goal, markSize(request.plan)));
   pictures::drawPlan(request.plan, paths, request.plan.name, path);
 }

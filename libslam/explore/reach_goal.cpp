@@ -16,7 +16,7 @@
 #include "libslam/goals/surroundings.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/record/carry_file.h"
+#include "libslam/truth/carry_file.h"
 #include "libslam/record/recorder.h"
 #include "libslam/record/sensor.h"
 #include "libslam/run/log_feed.h"
@@ -142,7 +142,7 @@ table::Table tableOf(const ReachGoalRequest& request, const GoalComparison& comp
                           static_cast<double>(run.collisions)});
     table.notes.push_back(run.method + ": " + run.reason + ".");
     for (const auto& carry : run.carries)
-      table.notes.push_back(run.method + ": " + record::carryText(carry, sim::Simulator::kStartTime_s) + ".");
+      table.notes.push_back(run.method + ": " + truth::carryText(carry, sim::Simulator::kStartTime_s) + ".");
     if (run.carries_left > 0)
       table.notes.push_back(run.method + ": " + std::to_string(run.carries_left) +
                             " of the carries came after the end.");

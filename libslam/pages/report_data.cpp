@@ -15,7 +15,7 @@
 #include "libslam/pages/report_meanings.h"
 #include "libslam/pages/report_parts.h"
 #include "libslam/pages/report_verdict.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/truth/truth_files.h"
 #include "libslam/run/journal_file.h"
 #include "libslam/score/compare.h"
 #include "libslam/score/evaluate.h"
@@ -159,7 +159,7 @@ void fill(const std::vector<Asked>& methods, const std::string& folder, const re
   std::optional<score::Truth> truth;
   if (!runs.empty()) {
     log_path = logOf(runs.front(), folder, page);
-    const auto files = record::truthFiles(log_path, resultOf(manifest, "truth"), resultOf(manifest, "plan"));
+    const auto files = truth::truthFiles(log_path, resultOf(manifest, "truth"), resultOf(manifest, "plan"));
     if (!files.trajectory.empty()) truth = score::loadTruth(files.trajectory, files.plan, runs.front());
   }
   std::vector<score::Evaluation> evaluations;
@@ -230,7 +230,7 @@ void addExploration(const std::string& folder, report::ReportPage& page) {
 void addRun(const std::string& folder, const std::string& log_path, const std::string& name,
             std::size_t replay, report::ReportPage& page) {
   const auto run = run::loadRun(folder);
-  auto files = record::truthFiles(log_path, "", "");
+  auto files = truth::truthFiles(log_path, "", "");
   // Where a sweep generated the building.
   if (const auto plan = fs::path(log_path).parent_path() / "plan.yaml";
       files.plan.empty() && fs::exists(plan))

@@ -12,10 +12,10 @@
 #include "libslam/resources/json_entry.h"
 #include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/record/carry_file.h"
-#include "libslam/record/collision_file.h"
+#include "libslam/truth/carry_file.h"
+#include "libslam/truth/collision_file.h"
 #include "libslam/record/record.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/truth/truth_files.h"
 #include "libslam/sim/operation_log.h"
 
 namespace slam::pages {
@@ -35,7 +35,7 @@ std::string operationText(const sim::Operation& operation) {
 /// The whole command that each of the log's scans was taken after or during; none where the two do not belong
 /// together.
 std::vector<std::string> readOperations(const std::string& log_path, std::uint64_t scans) {
-  const std::string path = record::logStem(log_path) + ".operations.txt";
+  const std::string path = truth::logStem(log_path) + ".operations.txt";
   if (!fs::exists(path)) return {};
   const auto operations = sim::parseOperations(files::readTextFile(path), path);
   const bool numbered = !operations.empty() && operations.front().scan_after > 0;
@@ -52,11 +52,11 @@ std::vector<std::string> readOperations(const std::string& log_path, std::uint64
 }
 
 void addCollisions(const std::string& log_path, double start_s, report::ReportReplay& replay) {
-  for (const auto& collision : record::readCollisions(record::collisionsPath(log_path)))
+  for (const auto& collision : truth::readCollisions(truth::collisionsPath(log_path)))
     replay.moments.push_back(
         {collision.time_s - start_s, "collision", "", core::position(collision.T_world_robot)});
-  for (const auto& carry : record::readCarryFile(record::carriesPath(log_path)))
-    replay.moments.push_back({carry.time_s - start_s, "kidnapped", record::carryText(carry, start_s),
+  for (const auto& carry : truth::readCarryFile(truth::carriesPath(log_path)))
+    replay.moments.push_back({carry.time_s - start_s, "kidnapped", truth::carryText(carry, start_s),
                               core::position(carry.T_world_to)});
 }
 

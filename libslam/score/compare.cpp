@@ -10,7 +10,7 @@
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/truth/truth_files.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/run/told_commands.h"
@@ -220,7 +220,7 @@ Comparison compare(const CompareRequest& request, resources::Manifest manifest, 
   runAll(methods, request, manifest, comparison, progress);
   const auto runs = loadRuns(methods, progress);
   const std::string plan_path = truthPlanOf(request);
-  const auto truth_files = record::truthFiles(comparison.log_path, request.truth_path, plan_path);
+  const auto truth_files = truth::truthFiles(comparison.log_path, request.truth_path, plan_path);
   std::optional<Truth> truth;
   if (!truth_files.trajectory.empty() && !runs.empty())
     truth = loadTruth(truth_files.trajectory, truth_files.plan, runs.front());

@@ -14,9 +14,9 @@
 #include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/metrics/nearest_points.h"
-#include "libslam/record/carry_file.h"
-#include "libslam/record/collision_file.h"
-#include "libslam/record/number_rows.h"
+#include "libslam/truth/carry_file.h"
+#include "libslam/truth/collision_file.h"
+#include "libslam/truth/number_rows.h"
 #include "libslam/table/number_text.h"
 #include "libslam/table/table.h"
 
@@ -259,8 +259,8 @@ FailureEvidence readEvidence(const run::RunFolder& run, const std::string& truth
   FailureEvidence evidence;
   const std::string journal_path = run.path + "/journal.csv";
   if (fs::exists(journal_path)) evidence.journal = run::readJournal(journal_path);
-  evidence.collisions = record::readCollisions(record::collisionsPath(truth_path));
-  evidence.carries = record::readCarryFile(record::carriesPath(truth_path));
+  evidence.collisions = truth::readCollisions(truth::collisionsPath(truth_path));
+  evidence.carries = truth::readCarryFile(truth::carriesPath(truth_path));
   if (log_path.empty() || !fs::exists(log_path)) return evidence;
   logs::LogReader log(log_path);
   while (const auto entry = log.next())

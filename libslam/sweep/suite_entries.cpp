@@ -13,7 +13,7 @@
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/method_config.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/truth/truth_files.h"
 #include "libslam/run/external_method.h"
 
 namespace slam::sweep {
@@ -171,14 +171,14 @@ SuiteLog SuiteReader::log(const std::string& word) {
   }
   result.path = resolved(result.path);
   logs::requireUsable(logs::inspectLog(result.path));
-  result.truth_path = truth.empty() ? record::findTruth(result.path) : resolved(truth);
+  result.truth_path = truth.empty() ? truth::findTruth(result.path) : resolved(truth);
   result.relations_path = relations.empty() ? "" : resolved(relations);
   if (!result.truth_path.empty()) logs::readTrajectory(result.truth_path);
   if (!result.relations_path.empty()) logs::readRelations(result.relations_path);
   if (!plan.empty())
     result.plan_path = looksLikePath(plan) ? resolved(plan) : resources::resolvePlan(plan);
   else if (fs::path(result.truth_path).extension() == ".tum")
-    result.plan_path = record::findPlan(result.path);
+    result.plan_path = truth::findPlan(result.path);
   std::string hashes = resources::fileSha256(result.path);
   for (const auto& path : {result.truth_path, result.relations_path})
     hashes += path.empty() ? "-" : resources::fileSha256(path);

@@ -6,7 +6,7 @@
 
 #include "libslam/resources/file_hash.h"
 #include "libslam/explore/goal_methods.h"
-#include "libslam/record/carry_file.h"
+#include "libslam/truth/carry_file.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::explore {
@@ -52,11 +52,11 @@ TEST(GoalPicture, ShowsTheOverlayOfLidarBugAlone) {
 
 TEST(BrokenAtCarries, LeavesAGapWhereTheRobotWasCarried) {
   const core::Trajectory truth = {{0, {0, 0, 0}}, {1, {1, 0, 0}}, {2, {9, 0, 0}}, {3, {10, 0, 0}}};
-  const auto path = record::brokenAtCarries(truth, {{1.5, {1.5, 0, 0}, {8.5, 0, 0}}});
+  const auto path = truth::brokenAtCarries(truth, {{1.5, {1.5, 0, 0}, {8.5, 0, 0}}});
   ASSERT_EQ(path.size(), 5U);
   EXPECT_FALSE(core::isFinite(path[2].pose));
   EXPECT_EQ(path[3].pose.x, 9);
-  EXPECT_EQ(record::brokenAtCarries(truth, {}).size(), 4U);
+  EXPECT_EQ(truth::brokenAtCarries(truth, {}).size(), 4U);
 }
 
 }  // namespace

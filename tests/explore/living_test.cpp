@@ -14,7 +14,7 @@
 #include "libslam/explore/reach_goal.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/record/record.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/truth/truth_files.h"
 #include "libslam/score/compare.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
@@ -115,7 +115,7 @@ TEST(RecordLivingWorld, ALaterVisitIsScoredOnThePlanThatWasThere) {
   const auto found = world::loadPlan(folder / "out/log/run.plan.yaml");
   EXPECT_EQ(found.cells, record::planOfVisit(flat(), request.record.living, 1).cells);
   EXPECT_NE(found.cells, flat().cells);
-  EXPECT_EQ(record::findPlan(comparison.log_path), folder / "out/log/run.plan.yaml");
+  EXPECT_EQ(truth::findPlan(comparison.log_path), folder / "out/log/run.plan.yaml");
   score::Truth given;
   given = score::loadTruth(folder / "out/log/run.gt.tum", folder / "out/log/run.plan.yaml",
                            run::loadRun(folder / "out/naive_wheel"));

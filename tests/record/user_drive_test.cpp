@@ -7,7 +7,7 @@
 #include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
-#include "libslam/record/carry_file.h"
+#include "libslam/truth/carry_file.h"
 #include "libslam/sim/operation_log.h"
 #include "libslam/testing/temp_folder.h"
 
@@ -86,11 +86,11 @@ TEST_F(UserDriveTest, ACarryIsNoCommandAndNoWay) {
   const auto truth = logs::readTum(folder_ / "run.gt.tum");
   EXPECT_NEAR(truth.back().pose.x, 11, 1e-5);
   EXPECT_GT(truth.back().pose.y, 3.4);
-  const auto carries = readCarryFile(carriesPath(folder_ / "run.rawlog"));
+  const auto carries = truth::readCarryFile(truth::carriesPath(folder_ / "run.rawlog"));
   ASSERT_EQ(carries.size(), 1U);
   EXPECT_NEAR(carries[0].time_s - truth.front().time_s, 1, 1e-3);
   EXPECT_EQ(carries[0].T_world_to.x, 11);
-  EXPECT_EQ(carryText(carries[0], truth.front().time_s).substr(0, 19), "kidnapped at 1.0 s ");
+  EXPECT_EQ(truth::carryText(carries[0], truth.front().time_s).substr(0, 19), "kidnapped at 1.0 s ");
   double odometry_m = 0;
   logs::LogReader log(folder_ / "run.rawlog");
   while (const auto entry = log.next()) odometry_m = entry->T_odom_robot.x;
@@ -98,7 +98,7 @@ TEST_F(UserDriveTest, ACarryIsNoCommandAndNoWay) {
   ini_.set("events", "carry", "none", "test");
   drive("move 1\n");
   EXPECT_TRUE(
-      readCarryFile(carriesPath(folder_ / "run.gt.tum")).empty());  // that of the drive before is gone
+      truth::readCarryFile(truth::carriesPath(folder_ / "run.gt.tum")).empty());  // that of the drive before is gone
 }
 
 }  // namespace

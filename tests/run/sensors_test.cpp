@@ -10,7 +10,7 @@
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/truth/truth_files.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/score/compare.h"
@@ -47,7 +47,7 @@ Run runOf(const std::string& method, const std::string& log, const std::string& 
   run.map = buildMap(log, config, method, 1, folder, true, {}, core::silentProgress(), false);
   const auto loaded = loadRun(folder);
   run.results = loaded.manifest.results;
-  run.ate_m = score::evaluate(loaded, score::loadTruth(record::findTruth(log), "", loaded))
+  run.ate_m = score::evaluate(loaded, score::loadTruth(truth::findTruth(log), "", loaded))
                   .final_trajectory.position_m.rmse;
   return run;
 }

@@ -1,4 +1,4 @@
-#include "libslam/record/collision_file.h"
+#include "libslam/truth/collision_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include "libslam/core/error.h"
 #include "libslam/testing/temp_folder.h"
 
-namespace slam::record {
+namespace slam::truth {
 namespace {
 using ::testing::HasSubstr;
 
@@ -34,4 +34,4 @@ TEST(CollisionFile, ComesBackAsItWasWritten) {
 }
 
 }  // namespace
-}  // namespace slam::record
+}  // namespace slam::truth

@@ -1,4 +1,4 @@
-#include "libslam/record/cut_truth.h"
+#include "libslam/truth/cut_truth.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -7,9 +7,9 @@
 #include "libslam/resources/manifest.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/truth/truth_files.h"
 
-namespace slam::record {
+namespace slam::truth {
 
 std::vector<std::string> keepTruth(const std::string& whole_log, const std::string& part_log) {
   const auto truth_path = findTruth(whole_log);
@@ -34,4 +34,4 @@ std::vector<std::string> keepTruth(const std::string& whole_log, const std::stri
   return written;
 }
 
-}  // namespace slam::record
+}  // namespace slam::truth

@@ -4,7 +4,7 @@
 
 #include "libslam/sim/carry.h"
 
-namespace slam::record {
+namespace slam::truth {
 
 /// STEM.carries.csv beside a recording in which the robot was kidnapped:
 ///   time_s,from_x_m,from_y_m,from_heading_rad,to_x_m,to_y_m,to_heading_rad   (world frame, true)
@@ -22,4 +22,4 @@ core::Trajectory brokenAtCarries(const core::Trajectory& truth, const std::vecto
 /// first scan.
 std::string carryText(const sim::Carry& carry, double start_s);
 
-}  // namespace slam::record
+}  // namespace slam::truth

@@ -1,4 +1,4 @@
-#include "libslam/record/truth_files.h"
+#include "libslam/truth/truth_files.h"
 
 #include <filesystem>
 
@@ -7,7 +7,7 @@
 #include "libslam/resources/resources.h"
 #include "libslam/logs/convert.h"
 
-namespace slam::record {
+namespace slam::truth {
 namespace fs = std::filesystem;
 
 std::string logStem(const std::string& log_path) {
@@ -42,4 +42,4 @@ TruthFiles truthFiles(const std::string& log_path, const std::string& given_traj
   return files;
 }
 
-}  // namespace slam::record
+}  // namespace slam::truth

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-namespace slam::record {
+namespace slam::truth {
 
 /// Gives a part of a log what the whole has beside it: the true path of its time, STEM.gt.tum, and
 /// STEM.manifest.json that names the plan, so that findTruth() and findPlan() find both. Nothing where the
@@ -10,4 +10,4 @@ namespace slam::record {
 /// InputError for a broken truth; IoError.
 std::vector<std::string> keepTruth(const std::string& whole_log, const std::string& part_log);
 
-}  // namespace slam::record
+}  // namespace slam::truth

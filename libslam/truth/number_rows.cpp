@@ -1,4 +1,4 @@
-#include "libslam/record/number_rows.h"
+#include "libslam/truth/number_rows.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -6,9 +6,9 @@
 #include "libslam/files/csv.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/record/truth_files.h"
+#include "libslam/truth/truth_files.h"
 
-namespace slam::record {
+namespace slam::truth {
 namespace fs = std::filesystem;
 
 std::vector<std::vector<double>> readNumberRows(const std::string& path, const std::string& header) {
@@ -41,4 +41,4 @@ std::string besideLog(const std::string& log_or_truth_path, const std::string& e
   return (fs::path(stem).extension() == ".rawlog" ? logStem(stem) : stem) + ending;
 }
 
-}  // namespace slam::record
+}  // namespace slam::truth

@@ -1,4 +1,4 @@
-#include "libslam/record/truth_files.h"
+#include "libslam/truth/truth_files.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "libslam/resources/manifest.h"
 #include "libslam/testing/temp_folder.h"
 
-namespace slam::record {
+namespace slam::truth {
 namespace {
 
 // A drive by a person's commands has their file among its inputs; in the order of the names it may come
@@ -26,4 +26,4 @@ TEST(FindPlan, TakesAPlanAmongTheInputsAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace slam::record
+}  // namespace slam::truth

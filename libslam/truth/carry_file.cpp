@@ -1,11 +1,11 @@
-#include "libslam/record/carry_file.h"
+#include "libslam/truth/carry_file.h"
 
 #include <cstdio>
 #include <limits>
 
-#include "libslam/record/number_rows.h"
+#include "libslam/truth/number_rows.h"
 
-namespace slam::record {
+namespace slam::truth {
 namespace {
 
 constexpr const char* kHeader = "time_s,from_x_m,from_y_m,from_heading_rad,to_x_m,to_y_m,to_heading_rad";
@@ -54,4 +54,4 @@ std::string carryText(const sim::Carry& carry, double start_s) {
   return text;
 }
 
-}  // namespace slam::record
+}  // namespace slam::truth

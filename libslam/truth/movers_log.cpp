@@ -1,4 +1,4 @@
-#include "libslam/record/movers_log.h"
+#include "libslam/truth/movers_log.h"
 
 #include <cmath>
 #include <sstream>
@@ -7,7 +7,7 @@
 #include "libslam/core/error.h"
 #include "libslam/files/parameters.h"
 
-namespace slam::record {
+namespace slam::truth {
 namespace {
 
 const char* nameOf(movers::PersonState state) {
@@ -80,4 +80,4 @@ void MoversLog::commit() {
   file_.commit();
 }
 
-}  // namespace slam::record
+}  // namespace slam::truth

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-namespace slam::record {
+namespace slam::truth {
 
 /// The rows of a CSV file of plain numbers under a known header; none where there is no such file. Errors:
 /// InputError with file and line for another header, another number of fields, a field that is no number.
@@ -12,4 +12,4 @@ std::vector<std::vector<double>> readNumberRows(const std::string& path, const s
 /// "a/run.collisions.csv".
 std::string besideLog(const std::string& log_or_truth_path, const std::string& ending);
 
-}  // namespace slam::record
+}  // namespace slam::truth

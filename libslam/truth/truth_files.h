@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-namespace slam::record {
+namespace slam::truth {
 
 /// "a/run.rawlog" -> "a/run": the stem of the files beside a log.
 std::string logStem(const std::string& log_path);
@@ -18,4 +18,4 @@ struct TruthFiles {
 TruthFiles truthFiles(const std::string& log_path, const std::string& given_trajectory,
                       const std::string& given_plan);
 
-}  // namespace slam::record
+}  // namespace slam::truth

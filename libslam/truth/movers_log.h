@@ -5,7 +5,7 @@
 #include "libslam/files/files.h"
 #include "libslam/sim/simulator.h"
 
-namespace slam::record {
+namespace slam::truth {
 
 /// The truth of what moved besides the robot, beside a log, written as it comes:
 ///
@@ -30,4 +30,4 @@ class MoversLog {
   std::vector<movers::DoorState> doors_;  ///< as last written
 };
 
-}  // namespace slam::record
+}  // namespace slam::truth

@@ -1,10 +1,10 @@
-#include "libslam/record/collision_file.h"
+#include "libslam/truth/collision_file.h"
 
 #include <cstdio>
 
-#include "libslam/record/number_rows.h"
+#include "libslam/truth/number_rows.h"
 
-namespace slam::record {
+namespace slam::truth {
 namespace {
 
 constexpr const char* kCollisionsHeader = "time_s,x_m,y_m,heading_rad";
@@ -33,4 +33,4 @@ std::vector<sim::Collision> readCollisions(const std::string& path) {
   return collisions;
 }
 
-}  // namespace slam::record
+}  // namespace slam::truth
