@@ -53,7 +53,7 @@ int evaluateByRelations(const Context& context, const Arguments& arguments) {
   const auto relations = logs::readRelations(arguments.relations);
   std::vector<score::RelationScore> scores;
   if (std::filesystem::is_directory(arguments.folder))
-    scores = score::scoreByRelations(run::loadRun(arguments.folder), relations);
+    scores = score::scoreByRelations(results::loadRun(arguments.folder), relations);
   else
     scores = {{std::filesystem::path(arguments.folder).filename().string(),
                metrics::relationError(relations, logs::readTrajectory(arguments.folder))}};
@@ -88,9 +88,9 @@ score::Alignment alignmentOf(const Arguments& arguments, const resources::Manife
 }
 
 /// A run's folder, or a trajectory by itself, which has neither map nor cost.
-run::RunFolder loadRunOrPath(const std::string& path) {
-  if (std::filesystem::is_directory(path) || !std::filesystem::exists(path)) return run::loadRun(path);
-  run::RunFolder run;
+results::RunFolder loadRunOrPath(const std::string& path) {
+  if (std::filesystem::is_directory(path) || !std::filesystem::exists(path)) return results::loadRun(path);
+  results::RunFolder run;
   run.path = path;
   run.method = std::filesystem::path(path).stem().string();
   run.estimate = logs::readTrajectory(path);
@@ -107,7 +107,7 @@ void warnOfOtherTruth(const Context& context, const core::Trajectory& truth, con
                       files::formatNumber(std::round(100 * agreement) / 100) + ")");
 }
 
-int evaluatePath(const Context& context, const Arguments& arguments, const run::RunFolder& path) {
+int evaluatePath(const Context& context, const Arguments& arguments, const results::RunFolder& path) {
   if (arguments.truth.empty())
     throw core::InputError(arguments.folder +
                            ": is a file, expected a run's folder, or --truth or --relations beside it");
@@ -155,7 +155,7 @@ int evaluateRun(const Context& context, const Arguments& arguments) {
   if (truth) {
     const auto failure = score::explainFailure(
         run_folder, *truth,
-        score::readEvidence(run_folder, arguments.truth, run::logInput(run_folder.manifest)));
+        score::readEvidence(run_folder, arguments.truth, results::logInput(run_folder.manifest)));
     if (failure.divergence || !evaluation.failure.empty())
       tables.emplace_back("failure", score::failureTable(failure, evaluation.method));
   }

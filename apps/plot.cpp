@@ -14,7 +14,7 @@
 #include "libslam/logs/log_reader.h"
 #include "libslam/pictures/journal_picture.h"
 #include "libslam/pictures/picture.h"
-#include "libslam/run/journal_file.h"
+#include "libslam/results/journal_file.h"
 #include "libslam/score/compare.h"
 #include "libslam/world/plan.h"
 #include "libslam/resources/ini_yaml.h"
@@ -217,11 +217,11 @@ void addPlotPlans(CLI::App& plot, Context& context) {
 
 int plotJournal(const Context& context, const std::string& folder, const PaperArguments& how) {
   const auto [path, paper] = picturePlace(context, how, "journal.png");
-  const auto run = run::loadRun(folder);
+  const auto run = results::loadRun(folder);
   const std::string file = folder + "/journal.csv";
   if (!std::filesystem::exists(file))
     throw core::InputError(folder + ": holds no journal.csv: method " + run.method + " wrote no journal");
-  const auto events = run::readJournal(file);
+  const auto events = results::readJournal(file);
   pictures::drawJournal(run.map, run.final_estimate.value_or(run.estimate), events,
                         "What " + run.method + " did", path, paper);
   sayPicture(context, {{"file", path}, {"events", events.size()}}, path);

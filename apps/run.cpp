@@ -80,7 +80,7 @@ nlohmann::ordered_json journalJson(const std::vector<core::JournalLine>& journal
 nlohmann::ordered_json resultJson(const std::string& name, const std::string& folder,
                                   const run::MapRun& result, bool with_journal) {
   const auto& end = result.end;
-  const auto lost = run::lostInTheEnd(result.journal);
+  const auto lost = results::lostInTheEnd(result.journal);
   nlohmann::ordered_json json{{"folder", folder},
                               {"method", name},
                               {"scans", result.estimate.size()},
@@ -91,20 +91,20 @@ nlohmann::ordered_json resultJson(const std::string& name, const std::string& fo
                               {"peak_memory_mb", result.cost.peak_memory_mb}};
   if (!result.commands_from.empty()) json["commands_from"] = result.commands_from;
   if (result.lost_share) json["lost_share"] = *result.lost_share;
-  if (lost) json["lost"] = run::lostText(*lost);
-  if (result.stopped) json[core::wordOf(run::eventOf(*result.stopped))] = run::stopText(*result.stopped);
+  if (lost) json["lost"] = results::lostText(*lost);
+  if (result.stopped) json[core::wordOf(results::eventOf(*result.stopped))] = results::stopText(*result.stopped);
   if (with_journal) json["journal"] = journalJson(result.journal);
   return json;
 }
 
 core::ExitCode exitCodeOf(const run::MapRun& result, bool is_lost) {
   if (!result.stopped) return is_lost ? core::ExitCode::kMethodFailed : core::ExitCode::kOk;
-  return result.stopped->reason == run::Stop::Reason::kFailed ? core::ExitCode::kMethodFailed
+  return result.stopped->reason == results::Stop::Reason::kFailed ? core::ExitCode::kMethodFailed
                                                               : core::ExitCode::kInterrupted;
 }
 
-std::string stoppedText(const run::Stop& stop) {
-  return core::wordOf(run::eventOf(stop)) + (" " + run::stopText(stop)) + "; what was mapped before is kept";
+std::string stoppedText(const results::Stop& stop) {
+  return core::wordOf(results::eventOf(stop)) + (" " + results::stopText(stop)) + "; what was mapped before is kept";
 }
 
 int runMethod(const Context& context, const Arguments& arguments) {
@@ -124,13 +124,13 @@ int runMethod(const Context& context, const Arguments& arguments) {
       run::buildMap(arguments.log, config, name, context.seed, folder, context.overwrite, context.manifest(),
                     progress, true, continuationOf(arguments),
                     arguments.localised.empty() ? nullptr : &not_found, arguments.keep_partial);
-  const auto lost = run::lostInTheEnd(result.journal);
+  const auto lost = results::lostInTheEnd(result.journal);
   const auto exit_code = static_cast<int>(exitCodeOf(result, lost.has_value()));
   if (result.stopped)
     std::fprintf(stderr, "rasterslam: %s %s\n", name.c_str(), stoppedText(*result.stopped).c_str());
   if (lost)
     std::fprintf(stderr, "rasterslam: %s: %s and not found again\n", name.c_str(),
-                 run::lostText(*lost).c_str());
+                 results::lostText(*lost).c_str());
   if (result.steps_without_odometry > 0)
     note(context, arguments.log + ": " + std::to_string(result.steps_without_odometry) + " of " +
                       std::to_string(result.estimate.size() - 1) +
@@ -145,7 +145,7 @@ int runMethod(const Context& context, const Arguments& arguments) {
     return exit_code;
   }
   if (arguments.journal)
-    std::cout << (!result.journal.empty() ? run::journalText(result.journal)
+    std::cout << (!result.journal.empty() ? results::journalText(result.journal)
                   : result.final_estimate ? "method " + name + " has nothing to tell\n"
                                           : "method " + name + " wrote no journal\n")
               << "\n"

@@ -139,7 +139,7 @@ void mapWith(benchmark::State& state, const std::string& method) {
     process::runWorker(
         {RASTERSLAM_PROGRAM, "run", method, folder / "run.rawlog", "-o", folder / "out", "--overwrite", "-q"},
         core::silentProgress());
-  const run::Cost cost = run::loadRun(folder / "out").cost;
+  const results::Cost cost = results::loadRun(folder / "out").cost;
   state.counters["ms/scan"] = cost.mean_ms_per_scan;
   state.counters["p99 ms"] = cost.p99_ms_per_scan;
   state.counters["x real time"] = cost.real_time_factor;

@@ -147,10 +147,10 @@ void ExploringRobot::end(ExplorationEnd end) {
 }
 
 void ExploringRobot::fail(const core::MethodError& error) {
-  stop_ = {run::Stop::Reason::kFailed, static_cast<int>(estimate_.size()),
+  stop_ = {results::Stop::Reason::kFailed, static_cast<int>(estimate_.size()),
            simulator_.time_s() - start_time_s_, error.what()};
   end_ = ExplorationEnd::kFailed;
-  end_detail_ = run::stopText(*stop_);
+  end_detail_ = results::stopText(*stop_);
 }
 
 }  // namespace slam::explore

@@ -12,7 +12,7 @@
 #include "libslam/explore/loop_localiser.h"
 #include "libslam/navigate/driver.h"
 #include "libslam/record/recorder.h"
-#include "libslam/run/stopped_run.h"
+#include "libslam/results/stopped_run.h"
 
 namespace slam::explore {
 
@@ -118,7 +118,7 @@ class ExploringRobot {
   std::string end_detail_;
   std::size_t explored_scans_ = 0;  ///< what follows is the way back
   double start_time_s_ = 0;
-  std::optional<run::Stop> stop_;
+  std::optional<results::Stop> stop_;
 };
 
 }  // namespace slam::explore

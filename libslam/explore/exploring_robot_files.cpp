@@ -8,9 +8,9 @@
 #include "libslam/truth/carry_file.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
-#include "libslam/run/manifest_entries.h"
-#include "libslam/run/map_plan.h"
-#include "libslam/run/scene_file.h"
+#include "libslam/results/manifest_entries.h"
+#include "libslam/results/map_plan.h"
+#include "libslam/results/scene_file.h"
 
 namespace slam::explore {
 namespace {
@@ -39,10 +39,10 @@ bool opensToTheEdge(const metrics::ExplorableArea& area) {
 /// Map and path at the end.
 void ExploringRobot::score(Exploration& e) const {
   const auto raster = localiser_.map();
-  run::RunFolder run;
+  results::RunFolder run;
   run.method = method_.name;
   run.estimate = estimate_;
-  run.map = run::toPlan(raster);
+  run.map = results::toPlan(raster);
   run.manifest.results["map_mean_entropy_bits"] = files::formatNumber(metrics::mapEntropy(raster.occupancy));
   score::Truth truth;
   truth.trajectory = truth_;
@@ -114,9 +114,9 @@ bool ExploringRobot::writeMap(const Exploration& e) {
     return false;
   }
   mapping::saveMaps(localiser_.builder(), folder_);
-  run::writeScene(localiser_.builder(), estimate_, *last_scan_, folder_ + "/map.3Dscene");
+  results::writeScene(localiser_.builder(), estimate_, *last_scan_, folder_ + "/map.3Dscene");
   if (e.end != ExplorationEnd::kFailed && core::isFinite(e.evaluation.trajectory.T_truth_estimate))
-    run::addTruthToScene(truth_, &plan_, core::inverse(e.evaluation.trajectory.T_truth_estimate),
+    results::addTruthToScene(truth_, &plan_, core::inverse(e.evaluation.trajectory.T_truth_estimate),
                          folder_ + "/map.3Dscene");
   return true;
 }
@@ -138,7 +138,7 @@ void ExploringRobot::drawPath(const Exploration& e) const {
 
 void ExploringRobot::describeResults(const Exploration& e, bool has_map, resources::Manifest& manifest) const {
   auto& results = manifest.results;
-  run::describeLidar(*first_scan_, results);
+  results::describeLidar(*first_scan_, results);
   run::describeSensors(localiser_.builder(), lidarsOf(config_.record), results);
   const auto number = [](double value) { return files::formatNumber(value); };
   results["method"] = method_.name;
@@ -147,8 +147,8 @@ void ExploringRobot::describeResults(const Exploration& e, bool has_map, resourc
   if (e.end == ExplorationEnd::kFailed) {
     results["status"] = "incomplete";
     results["failed"] = e.end_detail;
-    const std::vector<core::JournalLine> journal = {run::stopLine(*stop_, estimate_.back().pose)};
-    files::writeFileAtomically(folder_ + "/journal.csv", run::journalCsv(journal));
+    const std::vector<core::JournalLine> journal = {results::stopLine(*stop_, estimate_.back().pose)};
+    files::writeFileAtomically(folder_ + "/journal.csv", results::journalCsv(journal));
     manifest.files["journal.csv"] = "what failed, where";
   }
   results["end_detail"] = e.end_detail;

@@ -5,7 +5,7 @@
 
 #include "libslam/gridmap/fused_raster.h"
 #include "libslam/record/sensor.h"
-#include "libslam/run/map_plan.h"
+#include "libslam/results/map_plan.h"
 #include "libslam/sim/sightings.h"
 
 namespace slam::explore {
@@ -302,11 +302,11 @@ TeamScores TeamLoop::scores() const {
   const auto shared = std::count_if(seen_by.begin(), seen_by.end(), [](int robots) { return robots > 1; });
   scores.overlap = explored > 0 ? static_cast<double>(shared) / static_cast<double>(explored) : 0;
 
-  run::RunFolder run;
+  results::RunFolder run;
   run.method = request_.slam;
   run.estimate = members_.front().robot->estimatedTrajectory();
   const auto map = mergedMap();
-  run.map = run::toPlan(map);
+  run.map = results::toPlan(map);
   run.manifest.results["map_mean_entropy_bits"] = files::formatNumber(metrics::mapEntropy(map.occupancy));
   score::Truth truth;
   truth.trajectory = members_.front().robot->trueTrajectory();

@@ -10,7 +10,7 @@
 #include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/run/journal_file.h"
+#include "libslam/results/journal_file.h"
 #include "libslam/score/evaluate.h"
 
 namespace slam::live {
@@ -20,18 +20,18 @@ namespace {
 constexpr double kSameStamp_s = 2e-6;  // trajectories are written with microseconds
 
 /// The log that a run was made from, with its hash.
-std::pair<std::string, std::string> logOf(const run::RunFolder& run) {
+std::pair<std::string, std::string> logOf(const results::RunFolder& run) {
   const std::string own = run.path + "/run.rawlog";
   if (fs::exists(own)) return {own, ""};
   const auto& inputs = run.manifest.inputs;
-  if (const auto input = inputs.find(run::logInput(run.manifest)); input != inputs.end()) return *input;
+  if (const auto input = inputs.find(results::logInput(run.manifest)); input != inputs.end()) return *input;
   throw core::InputError(run.path + "/manifest.json: names no log that the run was made from; give --log");
 }
 
 }  // namespace
 
 Replay loadReplay(const std::string& folder, const std::string& given_log) {
-  const auto run = run::loadRun(folder);
+  const auto run = results::loadRun(folder);
   const auto [log_path, hash] = logOf(run);
   Replay replay;
   replay.log_path = given_log.empty() ? log_path : given_log;
@@ -45,7 +45,7 @@ Replay loadReplay(const std::string& folder, const std::string& given_log) {
   const std::string journal = folder + "/journal.csv";
   if (!fs::exists(journal)) return replay;
   const core::Pose2 T_first_map = core::inverse(replay.path.front().pose);
-  for (const auto& line : run::readJournal(journal))
+  for (const auto& line : results::readJournal(journal))
     if (line.event == core::JournalEvent::kAccepted)
       replay.loops.push_back({line.scan, {T_first_map * line.place, T_first_map * line.other_place}});
   return replay;

@@ -16,7 +16,7 @@
 #include "libslam/pages/report_parts.h"
 #include "libslam/pages/report_verdict.h"
 #include "libslam/truth/truth_files.h"
-#include "libslam/run/journal_file.h"
+#include "libslam/results/journal_file.h"
 #include "libslam/score/compare.h"
 #include "libslam/score/evaluate.h"
 
@@ -75,9 +75,9 @@ std::vector<Asked> methodsOfComparison(const std::string& folder, report::Report
 }
 
 /// The log that a run read; "" with a word on the page where it is gone.
-std::string logOf(const run::RunFolder& run, const std::string& folder, report::ReportPage& page) {
+std::string logOf(const results::RunFolder& run, const std::string& folder, report::ReportPage& page) {
   std::vector<std::string> candidates = {folder + "/log/run.rawlog", folder + "/run.rawlog"};
-  if (const auto path = run::logInput(run.manifest); !path.empty()) candidates.push_back(path);
+  if (const auto path = results::logInput(run.manifest); !path.empty()) candidates.push_back(path);
   for (const auto& path : candidates)
     if (fs::exists(path)) return path;
   page.missing.push_back("The log " + candidates.back() +
@@ -102,7 +102,7 @@ void readTiming(const std::string& path, report::ReportRun& run) {
   }
 }
 
-report::ReportRun pageRun(const run::RunFolder& run, const score::Evaluation& e,
+report::ReportRun pageRun(const results::RunFolder& run, const score::Evaluation& e,
                           const std::optional<score::Truth>& truth) {
   report::ReportRun shown;
   shown.method = e.method;
@@ -122,11 +122,11 @@ report::ReportRun pageRun(const run::RunFolder& run, const score::Evaluation& e,
     shown.error_m.push_back(known ? core::distance(true_pose, shown.path.back().pose) : kNan);
   }
   readTiming(run.path + "/timing.csv", shown);
-  if (fs::exists(run.path + "/journal.csv")) shown.events = run::readJournal(run.path + "/journal.csv");
+  if (fs::exists(run.path + "/journal.csv")) shown.events = results::readJournal(run.path + "/journal.csv");
   return shown;
 }
 
-void addRunDownloads(const std::vector<run::RunFolder>& runs, report::ReportPage& page) {
+void addRunDownloads(const std::vector<results::RunFolder>& runs, report::ReportPage& page) {
   for (const auto& run : runs) {
     // Saved from the page both lie in one folder with those of other methods.
     auto yaml = files::readTextFile(run.path + "/map.yaml");
@@ -152,9 +152,9 @@ void addFacts(const resources::Manifest& manifest, report::ReportPage& page) {
 /// Runs, figures and replay of a comparison or of a single run.
 void fill(const std::vector<Asked>& methods, const std::string& folder, const resources::Manifest& manifest,
           core::Progress& progress, report::ReportPage& page) {
-  std::vector<run::RunFolder> runs;
+  std::vector<results::RunFolder> runs;
   for (const auto& method : methods)
-    if (method.failure.empty()) runs.push_back(run::loadRun(method.folder));
+    if (method.failure.empty()) runs.push_back(results::loadRun(method.folder));
   std::string log_path;
   std::optional<score::Truth> truth;
   if (!runs.empty()) {
@@ -165,7 +165,7 @@ void fill(const std::vector<Asked>& methods, const std::string& folder, const re
   std::vector<score::Evaluation> evaluations;
   for (const auto& method : methods) {
     const auto run = std::find_if(runs.begin(), runs.end(),
-                                  [&](const run::RunFolder& r) { return r.path == method.folder; });
+                                  [&](const results::RunFolder& r) { return r.path == method.folder; });
     evaluations.push_back(run == runs.end() ? score::failedEvaluation(method.method, method.failure)
                                             : score::evaluate(*run, truth));
   }
@@ -185,7 +185,7 @@ void fill(const std::vector<Asked>& methods, const std::string& folder, const re
     page.tables.pop_back();  // an exploration does not measure them
   for (const auto& e : evaluations) {
     const auto run =
-        std::find_if(runs.begin(), runs.end(), [&](const run::RunFolder& r) { return r.method == e.method; });
+        std::find_if(runs.begin(), runs.end(), [&](const results::RunFolder& r) { return r.method == e.method; });
     if (run != runs.end()) {
       page.runs.push_back(pageRun(*run, e, truth));
     } else {
@@ -229,7 +229,7 @@ void addExploration(const std::string& folder, report::ReportPage& page) {
 
 void addRun(const std::string& folder, const std::string& log_path, const std::string& name,
             std::size_t replay, report::ReportPage& page) {
-  const auto run = run::loadRun(folder);
+  const auto run = results::loadRun(folder);
   auto files = truth::truthFiles(log_path, "", "");
   // Where a sweep generated the building.
   if (const auto plan = fs::path(log_path).parent_path() / "plan.yaml";

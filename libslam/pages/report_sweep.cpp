@@ -302,7 +302,7 @@ void addWorstRuns(const std::string& folder, const Rows& rows, const std::vector
     const std::string log_folder = rows.text(row, "log_folder");
     std::string log_path = folder + "/" + log_folder + "/run.rawlog";
     if (log_folder.empty())  // a log that existed already
-      log_path = run::logInput(resources::readManifest(runOf(row) + "/manifest.json"));
+      log_path = results::logInput(resources::readManifest(runOf(row) + "/manifest.json"));
     addRun(runOf(row), log_path, name, page.replays.size() - 1, page);
     page.runs.back().summary = "Its worst run: " + where + ". " + page.runs.back().summary;
     if (fs::exists(log_path))

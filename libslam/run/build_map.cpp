@@ -22,10 +22,10 @@
 #include "libslam/process/process_memory.h"
 #include "libslam/run/external_method.h"
 #include "libslam/run/log_feed.h"
-#include "libslam/run/manifest_entries.h"
-#include "libslam/run/map_plan.h"
-#include "libslam/run/scene_file.h"
-#include "libslam/run/self_score.h"
+#include "libslam/results/manifest_entries.h"
+#include "libslam/results/map_plan.h"
+#include "libslam/results/scene_file.h"
+#include "libslam/results/self_score.h"
 #include "libslam/run/told_commands.h"
 
 namespace slam::run {
@@ -50,8 +50,8 @@ class MemoryMeter {
   double before_mb_, files_before_mb_;
 };
 
-Cost summarize(std::vector<double> milliseconds, double finish_s, double log_seconds) {
-  Cost cost;
+results::Cost summarize(std::vector<double> milliseconds, double finish_s, double log_seconds) {
+  results::Cost cost;
   if (milliseconds.empty()) return cost;
   double total_ms = 1000 * finish_s;
   for (const double ms : milliseconds) total_ms += ms;
@@ -92,17 +92,17 @@ std::vector<Stamped> inStampOrder(std::vector<Stamped> stamped) {
 }
 
 /// covariances[i] is of the pose at stamps_s[i].
-std::vector<StampedCovariance> stamped(const std::vector<Eigen::Matrix3d>& covariances,
+std::vector<results::StampedCovariance> stamped(const std::vector<Eigen::Matrix3d>& covariances,
                                        const std::vector<double>& stamps_s) {
-  std::vector<StampedCovariance> result;
+  std::vector<results::StampedCovariance> result;
   for (size_t i = 0; i < covariances.size(); ++i) result.push_back({stamps_s[i], covariances[i]});
   return result;
 }
 
 /// A method that leaves every covariance at zero gives none.
-bool areGiven(const std::vector<StampedCovariance>& covariances) {
+bool areGiven(const std::vector<results::StampedCovariance>& covariances) {
   return std::any_of(covariances.begin(), covariances.end(),
-                     [](const StampedCovariance& stamped) { return !stamped.covariance.isZero(0); });
+                     [](const results::StampedCovariance& stamped) { return !stamped.covariance.isZero(0); });
 }
 
 /// What is kept of the scans while they come, in the order of the log.
@@ -115,17 +115,17 @@ struct Taken {
 /// Does a part of the work that a method may fail in, or an interrupt end: run.stopped says so then. The
 /// first reason stays. What comes before the first scan is taken in leaves nothing to keep.
 void stoppable(MapRun& run, const Taken& taken, bool keep_partial, const std::function<void()>& work) {
-  const auto stop = [&](Stop::Reason reason, const std::string& why) {
+  const auto stop = [&](results::Stop::Reason reason, const std::string& why) {
     if (!run.stopped) run.stopped = {reason, static_cast<int>(run.estimate.size()), taken.time_s, why};
   };
   try {
     work();
   } catch (const core::MethodError& error) {
     if (run.estimate.empty()) throw;
-    stop(Stop::Reason::kFailed, error.what());
+    stop(results::Stop::Reason::kFailed, error.what());
   } catch (const core::Interrupted&) {
     if (!keep_partial || run.estimate.empty()) throw;
-    stop(Stop::Reason::kInterrupted, "");
+    stop(results::Stop::Reason::kInterrupted, "");
   }
 }
 
@@ -140,7 +140,7 @@ void takeIn(const std::string& log_path, mapping::MapBuilder& method,
     const double stamp_s = entry->scan.time_s;
     const double time_s = run.estimate.empty() ? 0 : stamp_s - taken.stamps_s.front();
     taken.time_s = time_s;
-    if (run.estimate.empty()) describeLidar(entry->scan, manifest.results);
+    if (run.estimate.empty()) results::describeLidar(entry->scan, manifest.results);
     core::Pose2 T_previous_robot = entry->T_previous_robot;
     if (external) T_previous_robot = external->increment(run.estimate.size());
     core::Pose2 T_map_robot;
@@ -148,7 +148,7 @@ void takeIn(const std::string& log_path, mapping::MapBuilder& method,
     double after_s = 0;
     const double before_s = process::threadCpuSeconds();
     tellSensors(method, *entry);
-    insideMethod([&] {
+    results::insideMethod([&] {
       T_map_robot =
           mapping::processScan(method, entry->scan, T_previous_robot, entry->has_odometry || external);
       after_s = process::threadCpuSeconds();
@@ -172,12 +172,12 @@ void takeIn(const std::string& log_path, mapping::MapBuilder& method,
 void writePaths(const MapRun& run, const std::string& folder) {
   logs::writeTum(run.estimate, folder + "/trajectory.tum");
   if (run.final_estimate) logs::writeTum(*run.final_estimate, folder + "/trajectory_final.tum");
-  if (!run.covariances.empty()) writeCovariances(run.covariances, folder + "/covariances.csv");
+  if (!run.covariances.empty()) results::writeCovariances(run.covariances, folder + "/covariances.csv");
   if (!run.final_covariances.empty())
-    writeCovariances(run.final_covariances, folder + "/covariances_final.csv");
+    results::writeCovariances(run.final_covariances, folder + "/covariances_final.csv");
   // Methods that correct their path keep a journal, be there nothing to tell.
   if (run.final_estimate || !run.journal.empty())
-    files::writeFileAtomically(folder + "/journal.csv", journalCsv(run.journal));
+    files::writeFileAtomically(folder + "/journal.csv", results::journalCsv(run.journal));
 }
 
 /// Another program's path, and what then draws its map; nothing for a method of ours.
@@ -199,7 +199,7 @@ struct Ending {
   std::optional<core::Trajectory> final_path;
   core::Trajectory path;  ///< the final one, else the one given online
   std::optional<gridmap::OccupancyRaster> map;
-  std::optional<SelfScore> self;
+  std::optional<results::SelfScore> self;
   std::vector<Eigen::Matrix3d> covariances;  ///< of the final path
 };
 
@@ -223,7 +223,7 @@ class Finisher {
     ask([&] { ending_.map = mapping::currentMap(method_); });
     if (!run_.stopped)
       stoppable(run_, taken_, keep_partial_, [&] {
-        ending_.self = selfScore(log_path, ending_.path, toPlan(*ending_.map), progress, lidars);
+        ending_.self = results::selfScore(log_path, ending_.path, results::toPlan(*ending_.map), progress, lidars);
       });
     if (!run_.stopped) ask([&] { ending_.covariances = mapping::finalCovariances(method_); });
     return std::move(ending_);
@@ -231,7 +231,7 @@ class Finisher {
 
  private:
   void ask(const std::function<void()>& work) {
-    stoppable(run_, taken_, keep_partial_, [&] { insideMethod(work); });
+    stoppable(run_, taken_, keep_partial_, [&] { results::insideMethod(work); });
   }
 
   mapping::MapBuilder& method_;
@@ -244,11 +244,11 @@ class Finisher {
 /// Everything of the run in its final form: in the order of stamps, with its journal and its cost.
 void complete(const mapping::MapBuilder& method, const Ending& ending, const Taken& taken,
               const std::optional<ExternalRun>& external, double peak_memory_mb, MapRun& run) {
-  run.journal = placedJournal(mapping::journalOf(method), taken.stamps_s, ending.path);
-  if (run.stopped) run.journal.push_back(stopLine(*run.stopped, ending.path.back().pose));
+  run.journal = results::placedJournal(mapping::journalOf(method), taken.stamps_s, ending.path);
+  if (run.stopped) run.journal.push_back(results::stopLine(*run.stopped, ending.path.back().pose));
   run.estimate = inStampOrder(std::move(run.estimate));
   run.covariances =
-      areGiven(run.covariances) ? inStampOrder(std::move(run.covariances)) : std::vector<StampedCovariance>();
+      areGiven(run.covariances) ? inStampOrder(std::move(run.covariances)) : std::vector<results::StampedCovariance>();
   if (ending.final_path) run.final_estimate = inStampOrder(*ending.final_path);
   run.final_covariances = inStampOrder(stamped(ending.covariances, taken.stamps_s));
   const double log_seconds = run.estimate.back().time_s - run.estimate.front().time_s;
@@ -258,7 +258,7 @@ void complete(const mapping::MapBuilder& method, const Ending& ending, const Tak
     run.cost = external->cost;
     run.filled_poses = external->filled_poses;
   }
-  if (run.final_estimate || !run.journal.empty()) run.lost_share = lostShare(run.journal, log_seconds);
+  if (run.final_estimate || !run.journal.empty()) run.lost_share = results::lostShare(run.journal, log_seconds);
 }
 
 void writeFiles(mapping::MapBuilder& method, const MapRun& run, const Ending& ending, const Taken& taken,
@@ -267,7 +267,7 @@ void writeFiles(mapping::MapBuilder& method, const MapRun& run, const Ending& en
   writePaths(run, folder);
   if (ending.map) {
     mapping::saveMaps(method, folder);
-    writeScene(method, ending.path, taken.last_scan, folder + "/map.3Dscene");
+    results::writeScene(method, ending.path, taken.last_scan, folder + "/map.3Dscene");
     if (continuation.localise_only) keepMap(continuation.folder, folder);
   } else {
     mapping::saveKeyFrames(method, folder);
@@ -298,15 +298,15 @@ void describeResults(const mapping::MapBuilder& method, const Ending& ending, bo
   if (!run.commands_from.empty()) results["commands_from"] = run.commands_from;
   // Of the log's order, which the files' order of stamps may lose.
   results["path_length_m"] = files::formatNumber(run.path_length_m);
-  describePose("end", run.end, results);
-  describePose("end_final", ending.path.back().pose, results);
-  if (run.stopped) describeStop(*run.stopped, results);
-  if (const auto lost = lostInTheEnd(run.journal)) results["lost"] = lostText(*lost);
+  results::describePose("end", run.end, results);
+  results::describePose("end_final", ending.path.back().pose, results);
+  if (run.stopped) results::describeStop(*run.stopped, results);
+  if (const auto lost = results::lostInTheEnd(run.journal)) results["lost"] = results::lostText(*lost);
   if (run.lost_share) results["lost_share"] = files::formatNumber(*run.lost_share);
   if (is_external) results["filled_poses"] = std::to_string(run.filled_poses);
   if (ending.map)
     results["map_mean_entropy_bits"] = files::formatNumber(metrics::mapEntropy(ending.map->occupancy));
-  if (ending.self) describeSelfScore(*ending.self, results);
+  if (ending.self) results::describeSelfScore(*ending.self, results);
   results["peak_memory_mb"] = files::formatNumber(run.cost.peak_memory_mb);
   manifest.times_s["finish_s"] = ending.finish_s;
   manifest.times_s["mean_ms_per_scan"] = run.cost.mean_ms_per_scan;
@@ -352,7 +352,7 @@ MapRun buildMap(const std::string& log_path, const files::IniFile& method_config
   manifest.results["method"] = method_name;
   describeInputs(log_path, method_config, manifest);
   describeResults(method, ending, external.has_value(), run, manifest);
-  for (const auto& [file, note] : fileNotes())
+  for (const auto& [file, note] : results::fileNotes())
     if (std::filesystem::exists(output.path() + "/" + file)) manifest.files[file] = note;
   resources::writeManifest(manifest, output.path() + "/manifest.json");
   output.commit();

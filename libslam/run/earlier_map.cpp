@@ -8,7 +8,7 @@
 #include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/run/known_map.h"
-#include "libslam/run/manifest_entries.h"
+#include "libslam/results/manifest_entries.h"
 #include "libslam/world/plan.h"
 
 namespace slam::run {
@@ -65,7 +65,7 @@ void beginInMap(mapping::MapBuilder& method, const Continuation& continuation, c
   mapping::continueMap(method, key_frames, T_map_robot, continuation.localise_only);
   manifest.inputs[map] = resources::fileSha256(map);
   manifest.results[continuation.localise_only ? "localised_in" : "continues"] = continuation.folder;
-  if (T_map_robot) describePose("start", *T_map_robot, manifest.results);
+  if (T_map_robot) results::describePose("start", *T_map_robot, manifest.results);
 }
 
 void keepMap(const std::string& map, const std::string& to) {

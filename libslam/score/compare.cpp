@@ -70,7 +70,7 @@ core::Relations loadRelations(const CompareRequest& request, const logs::LogInfo
   return relations;
 }
 
-void scoreByRelations(const std::vector<run::RunFolder>& runs, const core::Relations& relations,
+void scoreByRelations(const std::vector<results::RunFolder>& runs, const core::Relations& relations,
                       const std::string& output, Comparison& comparison) {
   std::vector<RelationScore> scores;
   for (const auto& run : runs)
@@ -88,7 +88,7 @@ void scoreByRelations(const std::vector<run::RunFolder>& runs, const core::Relat
 
 /// Under the tables: which methods took the kinds of the commands from the wheels, and which took skewed
 /// scans.
-void noteCommands(const std::vector<run::RunFolder>& runs, const std::vector<table::Table*>& tables) {
+void noteCommands(const std::vector<results::RunFolder>& runs, const std::vector<table::Table*>& tables) {
   for (const auto& run : runs) {
     const auto from = run.manifest.results.find("commands_from");
     const std::string note =
@@ -132,21 +132,21 @@ void runAll(std::vector<ComparedMethod>& methods, const CompareRequest& request,
   runMethods(methods, comparison.log_path, request, manifest, progress);
 }
 
-std::vector<run::RunFolder> loadRuns(const std::vector<ComparedMethod>& methods, core::Progress& progress) {
-  std::vector<run::RunFolder> runs;
+std::vector<results::RunFolder> loadRuns(const std::vector<ComparedMethod>& methods, core::Progress& progress) {
+  std::vector<results::RunFolder> runs;
   for (const auto& method : methods) {
     progress.update(-1, 0);
-    if (method.failure.empty()) runs.push_back(run::loadRun(method.folder));
+    if (method.failure.empty()) runs.push_back(results::loadRun(method.folder));
   }
   return runs;
 }
 
-void evaluateAll(const std::vector<ComparedMethod>& methods, const std::vector<run::RunFolder>& runs,
+void evaluateAll(const std::vector<ComparedMethod>& methods, const std::vector<results::RunFolder>& runs,
                  const std::optional<Truth>& truth, Comparison& comparison, core::Progress& progress) {
   for (const auto& method : methods) {
     progress.update(-1, 0);
     const auto run = std::find_if(runs.begin(), runs.end(),
-                                  [&](const run::RunFolder& r) { return r.path == method.folder; });
+                                  [&](const results::RunFolder& r) { return r.path == method.folder; });
     comparison.evaluations.push_back(run == runs.end() ? failedEvaluation(method.name, method.failure)
                                                        : evaluate(*run, truth));
     comparison.failed += comparison.evaluations.back().failure.empty() ? 0 : 1;
@@ -154,7 +154,7 @@ void evaluateAll(const std::vector<ComparedMethod>& methods, const std::vector<r
   setAgreement(runs, comparison.evaluations);
 }
 
-void makeTables(const std::vector<run::RunFolder>& runs, const std::optional<Truth>& truth,
+void makeTables(const std::vector<results::RunFolder>& runs, const std::optional<Truth>& truth,
                 Comparison& comparison) {
   const auto& evaluations = comparison.evaluations;
   comparison.accuracy = truth ? accuracyTable(evaluations, *truth, Detail::kShort)

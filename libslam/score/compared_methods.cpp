@@ -15,7 +15,7 @@
 #include "libslam/process/worker.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
-#include "libslam/run/stopped_run.h"
+#include "libslam/results/stopped_run.h"
 
 namespace slam::score {
 namespace fs = std::filesystem;
@@ -77,7 +77,7 @@ void runMethod(ComparedMethod& method, const std::string& log_path, const Compar
     if (!request.program.empty()) return runInProcess(method, log_path, request, progress);
     const auto run = run::buildMap(log_path, method.config, method.name, request.seed, method.folder, true,
                                    manifest, progress, false);
-    if (run.stopped) throw core::MethodError(keptText(run::stopText(*run.stopped)));
+    if (run.stopped) throw core::MethodError(keptText(results::stopText(*run.stopped)));
   } catch (const core::MethodError& error) {
     method.failure = error.what();
   }

@@ -207,7 +207,7 @@ std::optional<WorstRegion> worstRegion(const world::Plan& plan, const metrics::S
   return worst;
 }
 
-FailureReport explainFailure(const run::RunFolder& run, const Truth& truth, const FailureEvidence& evidence,
+FailureReport explainFailure(const results::RunFolder& run, const Truth& truth, const FailureEvidence& evidence,
                              const FailureLimits& limits) {
   const auto& journal = evidence.journal;
   FailureReport report;
@@ -254,11 +254,11 @@ FailureReport explainFailure(const run::RunFolder& run, const Truth& truth, cons
   return report;
 }
 
-FailureEvidence readEvidence(const run::RunFolder& run, const std::string& truth_path,
+FailureEvidence readEvidence(const results::RunFolder& run, const std::string& truth_path,
                              const std::string& log_path) {
   FailureEvidence evidence;
   const std::string journal_path = run.path + "/journal.csv";
-  if (fs::exists(journal_path)) evidence.journal = run::readJournal(journal_path);
+  if (fs::exists(journal_path)) evidence.journal = results::readJournal(journal_path);
   evidence.collisions = truth::readCollisions(truth::collisionsPath(truth_path));
   evidence.carries = truth::readCarryFile(truth::carriesPath(truth_path));
   if (log_path.empty() || !fs::exists(log_path)) return evidence;

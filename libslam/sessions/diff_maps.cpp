@@ -13,7 +13,7 @@
 #include "libslam/pictures/picture.h"
 #include "libslam/report/html_report.h"
 #include "libslam/run/known_map.h"
-#include "libslam/run/map_plan.h"
+#include "libslam/results/map_plan.h"
 #include "libslam/sessions/joined_sessions.h"
 #include "libslam/table/table.h"
 
@@ -26,7 +26,7 @@ world::Plan drawn(const std::vector<mapping::KeyFrame>& key_frames, const files:
   mapping::writeKeyFrames(key_frames, scratch / "map.simplemap");
   auto method = mapping::makeMapBuilder(config, "graph", 1);
   mapping::continueMap(method, scratch / "map.simplemap", core::Pose2{}, true);
-  return run::toPlan(mapping::currentMap(method));
+  return results::toPlan(mapping::currentMap(method));
 }
 
 report::ReportPage pageOf(const MapPair& maps, const MapChanges& changes, const std::string& picture,

@@ -12,8 +12,8 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/key_frames.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/run/manifest_entries.h"
-#include "libslam/run/scene_file.h"
+#include "libslam/results/manifest_entries.h"
+#include "libslam/results/scene_file.h"
 
 namespace slam::sessions {
 namespace {
@@ -97,8 +97,8 @@ void describe(const MergedMap& merged, const files::IniFile& config, const std::
   for (const auto& line : mapping::readMethodConfig(config).report)
     manifest.config[line.section + "." + line.info.key] = line.value;
   manifest.results["sessions"] = std::to_string(merged.sessions.size());
-  run::describePose("end_final", merged.sessions.back().path.back().pose, manifest.results);
-  for (const auto& [file, note] : run::fileNotes())
+  results::describePose("end_final", merged.sessions.back().path.back().pose, manifest.results);
+  for (const auto& [file, note] : results::fileNotes())
     if (fs::exists(folder + "/" + file)) manifest.files[file] = note;
   manifest.files["merge.json"] = "how the maps lie to one another, and what speaks for it";
 }
@@ -120,7 +120,7 @@ MergedMap mergeMaps(const std::vector<std::string>& maps, const files::IniFile& 
   for (const auto& one : merged.sessions)
     logs::writeTum(one.path, output.path() + "/" + one.session.name + ".tum");
   mapping::saveMaps(joined.method, output.path());
-  run::writeScene(joined.method, merged.sessions.back().path, joined.key_frames.back().back().scan,
+  results::writeScene(joined.method, merged.sessions.back().path, joined.key_frames.back().back().scan,
                   output.path() + "/map.3Dscene");
   files::writeFileAtomically(output.path() + "/merge.json", mergeJson(merged));
   describe(merged, method_config, output.path(), manifest);

@@ -194,11 +194,11 @@ void runMethod(const std::string& folder, const Json& spec, const CellInputs& in
                                    spec.at("seed"), run_folder, false, manifestOf(inputs), progress);
   if (built.stopped) {
     // Figures of a part of the log would stand beside those of whole ones: there are none.
-    setFailure(result, "failed", messageWithout(folder, inputs, run::stopText(*built.stopped)));
+    setFailure(result, "failed", messageWithout(folder, inputs, results::stopText(*built.stopped)));
     keepRun(folder, inputs, result);
     return;
   }
-  const auto run = run::loadRun(run_folder);
+  const auto run = results::loadRun(run_folder);
   std::optional<score::Truth> truth;
   if (!inputs.truth.empty()) truth = score::loadTruth(inputs.truth, inputs.truth_plan, run);
   addFigures(score::evaluate(run, truth), result);

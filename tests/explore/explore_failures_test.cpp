@@ -8,7 +8,7 @@
 #include "libslam/files/files.h"
 #include "libslam/resources/resources.h"
 #include "libslam/explore/explore.h"
-#include "libslam/run/journal_file.h"
+#include "libslam/results/journal_file.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/explore/two_rooms.h"
 
@@ -53,10 +53,10 @@ TEST(Explore, AMethodThatFailsOnTheWayKeepsWhatItHadMapped) {
   ASSERT_EQ(result.runs.size(), 1U);
   EXPECT_THAT(result.runs[0].end_detail, HasSubstr("at scan 20 (3.8 s): broken on purpose"));
   EXPECT_THAT(result.scores.notes, ::testing::Contains(HasSubstr("failed: at scan 20")));
-  const auto partial = run::loadRun(folder / "out");
+  const auto partial = results::loadRun(folder / "out");
   EXPECT_EQ(partial.manifest.results.at("status"), "incomplete");
   EXPECT_EQ(partial.estimate.size(), 20U);
-  EXPECT_EQ(run::readJournal(folder / "out/journal.csv").back().event, core::JournalEvent::kFailed);
+  EXPECT_EQ(results::readJournal(folder / "out/journal.csv").back().event, core::JournalEvent::kFailed);
   EXPECT_TRUE(fs::exists(folder / "out/run.rawlog"));
   EXPECT_TRUE(fs::exists(folder / "out/map.simplemap"));
 }

@@ -13,7 +13,7 @@
 #include "libslam/resources/file_hash.h"
 #include "libslam/resources/resources.h"
 #include "libslam/logs/trajectory_io.h"
-#include "libslam/run/journal_file.h"
+#include "libslam/results/journal_file.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/explore/two_rooms.h"
@@ -213,7 +213,7 @@ TEST(Explore, TablesAloneAreTheSameTables) {
 TEST(Explore, AFolderOfOneRunIsScoredAgainByEvaluate) {
   const testing::TempFolder folder;
   const auto result = run(request(folder, twoRooms(), {quickConfig("quadrant", 20)}, "icp"));
-  const auto again = run::loadRun(folder / "out");
+  const auto again = results::loadRun(folder / "out");
   const auto truth = score::loadTruth(folder / "out/run.gt.tum", folder / "two_rooms.yaml", again);
   const auto evaluation = score::evaluate(again, truth);
   // TUM files keep nine decimals of a metre.

@@ -118,9 +118,9 @@ TEST(RecordLivingWorld, ALaterVisitIsScoredOnThePlanThatWasThere) {
   EXPECT_EQ(truth::findPlan(comparison.log_path), folder / "out/log/run.plan.yaml");
   score::Truth given;
   given = score::loadTruth(folder / "out/log/run.gt.tum", folder / "out/log/run.plan.yaml",
-                           run::loadRun(folder / "out/naive_wheel"));
+                           results::loadRun(folder / "out/naive_wheel"));
   EXPECT_EQ(comparison.evaluations[0].map.occupied_f1,
-            score::evaluate(run::loadRun(folder / "out/naive_wheel"), given).map.occupied_f1);
+            score::evaluate(results::loadRun(folder / "out/naive_wheel"), given).map.occupied_f1);
 }
 
 TEST(RecordLivingWorld, EveryVisitIsAnother) {

@@ -125,7 +125,7 @@ TEST_F(TwoHalves, MethodsThatCannotSaySo) {
 // Intel's stamps run back, so that the path through trajectory.tum, which is in the order of stamps, goes
 // back and forth.
 TEST_F(TwoHalves, LengthAndEndAreThoseOfTheLogsOrder) {
-  auto run = loadRun(*folder_ / "whole");
+  auto run = results::loadRun(*folder_ / "whole");
   const auto as_run = score::evaluate(run, {});
   std::swap(run.estimate[20].pose, run.estimate[90].pose);
   std::swap(run.estimate.front().pose, run.estimate.back().pose);
@@ -138,7 +138,7 @@ TEST_F(TwoHalves, LengthAndEndAreThoseOfTheLogsOrder) {
 }
 
 TEST_F(TwoHalves, ARunThatEndsLostHasItsFiguresAndANote) {
-  auto run = loadRun(*folder_ / "whole");
+  auto run = results::loadRun(*folder_ / "whole");
   run.manifest.results["lost"] = "lost at scan 90 (18.0 s)";
   const auto evaluation = score::evaluate(run, {});
   EXPECT_GT(evaluation.path_length_m, 1);

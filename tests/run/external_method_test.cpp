@@ -176,7 +176,7 @@ TEST_F(External, AProgramIsAMethodWithARunFolderOfItsOwn) {
   EXPECT_TRUE(fs::exists(here_ / "out/printed.txt"));
   EXPECT_FALSE(fs::exists(here_ / "out/timing.csv"));
   EXPECT_FALSE(fs::exists(here_ / "out/work"));
-  const auto folder = loadRun(here_ / "out");
+  const auto folder = results::loadRun(here_ / "out");
   EXPECT_EQ(folder.map.resolution_m, 0.1);
   EXPECT_EQ(folder.manifest.config.at("method.type"), "external");
   EXPECT_TRUE(std::isnan(folder.cost.p99_ms_per_scan));

@@ -15,7 +15,7 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
 #include "libslam/run/build_map.h"
-#include "libslam/run/lost_time.h"
+#include "libslam/results/lost_time.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
@@ -139,7 +139,7 @@ TEST_F(InAGrid, ThePosesAreThoseOfTheRosMapsFrame) {
   const auto run = build("drive2", {*folder_ / "flat.yaml", true, truth.front().pose}, "in_plan");
   ASSERT_TRUE(run.lost_share);
   EXPECT_EQ(*run.lost_share, 0);
-  const auto evaluation = score::evaluate(loadRun(*folder_ / "in_plan"), score::Truth{truth, {}, {}});
+  const auto evaluation = score::evaluate(results::loadRun(*folder_ / "in_plan"), score::Truth{truth, {}, {}});
   EXPECT_EQ(evaluation.align, metrics::Align::kNone);
   EXPECT_LT(evaluation.trajectory.position_m.max, 0.05);  // a cell of the plan
   EXPECT_EQ(evaluation.lost_share, 0);
@@ -153,7 +153,7 @@ TEST_F(InAGrid, SoInMrptsGrid) {
   const std::string map = *folder_ / "map/map.gridmap.gz";
   build("drive2", {map, true, core::between(T_world_map, truth.front().pose)}, "in_grid");
   EXPECT_EQ(resources::fileSha256(*folder_ / "in_grid/map.gridmap.gz"), resources::fileSha256(map));
-  const auto run = loadRun(*folder_ / "in_grid");
+  const auto run = results::loadRun(*folder_ / "in_grid");
   const score::Alignment alignment{metrics::Align::kNone,
                                    score::mapFrame(run.manifest, *folder_ / "drive1.gt.tum")};
   EXPECT_LT(core::distance(alignment.T_truth_map, T_world_map), 1e-9);
@@ -170,17 +170,17 @@ std::vector<core::JournalLine> journalOf(const std::vector<std::pair<double, std
 }
 
 TEST(LostTime, RunsFromLostToRecoveredOrToTheEnd) {
-  EXPECT_EQ(lostShare({}, 10), 0);
-  EXPECT_EQ(lostShare(journalOf({{1, "poor"}, {2, "lost"}, {2.5, "lost"}, {4, "recovered"}}), 10), 0.2);
-  EXPECT_EQ(lostShare(journalOf({{2, "lost"}, {3, "recovered"}, {8, "lost"}}), 10), 0.3);
-  EXPECT_EQ(lostShare(journalOf({{0, "lost"}}), 0), 0);
+  EXPECT_EQ(results::lostShare({}, 10), 0);
+  EXPECT_EQ(results::lostShare(journalOf({{1, "poor"}, {2, "lost"}, {2.5, "lost"}, {4, "recovered"}}), 10), 0.2);
+  EXPECT_EQ(results::lostShare(journalOf({{2, "lost"}, {3, "recovered"}, {8, "lost"}}), 10), 0.3);
+  EXPECT_EQ(results::lostShare(journalOf({{0, "lost"}}), 0), 0);
 }
 
 TEST(LostTime, APathWithoutItLacksThosePoses) {
   core::Trajectory path;
   for (int i = 0; i <= 10; ++i) path.push_back({100.0 + i, {static_cast<double>(i), 0, 0}});
-  EXPECT_EQ(whileNotLost(path, {}).size(), 11U);
-  const auto found = whileNotLost(path, {{2, 4}, {9, 10}});
+  EXPECT_EQ(results::whileNotLost(path, {}).size(), 11U);
+  const auto found = results::whileNotLost(path, {{2, 4}, {9, 10}});
   ASSERT_EQ(found.size(), 7U);  // 0, 1, 4 .. 8: recovered at 4, and lost from 9 to the end
   EXPECT_EQ(found[2].pose.x, 4);
   EXPECT_EQ(found.back().pose.x, 8);

@@ -1,4 +1,4 @@
-#include "libslam/run/self_score.h"
+#include "libslam/results/self_score.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -31,8 +31,8 @@ class SelfScoring : public ::testing::Test {
     record::record(plan_, record::readRecordConfig(ini), 1, log_, {}, core::silentProgress());
     truth_ = logs::readTum(folder_ / "run.gt.tum");
   }
-  SelfScore scoreOf(const core::Trajectory& path) const {
-    return selfScore(log_, path, plan_, core::silentProgress());
+  results::SelfScore scoreOf(const core::Trajectory& path) const {
+    return results::selfScore(log_, path, plan_, core::silentProgress());
   }
 
   testing::TempFolder folder_;
@@ -71,7 +71,7 @@ TEST_F(SelfScoring, StandsInEveryRunAndInItsTable) {
   const auto run =
       buildMap(log_, config, "rbpf_exact", 1, folder_ / "out", false, {}, core::silentProgress());
   ASSERT_TRUE(run.final_estimate.has_value());
-  const auto loaded = loadRun(folder_ / "out");
+  const auto loaded = results::loadRun(folder_ / "out");
   ASSERT_TRUE(loaded.final_estimate.has_value());
   EXPECT_EQ(loaded.final_estimate->size(), loaded.estimate.size());
   const auto evaluation = score::evaluate(loaded, std::nullopt);
@@ -91,7 +91,7 @@ TEST_F(SelfScoring, StandsInEveryRunAndInItsTable) {
 TEST_F(SelfScoring, IsNotMissedWhereARunDoesNotHaveIt) {
   const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", "naive_wheel");
   buildMap(log_, config, "naive_wheel", 1, folder_ / "out", false, {}, core::silentProgress());
-  auto loaded = loadRun(folder_ / "out");
+  auto loaded = results::loadRun(folder_ / "out");
   EXPECT_FALSE(loaded.final_estimate.has_value());
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out/trajectory_final.tum"));
   auto& results = loaded.manifest.results;
@@ -119,12 +119,12 @@ TEST_F(SelfScoring, ALogWhoseStampsRunBackGivesAPathInTheOrderOfTheStamps) {
       buildMap(shuffled, config, "naive_wheel", 1, folder_ / "out", false, {}, core::silentProgress());
   const auto byStamp = [](const auto& a, const auto& b) { return a.time_s < b.time_s; };
   EXPECT_TRUE(std::is_sorted(run.estimate.begin(), run.estimate.end(), byStamp));
-  EXPECT_EQ(loadRun(folder_ / "out").estimate.size(), run.estimate.size());
+  EXPECT_EQ(results::loadRun(folder_ / "out").estimate.size(), run.estimate.size());
   // Every scan was still placed at its own pose: the same figures as of the log whose stamps do not run back.
   buildMap(log_, config, "naive_wheel", 1, folder_ / "straight", false, {}, core::silentProgress());
   for (const char* key : {"self.on_wall_share", "self.wall_thickness_m"})
-    EXPECT_EQ(loadRun(folder_ / "out").manifest.results.at(key),
-              loadRun(folder_ / "straight").manifest.results.at(key))
+    EXPECT_EQ(results::loadRun(folder_ / "out").manifest.results.at(key),
+              results::loadRun(folder_ / "straight").manifest.results.at(key))
         << key;
 }
 

@@ -67,14 +67,14 @@ TEST_F(BrokenOdometry, WhatWasMappedBeforeIsKept) {
   for (const std::string method : {"particles", "icp", "rbpf", "naive_wheel"}) {
     const auto run = build(method, "bad", method);
     ASSERT_TRUE(run.stopped.has_value()) << method;
-    EXPECT_EQ(run.stopped->reason, Stop::Reason::kFailed);
+    EXPECT_EQ(run.stopped->reason, results::Stop::Reason::kFailed);
     EXPECT_EQ(run.stopped->scan, kBadScan) << method;
     EXPECT_THAT(run.stopped->why, HasSubstr("the map would hold")) << method;
-    const auto partial = loadRun(*folder_ / method);
+    const auto partial = results::loadRun(*folder_ / method);
     EXPECT_EQ(partial.estimate.size(), static_cast<size_t>(kBadScan)) << method;
     EXPECT_EQ(partial.manifest.results.at("status"), "incomplete");
     EXPECT_THAT(partial.manifest.results.at("failed"), HasSubstr("at scan 60 (12.0 s): "));
-    const auto journal = readJournal(*folder_ / (method + "/journal.csv"));
+    const auto journal = results::readJournal(*folder_ / (method + "/journal.csv"));
     EXPECT_EQ(journal.back().event, core::JournalEvent::kFailed) << method;
     EXPECT_EQ(journal.back().scan, kBadScan - 1);
     EXPECT_THAT(journal.back().detail, HasSubstr("the map would hold"));
@@ -132,11 +132,11 @@ TEST_F(BrokenOdometry, AnInterruptKeepsWhatIsThereWhenAskedTo) {
   StopAt progress(20);
   const auto run = build("icp", "first", "interrupted", progress, true);
   ASSERT_TRUE(run.stopped.has_value());
-  EXPECT_EQ(run.stopped->reason, Stop::Reason::kInterrupted);
-  const auto partial = loadRun(*folder_ / "interrupted");
+  EXPECT_EQ(run.stopped->reason, results::Stop::Reason::kInterrupted);
+  const auto partial = results::loadRun(*folder_ / "interrupted");
   EXPECT_EQ(partial.estimate.size(), 20U);
   EXPECT_EQ(partial.manifest.results.at("interrupted"), "at scan 20 (3.8 s)");
-  EXPECT_EQ(readJournal(*folder_ / "interrupted/journal.csv").back().event, core::JournalEvent::kInterrupted);
+  EXPECT_EQ(results::readJournal(*folder_ / "interrupted/journal.csv").back().event, core::JournalEvent::kInterrupted);
   StopAt again(20);
   EXPECT_THROW(build("icp", "first", "not kept", again), core::Interrupted);
   EXPECT_FALSE(fs::exists(*folder_ / "not kept"));

@@ -5,11 +5,11 @@
 
 #include "libslam/resources/manifest.h"
 #include "libslam/core/pose2.h"
-#include "libslam/run/cost.h"
-#include "libslam/run/pose_covariances.h"
+#include "libslam/results/cost.h"
+#include "libslam/results/pose_covariances.h"
 #include "libslam/world/plan.h"
 
-namespace slam::run {
+namespace slam::results {
 
 /// A folder that buildMap() wrote, read back.
 struct RunFolder {
@@ -35,4 +35,4 @@ double resultOf(const resources::Manifest& manifest, const std::string& key, con
 /// The same of a figure that not every run has: NaN where it is missing.
 double resultIfThere(const resources::Manifest& manifest, const std::string& key);
 
-}  // namespace slam::run
+}  // namespace slam::results

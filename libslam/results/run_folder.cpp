@@ -1,4 +1,4 @@
-#include "libslam/run/run_folder.h"
+#include "libslam/results/run_folder.h"
 
 #include <filesystem>
 #include <limits>
@@ -8,7 +8,7 @@
 #include "libslam/resources/resources.h"
 #include "libslam/logs/trajectory_io.h"
 
-namespace slam::run {
+namespace slam::results {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -78,4 +78,4 @@ std::string logInput(const resources::Manifest& manifest) {
   return "";
 }
 
-}  // namespace slam::run
+}  // namespace slam::results

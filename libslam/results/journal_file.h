@@ -6,7 +6,7 @@
 #include "libslam/core/journal.h"
 #include "libslam/core/pose2.h"
 
-namespace slam::run {
+namespace slam::results {
 
 /// stamps_s and path: of every scan, in the log's order; not empty.
 std::vector<core::JournalLine> placedJournal(const std::vector<core::JournalEntry>& journal,
@@ -28,4 +28,4 @@ double lostShare(const std::vector<core::JournalLine>& journal, double log_secon
 /// "lost at scan 812 (83.2 s)"
 std::string lostText(const core::JournalLine& lost);
 
-}  // namespace slam::run
+}  // namespace slam::results

@@ -4,10 +4,10 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/lidar/scan.h"
-#include "libslam/run/self_score.h"
-#include "libslam/run/stopped_run.h"
+#include "libslam/results/self_score.h"
+#include "libslam/results/stopped_run.h"
 
-namespace slam::run {
+namespace slam::results {
 
 // What a run's manifest.json says, key by key.
 
@@ -24,4 +24,4 @@ void describeSelfScore(const SelfScore& score, std::map<std::string, std::string
 /// Keys `status` and `failed` or `interrupted`.
 void describeStop(const Stop& stop, std::map<std::string, std::string>& results);
 
-}  // namespace slam::run
+}  // namespace slam::results

@@ -1,4 +1,4 @@
-#include "libslam/run/journal_file.h"
+#include "libslam/results/journal_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,11 +6,11 @@
 #include <cmath>
 
 #include "libslam/files/files.h"
-#include "libslam/run/stopped_run.h"
+#include "libslam/results/stopped_run.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
-namespace slam::run {
+namespace slam::results {
 namespace {
 using slam::testing::errorOf;
 using ::testing::HasSubstr;
@@ -111,4 +111,4 @@ TEST(Journal, ARobotIsLostUntilItIsFoundAgain) {
 }
 
 }  // namespace
-}  // namespace slam::run
+}  // namespace slam::results

@@ -1,4 +1,4 @@
-#include "libslam/run/journal_file.h"
+#include "libslam/results/journal_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
 
-namespace slam::run {
+namespace slam::results {
 
 std::vector<core::JournalLine> placedJournal(const std::vector<core::JournalEntry>& journal,
                                              const std::vector<double>& stamps_s,
@@ -117,4 +117,4 @@ std::string lostText(const core::JournalLine& lost) {
   return text;
 }
 
-}  // namespace slam::run
+}  // namespace slam::results

@@ -1,4 +1,4 @@
-#include "libslam/run/pose_covariances.h"
+#include "libslam/results/pose_covariances.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 
-namespace slam::run {
+namespace slam::results {
 namespace {
 using slam::testing::errorOf;
 using ::testing::DoubleNear;
@@ -118,4 +118,4 @@ TEST(PoseNees, ConvictsAMethodThatIsTooSure) {
 }
 
 }  // namespace
-}  // namespace slam::run
+}  // namespace slam::results

@@ -1,4 +1,4 @@
-#include "libslam/run/scene_file.h"
+#include "libslam/results/scene_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 #include "libslam/testing/temp_folder.h"
 #include "tests/mapping/small_room.h"
 
-namespace slam::run {
+namespace slam::results {
 namespace {
 
 using mrpt::opengl::COpenGLScene;
@@ -140,4 +140,4 @@ TEST(SceneFile, IsSeenFromAboveByItsOwnCamera) {
 }
 
 }  // namespace
-}  // namespace slam::run
+}  // namespace slam::results

@@ -1,6 +1,6 @@
-#include "libslam/run/map_plan.h"
+#include "libslam/results/map_plan.h"
 
-namespace slam::run {
+namespace slam::results {
 
 world::Plan toPlan(const gridmap::OccupancyRaster& map) {
   world::Plan plan;
@@ -16,4 +16,4 @@ world::Plan toPlan(const gridmap::OccupancyRaster& map) {
   return plan;
 }
 
-}  // namespace slam::run
+}  // namespace slam::results

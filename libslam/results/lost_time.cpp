@@ -1,9 +1,9 @@
-#include "libslam/run/lost_time.h"
+#include "libslam/results/lost_time.h"
 
 #include <algorithm>
 #include <iterator>
 
-namespace slam::run {
+namespace slam::results {
 
 std::vector<LostSpan> lostSpans(const std::vector<core::JournalLine>& journal, double log_seconds) {
   std::vector<LostSpan> spans;
@@ -40,4 +40,4 @@ core::Trajectory whileNotLost(const core::Trajectory& path, const std::vector<Lo
   return found;
 }
 
-}  // namespace slam::run
+}  // namespace slam::results

@@ -1,9 +1,9 @@
 #pragma once
 #include <vector>
 
-#include "libslam/run/journal_file.h"
+#include "libslam/results/journal_file.h"
 
-namespace slam::run {
+namespace slam::results {
 
 /// A time that a robot was lost, seconds since the log's first scan.
 struct LostSpan {
@@ -17,4 +17,4 @@ std::vector<LostSpan> lostSpans(const std::vector<core::JournalLine>& journal, d
 /// The poses of a path outside of these spans; stamps are seconds since its first pose.
 core::Trajectory whileNotLost(const core::Trajectory& path, const std::vector<LostSpan>& spans);
 
-}  // namespace slam::run
+}  // namespace slam::results

@@ -6,7 +6,7 @@
 #include "libslam/lidar/scan.h"
 #include "libslam/world/plan.h"
 
-namespace slam::run {
+namespace slam::results {
 
 /// Writes what a method knows in the end as a .3Dscene of MRPT's stock classes, map frame, seen from above:
 /// the layers map, path, scan (`last_scan`) and robot, and where the method has them particles, graph and
@@ -20,4 +20,4 @@ void writeScene(const mapping::MapBuilder& method, const core::Trajectory& path,
 void addTruthToScene(const core::Trajectory& truth, const world::Plan* plan, const core::Pose2& T_map_world,
                      const std::string& file);
 
-}  // namespace slam::run
+}  // namespace slam::results

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace slam::run {
+namespace slam::results {
 
 /// What a method cost.
 struct Cost {
@@ -10,4 +10,4 @@ struct Cost {
   double real_time_factor = 0;  ///< robot's seconds per second of computing
 };
 
-}  // namespace slam::run
+}  // namespace slam::results

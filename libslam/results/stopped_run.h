@@ -3,9 +3,9 @@
 #include <string>
 
 #include "libslam/core/pose2.h"
-#include "libslam/run/journal_file.h"
+#include "libslam/results/journal_file.h"
 
-namespace slam::run {
+namespace slam::results {
 
 /// Why a run ended before its log did. What was mapped until then is kept.
 struct Stop {
@@ -31,4 +31,4 @@ core::JournalLine stopLine(const Stop& stop, const core::Pose2& T_map_robot);
 /// memory that ran out.
 void insideMethod(const std::function<void()>& work);
 
-}  // namespace slam::run
+}  // namespace slam::results

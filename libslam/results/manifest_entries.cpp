@@ -1,8 +1,8 @@
-#include "libslam/run/manifest_entries.h"
+#include "libslam/results/manifest_entries.h"
 
 #include "libslam/files/parameters.h"
 
-namespace slam::run {
+namespace slam::results {
 
 const std::map<std::string, std::string>& fileNotes() {
   static const std::map<std::string, std::string> notes = {
@@ -54,4 +54,4 @@ void describeStop(const Stop& stop, std::map<std::string, std::string>& results)
   results[core::wordOf(eventOf(stop))] = stopText(stop);
 }
 
-}  // namespace slam::run
+}  // namespace slam::results

@@ -1,4 +1,4 @@
-#include "libslam/run/stopped_run.h"
+#include "libslam/results/stopped_run.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -7,7 +7,7 @@
 
 #include "libslam/core/error.h"
 
-namespace slam::run {
+namespace slam::results {
 namespace {
 
 /// A field of journal.csv has no comma, no quote and no end of line.
@@ -58,4 +58,4 @@ void insideMethod(const std::function<void()>& work) {
   }
 }
 
-}  // namespace slam::run
+}  // namespace slam::results

@@ -6,7 +6,7 @@
 
 #include "libslam/core/pose2.h"
 
-namespace slam::run {
+namespace slam::results {
 
 /// How sure a method says that it is of a pose.
 struct StampedCovariance {
@@ -32,4 +32,4 @@ std::vector<double> poseNees(const core::Trajectory& truth, const core::Trajecto
                              const std::vector<StampedCovariance>& covariances,
                              const std::optional<core::Pose2>& T_world_map = std::nullopt);
 
-}  // namespace slam::run
+}  // namespace slam::results

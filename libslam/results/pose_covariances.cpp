@@ -1,4 +1,4 @@
-#include "libslam/run/pose_covariances.h"
+#include "libslam/results/pose_covariances.h"
 
 #include <array>
 #include <charconv>
@@ -12,7 +12,7 @@
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/stats/consistency.h"
 
-namespace slam::run {
+namespace slam::results {
 namespace {
 
 constexpr const char* kHeader = "time_s,xx,xy,xphi,yy,yphi,phiphi";
@@ -94,4 +94,4 @@ std::vector<double> poseNees(const core::Trajectory& truth, const core::Trajecto
   return nees;
 }
 
-}  // namespace slam::run
+}  // namespace slam::results

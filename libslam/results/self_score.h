@@ -6,7 +6,7 @@
 #include "libslam/metrics/placed_scans.h"
 #include "libslam/world/plan.h"
 
-namespace slam::run {
+namespace slam::results {
 
 /// What a log, a path and a map say of one another, without any truth.
 struct SelfScore {
@@ -19,4 +19,4 @@ struct SelfScore {
 SelfScore selfScore(const std::string& log_path, const core::Trajectory& path, const world::Plan& map,
                     core::Progress& progress, const std::string& lidars = "");
 
-}  // namespace slam::run
+}  // namespace slam::results

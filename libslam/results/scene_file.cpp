@@ -1,4 +1,4 @@
-#include "libslam/run/scene_file.h"
+#include "libslam/results/scene_file.h"
 
 #include <mrpt/img/CImage.h>
 #include <mrpt/io/CMemoryStream.h>
@@ -23,7 +23,7 @@
 #include "libslam/graph/graph_slam.h"
 #include "libslam/viewer/layers.h"
 
-namespace slam::run {
+namespace slam::results {
 namespace {
 
 using mrpt::opengl::COpenGLScene;
@@ -237,4 +237,4 @@ void addTruthToScene(const core::Trajectory& truth, const world::Plan* plan, con
   save(scene, file);
 }
 
-}  // namespace slam::run
+}  // namespace slam::results

@@ -1,9 +1,9 @@
-#include "libslam/run/self_score.h"
+#include "libslam/results/self_score.h"
 
 #include "libslam/core/error.h"
 #include "libslam/logs/log_reader.h"
 
-namespace slam::run {
+namespace slam::results {
 namespace {
 
 std::vector<core::Point2> returnsOf(const lidar::Scan& scan) {
@@ -38,4 +38,4 @@ SelfScore selfScore(const std::string& log_path, const core::Trajectory& path, c
   return {metrics::pointSharpness(scans.points()), scans.agreement()};
 }
 
-}  // namespace slam::run
+}  // namespace slam::results
