@@ -7,7 +7,7 @@
 #include "libslam/goals/bug2.h"
 #include "libslam/goals/lidar_bug.h"
 #include "libslam/goals/tangent_bug.h"
-#include "libslam/paths/obstacle_memory.h"
+#include "libslam/safety/obstacle_memory.h"
 
 namespace slam::goals {
 namespace {
@@ -52,7 +52,7 @@ const files::ParameterTable<NavigateOptions>& NavigateOptions::table() {
        {"turn", &O::turn, "left", {"left", "right"}, "at an obstacle; bug1 and bug2"},
        {"sensor_range_m", &O::sensor_range_m, 0.0, 0.0, 1e4,
         "how far tangent believes the lidar; 0 is the lidar's own range"},
-       {"memory", &O::memory, "short", paths::obstacleMemoryNames(),
+       {"memory", &O::memory, "short", safety::obstacleMemoryNames(),
         "of obstacles that the newest scan does not show: none, within 1.5 m, or the local map of "
         "[obstacles]"},
        {"unseen",

@@ -23,7 +23,7 @@ Surroundings::Surroundings(const robot::RobotOptions& robot, double clearance_m,
       clearance_m_(clearance_m),
       period_s_(period_s),
       guard_m_(robot::circumscribedRadius(robot) + kGuardMargin_m),
-      memory_(paths::makeObstacleMemory(memory, zone)) {}
+      memory_(safety::makeObstacleMemory(memory, zone)) {}
 
 void Surroundings::update(const lidar::Scan& scan, const core::Pose2& T_odom_robot) {
   guard_m_ = robot::circumscribedRadius(robot_) + kGuardMargin_m + scan.range_sigma_m;

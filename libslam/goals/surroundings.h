@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/paths/obstacle_memory.h"
+#include "libslam/safety/obstacle_memory.h"
 #include "libslam/robot/drive.h"
 #include "libslam/lidar/scan.h"
 
@@ -63,7 +63,7 @@ class Surroundings {
 
   robot::RobotOptions robot_;
   double clearance_m_, period_s_, guard_m_;
-  std::unique_ptr<paths::ObstacleMemory> memory_;
+  std::unique_ptr<safety::ObstacleMemory> memory_;
   std::vector<core::Point2> points_;  ///< robot frame
   std::vector<core::Point2> felt_odom_;
 };

@@ -8,7 +8,7 @@
 #include <algorithm>
 
 #include "libslam/gridmap/mrpt_grid.h"
-#include "libslam/paths/safe_motion.h"
+#include "libslam/safety/safe_motion.h"
 #include "libslam/lidar/mrpt_types.h"
 
 namespace slam::mrptnav {
@@ -61,7 +61,7 @@ MrptStrategy::Answer MrptStrategy::decide(const mrpt::obs::CObservation2DRangeSc
   auto decision = state_->strategy->decide(seen, T_map_robot);
   // Without a map a strategy says how far at most; a driver of ours stops where the way ends.
   decision.distance_m = std::min(
-      {decision.distance_m, seen.max_range_m, paths::discReach(seen, decision.turn_rad, state_->robot)});
+      {decision.distance_m, seen.max_range_m, safety::discReach(seen, decision.turn_rad, state_->robot)});
   return {toMrpt(decision, T_map_robot), decision.finished, decision.reason};
 }
 

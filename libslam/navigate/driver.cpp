@@ -11,11 +11,11 @@
 #include "libslam/navigate/bumps.h"
 #include "libslam/navigate/escape.h"
 #include "libslam/navigate/strategy.h"
-#include "libslam/paths/free_ways.h"
-#include "libslam/paths/obstacle_memory.h"
+#include "libslam/safety/free_ways.h"
+#include "libslam/safety/obstacle_memory.h"
 #include "libslam/paths/path_follower.h"
-#include "libslam/paths/safe_motion.h"
-#include "libslam/paths/view.h"
+#include "libslam/safety/safe_motion.h"
+#include "libslam/safety/view.h"
 
 namespace slam::navigate {
 namespace {
@@ -57,7 +57,7 @@ struct Driver::State {
   int barren = 0;             ///< decisions in a row without news
   double waited_s = 0;        ///< of the decision at hand
 
-  std::unique_ptr<paths::ObstacleMemory> memory = nullptr;
+  std::unique_ptr<safety::ObstacleMemory> memory = nullptr;
   Bumps bumps = {};
   std::vector<core::Point2> remembered = {};  ///< robot frame
   std::optional<goals::LookFirst> look_first = std::nullopt;
@@ -81,21 +81,21 @@ struct Driver::State {
   bool checkIsDue() const { return periods_unchecked * period_s >= options.recheck_s; }
 
   double reach(const lidar::Scan& scan, double direction_rad) const {
-    return paths::discReach(scan, direction_rad, robot, remembered);
+    return safety::discReach(scan, direction_rad, robot, remembered);
   }
   /// By the rule that the strategy drives by.
   bool frontIsFree(const lidar::Scan& scan) const {
     if (escaping) return true;
-    if (strategy->drivesByDisc()) return paths::seesAhead(scan);
-    const paths::FreeWays ways = paths::canMove(scan, options.stop_clearance_m, remembered);
-    return ways == paths::FreeWays::kBoth || ways == paths::FreeWays::kFrontOnly;
+    if (strategy->drivesByDisc()) return safety::seesAhead(scan);
+    const safety::FreeWays ways = safety::canMove(scan, options.stop_clearance_m, remembered);
+    return ways == safety::FreeWays::kBoth || ways == safety::FreeWays::kFrontOnly;
   }
   bool rearIsFree(const lidar::Scan& scan) const {
     const double body_m = robot::circumscribedRadius(robot);
     const double clearance_m =
         strategy->drivesByDisc() ? std::min(body_m, options.stop_clearance_m) : options.stop_clearance_m;
-    const paths::FreeWays ways = paths::canMove(scan, clearance_m, remembered);
-    return ways == paths::FreeWays::kBoth || ways == paths::FreeWays::kRearOnly;
+    const safety::FreeWays ways = safety::canMove(scan, clearance_m, remembered);
+    return ways == safety::FreeWays::kBoth || ways == safety::FreeWays::kRearOnly;
   }
   robot::Command straight(double distance_m) const { return {distance_m / period_s, 0, period_s}; }
   robot::Command stand() const { return {0, 0, period_s}; }
@@ -183,7 +183,7 @@ void Driver::State::sense(const lidar::Scan& scan, const core::Pose2& T_map_robo
     for (const auto& p_robot : look_first->hidden()) remembered.push_back(p_robot);
   }
   if (!w_follows) return;
-  options.stop_clearance_m = paths::stopClearance(robot, period_s, scan.range_sigma_m);
+  options.stop_clearance_m = safety::stopClearance(robot, period_s, scan.range_sigma_m);
   strategy->setStopClearance(options.stop_clearance_m);
 }
 
@@ -299,7 +299,7 @@ Driver::Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& option
     throw core::ContractError("Driver: expected a positive period");
   strategy->setRobot(robot);
   state_ = std::make_unique<State>(State{std::move(strategy), options, robot, period_s, random});
-  state_->memory = paths::makeObstacleMemory(options.memory, options.obstacles);
+  state_->memory = safety::makeObstacleMemory(options.memory, options.obstacles);
   if (options.unseen == "looked_at") state_->look_first.emplace(robot, period_s, options.obstacles);
   state_->w_follows = options.stop_clearance_m == 0;
 }

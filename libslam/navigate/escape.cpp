@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "libslam/paths/view.h"
+#include "libslam/safety/view.h"
 
 namespace slam::navigate {
 namespace {
@@ -21,7 +21,7 @@ Decision escapeFrom(const lidar::Scan& scan, const std::function<double(double)>
   };
   std::vector<Way> ways;
   double last_rad = -core::kPi;
-  for (const auto& beam : paths::seenBeams(scan)) {
+  for (const auto& beam : safety::seenBeams(scan)) {
     if (beam.angle_rad - last_rad < kEscapeStep_rad) continue;
     last_rad = beam.angle_rad;
     const double free_m = std::min(beam.range_m, reach_m(beam.angle_rad));

@@ -3,18 +3,18 @@
 #include <cmath>
 #include <cstdio>
 
-#include "libslam/paths/view.h"
+#include "libslam/safety/view.h"
 
 namespace slam::navigate {
 
 Decision LongestRay::decide(const lidar::Scan& scan, const core::Pose2& /*T_odom_robot*/) {
   // Drawn whatever the scan holds, so that one empty scan does not shift the later draws.
   const double divisor = random_.uniform(options_.divisor_min, options_.divisor_max);
-  const auto beams = paths::seenBeams(scan);
+  const auto beams = safety::seenBeams(scan);
   Decision decision;
   decision.reason = "no valid reading";
   if (beams.empty()) return decision;
-  paths::SeenBeam longest = beams.front();
+  safety::SeenBeam longest = beams.front();
   for (const auto& beam : beams)
     if (beam.range_m > longest.range_m) longest = beam;
 

@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "libslam/core/elementary.h"
-#include "libslam/paths/view.h"
+#include "libslam/safety/view.h"
 
 namespace slam::navigate {
 namespace {
@@ -17,10 +17,10 @@ constexpr double kLeadsBack_rad = core::kPi / 4;
 constexpr double kNewPlace_m = 0.5;
 
 /// The longest ray of every quadrant that the lidar sees, nothing where it sees none.
-std::array<std::optional<paths::SeenBeam>, 4> longestRays(const std::vector<paths::SeenBeam>& beams) {
-  std::array<std::optional<paths::SeenBeam>, 4> longest;
+std::array<std::optional<safety::SeenBeam>, 4> longestRays(const std::vector<safety::SeenBeam>& beams) {
+  std::array<std::optional<safety::SeenBeam>, 4> longest;
   for (const auto& beam : beams) {
-    auto& best = longest[static_cast<size_t>(paths::quadrantOf(beam.angle_rad))];
+    auto& best = longest[static_cast<size_t>(safety::quadrantOf(beam.angle_rad))];
     if (!best || beam.range_m > best->range_m) best = beam;
   }
   return longest;
@@ -47,7 +47,7 @@ Decision Quadrant::decide(const lidar::Scan& scan, const core::Pose2& T_odom_rob
   rememberWay(T_odom_robot);
   // Drawn whatever the scan holds, so that one empty scan does not shift the later draws.
   const double divisor = random_.uniform(options_.divisor_min, options_.divisor_max);
-  const auto candidates = longestRays(paths::seenBeams(scan));
+  const auto candidates = longestRays(safety::seenBeams(scan));
 
   std::optional<size_t> onward, back;
   for (size_t q = 0; q < candidates.size(); ++q) {
@@ -61,7 +61,7 @@ Decision Quadrant::decide(const lidar::Scan& scan, const core::Pose2& T_odom_rob
   Decision decision;
   decision.reason = "no valid reading";
   if (!choice) return decision;
-  const paths::SeenBeam& chosen = *candidates[*choice];
+  const safety::SeenBeam& chosen = *candidates[*choice];
   decision.turn_rad = core::wrapToPi(chosen.angle_rad);
   decision.distance_m = chosen.range_m / divisor;
   decision.score = chosen.range_m;

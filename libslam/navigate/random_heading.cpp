@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "libslam/paths/view.h"
+#include "libslam/safety/view.h"
 
 namespace slam::navigate {
 
@@ -12,13 +12,13 @@ Decision RandomHeading::decide(const lidar::Scan& scan, const core::Pose2& /*T_m
   // Drawn whatever the scan holds, so that one empty scan does not shift the later draws.
   const double divisor = random_.uniform(options_.divisor_min, options_.divisor_max);
   const double pick = random_.uniform(), turn = random_.uniform(-1, 1);
-  auto beams = paths::seenBeams(scan);
+  auto beams = safety::seenBeams(scan);
   Decision decision;
   decision.reason = "no valid reading";
   if (beams.empty()) return decision;
   beams.erase(
       std::remove_if(beams.begin(), beams.end(),
-                     [&](const paths::SeenBeam& b) { return b.range_m <= options_.stop_clearance_m; }),
+                     [&](const safety::SeenBeam& b) { return b.range_m <= options_.stop_clearance_m; }),
       beams.end());
   char reason[80];
   if (beams.empty()) {

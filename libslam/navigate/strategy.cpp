@@ -12,7 +12,7 @@
 #include "libslam/navigate/random_heading.h"
 #include "libslam/navigate/tour.h"
 #include "libslam/navigate/wall_follow.h"
-#include "libslam/paths/obstacle_memory.h"
+#include "libslam/safety/obstacle_memory.h"
 
 namespace slam::navigate {
 namespace {
@@ -98,7 +98,7 @@ const files::ParameterTable<StrategyOptions>& StrategyOptions::table() {
         "with less than this between the disc and an obstacle a path is driven more slowly"},
        {"ray_navigator", &O::ray_navigator, "none", rayNavigators(),
         "who drives along a ray, round what is in the way; none: straight ahead"},
-       {"memory", &O::memory, "none", paths::obstacleMemoryNames(),
+       {"memory", &O::memory, "none", safety::obstacleMemoryNames(),
         "of obstacles that the newest scan does not show: none, within 1.5 m, or the local map of "
         "[obstacles]"},
        {"unseen",

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "libslam/core/elementary.h"
-#include "libslam/paths/safe_motion.h"
-#include "libslam/paths/view.h"
+#include "libslam/safety/safe_motion.h"
+#include "libslam/safety/view.h"
 
 namespace slam::navigate {
 namespace {
@@ -21,7 +21,7 @@ Decision WallFollow::decide(const lidar::Scan& scan, const core::Pose2& /*T_map_
   Decision decision;
   decision.reason = "no valid reading";
   const auto points = lidar::scanPoints(scan);
-  const auto beams = paths::seenBeams(scan);
+  const auto beams = safety::seenBeams(scan);
   if (beams.empty()) return decision;
   char reason[100];
   double nearest_m = std::numeric_limits<double>::infinity(), nearest_rad = 0;
@@ -44,7 +44,7 @@ Decision WallFollow::decide(const lidar::Scan& scan, const core::Pose2& /*T_map_
     bool free = false;
     for (double aside_rad = 0; aside_rad < 2 * core::kPi && !free; aside_rad += kTurnStep_rad) {
       const double direction_rad = from_rad + aside_rad;
-      const double travel_m = paths::freeTravel(points, direction_rad, near_m);
+      const double travel_m = safety::freeTravel(points, direction_rad, near_m);
       if (travel_m < kStep_m) continue;
       free = true;
       decision.turn_rad = core::wrapToPi(direction_rad);

@@ -6,7 +6,7 @@
 #include "libslam/core/error.h"
 #include "libslam/navigate/driver.h"
 #include "libslam/navigate/strategy.h"
-#include "libslam/paths/free_ways.h"
+#include "libslam/safety/free_ways.h"
 #include "tests/navigate/scenes.h"
 
 namespace slam::navigate {

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 
 #include "libslam/navigate/strategy.h"
-#include "libslam/paths/free_ways.h"
-#include "libslam/paths/view.h"
+#include "libslam/safety/free_ways.h"
+#include "libslam/safety/view.h"
 #include "tests/navigate/scenes.h"
 
 namespace slam::navigate {
@@ -23,51 +23,51 @@ lidar::Scan star(std::vector<float> ranges_m) {
 }
 
 TEST(CanMove, TellsTheFourCasesApart) {
-  EXPECT_EQ(paths::canMove(star({5, 5, 5, 5, 5, 5, 5, 5}), 1), paths::FreeWays::kBoth);
-  EXPECT_EQ(paths::canMove(star({0.9F, 5, 5, 5, 5, 5, 5, 5}), 1), paths::FreeWays::kFrontOnly);
-  EXPECT_EQ(paths::canMove(star({5, 5, 5, 5, 0.9F, 5, 5, 5}), 1), paths::FreeWays::kRearOnly);
-  EXPECT_EQ(paths::canMove(star({0.9F, 5, 5, 5, 0.9F, 5, 5, 5}), 1), paths::FreeWays::kNone);
-  EXPECT_EQ(static_cast<int>(paths::FreeWays::kNone), 3);  // the original document's numbers
+  EXPECT_EQ(safety::canMove(star({5, 5, 5, 5, 5, 5, 5, 5}), 1), safety::FreeWays::kBoth);
+  EXPECT_EQ(safety::canMove(star({0.9F, 5, 5, 5, 5, 5, 5, 5}), 1), safety::FreeWays::kFrontOnly);
+  EXPECT_EQ(safety::canMove(star({5, 5, 5, 5, 0.9F, 5, 5, 5}), 1), safety::FreeWays::kRearOnly);
+  EXPECT_EQ(safety::canMove(star({0.9F, 5, 5, 5, 0.9F, 5, 5, 5}), 1), safety::FreeWays::kNone);
+  EXPECT_EQ(static_cast<int>(safety::FreeWays::kNone), 3);  // the original document's numbers
 }
 
 TEST(CanMove, CountsTheEdgesOfTheSectorsAndNotTheSides) {
   for (const size_t front : {3, 5}) {
     std::vector<float> ranges(8, 5);
     ranges[front] = 0.9F;
-    EXPECT_EQ(paths::canMove(star(ranges), 1), paths::FreeWays::kRearOnly) << front;
+    EXPECT_EQ(safety::canMove(star(ranges), 1), safety::FreeWays::kRearOnly) << front;
   }
   for (const size_t rear : {1, 7}) {
     std::vector<float> ranges(8, 5);
     ranges[rear] = 0.9F;
-    EXPECT_EQ(paths::canMove(star(ranges), 1), paths::FreeWays::kFrontOnly) << rear;
+    EXPECT_EQ(safety::canMove(star(ranges), 1), safety::FreeWays::kFrontOnly) << rear;
   }
-  EXPECT_EQ(paths::canMove(star({5, 5, 0.1F, 5, 5, 5, 0.1F, 5}), 1), paths::FreeWays::kBoth);
+  EXPECT_EQ(safety::canMove(star({5, 5, 0.1F, 5, 5, 5, 0.1F, 5}), 1), safety::FreeWays::kBoth);
 }
 
 TEST(CanMove, IsFreeAtExactlyTheClearanceAndWhereNothingReturns) {
-  EXPECT_EQ(paths::canMove(star({1, 1, 1, 1, 1, 1, 1, 1}), 1), paths::FreeWays::kBoth);
-  EXPECT_EQ(paths::canMove(star(std::vector<float>(8, kNoReturn)), 1), paths::FreeWays::kBoth);
+  EXPECT_EQ(safety::canMove(star({1, 1, 1, 1, 1, 1, 1, 1}), 1), safety::FreeWays::kBoth);
+  EXPECT_EQ(safety::canMove(star(std::vector<float>(8, kNoReturn)), 1), safety::FreeWays::kBoth);
 }
 
 TEST(CanMove, IsBlockedWhereItSeesNothing) {
-  EXPECT_EQ(paths::canMove(star({}), 1), paths::FreeWays::kNone);
-  EXPECT_EQ(paths::canMove(star(std::vector<float>(8, kLostReading)), 1), paths::FreeWays::kNone);
+  EXPECT_EQ(safety::canMove(star({}), 1), safety::FreeWays::kNone);
+  EXPECT_EQ(safety::canMove(star(std::vector<float>(8, kLostReading)), 1), safety::FreeWays::kNone);
   auto half_circle = star({5, 5, 5, 5, 5});
   half_circle.first_angle_rad = -core::kPi / 2;
-  EXPECT_EQ(paths::canMove(half_circle, 1), paths::FreeWays::kFrontOnly);
+  EXPECT_EQ(safety::canMove(half_circle, 1), safety::FreeWays::kFrontOnly);
   half_circle.T_robot_lidar.phi = core::kPi;  // mounted backwards
-  EXPECT_EQ(paths::canMove(half_circle, 1), paths::FreeWays::kRearOnly);
+  EXPECT_EQ(safety::canMove(half_circle, 1), safety::FreeWays::kRearOnly);
 }
 
 TEST(CanMove, MeasuresFromTheRobotsCentreForALidarMountedAhead) {
   auto scan = star(std::vector<float>(8, 0.8F));
   scan.T_robot_lidar.x = 0.3;
-  EXPECT_EQ(paths::canMove(scan, 1), paths::FreeWays::kFrontOnly);  // 1.1 m ahead, 0.5 m behind
+  EXPECT_EQ(safety::canMove(scan, 1), safety::FreeWays::kFrontOnly);  // 1.1 m ahead, 0.5 m behind
 }
 
 /// The original document's own indices: 0 straight ahead, growing to the left; first and last eighth, 3/8 to
 /// 5/8.
-paths::FreeWays canMoveByIndices(const std::vector<float>& ranges, double w) {
+safety::FreeWays canMoveByIndices(const std::vector<float>& ranges, double w) {
   const size_t n = ranges.size();
   bool front = true, rear = true;
   for (size_t i = 0; i < n; ++i) {
@@ -75,8 +75,8 @@ paths::FreeWays canMoveByIndices(const std::vector<float>& ranges, double w) {
     if (i < n / 8 || i >= n - n / 8) front = false;
     if (i >= 3 * n / 8 && i < 5 * n / 8) rear = false;
   }
-  return front ? (rear ? paths::FreeWays::kBoth : paths::FreeWays::kFrontOnly)
-               : (rear ? paths::FreeWays::kRearOnly : paths::FreeWays::kNone);
+  return front ? (rear ? safety::FreeWays::kBoth : safety::FreeWays::kFrontOnly)
+               : (rear ? safety::FreeWays::kRearOnly : safety::FreeWays::kNone);
 }
 
 TEST(CanMove, AgreesWithTheOriginalIndicesOnRandomScans) {
@@ -92,7 +92,7 @@ TEST(CanMove, AgreesWithTheOriginalIndicesOnRandomScans) {
     scan.step_rad = degToRad(1);
     scan.max_range_m = 10;
     for (size_t i = 0; i < 360; ++i) scan.ranges_m.push_back(original[(i + 180) % 360]);
-    const paths::FreeWays ways = paths::canMove(scan, 1);
+    const safety::FreeWays ways = safety::canMove(scan, 1);
     ++seen[static_cast<size_t>(ways)];
     ASSERT_EQ(ways, canMoveByIndices(original, 1));
   }
@@ -100,7 +100,7 @@ TEST(CanMove, AgreesWithTheOriginalIndicesOnRandomScans) {
 }
 
 TEST(SeenBeams, StartStraightAheadAndGoRoundToTheLeft) {
-  const auto beams = paths::seenBeams(star({1, 2, kLostReading, 4, 5, 6, kNoReturn, 8}));
+  const auto beams = safety::seenBeams(star({1, 2, kLostReading, 4, 5, 6, kNoReturn, 8}));
   ASSERT_EQ(beams.size(), 7u);
   const std::vector<double> degrees = {0, 45, 90, 135, 180, 225, 315}, ranges = {5, 6, 10, 8, 1, 2, 4};
   for (size_t i = 0; i < beams.size(); ++i) {
@@ -112,19 +112,19 @@ TEST(SeenBeams, StartStraightAheadAndGoRoundToTheLeft) {
 TEST(SeenBeams, PutABeamThatIsAFewUlpsRightOfAheadFirst) {
   auto scan = star({5, 5, 5, 5, 5, 5, 5, 5});
   scan.first_angle_rad -= 1e-15;
-  EXPECT_EQ(paths::seenBeams(scan).front().angle_rad, 0);
-  EXPECT_EQ(paths::quadrantOf(core::kPi / 2 - 1e-15), 1);
-  EXPECT_EQ(paths::quadrantOf(2 * core::kPi), 3);
+  EXPECT_EQ(safety::seenBeams(scan).front().angle_rad, 0);
+  EXPECT_EQ(safety::quadrantOf(core::kPi / 2 - 1e-15), 1);
+  EXPECT_EQ(safety::quadrantOf(2 * core::kPi), 3);
 }
 
 TEST(FreeTravel, IsTheDistanceToTheFirstContactOfTheDisc) {
-  EXPECT_DOUBLE_EQ(paths::freeTravel({{3, 0}}, 0, 0.5), 2.5);
-  EXPECT_DOUBLE_EQ(paths::freeTravel({{3, 0.3}, {5, 0}}, 0, 0.5), 2.6);  // 3-4-5 triangle
-  EXPECT_EQ(paths::freeTravel({{3, 0.5}, {-1, 0}}, 0, 0.5), INFINITY);   // passes, and what is behind
-  EXPECT_EQ(paths::freeTravel({}, 0, 0.5), INFINITY);
-  EXPECT_EQ(paths::freeTravel({{0.3, 0}}, 0, 0.5), 0);                 // already too near: not further in,
-  EXPECT_EQ(paths::freeTravel({{0.3, 0}}, core::kPi, 0.5), INFINITY);  // but out again
-  EXPECT_NEAR(paths::freeTravel({{0, 2}}, core::kPi / 2, 0.5), 1.5, 1e-15);
+  EXPECT_DOUBLE_EQ(safety::freeTravel({{3, 0}}, 0, 0.5), 2.5);
+  EXPECT_DOUBLE_EQ(safety::freeTravel({{3, 0.3}, {5, 0}}, 0, 0.5), 2.6);  // 3-4-5 triangle
+  EXPECT_EQ(safety::freeTravel({{3, 0.5}, {-1, 0}}, 0, 0.5), INFINITY);   // passes, and what is behind
+  EXPECT_EQ(safety::freeTravel({}, 0, 0.5), INFINITY);
+  EXPECT_EQ(safety::freeTravel({{0.3, 0}}, 0, 0.5), 0);                 // already too near: not further in,
+  EXPECT_EQ(safety::freeTravel({{0.3, 0}}, core::kPi, 0.5), INFINITY);  // but out again
+  EXPECT_NEAR(safety::freeTravel({{0, 2}}, core::kPi / 2, 0.5), 1.5, 1e-15);
 }
 
 }  // namespace

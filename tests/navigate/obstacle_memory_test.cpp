@@ -1,6 +1,6 @@
-#include "libslam/paths/obstacle_memory.h"
+#include "libslam/safety/obstacle_memory.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/paths/free_ways.h"
+#include "libslam/safety/free_ways.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/goals/surroundings.h"
-#include "libslam/paths/safe_motion.h"
+#include "libslam/safety/safe_motion.h"
 #include "tests/navigate/goal_scenes.h"
 #include "tests/navigate/scenes.h"
 
@@ -30,10 +30,10 @@ lidar::Scan sector(int fov_deg, const std::vector<std::pair<int, float>>& ranges
 }
 
 class EveryMemory : public testing::TestWithParam<std::string> {};
-INSTANTIATE_TEST_SUITE_P(Memories, EveryMemory, testing::ValuesIn(paths::obstacleMemoryNames()));
+INSTANTIATE_TEST_SUITE_P(Memories, EveryMemory, testing::ValuesIn(safety::obstacleMemoryNames()));
 
 TEST_P(EveryMemory, HasNothingOfTheNewestScanItself) {
-  const auto memory = paths::makeObstacleMemory(GetParam(), {});
+  const auto memory = safety::makeObstacleMemory(GetParam(), {});
   EXPECT_TRUE(memory->points().empty());
   memory->update(sector(60, {{0, 1}, {20, 1}}), {});
   EXPECT_TRUE(memory->points().empty());
@@ -42,7 +42,7 @@ TEST_P(EveryMemory, HasNothingOfTheNewestScanItself) {
 }
 
 TEST_P(EveryMemory, KeepsWhatTheRobotTurnsAwayFromUnlessItKeepsNothing) {
-  const auto memory = paths::makeObstacleMemory(GetParam(), {});
+  const auto memory = safety::makeObstacleMemory(GetParam(), {});
   memory->update(sector(60, {{0, 1}}), {2, 3, 0});
   memory->update(sector(60, {}), {2, 3, core::kPi / 2});
   const auto points = memory->points();
@@ -71,7 +71,7 @@ TEST_P(EveryMemory, DrivesThePillarSceneWithANarrowViewAndADeadZone) {
 
 TEST(ObstacleMemory, OfTheLocalMapKeepsWhatAnObstacleHidesWhereTheShortOneForgetsIt) {
   const auto remembered = [](const std::string& name) {
-    const auto memory = paths::makeObstacleMemory(name, {});
+    const auto memory = safety::makeObstacleMemory(name, {});
     memory->update(sector(60, {{0, 1.2F}}), {});
     memory->update(sector(60, {{0, 0.5F}}), {});  // somebody stands before it
     return memory->points().size();
@@ -83,7 +83,7 @@ TEST(ObstacleMemory, OfTheLocalMapKeepsWhatAnObstacleHidesWhereTheShortOneForget
 TEST(ObstacleMemory, OfTheLocalMapIsItsZone) {
   obstacles::LocalObstacleOptions zone;
   zone.width_m = 3, zone.front_m = 4, zone.rear_m = 0.5;
-  const auto memory = paths::makeObstacleMemory("local_map", zone);
+  const auto memory = safety::makeObstacleMemory("local_map", zone);
   memory->update(sector(60, {{0, 3.9F}, {30, 3.5F}}), {});  // (3.03, 1.75): outside the zone's width
   memory->update(sector(60, {}), {0, 0, -core::kPi / 2});  // what was ahead is 3.9 m to the left: outside too
   EXPECT_TRUE(memory->points().empty());
@@ -97,7 +97,7 @@ TEST(ObstacleMemory, OfTheLocalMapIsItsZone) {
 TEST(ObstacleMemory, OfTheLocalMapHasRoomForALidarWithMoreBeamsThanPoints) {
   obstacles::LocalObstacleOptions zone;
   zone.max_points = 50;
-  const auto memory = paths::makeObstacleMemory("local_map", zone);
+  const auto memory = safety::makeObstacleMemory("local_map", zone);
   std::vector<std::pair<int, float>> wall;
   for (int degrees = -90; degrees <= 90; ++degrees) wall.push_back({degrees, 0.3F});
   memory->update(sector(180, wall), {});
@@ -107,18 +107,18 @@ TEST(ObstacleMemory, OfTheLocalMapHasRoomForALidarWithMoreBeamsThanPoints) {
 }
 
 TEST(ObstacleMemory, RefusesAnUnknownName) {
-  EXPECT_THROW(paths::makeObstacleMemory("long", {}), core::ContractError);
+  EXPECT_THROW(safety::makeObstacleMemory("long", {}), core::ContractError);
 }
 
 TEST(SafeMotion, CountsWhatIsRememberedLikeWhatIsSeen) {
   const robot::RobotOptions robot;
   const auto empty = sector(360, {});
   const std::vector<core::Point2> ahead = {{1, 0}}, behind = {{-0.4, 0}};
-  EXPECT_EQ(paths::discReach(empty, 0, robot), INFINITY);
-  EXPECT_NEAR(paths::discReach(empty, 0, robot, ahead), 1 - 0.2 * std::sqrt(2) - 0.02, 1e-12);
-  EXPECT_EQ(paths::canMove(empty, 0.5, behind), paths::FreeWays::kFrontOnly);
-  EXPECT_EQ(paths::canMove(empty, 0.3, behind), paths::FreeWays::kBoth);
-  EXPECT_LT(paths::safeSpeed(empty, robot, 0.2, behind), paths::safeSpeed(empty, robot, 0.2));
+  EXPECT_EQ(safety::discReach(empty, 0, robot), INFINITY);
+  EXPECT_NEAR(safety::discReach(empty, 0, robot, ahead), 1 - 0.2 * std::sqrt(2) - 0.02, 1e-12);
+  EXPECT_EQ(safety::canMove(empty, 0.5, behind), safety::FreeWays::kFrontOnly);
+  EXPECT_EQ(safety::canMove(empty, 0.3, behind), safety::FreeWays::kBoth);
+  EXPECT_LT(safety::safeSpeed(empty, robot, 0.2, behind), safety::safeSpeed(empty, robot, 0.2));
 }
 
 /// Wants straight ahead for ever.

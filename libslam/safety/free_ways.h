@@ -4,7 +4,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/lidar/scan.h"
 
-namespace slam::paths {
+namespace slam::safety {
 
 /// Which ways are free, after the original document's CanMove: 0 both, 1 only front, 2 only rear, 3 neither.
 enum class FreeWays { kBoth = 0, kFrontOnly = 1, kRearOnly = 2, kNone = 3 };
@@ -16,4 +16,4 @@ enum class FreeWays { kBoth = 0, kFrontOnly = 1, kRearOnly = 2, kNone = 3 };
 FreeWays canMove(const lidar::Scan& scan, double clearance_m,
                  const std::vector<core::Point2>& remembered = {});
 
-}  // namespace slam::paths
+}  // namespace slam::safety

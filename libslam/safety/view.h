@@ -4,7 +4,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/lidar/scan.h"
 
-namespace slam::paths {
+namespace slam::safety {
 
 /// One direction that the lidar reports on.
 struct SeenBeam {
@@ -24,4 +24,4 @@ double freeTravel(const std::vector<core::Point2>& points_robot, double directio
 /// 0..3: front-left, rear-left, rear-right, front-right, 90 degrees each, for an angle in [0, 2 pi).
 int quadrantOf(double angle_rad);
 
-}  // namespace slam::paths
+}  // namespace slam::safety

@@ -5,7 +5,7 @@
 #include "libslam/robot/drive.h"
 #include "libslam/lidar/scan.h"
 
-namespace slam::paths {
+namespace slam::safety {
 
 /// How far the disc around the square footprint, with a margin of 2 cm and one standard deviation of the
 /// range, can be shifted straight along direction_rad (robot frame) by the returns of this scan; +infinity
@@ -30,4 +30,4 @@ double safeSpeed(const lidar::Scan& scan, const robot::RobotOptions& robot, doub
 /// cm: 0.413 m.
 double stopClearance(const robot::RobotOptions& robot, double period_s, double range_sigma_m);
 
-}  // namespace slam::paths
+}  // namespace slam::safety

@@ -7,7 +7,7 @@
 #include "libslam/obstacles/local_obstacle_map.h"
 #include "libslam/lidar/scan.h"
 
-namespace slam::paths {
+namespace slam::safety {
 
 /// What the robot keeps in mind, for motion, of the obstacles that its newest scan does not show.
 ///   none       nothing: the newest scan alone
@@ -32,4 +32,4 @@ std::unique_ptr<ObstacleMemory> makeObstacleMemory(const std::string& name,
                                                    const obstacles::LocalObstacleOptions& zone);
 const std::vector<std::string>& obstacleMemoryNames();
 
-}  // namespace slam::paths
+}  // namespace slam::safety

@@ -1,4 +1,4 @@
-#include "libslam/paths/view.h"
+#include "libslam/safety/view.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "libslam/core/elementary.h"
 
-namespace slam::paths {
+namespace slam::safety {
 namespace {
 
 // Beam angles are sums of products: a beam meant to point straight ahead may be off by a few ulps.
@@ -51,4 +51,4 @@ int quadrantOf(double angle_rad) {
   return std::min(3, static_cast<int>((angle_rad + kSameAngle_rad) / (core::kPi / 2)));
 }
 
-}  // namespace slam::paths
+}  // namespace slam::safety

@@ -1,4 +1,4 @@
-#include "libslam/paths/obstacle_memory.h"
+#include "libslam/safety/obstacle_memory.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include "libslam/core/rigid_motion2.h"
 #include "libslam/obstacles/lidar_view.h"
 
-namespace slam::paths {
+namespace slam::safety {
 namespace {
 
 constexpr double kReach_m = 1.5;
@@ -117,4 +117,4 @@ const std::vector<std::string>& obstacleMemoryNames() {
   return names;
 }
 
-}  // namespace slam::paths
+}  // namespace slam::safety

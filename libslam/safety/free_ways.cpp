@@ -1,10 +1,10 @@
-#include "libslam/paths/free_ways.h"
+#include "libslam/safety/free_ways.h"
 
 #include <cmath>
 
 #include "libslam/core/elementary.h"
 
-namespace slam::paths {
+namespace slam::safety {
 namespace {
 
 // The original sectors are the first and last eighth of the circle: an eighth on either side of the middle.
@@ -46,4 +46,4 @@ FreeWays canMove(const lidar::Scan& scan, double clearance_m, const std::vector<
   return rear ? FreeWays::kRearOnly : FreeWays::kNone;
 }
 
-}  // namespace slam::paths
+}  // namespace slam::safety

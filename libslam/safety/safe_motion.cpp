@@ -1,12 +1,12 @@
-#include "libslam/paths/safe_motion.h"
+#include "libslam/safety/safe_motion.h"
 
 #include <algorithm>
 
 #include "libslam/core/elementary.h"
-#include "libslam/paths/free_ways.h"
-#include "libslam/paths/view.h"
+#include "libslam/safety/free_ways.h"
+#include "libslam/safety/view.h"
 
-namespace slam::paths {
+namespace slam::safety {
 namespace {
 constexpr double kMargin_m = 0.02;
 }
@@ -38,4 +38,4 @@ double safeSpeed(const lidar::Scan& scan, const robot::RobotOptions& robot, doub
   return robot.max_speed_mps * (slow_clearance_m > 0 ? 0.4 + 0.6 * gap_m / slow_clearance_m : 1.0);
 }
 
-}  // namespace slam::paths
+}  // namespace slam::safety
