@@ -13,7 +13,7 @@
 #include "libslam/explore/explore.h"
 #include "libslam/explore/goal_methods.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/strategies/strategy.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/score/metric_infos.h"
 
@@ -43,8 +43,8 @@ std::vector<Entry> entriesOf(const std::string& what) {
     for (const auto& name : resources::namesInFolder(folder, ".ini"))
       entries.emplace_back(name, firstSentence(folder + "/" + name + ".ini"));
   } else if (what == "strategies") {
-    for (const auto& name : navigate::strategyNames())
-      entries.emplace_back(name, navigate::strategyMeaning(name));
+    for (const auto& name : strategies::strategyNames())
+      entries.emplace_back(name, strategies::strategyMeaning(name));
   } else if (what == "navigators") {
     for (const auto& name : explore::goalMethodNames())
       entries.emplace_back(name, explore::goalMethodMeaning(name));

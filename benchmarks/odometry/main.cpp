@@ -19,7 +19,7 @@
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/strategies/strategy.h"
 #include "libslam/record/record.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/table/table.h"
@@ -58,7 +58,7 @@ BenchLog simulate(const std::string& log_name, const std::string& world_name, co
   const auto start = world::findStartPose(plan, 0.5);
   if (!start) throw core::InputError(world_name + ": no free place for the robot");
   sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, *start, kSeed);
-  navigate::Driver driver(navigate::makeStrategy(config.strategy, core::RandomStream(kSeed, "strategy")),
+  navigate::Driver driver(strategies::makeStrategy(config.strategy, core::RandomStream(kSeed, "strategy")),
                           config.strategy, config.robot, 1 / config.lidar.rate_hz,
                           core::RandomStream(kSeed, "driver"));
   BenchLog log;

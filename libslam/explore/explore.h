@@ -30,10 +30,10 @@ struct ExplorationOptions {
 };
 
 /// A strategy that is not one of the library's: its name in tables and folders, and what makes it, as
-/// navigate::makeStrategy() does.
+/// strategies::makeStrategy() does.
 struct OwnStrategy {
   std::string name;
-  std::function<std::unique_ptr<navigate::Strategy>(const navigate::StrategyOptions&, core::RandomStream)>
+  std::function<std::unique_ptr<strategies::Strategy>(const strategies::StrategyOptions&, core::RandomStream)>
       make;
 };
 

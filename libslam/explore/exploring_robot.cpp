@@ -41,7 +41,7 @@ std::unique_ptr<navigate::Driver> ExploringRobot::makeDriver() const {
   const auto& record = config_.record;
   const core::RandomStream random(seed_, "strategy");
   auto strategy = config_.own ? config_.own->make(record.strategy, random)
-                              : navigate::makeStrategy(record.strategy, random);
+                              : strategies::makeStrategy(record.strategy, random);
   return std::make_unique<navigate::Driver>(std::move(strategy), record.strategy, record.robot, period_s(),
                                             core::RandomStream(seed_, "driver"));
 }

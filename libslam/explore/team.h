@@ -60,7 +60,7 @@ struct TeamReport {
 /// Frames: how the robots stand to each other at the start is known to them, nothing after that; where
 /// another one is follows from its own estimate. A robot decides on its own map, filled with what it has of
 /// the others' (gridmap::filledFrom()), and knows their places and goals; out of range it goes on with the
-/// newest that it had, for goals at most kRemembers_s. Who takes what: navigate/team_share.h, for the
+/// newest that it had, for goals at most kRemembers_s. Who takes what: choices/team_share.h, for the
 /// strategies on the map; the others heed nobody. Who lets whom pass: navigate::RightOfWay.
 ///
 /// The exploration ends when every robot has finished, or with [simulation] duration_s, or when the referee's

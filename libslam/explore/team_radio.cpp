@@ -51,13 +51,13 @@ core::Pose2 TeamRadio::frameOf(std::size_t robot, std::size_t other) const {
   return core::between(starts_[robot], starts_[other]);
 }
 
-std::vector<navigate::Teammate> TeamRadio::teamOf(std::size_t robot, double time_s) const {
-  std::vector<navigate::Teammate> team;
+std::vector<choices::Teammate> TeamRadio::teamOf(std::size_t robot, double time_s) const {
+  std::vector<choices::Teammate> team;
   for (std::size_t other = 0; other < known_.size(); ++other) {
     const RobotNews& known = known_[robot][other];
     if (other == robot || known.time_s < 0) continue;
     const core::Pose2 T_robot_other = frameOf(robot, other);
-    navigate::Teammate mate;
+    choices::Teammate mate;
     mate.p_map = T_robot_other * core::position(known.T_map_robot);
     mate.is_heard = hears(robot, other);
     mate.goes_first = other < robot;

@@ -5,7 +5,7 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/gridmap/occupancy_raster.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/strategies/strategy.h"
 
 namespace slam::explore {
 
@@ -13,7 +13,7 @@ namespace slam::explore {
 struct RobotNews {
   double time_s = -1;  ///< below 0: never heard
   core::Pose2 T_map_robot;
-  std::optional<core::Point2> goal;  ///< see navigate::Teammate
+  std::optional<core::Point2> goal;  ///< see choices::Teammate
   std::shared_ptr<const gridmap::OccupancyRaster>
       map;  ///< the newest that was sent; may be older than the rest
   double map_time_s = -1;
@@ -44,7 +44,7 @@ class TeamRadio {
   }
 
   /// The others, in the frame of `robot`; those never heard are left out, and goals older than kRemembers_s.
-  std::vector<navigate::Teammate> teamOf(std::size_t robot, double time_s) const;
+  std::vector<choices::Teammate> teamOf(std::size_t robot, double time_s) const;
   /// The robot's own map with what it has of the others'.
   gridmap::OccupancyRaster mapOf(std::size_t robot, const gridmap::OccupancyRaster& own) const;
   /// T_robot_other of the two map frames.

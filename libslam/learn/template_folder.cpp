@@ -13,7 +13,7 @@
 #include "libslam/resources/resources.h"
 #include "libslam/files/word_list.h"
 #include "libslam/explore/goal_methods.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/strategies/strategy.h"
 
 namespace slam::learn {
 namespace fs = std::filesystem;
@@ -52,7 +52,7 @@ std::vector<TemplateKind> kindsOf(const files::IniFile& ini) {
 }
 
 std::vector<std::string> takenNames(const std::string& what) {
-  if (what == "strategies") return navigate::strategyNames();
+  if (what == "strategies") return strategies::strategyNames();
   if (what == "navigators") return explore::goalMethodNames();
   return resources::namesInFolder(resources::configsFolder() + "/methods", ".ini");
 }

@@ -14,7 +14,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kEventShown_s = 2;
 constexpr double kStrategicShown_m = 2;  // of a direction: what is farther away decides nothing
 
-bool isSame(const navigate::Decision& a, const navigate::Decision& b) {
+bool isSame(const choices::Decision& a, const choices::Decision& b) {
   return a.turn_rad == b.turn_rad && a.distance_m == b.distance_m && a.reason == b.reason &&
          a.path.size() == b.path.size() && a.goal.x == b.goal.x && a.goal.y == b.goal.y;
 }

@@ -51,7 +51,7 @@ class SnapshotMaker {
   obstacles::LocalObstacleOptions zone_;
   obstacles::SectorOptions sector_;
   obstacles::LocalObstacleMap around_;
-  std::optional<navigate::Decision> decision_;
+  std::optional<choices::Decision> decision_;
   core::Pose2 T_map_decided_;  ///< where the robot took it
   std::string note_;
   std::vector<double> strategic_rad_;

@@ -18,8 +18,8 @@ core::Pose2 toPose(const mrpt::poses::CPose2D& pose) {
   return lidar::fromMrpt(pose.asTPose());
 }
 
-std::unique_ptr<navigate::Strategy> strategyOf(const MrptExplorerOptions& options) {
-  return navigate::makeStrategy(options.strategy, {options.seed, "strategy"});
+std::unique_ptr<strategies::Strategy> strategyOf(const MrptExplorerOptions& options) {
+  return strategies::makeStrategy(options.strategy, {options.seed, "strategy"});
 }
 
 MrptExplorerOptions withName(const std::string& strategy) {
@@ -31,7 +31,7 @@ MrptExplorerOptions withName(const std::string& strategy) {
 }  // namespace
 
 struct MrptStrategy::State {
-  std::unique_ptr<navigate::Strategy> strategy;
+  std::unique_ptr<strategies::Strategy> strategy;
   robot::RobotOptions robot;
 };
 

@@ -6,7 +6,7 @@
 
 #include "libslam/mrptnav/mrpt_motion.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/strategies/strategy.h"
 #include "libslam/robot/drive.h"
 
 namespace mrpt::maps {
@@ -23,7 +23,7 @@ namespace slam::mrptnav {
 
 /// The robot and its strategy, for the two classes below.
 struct MrptExplorerOptions {
-  navigate::StrategyOptions strategy;  ///< strategy.name: one of navigate::strategyNames()
+  strategies::StrategyOptions strategy;  ///< strategy.name: one of strategies::strategyNames()
   robot::RobotOptions robot;           ///< body and limits of speed
   double period_s = 0.2;               ///< between two scans
   std::uint64_t seed = 1;              ///< of the strategies that draw

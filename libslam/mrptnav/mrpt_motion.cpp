@@ -14,7 +14,7 @@ std::shared_ptr<mrpt::kinematics::CVehicleVelCmd_DiffDriven> toMrpt(const robot:
   return speeds;
 }
 
-std::vector<mrpt::math::TPose2D> toMrpt(const navigate::Decision& decision, const core::Pose2& T_map_robot) {
+std::vector<mrpt::math::TPose2D> toMrpt(const choices::Decision& decision, const core::Pose2& T_map_robot) {
   std::vector<mrpt::math::TPose2D> poses;
   if (decision.finished) return poses;
   if (decision.path.empty()) {

@@ -10,7 +10,7 @@
 #include "libslam/goals/look_first.h"
 #include "libslam/navigate/bumps.h"
 #include "libslam/navigate/escape.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/strategies/strategy.h"
 #include "libslam/safety/free_ways.h"
 #include "libslam/safety/obstacle_memory.h"
 #include "libslam/paths/path_follower.h"
@@ -34,14 +34,14 @@ enum class Phase { kDeciding, kTurning, kDriving, kBacking, kFollowing, kNavigat
 }  // namespace
 
 struct Driver::State {
-  std::unique_ptr<Strategy> strategy;
-  StrategyOptions options;
+  std::unique_ptr<strategies::Strategy> strategy;
+  strategies::StrategyOptions options;
   robot::RobotOptions robot;
   double period_s;
   core::RandomStream random;
 
   Phase phase = Phase::kDeciding;
-  Decision decision = {};
+  choices::Decision decision = {};
   bool escaping = false;  ///< the decision is a random free direction: only the disc has to fit
   int failures = 0;       ///< decisions in a row that led to no new place
   std::optional<core::Pose2> T_map_place = std::nullopt;  ///< the last new place
@@ -292,7 +292,7 @@ void Driver::State::endDrive(const core::Pose2& T_map_robot) {
   phase = Phase::kDeciding;
 }
 
-Driver::Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& options,
+Driver::Driver(std::unique_ptr<strategies::Strategy> strategy, const strategies::StrategyOptions& options,
                const robot::RobotOptions& robot, double period_s, core::RandomStream random) {
   if (!strategy) throw core::ContractError("Driver: expected a strategy");
   if (!(period_s > 0) || !std::isfinite(period_s))
@@ -343,11 +343,11 @@ void Driver::reconsider() {
   if (!finished()) state_->phase = Phase::kDeciding;
 }
 
-void Driver::setTeam(const std::vector<Teammate>& team) {
+void Driver::setTeam(const std::vector<choices::Teammate>& team) {
   state_->strategy->seeTeam(team);
 }
 
-const Strategy& Driver::strategy() const {
+const strategies::Strategy& Driver::strategy() const {
   return *state_->strategy;
 }
 
@@ -371,7 +371,7 @@ bool Driver::finished() const {
   return state_->decision.finished;
 }
 
-const Decision& Driver::currentDecision() const {
+const choices::Decision& Driver::currentDecision() const {
   return state_->decision;
 }
 

@@ -4,7 +4,7 @@
 #include "libslam/core/pose2.h"
 #include "libslam/core/random.h"
 #include "libslam/gridmap/occupancy_raster.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/strategies/strategy.h"
 #include "libslam/robot/drive.h"
 #include "libslam/lidar/scan.h"
 
@@ -32,7 +32,7 @@ namespace slam::navigate {
 class Driver {
  public:
   /// Errors: period_s not positive, no strategy (ContractError).
-  Driver(std::unique_ptr<Strategy> strategy, const StrategyOptions& options, const robot::RobotOptions& robot,
+  Driver(std::unique_ptr<strategies::Strategy> strategy, const strategies::StrategyOptions& options, const robot::RobotOptions& robot,
          double period_s, core::RandomStream random);
   ~Driver();
   /// True when the strategy needs a map and next() will decide, or has to check the path that it follows:
@@ -49,10 +49,10 @@ class Driver {
   /// The decision at hand is dropped, without blame: the next call of next() decides.
   void reconsider();
   /// What is known of the other robots, for the strategy: see Strategy::seeTeam().
-  void setTeam(const std::vector<Teammate>& team);
-  const Strategy& strategy() const;
+  void setTeam(const std::vector<choices::Teammate>& team);
+  const strategies::Strategy& strategy() const;
   bool finished() const;
-  const Decision& currentDecision() const;
+  const choices::Decision& currentDecision() const;
 
  private:
   struct State;

@@ -14,7 +14,7 @@ constexpr double kEscapeStep_rad = core::kPi / 36;
 
 }  // namespace
 
-Decision escapeFrom(const lidar::Scan& scan, const std::function<double(double)>& reach_m,
+choices::Decision escapeFrom(const lidar::Scan& scan, const std::function<double(double)>& reach_m,
                     core::RandomStream& random) {
   struct Way {
     double angle_rad, reach_m;
@@ -27,7 +27,7 @@ Decision escapeFrom(const lidar::Scan& scan, const std::function<double(double)>
     const double free_m = std::min(beam.range_m, reach_m(beam.angle_rad));
     if (free_m >= kShortestEscape_m) ways.push_back({beam.angle_rad, free_m});
   }
-  Decision chosen;
+  choices::Decision chosen;
   char reason[80];
   if (ways.empty()) {
     // Nothing that is seen is free: look elsewhere, at least a quarter turn away.

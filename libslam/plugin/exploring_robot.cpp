@@ -67,7 +67,7 @@ Options readExploringRobotOptions(const files::IniFile& ini, const std::string& 
   if (!options.strategy.empty()) record.set("strategy", "name", options.strategy, origin);
   record.overrideWith(dotted);
   options.record = record::readRecordConfig(record);
-  if (navigate::strategyNeedsMap(options.record.strategy.name))
+  if (strategies::strategyNeedsMap(options.record.strategy.name))
     mapping::loadMethodConfig(resources::configsFolder() + "/methods",
                               options.slam);  // an unknown one is told now
   return options;
@@ -80,12 +80,12 @@ struct ExploringRobot::State {
         simulator(plan, options.record.robot, options.record.lidar, options.record.odometry,
                   record::startPose(plan, options.record), seedOf(options), sim::Simulator::kStartTime_s,
                   options.record.living, options.record.camera),
-        driver(navigate::makeStrategy(options.record.strategy, {seedOf(options), "strategy"}),
+        driver(strategies::makeStrategy(options.record.strategy, {seedOf(options), "strategy"}),
                options.record.strategy, options.record.robot, 1 / options.record.lidar.rate_hz,
                {seedOf(options), "driver"}),
         scans_left(options.scans > 0 ? options.scans : -1) {
     for (const auto& lidar : options.record.other_lidars) simulator.mount(lidar, seedOf(options));
-    if (!navigate::strategyNeedsMap(options.record.strategy.name)) return;
+    if (!strategies::strategyNeedsMap(options.record.strategy.name)) return;
     const auto config = mapping::loadMethodConfig(resources::configsFolder() + "/methods", options.slam);
     slam = mapping::makeMapBuilder(config, options.slam, seedOf(options));
   }

@@ -58,7 +58,7 @@ RecordConfig readRecordConfig(const files::IniFile& given, const std::vector<std
   config.lidar = sensor.lidar, config.camera = sensor.camera, config.other_lidars = sensor.other_lidars;
   const auto ini = withCameraDefaults(given, sensor.camera, config.robot);
   files::readParameters(ini, robot::OdometryOptions::table(), config.odometry, report);
-  files::readParameters(ini, navigate::StrategyOptions::table(), config.strategy, report);
+  files::readParameters(ini, strategies::StrategyOptions::table(), config.strategy, report);
   files::readParameters(ini, obstacles::LocalObstacleOptions::table(), config.strategy.obstacles, report);
   files::readParameters(ini, movers::LivingOptions::table(), config.living, report);
   files::readParameters(ini, SimulationOptions::table(), config.simulation, report);
@@ -82,7 +82,7 @@ namespace {
 Recording recordLoop(sim::Simulator& simulator, const RecordConfig& config, std::uint64_t seed,
                      const std::string& log_path, resources::Manifest manifest, core::Progress& progress,
                      const Commander& commander, StepObserver* observer,
-                     const std::function<const navigate::Decision*()>& decision) {
+                     const std::function<const choices::Decision*()>& decision) {
   const double period_s = 1 / config.lidar.rate_hz;
   simulator.carryAt(config.carries);
   for (const auto& lidar : config.other_lidars) simulator.mount(lidar, seed);
@@ -119,7 +119,7 @@ Recording record(const world::Plan& given_plan, const RecordConfig& config, std:
   const world::Plan plan = planOfVisit(given_plan, config.living, seed);
   sim::Simulator simulator(plan, config.robot, config.lidar, config.odometry, startPose(plan, config), seed,
                            sim::Simulator::kStartTime_s, config.living, config.camera);
-  navigate::Driver driver(navigate::makeStrategy(config.strategy, core::RandomStream(seed, "strategy")),
+  navigate::Driver driver(strategies::makeStrategy(config.strategy, core::RandomStream(seed, "strategy")),
                           config.strategy, config.robot, 1 / config.lidar.rate_hz,
                           core::RandomStream(seed, "driver"));
   if (driver.wantsMap())

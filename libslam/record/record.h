@@ -9,7 +9,7 @@
 #include "libslam/resources/manifest.h"
 #include "libslam/files/parameters.h"
 #include "libslam/core/progress.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/strategies/strategy.h"
 #include "libslam/record/step_observer.h"
 #include "libslam/robot/camera.h"
 #include "libslam/robot/drive.h"
@@ -38,7 +38,7 @@ struct RecordConfig {
   std::vector<sim::NamedLidar> other_lidars;  ///< of the sections [lidar NAME]
   std::optional<robot::FloorCamera> camera;   ///< looks in place of the lidar
   robot::OdometryOptions odometry;
-  navigate::StrategyOptions strategy;
+  strategies::StrategyOptions strategy;
   movers::LivingOptions living;
   SimulationOptions simulation;
   std::vector<sim::CarryOrder> carries;           ///< when and where somebody carries the robot

@@ -4,7 +4,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/strategies/strategy.h"
 
 namespace slam::record {
 namespace {
@@ -125,7 +125,7 @@ files::IniFile withCameraDefaults(const files::IniFile& config, const std::optio
   setDefault("navigate", "unseen", "looked_at");
   const double reach_m =
       robot::visibleFloor(camera->view).nearest_m + robot.max_speed_mps / camera->scan.rate_hz;
-  if (reach_m > navigate::StrategyOptions().stop_clearance_m)
+  if (reach_m > strategies::StrategyOptions().stop_clearance_m)
     setDefault("strategy", "stop_clearance_m", files::formatNumber(std::ceil(reach_m * 100) / 100));
   return filled;
 }

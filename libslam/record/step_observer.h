@@ -3,7 +3,7 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/strategies/strategy.h"
 #include "libslam/lidar/scan.h"
 #include "libslam/sim/simulator.h"
 
@@ -18,7 +18,7 @@ struct Step {
   core::Pose2 T_map_robot;                      ///< the estimate; without a method odometry's, from the start
   const mapping::MapBuilder* method = nullptr;  ///< nullptr: no map is built
   const sim::Simulator* simulator = nullptr;    ///< nullptr: the scans come from a log
-  const navigate::Decision* decision = nullptr;  ///< nullptr: none, or of a navigator that has no such
+  const choices::Decision* decision = nullptr;  ///< nullptr: none, or of a navigator that has no such
   std::string note = {};                         ///< what a navigator says of its state
   robot::Commanded commanded = {};  ///< what led to the scan, where the loop builds no map itself
   const sim::Sensed* sensed =

@@ -72,7 +72,7 @@ SuiteVariant SuiteReader::preset(const std::string& key, const std::string& kind
   if (resources::isConfigFile(word)) return {fs::path(word).stem().string(), resources::readConfigFile(resolved(word))};
   std::vector<std::string> names;
   if (kind == "lidar") names = resources::namesInFolder(resources::configsFolder() + "/lidars", ".ini");
-  if (kind == "strategy") names = navigate::strategyNames();
+  if (kind == "strategy") names = strategies::strategyNames();
   if (std::find(names.begin(), names.end(), word) == names.end()) {
     names.emplace_back(kBuiltIn);
     throw unknown(key, word, std::string("built-in, a known ") + kind + ", an .ini or .yaml file", names,

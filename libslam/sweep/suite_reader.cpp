@@ -191,8 +191,8 @@ void SuiteReader::checkCombinations() const {
           for (const auto& fault : suite_.faults) {
             const auto config =
                 record::readRecordConfig(layered(suite_, robot, lidar, odometry, strategy, fault));
-            navigate::makeStrategy(config.strategy, core::RandomStream(1, "strategy"));
-            if (navigate::strategyNeedsMap(config.strategy.name))
+            strategies::makeStrategy(config.strategy, core::RandomStream(1, "strategy"));
+            if (strategies::strategyNeedsMap(config.strategy.name))
               throw core::InputError(where("strategies") + ": '" + config.strategy.name +
                                      "' needs a map, and a recording builds none");
           }

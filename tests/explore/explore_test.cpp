@@ -36,10 +36,10 @@ std::map<std::string, std::string> contents(const std::string& folder) {
 }
 
 /// Stands at the start and is done.
-class Idle : public navigate::Strategy {
+class Idle : public strategies::Strategy {
  public:
-  navigate::Decision decide(const lidar::Scan& /*scan*/, const core::Pose2& /*T_map_robot*/) override {
-    navigate::Decision decision;
+  choices::Decision decide(const lidar::Scan& /*scan*/, const core::Pose2& /*T_map_robot*/) override {
+    choices::Decision decision;
     decision.finished = true;
     decision.reason = "seen enough";
     return decision;
@@ -50,7 +50,7 @@ TEST(Explore, TakesAStrategyFromOutside) {
   const testing::TempFolder folder;
   auto mine = quickConfig("nearest_frontier", 20);
   mine.own = OwnStrategy{
-      "idle", [](const navigate::StrategyOptions&, core::RandomStream) { return std::make_unique<Idle>(); }};
+      "idle", [](const strategies::StrategyOptions&, core::RandomStream) { return std::make_unique<Idle>(); }};
   const auto result =
       run(request(folder, twoRooms(), {mine, quickConfig("nearest_frontier", 20)}, kTruthReference));
   ASSERT_EQ(result.runs.size(), 2U);
@@ -227,7 +227,7 @@ TEST(Explore, ARobotThatSeesNothingIsStuckAndSaysSo) {
   const testing::TempFolder folder;
   const std::vector<std::string> blind = {"lidar.drop_out=1", "exploration.stuck_s=20"};
   std::vector<ExploreConfig> configs;
-  for (const auto& strategy : navigate::strategyNames()) configs.push_back(quickConfig(strategy, 200, blind));
+  for (const auto& strategy : strategies::strategyNames()) configs.push_back(quickConfig(strategy, 200, blind));
   auto wanted = request(folder, twoRooms(), configs, "icp");
   wanted.tables_only = true;
   const auto result = run(wanted);
@@ -244,7 +244,7 @@ TEST(Explore, ARobotThatSeesNothingIsStuckAndSaysSo) {
 TEST(Explore, ALidarTooShortToSeeAnythingEndsTheRunToo) {
   const testing::TempFolder folder;
   std::vector<ExploreConfig> configs;
-  for (const auto& strategy : navigate::strategyNames())
+  for (const auto& strategy : strategies::strategyNames())
     configs.push_back(quickConfig(strategy, 60, {"lidar.max_range_m=0.25", "exploration.stuck_s=20"}));
   auto wanted = request(folder, twoRooms(), configs, "truth");
   wanted.tables_only = true;

@@ -137,7 +137,7 @@ TEST(RecordCommands, WritesWhatAStrategysSameCommandsWrite) {
   const auto plan = flat();
   const auto config = record::readRecordConfig(shortIni(10));
   record::record(plan, config, 5, folder / "strategy/run.rawlog", {}, core::silentProgress());
-  navigate::Driver driver(navigate::makeStrategy(config.strategy, core::RandomStream(5, "strategy")),
+  navigate::Driver driver(strategies::makeStrategy(config.strategy, core::RandomStream(5, "strategy")),
                           config.strategy, config.robot, 1 / config.lidar.rate_hz,
                           core::RandomStream(5, "driver"));
   const auto hand = [&](const sim::Sensed& sensed) -> std::optional<robot::Command> {

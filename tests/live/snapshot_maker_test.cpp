@@ -51,7 +51,7 @@ TEST(SnapshotMaker, FindsTheTruthByTheStamps) {
 
 TEST(SnapshotMaker, PlacesAChoiceWithoutAMapWhereItWasTaken) {
   SnapshotMaker maker("", "", {});
-  navigate::Decision decision;
+  choices::Decision decision;
   decision.turn_rad = core::kPi / 2;
   decision.distance_m = 3;
   decision.alternatives = {{1, 0}};
@@ -70,7 +70,7 @@ TEST(SnapshotMaker, PlacesAChoiceWithoutAMapWhereItWasTaken) {
 
 TEST(SnapshotMaker, TakesAChoiceOnTheMapAsItIs) {
   SnapshotMaker maker("", "", {});
-  navigate::Decision decision;
+  choices::Decision decision;
   decision.path = {{1, 1}, {4, 5}};
   decision.goal = {4, 5};
   decision.alternatives = {{7, 7}};

@@ -112,7 +112,7 @@ class EveryStrategy : public ::testing::TestWithParam<std::string> {};
 TEST_P(EveryStrategy, DrivesAsItsDriverDoesAndExploresWithoutACollision) {
   const auto options = optionsOf(GetParam());
   MrptExplorer explorer(options);
-  navigate::Driver driver(navigate::makeStrategy(options.strategy, {options.seed, "strategy"}),
+  navigate::Driver driver(strategies::makeStrategy(options.strategy, {options.seed, "strategy"}),
                           options.strategy, options.robot, kPeriod_s, {options.seed, "driver"});
   Drive drive;
   for (int step = 0; step < 150 && !driver.finished(); ++step) {
@@ -135,7 +135,7 @@ TEST_P(EveryStrategy, DrivesAsItsDriverDoesAndExploresWithoutACollision) {
 
 TEST_P(EveryStrategy, AnswersWithAPathOfPosesOnFreeGround) {
   MrptStrategy strategy(optionsOf(GetParam()));
-  EXPECT_EQ(strategy.needsMap(), navigate::strategyNeedsMap(GetParam()));
+  EXPECT_EQ(strategy.needsMap(), strategies::strategyNeedsMap(GetParam()));
   Drive drive;
   if (strategy.needsMap()) {
     EXPECT_THROW(strategy.decide(drive.scan(), drive.pose()), core::ContractError);
@@ -153,7 +153,7 @@ TEST_P(EveryStrategy, AnswersWithAPathOfPosesOnFreeGround) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Strategies, EveryStrategy, ::testing::ValuesIn(navigate::strategyNames()),
+INSTANTIATE_TEST_SUITE_P(Strategies, EveryStrategy, ::testing::ValuesIn(strategies::strategyNames()),
                          [](const auto& test) { return test.param; });
 
 class EveryNavigator : public ::testing::TestWithParam<std::string> {};
@@ -205,7 +205,7 @@ TEST(MrptExplorer, SaysWhichStrategiesThereAre) {
 }
 
 TEST(ToMrptPath, OfATurnAndADriveIsTheTurnedRobotAndTheEnd) {
-  navigate::Decision decision;
+  choices::Decision decision;
   decision.turn_rad = core::kPi / 2;
   decision.distance_m = 2;
   const auto path = toMrpt(decision, {1, 1, 0});
@@ -218,7 +218,7 @@ TEST(ToMrptPath, OfATurnAndADriveIsTheTurnedRobotAndTheEnd) {
 }
 
 TEST(ToMrptPath, OfWaypointsLooksAlongTheWayAndAtTheEndAtWhatIsToBeSeen) {
-  navigate::Decision decision;
+  choices::Decision decision;
   decision.path = {{1, 0}, {1, 2}, {1, 2}};
   decision.look_at = core::Point2{0, 2};
   const auto path = toMrpt(decision, {});

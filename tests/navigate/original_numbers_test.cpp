@@ -6,7 +6,7 @@
 #include "libslam/core/error.h"
 #include "libslam/goals/lidar_bug.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/strategies/strategy.h"
 #include "libslam/safety/free_ways.h"
 #include "libslam/safety/safe_motion.h"
 #include "libslam/safety/view.h"
@@ -86,11 +86,11 @@ TEST(OriginalCanMove, StopsTheDriverAtTheWThatFollowsFromTheRobot) {
     seen.range_sigma_m = 0.01;
     return seen;
   }();
-  StrategyOptions options;
+  strategies::StrategyOptions options;
   options.name = "longest_ray";
   const auto speed = [&](double w_m) {
     options.stop_clearance_m = w_m;
-    Driver driver(makeStrategy(options, {1, "s"}), options, {}, 0.2, {1, "driver"});
+    Driver driver(strategies::makeStrategy(options, {1, "s"}), options, {}, 0.2, {1, "driver"});
     return driver.next(scan, {}, false).speed_mps;
   };
   EXPECT_LE(speed(0.45), 0);
@@ -98,7 +98,7 @@ TEST(OriginalCanMove, StopsTheDriverAtTheWThatFollowsFromTheRobot) {
 }
 
 TEST(OriginalDivisor, IsFromATenthToTwo) {
-  const StrategyOptions options;
+  const strategies::StrategyOptions options;
   EXPECT_EQ(options.divisor_min, 0.1);
   EXPECT_EQ(options.divisor_max, 2.0);
 }
@@ -112,9 +112,9 @@ TEST(OriginalQuadrants, AreNinetyDegreesEachFromTheHeading) {
 
 TEST(OriginalQuadrants, DoNotChooseWhatLeadsBackWithin45Degrees) {
   for (const int aside : {0, 30, 44, 46, 60}) {
-    StrategyOptions options;
+    strategies::StrategyOptions options;
     options.divisor_min = options.divisor_max = 1;
-    const auto strategy = makeStrategy(options, {1, "s"});
+    const auto strategy = strategies::makeStrategy(options, {1, "s"});
     strategy->decide(originalScan(360, 3, {}), {0, 0, 0});
     // Came straight ahead: the way back is at 180 degrees. The longest ray is so far aside of it.
     const auto scan = originalScan(360, 1, {{static_cast<size_t>(180 - aside), 9.0F}, {20, 4.0F}});

@@ -114,12 +114,12 @@ lidar::LidarOptions circleLidar() {
   return lidar;
 }
 
-Exploration explore(const Plan& plan, const core::Pose2& start, const StrategyOptions& options,
+Exploration explore(const Plan& plan, const core::Pose2& start, const strategies::StrategyOptions& options,
                     const lidar::LidarOptions& lidar, std::uint64_t seed, double duration_s) {
   const robot::RobotOptions robot;
   const double period_s = 1 / lidar.rate_hz;
   sim::Simulator simulator(plan, robot, lidar, {}, start, seed);
-  Driver driver(makeStrategy(options, {seed, "strategy"}), options, robot, period_s, {seed, "driver"});
+  Driver driver(strategies::makeStrategy(options, {seed, "strategy"}), options, robot, period_s, {seed, "driver"});
   const auto floor = connectedFloor(plan, core::position(start));
   std::vector<char> seen(plan.cells.size(), 0);
 
@@ -142,8 +142,8 @@ Exploration explore(const Plan& plan, const core::Pose2& start, const StrategyOp
 
 std::vector<std::string> maplessStrategies() {
   std::vector<std::string> names;
-  for (const auto& name : strategyNames())
-    if (!strategyNeedsMap(name)) names.push_back(name);
+  for (const auto& name : strategies::strategyNames())
+    if (!strategies::strategyNeedsMap(name)) names.push_back(name);
   return names;
 }
 
@@ -177,12 +177,12 @@ double PerfectMap::seenShare(const core::Point2& p_world) const {
   return share(seen, connectedFloor(plan_, p_world));
 }
 
-MapExploration exploreOnMap(const Plan& plan, const core::Pose2& start, const StrategyOptions& options,
+MapExploration exploreOnMap(const Plan& plan, const core::Pose2& start, const strategies::StrategyOptions& options,
                             const lidar::LidarOptions& lidar, std::uint64_t seed, double limit_s) {
   const robot::RobotOptions robot;
   const double period_s = 1 / lidar.rate_hz;
   sim::Simulator simulator(plan, robot, lidar, {}, start, seed, 0.0);
-  Driver driver(makeStrategy(options, {seed, "strategy"}), options, robot, period_s, {seed, "driver"});
+  Driver driver(strategies::makeStrategy(options, {seed, "strategy"}), options, robot, period_s, {seed, "driver"});
   PerfectMap map(plan);
   MapExploration result;
   sim::Sensed sensed = simulator.sense();
@@ -199,7 +199,7 @@ MapExploration exploreOnMap(const Plan& plan, const core::Pose2& start, const St
     if (driver.finished() || simulator.time_s() >= limit_s) break;
     if (driver.wantsMap()) driver.setMap(map.raster());
     const auto command = driver.next(sensed.scan, simulator.truth(), sensed.collided);
-    const Decision& decision = driver.currentDecision();
+    const choices::Decision& decision = driver.currentDecision();
     if (result.decisions.empty() || result.decisions.back().reason != decision.reason)
       result.decisions.push_back(decision);
     sensed = simulator.step(command);

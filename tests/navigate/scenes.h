@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "libslam/navigate/driver.h"
-#include "libslam/navigate/strategy.h"
+#include "libslam/strategies/strategy.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/world/plan.h"
 
@@ -51,7 +51,7 @@ struct Exploration {
 };
 
 /// Drives for duration_s with noise on lidar and odometry.
-Exploration explore(const world::Plan& plan, const core::Pose2& start, const StrategyOptions& options,
+Exploration explore(const world::Plan& plan, const core::Pose2& start, const strategies::StrategyOptions& options,
                     const lidar::LidarOptions& lidar, std::uint64_t seed, double duration_s);
 
 /// An exploration on a perfect map and with the true pose, with noise on the lidar that the driver sees.
@@ -63,9 +63,9 @@ struct MapExploration {
   double seen_share = 0;
   double path_90_m = -1, path_99_m = -1;  ///< driven when that share was seen; -1 = never
   std::vector<core::Pose2> truth;
-  std::vector<Decision> decisions;
+  std::vector<choices::Decision> decisions;
 };
-MapExploration exploreOnMap(const world::Plan& plan, const core::Pose2& start, const StrategyOptions& options,
+MapExploration exploreOnMap(const world::Plan& plan, const core::Pose2& start, const strategies::StrategyOptions& options,
                             const lidar::LidarOptions& lidar, std::uint64_t seed, double limit_s);
 
 }  // namespace slam::navigate::scenes
