@@ -14,8 +14,8 @@
 #include "libslam/resources/resources.h"
 #include "libslam/files/word_list.h"
 #include "libslam/explore/explore.h"
-#include "libslam/explore/reach_goal.h"
-#include "libslam/explore/team.h"
+#include "libslam/reach/reach_goal.h"
+#include "libslam/teams/team.h"
 
 namespace slam::apps {
 namespace {
@@ -83,14 +83,14 @@ Request requestOf(const Context& context, const Arguments& arguments) {
 
 int exploreTogether(const Context& context, const Arguments& arguments,
                     const explore::ExploreConfig& config) {
-  auto request = requestOf<explore::TeamRequest>(context, arguments);
+  auto request = requestOf<teams::TeamRequest>(context, arguments);
   request.config = config;
   request.robots = arguments.robots;
   if (arguments.radio_range_m) request.radio_range_m = *arguments.radio_range_m;
   for (const auto& start : arguments.starts)
-    request.T_world_starts.push_back(explore::parsePose(start, "--starts"));
+    request.T_world_starts.push_back(reach::parsePose(start, "--starts"));
   ConsoleProgress progress(context.quiet);
-  const auto result = explore::exploreTeam(request, context.manifest(), progress);
+  const auto result = teams::exploreTeam(request, context.manifest(), progress);
   if (context.json)
     std::cout << files::readTextFile(request.output + "/exploration.json");
   else

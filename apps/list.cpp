@@ -11,7 +11,7 @@
 #include "libslam/files/files.h"
 #include "libslam/resources/resources.h"
 #include "libslam/explore/explore.h"
-#include "libslam/explore/goal_methods.h"
+#include "libslam/reach/goal_methods.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/strategies/strategy.h"
 #include "libslam/score/evaluate.h"
@@ -46,8 +46,8 @@ std::vector<Entry> entriesOf(const std::string& what) {
     for (const auto& name : strategies::strategyNames())
       entries.emplace_back(name, strategies::strategyMeaning(name));
   } else if (what == "navigators") {
-    for (const auto& name : explore::goalMethodNames())
-      entries.emplace_back(name, explore::goalMethodMeaning(name));
+    for (const auto& name : reach::goalMethodNames())
+      entries.emplace_back(name, reach::goalMethodMeaning(name));
   } else if (what == "buildings") {
     for (const auto& kind : buildings::buildingKinds()) entries.emplace_back(kind.name, kind.meaning);
   } else if (what == "worlds") {

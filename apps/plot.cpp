@@ -10,7 +10,7 @@
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
 #include "libslam/resources/resources.h"
-#include "libslam/explore/turn_away.h"
+#include "libslam/reach/turn_away.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/pictures/journal_picture.h"
 #include "libslam/pictures/picture.h"
@@ -142,14 +142,14 @@ int plotObstacles(const Context& context, const std::string& sensor, const Paper
   if (!context.config.empty()) ini = resources::readConfigFile(context.config);
   for (const auto& setting : context.settings) ini.setFromArgument(setting, "--set");
   if (!sensor.empty()) ini.set("turn_away", "sensor", sensor, "--sensor");
-  const auto config = explore::readTurnAwayConfig(ini);
+  const auto config = reach::readTurnAwayConfig(ini);
   if (context.print_config) {
     printParameters(config.parameters, context.json);
     return 0;
   }
   const auto [path, paper] = picturePlace(context, how, "obstacles.png");
-  const auto moments = explore::turnAway(config);
-  explore::drawTurnAway(moments, config, path, paper);
+  const auto moments = reach::turnAway(config);
+  reach::drawTurnAway(moments, config, path, paper);
   auto list = nlohmann::ordered_json::array();
   for (const auto& moment : moments)
     list.push_back(

@@ -10,7 +10,7 @@
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
 #include "libslam/resources/resources.h"
-#include "libslam/explore/reach_goal.h"
+#include "libslam/reach/reach_goal.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
@@ -34,7 +34,7 @@ run::Continuation continuationOf(const Arguments& arguments) {
   if (continuation.folder.empty())
     throw core::InputError(
         "--start belongs to --continue or --localise: a map of its own begins at the robot");
-  continuation.T_map_robot = explore::parsePose(arguments.start, "--start");
+  continuation.T_map_robot = reach::parsePose(arguments.start, "--start");
   return continuation;
 }
 

@@ -16,8 +16,8 @@
 #include "libslam/resources/file_hash.h"
 #include "libslam/resources/resources.h"
 #include "libslam/explore/explore.h"
-#include "libslam/explore/goal_methods.h"
-#include "libslam/explore/reach_goal.h"
+#include "libslam/reach/goal_methods.h"
+#include "libslam/reach/reach_goal.h"
 #include "libslam/live/drive_seat.h"
 #include "libslam/live/mapped_loop.h"
 #include "libslam/live/replay.h"
@@ -205,13 +205,13 @@ int viewExplore(const Context& context, const ViewArguments& arguments) {
 
 int viewNavigate(const Context& context, const ViewArguments& arguments) {
   requireSensible(arguments.show);
-  explore::ReachGoalRequest request;
-  request.config = explore::readReachGoalConfig(configOf(context, arguments));
+  reach::ReachGoalRequest request;
+  request.config = reach::readReachGoalConfig(configOf(context, arguments));
   if (context.print_config) return printParameters(request.config.parameters, context.json), 0;
-  request.p_world_goal = explore::parsePlace(arguments.goal, "--goal");
+  request.p_world_goal = reach::parsePlace(arguments.goal, "--goal");
   const auto start = startIn(context, arguments.input);
   request.plan = record::planOfVisit(start.plan, request.config.living, context.seed);
-  request.T_world_start = explore::goalStart(request.plan, request.config, arguments.start);
+  request.T_world_start = reach::goalStart(request.plan, request.config, arguments.start);
   request.methods = {arguments.method};
   const std::string slam = navigatorsSlam(arguments.slam, request.config.camera.has_value());
   request.slam = slam == "odometry" ? "" : slam;
@@ -227,13 +227,13 @@ int viewNavigate(const Context& context, const ViewArguments& arguments) {
   what.goal = core::inverse(what.T_scene_map) * request.p_world_goal;
   what.title = "navigate " + start.plan.name;
   what.method = arguments.method + " on " + nameOf(slam);
-  what.strategic = explore::strategicOverlay(arguments.method, request.config.navigate, request.config.robot,
+  what.strategic = reach::strategicOverlay(arguments.method, request.config.navigate, request.config.robot,
                                              request.config.lidar);
   ConsoleProgress progress(context.quiet);
   std::string written;
   const auto shown = show(what, arguments.show, [&](record::StepObserver& observer, live::Stage*) {
     request.observer = &observer;
-    const auto comparison = explore::reachGoal(request, start.manifest, progress);
+    const auto comparison = reach::reachGoal(request, start.manifest, progress);
     written = table::toText(comparison.table);
     if (!context.output.empty()) written += "\npaths, states, pictures: " + context.output;
   });

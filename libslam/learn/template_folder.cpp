@@ -12,7 +12,7 @@
 #include "libslam/resources/manifest.h"
 #include "libslam/resources/resources.h"
 #include "libslam/files/word_list.h"
-#include "libslam/explore/goal_methods.h"
+#include "libslam/reach/goal_methods.h"
 #include "libslam/strategies/strategy.h"
 
 namespace slam::learn {
@@ -53,7 +53,7 @@ std::vector<TemplateKind> kindsOf(const files::IniFile& ini) {
 
 std::vector<std::string> takenNames(const std::string& what) {
   if (what == "strategies") return strategies::strategyNames();
-  if (what == "navigators") return explore::goalMethodNames();
+  if (what == "navigators") return reach::goalMethodNames();
   return resources::namesInFolder(resources::configsFolder() + "/methods", ".ini");
 }
 

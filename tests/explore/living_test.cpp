@@ -11,7 +11,7 @@
 #include "libslam/resources/file_hash.h"
 #include "libslam/resources/resources.h"
 #include "libslam/explore/explore.h"
-#include "libslam/explore/reach_goal.h"
+#include "libslam/reach/reach_goal.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/record/record.h"
 #include "libslam/truth/truth_files.h"
@@ -163,15 +163,15 @@ TEST(ExploreLivingWorld, RunsToItsEnd) {
 }
 
 TEST(NavigateInLivingWorld, RunsToItsEnd) {
-  ReachGoalRequest request;
+  reach::ReachGoalRequest request;
   request.plan = world::loadPlan(resources::resolvePlan("pillar_hall"));
   files::IniFile ini;
   for (const char* setting : {"lidar.beams=181", "living.people=6", "navigate.time_limit_s=60"})
     ini.setFromArgument(setting, "test");
-  request.config = readReachGoalConfig(ini);
+  request.config = reach::readReachGoalConfig(ini);
   request.T_world_start = *world::findStartPose(request.plan, 0.6);
   request.p_world_goal = {request.T_world_start.x + 3, request.T_world_start.y + 2};
-  const auto run = driveToGoal(request, "tangent", core::silentProgress());
+  const auto run = reach::driveToGoal(request, "tangent", core::silentProgress());
   EXPECT_NE(run.status, goals::GoalStatus::kMoving);
 }
 

@@ -23,7 +23,7 @@ GoalStep @Name@::plan(const slam::lidar::Scan& /*scan*/, const slam::core::Pose2
   return {surroundings_.stand(), GoalStatus::kMoving, "stand", "the robot fits nowhere"};
 }
 
-slam::explore::OwnNavigator ownNavigator() {
+slam::reach::OwnNavigator ownNavigator() {
   return {"@name@", [](const slam::goals::NavigateOptions& options, const slam::goals::GoalTask& task) {
             return std::make_unique<@Name@>(options, task);
           }};

@@ -1,5 +1,5 @@
 #pragma once
-#include "libslam/explore/reach_goal.h"
+#include "libslam/reach/reach_goal.h"
 #include "libslam/goals/guarded_navigator.h"
 
 /// How to get to a goal with the lidar only. The base class keeps away from what the lidar shows and ends the
@@ -15,4 +15,4 @@ class @Name@ : public slam::goals::GuardedNavigator {
 };
 
 /// What the closed loop makes it from.
-slam::explore::OwnNavigator ownNavigator();
+slam::reach::OwnNavigator ownNavigator();

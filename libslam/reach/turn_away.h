@@ -10,7 +10,7 @@
 #include "libslam/obstacles/lidar_view.h"
 #include "libslam/obstacles/local_obstacle_map.h"
 
-namespace slam::explore {
+namespace slam::reach {
 
 /// Section [turn_away].
 struct TurnAwayOptions {
@@ -54,4 +54,4 @@ inline constexpr double kPostRadius_m = 0.05;
 void drawTurnAway(const std::vector<TurnAwayMoment>& moments, const TurnAwayConfig& config,
                   const std::string& file, const draw::Paper& paper = {});
 
-}  // namespace slam::explore
+}  // namespace slam::reach

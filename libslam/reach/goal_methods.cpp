@@ -1,4 +1,4 @@
-#include "libslam/explore/goal_methods.h"
+#include "libslam/reach/goal_methods.h"
 
 #include <algorithm>
 
@@ -6,7 +6,7 @@
 #include "libslam/goals/lidar_bug.h"
 #include "libslam/goals/surroundings.h"
 
-namespace slam::explore {
+namespace slam::reach {
 namespace {
 const std::string kMrptReactive = "mrpt_reactive";
 }
@@ -52,4 +52,4 @@ std::optional<StrategicOverlay> strategicOverlay(const std::string& method,
                           {directions.begin(), directions.end()}};
 }
 
-}  // namespace slam::explore
+}  // namespace slam::reach

@@ -1,15 +1,15 @@
-#include "libslam/explore/goal_picture.h"
+#include "libslam/reach/goal_picture.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "libslam/resources/file_hash.h"
-#include "libslam/explore/goal_methods.h"
+#include "libslam/reach/goal_methods.h"
 #include "libslam/truth/carry_file.h"
 #include "libslam/testing/temp_folder.h"
 
-namespace slam::explore {
+namespace slam::reach {
 namespace {
 
 TEST(StrategicOverlay, HasTheOriginalFiguresAndOnlyForItsMethod) {
@@ -60,4 +60,4 @@ TEST(BrokenAtCarries, LeavesAGapWhereTheRobotWasCarried) {
 }
 
 }  // namespace
-}  // namespace slam::explore
+}  // namespace slam::reach

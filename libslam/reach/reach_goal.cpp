@@ -1,4 +1,4 @@
-#include "libslam/explore/reach_goal.h"
+#include "libslam/reach/reach_goal.h"
 
 #include <algorithm>
 #include <chrono>
@@ -11,8 +11,8 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/files/number_list.h"
-#include "libslam/explore/goal_methods.h"
-#include "libslam/explore/goal_picture.h"
+#include "libslam/reach/goal_methods.h"
+#include "libslam/reach/goal_picture.h"
 #include "libslam/goals/surroundings.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
@@ -24,7 +24,7 @@
 #include "libslam/table/latex.h"
 #include "libslam/world/shortest_path.h"
 
-namespace slam::explore {
+namespace slam::reach {
 namespace {
 
 using goals::GoalStatus;
@@ -368,4 +368,4 @@ GoalComparison reachGoal(const ReachGoalRequest& request, resources::Manifest ma
   return comparison;
 }
 
-}  // namespace slam::explore
+}  // namespace slam::reach

@@ -1,4 +1,4 @@
-#include "libslam/explore/team_files.h"
+#include "libslam/teams/team_files.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -11,7 +11,7 @@
 #include "libslam/table/latex.h"
 #include "libslam/table/number_text.h"
 
-namespace slam::explore {
+namespace slam::teams {
 namespace {
 
 nlohmann::ordered_json numberOrNull(double value) {
@@ -30,11 +30,11 @@ std::string scoresJson(const TeamRequest& request, const TeamReport& report, con
   nlohmann::ordered_json json;
   json["plan"] = plan_name;
   json["robots"] = request.robots;
-  json["strategy"] = strategyNameOf(request.config);
+  json["strategy"] = explore::strategyNameOf(request.config);
   json["slam"] = slam;
   json["seed"] = request.seed;
   json["radio_range_m"] = numberOrNull(request.radio_range_m);  // null: without a limit
-  json["end"] = endName(team.end);
+  json["end"] = explore::endName(team.end);
   const std::pair<const char*, double> figures[] = {{"coverage", team.figures.coverage},
                                                     {"explorable_m2", team.explorable_m2},
                                                     {"t90_s", team.figures.t90_s},
@@ -53,7 +53,7 @@ std::string scoresJson(const TeamRequest& request, const TeamReport& report, con
   json["gave_way"] = countOrNull(team.gave_way);
   json["each"] = nlohmann::ordered_json::array();
   for (const auto& e : report.robots)
-    json["each"].push_back({{"end", endName(e.end)},
+    json["each"].push_back({{"end", explore::endName(e.end)},
                             {"coverage", numberOrNull(e.figures.coverage)},
                             {"path_m", numberOrNull(e.figures.path_m)},
                             {"collisions", countOrNull(e.collisions)},
@@ -77,23 +77,23 @@ std::string teamCsv(const TeamLoop& loop, double explorable_m2) {
   return table::toCsv(table);
 }
 
-void drawPictures(TeamLoop& loop, const TeamReport& report, const std::vector<LoopResult>& results,
+void drawPictures(TeamLoop& loop, const TeamReport& report, const std::vector<explore::LoopResult>& results,
                   const world::Plan& plan, const std::string& title, const std::string& folder) {
   std::vector<pictures::DrawnPath> paths;
-  std::vector<ExplorationJob> curves(1);
+  std::vector<explore::ExplorationJob> curves(1);
   curves[0].result.exploration.strategy = "all";
   curves[0].result.exploration.explorable_m2 = report.team.explorable_m2;
   curves[0].result.curve = loop.curve();
   for (std::size_t i = 0; i < loop.size(); ++i) {
     paths.push_back({loop.robot(i).trueTrajectory(), robotName(i)});
-    if (report.robots[i].end == ExplorationEnd::kFailed) continue;
+    if (report.robots[i].end == explore::ExplorationEnd::kFailed) continue;
     curves.emplace_back();
     curves.back().result.exploration.strategy = robotName(i);
     curves.back().result.exploration.explorable_m2 = report.team.explorable_m2;
     curves.back().result.curve = results[i].curve;
   }
   pictures::drawPlan(plan, paths, title, folder + "/path.png");
-  drawCoverage(curves, nullptr, title, folder + "/coverage.png");
+  explore::drawCoverage(curves, nullptr, title, folder + "/coverage.png");
 }
 
 std::string orDash(double value, int decimals) {
@@ -110,13 +110,13 @@ table::Table teamTable(const TeamRequest& request, const TeamReport& report, con
                        const std::string& slam) {
   const auto& team = report.team;
   const std::string caption = std::to_string(request.robots) + " robots explore " + plan_name + " by " +
-                              strategyNameOf(request.config) + " with " +
-                              (slam == kTruthReference ? "the true pose (reference)" : slam);
-  auto table = scoresTable(byStrategy(report.robots, 1), caption, false);
+                              explore::strategyNameOf(request.config) + " with " +
+                              (slam == explore::kTruthReference ? "the true pose (reference)" : slam);
+  auto table = explore::scoresTable(explore::byStrategy(report.robots, 1), caption, false);
   table.notes.push_back("Together: 90 % after " + orDash(team.figures.t90_s, 1) + " s, 99 % after " +
                         orDash(team.figures.t99_s, 1) + " s; " +
                         table::fixed(100 * team.figures.coverage, 1) + " % after " +
-                        orDash(team.figures.time_s, 1) + " s (" + endName(team.end) + ").");
+                        orDash(team.figures.time_s, 1) + " s (" + explore::endName(team.end) + ").");
   table.notes.push_back("Paths: " + table::fixed(team.path_sum_m, 1) + " m in all, the longest " +
                         table::fixed(team.path_longest_m, 1) + " m; " + table::fixed(100 * team.overlap, 0) +
                         " % of what was explored was seen by more than one.");
@@ -129,21 +129,21 @@ table::Table teamTable(const TeamRequest& request, const TeamReport& report, con
 }
 
 void writeTeam(TeamLoop& loop, const TeamRequest& request, const TeamReport& report,
-               const std::vector<LoopResult>& results, const world::Plan& plan, const std::string& folder) {
+               const std::vector<explore::LoopResult>& results, const world::Plan& plan, const std::string& folder) {
   const auto write = [&](const char* name, const std::string& text) {
     files::writeFileAtomically(folder + "/" + name, text);
   };
   const std::string slam = report.robots.front().slam;
-  auto statistics = statisticsTable(byStrategy(report.robots, 1), plan.name);
+  auto statistics = explore::statisticsTable(explore::byStrategy(report.robots, 1), plan.name);
   statistics.caption = report.scores.caption;
   statistics.notes = report.scores.notes;
   write("scores.txt", table::toText(report.scores));
   write("scores.md", table::toMarkdown(report.scores));
-  write("scores.tex", table::toLatex(report.scores, {"tab:scores", bestFigures()}));
+  write("scores.tex", table::toLatex(report.scores, {"tab:scores", explore::bestFigures()}));
   write("scores.csv", table::toCsv(statistics));
   write("scores.json", table::toJson(statistics));
-  write("runs.csv", table::toCsv(runsTable(report.robots, plan.name)));
-  write("cost.csv", table::toCsv(costTable(report.robots)));
+  write("runs.csv", table::toCsv(explore::runsTable(report.robots, plan.name)));
+  write("cost.csv", table::toCsv(explore::costTable(report.robots)));
   write("team.csv", teamCsv(loop, report.team.explorable_m2));
   write("exploration.json", scoresJson(request, report, plan.name, slam));
   const auto map = loop.mergedMap();
@@ -151,4 +151,4 @@ void writeTeam(TeamLoop& loop, const TeamRequest& request, const TeamReport& rep
   drawPictures(loop, report, results, plan, report.scores.caption, folder);
 }
 
-}  // namespace slam::explore
+}  // namespace slam::teams

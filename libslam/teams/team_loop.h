@@ -6,17 +6,17 @@
 
 #include "libslam/core/thread_team.h"
 #include "libslam/explore/exploring_robot.h"
-#include "libslam/explore/team.h"
-#include "libslam/explore/team_radio.h"
+#include "libslam/teams/team.h"
+#include "libslam/teams/team_radio.h"
 #include "libslam/navigate/right_of_way.h"
 
-namespace slam::explore {
+namespace slam::teams {
 
 /// The loop of exploreTeam(). Keeps references to all that it is given.
 class TeamLoop {
  public:
   /// `folders`: one for each robot, "" = no files.
-  TeamLoop(const world::Plan& plan, const TeamRequest& request, const LoopMethod& method,
+  TeamLoop(const world::Plan& plan, const TeamRequest& request, const explore::LoopMethod& method,
            const std::vector<core::Pose2>& T_world_starts, const std::vector<std::string>& folders);
 
   /// Errors: MethodError when every robot's method failed at the first scan.
@@ -24,7 +24,7 @@ class TeamLoop {
 
   TeamScores scores() const;
   std::size_t size() const { return members_.size(); }
-  ExploringRobot& robot(std::size_t i) { return *members_[i].robot; }
+  explore::ExploringRobot& robot(std::size_t i) { return *members_[i].robot; }
   const std::vector<metrics::CoveragePoint>& curve() const { return curve_; }  ///< of the team
   /// After every scan, each robot's path.
   const std::vector<std::vector<double>>& paths_m() const { return paths_m_; }
@@ -34,9 +34,9 @@ class TeamLoop {
 
  private:
   struct Member {
-    std::unique_ptr<ExploringRobot> robot;
+    std::unique_ptr<explore::ExploringRobot> robot;
     navigate::RightOfWay right_of_way;
-    Referee referee;
+    explore::Referee referee;
     robot::Command command{};
     std::vector<navigate::NeighbourRobot> neighbours{};  ///< places in the robot's frame until it is located
     std::shared_ptr<const gridmap::OccupancyRaster> map{};  ///< of this scan, when somebody has asked
@@ -44,14 +44,14 @@ class TeamLoop {
     int gave_way = 0;
   };
 
-  TeamLoop(const world::Plan& plan, const TeamRequest& request, const LoopMethod& method,
+  TeamLoop(const world::Plan& plan, const TeamRequest& request, const explore::LoopMethod& method,
            const std::vector<core::Pose2>& T_world_starts, const std::vector<std::string>& folders,
            std::vector<metrics::ExplorableArea> areas);
   void sight();
   void locate();
   void count();
   bool isOver();
-  void endAll(ExplorationEnd end);
+  void endAll(explore::ExplorationEnd end);
   void speak();
   void decide(std::size_t i);
   void driveAll();
@@ -68,7 +68,7 @@ class TeamLoop {
   core::ThreadTeam threads_;
   std::vector<metrics::CoveragePoint> curve_;
   std::vector<std::vector<double>> paths_m_;
-  std::optional<ExplorationEnd> end_;
+  std::optional<explore::ExplorationEnd> end_;
 };
 
-}  // namespace slam::explore
+}  // namespace slam::teams

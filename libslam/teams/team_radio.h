@@ -7,7 +7,7 @@
 #include "libslam/gridmap/occupancy_raster.h"
 #include "libslam/strategies/strategy.h"
 
-namespace slam::explore {
+namespace slam::teams {
 
 /// What one robot of a team says of itself, in its own map frame.
 struct RobotNews {
@@ -59,4 +59,4 @@ class TeamRadio {
   std::vector<std::vector<RobotNews>> known_;  ///< [who][of whom]
 };
 
-}  // namespace slam::explore
+}  // namespace slam::teams

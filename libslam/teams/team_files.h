@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "libslam/explore/exploration_loop.h"
-#include "libslam/explore/team.h"
-#include "libslam/explore/team_loop.h"
+#include "libslam/teams/team.h"
+#include "libslam/teams/team_loop.h"
 
-namespace slam::explore {
+namespace slam::teams {
 
 /// "robot1", "robot2", ...: the folder of one, and its name in tables.
 std::string robotName(std::size_t robot);
@@ -17,6 +17,6 @@ table::Table teamTable(const TeamRequest& request, const TeamReport& report, con
 
 /// All that exploreTeam() documents but the robots' own folders and the manifest, into an existing folder.
 void writeTeam(TeamLoop& loop, const TeamRequest& request, const TeamReport& report,
-               const std::vector<LoopResult>& results, const world::Plan& plan, const std::string& folder);
+               const std::vector<explore::LoopResult>& results, const world::Plan& plan, const std::string& folder);
 
-}  // namespace slam::explore
+}  // namespace slam::teams

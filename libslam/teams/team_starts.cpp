@@ -3,11 +3,11 @@
 #include <cstdio>
 
 #include "libslam/core/error.h"
-#include "libslam/explore/team.h"
+#include "libslam/teams/team.h"
 #include "libslam/robot/drive.h"
 #include "libslam/sim/standing_room.h"
 
-namespace slam::explore {
+namespace slam::teams {
 namespace {
 
 constexpr int kPlacesAside = 4;         // in the grid of places round the first robot
@@ -85,4 +85,4 @@ std::vector<core::Pose2> teamStarts(const world::Plan& plan, const TeamRequest& 
   return starts;
 }
 
-}  // namespace slam::explore
+}  // namespace slam::teams

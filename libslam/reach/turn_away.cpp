@@ -1,4 +1,4 @@
-#include "libslam/explore/turn_away.h"
+#include "libslam/reach/turn_away.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "libslam/pictures/obstacle_picture.h"
 #include "libslam/lidar/scan.h"
 
-namespace slam::explore {
+namespace slam::reach {
 namespace {
 
 /// In front of the robot at the start.
@@ -177,4 +177,4 @@ void drawTurnAway(const std::vector<TurnAwayMoment>& moments, const TurnAwayConf
                           paper);
 }
 
-}  // namespace slam::explore
+}  // namespace slam::reach

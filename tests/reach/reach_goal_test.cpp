@@ -1,4 +1,4 @@
-#include "libslam/explore/reach_goal.h"
+#include "libslam/reach/reach_goal.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 #include "libslam/testing/temp_folder.h"
 #include "libslam/resources/ini_yaml.h"
 
-namespace slam::explore {
+namespace slam::reach {
 namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -292,4 +292,4 @@ TEST(ReachGoal, DrivesWithMrptsNavigationWhereItIsThere) {
 }
 
 }  // namespace
-}  // namespace slam::explore
+}  // namespace slam::reach

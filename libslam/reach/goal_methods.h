@@ -9,7 +9,7 @@
 #include "libslam/robot/drive.h"
 #include "libslam/lidar/lidar.h"
 
-namespace slam::explore {
+namespace slam::reach {
 
 /// Every method that drives to a goal: those of room goals, then mrpt_reactive where the program was built
 /// with MRPT's module nav.
@@ -35,4 +35,4 @@ std::optional<StrategicOverlay> strategicOverlay(const std::string& method,
                                                  const robot::RobotOptions& robot,
                                                  const lidar::LidarOptions& lidar);
 
-}  // namespace slam::explore
+}  // namespace slam::reach

@@ -1,4 +1,4 @@
-#include "libslam/explore/turn_away.h"
+#include "libslam/reach/turn_away.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 
-namespace slam::explore {
+namespace slam::reach {
 namespace {
 
 TurnAwayConfig config(const std::vector<std::string>& settings = {}) {
@@ -73,4 +73,4 @@ TEST(TurnAway, DrawsTheSameBytes) {
 }
 
 }  // namespace
-}  // namespace slam::explore
+}  // namespace slam::reach

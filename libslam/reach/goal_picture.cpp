@@ -1,13 +1,13 @@
-#include "libslam/explore/goal_picture.h"
+#include "libslam/reach/goal_picture.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "libslam/explore/goal_methods.h"
+#include "libslam/reach/goal_methods.h"
 #include "libslam/pictures/picture.h"
 #include "libslam/truth/carry_file.h"
 
-namespace slam::explore {
+namespace slam::reach {
 namespace {
 
 /// A cross, as a path of two strokes.
@@ -97,4 +97,4 @@ void drawGoalRuns(const ReachGoalRequest& request, const std::vector<GoalRun>& r
   pictures::drawPlan(request.plan, paths, request.plan.name, path);
 }
 
-}  // namespace slam::explore
+}  // namespace slam::reach

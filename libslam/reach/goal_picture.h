@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/explore/reach_goal.h"
+#include "libslam/reach/reach_goal.h"
 
-namespace slam::explore {
+namespace slam::reach {
 
 /// The true path of one drive on the plan, coloured by the method's states, with the goal; of `lidar_bug`
 /// also the stop radius, dashed, and the strategic directions, as they lay where it first met an obstacle, or
@@ -15,4 +15,4 @@ void drawGoalRun(const ReachGoalRequest& request, const GoalRun& run, const std:
 /// The true paths of all of them. Errors: IoError.
 void drawGoalRuns(const ReachGoalRequest& request, const std::vector<GoalRun>& runs, const std::string& path);
 
-}  // namespace slam::explore
+}  // namespace slam::reach

@@ -1,11 +1,11 @@
-#include "libslam/explore/team_radio.h"
+#include "libslam/teams/team_radio.h"
 
 #include <numeric>
 
-#include "libslam/explore/team.h"
+#include "libslam/teams/team.h"
 #include "libslam/gridmap/fused_raster.h"
 
-namespace slam::explore {
+namespace slam::teams {
 
 TeamRadio::TeamRadio(const std::vector<core::Pose2>& T_world_starts, double range_m)
     : starts_(T_world_starts),
@@ -74,4 +74,4 @@ gridmap::OccupancyRaster TeamRadio::mapOf(std::size_t robot, const gridmap::Occu
   return others.empty() ? own : gridmap::filledFrom(own, others);
 }
 
-}  // namespace slam::explore
+}  // namespace slam::teams

@@ -1,4 +1,4 @@
-#include "libslam/explore/team_loop.h"
+#include "libslam/teams/team_loop.h"
 
 #include <algorithm>
 #include <utility>
@@ -8,7 +8,7 @@
 #include "libslam/results/map_plan.h"
 #include "libslam/sim/sightings.h"
 
-namespace slam::explore {
+namespace slam::teams {
 namespace {
 
 constexpr double kLeaveOut_m = 0.12;  // round another robot's disc: noise of the range, and the beam's width
@@ -59,11 +59,11 @@ std::vector<core::Point2> restOf(const std::vector<core::Point2>& path, const co
 
 }  // namespace
 
-TeamLoop::TeamLoop(const world::Plan& plan, const TeamRequest& request, const LoopMethod& method,
+TeamLoop::TeamLoop(const world::Plan& plan, const TeamRequest& request, const explore::LoopMethod& method,
                    const std::vector<core::Pose2>& T_world_starts, const std::vector<std::string>& folders)
     : TeamLoop(plan, request, method, T_world_starts, folders, areasOf(plan, request, T_world_starts)) {}
 
-TeamLoop::TeamLoop(const world::Plan& plan, const TeamRequest& request, const LoopMethod& method,
+TeamLoop::TeamLoop(const world::Plan& plan, const TeamRequest& request, const explore::LoopMethod& method,
                    const std::vector<core::Pose2>& T_world_starts, const std::vector<std::string>& folders,
                    std::vector<metrics::ExplorableArea> areas)
     : plan_(plan),
@@ -72,12 +72,12 @@ TeamLoop::TeamLoop(const world::Plan& plan, const TeamRequest& request, const Lo
       coverage_(plan, unionOf(areas)),
       threads_(request.threads) {
   for (std::size_t i = 0; i < T_world_starts.size(); ++i) {
-    auto robot = std::make_unique<ExploringRobot>(
+    auto robot = std::make_unique<explore::ExploringRobot>(
         plan, request.config, method, seedOf(request.seed, i),
-        ExploringRobot::Place{T_world_starts[i], std::move(areas[i])}, folders[i]);
+        explore::ExploringRobot::Place{T_world_starts[i], std::move(areas[i])}, folders[i]);
     const navigate::RightOfWay right_of_way(request.config.record.robot, robot->period_s(),
                                             static_cast<int>(i), static_cast<int>(T_world_starts.size()));
-    members_.push_back({std::move(robot), right_of_way, Referee(request.config.exploration)});
+    members_.push_back({std::move(robot), right_of_way, explore::Referee(request.config.exploration)});
   }
 }
 
@@ -157,16 +157,16 @@ void TeamLoop::count() {
 bool TeamLoop::isOver() {
   const double period_s = members_.front().robot->period_s();
   if (elapsed_s() + period_s / 2 >= request_.config.record.simulation.duration_s) {
-    endAll(ExplorationEnd::kDuration);
+    endAll(explore::ExplorationEnd::kDuration);
     return true;
   }
   bool is_over = true;
-  ExplorationEnd end = ExplorationEnd::kFailed;
+  explore::ExplorationEnd end = explore::ExplorationEnd::kFailed;
   for (auto& member : members_) {
     const auto verdict = member.referee.judge(elapsed_s(), coverage_.area_m2(), member.robot->truth());
     if (member.has_failed) continue;
     if (member.robot->driver().finished()) {
-      if (end == ExplorationEnd::kFailed) end = ExplorationEnd::kFinished;
+      if (end == explore::ExplorationEnd::kFailed) end = explore::ExplorationEnd::kFinished;
       continue;
     }
     if (verdict) end = *verdict;
@@ -176,7 +176,7 @@ bool TeamLoop::isOver() {
   return is_over;
 }
 
-void TeamLoop::endAll(ExplorationEnd end) {
+void TeamLoop::endAll(explore::ExplorationEnd end) {
   end_ = end;
   for (auto& member : members_)
     if (!member.has_failed) member.robot->end(end);
@@ -240,7 +240,7 @@ void TeamLoop::decide(std::size_t i) {
   } else if (!was_finished) {
     robot.watch();
   }
-  if (!was_finished && driver.finished()) robot.end(ExplorationEnd::kFinished);
+  if (!was_finished && driver.finished()) robot.end(explore::ExplorationEnd::kFinished);
   const bool gave_way = member.right_of_way.givesWay();
   const auto answer = member.right_of_way.next(wanted, robot.sensed().scan, robot.estimate(),
                                                member.neighbours, [this, i] { return sharedMap(i); });
@@ -284,7 +284,7 @@ gridmap::OccupancyRaster TeamLoop::mergedMap() const {
 TeamScores TeamLoop::scores() const {
   TeamScores scores;
   const auto& area = coverage_.explorable();
-  scores.end = end_.value_or(ExplorationEnd::kFailed);
+  scores.end = end_.value_or(explore::ExplorationEnd::kFailed);
   scores.explorable_m2 = area.area_m2;
   scores.figures = metrics::explorationFigures(curve_, area.area_m2);
   std::vector<int> seen_by(area.explorable.size(), 0);
@@ -316,4 +316,4 @@ TeamScores TeamLoop::scores() const {
   return scores;
 }
 
-}  // namespace slam::explore
+}  // namespace slam::teams

@@ -21,7 +21,7 @@
 #include "libslam/table/table.h"
 #include "libslam/world/plan.h"
 
-namespace slam::explore {
+namespace slam::reach {
 
 /// All that decides a drive to a goal besides the plan, the places, the method and the seed.
 struct ReachGoalConfig {
@@ -115,4 +115,4 @@ core::Pose2 parsePose(const std::string& text, const std::string& flag);
 /// where there is such a place. Errors: malformed text, no free place (InputError).
 core::Pose2 goalStart(const world::Plan& plan, const ReachGoalConfig& config, const std::string& text);
 
-}  // namespace slam::explore
+}  // namespace slam::reach

@@ -1,4 +1,4 @@
-#include "libslam/explore/team.h"
+#include "libslam/teams/team.h"
 
 #include <filesystem>
 #include <utility>
@@ -6,9 +6,9 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/resources/file_hash.h"
-#include "libslam/explore/team_files.h"
+#include "libslam/teams/team_files.h"
 
-namespace slam::explore {
+namespace slam::teams {
 namespace fs = std::filesystem;
 namespace {
 
@@ -57,7 +57,7 @@ void describe(const TeamRequest& request, const TeamReport& report, resources::M
   manifest.files["coverage.png"] = "explored share over time, path and scans, of all and of each";
   manifest.files["cost.csv"] = "CPU time of the decisions: differs from run to run";
   manifest.results["robots"] = std::to_string(request.robots);
-  manifest.results["end"] = endName(report.team.end);
+  manifest.results["end"] = explore::endName(report.team.end);
   manifest.results["status"] = "complete";
   manifest.results["failed_runs"] = std::to_string(report.failed);
 }
@@ -66,7 +66,7 @@ void describe(const TeamRequest& request, const TeamReport& report, resources::M
 
 TeamReport exploreTeam(const TeamRequest& request, resources::Manifest manifest, core::Progress& progress) {
   checkRequest(request);
-  const auto method = loadMethod(request.slam, request.methods_folder);
+  const auto method = explore::loadMethod(request.slam, request.methods_folder);
   const auto given_plan = world::loadPlan(request.plan_path);
   const auto plan = record::planOfVisit(given_plan, request.config.record.living, request.seed);
   const auto starts = teamStarts(plan, request);
@@ -80,11 +80,11 @@ TeamReport exploreTeam(const TeamRequest& request, resources::Manifest manifest,
   progress.end();
 
   TeamReport report;
-  std::vector<LoopResult> results;
+  std::vector<explore::LoopResult> results;
   for (std::size_t i = 0; i < loop.size(); ++i) {
     results.push_back(loop.robot(i).result());
     report.robots.push_back(results.back().exploration);
-    report.failed += report.robots.back().end == ExplorationEnd::kFailed;
+    report.failed += report.robots.back().end == explore::ExplorationEnd::kFailed;
     if (!folders[i].empty()) loop.robot(i).writeFiles(results.back(), manifest);
     report.robots.back().strategy = robotName(i);
     report.robots.back().seed = request.seed;
@@ -98,4 +98,4 @@ TeamReport exploreTeam(const TeamRequest& request, resources::Manifest manifest,
   return report;
 }
 
-}  // namespace slam::explore
+}  // namespace slam::teams

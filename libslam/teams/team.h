@@ -11,14 +11,14 @@
 #include "libslam/table/table.h"
 #include "libslam/world/plan.h"
 
-namespace slam::explore {
+namespace slam::teams {
 
 inline constexpr int kMostRobots = 4;
 
 /// Several robots that explore one plan together.
 struct TeamRequest {
   std::string plan_path;
-  ExploreConfig config;  ///< of every robot; its start is the first one's
+  explore::ExploreConfig config;  ///< of every robot; its start is the first one's
   std::string slam;      ///< as ExploreRequest::slam; each robot has one of its own
   std::string methods_folder;
   std::string output;
@@ -35,7 +35,7 @@ struct TeamRequest {
 
 /// What the team did together, scored on the truth.
 struct TeamScores {
-  ExplorationEnd end = ExplorationEnd::kFailed;
+  explore::ExplorationEnd end = explore::ExplorationEnd::kFailed;
   metrics::ExplorationFigures figures{};  ///< of what any robot has seen; paths are their sum
   double explorable_m2 = 0;
   double path_sum_m = 0, path_longest_m = 0;
@@ -47,7 +47,7 @@ struct TeamScores {
 
 struct TeamReport {
   TeamScores team;
-  std::vector<Exploration> robots;
+  std::vector<explore::Exploration> robots;
   table::Table scores;  ///< for people: a row for each robot and notes on the team
   int failed = 0;       ///< robots whose method failed
 };
@@ -88,4 +88,4 @@ inline constexpr double kRemembers_s = 60.0;
 std::vector<core::Pose2> teamStarts(const world::Plan& plan, const TeamRequest& request);
 inline constexpr double kBeside_m = 0.3;
 
-}  // namespace slam::explore
+}  // namespace slam::teams

@@ -1,4 +1,4 @@
-#include "libslam/explore/team.h"
+#include "libslam/teams/team.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,11 +10,11 @@
 #include "libslam/files/files.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/resources/resources.h"
-#include "libslam/explore/team_radio.h"
+#include "libslam/teams/team_radio.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/explore/two_rooms.h"
 
-namespace slam::explore {
+namespace slam::teams {
 namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -31,7 +31,7 @@ world::Plan hallWithRooms() {
 }
 
 TeamRequest teamRequest(const testing::TempFolder& folder, const world::Plan& plan, int robots,
-                        const std::string& strategy, const std::string& slam = kTruthReference) {
+                        const std::string& strategy, const std::string& slam = explore::kTruthReference) {
   TeamRequest request;
   request.plan_path = saved(folder, plan);
   request.config = quickConfig(strategy, 400, {"simulation.start=10,3,90"});
@@ -60,11 +60,11 @@ TEST(Team, TwoExploreFasterThanOneAndDoNotCollide) {
   for (const std::string strategy : {"nearest_frontier", "information_gain", "next_best_view"}) {
     const testing::TempFolder folder;
     auto one = request(folder, hallWithRooms(), {quickConfig(strategy, 400, {"simulation.start=10,3,90"})},
-                       kTruthReference);
+                       explore::kTruthReference);
     one.output = folder / "one";
     const double alone_s = run(one).runs.front().figures.t99_s;
     const auto report = run(teamRequest(folder, hallWithRooms(), 2, strategy));
-    EXPECT_EQ(report.team.end, ExplorationEnd::kFinished) << strategy;
+    EXPECT_EQ(report.team.end, explore::ExplorationEnd::kFinished) << strategy;
     EXPECT_GT(report.team.figures.coverage, 0.99) << strategy;
     // Two mirrored halves: each robot has one. A third of the time is for what both have to see and wait for.
     EXPECT_LT(report.team.figures.t99_s, 0.8 * alone_s) << strategy;
@@ -200,4 +200,4 @@ TEST(TeamRadio, PassesOnWhatItHeardAndForgetsGoals) {
 }
 
 }  // namespace
-}  // namespace slam::explore
+}  // namespace slam::teams
