@@ -9,7 +9,7 @@
 #include "libslam/resources/resources.h"
 #include "libslam/pages/report_data.h"
 #include "libslam/study/contest.h"
-#include "libslam/study/sweep_merge.h"
+#include "libslam/summary/sweep_merge.h"
 #include "libslam/sweep/sweep.h"
 
 namespace slam::apps {
@@ -50,10 +50,10 @@ int hold(const Context& context, Arguments& arguments) {
   how.cell_progress = &cell_progress;
   const auto outcome = sweep::sweep(sweep, how, context.manifest(), progress);
   for (const auto& line : outcome.lost) std::cerr << "rasterslam: " << line << "\n";
-  study::MergeRequest whole;
+  summary::MergeRequest whole;
   whole.folders = {context.output};
   whole.output = context.output;
-  const auto merged = study::mergeSweep(whole, context.manifest(), core::silentProgress());
+  const auto merged = summary::mergeSweep(whole, context.manifest(), core::silentProgress());
   const auto standings = study::standingsOf(merged.plan, merged.results);
   writeStandings(standings, context.output);
   const std::string page = context.output + "/report.html";

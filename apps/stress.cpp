@@ -9,7 +9,7 @@
 #include "libslam/files/files.h"
 #include "libslam/resources/resources.h"
 #include "libslam/study/stress.h"
-#include "libslam/study/sweep_merge.h"
+#include "libslam/summary/sweep_merge.h"
 #include "libslam/sweep/sweep.h"
 #include "libslam/table/latex.h"
 
@@ -56,10 +56,10 @@ int stressMethods(const Context& context, Arguments& arguments) {
   how.cell_progress = &cell_progress;
   const auto outcome = sweep::sweep(sweep, how, context.manifest(), progress);
   for (const auto& line : outcome.lost) std::cerr << "rasterslam: " << line << "\n";
-  study::MergeRequest whole;
+  summary::MergeRequest whole;
   whole.folders = {context.output};
   whole.output = context.output;
-  const auto merged = study::mergeSweep(whole, context.manifest(), core::silentProgress());
+  const auto merged = summary::mergeSweep(whole, context.manifest(), core::silentProgress());
   const auto result = study::stress(suite, merged.plan, merged.results, arguments.limits);
   writeResult(result, suite.key, context.output);
   if (context.json)

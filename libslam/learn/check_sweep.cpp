@@ -8,8 +8,8 @@
 #include "libslam/files/files.h"
 #include "libslam/learn/check_answer.h"
 #include "libslam/learn/student_folder.h"
-#include "libslam/study/run_figures.h"
-#include "libslam/study/sweep_groups.h"
+#include "libslam/summary/run_figures.h"
+#include "libslam/summary/sweep_groups.h"
 #include "libslam/sweep/cell.h"
 #include "libslam/sweep/suite.h"
 #include "libslam/sweep/sweep_plan.h"
@@ -35,13 +35,13 @@ std::optional<Pairs> pairsOf(const sweep::SweepPlan& plan, const std::string& fo
     if (run.method != kDefault && run.method != kOther) continue;
     const auto cell = sweep::readCell(folder + "/cells/" + run.id, run.id);
     if (cell.kind != sweep::CellState::kComplete || cell.result.status != "ok") return std::nullopt;
-    (run.method == kDefault ? first : second)[run.log] = study::figureOf(cell.result, "ate_final_m");
+    (run.method == kDefault ? first : second)[run.log] = summary::figureOf(cell.result, "ate_final_m");
   }
   Pairs pairs;
   std::vector<std::string> settings;
   for (std::size_t i = 0; i < logs; ++i) {
     if (!first[i] || !second[i]) return std::nullopt;
-    const std::string key = study::settingKey(plan.logs[i]);
+    const std::string key = summary::settingKey(plan.logs[i]);
     auto known = std::find(settings.begin(), settings.end(), key);
     if (known == settings.end()) known = settings.insert(settings.end(), key);
     pairs.first.push_back(*first[i]), pairs.second.push_back(*second[i]);

@@ -9,7 +9,7 @@
 #include "libslam/files/parameters.h"
 #include "libslam/pages/report_parts.h"
 #include "libslam/score/evaluate.h"
-#include "libslam/study/run_figures.h"
+#include "libslam/summary/run_figures.h"
 #include "libslam/table/cells.h"
 #include "libslam/table/number_text.h"
 
@@ -265,7 +265,7 @@ std::string missingRuns(const Rows& results) {
 /// Maps and replay of the worst run of every method.
 void addWorstRuns(const std::string& folder, const Rows& rows, const std::vector<std::string>& methods,
                   const sweep::SweepPlan& plan, core::Progress& progress, report::ReportPage& page) {
-  const bool larger_is_better = study::betterOf(plan.metric) == stats::Better::kLarger;
+  const bool larger_is_better = summary::betterOf(plan.metric) == stats::Better::kLarger;
   const auto worth = [&](std::size_t row) {
     const double value = rows.number(row, plan.metric);
     if (std::isnan(value)) return HUGE_VAL;
@@ -337,7 +337,7 @@ void fillSweep(const std::string& folder, const resources::Manifest& manifest, c
   const std::string results_path = folder + "/results.json";
   const auto results = readJsonTable(results_path);
   const Rows result_rows(results, results_path);
-  const bool larger = study::betterOf(plan.metric) == stats::Better::kLarger;
+  const bool larger = summary::betterOf(plan.metric) == stats::Better::kLarger;
   const bool is_contest = fs::exists(folder + "/standings.json");
   page.title = pageTitle(folder, is_stress ? "Stress test" : is_contest ? "Contest" : "Sweep");
   const auto best_first = ranked(rows, pooledRows(rows), plan.metric, larger);

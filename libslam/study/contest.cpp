@@ -11,7 +11,7 @@
 #include "libslam/stats/bootstrap.h"
 #include "libslam/stats/proportion.h"
 #include "libslam/stats/ranking.h"
-#include "libslam/study/sweep_groups.h"
+#include "libslam/summary/sweep_groups.h"
 #include "libslam/resources/ini_yaml.h"
 
 namespace slam::study {
@@ -38,12 +38,12 @@ struct Drives {
   std::vector<std::size_t> settings;
 };
 
-Drives drivesOf(const SweepGroup& group, const sweep::SweepPlan& plan, const SweepResults& results) {
+Drives drivesOf(const summary::SweepGroup& group, const sweep::SweepPlan& plan, const summary::SweepResults& results) {
   Drives drives;
   drives.values.resize(group.methods.size());
   for (std::size_t i = 0; i < group.methods.front().size(); ++i) {
     std::vector<double> of_drive;
-    for (const auto& runs : group.methods) of_drive.push_back(rankedValue(plan, results[runs[i]]));
+    for (const auto& runs : group.methods) of_drive.push_back(summary::rankedValue(plan, results[runs[i]]));
     if (std::any_of(of_drive.begin(), of_drive.end(), [](double v) { return std::isnan(v); })) continue;
     for (std::size_t m = 0; m < of_drive.size(); ++m) drives.values[m].push_back(of_drive[m]);
     if (!group.settings.empty()) drives.settings.push_back(group.settings[i]);
@@ -57,12 +57,12 @@ struct Failures {
 };
 
 Failures failuresOf(const std::vector<std::size_t>& runs, const sweep::SweepPlan& plan,
-                    const SweepResults& results) {
+                    const summary::SweepResults& results) {
   Failures failures;
   for (const auto run : runs) {
     if (!results[run]) continue;
     ++failures.runs;
-    if (!isFailed(plan, *results[run])) continue;
+    if (!summary::isFailed(plan, *results[run])) continue;
     if (failures.failed++ > 0) continue;
     const auto& result = *results[run];
     failures.first = result.status == "ok"
@@ -113,9 +113,9 @@ sweep::Suite contestSuite(const ContestRequest& request) {
   return sweep::readSuite(ini, request.suite_path, suite_folder.string());
 }
 
-Standings standingsOf(const sweep::SweepPlan& plan, const SweepResults& results) {
-  const auto names = methodNames(plan);
-  const auto group = groupsOf(plan, names).front();
+Standings standingsOf(const sweep::SweepPlan& plan, const summary::SweepResults& results) {
+  const auto names = summary::methodNames(plan);
+  const auto group = summary::groupsOf(plan, names).front();
   const auto drives = drivesOf(group, plan, results);
   Standings standings;
   auto& table = standings.table;
@@ -129,8 +129,8 @@ Standings standingsOf(const sweep::SweepPlan& plan, const SweepResults& results)
     return standings;
   }
   const auto ranking =
-      stats::rankingGroups(drives.values, betterOf(plan.metric), kAlpha, drives.settings).methods;
-  const auto decimals = figureColumn(plan.metric).decimals;
+      stats::rankingGroups(drives.values, summary::betterOf(plan.metric), kAlpha, drives.settings).methods;
+  const auto decimals = summary::figureColumn(plan.metric).decimals;
   std::vector<std::string> first, first_failures;
   for (std::size_t i = 0; i < ranking.size(); ++i) {
     const auto& ranked = ranking[i];
@@ -140,7 +140,7 @@ Standings standingsOf(const sweep::SweepPlan& plan, const SweepResults& results)
     const bool shares_first = shareALetter(ranked.letters, ranking.front().letters);
     if (shares_first) first.push_back(names[ranked.method]);
     table.rows.push_back({shares_first ? std::string("1") : std::to_string(i + 1), names[ranked.method],
-                          withInterval(median, decimals), ranked.mean_rank,
+                          summary::withInterval(median, decimals), ranked.mean_rank,
                           std::to_string(failures.failed) + " of " + std::to_string(failures.runs),
                           ranked.letters});
     if (!failures.first.empty())

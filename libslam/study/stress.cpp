@@ -12,7 +12,7 @@
 #include "libslam/stats/bootstrap.h"
 #include "libslam/stats/proportion.h"
 #include "libslam/study/stress_charts.h"
-#include "libslam/study/sweep_groups.h"
+#include "libslam/summary/sweep_groups.h"
 #include "libslam/study/value_range.h"
 #include "libslam/resources/ini_yaml.h"
 
@@ -147,7 +147,7 @@ struct Point {
   }
 };
 
-Point pointOf(const sweep::SweepPlan& plan, const SweepResults& results,
+Point pointOf(const sweep::SweepPlan& plan, const summary::SweepResults& results,
               const std::vector<std::size_t>& runs) {
   Point point;
   std::vector<double> errors;
@@ -155,15 +155,15 @@ Point pointOf(const sweep::SweepPlan& plan, const SweepResults& results,
   for (const auto run : runs) {
     if (!results[run]) continue;
     ++point.runs;
-    point.failed += isFailed(plan, *results[run]) ? 1 : 0;
-    if (const double error = rankedValue(plan, results[run]); !std::isnan(error))
+    point.failed += summary::isFailed(plan, *results[run]) ? 1 : 0;
+    if (const double error = summary::rankedValue(plan, results[run]); !std::isnan(error))
       errors.push_back(error), with_error.push_back(run);
   }
   point.failure_interval = stats::clopperPearson(point.failed, point.runs);
   if (point.runs > 0)
     point.failure_rate = static_cast<double>(point.failed) / static_cast<double>(point.runs);
   if (!errors.empty())
-    point.error = stats::bootstrapMedian(errors, {0.95, 1, kResamples, settingsOf(plan, with_error)});
+    point.error = stats::bootstrapMedian(errors, {0.95, 1, kResamples, summary::settingsOf(plan, with_error)});
   return point;
 }
 
@@ -218,7 +218,7 @@ RunsByValue runsByValue(const StressSuite& suite, const sweep::SweepPlan& plan,
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     const auto& log = plan.logs[plan.runs[i].log];
     const auto& name = suite.is_of_world ? log.world : log.fault;
-    const auto method = std::find(methods.begin(), methods.end(), fullName(plan.runs[i])) - methods.begin();
+    const auto method = std::find(methods.begin(), methods.end(), summary::fullName(plan.runs[i])) - methods.begin();
     for (std::size_t v = 0; v < suite.values.size(); ++v)
       if (suite.names[v].count(name)) runs[v][static_cast<std::size_t>(method)].push_back(i);
   }
@@ -250,8 +250,8 @@ void addPoint(const std::string& varied, double value, const Point& point, const
   if (is_broken) breaks.broken.push_back(value);
   if (point.runs == 0) breaks.unknown.push_back(value);
   result.main.rows.push_back({files::formatNumber(value), breaks.method, static_cast<double>(point.runs),
-                              withInterval({point.failure_rate, point.failure_interval}, 2),
-                              withInterval(point.error, 3), word});
+                              summary::withInterval({point.failure_rate, point.failure_interval}, 2),
+                              summary::withInterval(point.error, 3), word});
   const double low = point.error.interval ? point.error.interval->low : kNan;
   const double high = point.error.interval ? point.error.interval->high : kNan;
   result.all.rows.push_back({varied, value, breaks.method, static_cast<double>(point.runs),
@@ -311,11 +311,11 @@ StressSuite stressSuite(const StressRequest& request) {
   return stress;
 }
 
-StressResult stress(const StressSuite& suite, const sweep::SweepPlan& plan, const SweepResults& results,
+StressResult stress(const StressSuite& suite, const sweep::SweepPlan& plan, const summary::SweepResults& results,
                     const StressLimits& limits) {
-  if (limits.error > 0 && betterOf(plan.metric) == stats::Better::kLarger)
+  if (limits.error > 0 && summary::betterOf(plan.metric) == stats::Better::kLarger)
     throw core::InputError("an error limit needs a metric of which less is better, found " + plan.metric);
-  const auto methods = methodNames(plan);
+  const auto methods = summary::methodNames(plan);
   const RunsByValue runs = runsByValue(suite, plan, methods);
   StressResult result = emptyResult(suite.key, plan.metric);
   std::vector<std::vector<Point>> points(methods.size());

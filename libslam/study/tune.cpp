@@ -14,9 +14,9 @@
 #include "libslam/mapping/map_builder.h"
 #include "libslam/stats/paired.h"
 #include "libslam/stats/ranking.h"
-#include "libslam/study/run_figures.h"
-#include "libslam/study/sweep_groups.h"
-#include "libslam/study/sweep_merge.h"
+#include "libslam/summary/run_figures.h"
+#include "libslam/summary/sweep_groups.h"
+#include "libslam/summary/sweep_merge.h"
 #include "libslam/sweep/cell.h"
 #include "libslam/sweep/sweep.h"
 #include "libslam/resources/ini_yaml.h"
@@ -187,20 +187,20 @@ class Tuner {
 
   /// By method, one per log and seed. What is missing counts as failed.
   static std::vector<std::vector<double>> valuesOf(const sweep::SweepPlan& plan,
-                                                   const SweepResults& results) {
-    const auto names = methodNames(plan);
+                                                   const summary::SweepResults& results) {
+    const auto names = summary::methodNames(plan);
     std::vector<std::vector<double>> values(names.size());
     for (std::size_t i = 0; i < plan.runs.size(); ++i) {
-      const double value = rankedValue(plan, results[i]);
-      const auto m = std::find(names.begin(), names.end(), fullName(plan.runs[i])) - names.begin();
+      const double value = summary::rankedValue(plan, results[i]);
+      const auto m = std::find(names.begin(), names.end(), summary::fullName(plan.runs[i])) - names.begin();
       values[static_cast<std::size_t>(m)].push_back(
-          std::isnan(value) ? stats::failedValue(betterOf(plan.metric)) : value);
+          std::isnan(value) ? stats::failedValue(summary::betterOf(plan.metric)) : value);
     }
     return values;
   }
 
-  SweepResults resultsOf(const sweep::SweepPlan& plan, const std::string& name) const {
-    SweepResults results;
+  summary::SweepResults resultsOf(const sweep::SweepPlan& plan, const std::string& name) const {
+    summary::SweepResults results;
     for (const auto& run : plan.runs) {
       auto cell = sweep::readCell(request_.output + "/" + name + "/cells/" + run.id, run.id);
       if (cell.kind == sweep::CellState::kComplete)
@@ -219,7 +219,7 @@ class Tuner {
     const auto plan = planOf(here, train_, seedsText(1, seeds));
     work(plan, "training", is_first);
     const auto values = valuesOf(plan.plan, resultsOf(plan.plan, "training"));
-    const auto ranks = stats::meanRanks(values, betterOf(metric_));
+    const auto ranks = stats::meanRanks(values, summary::betterOf(metric_));
     for (std::size_t i = 0; i < alive.size(); ++i) candidates_[alive[i]].mean_ranks.push_back(ranks[i]);
     // Of equals the default, then the one drawn first.
     std::stable_sort(alive.begin(), alive.end(), [&](std::size_t a, std::size_t b) {
@@ -296,13 +296,13 @@ class Tuner {
     const auto plan = planOf(judged, hold_out_, seeds);
     work(plan, "held_out", true);
     const std::string folder = request_.output + "/held_out";
-    MergeRequest whole;
+    summary::MergeRequest whole;
     whole.folders = {folder};
     whole.output = folder;
-    const auto merged = mergeSweep(whole, manifest_, core::silentProgress());
+    const auto merged = summary::mergeSweep(whole, manifest_, core::silentProgress());
     result.held_out = merged.summary;
     const auto values = valuesOf(merged.plan, merged.results);
-    const auto verdict = heldOutVerdict(values, betterOf(metric_), settingsOfLogs(merged.plan));
+    const auto verdict = heldOutVerdict(values, summary::betterOf(metric_), settingsOfLogs(merged.plan));
     const Candidate& chosen = judged[verdict.method];
     tuned_text_ = textOf(chosen);
     result.is_better = verdict.is_better;
@@ -322,8 +322,8 @@ class Tuner {
   static std::vector<std::size_t> settingsOfLogs(const sweep::SweepPlan& plan) {
     std::vector<std::size_t> runs;
     for (std::size_t i = 0; i < plan.runs.size(); ++i)
-      if (fullName(plan.runs[i]) == fullName(plan.runs.front())) runs.push_back(i);
-    return settingsOf(plan, runs);
+      if (summary::fullName(plan.runs[i]) == summary::fullName(plan.runs.front())) runs.push_back(i);
+    return summary::settingsOf(plan, runs);
   }
 
   void write(TuneResult& result) const {

@@ -69,7 +69,7 @@ TEST(ContestSuite, RefusesWhatCannotBeHeld) {
 /// A sweep of one setting; values[m][s], infinite where the run crashed.
 struct Drawn {
   sweep::SweepPlan plan;
-  SweepResults results;
+  summary::SweepResults results;
 };
 Drawn drawn(const std::vector<std::string>& methods, const std::vector<std::vector<double>>& values) {
   Drawn sweep;

@@ -16,9 +16,9 @@ StressSuite suiteOf(const std::string& ground, const std::string& vary) {
 }
 
 /// Every run 0.1 m off, but those of `method` from `fails_at` down failed.
-SweepResults resultsOf(const StressSuite& suite, const sweep::SweepPlan& plan, const std::string& method,
+summary::SweepResults resultsOf(const StressSuite& suite, const sweep::SweepPlan& plan, const std::string& method,
                        double fails_at) {
-  SweepResults results;
+  summary::SweepResults results;
   for (const auto& run : plan.runs) {
     sweep::CellResult result;
     result.figures = {{"ate_final_m", 0.1}};
@@ -105,7 +105,7 @@ TEST(Stress, HoldsTheMedianAgainstALimitOfTheError) {
 TEST(Stress, ARunThatIsMissingIsNotOneThatHolds) {
   const auto suite = suiteOf("flat", "lidar.fov_deg=60..360:2");
   const auto plan = sweep::planSweep(suite.suite).plan;
-  const SweepResults none(plan.runs.size());
+  const summary::SweepResults none(plan.runs.size());
   EXPECT_THAT(stress(suite, plan, none, {}).breaks[0].text, HasSubstr("nothing known at 60, 360"));
 }
 

@@ -1,8 +1,8 @@
 #pragma once
-#include "libslam/study/run_figures.h"
+#include "libslam/summary/run_figures.h"
 #include "libslam/table/table.h"
 
-namespace slam::study {
+namespace slam::summary {
 
 /// Whether the covariances that methods state are true: one row per method that states any, for every setting
 /// and, where there are several, for all together. ANEES (evaluate.h), the shares of poses within the
@@ -19,4 +19,4 @@ struct SweepConsistency {
 };
 SweepConsistency sweepConsistency(const sweep::SweepPlan& plan, const SweepResults& results);
 
-}  // namespace slam::study
+}  // namespace slam::summary

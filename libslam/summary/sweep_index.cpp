@@ -1,4 +1,4 @@
-#include "libslam/study/sweep_index.h"
+#include "libslam/summary/sweep_index.h"
 
 #include <sqlite3.h>
 
@@ -9,7 +9,7 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 
-namespace slam::study {
+namespace slam::summary {
 namespace {
 
 /// A new database, and how it says that something went wrong.
@@ -116,4 +116,4 @@ void writeSweepIndex(const sweep::SweepPlan& plan, const SweepResults& results, 
   file.commit();
 }
 
-}  // namespace slam::study
+}  // namespace slam::summary

@@ -1,4 +1,4 @@
-#include "libslam/study/sweep_failures.h"
+#include "libslam/summary/sweep_failures.h"
 
 #include <cmath>
 #include <cstdio>
@@ -8,9 +8,9 @@
 #include "libslam/files/parameters.h"
 #include "libslam/files/word_wrap.h"
 #include "libslam/score/failure.h"
-#include "libslam/study/sweep_groups.h"
+#include "libslam/summary/sweep_groups.h"
 
-namespace slam::study {
+namespace slam::summary {
 namespace fs = std::filesystem;
 namespace {
 
@@ -107,4 +107,4 @@ SweepFailures sweepFailures(const sweep::SweepPlan& plan, const SweepResults& re
   return tables;
 }
 
-}  // namespace slam::study
+}  // namespace slam::summary

@@ -1,12 +1,12 @@
-#include "libslam/study/sweep_costs.h"
+#include "libslam/summary/sweep_costs.h"
 
 #include <cmath>
 #include <limits>
 
 #include "libslam/stats/bootstrap.h"
-#include "libslam/study/sweep_groups.h"
+#include "libslam/summary/sweep_groups.h"
 
-namespace slam::study {
+namespace slam::summary {
 namespace {
 
 struct CostColumn {
@@ -60,4 +60,4 @@ table::Table sweepCostSummary(const sweep::SweepPlan& plan, const std::vector<sw
   return table;
 }
 
-}  // namespace slam::study
+}  // namespace slam::summary

@@ -1,9 +1,9 @@
 #pragma once
-#include "libslam/study/run_figures.h"
+#include "libslam/summary/run_figures.h"
 #include "libslam/sweep/sweep_plan.h"
 #include "libslam/table/table.h"
 
-namespace slam::study {
+namespace slam::summary {
 
 /// One row per run: where it stands on the axes, how it ended, every figure, its folder and how to do it
 /// again. The same bytes for the same suite and code.
@@ -26,4 +26,4 @@ struct SweepSummary {
 };
 SweepSummary summarize(const sweep::SweepPlan& plan, const SweepResults& results);
 
-}  // namespace slam::study
+}  // namespace slam::summary

@@ -6,7 +6,7 @@
 #include "libslam/sweep/sweep_plan.h"
 #include "libslam/table/table.h"
 
-namespace slam::study {
+namespace slam::summary {
 
 // The rows of a sweep's tables: which runs belong together.
 
@@ -43,4 +43,4 @@ std::vector<SweepGroup> groupsOf(const sweep::SweepPlan& plan, const std::vector
 /// What stands in a row for these axes: the group's place on each, or "all".
 std::vector<table::CellValue> axisCells(const SweepGroup& group, const std::vector<SweepAxis>& axes);
 
-}  // namespace slam::study
+}  // namespace slam::summary

@@ -7,11 +7,11 @@
 
 #include "libslam/stats/paired.h"
 #include "libslam/stats/proportion.h"
-#include "libslam/study/run_figures.h"
-#include "libslam/study/sweep_groups.h"
+#include "libslam/summary/run_figures.h"
+#include "libslam/summary/sweep_groups.h"
 #include "libslam/sweep/sweep_plan.h"
 
-namespace slam::study {
+namespace slam::summary {
 
 /// What the runs of one group say of one method.
 struct MethodStatistics {
@@ -49,4 +49,4 @@ class SweepStatistics {
   std::size_t baseline_ = 0;
 };
 
-}  // namespace slam::study
+}  // namespace slam::summary

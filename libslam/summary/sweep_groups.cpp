@@ -1,11 +1,11 @@
-#include "libslam/study/sweep_groups.h"
+#include "libslam/summary/sweep_groups.h"
 
 #include <map>
 #include <set>
 
 #include "libslam/sweep/suite.h"
 
-namespace slam::study {
+namespace slam::summary {
 
 const std::vector<SweepAxis>& sweepAxes() {
   static const std::vector<SweepAxis> list = {
@@ -80,4 +80,4 @@ std::vector<table::CellValue> axisCells(const SweepGroup& group, const std::vect
   return cells;
 }
 
-}  // namespace slam::study
+}  // namespace slam::summary

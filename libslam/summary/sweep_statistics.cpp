@@ -1,4 +1,4 @@
-#include "libslam/study/sweep_statistics.h"
+#include "libslam/summary/sweep_statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "libslam/stats/ranking.h"
 #include "libslam/stats/seeds_needed.h"
 
-namespace slam::study {
+namespace slam::summary {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -112,4 +112,4 @@ void SweepStatistics::compare(const SweepGroup& group, std::vector<MethodStatist
     if (m != baseline_) rows[m].adjusted_p = adjusted[i++];
 }
 
-}  // namespace slam::study
+}  // namespace slam::summary

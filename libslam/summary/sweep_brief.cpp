@@ -1,13 +1,13 @@
-#include "libslam/study/sweep_brief.h"
+#include "libslam/summary/sweep_brief.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "libslam/core/error.h"
-#include "libslam/study/sweep_groups.h"
+#include "libslam/summary/sweep_groups.h"
 
-namespace slam::study {
+namespace slam::summary {
 namespace {
 
 std::size_t columnOf(const table::Table& table, const std::string& key) {
@@ -68,4 +68,4 @@ SweepBrief briefOf(const sweep::SweepPlan& plan, const SweepSummary& summary) {
   return brief;
 }
 
-}  // namespace slam::study
+}  // namespace slam::summary

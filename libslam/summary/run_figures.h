@@ -8,7 +8,7 @@
 #include "libslam/sweep/sweep_plan.h"
 #include "libslam/table/table.h"
 
-namespace slam::study {
+namespace slam::summary {
 
 /// The results of a sweep's runs, results[i] of plan.runs[i]; none where the run is missing.
 using SweepResults = std::vector<std::optional<sweep::CellResult>>;
@@ -33,4 +33,4 @@ double rankedValue(const sweep::SweepPlan& plan, const std::optional<sweep::Cell
 /// "0.012 [0.008, 0.020]"; from 100000 on as 1.2e+05; "-" for NaN, "failed" for infinity.
 std::string withInterval(const stats::Estimate& estimate, int decimals);
 
-}  // namespace slam::study
+}  // namespace slam::summary

@@ -5,11 +5,11 @@
 
 #include "libslam/resources/manifest.h"
 #include "libslam/core/progress.h"
-#include "libslam/study/run_figures.h"
+#include "libslam/summary/run_figures.h"
 #include "libslam/sweep/sweep_plan.h"
 #include "libslam/table/table.h"
 
-namespace slam::study {
+namespace slam::summary {
 
 struct MergeRequest {
   std::vector<std::string> folders;  ///< of one sweep: parts that were done apart, or a single one
@@ -39,4 +39,4 @@ struct MergedSweep {
 /// (InputError).
 MergedSweep mergeSweep(const MergeRequest& request, resources::Manifest manifest, core::Progress& progress);
 
-}  // namespace slam::study
+}  // namespace slam::summary

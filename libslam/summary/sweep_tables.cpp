@@ -1,4 +1,4 @@
-#include "libslam/study/sweep_tables.h"
+#include "libslam/summary/sweep_tables.h"
 
 #include <algorithm>
 #include <limits>
@@ -7,11 +7,11 @@
 
 #include "libslam/files/parameters.h"
 #include "libslam/stats/seeds_needed.h"
-#include "libslam/study/sweep_groups.h"
-#include "libslam/study/sweep_statistics.h"
+#include "libslam/summary/sweep_groups.h"
+#include "libslam/summary/sweep_statistics.h"
 #include "libslam/sweep/sweep.h"
 
-namespace slam::study {
+namespace slam::summary {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -201,4 +201,4 @@ SweepSummary summarize(const sweep::SweepPlan& plan, const SweepResults& results
   return tables;
 }
 
-}  // namespace slam::study
+}  // namespace slam::summary

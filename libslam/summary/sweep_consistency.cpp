@@ -1,4 +1,4 @@
-#include "libslam/study/sweep_consistency.h"
+#include "libslam/summary/sweep_consistency.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "libslam/stats/mean_interval.h"
-#include "libslam/study/sweep_groups.h"
+#include "libslam/summary/sweep_groups.h"
 
-namespace slam::study {
+namespace slam::summary {
 namespace {
 
 struct Figure {
@@ -118,4 +118,4 @@ SweepConsistency sweepConsistency(const sweep::SweepPlan& plan, const SweepResul
   return tables;
 }
 
-}  // namespace slam::study
+}  // namespace slam::summary

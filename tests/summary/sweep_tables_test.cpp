@@ -1,4 +1,4 @@
-#include "libslam/study/sweep_tables.h"
+#include "libslam/summary/sweep_tables.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,12 +6,12 @@
 #include <cmath>
 
 #include "libslam/resources/file_hash.h"
-#include "libslam/study/sweep_brief.h"
-#include "libslam/study/sweep_consistency.h"
-#include "libslam/study/sweep_index.h"
+#include "libslam/summary/sweep_brief.h"
+#include "libslam/summary/sweep_consistency.h"
+#include "libslam/summary/sweep_index.h"
 #include "libslam/testing/temp_folder.h"
 
-namespace slam::study {
+namespace slam::summary {
 namespace {
 using ::testing::HasSubstr;
 
@@ -299,4 +299,4 @@ TEST(SweepTables, TheIndexIsTheSameBytesEveryTime) {
 }
 
 }  // namespace
-}  // namespace slam::study
+}  // namespace slam::summary

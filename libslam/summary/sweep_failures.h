@@ -1,11 +1,11 @@
 #pragma once
 #include <string>
 
-#include "libslam/study/run_figures.h"
+#include "libslam/summary/run_figures.h"
 #include "libslam/sweep/sweep_plan.h"
 #include "libslam/table/table.h"
 
-namespace slam::study {
+namespace slam::summary {
 
 /// Where and why the runs of a sweep failed: one row per run that failed (isFailed()) or was at some time
 /// farther off than FailureLimits::drift_m (ate_max_m), with what its cell in `folder` says of it
@@ -18,4 +18,4 @@ struct SweepFailures {
 SweepFailures sweepFailures(const sweep::SweepPlan& plan, const SweepResults& results,
                             const std::string& folder);
 
-}  // namespace slam::study
+}  // namespace slam::summary

@@ -1,4 +1,4 @@
-#include "libslam/study/sweep_merge.h"
+#include "libslam/summary/sweep_merge.h"
 
 #include <unistd.h>
 
@@ -6,15 +6,15 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/study/sweep_consistency.h"
-#include "libslam/study/sweep_costs.h"
-#include "libslam/study/sweep_failures.h"
-#include "libslam/study/sweep_index.h"
-#include "libslam/study/sweep_tables.h"
+#include "libslam/summary/sweep_consistency.h"
+#include "libslam/summary/sweep_costs.h"
+#include "libslam/summary/sweep_failures.h"
+#include "libslam/summary/sweep_index.h"
+#include "libslam/summary/sweep_tables.h"
 #include "libslam/sweep/cell.h"
 #include "libslam/table/latex.h"
 
-namespace slam::study {
+namespace slam::summary {
 namespace fs = std::filesystem;
 namespace {
 
@@ -183,4 +183,4 @@ MergedSweep mergeSweep(const MergeRequest& request, resources::Manifest manifest
   return merged;
 }
 
-}  // namespace slam::study
+}  // namespace slam::summary

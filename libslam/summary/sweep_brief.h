@@ -1,9 +1,9 @@
 #pragma once
-#include "libslam/study/sweep_tables.h"
+#include "libslam/summary/sweep_tables.h"
 #include "libslam/sweep/sweep_plan.h"
 #include "libslam/table/table.h"
 
-namespace slam::study {
+namespace slam::summary {
 
 /// What a terminal has room for of a sweep's summary.
 struct SweepBrief {
@@ -17,4 +17,4 @@ struct SweepBrief {
 /// REQUIRES the summary of this plan's results.
 SweepBrief briefOf(const sweep::SweepPlan& plan, const SweepSummary& summary);
 
-}  // namespace slam::study
+}  // namespace slam::summary

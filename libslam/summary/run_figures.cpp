@@ -1,4 +1,4 @@
-#include "libslam/study/run_figures.h"
+#include "libslam/summary/run_figures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "libslam/core/error.h"
 #include "libslam/score/metric_infos.h"
 
-namespace slam::study {
+namespace slam::summary {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -87,4 +87,4 @@ std::string withInterval(const stats::Estimate& estimate, int decimals) {
   return text;
 }
 
-}  // namespace slam::study
+}  // namespace slam::summary
