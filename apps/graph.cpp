@@ -13,10 +13,10 @@
 #include "libslam/core/random.h"
 #include "libslam/posegraph/chaining.h"
 #include "libslam/posegraph/g2o_io.h"
-#include "libslam/posegraph/global.h"
+#include "libslam/certified/global.h"
 #include "libslam/posegraph/optimize.h"
 #include "libslam/posegraph/parts.h"
-#include "libslam/posegraph/relaxation.h"
+#include "libslam/certified/relaxation.h"
 #include "libslam/resources/ini_yaml.h"
 
 namespace slam::apps {
@@ -132,7 +132,7 @@ void setStart(posegraph::PoseGraph& graph, const Arguments& arguments, std::uint
   if (arguments.from == "file") return;
   posegraph::startAt(graph, arguments.from == "odometry" ? posegraph::chained(graph)
                             : arguments.from == "random" ? posegraph::scattered(graph, {seed, "start"})
-                                                         : posegraph::relaxedPoses(graph));
+                                                         : certified::relaxedPoses(graph));
 }
 
 void printSolved(const nlohmann::ordered_json& facts) {
@@ -167,11 +167,11 @@ int optimise(const Context& context, const Arguments& arguments) {
   auto g2o = posegraph::readG2oFile(arguments.file);
   requireOnePart(arguments.file, g2o);
   setStart(g2o.graph, arguments, context.seed);
-  posegraph::GlobalResult solved;
+  certified::GlobalResult solved;
   if (arguments.local)
     solved.optimum = posegraph::optimize(g2o.graph, options);
   else
-    solved = posegraph::optimizeGlobally(g2o.graph, options);
+    solved = certified::optimizeGlobally(g2o.graph, options);
   const auto& result = solved.optimum;
   write(g2o.graph, g2o.ids, context.output);
 

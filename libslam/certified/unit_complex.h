@@ -3,7 +3,7 @@
 
 #include "libslam/core/elementary.h"
 
-namespace slam::posegraph {
+namespace slam::certified {
 
 /// The complex number of length 1 at this angle: a rotation of the plane.
 inline std::complex<double> unitComplex(double phi_rad) {
@@ -11,4 +11,4 @@ inline std::complex<double> unitComplex(double phi_rad) {
   return {cosine, sine};
 }
 
-}  // namespace slam::posegraph
+}  // namespace slam::certified

@@ -1,4 +1,4 @@
-#include "libslam/posegraph/global.h"
+#include "libslam/certified/global.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,25 +9,25 @@
 #include "libslam/core/random.h"
 #include "libslam/posegraph/chaining.h"
 #include "libslam/posegraph/parts.h"
-#include "libslam/posegraph/relaxation.h"
+#include "libslam/certified/relaxation.h"
 #include "libslam/testing/pose_graphs.h"
 #include "tests/posegraph/real_graphs.h"
 
-namespace slam::posegraph {
+namespace slam::certified {
 namespace {
 
 using core::kPi;
 
-Edge edgeOf(int from, int to, const core::Pose2& T, const Eigen::Vector3d& information = {1, 1, 1}) {
-  Edge edge;
+posegraph::Edge edgeOf(int from, int to, const core::Pose2& T, const Eigen::Vector3d& information = {1, 1, 1}) {
+  posegraph::Edge edge;
   edge.from = from, edge.to = to, edge.T_from_to = T;
   edge.information = information.asDiagonal();
   return edge;
 }
 
 /// Eight poses at the origin that say of each other that they look the same way, and that are wound up once.
-PoseGraph woundRing() {
-  PoseGraph graph;
+posegraph::PoseGraph woundRing() {
+  posegraph::PoseGraph graph;
   for (int i = 0; i < 8; ++i) graph.addNode({0, 0, core::wrapToPi(i * kPi / 4)});
   graph.setFixed(0);
   for (int i = 0; i < 8; ++i) graph.addEdge(edgeOf(i, (i + 1) % 8, {0, 0, 0}));
@@ -43,8 +43,8 @@ Eigen::Matrix3d someInformation(core::RandomStream& random) {
 
 /// Some nodes, each measured from two others or from the map, with errors of a size that makes several
 /// minima.
-PoseGraph smallGraph(core::RandomStream& random, double noise) {
-  PoseGraph graph;
+posegraph::PoseGraph smallGraph(core::RandomStream& random, double noise) {
+  posegraph::PoseGraph graph;
   const int nodes = 5;
   std::vector<core::Pose2> truth;
   for (int i = 0; i < nodes; ++i)
@@ -52,28 +52,28 @@ PoseGraph smallGraph(core::RandomStream& random, double noise) {
   for (const auto& pose : truth) graph.addNode(pose);
   graph.setFixed(0);
   const auto measure = [&](int from, int to) {
-    const core::Pose2 a = from == kMap ? core::Pose2() : truth[static_cast<size_t>(from)];
+    const core::Pose2 a = from == posegraph::kMap ? core::Pose2() : truth[static_cast<size_t>(from)];
     core::Pose2 z = core::between(a, truth[static_cast<size_t>(to)]);
     z = z * core::Pose2{random.normal(noise), random.normal(noise), random.normal(noise)};
-    Edge edge;
+    posegraph::Edge edge;
     edge.from = from, edge.to = to, edge.T_from_to = z;
     edge.information = someInformation(random);
     graph.addEdge(edge);
   };
   for (int i = 1; i < nodes; ++i) measure(i - 1, i);
   for (int i = 2; i < nodes; ++i) measure(i, i - 2);
-  measure(kMap, 3);
+  measure(posegraph::kMap, 3);
   return graph;
 }
 
-PoseGraph moved(PoseGraph graph, const std::vector<core::Pose2>& poses) {
-  startAt(graph, poses);
+posegraph::PoseGraph moved(posegraph::PoseGraph graph, const std::vector<core::Pose2>& poses) {
+  posegraph::startAt(graph, poses);
   return graph;
 }
 
 TEST(Certificate, AMinimumThatIsNotTheLeastIsNotCertified) {
-  PoseGraph graph = woundRing();
-  const auto local = optimize(graph);
+  posegraph::PoseGraph graph = woundRing();
+  const auto local = posegraph::optimize(graph);
   EXPECT_TRUE(local.converged) << "each edge is an eighth of a turn off, and none can do better alone";
   EXPECT_NEAR(local.final_chi2, 8 * kPi * kPi / 16, 1e-6);
   const Certificate certificate = certify(graph);
@@ -99,15 +99,15 @@ TEST(Certificate, NoPosesAreBelowTheBound) {
   int certified = 0, several = 0;
   for (int trial = 0; trial < 60; ++trial) {
     const double noise = 0.05 * (1 + trial % 12);
-    PoseGraph graph = smallGraph(random, noise);
+    posegraph::PoseGraph graph = smallGraph(random, noise);
     const auto found = optimizeGlobally(graph);
     const double slack = kCertified * (1 + found.optimum.final_chi2);
     EXPECT_LE(found.certificate.lower_bound, found.optimum.final_chi2 + slack);
     certified += found.certificate.is_optimal;
     bool has_other = false;
     for (int start = 0; start < 20; ++start) {
-      PoseGraph other = moved(graph, scattered(graph, {random.bits(), "start"}));
-      const double chi2 = optimize(other).final_chi2;
+      posegraph::PoseGraph other = moved(graph, posegraph::scattered(graph, {random.bits(), "start"}));
+      const double chi2 = posegraph::optimize(other).final_chi2;
       EXPECT_GE(chi2, found.certificate.lower_bound - slack) << "trial " << trial;
       EXPECT_EQ(chi2 < found.optimum.final_chi2 - slack && found.certificate.is_optimal, false);
       EXPECT_LE(certify(other).lower_bound, found.optimum.final_chi2 + slack)
@@ -123,7 +123,7 @@ TEST(Certificate, NoPosesAreBelowTheBound) {
 TEST(Certificate, AWholeDriveIsCertifiedFromAnyStart) {
   // Errors of 0.2 m and 5 degrees a metre: chained odometry knows nothing any more.
   auto graph = testing::driveOnGrid(300, 2, 10).graph;
-  PoseGraph start = moved(graph, scattered(graph, {1, "start"}));
+  posegraph::PoseGraph start = moved(graph, posegraph::scattered(graph, {1, "start"}));
   const auto from_odometry = optimizeGlobally(graph), from_anywhere = optimizeGlobally(start);
   EXPECT_TRUE(from_odometry.certificate.is_optimal);
   EXPECT_TRUE(from_anywhere.certificate.is_optimal);
@@ -133,7 +133,7 @@ TEST(Certificate, AWholeDriveIsCertifiedFromAnyStart) {
 
 TEST(Certificate, FixedNodesAndPriorsHoldTheMap) {
   // A pose between two fixed ones that disagree by 0.2 m, and a prior that agrees with the first.
-  PoseGraph graph;
+  posegraph::PoseGraph graph;
   graph.addNode({1, 2, 0.3});
   graph.addNode({0, 0, 0});
   graph.addNode({3, 2, 0.3});
@@ -141,7 +141,7 @@ TEST(Certificate, FixedNodesAndPriorsHoldTheMap) {
   graph.setFixed(2);
   graph.addEdge(edgeOf(0, 1, {1, 0, 0}));
   graph.addEdge(edgeOf(2, 1, {-0.8, 0, 0}));
-  graph.addEdge(edgeOf(kMap, 1, core::Pose2{1, 2, 0.3} * core::Pose2{1, 0, 0}));
+  graph.addEdge(edgeOf(posegraph::kMap, 1, core::Pose2{1, 2, 0.3} * core::Pose2{1, 0, 0}));
   const auto result = optimizeGlobally(graph);
   EXPECT_TRUE(result.certificate.is_optimal);
   EXPECT_GT(result.optimum.final_chi2, 0.01);
@@ -149,7 +149,7 @@ TEST(Certificate, FixedNodesAndPriorsHoldTheMap) {
 }
 
 TEST(Certificate, NothingIsBelowZeroEvenWhereADirectionIsNotMeasured) {
-  PoseGraph graph;
+  posegraph::PoseGraph graph;
   graph.addNode({0, 0, 0});
   graph.addNode({1, 4, 1});
   graph.setFixed(0);
@@ -163,7 +163,7 @@ TEST(Certificate, FalseLoopsAreSwitchedOffBeforeItIsAsked) {
   auto driven = testing::driveOnGrid(300, 4);
   core::RandomStream random(9, "false");
   const int wrong = testing::addFalseLoops(driven.graph, 0.1, random);
-  OptimizeOptions options;
+  posegraph::OptimizeOptions options;
   options.robust = "global";
   const auto result = optimizeGlobally(driven.graph, options);
   EXPECT_EQ(static_cast<int>(result.optimum.switched_off.size()), wrong);
@@ -183,7 +183,7 @@ TEST(Certificate, TheRealGraphsAreCertified) {
 
 TEST(RelaxedPoses, AreRightWhereHardlyAnythingErrsAndOweNothingToTheStart) {
   auto driven = testing::driveOnGrid(200, 3, 1e-6);
-  const PoseGraph graph = moved(driven.graph, scattered(driven.graph, {2, "start"}));
+  const posegraph::PoseGraph graph = moved(driven.graph, posegraph::scattered(driven.graph, {2, "start"}));
   const auto poses = relaxedPoses(graph);
   const auto same = relaxedPoses(driven.graph);
   for (size_t i = 0; i < poses.size(); ++i) {
@@ -195,7 +195,7 @@ TEST(RelaxedPoses, AreRightWhereHardlyAnythingErrsAndOweNothingToTheStart) {
 }
 
 TEST(RelaxedPoses, ANodeWithoutHeadingGetsTheMaps) {
-  PoseGraph graph;
+  posegraph::PoseGraph graph;
   graph.addNode({1, 1, 0});
   graph.addNode({5, 5, 2});
   graph.setFixed(0);
@@ -207,7 +207,7 @@ TEST(RelaxedPoses, ANodeWithoutHeadingGetsTheMaps) {
 }
 
 TEST(RelaxedPoses, AnEdgeCountsTheSameFromEitherEnd) {
-  PoseGraph graph, turned;
+  posegraph::PoseGraph graph, turned;
   for (int i = 0; i < 3; ++i) graph.addNode({}), turned.addNode({});
   graph.setFixed(0), turned.setFixed(0);
   const core::Pose2 first{1, 0, 0.7}, second{2, 1, -1.1}, third{3, 0, 0.2};
@@ -220,34 +220,34 @@ TEST(RelaxedPoses, AnEdgeCountsTheSameFromEitherEnd) {
 }
 
 TEST(Chained, GoesAlongOdometryBeforeLoopsAndNotAlongEdgesThatAreOff) {
-  PoseGraph graph;
+  posegraph::PoseGraph graph;
   for (int i = 0; i < 4; ++i) graph.addNode({9, 9, 9});
   graph.setFixed(0);
   graph.setPose(0, {1, 0, 0});
-  Edge loop = edgeOf(0, 2, {7, 7, 0});
-  loop.kind = EdgeKind::kLoop;
+  posegraph::Edge loop = edgeOf(0, 2, {7, 7, 0});
+  loop.kind = posegraph::EdgeKind::kLoop;
   graph.addEdge(loop);
   graph.addEdge(edgeOf(0, 1, {1, 0, kPi / 2}));
   graph.addEdge(edgeOf(1, 2, {1, 0, 0}));
   const int off = graph.addEdge(edgeOf(2, 3, {5, 0, 0}));
   graph.setOn(off, false);
   graph.addEdge(edgeOf(3, 0, {-1, 0, 0}));
-  const auto poses = chained(graph);
+  const auto poses = posegraph::chained(graph);
   EXPECT_NEAR(core::distance(poses[2], {2, 1, kPi / 2}), 0, 1e-12);
   EXPECT_NEAR(core::distance(poses[3], {2, 0, 0}), 0, 1e-12);
 }
 
 TEST(PartsOf, NamesWhatNothingTiesTogether) {
-  PoseGraph graph;
+  posegraph::PoseGraph graph;
   for (int i = 0; i < 6; ++i) graph.addNode({});
   graph.addEdge(edgeOf(0, 2, {}));
   graph.addEdge(edgeOf(1, 4, {}));
-  EXPECT_EQ(partsOf(graph), (std::vector<std::vector<int>>{{0, 2}, {1, 4}, {3}, {5}}));
+  EXPECT_EQ(posegraph::partsOf(graph), (std::vector<std::vector<int>>{{0, 2}, {1, 4}, {3}, {5}}));
   graph.setFixed(2);
-  graph.addEdge(edgeOf(kMap, 5, {}));
-  EXPECT_EQ(partsOf(graph), (std::vector<std::vector<int>>{{0, 2, 5}, {1, 4}, {3}})) << "held is held";
+  graph.addEdge(edgeOf(posegraph::kMap, 5, {}));
+  EXPECT_EQ(posegraph::partsOf(graph), (std::vector<std::vector<int>>{{0, 2, 5}, {1, 4}, {3}})) << "held is held";
   EXPECT_THROW(optimizeGlobally(graph), core::InputError);
 }
 
 }  // namespace
-}  // namespace slam::posegraph
+}  // namespace slam::certified

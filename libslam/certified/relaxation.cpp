@@ -1,4 +1,4 @@
-#include "libslam/posegraph/relaxation.h"
+#include "libslam/certified/relaxation.h"
 
 #include <Eigen/Core>
 #include <Eigen/SparseCholesky>
@@ -9,9 +9,9 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/posegraph/parts.h"
-#include "libslam/posegraph/unit_complex.h"
+#include "libslam/certified/unit_complex.h"
 
-namespace slam::posegraph {
+namespace slam::certified {
 namespace {
 
 using Complex = std::complex<double>;
@@ -56,7 +56,7 @@ class LeastSquares {
 
 class Relaxation {
  public:
-  explicit Relaxation(const PoseGraph& graph)
+  explicit Relaxation(const posegraph::PoseGraph& graph)
       : graph_(graph), headings_(static_cast<size_t>(graph.nodeCount())) {
     for (int node = 0; node < graph.nodeCount(); ++node)
       variable_.push_back(graph.isFixed(node) ? -1 : free_++);
@@ -68,12 +68,12 @@ class Relaxation {
 
  private:
   static size_t at(int node) { return static_cast<size_t>(node); }
-  int variable(int node) const { return node == kMap ? -1 : variable_[at(node)]; }
+  int variable(int node) const { return node == posegraph::kMap ? -1 : variable_[at(node)]; }
 
   /// The least of w |b - a z|^2 over all edges.
   void findHeadings() {
     LeastSquares<Complex> equations(free_);
-    for (const Edge& edge : graph_.edges()) {
+    for (const posegraph::Edge& edge : graph_.edges()) {
       const double w = edge.information(2, 2);
       if (!edge.on || w <= 0) continue;
       const Complex z = unitComplex(edge.T_from_to.phi);
@@ -95,13 +95,13 @@ class Relaxation {
                                 ? knownHeading(node)
                                 : core::atan2(found[variable(node)].imag(), found[variable(node)].real());
   }
-  double knownHeading(int node) const { return node == kMap ? 0 : graph_.pose(node).phi; }
+  double knownHeading(int node) const { return node == posegraph::kMap ? 0 : graph_.pose(node).phi; }
 
   /// The least of e' W e over all edges, e = t_b - t_a - R_a t_z, W the positions' information in the map's
   /// frame.
   std::vector<core::Pose2> positions() {
     LeastSquares<double> equations(2 * free_);
-    for (const Edge& edge : graph_.edges())
+    for (const posegraph::Edge& edge : graph_.edges())
       if (edge.on) addPositions(edge, equations);
     const Eigen::VectorXd found = equations.solve();
     std::vector<core::Pose2> out = graph_.poses();
@@ -110,15 +110,15 @@ class Relaxation {
         out[at(node)] = {found[i], found[i + 1], headings_[at(node)]};
     return out;
   }
-  void addPositions(const Edge& edge, LeastSquares<double>& equations) const {
-    const double heading = edge.from == kMap ? 0 : headings_[at(edge.from)];
+  void addPositions(const posegraph::Edge& edge, LeastSquares<double>& equations) const {
+    const double heading = edge.from == posegraph::kMap ? 0 : headings_[at(edge.from)];
     const Eigen::Matrix2d R = rotation(heading + edge.T_from_to.phi);
     const Eigen::Matrix2d W = R * edge.information.topLeftCorner<2, 2>() * R.transpose();
     Eigen::Vector2d measured = rotation(heading) * Eigen::Vector2d(edge.T_from_to.x, edge.T_from_to.y);
     const int ends[] = {variable(edge.from), variable(edge.to)};
     const int nodes[] = {edge.from, edge.to};
     for (const int end : {0, 1})
-      if (ends[end] < 0 && nodes[end] != kMap) {
+      if (ends[end] < 0 && nodes[end] != posegraph::kMap) {
         const core::Pose2& known = graph_.pose(nodes[end]);
         measured += (end == 0 ? 1 : -1) * Eigen::Vector2d(known.x, known.y);
       }
@@ -134,7 +134,7 @@ class Relaxation {
       }
   }
 
-  const PoseGraph& graph_;
+  const posegraph::PoseGraph& graph_;
   std::vector<int> variable_;
   int free_ = 0;
   std::vector<double> headings_;
@@ -142,11 +142,11 @@ class Relaxation {
 
 }  // namespace
 
-std::vector<core::Pose2> relaxedPoses(const PoseGraph& graph) {
+std::vector<core::Pose2> relaxedPoses(const posegraph::PoseGraph& graph) {
   std::vector<char> is_used;
-  for (const Edge& edge : graph.edges()) is_used.push_back(edge.on);
-  requireHeld(graph, is_used);
+  for (const posegraph::Edge& edge : graph.edges()) is_used.push_back(edge.on);
+  posegraph::requireHeld(graph, is_used);
   return Relaxation(graph).solve();
 }
 
-}  // namespace slam::posegraph
+}  // namespace slam::certified

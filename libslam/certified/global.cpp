@@ -1,11 +1,11 @@
-#include "libslam/posegraph/global.h"
+#include "libslam/certified/global.h"
 
 #include <algorithm>
 
 #include "libslam/posegraph/chaining.h"
-#include "libslam/posegraph/relaxation.h"
+#include "libslam/certified/relaxation.h"
 
-namespace slam::posegraph {
+namespace slam::certified {
 namespace {
 
 /// In standard deviations: how near a minimum a certificate is asked for. At a distance d the bound is looser
@@ -16,25 +16,25 @@ constexpr double kLower = 1e-9;
 
 }  // namespace
 
-GlobalResult optimizeGlobally(PoseGraph& graph, const OptimizeOptions& options) {
+GlobalResult optimizeGlobally(posegraph::PoseGraph& graph, const posegraph::OptimizeOptions& options) {
   GlobalResult out;
-  OptimizeOptions plain = options;
+  posegraph::OptimizeOptions plain = options;
   plain.robust = "none";
   plain.tolerance = std::min(options.tolerance, kFine);
   const auto finish = [&] {
-    const OptimizeResult fine = optimize(graph, plain);
+    const posegraph::OptimizeResult fine = posegraph::optimize(graph, plain);
     out.optimum.iterations += fine.iterations;
     out.optimum.converged = out.optimum.converged || fine.converged;
     out.optimum.final_chi2 = fine.final_chi2;
     out.certificate = certify(graph);
   };
-  out.optimum = optimize(graph, options);
+  out.optimum = posegraph::optimize(graph, options);
   if (out.optimum.converged) finish();
   if (out.certificate.is_optimal) return out;
 
-  PoseGraph other = graph;
-  startAt(other, relaxedPoses(graph));
-  const OptimizeResult relaxed = optimize(other, plain);
+  posegraph::PoseGraph other = graph;
+  posegraph::startAt(other, relaxedPoses(graph));
+  const posegraph::OptimizeResult relaxed = posegraph::optimize(other, plain);
   out.optimum.iterations += relaxed.iterations;
   if (!(relaxed.final_chi2 < out.optimum.final_chi2 * (1 - kLower))) {
     if (!out.optimum.converged) finish();
@@ -44,9 +44,9 @@ GlobalResult optimizeGlobally(PoseGraph& graph, const OptimizeOptions& options) 
   graph = std::move(other);
   out.optimum.converged = relaxed.converged;
   if (options.robust != "none") {
-    OptimizeOptions again = options;
+    posegraph::OptimizeOptions again = options;
     again.robust = "local";
-    const OptimizeResult judged = optimize(graph, again);
+    const posegraph::OptimizeResult judged = posegraph::optimize(graph, again);
     out.optimum.iterations += judged.iterations;
     out.optimum.switched_off = judged.switched_off;
   }
@@ -54,4 +54,4 @@ GlobalResult optimizeGlobally(PoseGraph& graph, const OptimizeOptions& options) 
   return out;
 }
 
-}  // namespace slam::posegraph
+}  // namespace slam::certified

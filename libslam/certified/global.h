@@ -1,11 +1,11 @@
 #pragma once
-#include "libslam/posegraph/certificate.h"
+#include "libslam/certified/certificate.h"
 #include "libslam/posegraph/optimize.h"
 
-namespace slam::posegraph {
+namespace slam::certified {
 
 struct GlobalResult {
-  OptimizeResult optimum;  ///< initial_chi2 is that of the graph's own poses; iterations over all descents
+  posegraph::OptimizeResult optimum;  ///< initial_chi2 is that of the graph's own poses; iterations over all descents
   bool from_relaxation = false;  ///< the relaxation led lower than the graph's own poses
   Certificate certificate;       ///< for the loops that are on
 };
@@ -18,6 +18,6 @@ struct GlobalResult {
 ///
 /// Deterministic. Cost: twice that of optimize() where its end is certified, else four times or more.
 /// Errors: as optimize().
-GlobalResult optimizeGlobally(PoseGraph& graph, const OptimizeOptions& options = {});
+GlobalResult optimizeGlobally(posegraph::PoseGraph& graph, const posegraph::OptimizeOptions& options = {});
 
-}  // namespace slam::posegraph
+}  // namespace slam::certified

@@ -3,7 +3,7 @@
 
 #include "libslam/posegraph/pose_graph.h"
 
-namespace slam::posegraph {
+namespace slam::certified {
 
 /// Poses, in the map's frame, to start a descent from that owe nothing to the graph's own poses but where its
 /// fixed nodes are: first all headings at once, as complex numbers whose lengths are free (least squares of
@@ -14,6 +14,6 @@ namespace slam::posegraph {
 /// Only edges that are on count; what an edge's information couples between heading and position is left out.
 /// A node whose heading the edges do not tell gets that of the map. Deterministic. Cost: two factorisations.
 /// Errors: InputError as optimize().
-std::vector<core::Pose2> relaxedPoses(const PoseGraph& graph);
+std::vector<core::Pose2> relaxedPoses(const posegraph::PoseGraph& graph);
 
-}  // namespace slam::posegraph
+}  // namespace slam::certified

@@ -1,7 +1,7 @@
 #pragma once
 #include "libslam/posegraph/pose_graph.h"
 
-namespace slam::posegraph {
+namespace slam::certified {
 
 /// What is proved about how low the chi2 of a graph's edges that are on can be, whatever the poses.
 struct Certificate {
@@ -31,6 +31,6 @@ inline constexpr double kCertified = 1e-6;
 /// An edge of singular information adds its tangent alone; where that pulls at a heading, nothing is proved.
 /// Fixed nodes and priors hold the map's frame. Deterministic. Cost: one to a few factorisations of a complex
 /// matrix of twice as many rows as there are nodes. Errors: InputError as optimize().
-Certificate certify(const PoseGraph& graph);
+Certificate certify(const posegraph::PoseGraph& graph);
 
-}  // namespace slam::posegraph
+}  // namespace slam::certified

@@ -1,4 +1,4 @@
-#include "libslam/posegraph/certificate.h"
+#include "libslam/certified/certificate.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
@@ -12,9 +12,9 @@
 #include "libslam/core/elementary.h"
 #include "libslam/posegraph/edge_error.h"
 #include "libslam/posegraph/parts.h"
-#include "libslam/posegraph/unit_complex.h"
+#include "libslam/certified/unit_complex.h"
 
-namespace slam::posegraph {
+namespace slam::certified {
 namespace {
 
 using Complex = std::complex<double>;
@@ -48,7 +48,7 @@ class Linear {
 /// whose position is the origin; a free node has two of its own: heading, position.
 class Unknowns {
  public:
-  explicit Unknowns(const PoseGraph& graph) : graph_(graph) {
+  explicit Unknowns(const posegraph::PoseGraph& graph) : graph_(graph) {
     for (int node = 0; node < graph.nodeCount(); ++node)
       first_.push_back(graph.isFixed(node) ? -1 : 1 + 2 * free_++);
   }
@@ -57,7 +57,7 @@ class Unknowns {
 
   Linear heading(int node) const {
     Linear out;
-    if (node == kMap)
+    if (node == posegraph::kMap)
       out.add(0, 1);
     else if (first(node) < 0)
       out.add(0, unitComplex(graph_.pose(node).phi));
@@ -67,7 +67,7 @@ class Unknowns {
   }
   Linear position(int node) const {
     Linear out;
-    if (node == kMap) return out;
+    if (node == posegraph::kMap) return out;
     if (first(node) < 0)
       out.add(0, {graph_.pose(node).x, graph_.pose(node).y});
     else
@@ -88,7 +88,7 @@ class Unknowns {
 
  private:
   int first(int node) const { return first_[static_cast<size_t>(node)]; }
-  const PoseGraph& graph_;
+  const posegraph::PoseGraph& graph_;
   std::vector<int> first_;
   int free_ = 0;
 };
@@ -147,8 +147,8 @@ Eigen::Vector3d roundPart(const Eigen::Matrix3d& information) {
 
 /// Adds the form that bounds an edge's chi2 from below and meets it at the graph's poses. False: there is
 /// none.
-bool addEdge(const PoseGraph& graph, const Unknowns& unknowns, const Edge& edge, Form& form) {
-  const Eigen::Vector3d e = edgeError(edge, graph.poses());
+bool addEdge(const posegraph::PoseGraph& graph, const Unknowns& unknowns, const posegraph::Edge& edge, Form& form) {
+  const Eigen::Vector3d e = posegraph::edgeError(edge, graph.poses());
   const Eigen::Vector3d round = roundPart(edge.information);
   const Eigen::Vector3d tangent = (edge.information - Eigen::Matrix3d(round.asDiagonal())) * e;
   const Linear a = unknowns.heading(edge.from), b = unknowns.heading(edge.to);
@@ -192,17 +192,17 @@ std::optional<double> leastAddition(const Matrix& lagrangian, const Unknowns& un
 
 }  // namespace
 
-Certificate certify(const PoseGraph& graph) {
+Certificate certify(const posegraph::PoseGraph& graph) {
   std::vector<char> is_used;
-  for (const Edge& edge : graph.edges()) is_used.push_back(edge.on);
-  requireHeld(graph, is_used);
+  for (const posegraph::Edge& edge : graph.edges()) is_used.push_back(edge.on);
+  posegraph::requireHeld(graph, is_used);
   Certificate out;
   out.chi2 = graph.chi2();
   const double allowed = kCertified * (1 + out.chi2);
   out.is_optimal = out.chi2 <= allowed;  // none is below 0
   const Unknowns unknowns(graph);
   Form form(unknowns.values());
-  for (const Edge& edge : graph.edges())
+  for (const posegraph::Edge& edge : graph.edges())
     if (edge.on && !addEdge(graph, unknowns, edge, form)) return out;
   Matrix lagrangian = form.matrix();
   double headings = 0, slack = 0;
@@ -224,4 +224,4 @@ Certificate certify(const PoseGraph& graph) {
   return out;
 }
 
-}  // namespace slam::posegraph
+}  // namespace slam::certified
