@@ -53,7 +53,7 @@ double rounded(double value, double step) {
 
 void runOnce(const BenchLog& log, const Variant& variant, int seed) {
   slam::core::RandomStream noise(static_cast<std::uint64_t>(seed), "jitter");
-  slam::graph::GraphSlam graph{slam::graph::GraphOptions()};
+  slam::graph::GraphSlam graph{slam::keyframes::GraphOptions()};
   Trajectory online;
   double cpu_s = 0;
   Pose2 T_odom_before;

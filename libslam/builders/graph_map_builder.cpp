@@ -31,7 +31,7 @@ mrpt::poses::CPose3DPDFGaussian gaussian(const core::Pose2& T_map_robot, const E
 
 }  // namespace
 
-GraphMapBuilder::GraphMapBuilder(const MappingOptions& mapping, const graph::GraphOptions& graph)
+GraphMapBuilder::GraphMapBuilder(const MappingOptions& mapping, const keyframes::GraphOptions& graph)
     : mapping_(mapping), graph_options_(graph), graph_(graph) {
   initialize();
 }

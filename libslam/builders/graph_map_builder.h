@@ -23,7 +23,7 @@ namespace slam::builders {
 /// without odometry.
 class GraphMapBuilder : public mrpt::slam::CMetricMapBuilder {
  public:
-  GraphMapBuilder(const MappingOptions& mapping, const graph::GraphOptions& graph);
+  GraphMapBuilder(const MappingOptions& mapping, const keyframes::GraphOptions& graph);
 
   void initialize(const mrpt::maps::CSimpleMap& initialMap = mrpt::maps::CSimpleMap(),
                   const mrpt::poses::CPosePDF* x0 = nullptr) override;
@@ -46,7 +46,7 @@ class GraphMapBuilder : public mrpt::slam::CMetricMapBuilder {
   /// After initialize() with a map: another map, whose place in the first is not known, to be found by
   /// joinParts(). REQUIRES no scan before.
   void addPart(const mrpt::maps::CSimpleMap& map);
-  std::vector<graph::PartPlace> joinParts(core::Progress& progress) { return graph_.joinParts(progress); }
+  std::vector<loops::PartPlace> joinParts(core::Progress& progress) { return graph_.joinParts(progress); }
   const graph::GraphSlam& graph() const { return graph_; }
 
  private:
@@ -54,7 +54,7 @@ class GraphMapBuilder : public mrpt::slam::CMetricMapBuilder {
   void addKnownKeyframes(const mrpt::maps::CSimpleMap& map);
 
   MappingOptions mapping_;
-  graph::GraphOptions graph_options_;
+  keyframes::GraphOptions graph_options_;
   graph::GraphSlam graph_;
   graph::GraphSlam::Step last_;
   // Drawn when asked for.

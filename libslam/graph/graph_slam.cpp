@@ -1,6 +1,6 @@
 #include "libslam/graph/graph_slam.h"
-#include "libslam/graph/matching.h"
-#include "libslam/graph/search.h"
+#include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/search.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,9 +21,9 @@ constexpr int kPartnerStep = 3;
 
 }  // namespace
 
-GraphSlam::GraphSlam(const GraphOptions& options)
+GraphSlam::GraphSlam(const keyframes::GraphOptions& options)
     : options_(options),
-      map_(std::make_unique<KeyframeMap>(options)),
+      map_(std::make_unique<keyframes::KeyframeMap>(options)),
       loops_(*map_),
       finder_(*map_),
       maps_(options, true),
@@ -41,7 +41,7 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previ
   if (loops_.continueClosing(doubt_.begins < 0 && held_back_ == 0)) haveMoved();
   Step step;
   if (map_->keyframes().empty()) {
-    addKeyframe(scan, pointsOf(scan, options_), {}, Eigen::Matrix3d::Zero());
+    addKeyframe(scan, keyframes::pointsOf(scan, options_), {}, Eigen::Matrix3d::Zero());
     step.is_keyframe = true;
   } else {
     std::vector<PatchPoint> points;
@@ -50,19 +50,19 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previ
     const Pose2 T_before = currentPose();
     step = track(scan, increment, has_odometry, points, information);
     const Pose2 matched = core::between(T_before, step.T_map_robot);
-    const Break seam = breakBefore(scan, points, increment, matched, has_odometry);
+    const keyframes::Break seam = breakBefore(scan, points, increment, matched, has_odometry);
     lookWhetherLost(scan, points, step, has_odometry ? increment : matched, seam.contradicted);
-    const Trust trust = weighDoubt(T_before, seam, step);
+    const keyframes::Trust trust = weighDoubt(T_before, seam, step);
     step.is_keyframe =
-        trust == Trust::kOwnMap || (trust == Trust::kWell && needsKeyframe(scan, points, step));
-    if (trust == Trust::kBack) {
+        trust == keyframes::Trust::kOwnMap || (trust == keyframes::Trust::kWell && needsKeyframe(scan, points, step));
+    if (trust == keyframes::Trust::kBack) {
       comeBack(scan, points, step);
       step.is_keyframe = true;
     } else if (step.is_keyframe) {
       if (doubt_.begins < 0) learnWrongPlace(scan, points, step.T_map_robot);
-      if (trust == Trust::kOwnMap) beginOwnMap();
+      if (trust == keyframes::Trust::kOwnMap) beginOwnMap();
       addKeyframe(scan, std::move(points), step.T_map_robot, information);
-      if (trust == Trust::kWell && is_known_ground_) retireOldest(map_->lastKeyframe());
+      if (trust == keyframes::Trust::kWell && is_known_ground_) retireOldest(map_->lastKeyframe());
       step.pose_covariance = covariance_;
     }
     if (lost_.isLost() && doubt_.begins >= 0) startElsewhere(step.score);
@@ -107,7 +107,7 @@ std::vector<int> GraphSlam::partnersOf(int k, const std::vector<int>& near, cons
     if (other == k) continue;
     if (!isApart(other, partners)) continue;
     if (other != map_->keyframeBefore(k)) {
-      const View seen = map_->view(other, core::between(map_->pose(other), T_map_robot), points);
+      const keyframes::View seen = map_->view(other, core::between(map_->pose(other), T_map_robot), points);
       if (seen.conflict() > options_.link_conflict ||
           seen.agreed < options_.link_agreed * static_cast<double>(points.size()))
         continue;
@@ -171,7 +171,7 @@ void GraphSlam::finish() {
   completeClosing();
   if (options_.loops) joinRemainingParts();
   const auto first_new = std::find_if(map_->keyframes().begin(), map_->keyframes().end(),
-                                      [](const Keyframe& one) { return one.scan != kOfEarlierRun; });
+                                      [](const keyframes::Keyframe& one) { return one.scan != keyframes::kOfEarlierRun; });
   if (options_.loops)
     loops_.searchRemainingLoops(static_cast<int>(first_new - map_->keyframes().begin()),
                                 [this] { haveMoved(); });

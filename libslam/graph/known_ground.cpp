@@ -3,7 +3,7 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/graph/graph_slam.h"
-#include "libslam/graph/matching.h"
+#include "libslam/keyframes/matching.h"
 
 /// Ground that was seen often enough costs no more: the robot goes on along the keyframes that are there (the
 /// idea of a reduced pose graph: Johannsson et al., ICRA 2013). So time and memory grow with the area, and
@@ -92,15 +92,15 @@ void GraphSlam::hangOn(int k, const Pose2& T_map_robot) {
 /// forgotten.
 bool GraphSlam::hasChanged(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
                            const Pose2& T_map_robot) {
-  const auto viewers = firstOf(map_keyframes_, kAskedViewers);
+  const auto viewers = keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers);
   const auto T_lidars_map = map_->lidarsOf(viewers);
   int changed = 0;
   for (const auto& point : points) {
     const Point2 p_map = T_map_robot * position(point);
     bool is_passed = false, is_agreed = false;
     for (size_t i = 0; i < viewers.size(); ++i) {
-      const Sight seen = map_->sight(viewers[i], T_lidars_map[i] * p_map);
-      is_passed = is_passed || seen == Sight::kPassed, is_agreed = is_agreed || seen == Sight::kAgreed;
+      const keyframes::Sight seen = map_->sight(viewers[i], T_lidars_map[i] * p_map);
+      is_passed = is_passed || seen == keyframes::Sight::kPassed, is_agreed = is_agreed || seen == keyframes::Sight::kAgreed;
     }
     if (is_passed && !is_agreed) changed += appeared_.look(p_map, scan.time_s);
   }
@@ -109,7 +109,7 @@ bool GraphSlam::hasChanged(const lidar::Scan& scan, const std::vector<PatchPoint
   for (const int viewer : viewers)
     for (const auto& point : map_->keyframe(viewer).points) {
       const Point2 p_map = map_->pose(viewer) * position(point);
-      if (sight(scan, T_lidar_map * p_map) == Sight::kPassed) gone += gone_.look(p_map, scan.time_s);
+      if (keyframes::sight(scan, T_lidar_map * p_map) == keyframes::Sight::kPassed) gone += gone_.look(p_map, scan.time_s);
     }
   if (gone >= kLeastChanged) forgetGone(scan, T_map_robot);
   return changed >= kLeastChanged;
@@ -120,12 +120,12 @@ bool GraphSlam::hasChanged(const lidar::Scan& scan, const std::vector<PatchPoint
 void GraphSlam::forgetGone(const lidar::Scan& scan, const Pose2& T_map_robot) {
   const Pose2 T_lidar_map = core::inverse(T_map_robot * scan.T_robot_lidar);
   const auto isGone = [&](const Point2& p_map) {
-    return gone_.hasStayed(p_map) && sight(scan, T_lidar_map * p_map) == Sight::kPassed;
+    return gone_.hasStayed(p_map) && keyframes::sight(scan, T_lidar_map * p_map) == keyframes::Sight::kPassed;
   };
   // Not what merely lies near: a part whose place is not known, or a pass whose loop is not closed.
   for (const int other : map_->keyframesAround(anchor_, core::position(T_map_robot), options_.map_path_m,
                                                options_.map_radius_m)) {
-    Keyframe& known = map_->keyframes()[static_cast<size_t>(other)];
+    keyframes::Keyframe& known = map_->keyframes()[static_cast<size_t>(other)];
     const Pose2& T = map_->pose(other);
     const auto first = std::remove_if(known.points.begin(), known.points.end(),
                                       [&](const PatchPoint& point) { return isGone(T * position(point)); });
@@ -156,7 +156,7 @@ void GraphSlam::retireOldest(int k) {
     if (shared > kSameView) oldest = std::min(oldest, other);
   }
   if (views < options_.known_views || oldest == k) return;
-  Keyframe& known = map_->keyframes()[static_cast<size_t>(oldest)];
+  keyframes::Keyframe& known = map_->keyframes()[static_cast<size_t>(oldest)];
   known.is_retired = true;
   known.points = {}, known.seen.ranges_m = {};
   map_->links().remove(oldest);

@@ -35,7 +35,7 @@ Pose2 goneOn(const Pose2& T, double times) {
 void GraphSlam::noteScan(const lidar::Scan& scan, bool has_odometry) {
   if (seen_.empty()) return;
   const auto same = std::find_if(seen_.begin(), seen_.end(),
-                                 [&](const Seen& seen) { return lidar::areOfOneLidar(seen.scan, scan); });
+                                 [&](const keyframes::Seen& seen) { return lidar::areOfOneLidar(seen.scan, scan); });
   before_ = same == seen_.end() ? -1 : static_cast<int>(same - seen_.begin());
   const bool is_first = !(period_s_ > 0);
   const double since_s = scan.time_s - previous_time_s_;
@@ -58,7 +58,7 @@ void GraphSlam::keepScan(const lidar::Scan& scan) {
 }
 
 /// The last scan of the lidar that made the one at hand; null without one that says anything.
-const Seen* GraphSlam::before() const {
+const keyframes::Seen* GraphSlam::before() const {
   if (before_ < 0 || seen_[static_cast<size_t>(before_)].scan.ranges_m.size() < 2) return nullptr;
   return &seen_[static_cast<size_t>(before_)];
 }
@@ -69,8 +69,8 @@ double GraphSlam::farthestMove() const {
   return std::min(kFastest_mps * period_s_, kFarthest_m);
 }
 
-Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has_odometry) const {
-  Prediction result;
+keyframes::Prediction GraphSlam::predict(const Pose2& T_previous_robot, bool has_odometry) const {
+  keyframes::Prediction result;
   result.T_previous_robot = has_odometry ? T_previous_robot : T_previous_robot_;
   const Pose2& T = result.T_previous_robot;
   const double root = std::sqrt((mean_period_s_ > 0 ? mean_period_s_ : scanmatch::kNominalPeriod_s) /

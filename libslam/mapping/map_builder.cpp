@@ -95,7 +95,7 @@ void continueMap(MapBuilder& method, const std::string& simplemap_path,
   method.state->history.T_map_robot = T_map_robot.value_or(core::Pose2{});
 }
 
-std::vector<graph::PartPlace> joinMaps(MapBuilder& method, const std::vector<std::string>& simplemap_paths,
+std::vector<loops::PartPlace> joinMaps(MapBuilder& method, const std::vector<std::string>& simplemap_paths,
                                        core::Progress& progress) {
   const auto joins = [](const methods::MethodType& one) { return one.joins_maps; };
   if (!method.state->type.joins_maps)

@@ -11,7 +11,7 @@
 #include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
-#include "libslam/graph/part_place.h"
+#include "libslam/loops/part_place.h"
 #include "libslam/gridmap/occupancy_raster.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/mapping/scan_deskewer.h"
@@ -62,7 +62,7 @@ void continueMap(MapBuilder& method, const std::string& simplemap_path,
 /// in each other, joined where that is proved, and refined together, in the frame of the first. One place for
 /// each map after the first; of a map that has none (is_joined) the key frames stay far away, and the result
 /// is of no use. REQUIRES two maps at least, and that no scan was processed. Errors: as continueMap().
-std::vector<graph::PartPlace> joinMaps(MapBuilder& method, const std::vector<std::string>& simplemap_paths,
+std::vector<loops::PartPlace> joinMaps(MapBuilder& method, const std::vector<std::string>& simplemap_paths,
                                        core::Progress& progress);
 
 /// What the robot was told to do before each scan to come, the first included: for processScan() where it is

@@ -64,7 +64,7 @@ void SlamMethod::continueMap(const mrpt::maps::CSimpleMap& key_frames,
   mrptBuilder().options.enableMapUpdating = !keep_map;
 }
 
-std::vector<graph::PartPlace> SlamMethod::joinMaps(const std::vector<mrpt::maps::CSimpleMap>& /*maps*/,
+std::vector<loops::PartPlace> SlamMethod::joinMaps(const std::vector<mrpt::maps::CSimpleMap>& /*maps*/,
                                                    core::Progress& /*progress*/) {
   throw core::ContractError("joinMaps(): of a type that joins none");
 }

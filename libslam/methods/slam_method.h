@@ -8,7 +8,7 @@
 #include "libslam/core/journal.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
-#include "libslam/graph/part_place.h"
+#include "libslam/loops/part_place.h"
 #include "libslam/gridmap/occupancy_raster.h"
 #include "libslam/odometry/scan_odometry.h"
 #include "libslam/lidar/scan.h"
@@ -69,7 +69,7 @@ class SlamMethod {
                            const std::optional<core::Pose2>& T_map_robot, bool keep_map);
   /// Other maps of before beside that one: finds their places in it and in one another, and makes one map of
   /// all that have one. One for each. REQUIRES a type that can (MethodType), and that no step was processed.
-  virtual std::vector<graph::PartPlace> joinMaps(const std::vector<mrpt::maps::CSimpleMap>& maps,
+  virtual std::vector<loops::PartPlace> joinMaps(const std::vector<mrpt::maps::CSimpleMap>& maps,
                                                  core::Progress& progress);
   /// After the last step.
   virtual void finish() {}

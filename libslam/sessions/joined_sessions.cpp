@@ -64,7 +64,7 @@ KeyFrame mirrored(KeyFrame frame) {
   return frame;
 }
 
-bool belongs(const graph::PartPlace& place) {
+bool belongs(const loops::PartPlace& place) {
   return place.is_joined && place.contradicted <= kMostContradicted;
 }
 
@@ -73,7 +73,7 @@ std::string percent(double share) {
 }
 
 /// Why a map is refused; for those that are mirrored a second search tells.
-std::string refusal(const Session& session, const graph::PartPlace& place,
+std::string refusal(const Session& session, const loops::PartPlace& place,
                     const std::vector<KeyFrame>& key_frames, const std::string& first,
                     const files::IniFile& config, core::Progress& progress) {
   if (place.is_joined)
@@ -138,7 +138,7 @@ JoinedSessions joinSessions(const std::vector<std::string>& maps, const files::I
   progress.begin("looking for the maps in one another");
   joined.places = mapping::joinMaps(joined.method, files, progress);
   progress.end();
-  joined.places.insert(joined.places.begin(), graph::PartPlace{});
+  joined.places.insert(joined.places.begin(), loops::PartPlace{});
   for (size_t s = 1; s < maps.size(); ++s)
     if (!belongs(joined.places[s]))
       throw core::MethodError(

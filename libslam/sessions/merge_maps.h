@@ -12,7 +12,7 @@ namespace slam::sessions {
 
 struct MergedSession {
   Session session;
-  graph::PartPlace place;  ///< in the frame of the first, of which it is void
+  loops::PartPlace place;  ///< in the frame of the first, of which it is void
   int key_frames = 0;
   core::Trajectory path;  ///< of its scans in the merged map; without a path, of its key frames
 };

@@ -1,12 +1,12 @@
 #include <algorithm>
 
-#include "libslam/graph/keyframe_map.h"
-#include "libslam/graph/matching.h"
-#include "libslam/graph/search.h"
+#include "libslam/keyframes/keyframe_map.h"
+#include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/search.h"
 #include "libslam/posegraph/marginals.h"
 #include "libslam/scanmatch/information.h"
 
-namespace slam::graph {
+namespace slam::keyframes {
 
 using core::Point2;
 using core::Pose2;
@@ -71,4 +71,4 @@ std::vector<Eigen::Matrix3d> KeyframeMap::keyframeCovariances() const {
   return covariances;
 }
 
-}  // namespace slam::graph
+}  // namespace slam::keyframes

@@ -1,7 +1,7 @@
 #pragma once
 #include "libslam/files/parameters.h"
 
-namespace slam::graph {
+namespace slam::keyframes {
 
 /// Section [graph].
 struct GraphOptions {
@@ -24,4 +24,4 @@ struct GraphOptions {
   static const files::ParameterTable<GraphOptions>& table();
 };
 
-}  // namespace slam::graph
+}  // namespace slam::keyframes

@@ -1,8 +1,8 @@
-#include "libslam/graph/graph_options.h"
+#include "libslam/keyframes/graph_options.h"
 
 #include <vector>
 
-namespace slam::graph {
+namespace slam::keyframes {
 namespace {
 
 using O = GraphOptions;
@@ -94,4 +94,4 @@ const files::ParameterTable<GraphOptions>& GraphOptions::table() {
   return kTable;
 }
 
-}  // namespace slam::graph
+}  // namespace slam::keyframes

@@ -4,7 +4,7 @@
 
 #include "libslam/core/pose2.h"
 
-namespace slam::graph {
+namespace slam::keyframes {
 
 /// Which keyframes hang together: each with the one before, and with those that it shares a view with.
 class Links {
@@ -41,4 +41,4 @@ class Links {
 std::vector<double> shortestWays(const std::vector<double>& path_m,
                                  const std::vector<std::pair<int, int>>& closures, int from);
 
-}  // namespace slam::graph
+}  // namespace slam::keyframes

@@ -3,10 +3,10 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/rigid_motion2.h"
-#include "libslam/graph/keyframe_map.h"
-#include "libslam/graph/matching.h"
+#include "libslam/keyframes/keyframe_map.h"
+#include "libslam/keyframes/matching.h"
 
-namespace slam::graph {
+namespace slam::keyframes {
 
 using core::Point2;
 using core::Pose2;
@@ -37,7 +37,7 @@ Sight sight(const lidar::Scan& seen, const Point2& p_lidar) {
 }
 
 Sight KeyframeMap::sight(int viewer, const Point2& p_lidar) const {
-  return graph::sight(keyframe(viewer).seen, p_lidar);
+  return keyframes::sight(keyframe(viewer).seen, p_lidar);
 }
 
 std::vector<Pose2> KeyframeMap::lidarsOf(const std::vector<int>& viewers) const {
@@ -50,7 +50,7 @@ std::vector<Pose2> KeyframeMap::lidarsOf(const std::vector<int>& viewers) const 
 
 View KeyframeMap::view(int viewer, const Pose2& T_viewer_points,
                        const std::vector<PatchPoint>& points) const {
-  return graph::view(keyframe(viewer).seen, T_viewer_points, points);
+  return keyframes::view(keyframe(viewer).seen, T_viewer_points, points);
 }
 
 View view(const lidar::Scan& scan, const Pose2& T_viewer_points, const std::vector<PatchPoint>& points,
@@ -85,10 +85,10 @@ Told KeyframeMap::toldBy(const std::vector<int>& viewers, const std::vector<Patc
   for (const int viewer : viewers) {
     double passed = 0, theirs = 0, its = 0;
     const Pose2 T_viewer_scan = core::between(graph_.pose(viewer), T_map_robot);
-    add(graph::view(keyframe(viewer).seen, T_viewer_scan, points, kStride), points.size(), passed, theirs);
+    add(keyframes::view(keyframe(viewer).seen, T_viewer_scan, points, kStride), points.size(), passed, theirs);
     const auto& known = keyframe(viewer).points;
     if (scan != nullptr && !known.empty())
-      add(graph::view(*scan, core::inverse(T_viewer_scan), known, kStride), known.size(), passed, its);
+      add(keyframes::view(*scan, core::inverse(T_viewer_scan), known, kStride), known.size(), passed, its);
     if (theirs + its > 0) told.contradicted += passed / (theirs + its);
     told.telling += std::max(theirs, its);
   }
@@ -97,4 +97,4 @@ Told KeyframeMap::toldBy(const std::vector<int>& viewers, const std::vector<Patc
   return told;
 }
 
-}  // namespace slam::graph
+}  // namespace slam::keyframes

@@ -1,9 +1,9 @@
-#include "libslam/graph/matching.h"
+#include "libslam/keyframes/matching.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
-namespace slam::graph {
+namespace slam::keyframes {
 namespace {
 
 using core::Pose2;
@@ -71,4 +71,4 @@ std::vector<int> firstOf(std::vector<int> keyframes, int most) {
   return keyframes;
 }
 
-}  // namespace slam::graph
+}  // namespace slam::keyframes

@@ -5,7 +5,7 @@
 #include "libslam/scanmatch/scan_points.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 
-namespace slam::graph {
+namespace slam::keyframes {
 
 /// The raster of searches by branch and bound, and its surfaces' width.
 inline constexpr double kSearchCell_m = 0.1, kSearchSigma_m = 0.12;
@@ -63,4 +63,4 @@ std::vector<scanmatch::PatchPoint> thinned(const std::vector<scanmatch::PatchPoi
 /// What a search asks: one point per kQuerySpacing_m, at most so many, evenly of all.
 std::vector<core::Point2> searchPoints(const std::vector<scanmatch::PatchPoint>& points, size_t most);
 
-}  // namespace slam::graph
+}  // namespace slam::keyframes

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/graph/graph_options.h"
+#include "libslam/keyframes/graph_options.h"
 #include "libslam/posegraph/optimize.h"
 #include "libslam/posegraph/pose_graph.h"
 #include "libslam/lidar/scan.h"
@@ -16,7 +16,7 @@
 
 /// What graph SLAM keeps: keyframes, the places that it follows, and what it thinks of the robot. For
 /// this room only.
-namespace slam::graph {
+namespace slam::keyframes {
 
 struct Keyframe {
   int scan;  ///< counted from 0
@@ -203,4 +203,4 @@ struct Told {
   double against(double explained) const;
 };
 
-}  // namespace slam::graph
+}  // namespace slam::keyframes

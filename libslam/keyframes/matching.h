@@ -1,12 +1,12 @@
 #pragma once
 #include <vector>
 
-#include "libslam/graph/types.h"
+#include "libslam/keyframes/types.h"
 #include "libslam/lidar/scan.h"
 #include "libslam/scanmatch/information.h"
 
 /// How scans are matched to the surfels of keyframes. For this room only.
-namespace slam::graph {
+namespace slam::keyframes {
 
 /// In standard deviations of a surfel: farther points hardly count.
 inline constexpr double kKernel = 3;
@@ -43,4 +43,4 @@ Eigen::Matrix3d moved(const core::Point2& from, const core::Point2& to);
 /// Of a covariance's eigenvalues, against the largest: below, they are rounding.
 inline constexpr double kLeastShare = 1e-15;
 
-}  // namespace slam::graph
+}  // namespace slam::keyframes

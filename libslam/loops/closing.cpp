@@ -1,12 +1,12 @@
 #include <memory>
 
-#include "libslam/graph/loop_closer.h"
+#include "libslam/loops/loop_closer.h"
 #include "libslam/posegraph/optimize.h"
 
 /// All poses are found anew when a loop is closed. That takes the longer the larger the map is, and no scan
 /// may wait for it: it is done in pieces, one with every scan, on a copy of the graph. Meanwhile the robot is
 /// tracked in the map as it was, and no other loop is looked for.
-namespace slam::graph {
+namespace slam::loops {
 namespace {
 
 using core::Pose2;
@@ -27,7 +27,7 @@ void LoopCloser::beginClosing() {
 }
 
 /// `is_linked`: the loop's ends lie where they belong already, as parts do that were just joined.
-void LoopCloser::beginClosing(const Hypothesis& loop, bool is_linked) {
+void LoopCloser::beginClosing(const keyframes::Hypothesis& loop, bool is_linked) {
   beginClosing();
   closing_->ends = {loop.old_keyframe, loop.keyframe};
   closing_->edges = loop.edges;
@@ -88,4 +88,4 @@ void LoopCloser::takeOver() {
   map_->note(core::JournalEvent::kOptimised, chi2);
 }
 
-}  // namespace slam::graph
+}  // namespace slam::loops

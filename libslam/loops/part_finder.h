@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "libslam/core/progress.h"
-#include "libslam/graph/keyframe_map.h"
-#include "libslam/graph/part_place.h"
+#include "libslam/keyframes/keyframe_map.h"
+#include "libslam/loops/part_place.h"
 #include "libslam/scanmatch/correlative_search.h"
 
-namespace slam::graph {
+namespace slam::loops {
 
 /// Finds the place of what hangs together, a trail, in the rest of a KeyframeMap, when nothing is known of
 /// it: a part that a kidnapped robot has mapped, a map of before, or what a robot has seen that is lost in a
@@ -17,11 +17,11 @@ namespace slam::graph {
 class PartFinder {
  public:
   /// The map has to stay where it is.
-  explicit PartFinder(KeyframeMap& map) : map_(&map), options_(&map.options()) {}
+  explicit PartFinder(keyframes::KeyframeMap& map) : map_(&map), options_(&map.options()) {}
 
   /// One scan's share of the search for the keyframes [first, last]: the loop that joins them to the rest,
   /// when that is decided.
-  std::optional<Hypothesis> lookForPart(int first, int last);
+  std::optional<keyframes::Hypothesis> lookForPart(int first, int last);
   /// Shares after which all places were looked at and followed.
   size_t mostShares(int component);
   /// Forgets every place that was followed.
@@ -42,7 +42,7 @@ class PartFinder {
 
   // overlay.cpp
   struct PlacedPart {
-    Hypothesis loop;
+    keyframes::Hypothesis loop;
     PartPlace place;
   };
   /// Looks for the keyframes [first, end) from some of them in all of the map that is not joined to them.
@@ -64,39 +64,39 @@ class PartFinder {
   int trailSize() const;
   const core::Pose2& trailPose(int i) const;
   const Points& trailPoints(int i) const;
-  const Join* workOnJoins(int component);
+  const keyframes::Join* workOnJoins(int component);
   void lookAtNextPlace(int component);
   void addJoin(int place, const core::Pose2& T_map_robot);
-  bool isKnown(const Join& join) const;
-  bool isPlausible(const Join& join) const;
-  void holdAgainst(Join& join, Cursor& cursor, int next);
-  bool isCurrent(const Join& join) const;
+  bool isKnown(const keyframes::Join& join) const;
+  bool isPlausible(const keyframes::Join& join) const;
+  void holdAgainst(keyframes::Join& join, keyframes::Cursor& cursor, int next);
+  bool isCurrent(const keyframes::Join& join) const;
   double conflictOf(int trail_point, const std::vector<int>& viewers, const core::Pose2& T_map_robot) const;
-  void refute(const Join& join);
-  bool isRefuted(const core::Pose2& T_map_robot, const Join& join) const;
-  double aheadOf(const Join& join, const Join& other) const;
-  bool isReady(const Join& join) const;
-  Join* decided();
-  std::vector<core::Point2> trailQuery(const Join& join) const;
-  bool isProved(Join& join, int component);
+  void refute(const keyframes::Join& join);
+  bool isRefuted(const core::Pose2& T_map_robot, const keyframes::Join& join) const;
+  double aheadOf(const keyframes::Join& join, const keyframes::Join& other) const;
+  bool isReady(const keyframes::Join& join) const;
+  keyframes::Join* decided();
+  std::vector<core::Point2> trailQuery(const keyframes::Join& join) const;
+  bool isProved(keyframes::Join& join, int component);
 
-  void lookFrom(int anchor, std::vector<Overlay>& overlays, const std::function<void()>& tell);
-  core::Pose2 placeAt(const Overlay& one, int keyframe) const;
-  void overlay(Overlay& one, int first, int end) const;
-  void lay(Overlay& one, Cursor& cursor, int keyframe) const;
-  bool fitsWell(const Overlay& one) const;
+  void lookFrom(int anchor, std::vector<keyframes::Overlay>& overlays, const std::function<void()>& tell);
+  core::Pose2 placeAt(const keyframes::Overlay& one, int keyframe) const;
+  void overlay(keyframes::Overlay& one, int first, int end) const;
+  void lay(keyframes::Overlay& one, keyframes::Cursor& cursor, int keyframe) const;
+  bool fitsWell(const keyframes::Overlay& one) const;
 
-  KeyframeMap* map_;
-  const GraphOptions* options_;
+  keyframes::KeyframeMap* map_;
+  const keyframes::GraphOptions* options_;
   std::vector<int> places_;  ///< of placesBeyond()
   int places_known_ = 0, places_component_ = kNoComponent;
   size_t places_tried_ = 0;                               ///< times kHeadings
   std::map<int, scanmatch::LikelihoodPyramid> pyramids_;  ///< of places_
-  std::vector<Join> joins_;
-  std::vector<Refuted> refuted_;  ///< since searchAnew()
+  std::vector<keyframes::Join> joins_;
+  std::vector<keyframes::Refuted> refuted_;  ///< since searchAnew()
   bool is_lost_ = false;          ///< the trail is that of a robot
-  std::vector<TrailPoint> trail_;
+  std::vector<keyframes::TrailPoint> trail_;
   int join_first_ = 0, join_last_ = -1;  ///< keyframes that are the trail else
 };
 
-}  // namespace slam::graph
+}  // namespace slam::loops

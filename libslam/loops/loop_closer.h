@@ -4,18 +4,18 @@
 #include <utility>
 #include <vector>
 
-#include "libslam/graph/keyframe_map.h"
-#include "libslam/graph/loop_judge.h"
+#include "libslam/keyframes/keyframe_map.h"
+#include "libslam/loops/loop_judge.h"
 #include "libslam/scanmatch/correlative_search.h"
 
-namespace slam::graph {
+namespace slam::loops {
 
 /// Closes loops of a KeyframeMap: looks for places that were seen before, follows them until they are
 /// confirmed or not, and finds all poses anew, a piece with every scan. For this room only.
 class LoopCloser {
  public:
   /// The map has to stay where it is.
-  explicit LoopCloser(KeyframeMap& map) : map_(&map), options_(&map.options()) {}
+  explicit LoopCloser(keyframes::KeyframeMap& map) : map_(&map), options_(&map.options()) {}
 
   /// What a loop has tied together. `joins`: two parts of the map that had no known place in one another.
   struct Accepted {
@@ -30,7 +30,7 @@ class LoopCloser {
   void searchRemainingLoops(int first, const std::function<void()>& moved);
   /// Nothing where what was measured on the way does not allow for it. Its poses follow, when it is closed.
   /// REQUIRES that no other loop is being closed.
-  std::optional<Accepted> accept(const Hypothesis& loop);
+  std::optional<Accepted> accept(const keyframes::Hypothesis& loop);
   /// Forgets what is followed; the next search comes when the robot has moved on.
   void forget();
   bool isFollowing() const { return !hypotheses_.empty(); }
@@ -46,36 +46,36 @@ class LoopCloser {
   bool closeRest();
 
  private:
-  std::optional<Accepted> accept(const Hypothesis& loop, LoopJudge& judge);
-  bool isAllowed(const Hypothesis& loop, LoopJudge& judge);
-  bool isFollowedEnough(Hypothesis& place, LoopJudge& judge) const;
+  std::optional<Accepted> accept(const keyframes::Hypothesis& loop, LoopJudge& judge);
+  bool isAllowed(const keyframes::Hypothesis& loop, LoopJudge& judge);
+  bool isFollowedEnough(keyframes::Hypothesis& place, LoopJudge& judge) const;
   LoopJudge judge() const;
-  void confirm(Hypothesis& hypothesis, int keyframe) const;
+  void confirm(keyframes::Hypothesis& hypothesis, int keyframe) const;
   bool isFollowing(int keyframe, const core::Pose2& T_map_robot) const;
-  void follow(Hypothesis& found);
+  void follow(keyframes::Hypothesis& found);
 
   // find_loop.cpp: where a place was seen before
-  LoopSearch loopSearch(int keyframe) const;
-  void gatherQuery(LoopSearch& search, int first, int last) const;
-  double loopReach(const LoopSearch& search, int old) const;
-  std::vector<int> loopCandidates(const LoopSearch& search) const;
-  std::vector<Hypothesis> findLoop(int keyframe, int query_first, int query_last);
-  std::vector<Hypothesis> loopsAt(const LoopSearch& search, int old);
-  std::optional<Hypothesis> loopFrom(const LoopSearch& search, int old, const std::vector<int>& around,
+  keyframes::LoopSearch loopSearch(int keyframe) const;
+  void gatherQuery(keyframes::LoopSearch& search, int first, int last) const;
+  double loopReach(const keyframes::LoopSearch& search, int old) const;
+  std::vector<int> loopCandidates(const keyframes::LoopSearch& search) const;
+  std::vector<keyframes::Hypothesis> findLoop(int keyframe, int query_first, int query_last);
+  std::vector<keyframes::Hypothesis> loopsAt(const keyframes::LoopSearch& search, int old);
+  std::optional<keyframes::Hypothesis> loopFrom(const keyframes::LoopSearch& search, int old, const std::vector<int>& around,
                                      const core::Pose2& T_found, bool is_coarse, double least_score);
 
-  void beginClosing(const Hypothesis& loop, bool is_linked);
+  void beginClosing(const keyframes::Hypothesis& loop, bool is_linked);
   void beginClosing();
   void takeOver();
 
-  KeyframeMap* map_;
-  const GraphOptions* options_;
-  std::vector<Hypothesis> hypotheses_;
-  std::optional<Closing> closing_;
+  keyframes::KeyframeMap* map_;
+  const keyframes::GraphOptions* options_;
+  std::vector<keyframes::Hypothesis> hypotheses_;
+  std::optional<keyframes::Closing> closing_;
   size_t solved_edges_ = 0;               ///< of the graph, when all poses were found last
   double searched_m_ = 0;                 ///< where on the way the last search was
   double searched_reach_m_ = 0;           ///< its window
   scanmatch::LikelihoodPyramid pyramid_;  ///< of findLoop()
 };
 
-}  // namespace slam::graph
+}  // namespace slam::loops

@@ -6,12 +6,12 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/middle_value.h"
-#include "libslam/graph/loop_closer.h"
-#include "libslam/graph/matching.h"
-#include "libslam/graph/search.h"
+#include "libslam/loops/loop_closer.h"
+#include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/search.h"
 #include "libslam/scanmatch/correlative_search.h"
 
-namespace slam::graph {
+namespace slam::loops {
 namespace {
 
 using core::Point2;
@@ -45,15 +45,15 @@ double viewRadius(const std::vector<Point2>& points) {
 
 }  // namespace
 
-std::vector<Point2> searchPoints(const std::vector<PatchPoint>& points, size_t most) {
-  const auto kept = thinned(points, kQuerySpacing_m);
+std::vector<Point2> keyframes::searchPoints(const std::vector<PatchPoint>& points, size_t most) {
+  const auto kept = keyframes::thinned(points, keyframes::kQuerySpacing_m);
   std::vector<Point2> result;
   const size_t count = std::min(most, kept.size());
   for (size_t i = 0; i < count; ++i) result.push_back(position(kept[i * kept.size() / count]));
   return result;
 }
 
-std::vector<PatchPoint> thinned(const std::vector<PatchPoint>& points, double side_m) {
+std::vector<PatchPoint> keyframes::thinned(const std::vector<PatchPoint>& points, double side_m) {
   std::unordered_set<std::int64_t> taken;
   std::vector<PatchPoint> kept;
   for (const auto& p : points) {
@@ -65,15 +65,15 @@ std::vector<PatchPoint> thinned(const std::vector<PatchPoint>& points, double si
 }
 
 /// From keyframe k, how far it is to each of the old ones.
-LoopSearch LoopCloser::loopSearch(int k) const {
-  LoopSearch search;
+keyframes::LoopSearch LoopCloser::loopSearch(int k) const {
+  keyframes::LoopSearch search;
   search.keyframe = k;
   search.way_m = map_->pathTo(k);
   const int component = map_->componentOf(k);
   for (int old = 0; old < k; ++old)
     if (map_->componentOf(old) != component)
       search.way_m[static_cast<size_t>(old)] =
-          map_->keyframe(k).path_m - map_->keyframe(old).path_m - map_->gapsBetween(old, k) * kGapPath_m;
+          map_->keyframe(k).path_m - map_->keyframe(old).path_m - map_->gapsBetween(old, k) * keyframes::kGapPath_m;
   search.is_local.assign(map_->keyframes().size(), 0);
   for (const int local : map_->keyframesAround(k, core::position(map_->pose(k)), options_->map_path_m, 1e9))
     search.is_local[static_cast<size_t>(local)] = 1;
@@ -81,18 +81,18 @@ LoopSearch LoopCloser::loopSearch(int k) const {
 }
 
 /// With the scans of the keyframes [first, last] around it.
-void LoopCloser::gatherQuery(LoopSearch& search, int first, int last) const {
+void LoopCloser::gatherQuery(keyframes::LoopSearch& search, int first, int last) const {
   std::vector<PatchPoint> query;
   for (int i = last; i >= first; --i) {
     const Pose2 T_k_i = core::between(map_->pose(search.keyframe), map_->pose(i));
     for (const auto& point : map_->keyframe(i).points) query.push_back(T_k_i * point);
   }
-  search.points = searchPoints(query, kMostQueryPoints);
-  search.match_points = thinned(query, kQueryMatchSpacing_m);
+  search.points = keyframes::searchPoints(query, kMostQueryPoints);
+  search.match_points = keyframes::thinned(query, keyframes::kQueryMatchSpacing_m);
   search.view_m = viewRadius(search.points);
 }
 
-double LoopCloser::loopReach(const LoopSearch& search, int old) const {
+double LoopCloser::loopReach(const keyframes::LoopSearch& search, int old) const {
   const double least_m =
       map_->componentOf(old) == map_->componentOf(search.keyframe) ? options_->loop_reach_m : kNoGap_m;
   return std::min(least_m + options_->loop_reach_per_m * search.way_m[static_cast<size_t>(old)],
@@ -100,7 +100,7 @@ double LoopCloser::loopReach(const LoopSearch& search, int old) const {
 }
 
 /// Old keyframes that drift could have carried apart from it, the nearest first.
-std::vector<int> LoopCloser::loopCandidates(const LoopSearch& search) const {
+std::vector<int> LoopCloser::loopCandidates(const keyframes::LoopSearch& search) const {
   const int k = search.keyframe;
   std::vector<std::pair<double, int>> by_distance;
   for (int old = 0; old < k; ++old) {
@@ -116,8 +116,8 @@ std::vector<int> LoopCloser::loopCandidates(const LoopSearch& search) const {
 
 /// Looks for a place where the scans of the keyframes [query_first, query_last] around k were seen before:
 /// the best one, and after it the best elsewhere in its window that explains nearly as much.
-std::vector<Hypothesis> LoopCloser::findLoop(int k, int query_first, int query_last) {
-  LoopSearch search = loopSearch(k);
+std::vector<keyframes::Hypothesis> LoopCloser::findLoop(int k, int query_first, int query_last) {
+  keyframes::LoopSearch search = loopSearch(k);
   const auto candidates = loopCandidates(search);
   if (candidates.empty()) return {};
   gatherQuery(search, query_first, query_last);
@@ -136,23 +136,23 @@ std::vector<Hypothesis> LoopCloser::findLoop(int k, int query_first, int query_l
 }
 
 /// The same around one old keyframe.
-std::vector<Hypothesis> LoopCloser::loopsAt(const LoopSearch& search, int old) {
-  auto around = map_->keyframesAround(old, core::position(map_->pose(old)), kPlacePath_m, kPlaceRadius_m);
+std::vector<keyframes::Hypothesis> LoopCloser::loopsAt(const keyframes::LoopSearch& search, int old) {
+  auto around = map_->keyframesAround(old, core::position(map_->pose(old)), keyframes::kPlacePath_m, keyframes::kPlaceRadius_m);
   around.erase(std::remove_if(around.begin(), around.end(),
                               [&](int a) { return search.is_local[static_cast<size_t>(a)] != 0; }),
                around.end());
-  around = firstOf(std::move(around), options_->map_keyframes);
+  around = keyframes::firstOf(std::move(around), options_->map_keyframes);
   // A wide window is searched on a coarser raster: it costs as its cube. So is a wide view: the angle
   // between two beams leaves it no finer detail, and every turn that it tells apart costs.
   const double reach_m = loopReach(search, old);
   const double coarser =
       std::clamp(std::max(reach_m / kFineReach_m, search.view_m / kFineView_m), 1.0, kCoarsest);
-  pyramid_.build(map_->placeAround(around), coarser * kSearchCell_m, coarser * kSearchSigma_m, kSearchLevels);
+  pyramid_.build(map_->placeAround(around), coarser * keyframes::kSearchCell_m, coarser * keyframes::kSearchSigma_m, keyframes::kSearchLevels);
   scanmatch::SearchWindow window{
       reach_m, std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * search.way_m[static_cast<size_t>(old)],
                         kSearchTurnMost_rad)};
   searched_reach_m_ = std::max(searched_reach_m_, window.half_xy_m);
-  std::vector<Hypothesis> loops;
+  std::vector<keyframes::Hypothesis> loops;
   const Pose2& here = map_->pose(search.keyframe);
   const auto best = searchBest(pyramid_, search.points, here, window, options_->loop_search_score);
   if (!best) return loops;
@@ -179,22 +179,22 @@ std::vector<Hypothesis> LoopCloser::loopsAt(const LoopSearch& search, int old) {
 }
 
 /// A place that was found around an old keyframe, if its map, matched, explains what is searched for.
-std::optional<Hypothesis> LoopCloser::loopFrom(const LoopSearch& search, int old,
+std::optional<keyframes::Hypothesis> LoopCloser::loopFrom(const keyframes::LoopSearch& search, int old,
                                                const std::vector<int>& around, const Pose2& T_found,
                                                bool is_coarse, double least_score) {
   const auto matched = map_->matchFreely(search.match_points, around, T_found, is_coarse);
   std::vector<int> viewers;
   for (const int a : around)
-    if (core::distance(map_->pose(a), matched.T_map_robot) <= kViewerDistance_m) viewers.push_back(a);
-  const double conflict = map_->meanConflict(firstOf(std::move(viewers), kViewers), matched.T_map_robot,
+    if (core::distance(map_->pose(a), matched.T_map_robot) <= keyframes::kViewerDistance_m) viewers.push_back(a);
+  const double conflict = map_->meanConflict(keyframes::firstOf(std::move(viewers), keyframes::kViewers), matched.T_map_robot,
                                              map_->keyframe(search.keyframe).points);
   if (matched.score < least_score || conflict > 2 * options_->loop_conflict) return std::nullopt;
   map_->note(core::JournalEvent::kFound, matched.score, old);
-  Hypothesis hypothesis;
+  keyframes::Hypothesis hypothesis;
   hypothesis.keyframe = search.keyframe, hypothesis.old_keyframe = old;
   hypothesis.T_map_robot = matched.T_map_robot;
   hypothesis.begun_m = map_->path_m();
   return hypothesis;
 }
 
-}  // namespace slam::graph
+}  // namespace slam::loops

@@ -1,4 +1,4 @@
-#include "libslam/graph/links.h"
+#include "libslam/keyframes/links.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <functional>
 #include <queue>
 
-namespace slam::graph {
+namespace slam::keyframes {
 
 void Links::join(int a, int b, double length_m) {
   links_[static_cast<size_t>(a)].push_back({b, length_m});
@@ -122,4 +122,4 @@ std::vector<double> shortestWays(const std::vector<double>& path_m,
   return result;
 }
 
-}  // namespace slam::graph
+}  // namespace slam::keyframes

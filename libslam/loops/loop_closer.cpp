@@ -1,12 +1,12 @@
-#include "libslam/graph/loop_closer.h"
+#include "libslam/loops/loop_closer.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "libslam/graph/matching.h"
-#include "libslam/graph/search.h"
+#include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/search.h"
 
-namespace slam::graph {
+namespace slam::loops {
 namespace {
 
 using core::Pose2;
@@ -21,7 +21,7 @@ constexpr double kLikelyInnovation = 7.8, kMostUnlikely = 4;
 
 /// Whether keyframe k by itself fits the old map where the hypothesis puts it; the hypothesis moves on to k
 /// then. What of the scan lies beyond the old map neither fits nor fails.
-void LoopCloser::confirm(Hypothesis& hypothesis, int k) const {
+void LoopCloser::confirm(keyframes::Hypothesis& hypothesis, int k) const {
   const Pose2 expected =
       hypothesis.T_map_robot * core::between(map_->pose(hypothesis.keyframe), map_->pose(k));
   std::vector<int> around;
@@ -36,20 +36,20 @@ void LoopCloser::confirm(Hypothesis& hypothesis, int k) const {
     ++hypothesis.failures;
     return;
   }
-  const LevelMaps& maps = map_->mapOf(around, core::position(expected));
+  const keyframes::LevelMaps& maps = map_->mapOf(around, core::position(expected));
   const auto& points = map_->keyframe(k).points;
-  const auto viewers = firstOf(around, kViewers);
-  const auto matched = match(points, maps, expected, followedTo(expected), 0, false);
+  const auto viewers = keyframes::firstOf(around, keyframes::kViewers);
+  const auto matched = keyframes::match(points, maps, expected, keyframes::followedTo(expected), 0, false);
   const double conflict = map_->meanConflict(viewers, matched.T_map_robot, points);
   const double unknown =
-      1 - std::min(map_->toldBy(firstOf(around, kAskedViewers), points, expected).telling, 1.0);
-  const bool is_there = conflict < options_->loop_conflict && isFollowed(matched.T_map_robot, expected);
-  hypothesis.says[k] = {is_there ? kNatsPerScan * (matched.score - conflict) : 0, unknown};
+      1 - std::min(map_->toldBy(keyframes::firstOf(around, keyframes::kAskedViewers), points, expected).telling, 1.0);
+  const bool is_there = conflict < options_->loop_conflict && keyframes::isFollowed(matched.T_map_robot, expected);
+  hypothesis.says[k] = {is_there ? keyframes::kNatsPerScan * (matched.score - conflict) : 0, unknown};
   if (!is_there || matched.score < options_->loop_confirm_score) {
     hypothesis.failures += !is_there || matched.score + unknown < options_->loop_confirm_score;
     return;
   }
-  hypothesis.evidence += distinctness(points, maps, matched);
+  hypothesis.evidence += keyframes::distinctness(points, maps, matched);
   map_->addLoopEdges(hypothesis.edges, around, k, matched.T_map_robot, maps.fine);
   hypothesis.keyframe = k, hypothesis.old_keyframe = around.front();
   hypothesis.T_map_robot = matched.T_map_robot;
@@ -58,7 +58,7 @@ void LoopCloser::confirm(Hypothesis& hypothesis, int k) const {
 
 /// Whether a place was followed for long enough that it would be known if another one were as good: the
 /// longer, the less likely the way between makes it.
-bool LoopCloser::isFollowedEnough(Hypothesis& place, LoopJudge& judge) const {
+bool LoopCloser::isFollowedEnough(keyframes::Hypothesis& place, LoopJudge& judge) const {
   const double followed_m = map_->path_m() - place.begun_m;
   if (followed_m < options_->loop_confirm_m) return false;
   const bool is_joined = map_->componentOf(place.keyframe) == map_->componentOf(place.old_keyframe);
@@ -78,9 +78,9 @@ std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
   if (closing_) return std::nullopt;
   const int k = map_->lastKeyframe();
   for (size_t i = 0; i < hypotheses_.size();) {
-    Hypothesis& hypothesis = hypotheses_[i];
+    keyframes::Hypothesis& hypothesis = hypotheses_[i];
     confirm(hypothesis, k);
-    if (hypothesis.failures > kMostFailures) {
+    if (hypothesis.failures > keyframes::kMostFailures) {
       map_->note(core::JournalEvent::kDropped, hypothesis.confirmations, hypothesis.old_keyframe);
       hypotheses_.erase(hypotheses_.begin() + static_cast<long>(i));
     } else {
@@ -88,12 +88,12 @@ std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
     }
   }
   LoopJudge of_places = judge();
-  const auto confirmed = std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](Hypothesis& one) {
+  const auto confirmed = std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](keyframes::Hypothesis& one) {
     return one.confirmations >= options_->loop_confirmations && one.evidence >= options_->loop_distinctness &&
            isFollowedEnough(one, of_places);
   });
   if (confirmed != hypotheses_.end()) {
-    const Hypothesis loop = *confirmed;
+    const keyframes::Hypothesis loop = *confirmed;
     hypotheses_.clear();
     if (const auto accepted = accept(loop, of_places)) return accepted;
   }
@@ -104,16 +104,16 @@ std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
   if (map_->path_m() - searched_m_ < (hypotheses_.empty() ? 1 : kRivalPause) * pause_m) return std::nullopt;
   searched_m_ = map_->path_m();
   int first = k;
-  while (first > 0 && k - first < kMostQueryKeyframes &&
+  while (first > 0 && k - first < keyframes::kMostQueryKeyframes &&
          map_->path_m() - map_->keyframe(first - 1).path_m < options_->loop_path_m)
     --first;
-  for (Hypothesis& found : findLoop(k, first, k)) follow(found);
+  for (keyframes::Hypothesis& found : findLoop(k, first, k)) follow(found);
   return std::nullopt;
 }
 
 /// Whether a hypothesis that is followed has the keyframe there.
 bool LoopCloser::isFollowing(int keyframe, const Pose2& T_map_robot) const {
-  return std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& known) {
+  return std::any_of(hypotheses_.begin(), hypotheses_.end(), [&](const keyframes::Hypothesis& known) {
     const Pose2 expected =
         known.T_map_robot * core::between(map_->pose(known.keyframe), map_->pose(keyframe));
     return core::distance(expected, T_map_robot) < 0.5 &&
@@ -122,7 +122,7 @@ bool LoopCloser::isFollowing(int keyframe, const Pose2& T_map_robot) const {
 }
 
 /// A hypothesis about the newest keyframe joins those that are followed, unless one of them says the same.
-void LoopCloser::follow(Hypothesis& found) {
+void LoopCloser::follow(keyframes::Hypothesis& found) {
   if (isFollowing(found.keyframe, found.T_map_robot)) return;
   confirm(found, found.keyframe);
   if (found.failures == 0) hypotheses_.push_back(found);
@@ -139,9 +139,9 @@ void LoopCloser::searchRemainingLoops(int first_searched, const std::function<vo
     int first = k, last = k;
     while (first > 0 && at_m - map_->keyframe(first - 1).path_m < options_->loop_path_m / 2) --first;
     while (last + 1 < n && map_->keyframe(last + 1).path_m - at_m < options_->loop_path_m / 2) ++last;
-    std::vector<Hypothesis> places = findLoop(k, first, last);
-    for (Hypothesis& forth : places) {
-      Hypothesis back = forth;
+    std::vector<keyframes::Hypothesis> places = findLoop(k, first, last);
+    for (keyframes::Hypothesis& forth : places) {
+      keyframes::Hypothesis back = forth;
       for (int i = k; i <= last; ++i) confirm(forth, i);
       for (int i = k - 1; i >= first; --i) confirm(back, i);
       forth.confirmations += back.confirmations, forth.evidence += back.evidence;
@@ -149,19 +149,19 @@ void LoopCloser::searchRemainingLoops(int first_searched, const std::function<vo
       forth.edges.insert(forth.edges.end(), back.edges.begin(), back.edges.end());
     }
     LoopJudge of_places = judge();
-    const auto best = std::find_if(places.begin(), places.end(), [&](const Hypothesis& one) {
+    const auto best = std::find_if(places.begin(), places.end(), [&](const keyframes::Hypothesis& one) {
       return one.confirmations >= options_->loop_confirmations && 2 * one.confirmations >= last - first + 1 &&
              one.evidence >= options_->loop_distinctness &&
              of_places.isBest(one, places, LoopJudge::Beyond::kIsNoRival);
     });
     if (best == places.end() || !accept(*best, of_places)) continue;
     completeClosing();
-    moved();
+    keyframes::moved();
   }
 }
 
 /// Whether what was measured on the way allows for it.
-bool LoopCloser::isAllowed(const Hypothesis& loop, LoopJudge& judge) {
+bool LoopCloser::isAllowed(const keyframes::Hypothesis& loop, LoopJudge& judge) {
   if (map_->componentOf(loop.keyframe) != map_->componentOf(loop.old_keyframe)) return true;
   const double off = judge.innovation(loop);
   if (off <= options_->loop_innovation) return true;
@@ -169,12 +169,12 @@ bool LoopCloser::isAllowed(const Hypothesis& loop, LoopJudge& judge) {
   return false;
 }
 
-std::optional<LoopCloser::Accepted> LoopCloser::accept(const Hypothesis& loop) {
+std::optional<LoopCloser::Accepted> LoopCloser::accept(const keyframes::Hypothesis& loop) {
   LoopJudge as_it_stands = judge();
   return accept(loop, as_it_stands);
 }
 
-std::optional<LoopCloser::Accepted> LoopCloser::accept(const Hypothesis& loop, LoopJudge& judge) {
+std::optional<LoopCloser::Accepted> LoopCloser::accept(const keyframes::Hypothesis& loop, LoopJudge& judge) {
   const int k = loop.keyframe, old = loop.old_keyframe;
   map_->note(core::JournalEvent::kConfirmed, loop.confirmations, old,
              "distinct by " + std::to_string(loop.evidence));
@@ -215,4 +215,4 @@ LoopJudge LoopCloser::judge() const {
   return LoopJudge([this] { return map_->witnesses(); }, map_->keyframes());
 }
 
-}  // namespace slam::graph
+}  // namespace slam::loops

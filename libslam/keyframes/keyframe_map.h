@@ -5,12 +5,12 @@
 
 #include "libslam/core/journal.h"
 #include "libslam/core/pose2.h"
-#include "libslam/graph/graph_options.h"
-#include "libslam/graph/links.h"
-#include "libslam/graph/types.h"
+#include "libslam/keyframes/graph_options.h"
+#include "libslam/keyframes/links.h"
+#include "libslam/keyframes/types.h"
 #include "libslam/posegraph/pose_graph.h"
 
-namespace slam::graph {
+namespace slam::keyframes {
 
 /// What GraphSlam, LoopCloser and PartFinder share: the keyframes, the graph that ties them together, how
 /// they hang together, and what they say of scans. For this room only.
@@ -122,4 +122,4 @@ class KeyframeMap {
   mutable LevelMaps scratch_;  ///< of mapOf()
 };
 
-}  // namespace slam::graph
+}  // namespace slam::keyframes

@@ -1,7 +1,7 @@
 #pragma once
 #include "libslam/core/pose2.h"
 
-namespace slam::graph {
+namespace slam::loops {
 
 /// Where a known part of a map lies in the rest of it, and what speaks for that. See GraphSlam::joinParts().
 struct PartPlace {
@@ -14,4 +14,4 @@ struct PartPlace {
   double contradicted = 0;  ///< share of what they see there that speaks against the other part
 };
 
-}  // namespace slam::graph
+}  // namespace slam::loops

@@ -1,12 +1,12 @@
-#include "libslam/graph/keyframe_map.h"
+#include "libslam/keyframes/keyframe_map.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "libslam/graph/matching.h"
-#include "libslam/graph/search.h"
+#include "libslam/keyframes/matching.h"
+#include "libslam/keyframes/search.h"
 
-namespace slam::graph {
+namespace slam::keyframes {
 
 using core::Point2;
 using core::Pose2;
@@ -157,4 +157,4 @@ int KeyframeMap::keyframeBefore(int k) const {
   return edge < 0 ? -1 : graph_.edges()[static_cast<size_t>(edge)].from;
 }
 
-}  // namespace slam::graph
+}  // namespace slam::keyframes

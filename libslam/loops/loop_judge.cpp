@@ -1,11 +1,11 @@
-#include "libslam/graph/loop_judge.h"
+#include "libslam/loops/loop_judge.h"
 
 #include <algorithm>
 
-#include "libslam/graph/search.h"
+#include "libslam/keyframes/search.h"
 #include "libslam/scanmatch/information.h"
 
-namespace slam::graph {
+namespace slam::loops {
 namespace {
 
 using core::Pose2;
@@ -14,7 +14,7 @@ using core::Pose2;
 constexpr double kAheadOfRival = 7;
 
 /// Whether the map says something of most of what was seen, if it was seen there.
-bool isTold(const Hypothesis& place) {
+bool isTold(const keyframes::Hypothesis& place) {
   double unknown = 0;
   for (const auto& [keyframe, said] : place.says) unknown += said.unknown;
   return 2 * unknown < static_cast<double>(place.says.size());
@@ -22,7 +22,7 @@ bool isTold(const Hypothesis& place) {
 
 }  // namespace
 
-double LoopJudge::innovation(const Hypothesis& loop) {
+double LoopJudge::innovation(const keyframes::Hypothesis& loop) {
   if (loop.innovation >= 0) return loop.innovation;
   if (!way_) {
     const posegraph::PoseGraph graph = witnesses_();
@@ -36,22 +36,22 @@ double LoopJudge::innovation(const Hypothesis& loop) {
                             core::angleDifference(by_scans.phi, by_way.phi));
   const Eigen::Matrix3d noise =
       scanmatch::turned(keyframes_[static_cast<size_t>(loop.keyframe)].noise, T_map_old.phi);
-  const Eigen::Matrix3d expected = way_->relative(loop.old_keyframe, loop.keyframe) + kBothViews * noise;
+  const Eigen::Matrix3d expected = way_->relative(loop.old_keyframe, loop.keyframe) + keyframes::kBothViews * noise;
   return off.dot(scanmatch::covarianceOf(expected) * off);
 }
 
-bool LoopJudge::isBest(const Hypothesis& loop, const std::vector<Hypothesis>& others, Beyond beyond) {
-  return std::none_of(others.begin(), others.end(), [&](const Hypothesis& other) {
+bool LoopJudge::isBest(const keyframes::Hypothesis& loop, const std::vector<keyframes::Hypothesis>& others, Beyond beyond) {
+  return std::none_of(others.begin(), others.end(), [&](const keyframes::Hypothesis& other) {
     if (&other == &loop || (beyond == Beyond::kIsNoRival && !isTold(other))) return false;
     double ahead = (innovation(other) - innovation(loop)) / 2;
     for (const auto& [keyframe, said] : loop.says) {
       const auto rival = other.says.find(keyframe);
       // What the map says nothing of may fit there.
       if (rival != other.says.end())
-        ahead += said.nats - rival->second.nats - kNatsPerScan * rival->second.unknown;
+        ahead += said.nats - rival->second.nats - keyframes::kNatsPerScan * rival->second.unknown;
     }
     return ahead < kAheadOfRival;
   });
 }
 
-}  // namespace slam::graph
+}  // namespace slam::loops

@@ -4,10 +4,10 @@
 #include <utility>
 #include <vector>
 
-#include "libslam/graph/types.h"
+#include "libslam/keyframes/types.h"
 #include "libslam/posegraph/marginals.h"
 
-namespace slam::graph {
+namespace slam::loops {
 
 /// What speaks for a place that may have been recognised, and for others that are followed beside it: the way
 /// from there to here, with its covariance, and the scans.
@@ -18,24 +18,24 @@ class LoopJudge {
  public:
   /// `witnesses` gives the keyframes' poses and what is known of them from one another; it is asked once,
   /// when the first question comes. The keyframes have to stay as they are meanwhile.
-  LoopJudge(std::function<posegraph::PoseGraph()> witnesses, const std::vector<Keyframe>& keyframes)
+  LoopJudge(std::function<posegraph::PoseGraph()> witnesses, const std::vector<keyframes::Keyframe>& keyframes)
       : witnesses_(std::move(witnesses)), keyframes_(keyframes) {}
 
   /// How far a loop lies from where the way between has its keyframe: squared, in standard deviations of that
   /// way and of the scans. Of chi-square's distribution with three degrees of freedom when it is right. The
   /// first one costs a factorisation, but for a loop that was asked before.
-  double innovation(const Hypothesis& loop);
+  double innovation(const keyframes::Hypothesis& loop);
   /// What lies beyond the map can be anything. Where the robot comes to the map from outside, its place may
   /// be one of those that the map says little of as yet.
   enum class Beyond { kCounts, kIsNoRival };
   /// Whether no other place, or none that the map says enough of, is nearly as good.
-  bool isBest(const Hypothesis& loop, const std::vector<Hypothesis>& others, Beyond beyond);
+  bool isBest(const keyframes::Hypothesis& loop, const std::vector<keyframes::Hypothesis>& others, Beyond beyond);
 
  private:
   std::function<posegraph::PoseGraph()> witnesses_;
   std::vector<core::Pose2> poses_;
   std::optional<posegraph::Marginals> way_;
-  const std::vector<Keyframe>& keyframes_;
+  const std::vector<keyframes::Keyframe>& keyframes_;
 };
 
-}  // namespace slam::graph
+}  // namespace slam::loops

@@ -2,12 +2,12 @@
 #include <utility>
 
 #include "libslam/core/elementary.h"
-#include "libslam/graph/matching.h"
-#include "libslam/graph/part_finder.h"
-#include "libslam/graph/search.h"
+#include "libslam/keyframes/matching.h"
+#include "libslam/loops/part_finder.h"
+#include "libslam/keyframes/search.h"
 #include "libslam/scanmatch/correlative_search.h"
 
-namespace slam::graph {
+namespace slam::loops {
 namespace {
 
 using core::Point2;
@@ -41,7 +41,7 @@ const std::vector<int>& PartFinder::placesBeyond(int component) {
   for (int k = 0; k < known; ++k) {
     if (map_->componentOf(k) == component) continue;
     const bool is_near = std::any_of(places_.begin(), places_.end(), [&](int place) {
-      return core::distance(map_->pose(place), map_->pose(k)) < kPlaceStep_m;
+      return core::distance(map_->pose(place), map_->pose(k)) < keyframes::kPlaceStep_m;
     });
     if (!is_near) places_.push_back(k);
   }
@@ -55,9 +55,9 @@ const scanmatch::LikelihoodPyramid& PartFinder::pyramidOf(int place) {
   for (const int a : map_->keyframesAtPlace(place))
     for (const auto& point : map_->keyframe(a).points) points.push_back(map_->pose(a) * point);
   std::vector<Point2> positions;
-  for (const auto& point : thinned(points, kSearchCell_m)) positions.push_back(position(point));
+  for (const auto& point : keyframes::thinned(points, keyframes::kSearchCell_m)) positions.push_back(position(point));
   return pyramids_
-      .emplace(place, scanmatch::LikelihoodPyramid(positions, kSearchCell_m, kSearchSigma_m, kSearchLevels))
+      .emplace(place, scanmatch::LikelihoodPyramid(positions, keyframes::kSearchCell_m, keyframes::kSearchSigma_m, keyframes::kSearchLevels))
       .first->second;
 }
 
@@ -68,20 +68,20 @@ std::optional<scanmatch::MatchResult> PartFinder::matchAtPlace(const std::vector
   const auto around = map_->keyframesAtPlace(place);
   std::vector<PatchPoint> near;
   for (const auto& point : query)
-    if (core::hypot(point.x, point.y) <= kPlaceReach_m) near.push_back(point);
-  const auto search_points = searchPoints(near, kMostQueryPoints);
+    if (core::hypot(point.x, point.y) <= keyframes::kPlaceReach_m) near.push_back(point);
+  const auto search_points = keyframes::searchPoints(near, kMostQueryPoints);
   const auto found = searchBest(pyramidOf(place), search_points, {centre.x, centre.y, heading_rad},
-                                {kPlaceHalf_m, 0.5 * kHeadingStep_rad}, options_->loop_score);
+                                {keyframes::kPlaceHalf_m, 0.5 * keyframes::kHeadingStep_rad}, options_->loop_score);
   if (!found) return std::nullopt;
-  const auto points = thinned(near, kQueryMatchSpacing_m);
+  const auto points = keyframes::thinned(near, keyframes::kQueryMatchSpacing_m);
   const auto matched = map_->matchFreely(points, around, found->T_map_robot);
   std::vector<int> viewers;
   for (const int a : around)
-    if (core::distance(map_->pose(a), matched.T_map_robot) <= kViewerDistance_m) viewers.push_back(a);
+    if (core::distance(map_->pose(a), matched.T_map_robot) <= keyframes::kViewerDistance_m) viewers.push_back(a);
   const double conflict =
-      map_->meanConflict(firstOf(std::move(viewers), kViewers), matched.T_map_robot, points);
+      map_->meanConflict(keyframes::firstOf(std::move(viewers), keyframes::kViewers), matched.T_map_robot, points);
   if (matched.score < options_->loop_score || conflict > 2 * options_->loop_conflict) return std::nullopt;
   return matched;
 }
 
-}  // namespace slam::graph
+}  // namespace slam::loops
