@@ -16,8 +16,8 @@
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
 #include "libslam/process/worker.h"
-#include "libslam/summary/sweep_brief.h"
 #include "libslam/study/sweep_gate.h"
+#include "libslam/summary/sweep_brief.h"
 #include "libslam/summary/sweep_merge.h"
 #include "libslam/sweep/cell.h"
 #include "libslam/sweep/submit.h"
@@ -103,7 +103,8 @@ constexpr std::size_t kMostLines = 20;
 
 /// Before hours of work, what is wrong with the baseline's file.
 void requireUsableGate(const Context& context, const GateFlags& flags, const sweep::SweepPlan& plan) {
-  slam::apps::requireUsableGate(context, flags, study::scoresOf(plan, summary::SweepResults(plan.runs.size())));
+  slam::apps::requireUsableGate(context, flags,
+                                study::scoresOf(plan, summary::SweepResults(plan.runs.size())));
 }
 
 /// 6 where runs are missing; where they failed too, unless a baseline says what may fail.

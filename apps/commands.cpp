@@ -10,9 +10,9 @@
 #include "apps/quiet.h"
 #include "apps/stream_output.h"
 #include "libslam/core/error.h"
-#include "libslam/resources/resources.h"
 #include "libslam/files/word_list.h"
 #include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 
 namespace slam::apps {
 

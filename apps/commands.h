@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "libslam/files/ini.h"
-#include "libslam/resources/manifest.h"
 #include "libslam/files/parameters.h"
+#include "libslam/resources/manifest.h"
 
 namespace slam::apps {
 

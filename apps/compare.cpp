@@ -7,8 +7,8 @@
 #include "apps/console.h"
 #include "apps/plan_warnings.h"
 #include "libslam/core/error.h"
-#include "libslam/resources/resources.h"
 #include "libslam/mapping/method_config.h"
+#include "libslam/resources/resources.h"
 #include "libslam/score/compare.h"
 
 namespace slam::apps {

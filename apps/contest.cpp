@@ -6,8 +6,8 @@
 #include "apps/lessons.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
 #include "libslam/pages/report_data.h"
+#include "libslam/resources/resources.h"
 #include "libslam/study/contest.h"
 #include "libslam/summary/sweep_merge.h"
 #include "libslam/sweep/sweep.h"
@@ -58,7 +58,7 @@ int hold(const Context& context, Arguments& arguments) {
   writeStandings(standings, context.output);
   const std::string page = context.output + "/report.html";
   files::writeFileAtomically(page,
-                            report::toHtml(pages::gatherReport(context.output, core::silentProgress())));
+                             report::toHtml(pages::gatherReport(context.output, core::silentProgress())));
   if (context.json) {
     std::cout << nlohmann::ordered_json{{"folder", context.output},
                                         {"page", page},

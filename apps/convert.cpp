@@ -140,7 +140,7 @@ int convertOperations(const Context& context, const Arguments& arguments, const 
   files::refuseToOverwrite(arguments.out, context.overwrite);
   const auto [operations, is_original] = readOperationFile(arguments.in, units);
   files::writeFileAtomically(arguments.out, to == "original" ? sim::formatOriginalLog(operations, units)
-                                                            : sim::formatOperations(operations));
+                                                             : sim::formatOperations(operations));
   const auto arcs = std::count_if(operations.begin(), operations.end(),
                                   [](const sim::Operation& operation) { return operation.kind == 'a'; });
   if (arcs > 0 && to == "original")

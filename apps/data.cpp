@@ -9,8 +9,8 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "libslam/core/error.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/public_data.h"
+#include "libslam/resources/resources.h"
 #include "libslam/table/table.h"
 
 namespace slam::apps {

@@ -6,11 +6,11 @@
 #include "apps/console.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
 #include "libslam/pages/report_data.h"
 #include "libslam/report/html_report.h"
-#include "libslam/score/compare.h"
 #include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
+#include "libslam/score/compare.h"
 
 namespace slam::apps {
 namespace {
@@ -58,8 +58,8 @@ int demo(const Context& context) {
   auto original = commonRequest(context, output + "/original");
   original.methods = {"naive", "naive_blind", "naive_wheel", "icp", "graph"};
   original.plan_path = simulated.plan_path;
-  original.record =
-      record::readRecordConfig(resources::readConfigFile(resources::configsFolder() + "/lidars/thesis_360.ini"));
+  original.record = record::readRecordConfig(
+      resources::readConfigFile(resources::configsFolder() + "/lidars/thesis_360.ini"));
   original.record.simulation.duration_s = kOriginal_s;
   failed += show(score::compare(original, context.manifest(), progress),
                  "The original robot with the original lidar, thesis_360", original.output, progress);

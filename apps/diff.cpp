@@ -5,8 +5,8 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
 #include "libslam/mapping/method_config.h"
+#include "libslam/resources/resources.h"
 #include "libslam/sessions/diff_maps.h"
 
 namespace slam::apps {

@@ -11,12 +11,12 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/logs/log_edit.h"
-#include "libslam/truth/cut_truth.h"
 #include "libslam/record/record.h"
-#include "libslam/truth/truth_files.h"
 #include "libslam/run/scan_odometry_log.h"
 #include "libslam/run/told_commands.h"
 #include "libslam/score/compare.h"
+#include "libslam/truth/cut_truth.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::apps {
 namespace {

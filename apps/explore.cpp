@@ -10,11 +10,11 @@
 #include "apps/plan_warnings.h"
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
-#include "libslam/files/word_list.h"
 #include "libslam/explore/explore.h"
+#include "libslam/files/files.h"
+#include "libslam/files/word_list.h"
 #include "libslam/reach/reach_goal.h"
+#include "libslam/resources/resources.h"
 #include "libslam/teams/team.h"
 
 namespace slam::apps {

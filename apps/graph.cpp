@@ -8,15 +8,15 @@
 #include "apps/commands.h"
 #include "apps/console.h"
 #include "apps/help_text.h"
+#include "libslam/certified/global.h"
+#include "libslam/certified/relaxation.h"
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
 #include "libslam/core/random.h"
+#include "libslam/files/files.h"
 #include "libslam/posegraph/chaining.h"
 #include "libslam/posegraph/g2o_io.h"
-#include "libslam/certified/global.h"
 #include "libslam/posegraph/optimize.h"
 #include "libslam/posegraph/parts.h"
-#include "libslam/certified/relaxation.h"
 #include "libslam/resources/ini_yaml.h"
 
 namespace slam::apps {

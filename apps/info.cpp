@@ -7,8 +7,8 @@
 #include "apps/console.h"
 #include "libslam/doctor/log_check.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/truth/truth_files.h"
 #include "libslam/score/compare.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::apps {
 namespace {
@@ -27,7 +27,8 @@ nlohmann::ordered_json toJson(const std::vector<calibration::StreamFigures>& str
   return list;
 }
 
-nlohmann::ordered_json toJson(const logs::LogInfo& info, const std::vector<calibration::StreamFigures>& streams,
+nlohmann::ordered_json toJson(const logs::LogInfo& info,
+                              const std::vector<calibration::StreamFigures>& streams,
                               const std::string& truth) {
   return nlohmann::ordered_json{
       {"path", info.path},

@@ -9,10 +9,10 @@
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
 #include "libslam/learn/grade.h"
 #include "libslam/learn/student_folder.h"
 #include "libslam/learn/terminal_page.h"
+#include "libslam/resources/resources.h"
 
 namespace slam::apps {
 namespace {

@@ -8,14 +8,14 @@
 #include "apps/help_text.h"
 #include "apps/shell_words.h"
 #include "libslam/buildings/generator.h"
-#include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
 #include "libslam/explore/explore.h"
-#include "libslam/reach/goal_methods.h"
+#include "libslam/files/files.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/strategies/strategy.h"
+#include "libslam/reach/goal_methods.h"
+#include "libslam/resources/resources.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/score/metric_infos.h"
+#include "libslam/strategies/strategy.h"
 
 namespace slam::apps {
 namespace {

@@ -11,9 +11,9 @@
 #include "apps/edited_log.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/log_edit.h"
 #include "libslam/mapping/method_config.h"
+#include "libslam/resources/resources.h"
 #include "libslam/sessions/merge_maps.h"
 
 namespace slam::apps {

@@ -6,10 +6,10 @@
 #include "apps/navigators_slam.h"
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
-#include "libslam/resources/file_hash.h"
-#include "libslam/resources/resources.h"
 #include "libslam/reach/reach_goal.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 
 namespace slam::apps {
 namespace {
@@ -24,8 +24,8 @@ struct Arguments {
 
 int navigateTo(const Context& context, const Arguments& arguments) {
   reach::ReachGoalRequest request;
-  request.config = reach::readReachGoalConfig(
-      withCarries(simulationConfig(context, arguments.flags), arguments.carries));
+  request.config =
+      reach::readReachGoalConfig(withCarries(simulationConfig(context, arguments.flags), arguments.carries));
   if (context.print_config) {
     printParameters(request.config.parameters, context.json);
     return 0;

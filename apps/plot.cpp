@@ -9,15 +9,15 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
-#include "libslam/resources/resources.h"
-#include "libslam/reach/turn_away.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/pictures/journal_picture.h"
 #include "libslam/pictures/picture.h"
+#include "libslam/reach/turn_away.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/results/journal_file.h"
 #include "libslam/score/compare.h"
 #include "libslam/world/plan.h"
-#include "libslam/resources/ini_yaml.h"
 
 namespace slam::apps {
 namespace {

@@ -7,12 +7,12 @@
 #include "apps/operation_files.h"
 #include "apps/plot.h"
 #include "libslam/core/error.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/pictures/picture.h"
-#include "libslam/truth/truth_files.h"
+#include "libslam/resources/resources.h"
 #include "libslam/score/compare.h"
+#include "libslam/truth/truth_files.h"
 #include "libslam/world/plan.h"
 
 namespace slam::apps {

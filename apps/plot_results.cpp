@@ -4,9 +4,9 @@
 #include "apps/console.h"
 #include "apps/plot.h"
 #include "libslam/core/error.h"
+#include "libslam/draw/axis_title.h"
 #include "libslam/files/files.h"
 #include "libslam/files/word_list.h"
-#include "libslam/draw/axis_title.h"
 #include "libslam/pages/figures.h"
 #include "libslam/pages/report_data.h"
 #include "libslam/pictures/picture.h"
@@ -100,7 +100,8 @@ int plotSeeds(const Context& context, Arguments& arguments) {
   const auto [file, paper] = picturePlace(context, *arguments.how, "seeds.png");
   const auto path = tableIn(arguments.inputs.front(), "results.csv");
   arguments.seeds.methods = files::namesIn(arguments.methods, ',');
-  const auto charts = pages::seedBoxes(table::fromCsv(files::readTextFile(path), path), arguments.seeds, path);
+  const auto charts =
+      pages::seedBoxes(table::fromCsv(files::readTextFile(path), path), arguments.seeds, path);
   draw::drawBoxes(charts, draw::axisTitle(arguments.seeds.metric), !arguments.is_linear, arguments.title,
                   file, paper);
   auto list = nlohmann::ordered_json::array();

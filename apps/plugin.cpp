@@ -9,8 +9,8 @@
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/external_method.h"
 
 namespace slam::apps {

@@ -23,8 +23,8 @@
 #include "apps/stream_output.h"
 #include "libslam/core/error.h"
 #include "libslam/process/exit_code.h"
-#include "libslam/resources/manifest.h"
 #include "libslam/process/worker.h"
+#include "libslam/resources/manifest.h"
 
 namespace slam::apps {
 namespace {

@@ -9,13 +9,13 @@
 #include "apps/console.h"
 #include "apps/quiet.h"
 #include "libslam/core/error.h"
-#include "libslam/resources/resources.h"
-#include "libslam/reach/reach_goal.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/reach/reach_goal.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
 #include "libslam/run/told_commands.h"
-#include "libslam/resources/ini_yaml.h"
 
 namespace slam::apps {
 namespace {
@@ -92,7 +92,8 @@ nlohmann::ordered_json resultJson(const std::string& name, const std::string& fo
   if (!result.commands_from.empty()) json["commands_from"] = result.commands_from;
   if (result.lost_share) json["lost_share"] = *result.lost_share;
   if (lost) json["lost"] = results::lostText(*lost);
-  if (result.stopped) json[core::wordOf(results::eventOf(*result.stopped))] = results::stopText(*result.stopped);
+  if (result.stopped)
+    json[core::wordOf(results::eventOf(*result.stopped))] = results::stopText(*result.stopped);
   if (with_journal) json["journal"] = journalJson(result.journal);
   return json;
 }
@@ -100,11 +101,12 @@ nlohmann::ordered_json resultJson(const std::string& name, const std::string& fo
 core::ExitCode exitCodeOf(const run::MapRun& result, bool is_lost) {
   if (!result.stopped) return is_lost ? core::ExitCode::kMethodFailed : core::ExitCode::kOk;
   return result.stopped->reason == results::Stop::Reason::kFailed ? core::ExitCode::kMethodFailed
-                                                              : core::ExitCode::kInterrupted;
+                                                                  : core::ExitCode::kInterrupted;
 }
 
 std::string stoppedText(const results::Stop& stop) {
-  return core::wordOf(results::eventOf(stop)) + (" " + results::stopText(stop)) + "; what was mapped before is kept";
+  return core::wordOf(results::eventOf(stop)) + (" " + results::stopText(stop)) +
+         "; what was mapped before is kept";
 }
 
 int runMethod(const Context& context, const Arguments& arguments) {

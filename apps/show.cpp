@@ -34,7 +34,7 @@ Shown takePicture(const Show& what, const ShowFlags& flags, const Loop& loop, vi
                            files::formatNumber(maker.time_s()) + ", the time of the last scan");
   scene.show(*observer.moment(), {});
   files::writeFileAtomically(flags.screenshot,
-                            viewer::renderPng(scene, viewer::cameraOver(scene.area(), scene.size())));
+                             viewer::renderPng(scene, viewer::cameraOver(scene.area(), scene.size())));
   return Shown::kPicture;
 }
 

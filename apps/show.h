@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "libslam/reach/goal_methods.h"
 #include "libslam/live/stage.h"
 #include "libslam/live/window.h"
+#include "libslam/reach/goal_methods.h"
 #include "libslam/robot/drive.h"
 #include "libslam/viewer/live_scene.h"
 #include "libslam/world/plan.h"

@@ -10,11 +10,11 @@
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
+#include "libslam/record/record.h"
+#include "libslam/record/user_drive.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/resources/resources.h"
-#include "libslam/record/record.h"
 #include "libslam/truth/truth_files.h"
-#include "libslam/record/user_drive.h"
 
 namespace slam::apps {
 namespace {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "libslam/files/ini.h"
-#include "libslam/resources/manifest.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/robot/user_command.h"
 
 namespace slam::apps {

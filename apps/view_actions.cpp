@@ -12,12 +12,8 @@
 #include "apps/show.h"
 #include "apps/user_input.h"
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
-#include "libslam/resources/file_hash.h"
-#include "libslam/resources/resources.h"
 #include "libslam/explore/explore.h"
-#include "libslam/reach/goal_methods.h"
-#include "libslam/reach/reach_goal.h"
+#include "libslam/files/files.h"
 #include "libslam/live/drive_seat.h"
 #include "libslam/live/mapped_loop.h"
 #include "libslam/live/replay.h"
@@ -25,12 +21,16 @@
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/trajectory_error.h"
-#include "libslam/truth/truth_files.h"
+#include "libslam/reach/goal_methods.h"
+#include "libslam/reach/reach_goal.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
 #include "libslam/score/compare.h"
 #include "libslam/sim/standing_room.h"
-#include "libslam/resources/ini_yaml.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::apps {
 namespace fs = std::filesystem;
@@ -228,7 +228,7 @@ int viewNavigate(const Context& context, const ViewArguments& arguments) {
   what.title = "navigate " + start.plan.name;
   what.method = arguments.method + " on " + nameOf(slam);
   what.strategic = reach::strategicOverlay(arguments.method, request.config.navigate, request.config.robot,
-                                             request.config.lidar);
+                                           request.config.lidar);
   ConsoleProgress progress(context.quiet);
   std::string written;
   const auto shown = show(what, arguments.show, [&](record::StepObserver& observer, live::Stage*) {

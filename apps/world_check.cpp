@@ -10,8 +10,8 @@
 #include "libslam/check/plan_check.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
 #include "libslam/pictures/plan_changes.h"
+#include "libslam/resources/resources.h"
 #include "libslam/robot/drive.h"
 
 namespace slam::apps {

@@ -7,13 +7,13 @@
 #include <memory>
 
 #include "libslam/buildings/generator.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/process/worker.h"
+#include "libslam/rays/ray_caster.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/resources.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"
-#include "libslam/rays/ray_caster.h"
 
 namespace {
 using namespace slam;

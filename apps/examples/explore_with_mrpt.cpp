@@ -6,10 +6,10 @@
 #include <mrpt/random/RandomGenerators.h>
 #include <mrpt/slam/CMetricMapBuilderRBPF.h>
 #include "libslam/builders/mrpt_compat.h"
-#include "libslam/resources/resources.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/mrptnav/mrpt_explorer.h"
 #include "libslam/record/record.h"
-#include "libslam/lidar/mrpt_types.h"
+#include "libslam/resources/resources.h"
 
 int main() {
   const auto plan = slam::world::loadPlan(slam::resources::resolvePlan("flat"));

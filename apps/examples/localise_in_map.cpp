@@ -1,9 +1,9 @@
 // Finds a robot in a map of before, from anywhere, and follows it: localise_in_map MAP.simplemap LOG
 #include <cstdio>
 
-#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/resources/resources.h"
 
 int main(int argc, char** argv) try {
   if (argc != 3) {

@@ -6,10 +6,10 @@
 #include <fstream>
 #include <iostream>
 
-#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/odometry/scan_odometry.h"
+#include "libslam/resources/resources.h"
 #include "libslam/score/compare.h"
 
 namespace {

@@ -2,10 +2,10 @@
 #include <cstdio>
 #include <string>
 
-#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/resources.h"
 
 int main(int argc, char** argv) try {
   const std::string method_name = argc > 1 ? argv[1] : "graph";

@@ -24,12 +24,12 @@
 
 #include "libslam/buildings/generator.h"
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
 #include "libslam/core/random.h"
-#include "libslam/table/table.h"
-#include "libslam/world/plan.h"
+#include "libslam/files/files.h"
 #include "libslam/rays/ray_caster.h"
 #include "libslam/rays/sector_caster.h"
+#include "libslam/table/table.h"
+#include "libslam/world/plan.h"
 
 namespace {
 using namespace slam;
@@ -188,10 +188,9 @@ void addRows(const world::Plan& plan, const Arguments& arguments, table::Table& 
                      [&](const core::Pose2& pose) { rays::castScan(plan, pose, beams, 0, ranges); },
                      {},
                      {}});
-  for (const auto& [name, instructions] :
-       {std::pair{"sector table, portable", rays::Instructions::kPortable},
-        std::pair{"sector table, AVX2", rays::Instructions::kAvx2},
-        std::pair{"sector table, AVX-512", rays::Instructions::kAvx512}}) {
+  for (const auto& [name, instructions] : {std::pair{"sector table, portable", rays::Instructions::kPortable},
+                                           std::pair{"sector table, AVX2", rays::Instructions::kAvx2},
+                                           std::pair{"sector table, AVX-512", rays::Instructions::kAvx512}}) {
     if (!rays::isSupported(instructions)) continue;
     casters.emplace_back(plan, instructions);
     const rays::SectorCaster* caster = &casters.back();

@@ -4,8 +4,8 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/core/relation.h"
-#include "libslam/robot/motion_kind.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/robot/motion_kind.h"
 
 namespace odometry_bench {
 

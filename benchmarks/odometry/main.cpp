@@ -14,16 +14,16 @@
 #include "benchmarks/odometry/mrpt_icp.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/strategies/strategy.h"
 #include "libslam/record/record.h"
-#include "libslam/sim/simulator.h"
-#include "libslam/table/table.h"
 #include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
+#include "libslam/sim/simulator.h"
+#include "libslam/strategies/strategy.h"
+#include "libslam/table/table.h"
 
 namespace {
 

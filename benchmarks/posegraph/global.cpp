@@ -9,11 +9,11 @@
 #include <iostream>
 #include <limits>
 
+#include "libslam/certified/global.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/posegraph/chaining.h"
 #include "libslam/posegraph/g2o_io.h"
-#include "libslam/certified/global.h"
 #include "libslam/process/cpu_time.h"
 #include "libslam/table/table.h"
 #include "libslam/testing/pose_graphs.h"

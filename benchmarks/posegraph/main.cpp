@@ -12,8 +12,8 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
 #include "libslam/core/random.h"
+#include "libslam/files/files.h"
 #include "libslam/posegraph/edge_error.h"
 #include "libslam/posegraph/g2o_io.h"
 #include "libslam/posegraph/marginals.h"

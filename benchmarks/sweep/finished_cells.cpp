@@ -4,9 +4,9 @@
 #include <exception>
 #include <filesystem>
 
+#include "libslam/core/random.h"
 #include "libslam/files/files.h"
 #include "libslam/resources/file_hash.h"
-#include "libslam/core/random.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/score/metric_infos.h"
 #include "libslam/sweep/cell.h"

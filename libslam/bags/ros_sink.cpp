@@ -14,8 +14,8 @@
 #include "libslam/bags/ros_objects.h"
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/objects/mrpt_time.h"
 #include "libslam/lidar/mrpt_types.h"
+#include "libslam/objects/mrpt_time.h"
 
 namespace slam::bags {
 namespace {

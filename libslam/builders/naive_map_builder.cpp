@@ -14,9 +14,9 @@
 #include "libslam/builders/map_grid.h"
 #include "libslam/core/elementary.h"
 #include "libslam/core/rigid_motion2.h"
-#include "libslam/robot/motion_kind.h"
 #include "libslam/lidar/mrpt_types.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/robot/motion_kind.h"
 
 namespace slam::builders {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/odometry/scan_odometry.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/odometry/scan_odometry.h"
 
 namespace slam::calibration {
 

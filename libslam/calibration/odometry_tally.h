@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/pose2.h"
 #include "libslam/calibration/clock_offset.h"
 #include "libslam/calibration/thinned_sample.h"
+#include "libslam/core/pose2.h"
 
 namespace slam::calibration {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/pose2.h"
 #include "libslam/calibration/thinned_sample.h"
+#include "libslam/core/pose2.h"
 
 namespace mrpt::obs {
 class CObservation2DRangeScan;

@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "libslam/core/pose2.h"
 #include "libslam/calibration/estimate.h"
+#include "libslam/core/pose2.h"
 #include "libslam/lidar/deskew.h"
 #include "libslam/lidar/scan.h"
 

@@ -3,9 +3,9 @@
 #include <optional>
 #include <vector>
 
-#include "libslam/core/pose2.h"
 #include "libslam/calibration/estimate.h"
 #include "libslam/calibration/motion_series.h"
+#include "libslam/core/pose2.h"
 #include "libslam/lidar/scan.h"
 
 namespace slam::calibration {

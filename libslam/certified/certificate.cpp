@@ -9,10 +9,10 @@
 #include <complex>
 #include <optional>
 
+#include "libslam/certified/unit_complex.h"
 #include "libslam/core/elementary.h"
 #include "libslam/posegraph/edge_error.h"
 #include "libslam/posegraph/parts.h"
-#include "libslam/certified/unit_complex.h"
 
 namespace slam::certified {
 namespace {
@@ -147,7 +147,8 @@ Eigen::Vector3d roundPart(const Eigen::Matrix3d& information) {
 
 /// Adds the form that bounds an edge's chi2 from below and meets it at the graph's poses. False: there is
 /// none.
-bool addEdge(const posegraph::PoseGraph& graph, const Unknowns& unknowns, const posegraph::Edge& edge, Form& form) {
+bool addEdge(const posegraph::PoseGraph& graph, const Unknowns& unknowns, const posegraph::Edge& edge,
+             Form& form) {
   const Eigen::Vector3d e = posegraph::edgeError(edge, graph.poses());
   const Eigen::Vector3d round = roundPart(edge.information);
   const Eigen::Vector3d tangent = (edge.information - Eigen::Matrix3d(round.asDiagonal())) * e;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "libslam/posegraph/chaining.h"
 #include "libslam/certified/relaxation.h"
+#include "libslam/posegraph/chaining.h"
 
 namespace slam::certified {
 namespace {

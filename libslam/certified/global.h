@@ -5,7 +5,8 @@
 namespace slam::certified {
 
 struct GlobalResult {
-  posegraph::OptimizeResult optimum;  ///< initial_chi2 is that of the graph's own poses; iterations over all descents
+  posegraph::OptimizeResult
+      optimum;  ///< initial_chi2 is that of the graph's own poses; iterations over all descents
   bool from_relaxation = false;  ///< the relaxation led lower than the graph's own poses
   Certificate certificate;       ///< for the loops that are on
 };

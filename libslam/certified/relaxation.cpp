@@ -6,10 +6,10 @@
 #include <cmath>
 #include <complex>
 
+#include "libslam/certified/unit_complex.h"
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/posegraph/parts.h"
-#include "libslam/certified/unit_complex.h"
 
 namespace slam::certified {
 namespace {

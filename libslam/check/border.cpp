@@ -32,7 +32,7 @@ bool framesThePage(const cv::Mat& piece, const cv::Rect& box, const cv::Size& pa
 bool holdsABuilding(const cv::Mat& ink, const cv::Mat& frame, const cv::Rect& box) {
   const double doorway = 0.04 * std::max(box.width, box.height);
   const cv::Mat walls = drafting::grown((ink & ~frame)(box), doorway / 2);
-  return cv::countNonZero(~reachedFromEdge(~walls) & ~walls) > 0.1 * box.area();
+  return cv::countNonZero(~drafting::reachedFromEdge(~walls) & ~walls) > 0.1 * box.area();
 }
 
 }  // namespace

@@ -2,9 +2,9 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "libslam/drafting/lettering.h"
 #include "libslam/check/rules.h"
 #include "libslam/core/middle_value.h"
+#include "libslam/drafting/lettering.h"
 
 namespace slam::check {
 namespace {

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "libslam/drafting/door_arcs.h"
 #include "libslam/check/rules.h"
 #include "libslam/core/elementary.h"
 #include "libslam/core/middle_value.h"
+#include "libslam/drafting/door_arcs.h"
 
 namespace slam::check {
 namespace {
@@ -62,8 +62,8 @@ cv::Mat inkOfDoor(const drafting::DoorArc& door, const cv::Mat& ink) {
   });
   const double leaf =
       strokeBreadth(depth, [&](double t) { return cv::Point(frame.at(0, r * (0.2 + 0.6 * t))); });
-  const cv::Mat fine = ink & ~thickStrokes(ink, arc + 2),
-                slab = ink & ~thickStrokes(ink, std::max(arc, leaf) + 2);
+  const cv::Mat fine = ink & ~drafting::thickStrokes(ink, arc + 2),
+                slab = ink & ~drafting::thickStrokes(ink, std::max(arc, leaf) + 2);
 
   cv::Mat swept(ink.size(), CV_8U, cv::Scalar(0)), leaf_strip = swept.clone(), doorway = swept.clone();
   const auto degrees = [](double angle) { return angle * 180 / CV_PI; };

@@ -30,7 +30,8 @@ void hideEnclosed(Sheet& sheet, const cv::Mat& body, double least_room) {
   const double radius = sheet.toPixels(sheet.options.robot_side_m * std::sqrt(0.5));
   const std::vector<char> wide =
       drafting::labelsUnder(areas, drafting::clearance(sheet.mask(world::Cell::kFree), true) > radius + 0.5);
-  std::vector<char> reached = drafting::labelsUnder(areas, body), rooms(reached.size(), 0), nooks(reached.size(), 0);
+  std::vector<char> reached = drafting::labelsUnder(areas, body), rooms(reached.size(), 0),
+                    nooks(reached.size(), 0);
   Finding room_finding, nook_finding;
   double rooms_area = 0, nooks_area = 0, largest = 0;
   for (int label = 1; label < areas.count; ++label) {

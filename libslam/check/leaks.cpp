@@ -1,9 +1,9 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "libslam/check/rules.h"
 #include "libslam/drafting/clearance_flood.h"
 #include "libslam/drafting/passages.h"
-#include "libslam/check/rules.h"
 
 namespace slam::check {
 namespace {

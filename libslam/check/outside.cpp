@@ -13,7 +13,8 @@ cv::Mat drawnOutside(const Sheet& sheet, const cv::Mat& inside) {
   std::vector<char> loose = drafting::labelsUnder(pieces, by_inside & ink);
   for (size_t label = 0; label < loose.size(); ++label) loose[label] = label > 0 && !loose[label];
   const double spur = sheet.toPixels(sheet.options.widest_spur_m);
-  const cv::Mat far = ink & ~grown(inside, spur + 1) & ~thickStrokes(ink, std::max(4.0, spur / 4));
+  const cv::Mat far =
+      ink & ~drafting::grown(inside, spur + 1) & ~drafting::thickStrokes(ink, std::max(4.0, spur / 4));
   return drafting::maskOf(pieces, loose) | far;
 }
 

@@ -5,9 +5,9 @@
 #include <cctype>
 #include <filesystem>
 
-#include "libslam/drafting/passages.h"
 #include "libslam/check/rules.h"
 #include "libslam/core/error.h"
+#include "libslam/drafting/passages.h"
 #include "libslam/world/map_yaml.h"
 
 namespace slam::check {

@@ -8,8 +8,8 @@ void checkRays(Sheet& sheet) {
   if (!sheet.is_map && !sheet.isAskedFor("rays")) return;
   // Free strips too narrow for the robot that run through the unknown; corners lie between walls.
   const double radius = sheet.toPixels(sheet.options.robot_side_m) / 2;
-  const cv::Mat wide =
-      drafting::grown(drafting::clearance(free | sheet.mask(world::Cell::kOccupied), true) > radius + 0.5, radius + 1);
+  const cv::Mat wide = drafting::grown(
+      drafting::clearance(free | sheet.mask(world::Cell::kOccupied), true) > radius + 0.5, radius + 1);
   const drafting::Regions strips = drafting::regionsOf(free & ~wide, 8);
   const cv::Mat beside_unknown = drafting::grown(unknown, 1) & free;
   std::vector<int> open_edge(static_cast<size_t>(strips.count), 0);

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "libslam/drafting/door_arcs.h"
-#include "libslam/drafting/passages.h"
 #include "libslam/check/rules.h"
 #include "libslam/core/elementary.h"
+#include "libslam/drafting/door_arcs.h"
+#include "libslam/drafting/passages.h"
 
 namespace slam::check {
 namespace {
@@ -36,7 +36,8 @@ Evidence evidenceOf(Sheet& sheet) {
   std::vector<double> widths;
   const double least_area = 0.0005 * static_cast<double>(ink.total());
   // A few pixels are too coarse to tell a door by.
-  for (const drafting::Passage& passage : drafting::findPassages(sheet.mask(world::Cell::kFree), least_area).passages)
+  for (const drafting::Passage& passage :
+       drafting::findPassages(sheet.mask(world::Cell::kFree), least_area).passages)
     if (passage.width >= 4) widths.push_back(passage.width);
   if (widths.size() < 3) return {};
   // Widths that agree are doors; a spread is a crowd of unlike gaps.

@@ -20,7 +20,7 @@ cv::Mat paperAround(const Sheet& sheet, const cv::Mat& drawn) {
   const int margin = static_cast<int>(std::ceil(radius)) + 2;
   cv::Mat page;
   cv::copyMakeBorder(walls, page, margin, margin, margin, margin, cv::BORDER_CONSTANT, cv::Scalar(0));
-  const cv::Mat reached = drafting::reachedFromEdge(~grown(page, radius));
+  const cv::Mat reached = drafting::reachedFromEdge(~drafting::grown(page, radius));
   return drafting::grown(reached, radius)(cv::Rect(margin, margin, walls.cols, walls.rows)).clone();
 }
 
@@ -47,7 +47,9 @@ bool Sheet::isAskedFor(const std::string& key) const {
 
 const std::vector<drafting::DoorArc>& doorArcsOf(Sheet& sheet) {
   if (!sheet.door_arcs) {
-    const auto arcsIn = [](const cv::Mat& ink) { return drafting::findDoorArcs(ink & ~findLettering(ink).ink); };
+    const auto arcsIn = [](const cv::Mat& ink) {
+      return drafting::findDoorArcs(ink & ~drafting::findLettering(ink).ink);
+    };
     sheet.door_arcs = arcsIn(sheet.mask(world::Cell::kOccupied));
     // Leaves and arcs are drawn finer than walls, so in a scan they are paler.
     if (!sheet.faint.empty()) drafting::addDoorArcs(*sheet.door_arcs, arcsIn(sheet.faint));

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/drafting/door_arcs.h"
 #include "libslam/check/plan_check.h"
+#include "libslam/drafting/door_arcs.h"
 #include "libslam/drafting/regions.h"
 #include "libslam/world/picture_file.h"
 

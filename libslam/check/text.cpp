@@ -1,5 +1,5 @@
-#include "libslam/drafting/lettering.h"
 #include "libslam/check/rules.h"
+#include "libslam/drafting/lettering.h"
 
 namespace slam::check {
 

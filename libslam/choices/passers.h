@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/obstacles/lidar_view.h"
 #include "libslam/paths/free_space.h"
 #include "libslam/robot/drive.h"
-#include "libslam/lidar/scan.h"
 
 namespace slam::choices {
 

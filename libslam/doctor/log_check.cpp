@@ -11,17 +11,17 @@
 #include <memory>
 #include <optional>
 
-#include "libslam/core/elementary.h"
-#include "libslam/core/error.h"
 #include "libslam/calibration/log_visitor.h"
 #include "libslam/calibration/motion_series.h"
 #include "libslam/calibration/odometry_tally.h"
+#include "libslam/core/elementary.h"
+#include "libslam/core/error.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/logs/log_format.h"
-#include "libslam/rawlogs/log_motion.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/objects/sweep_note.h"
-#include "libslam/lidar/mrpt_types.h"
+#include "libslam/rawlogs/log_motion.h"
 
 namespace slam::doctor {
 namespace {
@@ -233,8 +233,9 @@ class Matching : public calibration::LogVisitor {
 
  private:
   bool isKnown(const std::string& stream) const {
-    return std::any_of(figures_.odometry.begin(), figures_.odometry.end(),
-                       [&stream](const calibration::OdometryFigures& odometry) { return odometry.stream == stream; });
+    return std::any_of(
+        figures_.odometry.begin(), figures_.odometry.end(),
+        [&stream](const calibration::OdometryFigures& odometry) { return odometry.stream == stream; });
   }
 
   void takeScan(const CObservation2DRangeScan& observation) {
@@ -310,8 +311,8 @@ class Matching : public calibration::LogVisitor {
 };
 
 /// Visits all objects up to the end or the damage; the reader's words for it, or "".
-std::string visitAll(objects::ObjectSource& source, calibration::LogVisitor& visitor, core::Progress& progress,
-                     const LogFigures& figures) {
+std::string visitAll(objects::ObjectSource& source, calibration::LogVisitor& visitor,
+                     core::Progress& progress, const LogFigures& figures) {
   constexpr std::uint64_t kBetweenReports = 256;
   try {
     while (const auto object = source.next()) {

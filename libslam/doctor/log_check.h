@@ -3,13 +3,13 @@
 #include <string>
 #include <vector>
 
-#include "libslam/core/progress.h"
 #include "libslam/calibration/odometry_fit.h"
 #include "libslam/calibration/odometry_tally.h"
 #include "libslam/calibration/range_tally.h"
 #include "libslam/calibration/stamp_tally.h"
 #include "libslam/calibration/sweep_fit.h"
 #include "libslam/calibration/view_fit.h"
+#include "libslam/core/progress.h"
 
 namespace slam::doctor {
 
@@ -19,9 +19,9 @@ struct LogFigures {
   std::uint64_t file_bytes = 0;
   std::uint64_t objects = 0;
   bool has_frames = false, has_bare_observations = false;
-  std::string damage;                  ///< the reader's words where the log breaks off, or ""
-  std::string skipped;                 ///< as ObjectSource::skipped()
-  double first_s = 0, last_s = 0;      ///< earliest and latest stamp of all
+  std::string damage;                               ///< the reader's words where the log breaks off, or ""
+  std::string skipped;                              ///< as ObjectSource::skipped()
+  double first_s = 0, last_s = 0;                   ///< earliest and latest stamp of all
   std::vector<calibration::StreamFigures> streams;  ///< by kind and label
   std::uint64_t backward_in_file = 0;  ///< objects stamped earlier than the one before, of whichever stream
   double largest_backward_in_file_s = 0;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "libslam/drafting/regions.h"
 #include "libslam/core/elementary.h"
+#include "libslam/drafting/regions.h"
 
 namespace slam::drafting {
 namespace {

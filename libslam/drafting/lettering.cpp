@@ -6,8 +6,8 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
-#include "libslam/drafting/regions.h"
 #include "libslam/core/middle_value.h"
+#include "libslam/drafting/regions.h"
 
 namespace slam::drafting {
 namespace {

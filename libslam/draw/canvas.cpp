@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
 #include "libslam/draw/page_text.h"
+#include "libslam/files/files.h"
 
 namespace slam::draw {
 namespace {

@@ -1,7 +1,7 @@
-#include "libslam/files/parameters.h"
 #include "libslam/draw/canvas.h"
 #include "libslam/draw/canvas_formats.h"
 #include "libslam/draw/page_text.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::draw {
 namespace {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/files/ini.h"
 #include "libslam/explore/explore.h"
+#include "libslam/files/ini.h"
 #include "libslam/record/step_observer.h"
 #include "libslam/world/plan.h"
 

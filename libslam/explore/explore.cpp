@@ -7,13 +7,13 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
-#include "libslam/resources/file_hash.h"
 #include "libslam/explore/coverage_charts.h"
 #include "libslam/explore/exploration_jobs.h"
 #include "libslam/explore/exploration_tables.h"
 #include "libslam/explore/loop_localiser.h"
 #include "libslam/explore/oracle_files.h"
+#include "libslam/files/files.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/table/latex.h"
 #include "libslam/table/number_text.h"
 
@@ -128,8 +128,8 @@ void writeTables(const ExplorationReport& result, const table::Table& statistics
 }
 
 /// A single run has already left a manifest there: the same one, with more in it.
-void writeManifest(resources::Manifest manifest, const ExplorationReport& result, bool has_curves, bool has_oracle,
-                   const std::string& folder) {
+void writeManifest(resources::Manifest manifest, const ExplorationReport& result, bool has_curves,
+                   bool has_oracle, const std::string& folder) {
   if (fs::exists(folder + "/manifest.json")) manifest = resources::readManifest(folder + "/manifest.json");
   manifest.files["scores.txt"] = "the table; also .md and .tex, and .csv and .json with quartiles";
   manifest.files["runs.csv"] = "every figure of every run";
@@ -209,7 +209,8 @@ std::string endName(ExplorationEnd end) {
   throw core::ContractError("endName: no such end");
 }
 
-ExplorationReport explore(const ExploreRequest& request, resources::Manifest manifest, core::Progress& progress) {
+ExplorationReport explore(const ExploreRequest& request, resources::Manifest manifest,
+                          core::Progress& progress) {
   checkRequest(request);
   const auto method = loadMethod(request.slam, request.methods_folder);
   const auto plan = world::loadPlan(request.plan_path);

@@ -7,13 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "libslam/files/ini.h"
-#include "libslam/resources/manifest.h"
-#include "libslam/files/parameters.h"
 #include "libslam/core/progress.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 #include "libslam/metrics/coverage.h"
 #include "libslam/record/record.h"
 #include "libslam/record/step_observer.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/table/table.h"
 
@@ -135,6 +135,7 @@ struct ExplorationReport {
 /// The row of a run whose method failed: every figure NaN.
 Exploration failedExploration(const ExploreConfig& config, const std::string& slam, std::uint64_t seed,
                               const std::string& why);
-ExplorationReport explore(const ExploreRequest& request, resources::Manifest manifest, core::Progress& progress);
+ExplorationReport explore(const ExploreRequest& request, resources::Manifest manifest,
+                          core::Progress& progress);
 
 }  // namespace slam::explore

@@ -1,16 +1,16 @@
 #include <cmath>
 #include <limits>
 
-#include "libslam/files/files.h"
 #include "libslam/explore/exploring_robot.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/pictures/picture.h"
-#include "libslam/truth/carry_file.h"
-#include "libslam/run/build_map.h"
-#include "libslam/run/log_feed.h"
 #include "libslam/results/manifest_entries.h"
 #include "libslam/results/map_plan.h"
 #include "libslam/results/scene_file.h"
+#include "libslam/run/build_map.h"
+#include "libslam/run/log_feed.h"
+#include "libslam/truth/carry_file.h"
 
 namespace slam::explore {
 namespace {
@@ -117,7 +117,7 @@ bool ExploringRobot::writeMap(const Exploration& e) {
   results::writeScene(localiser_.builder(), estimate_, *last_scan_, folder_ + "/map.3Dscene");
   if (e.end != ExplorationEnd::kFailed && core::isFinite(e.evaluation.trajectory.T_truth_estimate))
     results::addTruthToScene(truth_, &plan_, core::inverse(e.evaluation.trajectory.T_truth_estimate),
-                         folder_ + "/map.3Dscene");
+                             folder_ + "/map.3Dscene");
   return true;
 }
 
@@ -136,7 +136,8 @@ void ExploringRobot::drawPath(const Exploration& e) const {
                      plan_.name + ": " + e.strategy, folder_ + "/path.png", marks);
 }
 
-void ExploringRobot::describeResults(const Exploration& e, bool has_map, resources::Manifest& manifest) const {
+void ExploringRobot::describeResults(const Exploration& e, bool has_map,
+                                     resources::Manifest& manifest) const {
   auto& results = manifest.results;
   results::describeLidar(*first_scan_, results);
   run::describeSensors(localiser_.builder(), lidarsOf(config_.record), results);

@@ -3,11 +3,11 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/resources/ini_yaml.h"
 #include "libslam/mapping/method_config.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/results/stopped_run.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
-#include "libslam/results/stopped_run.h"
 
 namespace slam::explore {
 

@@ -72,7 +72,8 @@ bool CsvReader::passSeparator() {
 
 double csvNumber(const std::string& field, const std::string& place) {
   double value = 0;
-  if (!parseNumber(field, value)) throw core::InputError(place + ": found '" + field + "', expected a number");
+  if (!parseNumber(field, value))
+    throw core::InputError(place + ": found '" + field + "', expected a number");
   return value;
 }
 
@@ -83,8 +84,8 @@ CsvTable::CsvTable(std::string_view text, std::string path) : path_(std::move(pa
   for (std::vector<std::string> fields; reader.next(fields);) {
     if (reader.record().empty()) continue;
     if (fields.size() != names_.size())
-      throw core::InputError(reader.place() + ": found " + std::to_string(fields.size()) + " fields, expected " +
-                       std::to_string(names_.size()) + " as in the header");
+      throw core::InputError(reader.place() + ": found " + std::to_string(fields.size()) +
+                             " fields, expected " + std::to_string(names_.size()) + " as in the header");
     rows_.push_back(std::move(fields));
     lines_.push_back(reader.line());
   }

@@ -223,8 +223,8 @@ PendingFolder::PendingFolder(std::string final_path, bool overwrite)
   if (fs::exists(final_path_) && !fs::is_directory(final_path_))
     throw core::InputError(final_path_ + ": is a file, expected a folder");
   if (fs::exists(final_path_) && !fs::is_empty(final_path_) && !fs::exists(final_path_ + "/manifest.json"))
-    throw core::InputError(final_path_ +
-                     ": holds other files and no manifest.json, so it is not replaced; remove it first");
+    throw core::InputError(
+        final_path_ + ": holds other files and no manifest.json, so it is not replaced; remove it first");
   fs::create_directories(fs::absolute(final_path_).parent_path(), error);
   if (error) throw core::IoError(final_path_ + ": cannot be made: " + error.message());
   lock_.emplace(final_path_);
@@ -281,7 +281,8 @@ std::string findProgram(const std::string& name) {
 
 void refuseToOverwrite(const std::string& path, bool overwrite) {
   requireReplaceable(path);
-  if (!overwrite && fs::exists(path)) throw core::InputError(path + ": exists; give --overwrite to replace it");
+  if (!overwrite && fs::exists(path))
+    throw core::InputError(path + ": exists; give --overwrite to replace it");
 }
 
 }  // namespace slam::files

@@ -44,12 +44,13 @@ IniFile IniFile::parse(const std::string& text, const std::string& name) {
     if (equals == std::string::npos || equals == 0)
       throw core::InputError(where + ": found '" + content + "', expected key = value");
     if (section.empty())
-      throw core::InputError(where + ": found '" + content + "' before any section, expected [section] first");
+      throw core::InputError(where + ": found '" + content +
+                             "' before any section, expected [section] first");
     const std::string key = trimmed(content.substr(0, equals));
     auto& entries = ini.sections_[section];
     if (const auto it = entries.find(key); it != entries.end())
-      throw core::InputError(where + ": section [" + section + "], key '" + key + "' is given twice, first at " +
-                       it->second.origin);
+      throw core::InputError(where + ": section [" + section + "], key '" + key +
+                             "' is given twice, first at " + it->second.origin);
     entries[key] = {trimmed(content.substr(equals + 1)), where};
   }
   return ini;

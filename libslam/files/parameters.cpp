@@ -83,7 +83,7 @@ ParameterValue parse(const std::string& text, const ParameterInfo& info, const s
                      const std::string& origin) {
   const auto reject = [&]() {
     return core::InputError(origin + ": section [" + section + "], key '" + info.key + "': found '" + text +
-                      "', expected " + expectedText(info));
+                            "', expected " + expectedText(info));
   };
   if (std::holds_alternative<double>(info.default_value)) {
     double value = 0;
@@ -117,7 +117,7 @@ void rejectUnknownKeys(const IniFile& ini, const std::string& section,
     for (const auto& k : known) found = found || k == key;
     if (!found)
       throw core::InputError(entry.origin + ": section [" + section + "], unknown key '" + key + "'" +
-                       core::didYouMean(key, known));
+                             core::didYouMean(key, known));
   }
 }
 

@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/files/parameters.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/obstacles/local_obstacle_map.h"
 #include "libslam/robot/drive.h"
-#include "libslam/lidar/scan.h"
 
 namespace slam::goals {
 

@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/obstacles/local_obstacle_map.h"
 #include "libslam/obstacles/seen_floor.h"
 #include "libslam/robot/drive.h"
-#include "libslam/lidar/scan.h"
 
 namespace slam::goals {
 

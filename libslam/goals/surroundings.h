@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/safety/obstacle_memory.h"
-#include "libslam/robot/drive.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/robot/drive.h"
+#include "libslam/safety/obstacle_memory.h"
 
 namespace slam::goals {
 

@@ -55,7 +55,8 @@ void GraphSlam::estimateCovariance(const keyframes::Expected& e, const scanmatch
   least_ = noise_ + stays * Q * stays.transpose();
   covariance_ = scanmatch::withoutNegatives(root * root.transpose() + least_, keyframes::kLeastShare, 0);
   from_keyframe_ = scanmatch::withoutNegatives(
-      stays * (since * from_keyframe_ * since.transpose() + Q) * stays.transpose(), keyframes::kLeastShare, 0);
+      stays * (since * from_keyframe_ * since.transpose() + Q) * stays.transpose(), keyframes::kLeastShare,
+      0);
 }
 
 /// What a scan's pose errs by beyond its keyframe's. Both were matched to a map, each with its own noise; but
@@ -91,8 +92,8 @@ std::vector<Eigen::Matrix3d> GraphSlam::covariances() const {
   result.reserve(records_.size());
   for (const auto& record : records_) {
     const Pose2& T_map_keyframe = map_->pose(record.keyframe);
-    const Eigen::Matrix3d J =
-        keyframes::moved(core::position(T_map_keyframe), core::position(T_map_keyframe * record.T_keyframe_robot));
+    const Eigen::Matrix3d J = keyframes::moved(core::position(T_map_keyframe),
+                                               core::position(T_map_keyframe * record.T_keyframe_robot));
     result.push_back(J * keyframes[static_cast<size_t>(record.keyframe)] * J.transpose() +
                      record.drift_covariance);
   }

@@ -39,7 +39,8 @@ constexpr double kFoundBack_rad = 0.3;
 /// kShared of them; what is missing there counts, too. 0 without a scan before.
 double GraphSlam::brokenBy(const std::vector<PatchPoint>& points, const Pose2& T_previous_robot) const {
   if (before() == nullptr) return 0;
-  const keyframes::View seen = keyframes::view(before()->scan, before()->T_seen_robot * T_previous_robot, points);
+  const keyframes::View seen =
+      keyframes::view(before()->scan, before()->T_seen_robot * T_previous_robot, points);
   const double shared =
       std::max<double>(seen.agreed + seen.passed, kShared * static_cast<double>(points.size()));
   return shared > 0 ? 1 - seen.agreed / shared : 0;
@@ -48,8 +49,8 @@ double GraphSlam::brokenBy(const std::vector<PatchPoint>& points, const Pose2& T
 /// The motion since the scan before by which the two scans contradict each other least, and by how much: as
 /// odometry has it, as matched, or, where these do not fit, as the two scans alone have it.
 keyframes::Break GraphSlam::breakBefore(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
-                             const Pose2& T_previous_robot, const Pose2& T_previous_matched,
-                             bool has_odometry) const {
+                                        const Pose2& T_previous_robot, const Pose2& T_previous_matched,
+                                        bool has_odometry) const {
   if (before() == nullptr || points.empty()) return {T_previous_robot, std::nan("")};
   keyframes::Break best{T_previous_robot, 1};
   const auto consider = [&](const Pose2& T) {
@@ -69,13 +70,6 @@ keyframes::Break GraphSlam::breakBefore(const lidar::Scan& scan, const std::vect
   return best;
 }
 
-/// Of what speaks of a scan's place, the share that speaks against it, when the map explains so much of the
-/// scan.
-double keyframes::Told::against(double explained) const {
-  const double against = contradicted * telling;
-  return against + explained > 0 ? against / (against + explained) : 0;
-}
-
 /// What a scan says of whether the robot was kidnapped. A scan that the map explains does not contradict it,
 /// whatever beams went through where somebody stands now.
 void GraphSlam::lookWhetherLost(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
@@ -83,11 +77,13 @@ void GraphSlam::lookWhetherLost(const lidar::Scan& scan, const std::vector<Patch
   keyframes::Told told;
   double explained = step.score;
   if (doubt_.begins < 0) {
-    told = map_->toldBy(keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers), points, step.T_map_robot, &scan);
+    told = map_->toldBy(keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers), points,
+                        step.T_map_robot, &scan);
   } else {
     told = trackBefore(scan, points, increment, explained);
     // People who walk about contradict what was seen a moment ago, too.
-    const auto own = map_->toldBy(keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers), points, step.T_map_robot, &scan);
+    const auto own = map_->toldBy(keyframes::firstOf(map_keyframes_, keyframes::kAskedViewers), points,
+                                  step.T_map_robot, &scan);
     told.contradicted = std::max(told.contradicted - own.contradicted, 0.0);
   }
   LostDetector::Look look{};
@@ -104,7 +100,7 @@ void GraphSlam::lookWhetherLost(const lidar::Scan& scan, const std::vector<Patch
 /// While in doubt: where the robot is if it was not kidnapped, by the map from before, and what that says of
 /// the scan. Odometry leads, within its noise.
 keyframes::Told GraphSlam::trackBefore(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
-                            const Pose2& increment, double& explained) {
+                                       const Pose2& increment, double& explained) {
   const keyframes::Prediction step = predict(increment, true);
   PosePrior prior;
   prior.mean = doubt_.T_map_robot * increment;

@@ -53,8 +53,8 @@ GraphSlam::Step GraphSlam::process(const lidar::Scan& scan, const Pose2& T_previ
     const keyframes::Break seam = breakBefore(scan, points, increment, matched, has_odometry);
     lookWhetherLost(scan, points, step, has_odometry ? increment : matched, seam.contradicted);
     const keyframes::Trust trust = weighDoubt(T_before, seam, step);
-    step.is_keyframe =
-        trust == keyframes::Trust::kOwnMap || (trust == keyframes::Trust::kWell && needsKeyframe(scan, points, step));
+    step.is_keyframe = trust == keyframes::Trust::kOwnMap ||
+                       (trust == keyframes::Trust::kWell && needsKeyframe(scan, points, step));
     if (trust == keyframes::Trust::kBack) {
       comeBack(scan, points, step);
       step.is_keyframe = true;
@@ -170,8 +170,9 @@ void GraphSlam::finish() {
   if (map_->keyframes().empty()) return;
   completeClosing();
   if (options_.loops) joinRemainingParts();
-  const auto first_new = std::find_if(map_->keyframes().begin(), map_->keyframes().end(),
-                                      [](const keyframes::Keyframe& one) { return one.scan != keyframes::kOfEarlierRun; });
+  const auto first_new =
+      std::find_if(map_->keyframes().begin(), map_->keyframes().end(),
+                   [](const keyframes::Keyframe& one) { return one.scan != keyframes::kOfEarlierRun; });
   if (options_.loops)
     loops_.searchRemainingLoops(static_cast<int>(first_new - map_->keyframes().begin()),
                                 [this] { haveMoved(); });

@@ -12,16 +12,16 @@
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
 #include "libslam/graph/change_marks.h"
+#include "libslam/graph/lost_detector.h"
 #include "libslam/keyframes/graph_options.h"
 #include "libslam/keyframes/keyframe_map.h"
+#include "libslam/keyframes/types.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/loops/loop_closer.h"
-#include "libslam/graph/lost_detector.h"
 #include "libslam/loops/part_finder.h"
 #include "libslam/loops/part_place.h"
-#include "libslam/keyframes/types.h"
 #include "libslam/odometry/path_scale.h"
 #include "libslam/posegraph/pose_graph.h"
-#include "libslam/lidar/scan.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 
 namespace slam::graph {
@@ -164,11 +164,13 @@ class GraphSlam {
   Step track(const lidar::Scan& scan, const core::Pose2& T_previous_robot, bool has_odometry, Points& points,
              Eigen::Matrix3d& information);
   keyframes::Expected expect(const core::Pose2& T_previous_robot, bool has_odometry) const;
-  keyframes::Start bestStart(const lidar::Scan& scan, const Points& points, const keyframes::Expected& expected) const;
+  keyframes::Start bestStart(const lidar::Scan& scan, const Points& points,
+                             const keyframes::Expected& expected) const;
   void slide(const keyframes::Expected& expected, const core::Pose2& motion,
              const std::function<void(const core::Pose2&)>& consider) const;
   double unlikely(const core::Pose2& T_map_robot, const keyframes::Expected& expected) const;
-  double brokenAt(const core::Pose2& T_map_robot, const Points& points, const keyframes::Expected& expected) const;
+  double brokenAt(const core::Pose2& T_map_robot, const Points& points,
+                  const keyframes::Expected& expected) const;
   bool isBetter(const scanmatch::MatchResult& other, const scanmatch::MatchResult& than, double least_gain,
                 const Points& points, const keyframes::Expected& expected) const;
   bool isPoor(const scanmatch::MatchResult& result, const Points& points) const;
@@ -192,10 +194,11 @@ class GraphSlam {
 
   // doubt.cpp: whether the robot was kidnapped
   double brokenBy(const Points& points, const core::Pose2& T_previous_robot) const;
-  keyframes::Break breakBefore(const lidar::Scan& scan, const Points& points, const core::Pose2& T_previous_robot,
-                    const core::Pose2& T_previous_matched, bool has_odometry) const;
+  keyframes::Break breakBefore(const lidar::Scan& scan, const Points& points,
+                               const core::Pose2& T_previous_robot, const core::Pose2& T_previous_matched,
+                               bool has_odometry) const;
   keyframes::Told trackBefore(const lidar::Scan& scan, const Points& points, const core::Pose2& increment,
-                   double& explained);
+                              double& explained);
   void comeBack(const lidar::Scan& scan, Points points, Step& step);
   void lookWhetherLost(const lidar::Scan& scan, const Points& points, const Step& step,
                        const core::Pose2& increment, double broken);
@@ -236,7 +239,8 @@ class GraphSlam {
   void refine();
 
   keyframes::GraphOptions options_;
-  std::unique_ptr<keyframes::KeyframeMap> map_;  ///< stays where it is when this is moved: the next two look at it
+  std::unique_ptr<keyframes::KeyframeMap>
+      map_;  ///< stays where it is when this is moved: the next two look at it
   loops::LoopCloser loops_;
   loops::PartFinder finder_;
   std::vector<keyframes::Record> records_;
@@ -259,17 +263,17 @@ class GraphSlam {
   int unsure_from_ = 0;                      ///< keyframe; meanwhile
   int explained_ = 0;                        ///< scans in a row
   double let_go_m_ = 0;                      ///< driven then
-  std::vector<keyframes::Seen> seen_;                   ///< one per lidar
+  std::vector<keyframes::Seen> seen_;        ///< one per lidar
   int before_ = -1;                          ///< of these, the one of the scan at hand; -1: its lidar is new
   double previous_time_s_ = 0;               ///< of the last scan of any
   double period_s_ = 0, mean_period_s_ = 0;  ///< from the scan before to the last one
   LostDetector lost_;
   keyframes::Doubt doubt_;
-  int held_back_ = 0;                          ///< scans in a row that were not believed
-  std::vector<keyframes::KnownPart> known_parts_;         ///< those after the first
-  int wrong_places_ = 0;                       ///< that were learnt from
-  bool is_lost_ = false, is_outside_ = false;  ///< in a finished map
-  scanmatch::SurfelMap pass_map_;              ///< of one pass through a place
+  int held_back_ = 0;                              ///< scans in a row that were not believed
+  std::vector<keyframes::KnownPart> known_parts_;  ///< those after the first
+  int wrong_places_ = 0;                           ///< that were learnt from
+  bool is_lost_ = false, is_outside_ = false;      ///< in a finished map
+  scanmatch::SurfelMap pass_map_;                  ///< of one pass through a place
 };
 
 }  // namespace slam::graph

@@ -100,7 +100,8 @@ bool GraphSlam::hasChanged(const lidar::Scan& scan, const std::vector<PatchPoint
     bool is_passed = false, is_agreed = false;
     for (size_t i = 0; i < viewers.size(); ++i) {
       const keyframes::Sight seen = map_->sight(viewers[i], T_lidars_map[i] * p_map);
-      is_passed = is_passed || seen == keyframes::Sight::kPassed, is_agreed = is_agreed || seen == keyframes::Sight::kAgreed;
+      is_passed = is_passed || seen == keyframes::Sight::kPassed,
+      is_agreed = is_agreed || seen == keyframes::Sight::kAgreed;
     }
     if (is_passed && !is_agreed) changed += appeared_.look(p_map, scan.time_s);
   }
@@ -109,7 +110,8 @@ bool GraphSlam::hasChanged(const lidar::Scan& scan, const std::vector<PatchPoint
   for (const int viewer : viewers)
     for (const auto& point : map_->keyframe(viewer).points) {
       const Point2 p_map = map_->pose(viewer) * position(point);
-      if (keyframes::sight(scan, T_lidar_map * p_map) == keyframes::Sight::kPassed) gone += gone_.look(p_map, scan.time_s);
+      if (keyframes::sight(scan, T_lidar_map * p_map) == keyframes::Sight::kPassed)
+        gone += gone_.look(p_map, scan.time_s);
     }
   if (gone >= kLeastChanged) forgetGone(scan, T_map_robot);
   return changed >= kLeastChanged;

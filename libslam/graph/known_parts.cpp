@@ -35,7 +35,8 @@ void GraphSlam::addKnownKeyframe(const lidar::Scan& scan, const Pose2& T_given_r
     map_->drive(core::hypot(T_odometry_.x, T_odometry_.y));
   }
   const bool loops = std::exchange(options_.loops, false);
-  addKeyframe(scan, keyframes::pointsOf(scan, options_), T_map_robot, scanmatch::poseInformation(kKnown_m, kKnown_rad));
+  addKeyframe(scan, keyframes::pointsOf(scan, options_), T_map_robot,
+              scanmatch::poseInformation(kKnown_m, kKnown_rad));
   if (begins_part) loosen(k);
   map_->keyframes().back().scan = keyframes::kOfEarlierRun;
   options_.loops = loops;
@@ -91,7 +92,8 @@ void GraphSlam::judge(size_t part, loops::PartPlace& place) const {
     for (const int other : map_->keyframesWithin(core::position(map_->pose(k)), options_.map_radius_m))
       if ((other < first || other >= end) && static_cast<int>(viewers.size()) < keyframes::kAskedViewers)
         viewers.push_back(other);
-    const keyframes::Told said = map_->toldBy(viewers, map_->keyframe(k).points, map_->pose(k), &map_->keyframe(k).seen);
+    const keyframes::Told said =
+        map_->toldBy(viewers, map_->keyframe(k).points, map_->pose(k), &map_->keyframe(k).seen);
     if (said.telling < keyframes::kToldToJoin) continue;
     ++sharing;
     told += said.telling;

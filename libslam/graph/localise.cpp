@@ -89,14 +89,15 @@ bool GraphSlam::searchWhileLost(const std::vector<PatchPoint>& points, Step& ste
 
 /// Whether a scan as a whole fits the map near a pose: explained, and seen through by no beam.
 bool GraphSlam::fitsMap(const std::vector<PatchPoint>& points, const Pose2& T_map_robot) const {
-  const auto around = keyframes::firstOf(map_->keyframesWithin(core::position(T_map_robot), options_.map_radius_m),
-                              options_.map_keyframes);
+  const auto around = keyframes::firstOf(
+      map_->keyframesWithin(core::position(T_map_robot), options_.map_radius_m), options_.map_keyframes);
   if (around.empty()) return false;
   const auto matched = map_->matchFreely(points, around, T_map_robot);
   return matched.score >= options_.recover_score &&
          core::distance(matched.T_map_robot, T_map_robot) < kSame_m &&
          std::abs(core::angleDifference(matched.T_map_robot.phi, T_map_robot.phi)) < kSame_rad &&
-         map_->meanConflict(keyframes::firstOf(around, keyframes::kViewers), matched.T_map_robot, points) < options_.loop_conflict;
+         map_->meanConflict(keyframes::firstOf(around, keyframes::kViewers), matched.T_map_robot, points) <
+             options_.loop_conflict;
 }
 
 void GraphSlam::beLost(double score) {

@@ -34,8 +34,9 @@ Pose2 goneOn(const Pose2& T, double times) {
 /// What is there to go by: the time since the scan before, and the last scan of the same lidar.
 void GraphSlam::noteScan(const lidar::Scan& scan, bool has_odometry) {
   if (seen_.empty()) return;
-  const auto same = std::find_if(seen_.begin(), seen_.end(),
-                                 [&](const keyframes::Seen& seen) { return lidar::areOfOneLidar(seen.scan, scan); });
+  const auto same = std::find_if(seen_.begin(), seen_.end(), [&](const keyframes::Seen& seen) {
+    return lidar::areOfOneLidar(seen.scan, scan);
+  });
   before_ = same == seen_.end() ? -1 : static_cast<int>(same - seen_.begin());
   const bool is_first = !(period_s_ > 0);
   const double since_s = scan.time_s - previous_time_s_;

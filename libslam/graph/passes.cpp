@@ -61,13 +61,16 @@ std::optional<scanmatch::MatchResult> GraphSlam::matchToPass(int k, const std::v
   scanmatch::PosePrior flat;
   flat.mean = T_map_robot;
   flat.information.setIdentity();
-  auto matched = alignToSurfels(map_->keyframe(k).points, pass_map_, T_map_robot, flat, keyframes::matchOptions(10));
+  auto matched =
+      alignToSurfels(map_->keyframe(k).points, pass_map_, T_map_robot, flat, keyframes::matchOptions(10));
   if (!keyframes::isFollowed(matched.T_map_robot, T_map_robot)) return std::nullopt;
   matched.information = keyframes::toldInformation(map_->keyframe(k).points, pass_map_, matched.T_map_robot);
   if (matched.score >= options_.loop_confirm_score) return matched;
   // Of what lies beyond the pass nothing can be explained.
-  const double telling = std::min(
-      map_->toldBy(keyframes::firstOf(pass, keyframes::kAskedViewers), map_->keyframe(k).points, matched.T_map_robot).telling, 1.0);
+  const double telling = std::min(map_->toldBy(keyframes::firstOf(pass, keyframes::kAskedViewers),
+                                               map_->keyframe(k).points, matched.T_map_robot)
+                                      .telling,
+                                  1.0);
   if (telling < kLeastTelling || matched.score < options_.loop_confirm_score * telling) return std::nullopt;
   return matched;
 }

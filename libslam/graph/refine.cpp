@@ -39,7 +39,8 @@ void GraphSlam::refine() {
       if (partners.empty()) continue;
       posegraph::Edge edge;
       edge.to = k;
-      const Eigen::Matrix3d told = keyframes::toldInformation(map_->keyframe(k).points, map, matched.T_map_robot);
+      const Eigen::Matrix3d told =
+          keyframes::toldInformation(map_->keyframe(k).points, map, matched.T_map_robot);
       edge.information =
           scanmatch::edgeInformation(told, matched.T_map_robot.phi) / static_cast<double>(partners.size());
       for (const int partner : partners) {

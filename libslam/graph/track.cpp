@@ -110,11 +110,12 @@ keyframes::Expected GraphSlam::expect(const Pose2& T_previous_robot, bool has_od
 
 /// The start that explains most of a scan, odometry's unless another is better by more than kStartGain.
 keyframes::Start GraphSlam::bestStart(const lidar::Scan& scan, const std::vector<PatchPoint>& points,
-                           const keyframes::Expected& e) const {
+                                      const keyframes::Expected& e) const {
   const double own = surfelScore(points, maps_.coarse, e.predicted, keyframes::kKernel, keyframes::kStride);
   keyframes::Start best{e.predicted, kStartGain};
   const auto consider = [&](const Pose2& candidate) {
-    const double gain = surfelScore(points, maps_.coarse, candidate, keyframes::kKernel, keyframes::kStride) - own;
+    const double gain =
+        surfelScore(points, maps_.coarse, candidate, keyframes::kKernel, keyframes::kStride) - own;
     if (gain > best.gain) best = {candidate, gain};
   };
   consider(e.T_before * T_previous_robot_);
@@ -149,7 +150,8 @@ double GraphSlam::unlikely(const Pose2& T, const keyframes::Expected& e) const {
 }
 
 /// How far the scan before contradicts a pose: from where that was matched, or where wheels have it.
-double GraphSlam::brokenAt(const Pose2& T, const std::vector<PatchPoint>& points, const keyframes::Expected& e) const {
+double GraphSlam::brokenAt(const Pose2& T, const std::vector<PatchPoint>& points,
+                           const keyframes::Expected& e) const {
   const double matched = brokenBy(points, core::between(e.T_before, T));
   return by_wheels_ ? std::min(matched, brokenBy(points, core::between(*by_wheels_, T))) : matched;
 }
@@ -174,7 +176,8 @@ bool GraphSlam::isPoor(const MatchResult& result, const std::vector<PatchPoint>&
 
 /// The best match of a scan to the map around, and whether odometry was dropped for it.
 std::pair<MatchResult, bool> GraphSlam::bestMatch(const lidar::Scan& scan,
-                                                  const std::vector<PatchPoint>& points, const keyframes::Expected& e) {
+                                                  const std::vector<PatchPoint>& points,
+                                                  const keyframes::Expected& e) {
   const auto [T_step, sigma_xy, sigma_turn] = e.step;
   const keyframes::Start start = bestStart(scan, points, e);
   PosePrior prior;
@@ -195,7 +198,8 @@ std::pair<MatchResult, bool> GraphSlam::bestMatch(const lidar::Scan& scan,
       elsewhere.mean = start.T_map_robot;
       elsewhere.information = scanmatch::poseInformation(3 * sigma_xy + 0.1, 3 * sigma_turn + 0.05);
     }
-    const auto other = keyframes::match(points, maps_, start.T_map_robot, elsewhere, options_.odometry_kernel, true);
+    const auto other =
+        keyframes::match(points, maps_, start.T_map_robot, elsewhere, options_.odometry_kernel, true);
     if (isBetter(other, result, kStartGain, points, e)) {
       result = other;
       distrusted = contradicted;

@@ -13,7 +13,7 @@
 namespace slam::keyframes {
 
 /// What GraphSlam, LoopCloser and PartFinder share: the keyframes, the graph that ties them together, how
-/// they hang together, and what they say of scans. For this room only.
+/// they hang together, and what they say of scans. For the rooms of graph SLAM only.
 class KeyframeMap {
  public:
   explicit KeyframeMap(const GraphOptions& options);

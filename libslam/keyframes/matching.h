@@ -5,7 +5,7 @@
 #include "libslam/lidar/scan.h"
 #include "libslam/scanmatch/information.h"
 
-/// How scans are matched to the surfels of keyframes. For this room only.
+/// How scans are matched to the surfels of keyframes. For the rooms of graph SLAM only.
 namespace slam::keyframes {
 
 /// In standard deviations of a surfel: farther points hardly count.

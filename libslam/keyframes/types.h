@@ -9,13 +9,13 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/keyframes/graph_options.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/posegraph/optimize.h"
 #include "libslam/posegraph/pose_graph.h"
-#include "libslam/lidar/scan.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 
 /// What graph SLAM keeps: keyframes, the places that it follows, and what it thinks of the robot. For
-/// this room only.
+/// the rooms of graph SLAM only.
 namespace slam::keyframes {
 
 struct Keyframe {

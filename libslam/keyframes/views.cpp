@@ -85,7 +85,8 @@ Told KeyframeMap::toldBy(const std::vector<int>& viewers, const std::vector<Patc
   for (const int viewer : viewers) {
     double passed = 0, theirs = 0, its = 0;
     const Pose2 T_viewer_scan = core::between(graph_.pose(viewer), T_map_robot);
-    add(keyframes::view(keyframe(viewer).seen, T_viewer_scan, points, kStride), points.size(), passed, theirs);
+    add(keyframes::view(keyframe(viewer).seen, T_viewer_scan, points, kStride), points.size(), passed,
+        theirs);
     const auto& known = keyframe(viewer).points;
     if (scan != nullptr && !known.empty())
       add(keyframes::view(*scan, core::inverse(T_viewer_scan), known, kStride), known.size(), passed, its);
@@ -95,6 +96,13 @@ Told KeyframeMap::toldBy(const std::vector<int>& viewers, const std::vector<Patc
   told.contradicted /= static_cast<double>(viewers.size());
   told.telling /= static_cast<double>(viewers.size());
   return told;
+}
+
+/// Of what speaks of a scan's place, the share that speaks against it, when the map explains so much of the
+/// scan.
+double Told::against(double explained) const {
+  const double against = contradicted * telling;
+  return against + explained > 0 ? against / (against + explained) : 0;
 }
 
 }  // namespace slam::keyframes

@@ -7,9 +7,9 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
+#include "libslam/learn/student_folder.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/resources/manifest.h"
-#include "libslam/learn/student_folder.h"
 
 namespace slam::learn {
 namespace fs = std::filesystem;

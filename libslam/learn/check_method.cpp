@@ -5,14 +5,14 @@
 #include <optional>
 
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
 #include "libslam/core/middle_value.h"
+#include "libslam/files/files.h"
 #include "libslam/learn/check_answer.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/metrics/trajectory_error.h"
-#include "libslam/run/external_method.h"
 #include "libslam/resources/ini_yaml.h"
+#include "libslam/run/external_method.h"
 
 namespace slam::learn {
 namespace fs = std::filesystem;

@@ -5,9 +5,9 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/manifest.h"
 #include "libslam/learn/check_answer.h"
 #include "libslam/process/measured_process.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/table/table.h"
 
 namespace slam::learn {
@@ -82,8 +82,9 @@ Verdict checkStrategy(const Lesson& lesson, std::uint64_t student, const std::st
   const Place place{lesson, hidden, scratch.path(), progress};
   place.makePlan("plan.yaml");
   const auto* duration = lesson.ini.find("strategy_check", "duration_s");
-  const std::string line = resources::shellQuoted({build + "/" + program, scratch / "plan.yaml", scratch / "out",
-                                              std::to_string(student), duration ? duration->value : "150"});
+  const std::string line =
+      resources::shellQuoted({build + "/" + program, scratch / "plan.yaml", scratch / "out",
+                              std::to_string(student), duration ? duration->value : "150"});
   const auto outcome = process::runMeasured(line, scratch.path(), {300, 4000}, progress);
   if (outcome.exit_code != 0 || !fs::exists(scratch / "out/runs.csv"))
     return hinted(lesson, Finding::kCrashed, "crashed",

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <charconv>
 
-#include "libslam/resources/data_folder.h"
 #include "libslam/core/error.h"
+#include "libslam/resources/data_folder.h"
+#include "libslam/resources/ini_yaml.h"
 #include "libslam/resources/manifest.h"
 #include "libslam/resources/resources.h"
-#include "libslam/resources/ini_yaml.h"
 
 namespace slam::learn {
 namespace {
@@ -67,7 +67,8 @@ LessonOptions::LessonOptions() {
 
 std::vector<Lesson> readLessons(const std::string& folder) {
   std::vector<Lesson> lessons;
-  for (const auto& name : resources::namesInFolder(folder, ".ini")) lessons.push_back(readLesson(folder, name));
+  for (const auto& name : resources::namesInFolder(folder, ".ini"))
+    lessons.push_back(readLesson(folder, name));
   std::sort(lessons.begin(), lessons.end(),
             [](const Lesson& a, const Lesson& b) { return a.options.number < b.options.number; });
   for (std::size_t i = 0; i < lessons.size(); ++i)

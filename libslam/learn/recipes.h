@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "libslam/resources/manifest.h"
 #include "libslam/core/progress.h"
 #include "libslam/learn/lesson.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/world/plan.h"
 
 namespace slam::learn {

@@ -11,8 +11,8 @@
 #include "libslam/logs/log_reader.h"
 #include "libslam/posegraph/g2o_io.h"
 #include "libslam/posegraph/optimize.h"
-#include "libslam/robot/odometry_noise.h"
 #include "libslam/rays/ray_caster.h"
+#include "libslam/robot/odometry_noise.h"
 
 namespace slam::learn {
 namespace {

@@ -10,9 +10,9 @@
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/odometry/scan_odometry.h"
+#include "libslam/rays/ray_caster.h"
 #include "libslam/record/user_drive.h"
 #include "libslam/sim/operation_log.h"
-#include "libslam/rays/ray_caster.h"
 
 namespace slam::learn {
 namespace {

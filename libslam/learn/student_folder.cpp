@@ -5,8 +5,8 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/resources/file_hash.h"
-#include "libslam/resources/manifest.h"
 #include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/manifest.h"
 
 namespace slam::learn {
 namespace fs = std::filesystem;

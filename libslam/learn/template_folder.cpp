@@ -8,11 +8,11 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/files/ini.h"
+#include "libslam/files/word_list.h"
+#include "libslam/reach/goal_methods.h"
 #include "libslam/resources/ini_yaml.h"
 #include "libslam/resources/manifest.h"
 #include "libslam/resources/resources.h"
-#include "libslam/files/word_list.h"
-#include "libslam/reach/goal_methods.h"
 #include "libslam/strategies/strategy.h"
 
 namespace slam::learn {

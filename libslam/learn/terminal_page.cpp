@@ -131,7 +131,8 @@ class Page {
     for (std::size_t r = 0; r < table_.size(); ++r) {
       std::string first;
       for (std::size_t c = 0; c + 1 < table_[r].size(); ++c)
-        first += table_[r][c] + (fits ? std::string(widths[c] + 2 - files::letters(table_[r][c]), ' ') : ": ");
+        first +=
+            table_[r][c] + (fits ? std::string(widths[c] + 2 - files::letters(table_[r][c]), ' ') : ": ");
       text_ += wrappedText(table_[r].back(), columns_, first, std::string(fits ? before : 4, ' '));
       if (r == 0 && fits) text_ += std::string(std::min(before + widths.back(), columns_), '-') + "\n";
     }

@@ -5,11 +5,11 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/resources/file_hash.h"
 #include "libslam/files/parameters.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/results/journal_file.h"
 #include "libslam/score/evaluate.h"
 

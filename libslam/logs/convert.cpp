@@ -16,10 +16,10 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/logs/log_format.h"
-#include "libslam/rawlogs/log_motion.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
+#include "libslam/rawlogs/log_motion.h"
 
 namespace slam::logs {
 namespace {
@@ -160,7 +160,8 @@ ConversionReport convertLog(const std::string& in, const std::string& out, const
   std::unique_ptr<objects::ObjectSource> source = std::move(sieve);
   const bool is_rawlog = conversion.to == LogFormat::kRawlog;
   if (!is_rawlog || conversion.form)
-    source = rawlogs::inForm(std::move(source), is_rawlog ? *conversion.form : rawlogs::RawlogForm::kObservationOnly, in);
+    source = rawlogs::inForm(std::move(source),
+                             is_rawlog ? *conversion.form : rawlogs::RawlogForm::kObservationOnly, in);
   const auto sink = createLog(out, conversion.to);
   Counter counter(report);
   progress.begin("converting to " + std::string(formatName(conversion.to)));

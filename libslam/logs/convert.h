@@ -7,9 +7,9 @@
 
 #include "libslam/core/progress.h"
 #include "libslam/logs/log_format.h"
-#include "libslam/rawlogs/rawlog_form.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/objects/object_stream.h"
+#include "libslam/rawlogs/rawlog_form.h"
 
 namespace slam::logs {
 

@@ -29,7 +29,7 @@ const std::vector<LogFormatInfo>& logFormats() {
        "MRPT rawlog",
        "rawlog",
        {".rawlog"},
-       looksLikeRawlog,
+       rawlogs::looksLikeRawlog,
        [](Text path) -> Source { return std::make_unique<rawlogs::RawlogObjects>(path); },
        [](Text path) -> Sink { return std::make_unique<rawlogs::RawlogSink>(path); }},
       {LogFormat::kCarmen,

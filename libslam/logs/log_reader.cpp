@@ -14,14 +14,14 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/logs/lidar_choice.h"
 #include "libslam/logs/log_format.h"
-#include "libslam/rawlogs/log_motion.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/objects/sweep_note.h"
-#include "libslam/lidar/mrpt_types.h"
+#include "libslam/rawlogs/log_motion.h"
 
 namespace slam::logs {
 namespace {

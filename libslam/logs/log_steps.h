@@ -13,9 +13,9 @@
 
 #include "libslam/files/files.h"
 #include "libslam/logs/log_edit.h"
-#include "libslam/rawlogs/rawlog_stream.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
+#include "libslam/rawlogs/rawlog_stream.h"
 
 namespace slam::logs {
 

@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/rawlogs/rawlog_stream.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/sweep_note.h"
-#include "libslam/lidar/mrpt_types.h"
+#include "libslam/rawlogs/rawlog_stream.h"
 
 namespace slam::logs {
 namespace {
@@ -82,7 +82,8 @@ struct LogWriter::State {
   std::map<std::string, std::string> sweep_notes = {};  ///< the last by label
 };
 
-LogWriter::LogWriter(const std::string& path, rawlogs::RawlogForm form) : state_(new State{rawlogs::RawlogSink(path), form}) {}
+LogWriter::LogWriter(const std::string& path, rawlogs::RawlogForm form)
+    : state_(new State{rawlogs::RawlogSink(path), form}) {}
 LogWriter::~LogWriter() = default;
 
 void LogWriter::write(const LogEntry& entry) {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
 #include "libslam/core/fixed_number.h"
+#include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
 
 namespace slam::logs {

@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-#include "libslam/files/csv.h"
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/fixed_number.h"
+#include "libslam/files/csv.h"
 
 namespace slam::logs {
 namespace {

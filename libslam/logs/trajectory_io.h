@@ -1,8 +1,8 @@
 #pragma once
 #include <string>
 
-#include "libslam/files/files.h"
 #include "libslam/core/pose2.h"
+#include "libslam/files/files.h"
 
 namespace slam::logs {
 

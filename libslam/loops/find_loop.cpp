@@ -1,14 +1,12 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <unordered_set>
 #include <utility>
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/middle_value.h"
-#include "libslam/loops/loop_closer.h"
 #include "libslam/keyframes/matching.h"
 #include "libslam/keyframes/search.h"
+#include "libslam/loops/loop_closer.h"
 #include "libslam/scanmatch/correlative_search.h"
 
 namespace slam::loops {
@@ -45,25 +43,6 @@ double viewRadius(const std::vector<Point2>& points) {
 
 }  // namespace
 
-std::vector<Point2> keyframes::searchPoints(const std::vector<PatchPoint>& points, size_t most) {
-  const auto kept = keyframes::thinned(points, keyframes::kQuerySpacing_m);
-  std::vector<Point2> result;
-  const size_t count = std::min(most, kept.size());
-  for (size_t i = 0; i < count; ++i) result.push_back(position(kept[i * kept.size() / count]));
-  return result;
-}
-
-std::vector<PatchPoint> keyframes::thinned(const std::vector<PatchPoint>& points, double side_m) {
-  std::unordered_set<std::int64_t> taken;
-  std::vector<PatchPoint> kept;
-  for (const auto& p : points) {
-    const auto column = static_cast<std::int64_t>(std::floor(p.x / side_m));
-    const auto row = static_cast<std::int64_t>(std::floor(p.y / side_m));
-    if (taken.insert(column * (std::int64_t{1} << 32) + row).second) kept.push_back(p);
-  }
-  return kept;
-}
-
 /// From keyframe k, how far it is to each of the old ones.
 keyframes::LoopSearch LoopCloser::loopSearch(int k) const {
   keyframes::LoopSearch search;
@@ -72,8 +51,8 @@ keyframes::LoopSearch LoopCloser::loopSearch(int k) const {
   const int component = map_->componentOf(k);
   for (int old = 0; old < k; ++old)
     if (map_->componentOf(old) != component)
-      search.way_m[static_cast<size_t>(old)] =
-          map_->keyframe(k).path_m - map_->keyframe(old).path_m - map_->gapsBetween(old, k) * keyframes::kGapPath_m;
+      search.way_m[static_cast<size_t>(old)] = map_->keyframe(k).path_m - map_->keyframe(old).path_m -
+                                               map_->gapsBetween(old, k) * keyframes::kGapPath_m;
   search.is_local.assign(map_->keyframes().size(), 0);
   for (const int local : map_->keyframesAround(k, core::position(map_->pose(k)), options_->map_path_m, 1e9))
     search.is_local[static_cast<size_t>(local)] = 1;
@@ -137,7 +116,8 @@ std::vector<keyframes::Hypothesis> LoopCloser::findLoop(int k, int query_first, 
 
 /// The same around one old keyframe.
 std::vector<keyframes::Hypothesis> LoopCloser::loopsAt(const keyframes::LoopSearch& search, int old) {
-  auto around = map_->keyframesAround(old, core::position(map_->pose(old)), keyframes::kPlacePath_m, keyframes::kPlaceRadius_m);
+  auto around = map_->keyframesAround(old, core::position(map_->pose(old)), keyframes::kPlacePath_m,
+                                      keyframes::kPlaceRadius_m);
   around.erase(std::remove_if(around.begin(), around.end(),
                               [&](int a) { return search.is_local[static_cast<size_t>(a)] != 0; }),
                around.end());
@@ -147,7 +127,8 @@ std::vector<keyframes::Hypothesis> LoopCloser::loopsAt(const keyframes::LoopSear
   const double reach_m = loopReach(search, old);
   const double coarser =
       std::clamp(std::max(reach_m / kFineReach_m, search.view_m / kFineView_m), 1.0, kCoarsest);
-  pyramid_.build(map_->placeAround(around), coarser * keyframes::kSearchCell_m, coarser * keyframes::kSearchSigma_m, keyframes::kSearchLevels);
+  pyramid_.build(map_->placeAround(around), coarser * keyframes::kSearchCell_m,
+                 coarser * keyframes::kSearchSigma_m, keyframes::kSearchLevels);
   scanmatch::SearchWindow window{
       reach_m, std::min(kSearchTurn_rad + kSearchTurnPerMetre_rad * search.way_m[static_cast<size_t>(old)],
                         kSearchTurnMost_rad)};
@@ -180,14 +161,16 @@ std::vector<keyframes::Hypothesis> LoopCloser::loopsAt(const keyframes::LoopSear
 
 /// A place that was found around an old keyframe, if its map, matched, explains what is searched for.
 std::optional<keyframes::Hypothesis> LoopCloser::loopFrom(const keyframes::LoopSearch& search, int old,
-                                               const std::vector<int>& around, const Pose2& T_found,
-                                               bool is_coarse, double least_score) {
+                                                          const std::vector<int>& around,
+                                                          const Pose2& T_found, bool is_coarse,
+                                                          double least_score) {
   const auto matched = map_->matchFreely(search.match_points, around, T_found, is_coarse);
   std::vector<int> viewers;
   for (const int a : around)
-    if (core::distance(map_->pose(a), matched.T_map_robot) <= keyframes::kViewerDistance_m) viewers.push_back(a);
-  const double conflict = map_->meanConflict(keyframes::firstOf(std::move(viewers), keyframes::kViewers), matched.T_map_robot,
-                                             map_->keyframe(search.keyframe).points);
+    if (core::distance(map_->pose(a), matched.T_map_robot) <= keyframes::kViewerDistance_m)
+      viewers.push_back(a);
+  const double conflict = map_->meanConflict(keyframes::firstOf(std::move(viewers), keyframes::kViewers),
+                                             matched.T_map_robot, map_->keyframe(search.keyframe).points);
   if (matched.score < least_score || conflict > 2 * options_->loop_conflict) return std::nullopt;
   map_->note(core::JournalEvent::kFound, matched.score, old);
   keyframes::Hypothesis hypothesis;

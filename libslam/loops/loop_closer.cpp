@@ -42,8 +42,11 @@ void LoopCloser::confirm(keyframes::Hypothesis& hypothesis, int k) const {
   const auto matched = keyframes::match(points, maps, expected, keyframes::followedTo(expected), 0, false);
   const double conflict = map_->meanConflict(viewers, matched.T_map_robot, points);
   const double unknown =
-      1 - std::min(map_->toldBy(keyframes::firstOf(around, keyframes::kAskedViewers), points, expected).telling, 1.0);
-  const bool is_there = conflict < options_->loop_conflict && keyframes::isFollowed(matched.T_map_robot, expected);
+      1 -
+      std::min(map_->toldBy(keyframes::firstOf(around, keyframes::kAskedViewers), points, expected).telling,
+               1.0);
+  const bool is_there =
+      conflict < options_->loop_conflict && keyframes::isFollowed(matched.T_map_robot, expected);
   hypothesis.says[k] = {is_there ? keyframes::kNatsPerScan * (matched.score - conflict) : 0, unknown};
   if (!is_there || matched.score < options_->loop_confirm_score) {
     hypothesis.failures += !is_there || matched.score + unknown < options_->loop_confirm_score;
@@ -88,10 +91,11 @@ std::optional<LoopCloser::Accepted> LoopCloser::closeLoops() {
     }
   }
   LoopJudge of_places = judge();
-  const auto confirmed = std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](keyframes::Hypothesis& one) {
-    return one.confirmations >= options_->loop_confirmations && one.evidence >= options_->loop_distinctness &&
-           isFollowedEnough(one, of_places);
-  });
+  const auto confirmed =
+      std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](keyframes::Hypothesis& one) {
+        return one.confirmations >= options_->loop_confirmations &&
+               one.evidence >= options_->loop_distinctness && isFollowedEnough(one, of_places);
+      });
   if (confirmed != hypotheses_.end()) {
     const keyframes::Hypothesis loop = *confirmed;
     hypotheses_.clear();
@@ -156,7 +160,7 @@ void LoopCloser::searchRemainingLoops(int first_searched, const std::function<vo
     });
     if (best == places.end() || !accept(*best, of_places)) continue;
     completeClosing();
-    keyframes::moved();
+    moved();
   }
 }
 

@@ -11,7 +11,7 @@
 namespace slam::loops {
 
 /// Closes loops of a KeyframeMap: looks for places that were seen before, follows them until they are
-/// confirmed or not, and finds all poses anew, a piece with every scan. For this room only.
+/// confirmed or not, and finds all poses anew, a piece with every scan. For the rooms of graph SLAM only.
 class LoopCloser {
  public:
   /// The map has to stay where it is.
@@ -61,8 +61,9 @@ class LoopCloser {
   std::vector<int> loopCandidates(const keyframes::LoopSearch& search) const;
   std::vector<keyframes::Hypothesis> findLoop(int keyframe, int query_first, int query_last);
   std::vector<keyframes::Hypothesis> loopsAt(const keyframes::LoopSearch& search, int old);
-  std::optional<keyframes::Hypothesis> loopFrom(const keyframes::LoopSearch& search, int old, const std::vector<int>& around,
-                                     const core::Pose2& T_found, bool is_coarse, double least_score);
+  std::optional<keyframes::Hypothesis> loopFrom(const keyframes::LoopSearch& search, int old,
+                                                const std::vector<int>& around, const core::Pose2& T_found,
+                                                bool is_coarse, double least_score);
 
   void beginClosing(const keyframes::Hypothesis& loop, bool is_linked);
   void beginClosing();

@@ -36,11 +36,13 @@ double LoopJudge::innovation(const keyframes::Hypothesis& loop) {
                             core::angleDifference(by_scans.phi, by_way.phi));
   const Eigen::Matrix3d noise =
       scanmatch::turned(keyframes_[static_cast<size_t>(loop.keyframe)].noise, T_map_old.phi);
-  const Eigen::Matrix3d expected = way_->relative(loop.old_keyframe, loop.keyframe) + keyframes::kBothViews * noise;
+  const Eigen::Matrix3d expected =
+      way_->relative(loop.old_keyframe, loop.keyframe) + keyframes::kBothViews * noise;
   return off.dot(scanmatch::covarianceOf(expected) * off);
 }
 
-bool LoopJudge::isBest(const keyframes::Hypothesis& loop, const std::vector<keyframes::Hypothesis>& others, Beyond beyond) {
+bool LoopJudge::isBest(const keyframes::Hypothesis& loop, const std::vector<keyframes::Hypothesis>& others,
+                       Beyond beyond) {
   return std::none_of(others.begin(), others.end(), [&](const keyframes::Hypothesis& other) {
     if (&other == &loop || (beyond == Beyond::kIsNoRival && !isTold(other))) return false;
     double ahead = (innovation(other) - innovation(loop)) / 2;

@@ -18,7 +18,8 @@ class LoopJudge {
  public:
   /// `witnesses` gives the keyframes' poses and what is known of them from one another; it is asked once,
   /// when the first question comes. The keyframes have to stay as they are meanwhile.
-  LoopJudge(std::function<posegraph::PoseGraph()> witnesses, const std::vector<keyframes::Keyframe>& keyframes)
+  LoopJudge(std::function<posegraph::PoseGraph()> witnesses,
+            const std::vector<keyframes::Keyframe>& keyframes)
       : witnesses_(std::move(witnesses)), keyframes_(keyframes) {}
 
   /// How far a loop lies from where the way between has its keyframe: squared, in standard deviations of that
@@ -29,7 +30,8 @@ class LoopJudge {
   /// be one of those that the map says little of as yet.
   enum class Beyond { kCounts, kIsNoRival };
   /// Whether no other place, or none that the map says enough of, is nearly as good.
-  bool isBest(const keyframes::Hypothesis& loop, const std::vector<keyframes::Hypothesis>& others, Beyond beyond);
+  bool isBest(const keyframes::Hypothesis& loop, const std::vector<keyframes::Hypothesis>& others,
+              Beyond beyond);
 
  private:
   std::function<posegraph::PoseGraph()> witnesses_;

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "libslam/keyframes/matching.h"
-#include "libslam/loops/part_finder.h"
 #include "libslam/keyframes/search.h"
+#include "libslam/loops/part_finder.h"
 
 /// A map of before that is held as a whole against the rest.
 namespace slam::loops {
@@ -40,8 +40,9 @@ bool isHopeless(const keyframes::Overlay& one) {
 }
 
 void sortByVotes(std::vector<keyframes::Overlay>& overlays) {
-  std::stable_sort(overlays.begin(), overlays.end(),
-                   [](const keyframes::Overlay& a, const keyframes::Overlay& b) { return a.votes > b.votes; });
+  std::stable_sort(
+      overlays.begin(), overlays.end(),
+      [](const keyframes::Overlay& a, const keyframes::Overlay& b) { return a.votes > b.votes; });
 }
 
 }  // namespace
@@ -66,15 +67,17 @@ std::optional<PartFinder::PlacedPart> PartFinder::placeOfPart(int first, int end
     overlay(one, first, end);
     progress.update(1, 0);
   }
-  const auto best = std::max_element(overlays.begin(), overlays.end(),
-                                     [](const keyframes::Overlay& a, const keyframes::Overlay& b) { return a.nats < b.nats; });
+  const auto best = std::max_element(
+      overlays.begin(), overlays.end(),
+      [](const keyframes::Overlay& a, const keyframes::Overlay& b) { return a.nats < b.nats; });
   if (best == overlays.end() || !fitsWell(*best)) return std::nullopt;
   double rival_nats = 0;
   for (const auto& other : overlays)
     if (map_->componentOf(other.place) == map_->componentOf(best->place) &&
         !isSame(placeAt(other, best->anchor), best->T_map_robot))
       rival_nats = std::max(rival_nats, other.nats);
-  if (rival_nats > keyframes::twinShare(best->fits.diagonal_m()) * best->nats || best->nats - rival_nats < keyframes::kAhead)
+  if (rival_nats > keyframes::twinShare(best->fits.diagonal_m()) * best->nats ||
+      best->nats - rival_nats < keyframes::kAhead)
     return std::nullopt;
   PartPlace place;
   place.fitting = best->fitting;
@@ -101,7 +104,8 @@ bool PartFinder::fitsWell(const keyframes::Overlay& one) const {
 }
 
 /// Places of the map, beyond the part, where what was seen around one of its keyframes fits.
-void PartFinder::lookFrom(int anchor, std::vector<keyframes::Overlay>& overlays, const std::function<void()>& tell) {
+void PartFinder::lookFrom(int anchor, std::vector<keyframes::Overlay>& overlays,
+                          const std::function<void()>& tell) {
   std::vector<PatchPoint> query;
   for (int k = anchor; k >= join_first_ && anchor - k < keyframes::kMostQueryKeyframes; --k) {
     if (map_->keyframe(anchor).path_m - map_->keyframe(k).path_m >= options_->loop_path_m) break;
@@ -112,7 +116,8 @@ void PartFinder::lookFrom(int anchor, std::vector<keyframes::Overlay>& overlays,
   for (const int place : places) {
     tell();
     for (int heading = 0; heading < keyframes::kHeadings; ++heading) {
-      const auto found = matchAtPlace(query, place, map_->pose(anchor).phi + heading * keyframes::kHeadingStep_rad);
+      const auto found =
+          matchAtPlace(query, place, map_->pose(anchor).phi + heading * keyframes::kHeadingStep_rad);
       if (!found) continue;
       const auto known = std::find_if(overlays.begin(), overlays.end(), [&](const keyframes::Overlay& one) {
         return isSame(placeAt(one, anchor), found->T_map_robot);

@@ -4,8 +4,8 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/keyframes/matching.h"
-#include "libslam/loops/part_finder.h"
 #include "libslam/keyframes/search.h"
+#include "libslam/loops/part_finder.h"
 #include "libslam/scanmatch/correlative_search.h"
 
 namespace slam::loops {
@@ -34,12 +34,6 @@ constexpr double kSame_m = 0.5, kSame_rad = 0.1;
 constexpr size_t kProofPoints = 120;
 constexpr double kProofMargin = 0.1;
 constexpr double kTwin_m = 2, kTwin_rad = 0.5;
-/// A map that has a twin of a place within itself may have one beyond its edge, too, where the robot may be:
-/// by so much of its way at least, in metres, a part must fit one place better than every other.
-constexpr double kAlone_m = 3;
-/// Less is what wrong places of furnished rooms reach (0.6 to 0.7 of the right one's score), not rooms that
-/// look the same (0.7 to 0.9): in a dozen drives of benchmarks/kidnapped, seeds 1000 to 1046.
-constexpr double kLeastTwin = 0.7;
 /// A twin that was followed and left behind counts no more when this one fits over so many times its extent.
 constexpr double kRefuted = 2;
 /// Points that have to fit, after a twin was found, before the next proof.
@@ -51,22 +45,6 @@ bool isSame(const Pose2& a, const Pose2& b) {
 }
 
 }  // namespace
-
-double keyframes::twinShare(double fits_m) {
-  return std::max(kLeastTwin, 1 - kAlone_m / fits_m);
-}
-
-scanmatch::PosePrior keyframes::followedTo(const Pose2& T_map_robot) {
-  scanmatch::PosePrior prior;
-  prior.mean = T_map_robot;
-  prior.information.diagonal() << 100, 100, 1000;
-  return prior;
-}
-
-bool keyframes::isFollowed(const Pose2& T_map_matched, const Pose2& T_map_expected) {
-  return core::distance(T_map_matched, T_map_expected) <= keyframes::kConfirmStep_m &&
-         std::abs(core::angleDifference(T_map_matched.phi, T_map_expected.phi)) <= keyframes::kConfirmTurn_rad;
-}
 
 /// The trail: keyframes of a part, or what a robot that is lost in a finished map has seen.
 int PartFinder::trailSize() const {
@@ -97,13 +75,15 @@ void PartFinder::lookAtNextPlace(int component) {
   const int last = trailSize() - 1;
   std::vector<PatchPoint> query;
   double way_m = 0;
-  for (int i = last; i >= 0 && last - i < keyframes::kMostQueryKeyframes && way_m < options_->loop_path_m; --i) {
+  for (int i = last; i >= 0 && last - i < keyframes::kMostQueryKeyframes && way_m < options_->loop_path_m;
+       --i) {
     const Pose2 T_last_i = core::between(trailPose(last), trailPose(i));
     for (const auto& point : trailPoints(i)) query.push_back(T_last_i * point);
     if (i > 0) way_m += core::distance(trailPose(i), trailPose(i - 1));
   }
   // Headings of the trail, so that it does not matter how the robot turns meanwhile.
-  const double heading = trailPose(last).phi + static_cast<double>(turn % keyframes::kHeadings) * keyframes::kHeadingStep_rad;
+  const double heading =
+      trailPose(last).phi + static_cast<double>(turn % keyframes::kHeadings) * keyframes::kHeadingStep_rad;
   const auto matched = matchAtPlace(query, place, heading);
   if (!matched) return;
   map_->note(core::JournalEvent::kFound, matched->score, place);
@@ -124,9 +104,10 @@ void PartFinder::addJoin(int place, const Pose2& T_map_robot) {
   if (join.fitting == 0) return;
   join.back.T_map_robot = join.forth.T_map_robot;
   if (static_cast<int>(joins_.size()) == kMostJoins) {
-    const auto worst = std::min_element(joins_.begin(), joins_.end(), [](const keyframes::Join& a, const keyframes::Join& b) {
-      return a.evidence * b.asked < b.evidence * a.asked;
-    });
+    const auto worst = std::min_element(joins_.begin(), joins_.end(),
+                                        [](const keyframes::Join& a, const keyframes::Join& b) {
+                                          return a.evidence * b.asked < b.evidence * a.asked;
+                                        });
     joins_.erase(worst);
     // It may have been the one.
     for (auto& known : joins_) known.places_left = static_cast<int>(places_.size());
@@ -150,9 +131,9 @@ bool PartFinder::isPlausible(const keyframes::Join& join) const {
   for (int n = 0; n < kFirstAsked; ++n) {
     const int i = last - (last - join.back_to) * n / (kFirstAsked - 1);
     const Pose2 T = join.forth.T_map_robot * core::between(trailPose(last), trailPose(i));
-    const keyframes::Told told =
-        map_->toldBy(map_->keyframesNear(core::position(T), map_->componentOf(join.place), keyframes::kAskedViewers),
-                     trailPoints(i), T);
+    const keyframes::Told told = map_->toldBy(
+        map_->keyframesNear(core::position(T), map_->componentOf(join.place), keyframes::kAskedViewers),
+        trailPoints(i), T);
     against += told.contradicted * told.telling;
     telling += told.telling;
     if (i == join.back_to) break;
@@ -170,7 +151,8 @@ double PartFinder::conflictOf(int trail_point, const std::vector<int>& viewers,
   double its = 0;
   for (const int viewer : viewers)
     its +=
-        keyframes::view(seen, core::between(T_map_robot, map_->pose(viewer)), map_->keyframe(viewer).points).conflict();
+        keyframes::view(seen, core::between(T_map_robot, map_->pose(viewer)), map_->keyframe(viewer).points)
+            .conflict();
   return std::max(theirs, its / static_cast<double>(viewers.size()));
 }
 
@@ -265,8 +247,8 @@ double PartFinder::aheadOf(const keyframes::Join& join, const keyframes::Join& o
   double ahead = 0;
   for (const auto& [point, said] : join.says) {
     const auto rival = other.says.find(point);
-    ahead += said.nats -
-             (rival == other.says.end() ? keyframes::kNatsPerScan : rival->second.nats + credit * rival->second.unknown);
+    ahead += said.nats - (rival == other.says.end() ? keyframes::kNatsPerScan
+                                                    : rival->second.nats + credit * rival->second.unknown);
   }
   return ahead;
 }
@@ -281,9 +263,10 @@ bool PartFinder::isReady(const keyframes::Join& join) const {
 /// The place that no other can be as good as, if there is one.
 keyframes::Join* PartFinder::decided() {
   for (auto& join : joins_) {
-    const bool is_ahead = isReady(join) && std::all_of(joins_.begin(), joins_.end(), [&](const keyframes::Join& other) {
-                            return &other == &join || aheadOf(join, other) > keyframes::kAhead;
-                          });
+    const bool is_ahead =
+        isReady(join) && std::all_of(joins_.begin(), joins_.end(), [&](const keyframes::Join& other) {
+          return &other == &join || aheadOf(join, other) > keyframes::kAhead;
+        });
     if (is_ahead) return &join;
   }
   return nullptr;
@@ -320,9 +303,10 @@ bool PartFinder::isProved(keyframes::Join& join, int component) {
   for (int n = 0; n < kProofsPerScan && join.proved < all; ++n, ++join.proved) {
     const int place = places[static_cast<size_t>(join.proved / keyframes::kHeadings)];
     const Point2 centre = core::position(map_->pose(place));
-    const auto there = searchBest(pyramidOf(place), query,
-                                  {centre.x, centre.y, T.phi + join.proved % keyframes::kHeadings * keyframes::kHeadingStep_rad},
-                                  {keyframes::kPlaceHalf_m, 0.5 * keyframes::kHeadingStep_rad}, least);
+    const auto there = searchBest(
+        pyramidOf(place), query,
+        {centre.x, centre.y, T.phi + join.proved % keyframes::kHeadings * keyframes::kHeadingStep_rad},
+        {keyframes::kPlaceHalf_m, 0.5 * keyframes::kHeadingStep_rad}, least);
     if (there && !isSame(there->T_map_robot, T) && !isRefuted(there->T_map_robot, join))
       others.push_back({place, there->T_map_robot});
   }

@@ -13,7 +13,7 @@ namespace slam::loops {
 
 /// Finds the place of what hangs together, a trail, in the rest of a KeyframeMap, when nothing is known of
 /// it: a part that a kidnapped robot has mapped, a map of before, or what a robot has seen that is lost in a
-/// finished map. For this room only.
+/// finished map. For the rooms of graph SLAM only.
 class PartFinder {
  public:
   /// The map has to stay where it is.
@@ -94,7 +94,7 @@ class PartFinder {
   std::map<int, scanmatch::LikelihoodPyramid> pyramids_;  ///< of places_
   std::vector<keyframes::Join> joins_;
   std::vector<keyframes::Refuted> refuted_;  ///< since searchAnew()
-  bool is_lost_ = false;          ///< the trail is that of a robot
+  bool is_lost_ = false;                     ///< the trail is that of a robot
   std::vector<keyframes::TrailPoint> trail_;
   int join_first_ = 0, join_last_ = -1;  ///< keyframes that are the trail else
 };

@@ -3,8 +3,8 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/keyframes/matching.h"
-#include "libslam/loops/part_finder.h"
 #include "libslam/keyframes/search.h"
+#include "libslam/loops/part_finder.h"
 #include "libslam/scanmatch/correlative_search.h"
 
 namespace slam::loops {
@@ -55,9 +55,11 @@ const scanmatch::LikelihoodPyramid& PartFinder::pyramidOf(int place) {
   for (const int a : map_->keyframesAtPlace(place))
     for (const auto& point : map_->keyframe(a).points) points.push_back(map_->pose(a) * point);
   std::vector<Point2> positions;
-  for (const auto& point : keyframes::thinned(points, keyframes::kSearchCell_m)) positions.push_back(position(point));
+  for (const auto& point : keyframes::thinned(points, keyframes::kSearchCell_m))
+    positions.push_back(position(point));
   return pyramids_
-      .emplace(place, scanmatch::LikelihoodPyramid(positions, keyframes::kSearchCell_m, keyframes::kSearchSigma_m, keyframes::kSearchLevels))
+      .emplace(place, scanmatch::LikelihoodPyramid(positions, keyframes::kSearchCell_m,
+                                                   keyframes::kSearchSigma_m, keyframes::kSearchLevels))
       .first->second;
 }
 
@@ -70,16 +72,18 @@ std::optional<scanmatch::MatchResult> PartFinder::matchAtPlace(const std::vector
   for (const auto& point : query)
     if (core::hypot(point.x, point.y) <= keyframes::kPlaceReach_m) near.push_back(point);
   const auto search_points = keyframes::searchPoints(near, kMostQueryPoints);
-  const auto found = searchBest(pyramidOf(place), search_points, {centre.x, centre.y, heading_rad},
-                                {keyframes::kPlaceHalf_m, 0.5 * keyframes::kHeadingStep_rad}, options_->loop_score);
+  const auto found =
+      searchBest(pyramidOf(place), search_points, {centre.x, centre.y, heading_rad},
+                 {keyframes::kPlaceHalf_m, 0.5 * keyframes::kHeadingStep_rad}, options_->loop_score);
   if (!found) return std::nullopt;
   const auto points = keyframes::thinned(near, keyframes::kQueryMatchSpacing_m);
   const auto matched = map_->matchFreely(points, around, found->T_map_robot);
   std::vector<int> viewers;
   for (const int a : around)
-    if (core::distance(map_->pose(a), matched.T_map_robot) <= keyframes::kViewerDistance_m) viewers.push_back(a);
-  const double conflict =
-      map_->meanConflict(keyframes::firstOf(std::move(viewers), keyframes::kViewers), matched.T_map_robot, points);
+    if (core::distance(map_->pose(a), matched.T_map_robot) <= keyframes::kViewerDistance_m)
+      viewers.push_back(a);
+  const double conflict = map_->meanConflict(keyframes::firstOf(std::move(viewers), keyframes::kViewers),
+                                             matched.T_map_robot, points);
   if (matched.score < options_->loop_score || conflict > 2 * options_->loop_conflict) return std::nullopt;
   return matched;
 }

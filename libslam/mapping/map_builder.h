@@ -6,18 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "libslam/files/ini.h"
 #include "libslam/core/journal.h"
-#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
-#include "libslam/loops/part_place.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 #include "libslam/gridmap/occupancy_raster.h"
+#include "libslam/lidar/deskew.h"
+#include "libslam/lidar/scan.h"
+#include "libslam/loops/part_place.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/mapping/scan_deskewer.h"
-#include "libslam/lidar/deskew.h"
 #include "libslam/robot/motion_kind.h"
-#include "libslam/lidar/scan.h"
 
 namespace slam::graph {
 class GraphSlam;

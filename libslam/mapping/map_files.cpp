@@ -23,11 +23,11 @@
 #include "libslam/files/ros_map.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/gridmap/mrpt_grid.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/mapping/key_frames.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/mapping/simple_map.h"
 #include "libslam/posegraph/g2o_io.h"
-#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::mapping {
 namespace {

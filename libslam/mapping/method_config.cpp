@@ -85,7 +85,8 @@ files::IniFile loadOwnConfig(const std::string& methods_folder, const std::strin
   const auto names = methodNames(methods_folder);
   if (std::find(names.begin(), names.end(), name_or_path) == names.end())
     throw core::InputError("unknown method '" + name_or_path + "'" + core::didYouMean(name_or_path, names));
-  return resources::readConfigFile((std::filesystem::path(methods_folder) / (name_or_path + ".ini")).string());
+  return resources::readConfigFile(
+      (std::filesystem::path(methods_folder) / (name_or_path + ".ini")).string());
 }
 
 /// The file, laid over the method that its [method] base names. `depth`: how many files led here.

@@ -1,9 +1,9 @@
 #pragma once
 #include <optional>
 
+#include "libslam/lidar/deskew.h"
 #include "libslam/mapping/method_options.h"
 #include "libslam/mapping/step_motion.h"
-#include "libslam/lidar/deskew.h"
 #include "libslam/scanmatch/surfel_matcher.h"
 
 namespace slam::mapping {

@@ -76,7 +76,7 @@ MethodType particleMethod() {
     particles::ParticleFilterOptions filter;
     MotionOptions motion;
     files::readParameters(ini, builders::mappingTable({ownGridRows(), builders::keyFrameRows()}), mapping,
-                         &report);
+                          &report);
     files::readParameters(ini, particles::ParticleFilterOptions::table(), filter, &report);
     files::readParameters(ini, MotionOptions::table(), motion, &report);
     requireOrderedCounts(ini, filter);

@@ -9,9 +9,9 @@
 
 #include "libslam/builders/exact_grid.h"
 #include "libslam/core/error.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/methods/mrpt_config.h"
 #include "libslam/methods/mrpt_method.h"
-#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::methods {
 namespace {

@@ -8,10 +8,10 @@
 #include "libslam/core/journal.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
-#include "libslam/loops/part_place.h"
 #include "libslam/gridmap/occupancy_raster.h"
-#include "libslam/odometry/scan_odometry.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/loops/part_place.h"
+#include "libslam/odometry/scan_odometry.h"
 
 namespace mrpt::maps {
 class CSimpleMap;

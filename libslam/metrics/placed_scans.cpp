@@ -165,18 +165,18 @@ bool PlacedScans::goesThroughWall(const core::Point2& origin_cells, const core::
     return free_length >= enough;
   };
   rays::walkRay(map_, origin_cells, direction, length,
-                 [&](const world::Cell* cell, const rays::RayEntry& entry) {
-                   const double at = entry.distance();
-                   through = leave(at);
-                   if (through || at >= length) {
-                     is_free = false;
-                     return false;
-                   }
-                   entered_at = at;
-                   is_free = *cell == world::Cell::kFree;
-                   met_wall = met_wall || *cell == world::Cell::kOccupied;
-                   return true;
-                 });
+                [&](const world::Cell* cell, const rays::RayEntry& entry) {
+                  const double at = entry.distance();
+                  through = leave(at);
+                  if (through || at >= length) {
+                    is_free = false;
+                    return false;
+                  }
+                  entered_at = at;
+                  is_free = *cell == world::Cell::kFree;
+                  met_wall = met_wall || *cell == world::Cell::kOccupied;
+                  return true;
+                });
   return through || leave(length);
 }
 

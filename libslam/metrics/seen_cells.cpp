@@ -21,12 +21,12 @@ void markRay(const world::Plan& plan, const core::Point2& origin, double angle_i
   const world::Cell* cells = plan.cells.data();
   unsigned char *walls = marks.wall.data(), *free = marks.free.data();
   rays::walkRay(plan, origin, direction, max_range_cells,
-                 [=](const world::Cell* cell, const rays::RayEntry& entry) {
-                   if (!entry.isWithin(max_range_cells)) return false;
-                   if (*cell == world::Cell::kOccupied) walls[cell - cells] = 1;
-                   if (*cell == world::Cell::kFree) free[cell - cells] = 1;
-                   return *cell != world::Cell::kOccupied;
-                 });
+                [=](const world::Cell* cell, const rays::RayEntry& entry) {
+                  if (!entry.isWithin(max_range_cells)) return false;
+                  if (*cell == world::Cell::kOccupied) walls[cell - cells] = 1;
+                  if (*cell == world::Cell::kFree) free[cell - cells] = 1;
+                  return *cell != world::Cell::kOccupied;
+                });
 }
 
 }  // namespace

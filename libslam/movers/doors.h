@@ -17,8 +17,9 @@ class Doors {
  public:
   Doors(const world::Plan& plan, const LivingOptions& options, std::uint64_t seed);
 
-  /// One tick of movers::kTick_ns. `bodies`: people and robot in the plan frame; a door does not close while one
-  /// is in it or within `keep_m` of it. Returns the indices (into all()) of the doors whose cells changed.
+  /// One tick of movers::kTick_ns. `bodies`: people and robot in the plan frame; a door does not close while
+  /// one is in it or within `keep_m` of it. Returns the indices (into all()) of the doors whose cells
+  /// changed.
   const std::vector<size_t>& tick(const std::vector<Disc>& bodies, double keep_m);
 
   struct MovingDoor {

@@ -8,8 +8,8 @@
 #include "libslam/movers/disc.h"
 #include "libslam/movers/doors.h"
 #include "libslam/movers/living.h"
-#include "libslam/world/plan.h"
 #include "libslam/rays/sector_caster.h"
+#include "libslam/world/plan.h"
 
 namespace slam::movers {
 

@@ -8,8 +8,8 @@
 #include <algorithm>
 
 #include "libslam/gridmap/mrpt_grid.h"
-#include "libslam/safety/safe_motion.h"
 #include "libslam/lidar/mrpt_types.h"
+#include "libslam/safety/safe_motion.h"
 
 namespace slam::mrptnav {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "libslam/mrptnav/mrpt_motion.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/strategies/strategy.h"
 #include "libslam/robot/drive.h"
+#include "libslam/strategies/strategy.h"
 
 namespace mrpt::maps {
 class COccupancyGridMap2D;
@@ -24,9 +24,9 @@ namespace slam::mrptnav {
 /// The robot and its strategy, for the two classes below.
 struct MrptExplorerOptions {
   strategies::StrategyOptions strategy;  ///< strategy.name: one of strategies::strategyNames()
-  robot::RobotOptions robot;           ///< body and limits of speed
-  double period_s = 0.2;               ///< between two scans
-  std::uint64_t seed = 1;              ///< of the strategies that draw
+  robot::RobotOptions robot;             ///< body and limits of speed
+  double period_s = 0.2;                 ///< between two scans
+  std::uint64_t seed = 1;                ///< of the strategies that draw
 };
 
 /// A strategy as one question: where to next? For robots that drive by their own means. Grids are MRPT's

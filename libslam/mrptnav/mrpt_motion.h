@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/strategies/strategy.h"
 #include "libslam/robot/drive.h"
+#include "libslam/strategies/strategy.h"
 
 namespace mrpt::kinematics {
 class CVehicleVelCmd_DiffDriven;

@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "libslam/world/plan.h"
 #include "libslam/rays/sector_caster.h"
+#include "libslam/world/plan.h"
 
 namespace slam::mrptworld {
 

@@ -10,12 +10,12 @@
 #include "libslam/goals/look_first.h"
 #include "libslam/navigate/bumps.h"
 #include "libslam/navigate/escape.h"
-#include "libslam/strategies/strategy.h"
+#include "libslam/paths/path_follower.h"
 #include "libslam/safety/free_ways.h"
 #include "libslam/safety/obstacle_memory.h"
-#include "libslam/paths/path_follower.h"
 #include "libslam/safety/safe_motion.h"
 #include "libslam/safety/view.h"
+#include "libslam/strategies/strategy.h"
 
 namespace slam::navigate {
 namespace {

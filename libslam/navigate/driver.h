@@ -4,9 +4,9 @@
 #include "libslam/core/pose2.h"
 #include "libslam/core/random.h"
 #include "libslam/gridmap/occupancy_raster.h"
-#include "libslam/strategies/strategy.h"
-#include "libslam/robot/drive.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/robot/drive.h"
+#include "libslam/strategies/strategy.h"
 
 namespace slam::navigate {
 
@@ -32,8 +32,8 @@ namespace slam::navigate {
 class Driver {
  public:
   /// Errors: period_s not positive, no strategy (ContractError).
-  Driver(std::unique_ptr<strategies::Strategy> strategy, const strategies::StrategyOptions& options, const robot::RobotOptions& robot,
-         double period_s, core::RandomStream random);
+  Driver(std::unique_ptr<strategies::Strategy> strategy, const strategies::StrategyOptions& options,
+         const robot::RobotOptions& robot, double period_s, core::RandomStream random);
   ~Driver();
   /// True when the strategy needs a map and next() will decide, or has to check the path that it follows:
   /// call setMap() before next() then. Always false for strategies without a map.

@@ -15,7 +15,7 @@ constexpr double kEscapeStep_rad = core::kPi / 36;
 }  // namespace
 
 choices::Decision escapeFrom(const lidar::Scan& scan, const std::function<double(double)>& reach_m,
-                    core::RandomStream& random) {
+                             core::RandomStream& random) {
   struct Way {
     double angle_rad, reach_m;
   };

@@ -10,6 +10,6 @@ namespace slam::navigate {
 /// random share of the way; where none is, a turn of a quarter at least. reach_m(direction), robot frame: how
 /// far the robot can be shifted along it.
 choices::Decision escapeFrom(const lidar::Scan& scan, const std::function<double(double)>& reach_m,
-                    core::RandomStream& random);
+                             core::RandomStream& random);
 
 }  // namespace slam::navigate

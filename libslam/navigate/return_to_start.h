@@ -1,8 +1,8 @@
 #pragma once
 #include <optional>
 
-#include "libslam/strategies/strategy.h"
 #include "libslam/paths/free_space.h"
+#include "libslam/strategies/strategy.h"
 
 namespace slam::navigate {
 

@@ -5,9 +5,9 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/gridmap/occupancy_raster.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/paths/path_follower.h"
 #include "libslam/robot/drive.h"
-#include "libslam/lidar/scan.h"
 
 namespace slam::navigate {
 

@@ -2,8 +2,8 @@
 #include <vector>
 
 #include "libslam/files/parameters.h"
-#include "libslam/obstacles/visible_area.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/obstacles/visible_area.h"
 
 namespace slam::obstacles {
 

@@ -2,8 +2,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/files/parameters.h"
 #include "libslam/obstacles/visible_area.h"
 
 namespace slam::obstacles {

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
-#include "libslam/robot/motion_kind.h"
+#include "libslam/files/parameters.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/robot/motion_kind.h"
 
 namespace mrpt::obs {
 class CActionRobotMovement2D;

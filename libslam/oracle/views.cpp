@@ -26,11 +26,11 @@ void lookRound(const world::Plan& plan, std::size_t from, double max_range_m, Se
   for (int ray = 0; ray < kRays && go_on; ++ray) {
     const double angle = ray * (2 * core::kPi / kRays);
     rays::walkRay(plan, origin, {core::cos(angle), core::sin(angle)}, limit,
-                   [&](const world::Cell* cell, const rays::RayEntry& entry) {
-                     if (*cell == world::Cell::kOccupied || !entry.isWithin(limit)) return false;
-                     go_on = see(static_cast<std::size_t>(cell - plan.cells.data()));
-                     return go_on;
-                   });
+                  [&](const world::Cell* cell, const rays::RayEntry& entry) {
+                    if (*cell == world::Cell::kOccupied || !entry.isWithin(limit)) return false;
+                    go_on = see(static_cast<std::size_t>(cell - plan.cells.data()));
+                    return go_on;
+                  });
   }
 }
 

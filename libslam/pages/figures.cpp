@@ -9,9 +9,9 @@
 #include <set>
 
 #include "libslam/core/error.h"
+#include "libslam/draw/axis_title.h"
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
-#include "libslam/draw/axis_title.h"
 #include "libslam/table/cells.h"
 
 namespace slam::pages {

@@ -7,18 +7,18 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "libslam/files/csv.h"
 #include "libslam/core/error.h"
+#include "libslam/files/csv.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/json_entry.h"
 #include "libslam/files/parameters.h"
 #include "libslam/pages/report_meanings.h"
 #include "libslam/pages/report_parts.h"
 #include "libslam/pages/report_verdict.h"
-#include "libslam/truth/truth_files.h"
+#include "libslam/resources/json_entry.h"
 #include "libslam/results/journal_file.h"
 #include "libslam/score/compare.h"
 #include "libslam/score/evaluate.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::pages {
 namespace fs = std::filesystem;
@@ -184,8 +184,8 @@ void fill(const std::vector<Asked>& methods, const std::string& folder, const re
                   [&](const auto& row) { return std::all_of(row.begin() + 1, row.end(), isNone); }))
     page.tables.pop_back();  // an exploration does not measure them
   for (const auto& e : evaluations) {
-    const auto run =
-        std::find_if(runs.begin(), runs.end(), [&](const results::RunFolder& r) { return r.method == e.method; });
+    const auto run = std::find_if(runs.begin(), runs.end(),
+                                  [&](const results::RunFolder& r) { return r.method == e.method; });
     if (run != runs.end()) {
       page.runs.push_back(pageRun(*run, e, truth));
     } else {

@@ -4,8 +4,8 @@
 #include <limits>
 #include <optional>
 
-#include "libslam/files/csv.h"
 #include "libslam/core/error.h"
+#include "libslam/files/csv.h"
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
 #include "libslam/logs/trajectory_io.h"
@@ -222,7 +222,8 @@ bool isNavigation(const std::string& folder) {
                      [](const auto& entry) { return fs::exists(entry.path() / "states.csv"); });
 }
 
-void fillNavigation(const std::string& folder, const resources::Manifest& manifest, report::ReportPage& page) {
+void fillNavigation(const std::string& folder, const resources::Manifest& manifest,
+                    report::ReportPage& page) {
   page.title = pageTitle(folder, "Drives to a goal");
   page.subtitle = "The true paths, and those by the pose that each method was given.";
   const std::string scores = folder + "/scores.md";

@@ -6,17 +6,17 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "libslam/files/csv.h"
 #include "libslam/core/error.h"
+#include "libslam/files/csv.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/json_entry.h"
 #include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
+#include "libslam/record/record.h"
+#include "libslam/resources/json_entry.h"
+#include "libslam/sim/operation_log.h"
 #include "libslam/truth/carry_file.h"
 #include "libslam/truth/collision_file.h"
-#include "libslam/record/record.h"
 #include "libslam/truth/truth_files.h"
-#include "libslam/sim/operation_log.h"
 
 namespace slam::pages {
 namespace fs = std::filesystem;

@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/resources/manifest.h"
 #include "libslam/core/progress.h"
 #include "libslam/report/html_report.h"
+#include "libslam/resources/manifest.h"
 
 namespace slam::pages {
 

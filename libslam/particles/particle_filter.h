@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "libslam/core/journal.h"
-#include "libslam/files/parameters.h"
 #include "libslam/core/thread_team.h"
+#include "libslam/files/parameters.h"
 #include "libslam/gridmap/grid.h"
 #include "libslam/particles/motion.h"
 #include "libslam/particles/path_tree.h"

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/paths/free_space.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/paths/free_space.h"
 
 namespace slam::paths {
 

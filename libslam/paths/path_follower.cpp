@@ -100,7 +100,8 @@ PathFollower::Step PathFollower::next(const lidar::Scan& scan, const core::Pose2
     return {Status::kFollowing, turnBy(error_rad, most_rad, period_s)};
   if (!safety::seesAhead(scan)) return {Status::kBlocked, stand};
   const double speed_mps = safety::safeSpeed(scan, robot, slow_clearance_m, remembered);
-  const double step_m = std::min({rest_m, speed_mps * period_s, safety::discReach(scan, 0, robot, remembered)});
+  const double step_m =
+      std::min({rest_m, speed_mps * period_s, safety::discReach(scan, 0, robot, remembered)});
   if (step_m >= kShortestDrive_m) return {Status::kFollowing, {step_m / period_s, 0, period_s}};
   detour_ = sidestep(scan, T_map_robot, robot, bearing(path_[waypoint_]), remembered);
   if (!detour_) return {Status::kBlocked, stand};

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/robot/drive.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/robot/drive.h"
 
 namespace slam::paths {
 

@@ -4,8 +4,8 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/draw/canvas.h"
-#include "libslam/metrics/map_score.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/metrics/map_score.h"
 #include "libslam/world/plan.h"
 
 namespace slam::pictures {

@@ -4,11 +4,11 @@
 #include <algorithm>
 
 #include "libslam/core/error.h"
-#include "libslam/resources/resources.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/sim/simulator.h"
-#include "libslam/resources/ini_yaml.h"
 
 namespace slam::plugin {
 namespace {

@@ -11,9 +11,9 @@
 #include <set>
 
 #include "libslam/core/error.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/plugin/exploring_robot.h"
-#include "libslam/lidar/mrpt_types.h"
 
 namespace slam::plugin {
 namespace {

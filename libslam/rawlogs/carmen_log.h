@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "libslam/core/pose2.h"
-#include "libslam/rawlogs/unpacking_stream.h"
 #include "libslam/objects/object_stream.h"
+#include "libslam/rawlogs/unpacking_stream.h"
 
 namespace slam::rawlogs {
 

@@ -11,10 +11,10 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/parameters.h"
-#include "libslam/rawlogs/carmen_log.h"
-#include "libslam/rawlogs/carmen_words.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
+#include "libslam/rawlogs/carmen_log.h"
+#include "libslam/rawlogs/carmen_words.h"
 
 namespace slam::rawlogs {
 namespace {

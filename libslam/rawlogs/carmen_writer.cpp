@@ -9,12 +9,12 @@
 #include <map>
 
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
 #include "libslam/core/fixed_number.h"
-#include "libslam/rawlogs/carmen_log.h"
+#include "libslam/files/files.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
-#include "libslam/lidar/mrpt_types.h"
+#include "libslam/rawlogs/carmen_log.h"
 
 namespace slam::rawlogs {
 namespace {

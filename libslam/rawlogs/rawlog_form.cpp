@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "libslam/core/error.h"
-#include "libslam/rawlogs/log_motion.h"
 #include "libslam/objects/mrpt_objects.h"
 #include "libslam/objects/mrpt_time.h"
+#include "libslam/rawlogs/log_motion.h"
 
 namespace slam::rawlogs {
 namespace {

@@ -214,7 +214,7 @@ std::shared_ptr<mrpt::serialization::CSerializable> RawlogObjects::next() {
     checkHeader();
     std::shared_ptr<mrpt::serialization::CSerializable> object;
     try {
-      const files::MemoryGuard guard(core::kObjectHeadroom_bytes);
+      const files::MemoryGuard guard(files::kObjectHeadroom_bytes);
       object = archive.ReadObject();
     } catch (const std::bad_alloc&) {
       fail(stream_.failure(), "an entry of impossible size");

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "libslam/files/files.h"
-#include "libslam/rawlogs/unpacking_stream.h"
 #include "libslam/objects/object_stream.h"
+#include "libslam/rawlogs/unpacking_stream.h"
 
 namespace slam::rawlogs {
 

@@ -12,7 +12,8 @@ namespace slam::rays {
 double castOriginalRay(const world::Plan& plan, const core::Point2& origin_world, double angle_rad,
                        double max_range_m) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const core::Point2 origin = world::worldToCells(plan, origin_world), direction = rayDirection(plan, angle_rad);
+  const core::Point2 origin = world::worldToCells(plan, origin_world),
+                     direction = rayDirection(plan, angle_rad);
   if (!isFiniteRay(origin, direction)) return kInfinity;
   const double column = std::floor(origin.x), row = std::floor(origin.y);
   if (!(column >= 0 && row >= 0 && column < plan.columns && row < plan.rows)) return kInfinity;

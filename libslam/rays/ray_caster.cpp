@@ -12,7 +12,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Distance in cells; may give up on hits beyond `limit` cells.
-double castWithin(const world::Plan& plan, const core::Point2& origin, const core::Point2& direction, double limit) {
+double castWithin(const world::Plan& plan, const core::Point2& origin, const core::Point2& direction,
+                  double limit) {
   double distance = kInfinity;
   walkRay(plan, origin, direction, limit, [&](const world::Cell* cell, const RayEntry& entry) {
     if (*cell != world::Cell::kOccupied) return true;
@@ -35,12 +36,14 @@ double castRayInCells(const world::Plan& plan, const core::Point2& origin, const
   return castWithin(plan, origin, direction, kInfinity);
 }
 
-double castRay(const world::Plan& plan, const core::Point2& origin_world, double angle_rad, double max_range_m) {
-  return castFromCells(plan, world::worldToCells(plan, origin_world), rayDirection(plan, angle_rad), max_range_m);
+double castRay(const world::Plan& plan, const core::Point2& origin_world, double angle_rad,
+               double max_range_m) {
+  return castFromCells(plan, world::worldToCells(plan, origin_world), rayDirection(plan, angle_rad),
+                       max_range_m);
 }
 
-void castScan(const world::Plan& plan, const core::Pose2& T_world_lidar, const BeamTable& beams, double max_range_m,
-              std::vector<float>& out_ranges_m) {
+void castScan(const world::Plan& plan, const core::Pose2& T_world_lidar, const BeamTable& beams,
+              double max_range_m, std::vector<float>& out_ranges_m) {
   const core::Point2 origin = world::worldToCells(plan, core::position(T_world_lidar));
   const Rotation turn(T_world_lidar.phi - plan.T_world_plan.phi);
   out_ranges_m.resize(static_cast<size_t>(beams.size()));

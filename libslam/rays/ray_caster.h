@@ -24,7 +24,8 @@ namespace slam::rays {
 ///
 /// angle_rad in the world frame; max_range_m <= 0 means no limit. A pose that is not finite or outside the
 /// plan: +infinity. Cost: a few nanoseconds per cell passed.
-double castRay(const world::Plan& plan, const core::Point2& origin_world, double angle_rad, double max_range_m);
+double castRay(const world::Plan& plan, const core::Point2& origin_world, double angle_rad,
+               double max_range_m);
 
 /// The same without a limit, from a point in cells (column, row as reals) along a unit vector in the plan's
 /// axes; in cells. Here the plan's symmetries hold to the bit, ties apart.
@@ -32,7 +33,7 @@ double castRayInCells(const world::Plan& plan, const core::Point2& origin, const
 
 /// All beams of a table; out gets one range each. Beam i runs along the table's direction turned by the
 /// heading as Rotation does it, which is castRay() along the sum of the angles but for some 1e-16.
-void castScan(const world::Plan& plan, const core::Pose2& T_world_lidar, const BeamTable& beams, double max_range_m,
-              std::vector<float>& out_ranges_m);
+void castScan(const world::Plan& plan, const core::Pose2& T_world_lidar, const BeamTable& beams,
+              double max_range_m, std::vector<float>& out_ranges_m);
 
 }  // namespace slam::rays

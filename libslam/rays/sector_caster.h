@@ -3,9 +3,9 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/rays/beam_table.h"
-#include "libslam/world/plan.h"
 #include "libslam/rays/sector_march.h"
 #include "libslam/rays/sector_table.h"
+#include "libslam/world/plan.h"
 
 namespace slam::rays {
 
@@ -43,7 +43,9 @@ class SectorCaster {
   double castRayInCells(const core::Point2& origin, const core::Point2& direction) const;
 
   /// As SectorTable::update(): a door was shut, a thing was put somewhere.
-  void update(const world::Plan& plan, int x0, int y0, int x1, int y1) { table_.update(plan, x0, y0, x1, y1); }
+  void update(const world::Plan& plan, int x0, int y0, int x1, int y1) {
+    table_.update(plan, x0, y0, x1, y1);
+  }
 
  private:
   const ScanKernel* kernel_;

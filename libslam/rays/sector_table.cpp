@@ -55,8 +55,9 @@ std::vector<std::uint8_t> wallsOf(const world::Plan& plan, bool x_is_major) {
   const size_t columns = static_cast<size_t>(plan.columns), rows = static_cast<size_t>(plan.rows);
   std::vector<std::uint8_t> walls(columns * rows);
   if (!x_is_major) {
-    std::transform(plan.cells.begin(), plan.cells.end(), walls.begin(),
-                   [](world::Cell cell) { return static_cast<std::uint8_t>(cell == world::Cell::kOccupied); });
+    std::transform(plan.cells.begin(), plan.cells.end(), walls.begin(), [](world::Cell cell) {
+      return static_cast<std::uint8_t>(cell == world::Cell::kOccupied);
+    });
     return walls;
   }
   for (size_t row = 0; row < rows; row += kBlock)
@@ -126,8 +127,9 @@ void updateOctant(const world::Plan& plan, const Octant& octant, const Span& cha
   const int size_v = octant.x_is_major ? plan.rows : plan.columns;
   const auto isWall = [&](int u, int v) {
     const int along_x = octant.x_is_major ? u : v, along_y = octant.x_is_major ? v : u;
-    return v < size_v && plan.at(octant.x_falls ? plan.columns - 1 - along_x : along_x,
-                                 octant.y_falls ? plan.rows - 1 - along_y : along_y) == world::Cell::kOccupied;
+    return v < size_v &&
+           plan.at(octant.x_falls ? plan.columns - 1 - along_x : along_x,
+                   octant.y_falls ? plan.rows - 1 - along_y : along_y) == world::Cell::kOccupied;
   };
   const size_t room = static_cast<size_t>(size_v) + 2;
   std::vector<std::uint8_t> wall(room), next(room), column(room);

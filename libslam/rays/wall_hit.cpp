@@ -161,7 +161,8 @@ std::optional<WallHit> findWall(const world::Plan& plan, const core::Point2& ori
   walkRay(plan, world::worldToCells(plan, origin_world), rayDirection(plan, angle_rad), kInfinity,
           [&](const world::Cell* cell, const RayEntry& entry) {
             const auto index = static_cast<size_t>(cell - plan.cells.data());
-            const world::Material material = *cell == world::Cell::kOccupied ? materialOf(plan, index) : world::Material::kPlain;
+            const world::Material material =
+                *cell == world::Cell::kOccupied ? materialOf(plan, index) : world::Material::kPlain;
             if (hit) {
               if (*cell == world::Cell::kOccupied && material == hit->material) return true;
               hit->leaves_m = entry.distance() * plan.resolution_m;

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "libslam/goals/goal_navigator.h"
+#include "libslam/lidar/lidar.h"
 #include "libslam/mrptnav/reactive_navigator.h"
 #include "libslam/robot/drive.h"
-#include "libslam/lidar/lidar.h"
 
 namespace slam::reach {
 

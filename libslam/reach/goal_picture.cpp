@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "libslam/reach/goal_methods.h"
 #include "libslam/pictures/picture.h"
+#include "libslam/reach/goal_methods.h"
 #include "libslam/truth/carry_file.h"
 
 namespace slam::reach {

@@ -11,17 +11,17 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/files/number_list.h"
-#include "libslam/reach/goal_methods.h"
-#include "libslam/reach/goal_picture.h"
 #include "libslam/goals/surroundings.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/truth/carry_file.h"
+#include "libslam/reach/goal_methods.h"
+#include "libslam/reach/goal_picture.h"
 #include "libslam/record/recorder.h"
 #include "libslam/record/sensor.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/table/latex.h"
+#include "libslam/truth/carry_file.h"
 #include "libslam/world/shortest_path.h"
 
 namespace slam::reach {
@@ -314,7 +314,8 @@ GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, 
   return run;
 }
 
-GoalComparison reachGoal(const ReachGoalRequest& request, resources::Manifest manifest, core::Progress& progress) {
+GoalComparison reachGoal(const ReachGoalRequest& request, resources::Manifest manifest,
+                         core::Progress& progress) {
   requirePossible(request);
   files::PendingFolder output(request.output, request.overwrite);
   GoalComparison comparison;

@@ -6,18 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "libslam/files/ini.h"
-#include "libslam/resources/manifest.h"
-#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 #include "libslam/goals/goal_navigator.h"
+#include "libslam/lidar/lidar.h"
+#include "libslam/movers/living.h"
 #include "libslam/mrptnav/reactive_navigator.h"
 #include "libslam/record/step_observer.h"
-#include "libslam/lidar/lidar.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/robot/odometry_noise.h"
 #include "libslam/sim/carry.h"
-#include "libslam/movers/living.h"
 #include "libslam/table/table.h"
 #include "libslam/world/plan.h"
 
@@ -32,7 +32,7 @@ struct ReachGoalConfig {
   movers::LivingOptions living;
   goals::NavigateOptions navigate;
   mrptnav::ReactiveOptions mrpt_reactive;
-  std::vector<sim::CarryOrder> carries;           ///< when and where somebody carries the robot
+  std::vector<sim::CarryOrder> carries;            ///< when and where somebody carries the robot
   std::vector<files::ParameterReport> parameters;  ///< every value and where it came from
 };
 /// Reads sections [robot], those of readSensor(), [odometry] [living] [events] [navigate] [lidar_bug]
@@ -101,7 +101,8 @@ struct GoalComparison {
 /// The folder appears whole or not at all. Same request: the same bytes but for the manifest's times.
 /// Errors: InputError for a start without room for the robot, a goal in a wall or outside the plan, an
 /// unknown or doubled method, an existing folder without `overwrite`.
-GoalComparison reachGoal(const ReachGoalRequest& request, resources::Manifest manifest, core::Progress& progress);
+GoalComparison reachGoal(const ReachGoalRequest& request, resources::Manifest manifest,
+                         core::Progress& progress);
 
 /// One drive. `folder` (existing) gets what is recorded, see record(), with `manifest`; "" writes nothing.
 GoalRun driveToGoal(const ReachGoalRequest& request, const std::string& method, core::Progress& progress,

@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "libslam/core/elementary.h"
-#include "libslam/pictures/obstacle_picture.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/pictures/obstacle_picture.h"
 
 namespace slam::reach {
 namespace {

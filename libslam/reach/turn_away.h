@@ -2,10 +2,10 @@
 #include <string>
 #include <vector>
 
-#include "libslam/files/ini.h"
-#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/draw/canvas.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 #include "libslam/obstacles/camera_view.h"
 #include "libslam/obstacles/lidar_view.h"
 #include "libslam/obstacles/local_obstacle_map.h"

@@ -6,16 +6,17 @@
 #include "libslam/buildings/furniture.h"
 #include "libslam/core/error.h"
 #include "libslam/files/number_list.h"
-#include "libslam/safety/safe_motion.h"
 #include "libslam/record/recorder.h"
 #include "libslam/record/sensor.h"
+#include "libslam/safety/safe_motion.h"
 
 namespace slam::record {
 
 core::Pose2 startPose(const world::Plan& plan, const RecordConfig& config) {
-  const double w_m = config.strategy.stop_clearance_m > 0
-                         ? config.strategy.stop_clearance_m
-                         : safety::stopClearance(config.robot, 1 / config.lidar.rate_hz, config.lidar.sigma_m);
+  const double w_m =
+      config.strategy.stop_clearance_m > 0
+          ? config.strategy.stop_clearance_m
+          : safety::stopClearance(config.robot, 1 / config.lidar.rate_hz, config.lidar.sigma_m);
   const double clearance_m = robot::circumscribedRadius(config.robot) + w_m;
   if (config.simulation.start == "auto") {
     if (const auto pose = world::findStartPose(plan, clearance_m)) return *pose;

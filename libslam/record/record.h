@@ -5,19 +5,19 @@
 #include <string>
 #include <vector>
 
-#include "libslam/files/ini.h"
-#include "libslam/resources/manifest.h"
-#include "libslam/files/parameters.h"
 #include "libslam/core/progress.h"
-#include "libslam/strategies/strategy.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
+#include "libslam/lidar/lidar.h"
+#include "libslam/movers/living.h"
 #include "libslam/record/step_observer.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/robot/camera.h"
 #include "libslam/robot/drive.h"
-#include "libslam/lidar/lidar.h"
 #include "libslam/robot/odometry_noise.h"
 #include "libslam/sim/carry.h"
-#include "libslam/movers/living.h"
 #include "libslam/sim/simulator.h"
+#include "libslam/strategies/strategy.h"
 #include "libslam/world/plan.h"
 
 namespace slam::record {
@@ -41,7 +41,7 @@ struct RecordConfig {
   strategies::StrategyOptions strategy;
   movers::LivingOptions living;
   SimulationOptions simulation;
-  std::vector<sim::CarryOrder> carries;           ///< when and where somebody carries the robot
+  std::vector<sim::CarryOrder> carries;            ///< when and where somebody carries the robot
   std::vector<files::ParameterReport> parameters;  ///< every value and where it came from
 };
 

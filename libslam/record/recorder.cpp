@@ -10,10 +10,10 @@
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/odometry/scan_odometry.h"
+#include "libslam/sim/operation_log.h"
 #include "libslam/truth/carry_file.h"
 #include "libslam/truth/collision_file.h"
 #include "libslam/truth/movers_log.h"
-#include "libslam/sim/operation_log.h"
 #include "libslam/truth/truth_files.h"
 
 namespace slam::record {
@@ -93,8 +93,8 @@ struct Recorder::State {
     recording.files = {log_path, log_path + ".GT.txt", stem + ".gt.tum", stem + ".operations.txt",
                        stem + ".manifest.json"};
     if (movers) movers->commit(), recording.files.push_back(stem + ".movers.csv");
-    writeUnlessEmpty(recording.collisions, truth::collisionsPath(log_path), collisionsCsv, recording);
-    writeUnlessEmpty(recording.carries, truth::carriesPath(log_path), carriesCsv, recording);
+    writeUnlessEmpty(recording.collisions, truth::collisionsPath(log_path), truth::collisionsCsv, recording);
+    writeUnlessEmpty(recording.carries, truth::carriesPath(log_path), truth::carriesCsv, recording);
     if (isLaterVisit()) {
       world::savePlan(simulator.scene().planWithDoorsOpen(), stem + ".plan.yaml");
       recording.files.push_back(stem + ".plan.yaml");
@@ -158,9 +158,11 @@ struct Recorder::State {
           "truth: where people and doors that move were at every scan (time, kind, id, place, heading, "
           "state)";
     if (!recording.collisions.empty())
-      files[name(truth::collisionsPath(log_path))] = "truth: when and where a wall or a person cut a command short";
+      files[name(truth::collisionsPath(log_path))] =
+          "truth: when and where a wall or a person cut a command short";
     if (!recording.carries.empty())
-      files[name(truth::carriesPath(log_path))] = "truth: when the robot was kidnapped, from where and where to";
+      files[name(truth::carriesPath(log_path))] =
+          "truth: when the robot was kidnapped, from where and where to";
     if (isLaterVisit())
       files[stem + ".plan.yaml"] = "true plan of this visit, furniture moved: rasterslam eval --plan";
   }
@@ -188,7 +190,8 @@ void Recorder::add(const robot::Command& command, const sim::Simulator& simulato
   if (state_->movers) state_->movers->add(simulator);
 }
 
-Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed, resources::Manifest manifest) {
+Recording Recorder::finish(const sim::Simulator& simulator, std::uint64_t seed,
+                           resources::Manifest manifest) {
   State& state = *state_;
   const Recording recording = state.finish(simulator);
   manifest.seed = seed;

@@ -109,8 +109,9 @@ SensorConfig readSensor(const files::IniFile& config, const robot::RobotOptions&
   return sensor;
 }
 
-files::IniFile withCameraDefaults(const files::IniFile& config, const std::optional<robot::FloorCamera>& camera,
-                                 const robot::RobotOptions& robot) {
+files::IniFile withCameraDefaults(const files::IniFile& config,
+                                  const std::optional<robot::FloorCamera>& camera,
+                                  const robot::RobotOptions& robot) {
   files::IniFile filled = config;
   if (!camera) return filled;
   const auto setDefault = [&](const char* section, const char* key, const std::string& value) {

@@ -6,10 +6,10 @@
 
 #include "libslam/files/ini.h"
 #include "libslam/files/parameters.h"
-#include "libslam/robot/camera.h"
-#include "libslam/robot/drive.h"
 #include "libslam/lidar/lidar.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/robot/camera.h"
+#include "libslam/robot/drive.h"
 #include "libslam/sim/simulator.h"
 
 namespace slam::record {
@@ -42,8 +42,9 @@ SensorConfig readSensor(const files::IniFile& config, const robot::RobotOptions&
 /// The configuration with what a narrow view needs where `config` says nothing. With a camera: [strategy] and
 /// [navigate] memory = local_map and unseen = looked_at, remembered points 2 cm apart, and a [strategy]
 /// stop_clearance_m that reaches a step beyond the dead zone, or CanMove would never see what it asks for.
-files::IniFile withCameraDefaults(const files::IniFile& config, const std::optional<robot::FloorCamera>& camera,
-                                 const robot::RobotOptions& robot);
+files::IniFile withCameraDefaults(const files::IniFile& config,
+                                  const std::optional<robot::FloorCamera>& camera,
+                                  const robot::RobotOptions& robot);
 
 /// First angle and number of the beams of a scan that see as far as its maximum range, which is what a
 /// referee may count as looked over: all of a lidar's; not those of a camera that the sides of its picture

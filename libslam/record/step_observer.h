@@ -2,10 +2,10 @@
 #include <string>
 
 #include "libslam/core/pose2.h"
-#include "libslam/mapping/map_builder.h"
-#include "libslam/strategies/strategy.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/mapping/map_builder.h"
 #include "libslam/sim/simulator.h"
+#include "libslam/strategies/strategy.h"
 
 namespace slam::record {
 
@@ -19,8 +19,8 @@ struct Step {
   const mapping::MapBuilder* method = nullptr;  ///< nullptr: no map is built
   const sim::Simulator* simulator = nullptr;    ///< nullptr: the scans come from a log
   const choices::Decision* decision = nullptr;  ///< nullptr: none, or of a navigator that has no such
-  std::string note = {};                         ///< what a navigator says of its state
-  robot::Commanded commanded = {};  ///< what led to the scan, where the loop builds no map itself
+  std::string note = {};                        ///< what a navigator says of its state
+  robot::Commanded commanded = {};              ///< what led to the scan, where the loop builds no map itself
   const sim::Sensed* sensed =
       nullptr;  ///< all that was sensed with the scan; nullptr: the scans come from a log
 };

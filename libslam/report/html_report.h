@@ -7,11 +7,11 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/draw/canvas.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/metrics/map_score.h"
 #include "libslam/pictures/journal_picture.h"
 #include "libslam/report/page_chart.h"
 #include "libslam/report/page_table.h"
-#include "libslam/lidar/scan.h"
 #include "libslam/table/table.h"
 #include "libslam/world/plan.h"
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "libslam/files/parameters.h"
 #include "libslam/draw/page_text.h"
+#include "libslam/files/parameters.h"
 #include "libslam/report/html_report.h"
 
 namespace slam::report {

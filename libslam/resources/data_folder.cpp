@@ -86,7 +86,7 @@ DataFolders findData(const DataPlaces& places, const std::string& version) {
     const std::string fault = faultOf(places.given, version);
     if (fault.empty()) return installedData(places.given);
     throw core::InputError(std::string(kVariable) + ": " + places.given + ": " + fault +
-                     ", expected the data of rasterslam " + version);
+                           ", expected the data of rasterslam " + version);
   }
   std::string looked;
   const auto take = [&](const std::string& folder) {
@@ -111,7 +111,7 @@ DataFolders findData(const DataPlaces& places, const std::string& version) {
   }
   if (!places.installed.empty() && take(places.installed)) return installedData(places.installed);
   throw core::InputError("the data of rasterslam " + version + " is missing; looked at " + looked + "; " +
-                   kVariable + " can name its folder");
+                         kVariable + " can name its folder");
 }
 
 }  // namespace slam::resources

@@ -37,7 +37,7 @@ class YamlReader {
   core::InputError wrong(const YAML::Node& node, const std::string& expected) const {
     static const std::vector<std::string> kKinds = {"nothing", "nothing", "a value", "a list", "a map"};
     return core::InputError(where(node.Mark()) + ": found " + kKinds.at(static_cast<size_t>(node.Type())) +
-                      ", expected " + expected);
+                            ", expected " + expected);
   }
 
   /// What an .ini can hold.
@@ -47,8 +47,8 @@ class YamlReader {
     const bool is_comment = !text.empty() && (text.front() == '#' || text.front() == ';');
     for (const char* no : {"\n", " #", " ;", "\t#", "\t;"})
       if (is_comment || text.find(no) != std::string::npos)
-        throw core::InputError(where(node.Mark()) + ": found '" + text.substr(0, text.find('\n')) + "', expected " +
-                         what + " without line breaks and comments");
+        throw core::InputError(where(node.Mark()) + ": found '" + text.substr(0, text.find('\n')) +
+                               "', expected " + what + " without line breaks and comments");
     return text;
   }
 
@@ -60,8 +60,8 @@ class YamlReader {
       return;
     }
     if (const auto* first = ini_.find(section, key))
-      throw core::InputError(origin + ": section [" + section + "], key '" + key + "' is given twice, first at " +
-                       first->origin);
+      throw core::InputError(origin + ": section [" + section + "], key '" + key +
+                             "' is given twice, first at " + first->origin);
     const auto what = "a value of key '" + key + "'";
     std::string value;
     if (node.IsSequence())
@@ -69,7 +69,7 @@ class YamlReader {
         const auto word = plain(item, what);
         if (word.find(',') != std::string::npos)
           throw core::InputError(where(item.Mark()) + ": found '" + word + "', expected " + what +
-                           " without a comma");
+                                 " without a comma");
         value += (value.empty() ? "" : ", ") + word;
       }
     else if (!node.IsNull())

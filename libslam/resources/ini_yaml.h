@@ -25,8 +25,8 @@ bool isYamlFile(const std::string& path);
 /// without an error.
 files::IniFile parseYaml(const std::string& text, const std::string& name);
 
-/// Reads a configuration's file; what ends in .yaml or .yml as YAML. Errors: missing, a directory, unreadable,
-/// malformed (InputError).
+/// Reads a configuration's file; what ends in .yaml or .yml as YAML. Errors: missing, a directory,
+/// unreadable, malformed (InputError).
 files::IniFile readConfigFile(const std::string& path);
 
 }  // namespace slam::resources

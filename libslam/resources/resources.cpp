@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "libslam/resources/data_folder.h"
 #include "libslam/core/error.h"
+#include "libslam/resources/data_folder.h"
 #include "libslam/resources/manifest.h"
 
 namespace slam::resources {

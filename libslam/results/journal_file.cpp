@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "libslam/files/csv.h"
 #include "libslam/core/error.h"
+#include "libslam/files/csv.h"
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "libslam/files/csv.h"
 #include "libslam/core/error.h"
+#include "libslam/files/csv.h"
 #include "libslam/files/files.h"
 #include "libslam/files/parameters.h"
 #include "libslam/metrics/trajectory_error.h"

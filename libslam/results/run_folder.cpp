@@ -5,8 +5,8 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/parameters.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/resources/resources.h"
 
 namespace slam::results {
 namespace {

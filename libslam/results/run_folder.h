@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/resources/manifest.h"
 #include "libslam/core/pose2.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/results/cost.h"
 #include "libslam/results/pose_covariances.h"
 #include "libslam/world/plan.h"

@@ -17,9 +17,9 @@
 
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
 #include "libslam/draw/map_view.h"
 #include "libslam/draw/page_text.h"
+#include "libslam/files/files.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/viewer/layers.h"
 

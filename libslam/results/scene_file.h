@@ -2,8 +2,8 @@
 #include <string>
 
 #include "libslam/core/pose2.h"
-#include "libslam/mapping/map_builder.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/mapping/map_builder.h"
 #include "libslam/world/plan.h"
 
 namespace slam::results {

@@ -2,8 +2,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/files/parameters.h"
 #include "libslam/core/random.h"
+#include "libslam/files/parameters.h"
 #include "libslam/lidar/lidar.h"
 
 namespace slam::robot {

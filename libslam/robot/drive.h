@@ -1,6 +1,6 @@
 #pragma once
-#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::robot {
 

@@ -1,7 +1,7 @@
 #pragma once
-#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/random.h"
+#include "libslam/files/parameters.h"
 
 namespace slam::robot {
 

@@ -24,8 +24,8 @@ std::optional<UserCommand> parseUserCommand(const std::string& line, const std::
   double number = 0;
   const bool is_turn = kind == "turn";
   const double farthest = is_turn ? kFarthest_deg : kFarthest_m;
-  const bool is_good = (is_turn || kind == "move") && files::parseNumber(amount, number) && !(words >> more) &&
-                       number != 0 && std::abs(number) <= farthest;
+  const bool is_good = (is_turn || kind == "move") && files::parseNumber(amount, number) &&
+                       !(words >> more) && number != 0 && std::abs(number) <= farthest;
   if (!is_good)
     throw core::InputError(where + ": found '" + text +
                            "', expected 'move METRES' (up to 1000) or 'turn DEGREES' (up to 360), and not 0");

@@ -12,7 +12,6 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/file_hash.h"
 #include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
@@ -20,12 +19,13 @@
 #include "libslam/metrics/map_score.h"
 #include "libslam/process/cpu_time.h"
 #include "libslam/process/process_memory.h"
-#include "libslam/run/external_method.h"
-#include "libslam/run/log_feed.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/results/manifest_entries.h"
 #include "libslam/results/map_plan.h"
 #include "libslam/results/scene_file.h"
 #include "libslam/results/self_score.h"
+#include "libslam/run/external_method.h"
+#include "libslam/run/log_feed.h"
 #include "libslam/run/told_commands.h"
 
 namespace slam::run {
@@ -93,7 +93,7 @@ std::vector<Stamped> inStampOrder(std::vector<Stamped> stamped) {
 
 /// covariances[i] is of the pose at stamps_s[i].
 std::vector<results::StampedCovariance> stamped(const std::vector<Eigen::Matrix3d>& covariances,
-                                       const std::vector<double>& stamps_s) {
+                                                const std::vector<double>& stamps_s) {
   std::vector<results::StampedCovariance> result;
   for (size_t i = 0; i < covariances.size(); ++i) result.push_back({stamps_s[i], covariances[i]});
   return result;
@@ -131,8 +131,8 @@ void stoppable(MapRun& run, const Taken& taken, bool keep_partial, const std::fu
 
 /// All scans of the log through the method.
 void takeIn(const std::string& log_path, mapping::MapBuilder& method,
-            const std::optional<ExternalRun>& external, MapRun& run, Taken& taken, resources::Manifest& manifest,
-            core::Progress& progress, record::StepObserver* observer) {
+            const std::optional<ExternalRun>& external, MapRun& run, Taken& taken,
+            resources::Manifest& manifest, core::Progress& progress, record::StepObserver* observer) {
   // An external program reads the log by itself; its poses are those of the main lidar's scans.
   logs::LogReader log(log_path, external ? "" : method.lidars);
   OdometryGaps gaps;
@@ -223,7 +223,8 @@ class Finisher {
     ask([&] { ending_.map = mapping::currentMap(method_); });
     if (!run_.stopped)
       stoppable(run_, taken_, keep_partial_, [&] {
-        ending_.self = results::selfScore(log_path, ending_.path, results::toPlan(*ending_.map), progress, lidars);
+        ending_.self =
+            results::selfScore(log_path, ending_.path, results::toPlan(*ending_.map), progress, lidars);
       });
     if (!run_.stopped) ask([&] { ending_.covariances = mapping::finalCovariances(method_); });
     return std::move(ending_);
@@ -247,8 +248,8 @@ void complete(const mapping::MapBuilder& method, const Ending& ending, const Tak
   run.journal = results::placedJournal(mapping::journalOf(method), taken.stamps_s, ending.path);
   if (run.stopped) run.journal.push_back(results::stopLine(*run.stopped, ending.path.back().pose));
   run.estimate = inStampOrder(std::move(run.estimate));
-  run.covariances =
-      areGiven(run.covariances) ? inStampOrder(std::move(run.covariances)) : std::vector<results::StampedCovariance>();
+  run.covariances = areGiven(run.covariances) ? inStampOrder(std::move(run.covariances))
+                                              : std::vector<results::StampedCovariance>();
   if (ending.final_path) run.final_estimate = inStampOrder(*ending.final_path);
   run.final_covariances = inStampOrder(stamped(ending.covariances, taken.stamps_s));
   const double log_seconds = run.estimate.back().time_s - run.estimate.front().time_s;
@@ -258,7 +259,8 @@ void complete(const mapping::MapBuilder& method, const Ending& ending, const Tak
     run.cost = external->cost;
     run.filled_poses = external->filled_poses;
   }
-  if (run.final_estimate || !run.journal.empty()) run.lost_share = results::lostShare(run.journal, log_seconds);
+  if (run.final_estimate || !run.journal.empty())
+    run.lost_share = results::lostShare(run.journal, log_seconds);
 }
 
 void writeFiles(mapping::MapBuilder& method, const MapRun& run, const Ending& ending, const Taken& taken,

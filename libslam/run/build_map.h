@@ -4,16 +4,16 @@
 #include <string>
 #include <vector>
 
-#include "libslam/files/ini.h"
-#include "libslam/resources/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
+#include "libslam/files/ini.h"
 #include "libslam/record/step_observer.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/results/cost.h"
-#include "libslam/run/earlier_map.h"
 #include "libslam/results/journal_file.h"
 #include "libslam/results/pose_covariances.h"
 #include "libslam/results/stopped_run.h"
+#include "libslam/run/earlier_map.h"
 
 namespace slam::run {
 
@@ -36,7 +36,7 @@ struct MapRun {
   int filled_poses = 0;                    ///< scans that an external program gave no pose
   std::vector<core::JournalLine> journal;  ///< empty for methods that keep none
   std::optional<double> lost_share;  ///< of the time, by the journal (lostShare()); none without a journal
-  std::optional<results::Stop> stopped;       ///< before the log's end; all else is of the scans before
+  std::optional<results::Stop> stopped;  ///< before the log's end; all else is of the scans before
 };
 
 /// Runs a SLAM method over a log and writes a folder:

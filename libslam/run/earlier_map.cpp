@@ -4,11 +4,11 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/file_hash.h"
 #include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
-#include "libslam/run/known_map.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/results/manifest_entries.h"
+#include "libslam/run/known_map.h"
 #include "libslam/world/plan.h"
 
 namespace slam::run {

@@ -2,9 +2,9 @@
 #include <optional>
 #include <string>
 
-#include "libslam/resources/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/resources/manifest.h"
 
 namespace slam::run {
 

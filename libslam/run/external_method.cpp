@@ -9,13 +9,13 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/manifest.h"
 #include "libslam/logs/convert.h"
 #include "libslam/logs/log_format.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/process/command_files.h"
 #include "libslam/process/measured_process.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/run/external_path.h"
 
 namespace slam::run {

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "libslam/files/ini.h"
-#include "libslam/files/parameters.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
+#include "libslam/files/ini.h"
+#include "libslam/files/parameters.h"
 #include "libslam/results/cost.h"
 
 namespace slam::run {
@@ -46,7 +46,7 @@ struct ExternalOptions {
 
 struct ExternalMethod {
   ExternalOptions options;
-  std::string folder;     ///< {here}
+  std::string folder;      ///< {here}
   files::IniFile drawing;  ///< what draws the map: a configuration for mapping::makeMapBuilder()
   std::vector<files::ParameterReport> parameters;
 };
@@ -73,7 +73,7 @@ struct ExternalRun {
   core::Trajectory path;  ///< T_map_robot at every scan, in the log's order, from the first scan's pose;
                           ///< empty with violations
   int filled_poses = 0;   ///< scans that the program gave no pose
-  results::Cost cost;              ///< p99 unknown (NaN)
+  results::Cost cost;     ///< p99 unknown (NaN)
   std::string printed;    ///< what the program printed, standard output and error; of more than 512 KiB the
                           ///< beginning and the end
 

@@ -7,9 +7,9 @@
 #include "libslam/core/error.h"
 #include "libslam/core/middle_value.h"
 #include "libslam/files/parameters.h"
+#include "libslam/rays/sector_caster.h"
 #include "libslam/results/map_plan.h"
 #include "libslam/world/clearance.h"
-#include "libslam/rays/sector_caster.h"
 
 namespace slam::run {
 namespace {

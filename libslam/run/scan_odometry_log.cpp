@@ -11,13 +11,13 @@
 #include <utility>
 
 #include "libslam/core/error.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/logs/log_format.h"
-#include "libslam/rawlogs/log_motion.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/objects/mrpt_time.h"
 #include "libslam/objects/object_stream.h"
 #include "libslam/odometry/mrpt_action.h"
-#include "libslam/lidar/mrpt_types.h"
+#include "libslam/rawlogs/log_motion.h"
 
 namespace slam::run {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "libslam/core/progress.h"
-#include "libslam/rawlogs/rawlog_form.h"
 #include "libslam/odometry/scan_odometry.h"
+#include "libslam/rawlogs/rawlog_form.h"
 
 namespace slam::run {
 
@@ -19,7 +19,7 @@ struct ScanOdometryLogOptions {
   odometry::ScanOdometryOptions odometry;
   std::string label;  ///< the lidar; "": the one with the most scans among the first 100 (LogReader's rule)
   std::optional<rawlogs::RawlogForm> form;  ///< turned into it first; none: as the log is
-  CommandBefore commanded;               ///< none: MotionKind::kUnknown
+  CommandBefore commanded;                  ///< none: MotionKind::kUnknown
 };
 
 struct ScanOdometryLogReport {

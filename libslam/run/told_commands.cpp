@@ -6,8 +6,8 @@
 #include "libslam/files/files.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/record/record.h"
-#include "libslam/truth/truth_files.h"
 #include "libslam/sim/operation_log.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::run {
 

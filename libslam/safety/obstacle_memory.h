@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/obstacles/local_obstacle_map.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/obstacles/local_obstacle_map.h"
 
 namespace slam::safety {
 

@@ -5,12 +5,11 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/file_hash.h"
 #include "libslam/logs/convert.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/mapping/map_builder.h"
-#include "libslam/truth/truth_files.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/run/told_commands.h"
@@ -19,6 +18,7 @@
 #include "libslam/score/metric_infos.h"
 #include "libslam/score/relation_tables.h"
 #include "libslam/table/latex.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::score {
 namespace fs = std::filesystem;
@@ -80,7 +80,7 @@ void scoreByRelations(const std::vector<results::RunFolder>& runs, const core::R
   const auto full = relationTable(scores, Detail::kFull);
   const auto worst = worstRelationsTable(relations, scores, Detail::kFull);
   files::writeFileAtomically(output + "/relations.txt", table::toText(*comparison.relations) + "\n" +
-                                                           table::toText(*comparison.worst_relations));
+                                                            table::toText(*comparison.worst_relations));
   files::writeFileAtomically(output + "/relations.csv", table::toCsv(full));
   files::writeFileAtomically(output + "/relations.json", table::toJson(full));
   files::writeFileAtomically(output + "/worst_relations.csv", table::toCsv(worst));
@@ -132,7 +132,8 @@ void runAll(std::vector<ComparedMethod>& methods, const CompareRequest& request,
   runMethods(methods, comparison.log_path, request, manifest, progress);
 }
 
-std::vector<results::RunFolder> loadRuns(const std::vector<ComparedMethod>& methods, core::Progress& progress) {
+std::vector<results::RunFolder> loadRuns(const std::vector<ComparedMethod>& methods,
+                                         core::Progress& progress) {
   std::vector<results::RunFolder> runs;
   for (const auto& method : methods) {
     progress.update(-1, 0);

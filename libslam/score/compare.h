@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "libslam/files/ini.h"
-#include "libslam/resources/manifest.h"
 #include "libslam/core/progress.h"
+#include "libslam/files/ini.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/table/table.h"
 

@@ -58,7 +58,7 @@ void drawPictures(const std::vector<results::RunFolder>& runs, const std::vector
     panels.push_back(std::move(panel));
     if (truth && core::isFinite(T_world_map) && fs::exists(run.path + "/map.3Dscene"))
       results::addTruthToScene(truth->trajectory, truth->plan ? &*truth->plan : nullptr,
-                           core::inverse(T_world_map), run.path + "/map.3Dscene");
+                               core::inverse(T_world_map), run.path + "/map.3Dscene");
     if (truth && truth->plan)
       pictures::drawDifference(*truth->plan, run.map, T_world_map, run.method, run.path + "/difference.png",
                                truth->seen ? &*truth->seen : nullptr);

@@ -7,15 +7,15 @@
 #include <utility>
 
 #include "libslam/core/error.h"
-#include "libslam/resources/file_hash.h"
-#include "libslam/resources/ini_yaml.h"
-#include "libslam/resources/manifest.h"
 #include "libslam/core/thread_team.h"
 #include "libslam/mapping/method_config.h"
 #include "libslam/process/worker.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/manifest.h"
+#include "libslam/results/stopped_run.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/external_method.h"
-#include "libslam/results/stopped_run.h"
 
 namespace slam::score {
 namespace fs = std::filesystem;
@@ -89,7 +89,8 @@ std::vector<ComparedMethod> loadMethods(const CompareRequest& request) {
   std::vector<ComparedMethod> methods;
   for (const auto& name_or_path : request.methods) {
     ComparedMethod method;
-    method.name = resources::isConfigFile(name_or_path) ? fs::path(name_or_path).stem().string() : name_or_path;
+    method.name =
+        resources::isConfigFile(name_or_path) ? fs::path(name_or_path).stem().string() : name_or_path;
     method.argument = name_or_path;
     method.config = mapping::loadMethodConfig(request.methods_folder, name_or_path);
     method.settings = settingsOf(method.config, request);
@@ -127,7 +128,8 @@ bool isSameRun(const ComparedMethod& method, const std::string& log_path, std::u
 }
 
 void runMethods(std::vector<ComparedMethod>& methods, const std::string& log_path,
-                const CompareRequest& request, const resources::Manifest& manifest, core::Progress& progress) {
+                const CompareRequest& request, const resources::Manifest& manifest,
+                core::Progress& progress) {
   std::atomic<bool> ended{false};
   core::ThreadTeam(request.threads).forEach(methods.size(), [&](size_t i) {
     if (ended || methods[i].reused) return;

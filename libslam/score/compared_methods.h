@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "libslam/core/progress.h"
 #include "libslam/files/ini.h"
 #include "libslam/resources/manifest.h"
-#include "libslam/core/progress.h"
 #include "libslam/score/compare.h"
 
 namespace slam::score {

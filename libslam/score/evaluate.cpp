@@ -8,8 +8,8 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/parameters.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/resources/resources.h"
 #include "libslam/results/lost_time.h"
 #include "libslam/score/metric_infos.h"
 #include "libslam/stats/consistency.h"
@@ -34,7 +34,8 @@ double agreementWithOthers(const std::vector<results::RunFolder>& runs, size_t i
 
 }  // namespace
 
-Truth loadTruth(const std::string& truth_path, const std::string& plan_path, const results::RunFolder& lidar_of) {
+Truth loadTruth(const std::string& truth_path, const std::string& plan_path,
+                const results::RunFolder& lidar_of) {
   Truth truth;
   truth.trajectory = logs::readTrajectory(truth_path);
   if (plan_path.empty()) return truth;
@@ -73,9 +74,9 @@ void judgeCovariances(const results::RunFolder& run, const Truth& truth, const A
   if (alignment.how == metrics::Align::kNone) T_world_map = alignment.T_truth_map;
   constexpr int kPoseDegreesOfFreedom = 3;
   if (!run.covariances.empty())
-    if (const auto online =
-            stats::consistency({results::poseNees(truth.trajectory, run.estimate, run.covariances, T_world_map)},
-                               kPoseDegreesOfFreedom)) {
+    if (const auto online = stats::consistency(
+            {results::poseNees(truth.trajectory, run.estimate, run.covariances, T_world_map)},
+            kPoseDegreesOfFreedom)) {
       e.anees = online->anees.value;
       e.within_50_share = online->coverage50.value;
       e.within_95_share = online->coverage95.value;
@@ -131,7 +132,8 @@ Evaluation evaluate(const results::RunFolder& run, const std::optional<Truth>& t
   e.align = alignment.how;
   e.lost_share = results::resultIfThere(run.manifest, "lost_share");
   e.path_length_m = results::resultIfThere(run.manifest, "path_length_m");
-  e.end_pose = {results::resultIfThere(run.manifest, "end.x_m"), results::resultIfThere(run.manifest, "end.y_m"),
+  e.end_pose = {results::resultIfThere(run.manifest, "end.x_m"),
+                results::resultIfThere(run.manifest, "end.y_m"),
                 results::resultIfThere(run.manifest, "end.yaw_rad")};
   // A run that was not made by buildMap() does not say them.
   if (std::isnan(e.path_length_m)) e.path_length_m = core::pathLength(run.estimate);
@@ -147,7 +149,7 @@ Evaluation evaluate(const results::RunFolder& run, const std::optional<Truth>& t
   if (run.manifest.results.count("localised_in") && std::filesystem::exists(run.path + "/journal.csv") &&
       !run.estimate.empty())
     lost = results::lostSpans(results::readJournal(run.path + "/journal.csv"),
-                          run.estimate.back().time_s - run.estimate.front().time_s);
+                              run.estimate.back().time_s - run.estimate.front().time_s);
   const auto errorOf = [&](const core::Trajectory& estimate) {
     return metrics::trajectoryError(truth->trajectory, results::whileNotLost(estimate, lost), alignment.how,
                                     alignment.T_truth_map);

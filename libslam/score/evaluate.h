@@ -2,11 +2,11 @@
 #include <optional>
 #include <string>
 
-#include "libslam/resources/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/metrics/map_score.h"
 #include "libslam/metrics/map_structure.h"
 #include "libslam/metrics/trajectory_error.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/results/run_folder.h"
 #include "libslam/stats/paired.h"
 #include "libslam/table/table.h"
@@ -21,7 +21,8 @@ struct Truth {
   std::optional<metrics::SeenMask> seen;
 };
 /// `lidar_of`: any run on the same log; it says which lidar looked. plan_path may be "".
-Truth loadTruth(const std::string& truth_path, const std::string& plan_path, const results::RunFolder& lidar_of);
+Truth loadTruth(const std::string& truth_path, const std::string& plan_path,
+                const results::RunFolder& lidar_of);
 
 /// How a run is laid onto the truth.
 struct Alignment {

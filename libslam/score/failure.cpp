@@ -14,11 +14,11 @@
 #include "libslam/files/parameters.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/metrics/nearest_points.h"
+#include "libslam/table/number_text.h"
+#include "libslam/table/table.h"
 #include "libslam/truth/carry_file.h"
 #include "libslam/truth/collision_file.h"
 #include "libslam/truth/number_rows.h"
-#include "libslam/table/number_text.h"
-#include "libslam/table/table.h"
 
 namespace slam::score {
 namespace fs = std::filesystem;
@@ -207,8 +207,8 @@ std::optional<WorstRegion> worstRegion(const world::Plan& plan, const metrics::S
   return worst;
 }
 
-FailureReport explainFailure(const results::RunFolder& run, const Truth& truth, const FailureEvidence& evidence,
-                             const FailureLimits& limits) {
+FailureReport explainFailure(const results::RunFolder& run, const Truth& truth,
+                             const FailureEvidence& evidence, const FailureLimits& limits) {
   const auto& journal = evidence.journal;
   FailureReport report;
   std::vector<double> stamps_s;

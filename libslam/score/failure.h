@@ -85,8 +85,8 @@ struct FailureEvidence {
   std::vector<sim::Carry> carries;         ///< likewise
   core::Trajectory odometry;               ///< dead reckoning from the first scan on
 };
-FailureReport explainFailure(const results::RunFolder& run, const Truth& truth, const FailureEvidence& evidence,
-                             const FailureLimits& limits = {});
+FailureReport explainFailure(const results::RunFolder& run, const Truth& truth,
+                             const FailureEvidence& evidence, const FailureLimits& limits = {});
 /// The run's journal.csv, the collisions and carries beside the truth, and the odometry of the log ("" for
 /// none), where they are. Errors: InputError.
 FailureEvidence readEvidence(const results::RunFolder& run, const std::string& truth_path,

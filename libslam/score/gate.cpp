@@ -10,8 +10,8 @@
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/json_entry.h"
 #include "libslam/files/parameters.h"
+#include "libslam/resources/json_entry.h"
 #include "libslam/score/metric_infos.h"
 #include "libslam/stats/bootstrap.h"
 

@@ -5,15 +5,15 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/file_hash.h"
 #include "libslam/files/parameters.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/mapping/key_frames.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/pictures/picture.h"
 #include "libslam/report/html_report.h"
-#include "libslam/run/known_map.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/results/map_plan.h"
+#include "libslam/run/known_map.h"
 #include "libslam/sessions/joined_sessions.h"
 #include "libslam/table/table.h"
 
@@ -37,7 +37,8 @@ report::ReportPage pageOf(const MapPair& maps, const MapChanges& changes, const 
   for (const auto& change : changes.changes) fresh += change.kind == MapChange::Kind::kNew;
   page.verdict = {"New: " + std::to_string(fresh) +
                   ". Gone: " + std::to_string(changes.changes.size() - fresh) + ". Within " +
-                  files::formatNumber(std::round(10 * changes.compared_m2) / 10) + " m2 that both maps know."};
+                  files::formatNumber(std::round(10 * changes.compared_m2) / 10) +
+                  " m2 that both maps know."};
   page.pictures.push_back(
       {"The two maps over each other; numbers are those of the table.", files::readTextFile(picture)});
   page.tables.push_back(changeTable(maps, changes));
@@ -48,8 +49,8 @@ report::ReportPage pageOf(const MapPair& maps, const MapChanges& changes, const 
 
 }  // namespace
 
-MapPair bringTogether(const std::string& before, const std::string& after, const files::IniFile& method_config,
-                      core::Progress& progress) {
+MapPair bringTogether(const std::string& before, const std::string& after,
+                      const files::IniFile& method_config, core::Progress& progress) {
   if (run::isGridMap(before) != run::isGridMap(after))
     throw core::InputError(after + ": is " + (run::isGridMap(after) ? "a grid" : "no grid") +
                            ", expected two grids of one frame, or two maps of runs");
@@ -102,7 +103,7 @@ MapChanges diffMaps(const std::string& before, const std::string& after, const f
   files::writeFileAtomically(at("changes.csv"), table::toCsv(table));
   files::writeFileAtomically(at("changes.json"), table::toJson(table));
   files::writeFileAtomically(at("changes.html"),
-                            report::toHtml(pageOf(maps, changes, at("changes.png"), manifest)));
+                             report::toHtml(pageOf(maps, changes, at("changes.png"), manifest)));
   manifest.files = {{"changes.png", "both maps over each other, changes numbered"},
                     {"changes.html", "the same with the table: any browser"},
                     {"changes.txt", "the table"},

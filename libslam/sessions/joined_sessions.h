@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
-#include "libslam/files/ini.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
+#include "libslam/files/ini.h"
 #include "libslam/loops/part_place.h"
 #include "libslam/mapping/key_frames.h"
 #include "libslam/mapping/map_builder.h"

@@ -7,11 +7,11 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/file_hash.h"
 #include "libslam/files/parameters.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/key_frames.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/results/manifest_entries.h"
 #include "libslam/results/scene_file.h"
 
@@ -121,7 +121,7 @@ MergedMap mergeMaps(const std::vector<std::string>& maps, const files::IniFile& 
     logs::writeTum(one.path, output.path() + "/" + one.session.name + ".tum");
   mapping::saveMaps(joined.method, output.path());
   results::writeScene(joined.method, merged.sessions.back().path, joined.key_frames.back().back().scan,
-                  output.path() + "/map.3Dscene");
+                      output.path() + "/map.3Dscene");
   files::writeFileAtomically(output.path() + "/merge.json", mergeJson(merged));
   describe(merged, method_config, output.path(), manifest);
   resources::writeManifest(manifest, output.path() + "/manifest.json");

@@ -2,10 +2,10 @@
 #include <string>
 #include <vector>
 
-#include "libslam/files/ini.h"
-#include "libslam/resources/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
+#include "libslam/files/ini.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/sessions/joined_sessions.h"
 
 namespace slam::sessions {

@@ -3,10 +3,10 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/core/random.h"
-#include "libslam/robot/camera.h"
 #include "libslam/lidar/scan.h"
 #include "libslam/movers/scene.h"
 #include "libslam/rays/beam_table.h"
+#include "libslam/robot/camera.h"
 
 namespace slam::sim {
 

@@ -34,13 +34,13 @@ std::vector<double> numbersOf(const std::string& word) {
 const files::ParameterTable<EventOptions>& EventOptions::table() {
   using O = EventOptions;
   static const files::ParameterTable<O> rows("events",
-                                            {{"carry",
-                                              &O::carry,
-                                              kNone,
-                                              {},
-                                              "kidnapped robot: TIME_S:X_M,Y_M,HEADING_DEG in the world "
-                                              "frame, or TIME_S:random, or TIME_S:visited for a "
-                                              "place where it was before; several by blanks; none"}});
+                                             {{"carry",
+                                               &O::carry,
+                                               kNone,
+                                               {},
+                                               "kidnapped robot: TIME_S:X_M,Y_M,HEADING_DEG in the world "
+                                               "frame, or TIME_S:random, or TIME_S:visited for a "
+                                               "place where it was before; several by blanks; none"}});
   return rows;
 }
 
@@ -74,7 +74,8 @@ std::vector<CarryOrder> parseCarries(const std::string& text, const std::string&
   return carries;
 }
 
-std::vector<CarryOrder> readCarries(const files::IniFile& config, std::vector<files::ParameterReport>* report) {
+std::vector<CarryOrder> readCarries(const files::IniFile& config,
+                                    std::vector<files::ParameterReport>* report) {
   EventOptions options;
   files::readParameters(config, EventOptions::table(), options, report);
   const auto* entry = config.find("events", "carry");

@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
+#include "libslam/core/pose2.h"
 #include "libslam/files/ini.h"
 #include "libslam/files/parameters.h"
-#include "libslam/core/pose2.h"
 
 namespace slam::sim {
 
@@ -37,7 +37,8 @@ struct Carry {
 std::vector<CarryOrder> parseCarries(const std::string& text, const std::string& origin);
 
 /// Section [events] of a configuration; its parameters are appended to `report`. Errors: InputError.
-std::vector<CarryOrder> readCarries(const files::IniFile& config, std::vector<files::ParameterReport>* report);
+std::vector<CarryOrder> readCarries(const files::IniFile& config,
+                                    std::vector<files::ParameterReport>* report);
 
 /// Refuses orders that come at the end or later, which are never carried out. Errors: InputError.
 void requireBefore(const std::vector<CarryOrder>& carries, double end_s);

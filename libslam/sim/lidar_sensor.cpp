@@ -28,7 +28,7 @@ bool areEqual(const core::Pose2& a, const core::Pose2& b) {
 /// The wall that a ray met after range_m if it is not plain; nullopt for plain walls, for what is not in the
 /// plan, and for a ray that starts in the wall.
 std::optional<rays::WallHit> specialWall(const world::Plan& plan, const LidarSensor::Ray& ray,
-                                          double range_m) {
+                                         double range_m) {
   // Ranges are floats: this far apart, the scene's answer and the plan's wall are the same place.
   constexpr double kSamePlace = 1e-6;
   if (rays::isPlainAt(plan, along(ray.p_world, ray.direction(), range_m))) return std::nullopt;
@@ -70,7 +70,7 @@ LidarSensor::LidarSensor(const lidar::LidarOptions& options, std::uint64_t seed,
       random_(seed, name),
       mixed_random_(seed, name + " mixed"),
       glass_random_(seed, name + " glass") {
-  robot::requireSensible(options);
+  lidar::requireSensible(options);
   const int rays = options.beam_width_rad > 0 ? lidar::kRaysPerBeam : 1;
   for (int ray = 0; ray < rays; ++ray) {
     const double offset_rad = rays > 1 ? lidar::rayOffset(options, ray) : 0;
@@ -82,8 +82,8 @@ double LidarSensor::memory_s() const {
   return options_.latency_s + options_.sweep / options_.rate_hz;
 }
 
-lidar::Scan LidarSensor::sense(const movers::Scene& scene, const core::Pose2& T_world_robot, const RecentPath& path,
-                               double time_s) {
+lidar::Scan LidarSensor::sense(const movers::Scene& scene, const core::Pose2& T_world_robot,
+                               const RecentPath& path, double time_s) {
   lidar::Scan scan;
   scan.time_s = time_s;
   scan.first_angle_rad = lidar::firstAngle(options_);

@@ -8,9 +8,9 @@
 #include "libslam/core/random.h"
 #include "libslam/lidar/lidar.h"
 #include "libslam/lidar/scan.h"
-#include "libslam/sim/recent_path.h"
 #include "libslam/movers/scene.h"
 #include "libslam/rays/wall_hit.h"
+#include "libslam/sim/recent_path.h"
 
 namespace slam::sim {
 
@@ -50,7 +50,7 @@ class LidarSensor {
     core::Point2 direction() const;
   };
 
-  /// InputError as robot::requireSensible().
+  /// InputError as lidar::requireSensible().
   LidarSensor(const lidar::LidarOptions& options, std::uint64_t seed, const std::string& name = "lidar");
 
   /// How long ago the oldest beam of a scan was measured, for the RecentPath that sense() is given.
@@ -71,7 +71,7 @@ class LidarSensor {
 
   lidar::LidarOptions options_;
   core::RandomStream random_, mixed_random_, glass_random_;
-  std::vector<rays::BeamTable> beams_;     ///< one for each ray of a beam
+  std::vector<rays::BeamTable> beams_;      ///< one for each ray of a beam
   std::vector<core::Pose2> T_world_lidar_;  ///< of the present scan: one for each beam, or one for all
 };
 

@@ -6,16 +6,16 @@
 
 #include "libslam/core/pose2.h"
 #include "libslam/lidar/deskew.h"
-#include "libslam/robot/drive.h"
 #include "libslam/lidar/lidar.h"
-#include "libslam/robot/odometer.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/movers/living.h"
+#include "libslam/movers/scene.h"
+#include "libslam/robot/drive.h"
+#include "libslam/robot/odometer.h"
 #include "libslam/sim/camera_sensor.h"
 #include "libslam/sim/carry.h"
 #include "libslam/sim/lidar_sensor.h"
-#include "libslam/movers/living.h"
 #include "libslam/sim/recent_path.h"
-#include "libslam/movers/scene.h"
 #include "libslam/world/plan.h"
 
 namespace slam::sim {
@@ -68,7 +68,7 @@ struct Collision {
 /// from the new place, unless an obstacle has ended it. A place where a person stands or a door is shut just
 /// then is waited for: the robot is put down before the first command that finds it free.
 ///
-/// Errors: lidar options that contradict each other (robot::requireSensible()); start not finite, in a wall,
+/// Errors: lidar options that contradict each other (lidar::requireSensible()); start not finite, in a wall,
 /// outside the plan or nearer to either than the disc's radius (InputError naming the pose and the radius); a
 /// command that is not finite or has a negative duration (ContractError).
 class Simulator {
@@ -114,7 +114,7 @@ class Simulator {
   double time_s() const;
   const core::Pose2& truth() const { return T_world_robot_; }  ///< for the recorder only
   const std::vector<Collision>& collisions() const { return collisions_; }
-  const movers::Scene& scene() const { return scene_; }                   ///< likewise
+  const movers::Scene& scene() const { return scene_; }           ///< likewise
   const std::vector<Carry>& carries() const { return carries_; }  ///< that took place, in the order of time
   /// Orders that are not carried out yet.
   std::size_t waitingCarries() const { return pending_carries_.size(); }

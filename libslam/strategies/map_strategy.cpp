@@ -6,10 +6,10 @@
 #include <set>
 #include <utility>
 
+#include "libslam/choices/team_share.h"
 #include "libslam/core/elementary.h"
 #include "libslam/core/error.h"
 #include "libslam/core/rigid_motion2.h"
-#include "libslam/choices/team_share.h"
 #include "libslam/paths/close_walls.h"
 
 namespace slam::strategies {
@@ -147,8 +147,8 @@ bool MapStrategy::seesStraight(const core::Point2& a, const core::Point2& b) con
 }
 
 /// As near to the frontiers as the robot can, by cost; without the ways.
-std::vector<choices::Viewpoint> MapStrategy::viewpointsFor(const paths::PathPlanner& planner,
-                                                  const std::vector<paths::Frontier>& frontiers) const {
+std::vector<choices::Viewpoint> MapStrategy::viewpointsFor(
+    const paths::PathPlanner& planner, const std::vector<paths::Frontier>& frontiers) const {
   std::vector<choices::Viewpoint> viewpoints;
   for (std::size_t f = 0; f < frontiers.size(); ++f) {
     std::set<std::pair<double, paths::PathPlanner::Node>> by_cost;
@@ -189,7 +189,7 @@ void MapStrategy::keepMine(std::vector<choices::Viewpoint>& viewpoints) const {
 
 /// With their ways and, where wanted, with viewpoints short of them.
 std::vector<choices::Viewpoint> MapStrategy::withWays(const paths::PathPlanner& planner,
-                                             std::vector<choices::Viewpoint> viewpoints) const {
+                                                      std::vector<choices::Viewpoint> viewpoints) const {
   std::vector<choices::Viewpoint> standoffs;
   for (auto& viewpoint : viewpoints) {
     viewpoint.way = planner.way(viewpoint.node);
@@ -206,9 +206,10 @@ std::vector<choices::Viewpoint> MapStrategy::withWays(const paths::PathPlanner& 
       short_of.cost_m = planner.cost(short_of.node);
       short_of.length_m = planner.length(short_of.way);
       short_of.at_frontier = false;
-      const bool crowded = std::any_of(standoffs.begin(), standoffs.end(), [&](const choices::Viewpoint& other) {
-        return core::distance(other.p_map, short_of.p_map) < kViewpointSpacing_m;
-      });
+      const bool crowded =
+          std::any_of(standoffs.begin(), standoffs.end(), [&](const choices::Viewpoint& other) {
+            return core::distance(other.p_map, short_of.p_map) < kViewpointSpacing_m;
+          });
       if (!crowded && !isSpent(short_of.p_map)) standoffs.push_back(std::move(short_of));
     }
   }
@@ -240,8 +241,9 @@ paths::PathPlanner MapStrategy::plan(const paths::FreeSpace& driving, bool bare,
 }
 
 /// Nothing when there is nowhere to go by this plan.
-std::optional<choices::Decision> MapStrategy::goOn(const paths::PathPlanner& planner, const paths::FreeSpace& looking,
-                                          const lidar::Scan& scan, const core::Pose2& T_map_robot) {
+std::optional<choices::Decision> MapStrategy::goOn(const paths::PathPlanner& planner,
+                                                   const paths::FreeSpace& looking, const lidar::Scan& scan,
+                                                   const core::Pose2& T_map_robot) {
   const auto min_cells = static_cast<std::size_t>(
       std::max(1.0, std::ceil(options_.frontier_min_m / space_->resolution_m - 1e-9)));
   const auto frontiers = openFrontiers(looking, planner, min_cells);
@@ -268,8 +270,9 @@ std::optional<choices::Decision> MapStrategy::goOn(const paths::PathPlanner& pla
 }
 
 choices::Decision MapStrategy::decisionFor(const paths::PathPlanner& planner,
-                                  const std::vector<paths::Frontier>& frontiers,
-                                  const std::vector<choices::Viewpoint>& viewpoints, const Choice& choice) {
+                                           const std::vector<paths::Frontier>& frontiers,
+                                           const std::vector<choices::Viewpoint>& viewpoints,
+                                           const Choice& choice) {
   const choices::Viewpoint& chosen = viewpoints[choice.viewpoint];
   choices::Decision decision;
   decision.score = choice.score;
@@ -324,7 +327,7 @@ paths::FreeSpace MapStrategy::drivingSpace(bool bare, const core::Pose2& T_map_r
 
 /// By what is to be looked at.
 choices::Decision MapStrategy::decideOn(const paths::FreeSpace& looking, const lidar::Scan& scan,
-                               const core::Pose2& T_map_robot) {
+                                        const core::Pose2& T_map_robot) {
   target_.clear();
   bool has_start = false;
   const bool only_bare = std::exchange(bare_next_, false);

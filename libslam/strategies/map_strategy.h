@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "libslam/choices/passers.h"
-#include "libslam/strategies/strategy.h"
 #include "libslam/choices/viewpoint.h"
 #include "libslam/paths/expected_gain.h"
 #include "libslam/paths/free_space.h"
 #include "libslam/paths/frontier.h"
 #include "libslam/paths/path_planner.h"
+#include "libslam/strategies/strategy.h"
 
 namespace slam::strategies {
 
@@ -19,8 +19,8 @@ namespace slam::strategies {
 struct Scene {
   const paths::FreeSpace& space;  ///< with an obstacle where a border of the unknown turned out to be one
   const paths::PathPlanner& planner;
-  const std::vector<paths::Frontier>& frontiers;  ///< those in reach that have not been given up
-  const std::vector<choices::Viewpoint>& viewpoints;       ///< by cost, never empty
+  const std::vector<paths::Frontier>& frontiers;      ///< those in reach that have not been given up
+  const std::vector<choices::Viewpoint>& viewpoints;  ///< by cost, never empty
   paths::LidarView view;
   core::Pose2 T_map_robot;
 };
@@ -94,26 +94,29 @@ class MapStrategy : public Strategy {
   static constexpr double kLeastNews_m2 = 0.1;  ///< less new area than this may be the map's noise
   using Place = std::int64_t;  ///< a cell's place in the map frame, whatever the raster's extent
   Place placeOf(const core::Point2& p_map) const;
-  choices::Decision decideOn(const paths::FreeSpace& looking, const lidar::Scan& scan, const core::Pose2& T_map_robot);
+  choices::Decision decideOn(const paths::FreeSpace& looking, const lidar::Scan& scan,
+                             const core::Pose2& T_map_robot);
   void keepMine(std::vector<choices::Viewpoint>& viewpoints) const;
   paths::FreeSpace withoutFalseFrontiers() const;
   void judgeLook();
   paths::FreeSpace drivingSpace(bool bare, const core::Pose2& T_map_robot) const;
   paths::PathPlanner plan(const paths::FreeSpace& driving, bool bare, const core::Pose2& T_map_robot) const;
   std::optional<choices::Decision> goOn(const paths::PathPlanner& planner, const paths::FreeSpace& looking,
-                               const lidar::Scan& scan, const core::Pose2& T_map_robot);
+                                        const lidar::Scan& scan, const core::Pose2& T_map_robot);
   std::vector<paths::Frontier> openFrontiers(const paths::FreeSpace& looking,
                                              const paths::PathPlanner& planner, std::size_t min_cells);
   bool seesStraight(const core::Point2& a, const core::Point2& b) const;
   std::vector<choices::Viewpoint> viewpointsFor(const paths::PathPlanner& planner,
-                                       const std::vector<paths::Frontier>& frontiers) const;
-  std::vector<choices::Viewpoint> withWays(const paths::PathPlanner& planner, std::vector<choices::Viewpoint> viewpoints) const;
-  choices::Decision decisionFor(const paths::PathPlanner& planner, const std::vector<paths::Frontier>& frontiers,
-                       const std::vector<choices::Viewpoint>& viewpoints, const Choice& choice);
+                                                const std::vector<paths::Frontier>& frontiers) const;
+  std::vector<choices::Viewpoint> withWays(const paths::PathPlanner& planner,
+                                           std::vector<choices::Viewpoint> viewpoints) const;
+  choices::Decision decisionFor(const paths::PathPlanner& planner,
+                                const std::vector<paths::Frontier>& frontiers,
+                                const std::vector<choices::Viewpoint>& viewpoints, const Choice& choice);
   bool isSpent(const core::Point2& p_map) const;
   choices::Decision finishedDecision() const;
   choices::Decision despitePeople(const paths::FreeSpace& looking, const lidar::Scan& scan,
-                         const core::Pose2& T_map_robot);
+                                  const core::Pose2& T_map_robot);
   std::optional<choices::Decision> wait(const core::Pose2& T_map_robot);
   std::optional<choices::Decision> makeWay(const core::Pose2& T_map_robot) const;
 

@@ -59,7 +59,7 @@ bool MapStrategy::isStillGood(const choices::Decision& decision, const core::Pos
 /// Somebody may stand, or have stood, where the way goes on: before the robot ends it looks there again, and
 /// waits for a while; it waits, too, where it was held up.
 choices::Decision MapStrategy::despitePeople(const paths::FreeSpace& looking, const lidar::Scan& scan,
-                                    const core::Pose2& T_map_robot) {
+                                             const core::Pose2& T_map_robot) {
   const bool are_about = passers_.areAbout(), was_held_up = std::exchange(is_held_up_, false);
   if (are_about && was_held_up)
     if (auto waiting = wait(T_map_robot)) return *std::move(waiting);

@@ -4,6 +4,7 @@
 
 #include "libslam/core/error.h"
 #include "libslam/goals/goal_navigator.h"
+#include "libslam/safety/obstacle_memory.h"
 #include "libslam/strategies/information_gain.h"
 #include "libslam/strategies/longest_ray.h"
 #include "libslam/strategies/nearest_frontier.h"
@@ -12,7 +13,6 @@
 #include "libslam/strategies/random_heading.h"
 #include "libslam/strategies/tour.h"
 #include "libslam/strategies/wall_follow.h"
-#include "libslam/safety/obstacle_memory.h"
 
 namespace slam::strategies {
 namespace {

@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "libslam/files/parameters.h"
+#include "libslam/choices/decision.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/random.h"
+#include "libslam/files/parameters.h"
 #include "libslam/gridmap/occupancy_raster.h"
-#include "libslam/choices/decision.h"
+#include "libslam/lidar/scan.h"
 #include "libslam/obstacles/local_obstacle_map.h"
 #include "libslam/robot/drive.h"
-#include "libslam/lidar/scan.h"
 
 namespace slam::strategies {
 

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <numeric>
 
-#include "libslam/core/elementary.h"
 #include "libslam/choices/open_tour.h"
+#include "libslam/core/elementary.h"
 #include "libslam/paths/coarse_ways.h"
 
 namespace slam::strategies {
@@ -36,7 +36,8 @@ double turnInto(const choices::Viewpoint& viewpoint, const Scene& scene, const r
   return 0;
 }
 
-choices::TourProblem problemOf(const std::vector<choices::Look>& stops, const Scene& scene, const robot::RobotOptions& robot) {
+choices::TourProblem problemOf(const std::vector<choices::Look>& stops, const Scene& scene,
+                               const robot::RobotOptions& robot) {
   choices::TourProblem problem;
   problem.stops = stops.size();
   const paths::CoarseWays ways(scene.planner, kMostBlocks);
@@ -63,7 +64,8 @@ std::optional<std::size_t> Tour::sharedViewpoints() const {
   return kMostViewpoints;
 }
 
-bool Tour::isStillGood(const choices::Decision& decision, const core::Pose2& T_map_robot, std::size_t next_waypoint) {
+bool Tour::isStillGood(const choices::Decision& decision, const core::Pose2& T_map_robot,
+                       std::size_t next_waypoint) {
   if (!MapStrategy::isStillGood(decision, T_map_robot, next_waypoint)) return false;
   if (isMakingWay()) return true;
   const double news = static_cast<double>(space().known) - static_cast<double>(known_cells_);
@@ -85,12 +87,14 @@ std::optional<MapStrategy::Choice> Tour::choose(const Scene& scene) {
   const choices::Openings openings = openingsOf(scene);
   std::vector<choices::Look> looks;
   for (std::size_t i = 0; i < scene.viewpoints.size(); ++i) {
-    looks.push_back(choices::lookAround(scene.space, openings, scene.viewpoints[i].p_map, scene.view.max_range_m));
+    looks.push_back(
+        choices::lookAround(scene.space, openings, scene.viewpoints[i].p_map, scene.view.max_range_m));
     looks.back().place = i;
   }
   const std::size_t cells = scene.space.state.size();
   auto stops = choices::coveringLooks(looks, cells, kStop_m2, kMostStops);
-  if (stops.empty()) stops = choices::coveringLooks(std::move(looks), cells, options().gain_min_m2, kMostStops);
+  if (stops.empty())
+    stops = choices::coveringLooks(std::move(looks), cells, options().gain_min_m2, kMostStops);
   if (stops.empty()) return std::nullopt;
 
   const choices::TourProblem problem = problemOf(stops, scene, robot());

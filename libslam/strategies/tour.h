@@ -1,6 +1,6 @@
 #pragma once
-#include "libslam/strategies/map_strategy.h"
 #include "libslam/choices/tour_stops.h"
+#include "libslam/strategies/map_strategy.h"
 
 namespace slam::strategies {
 

@@ -8,11 +8,11 @@
 
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
+#include "libslam/resources/ini_yaml.h"
 #include "libslam/stats/bootstrap.h"
 #include "libslam/stats/proportion.h"
 #include "libslam/stats/ranking.h"
 #include "libslam/summary/sweep_groups.h"
-#include "libslam/resources/ini_yaml.h"
 
 namespace slam::study {
 namespace fs = std::filesystem;
@@ -38,7 +38,8 @@ struct Drives {
   std::vector<std::size_t> settings;
 };
 
-Drives drivesOf(const summary::SweepGroup& group, const sweep::SweepPlan& plan, const summary::SweepResults& results) {
+Drives drivesOf(const summary::SweepGroup& group, const sweep::SweepPlan& plan,
+                const summary::SweepResults& results) {
   Drives drives;
   drives.values.resize(group.methods.size());
   for (std::size_t i = 0; i < group.methods.front().size(); ++i) {

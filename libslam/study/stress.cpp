@@ -7,14 +7,14 @@
 
 #include "libslam/buildings/generator.h"
 #include "libslam/core/error.h"
-#include "libslam/resources/resources.h"
 #include "libslam/files/word_list.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/stats/bootstrap.h"
 #include "libslam/stats/proportion.h"
 #include "libslam/study/stress_charts.h"
-#include "libslam/summary/sweep_groups.h"
 #include "libslam/study/value_range.h"
-#include "libslam/resources/ini_yaml.h"
+#include "libslam/summary/sweep_groups.h"
 
 namespace slam::study {
 namespace fs = std::filesystem;
@@ -72,7 +72,7 @@ void requireBuildingKey(const std::string& key) {
 
 /// Section [world ...] of an entry of the list of worlds, for generateWorld().
 std::map<std::string, files::IniFile::Entry> generatedWorld(const files::IniFile& ini,
-                                                           const std::string& entry) {
+                                                            const std::string& entry) {
   const auto section = ini.sections().find("world " + entry);
   std::map<std::string, files::IniFile::Entry> keys;
   if (section != ini.sections().end()) {
@@ -163,7 +163,8 @@ Point pointOf(const sweep::SweepPlan& plan, const summary::SweepResults& results
   if (point.runs > 0)
     point.failure_rate = static_cast<double>(point.failed) / static_cast<double>(point.runs);
   if (!errors.empty())
-    point.error = stats::bootstrapMedian(errors, {0.95, 1, kResamples, summary::settingsOf(plan, with_error)});
+    point.error =
+        stats::bootstrapMedian(errors, {0.95, 1, kResamples, summary::settingsOf(plan, with_error)});
   return point;
 }
 
@@ -218,7 +219,8 @@ RunsByValue runsByValue(const StressSuite& suite, const sweep::SweepPlan& plan,
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     const auto& log = plan.logs[plan.runs[i].log];
     const auto& name = suite.is_of_world ? log.world : log.fault;
-    const auto method = std::find(methods.begin(), methods.end(), summary::fullName(plan.runs[i])) - methods.begin();
+    const auto method =
+        std::find(methods.begin(), methods.end(), summary::fullName(plan.runs[i])) - methods.begin();
     for (std::size_t v = 0; v < suite.values.size(); ++v)
       if (suite.names[v].count(name)) runs[v][static_cast<std::size_t>(method)].push_back(i);
   }
@@ -311,8 +313,8 @@ StressSuite stressSuite(const StressRequest& request) {
   return stress;
 }
 
-StressResult stress(const StressSuite& suite, const sweep::SweepPlan& plan, const summary::SweepResults& results,
-                    const StressLimits& limits) {
+StressResult stress(const StressSuite& suite, const sweep::SweepPlan& plan,
+                    const summary::SweepResults& results, const StressLimits& limits) {
   if (limits.error > 0 && summary::betterOf(plan.metric) == stats::Better::kLarger)
     throw core::InputError("an error limit needs a metric of which less is better, found " + plan.metric);
   const auto methods = summary::methodNames(plan);

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/files/ini.h"
 #include "libslam/draw/curves.h"
+#include "libslam/files/ini.h"
 #include "libslam/summary/run_figures.h"
 #include "libslam/sweep/suite.h"
 #include "libslam/sweep/sweep_plan.h"
@@ -70,7 +70,7 @@ struct StressResult {
 /// settingsOf()) and the seeds. A failed run counts as worse than any other
 /// (rankedValue()). results[i] is of plan.runs[i]. REQUIRES a metric of which less is better for an error
 /// limit (InputError). The same bytes for the same results.
-StressResult stress(const StressSuite& suite, const sweep::SweepPlan& plan, const summary::SweepResults& results,
-                    const StressLimits& limits);
+StressResult stress(const StressSuite& suite, const sweep::SweepPlan& plan,
+                    const summary::SweepResults& results, const StressLimits& limits);
 
 }  // namespace slam::study

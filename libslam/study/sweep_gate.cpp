@@ -59,16 +59,17 @@ std::vector<score::Score> scoresOf(const sweep::SweepPlan& plan, const summary::
       for (const auto run : runs_of_cell.at(cell)) {
         const auto& result = results[run];
         score.seeds.push_back(plan.runs[run].seed);
-        score.values.push_back(!result                   ? kNan
+        score.values.push_back(!result                            ? kNan
                                : summary::isFailed(plan, *result) ? stats::failedValue(better)
-                                                         : summary::figureOf(*result, metric));
+                                                                  : summary::figureOf(*result, metric));
       }
       scores.push_back(std::move(score));
     }
   return scores;
 }
 
-std::vector<score::Score> summaryScoresOf(const sweep::SweepPlan& plan, const summary::SweepResults& results) {
+std::vector<score::Score> summaryScoresOf(const sweep::SweepPlan& plan,
+                                          const summary::SweepResults& results) {
   auto scores = scoresOf(plan, results);
   const auto keys = summary::summaryKeys(plan);
   scores.erase(std::remove_if(scores.begin(), scores.end(),

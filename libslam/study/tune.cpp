@@ -9,9 +9,10 @@
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
 #include "libslam/files/ini_text.h"
-#include "libslam/resources/resources.h"
 #include "libslam/files/word_list.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/stats/paired.h"
 #include "libslam/stats/ranking.h"
 #include "libslam/summary/run_figures.h"
@@ -19,7 +20,6 @@
 #include "libslam/summary/sweep_merge.h"
 #include "libslam/sweep/cell.h"
 #include "libslam/sweep/sweep.h"
-#include "libslam/resources/ini_yaml.h"
 
 namespace slam::study {
 namespace fs = std::filesystem;
@@ -145,7 +145,8 @@ class Tuner {
         continue;
       if (kind == "world" && !std::count(worlds.begin(), worlds.end(), section.substr(blank + 1))) continue;
       // A section without keys is a setting, too: wheels as they are built in.
-      if (entries.empty()) ini.overrideWith(files::IniFile::parse("[" + section + "]\n", request_.suite_path));
+      if (entries.empty())
+        ini.overrideWith(files::IniFile::parse("[" + section + "]\n", request_.suite_path));
       for (const auto& [key, entry] : entries) ini.set(section, key, entry.value, entry.origin);
     }
     const auto set = [&](const char* key, const std::string& value) {

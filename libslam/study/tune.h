@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "libslam/resources/manifest.h"
-#include "libslam/files/parameters.h"
 #include "libslam/core/progress.h"
+#include "libslam/files/parameters.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/study/tune_statistics.h"
 #include "libslam/table/table.h"
 

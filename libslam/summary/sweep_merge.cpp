@@ -142,7 +142,7 @@ MergedSweep mergeSweep(const MergeRequest& request, resources::Manifest manifest
   if (error) throw core::IoError(request.output + ": cannot be made: " + error.message());
   if (!fs::exists(request.output + "/plan.json")) {
     files::writeFileAtomically(request.output + "/suite.ini",
-                              files::readTextFile(request.folders.front() + "/suite.ini"));
+                               files::readTextFile(request.folders.front() + "/suite.ini"));
     files::writeFileAtomically(request.output + "/plan.json", sweep::toJson(merged.plan, request.output));
   } else {
     commonPlan({request.folders.front(), request.output});

@@ -12,13 +12,13 @@
 #include <set>
 #include <system_error>
 
-#include "libslam/resources/code_version.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/file_hash.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/process/process_memory.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/code_version.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/score/evaluate.h"

@@ -83,8 +83,8 @@ std::string writeSlurm(const Sweep& sweep, const SweepRequest& request, const Su
           "done\n"
           "exit \"$status\"\n");
   files::writeFileAtomically(paths.submit + "/merge.sbatch",
-                            sbatchHead(sweep.plan.name + "-merge", paths.submit + "/merge.log", submit) +
-                                "exec " + mergeLine(request, paths) + "\n");
+                             sbatchHead(sweep.plan.name + "-merge", paths.submit + "/merge.log", submit) +
+                                 "exec " + mergeLine(request, paths) + "\n");
   return "#!/bin/sh\n"
          "set -e\n"
          "sweep=$(sbatch --parsable " +
@@ -123,8 +123,8 @@ std::string writeSubmission(const Sweep& sweep, const SweepRequest& sweep_reques
   if (error) throw core::IoError(paths.submit + ": cannot be made: " + error.message());
   const std::string script = paths.submit + "/submit.sh";
   files::writeFileAtomically(script, request.engine == "parallel"
-                                        ? writeParallel(sweep_request, request, paths)
-                                        : writeSlurm(sweep, sweep_request, request, paths));
+                                         ? writeParallel(sweep_request, request, paths)
+                                         : writeSlurm(sweep, sweep_request, request, paths));
   return script;
 }
 

@@ -3,9 +3,9 @@
 #include <sstream>
 
 #include "libslam/files/files.h"
+#include "libslam/record/generated_world.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/resources/ini_yaml.h"
-#include "libslam/record/generated_world.h"
 #include "libslam/sweep/suite_reader.h"
 
 namespace slam::sweep {
@@ -79,7 +79,8 @@ Suite readSuite(const files::IniFile& ini, const std::string& path, const std::s
 }
 
 files::IniFile layered(const Suite& suite, const SuiteVariant& robot, const SuiteVariant& lidar,
-                      const SuiteVariant& odometry, const SuiteVariant& strategy, const SuiteVariant& fault) {
+                       const SuiteVariant& odometry, const SuiteVariant& strategy,
+                       const SuiteVariant& fault) {
   files::IniFile config = suite.base;
   for (const auto* variant : {&robot, &lidar, &odometry, &strategy, &fault})
     config.overrideWith(variant->overlay);

@@ -42,8 +42,8 @@ struct SuiteWorld {
   std::string plan_path;  ///< "" for a generated one
   std::string kind;
   files::IniFile building;  ///< section [building]
-  std::uint64_t seed = 1;  ///< of the building, not of the run
-  std::string sha256;      ///< planSha256()
+  std::uint64_t seed = 1;   ///< of the building, not of the run
+  std::string sha256;       ///< planSha256()
 };
 
 /// A log that exists already, with what is known of it ("" where nothing is).
@@ -111,7 +111,7 @@ Suite readSuite(const files::IniFile& ini, const std::string& path, const std::s
 
 /// The configuration of a simulated log: all layers.
 files::IniFile layered(const Suite& suite, const SuiteVariant& robot, const SuiteVariant& lidar,
-                      const SuiteVariant& odometry, const SuiteVariant& strategy, const SuiteVariant& fault);
+                       const SuiteVariant& odometry, const SuiteVariant& strategy, const SuiteVariant& fault);
 
 /// The plan of a world, named after it.
 world::Plan loadWorld(const SuiteWorld& world);

@@ -6,15 +6,15 @@
 #include <filesystem>
 #include <utility>
 
-#include "libslam/resources/file_hash.h"
-#include "libslam/resources/ini_yaml.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/method_config.h"
-#include "libslam/truth/truth_files.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/external_method.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::sweep {
 namespace fs = std::filesystem;
@@ -69,7 +69,8 @@ SuiteVariant SuiteReader::variant(const std::string& key, const std::string& kin
 SuiteVariant SuiteReader::preset(const std::string& key, const std::string& kind,
                                  const std::string& word) const {
   if (word == kBuiltIn) return {word, {}};
-  if (resources::isConfigFile(word)) return {fs::path(word).stem().string(), resources::readConfigFile(resolved(word))};
+  if (resources::isConfigFile(word))
+    return {fs::path(word).stem().string(), resources::readConfigFile(resolved(word))};
   std::vector<std::string> names;
   if (kind == "lidar") names = resources::namesInFolder(resources::configsFolder() + "/lidars", ".ini");
   if (kind == "strategy") names = strategies::strategyNames();
@@ -78,7 +79,8 @@ SuiteVariant SuiteReader::preset(const std::string& key, const std::string& kind
     throw unknown(key, word, std::string("built-in, a known ") + kind + ", an .ini or .yaml file", names,
                   kind);
   }
-  if (kind == "lidar") return {word, resources::readConfigFile(resources::configsFolder() + "/lidars/" + word + ".ini")};
+  if (kind == "lidar")
+    return {word, resources::readConfigFile(resources::configsFolder() + "/lidars/" + word + ".ini")};
   SuiteVariant result{word, {}};
   result.overlay.set("strategy", "name", word, where(key));
   return result;
@@ -119,8 +121,12 @@ SuiteWorld SuiteReader::unchecked(const std::string& word) {
   }
   if (word.find(':') == std::string::npos || fs::exists(resolved(word))) {
     const bool is_path = looksLikePath(word);
-    return {
-        fs::path(word).stem().string(), is_path ? resolved(word) : resources::resolvePlan(word), "", {}, 1, ""};
+    return {fs::path(word).stem().string(),
+            is_path ? resolved(word) : resources::resolvePlan(word),
+            "",
+            {},
+            1,
+            ""};
   }
   const auto parts = files::splitAt(word, ':');
   Entries keys;
@@ -130,7 +136,7 @@ SuiteWorld SuiteReader::unchecked(const std::string& word) {
       throw core::InputError("found '" + word + "', expected KIND:key=value:key=value");
     const auto* entry = ini_.find("suite", "worlds");
     keys[files::trimmed(parts[i].substr(0, equals))] = {files::trimmed(parts[i].substr(equals + 1)),
-                                                       entry ? entry->origin : suite_.path};
+                                                        entry ? entry->origin : suite_.path};
   }
   return generated(word, parts[0], keys);
 }

@@ -52,7 +52,8 @@ std::string reproduceLine(const std::string& id) {
   return "rasterslam bench exec suite.ini --cell " + id + " -o again";
 }
 
-void prepareSweepFolder(const Sweep& sweep, const SweepRequest& request, const resources::Manifest& manifest) {
+void prepareSweepFolder(const Sweep& sweep, const SweepRequest& request,
+                        const resources::Manifest& manifest) {
   prepare(sweep, request);
   const Workplace workplace(request.output);
   publishPlan(workplace, sweep, request, manifest);

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "libslam/resources/manifest.h"
 #include "libslam/core/progress.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/sweep/sweep_plan.h"
 
 namespace slam::sweep {

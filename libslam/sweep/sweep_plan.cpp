@@ -4,9 +4,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "libslam/resources/code_version.h"
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
+#include "libslam/resources/code_version.h"
 #include "libslam/resources/file_hash.h"
 
 namespace slam::sweep {

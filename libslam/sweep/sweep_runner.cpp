@@ -168,7 +168,7 @@ std::string SweepRunner::makePartial(bool is_log, std::size_t index) const {
   fs::remove_all(folder);
   makeFolder(folder);
   files::writeFileAtomically(folder + "/cell.json",
-                            is_log ? sweep_.log_specs[index] : sweep_.run_specs[index]);
+                             is_log ? sweep_.log_specs[index] : sweep_.run_specs[index]);
   return folder;
 }
 

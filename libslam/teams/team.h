@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "libslam/resources/manifest.h"
 #include "libslam/core/pose2.h"
 #include "libslam/core/progress.h"
 #include "libslam/explore/explore.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/table/table.h"
 #include "libslam/world/plan.h"
 
@@ -19,7 +19,7 @@ inline constexpr int kMostRobots = 4;
 struct TeamRequest {
   std::string plan_path;
   explore::ExploreConfig config;  ///< of every robot; its start is the first one's
-  std::string slam;      ///< as ExploreRequest::slam; each robot has one of its own
+  std::string slam;               ///< as ExploreRequest::slam; each robot has one of its own
   std::string methods_folder;
   std::string output;
   std::uint64_t seed = 1;

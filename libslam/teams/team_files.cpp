@@ -3,9 +3,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "libslam/files/files.h"
 #include "libslam/explore/coverage_charts.h"
 #include "libslam/explore/exploration_tables.h"
+#include "libslam/files/files.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/pictures/picture.h"
 #include "libslam/table/latex.h"
@@ -129,7 +129,8 @@ table::Table teamTable(const TeamRequest& request, const TeamReport& report, con
 }
 
 void writeTeam(TeamLoop& loop, const TeamRequest& request, const TeamReport& report,
-               const std::vector<explore::LoopResult>& results, const world::Plan& plan, const std::string& folder) {
+               const std::vector<explore::LoopResult>& results, const world::Plan& plan,
+               const std::string& folder) {
   const auto write = [&](const char* name, const std::string& text) {
     files::writeFileAtomically(folder + "/" + name, text);
   };

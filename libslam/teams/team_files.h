@@ -17,6 +17,7 @@ table::Table teamTable(const TeamRequest& request, const TeamReport& report, con
 
 /// All that exploreTeam() documents but the robots' own folders and the manifest, into an existing folder.
 void writeTeam(TeamLoop& loop, const TeamRequest& request, const TeamReport& report,
-               const std::vector<explore::LoopResult>& results, const world::Plan& plan, const std::string& folder);
+               const std::vector<explore::LoopResult>& results, const world::Plan& plan,
+               const std::string& folder);
 
 }  // namespace slam::teams

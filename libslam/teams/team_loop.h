@@ -6,9 +6,9 @@
 
 #include "libslam/core/thread_team.h"
 #include "libslam/explore/exploring_robot.h"
+#include "libslam/navigate/right_of_way.h"
 #include "libslam/teams/team.h"
 #include "libslam/teams/team_radio.h"
-#include "libslam/navigate/right_of_way.h"
 
 namespace slam::teams {
 

@@ -2,8 +2,8 @@
 
 #include <numeric>
 
-#include "libslam/teams/team.h"
 #include "libslam/gridmap/fused_raster.h"
+#include "libslam/teams/team.h"
 
 namespace slam::teams {
 

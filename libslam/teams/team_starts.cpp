@@ -3,9 +3,9 @@
 #include <cstdio>
 
 #include "libslam/core/error.h"
-#include "libslam/teams/team.h"
 #include "libslam/robot/drive.h"
 #include "libslam/sim/standing_room.h"
+#include "libslam/teams/team.h"
 
 namespace slam::teams {
 namespace {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "libslam/resources/file_hash.h"
-#include "libslam/resources/manifest.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/manifest.h"
 #include "libslam/truth/truth_files.h"
 
 namespace slam::truth {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "libslam/files/csv.h"
 #include "libslam/core/error.h"
+#include "libslam/files/csv.h"
 #include "libslam/files/files.h"
 #include "libslam/truth/truth_files.h"
 

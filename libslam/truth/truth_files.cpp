@@ -2,10 +2,10 @@
 
 #include <filesystem>
 
+#include "libslam/logs/convert.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/resources/manifest.h"
 #include "libslam/resources/resources.h"
-#include "libslam/logs/convert.h"
 
 namespace slam::truth {
 namespace fs = std::filesystem;
@@ -29,7 +29,8 @@ std::string findPlan(const std::string& log_path) {
   std::string own = logStem(log_path) + ".plan.yaml";
   if (manifest.files.count(fs::path(own).filename().string()) > 0 && fs::exists(own)) return own;
   for (const auto& [input, hash] : manifest.inputs)
-    if (resources::looksLikePlan(input) && fs::exists(input) && resources::fileSha256(input) == hash) return input;
+    if (resources::looksLikePlan(input) && fs::exists(input) && resources::fileSha256(input) == hash)
+      return input;
   return "";
 }
 

@@ -193,8 +193,8 @@ MapYaml readMapYaml(const std::string& path) {
 
 std::string formatMapYaml(const std::string& image_name, const PlanOptions& options,
                           const std::string& materials_name, const std::vector<Door>& doors) {
-  std::string text = files::rosMapYaml({image_name, options.resolution_m, options.T_world_plan, options.negate,
-                                       options.occupied_threshold, options.free_threshold});
+  std::string text = files::rosMapYaml({image_name, options.resolution_m, options.T_world_plan,
+                                        options.negate, options.occupied_threshold, options.free_threshold});
   if (!materials_name.empty()) text += "materials: " + files::yamlScalar(materials_name) + "\n";
   if (!doors.empty()) text += "doors:\n";
   for (const auto& door : doors)

@@ -64,7 +64,7 @@ void writeLog(const std::string& path, int entries, bool has_odometry = true) {
 TEST(BadInput, IsQuotedInOneShortLineThatATerminalCanShow) {
   const testing::TempFolder folder;
   files::writeFileAtomically(folder / "plan.yaml",
-                            "image: x.png\nresolution: '\x1b[31m" + std::string(9000, '7') + "'\n");
+                             "image: x.png\nresolution: '\x1b[31m" + std::string(9000, '7') + "'\n");
   const auto result = rasterslam("simulate plan.yaml", folder.path());
   EXPECT_EQ(result.exit_code, 3);
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;

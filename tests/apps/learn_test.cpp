@@ -108,7 +108,8 @@ TEST(Contest, RanksOursMrptsAndTwoTemplatesAndKeepsOneThatCrashes) {
   EXPECT_EQ(page.find(folder.path()), std::string::npos);
   // The same seed is the same contest.
   ASSERT_EQ(run(line + "two --seed 5").exit_code, 0);
-  EXPECT_EQ(resources::fileSha256(folder / "one/standings.csv"), resources::fileSha256(folder / "two/standings.csv"));
+  EXPECT_EQ(resources::fileSha256(folder / "one/standings.csv"),
+            resources::fileSha256(folder / "two/standings.csv"));
 }
 
 TEST(Contest, RefusesWhatCannotBeHeld) {

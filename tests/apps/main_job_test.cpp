@@ -7,10 +7,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "libslam/files/files.h"
-#include "libslam/resources/file_hash.h"
 #include "libslam/core/pose2.h"
+#include "libslam/files/files.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/resources/file_hash.h"
 #include "tests/apps/program.h"
 
 namespace slam::apps {

@@ -114,7 +114,8 @@ TEST_F(Outputs, GoToStandardOutputWhereTheyAreOneStream) {
     for (const std::string name : {"-", "/dev/stdout"}) {
       const auto stream = shell("\"$R\" " + command + " -o " + name + " >stream");
       EXPECT_EQ(stream.exit_code, 0) << command << ": " << stream.err;
-      EXPECT_EQ(files::readTextFile(folder() / "stream"), files::readTextFile(folder() / ("whole." + suffix)));
+      EXPECT_EQ(files::readTextFile(folder() / "stream"),
+                files::readTextFile(folder() / ("whole." + suffix)));
     }
     EXPECT_EQ(shell("\"$R\" " + command + " -o - >/dev/full").exit_code, 1) << command;
   }

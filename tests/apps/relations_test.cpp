@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "libslam/resources/file_hash.h"
 #include "libslam/logs/relations_io.h"
 #include "libslam/logs/trajectory_io.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/apps/program.h"
 

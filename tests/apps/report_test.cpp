@@ -76,8 +76,8 @@ TEST(Report, AStressTestHasItsCurvesWithIntervalsAndWhereMethodsBreak) {
 TEST(Report, ASweepThatIsNotWholeSaysWhatIsMissing) {
   const testing::TempFolder folder;
   files::writeFileAtomically(folder / "tiny.ini",
-                            "[suite]\nworlds = flat\nmethods = naive_wheel, naive_flow\nseeds = 1..3\n"
-                            "[simulation]\nduration_s = 10\n[lidar]\nbeams = 31\n");
+                             "[suite]\nworlds = flat\nmethods = naive_wheel, naive_flow\nseeds = 1..3\n"
+                             "[simulation]\nduration_s = 10\n[lidar]\nbeams = 31\n");
   ASSERT_EQ(rasterslam("bench tiny.ini -o out -q", folder.path()).exit_code, 0);
   const auto whole = pageOf("out", folder);
   EXPECT_THAT(verdictOf(whole), HasSubstr("6 runs were planned, and all of them have ended."));

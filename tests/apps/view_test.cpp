@@ -149,7 +149,8 @@ TEST(ViewCommand, AWindowShowsARunToItsEndAndKeepsItsFiles) {
   EXPECT_THAT(shown.out, HasSubstr("16 scans in 3.0 s"));
   ASSERT_EQ(rasterslam("simulate -o b.rawlog" + options, folder.path()).exit_code, 0);
   for (const std::string suffix : {".rawlog", ".gt.tum", ".operations.txt", ".rawlog.GT.txt"})
-    EXPECT_EQ(resources::fileSha256(folder / ("a" + suffix)), resources::fileSha256(folder / ("b" + suffix))) << suffix;
+    EXPECT_EQ(resources::fileSha256(folder / ("a" + suffix)), resources::fileSha256(folder / ("b" + suffix)))
+        << suffix;
 }
 
 TEST(ViewCommand, ADriveByCommandsShowsTheMapThatGrows) {
@@ -194,7 +195,8 @@ TEST(ViewCommand, ADriveByCommandsInAWindowWritesWhatSimulateWrites) {
   EXPECT_THAT(shown.out, HasSubstr("kidnapped at 1.5 s"));
   ASSERT_EQ(rasterslam("simulate -o b.rawlog" + options, folder.path()).exit_code, 0);
   for (const std::string suffix : {".rawlog", ".gt.tum", ".operations.txt", ".rawlog.GT.txt", ".carries.csv"})
-    EXPECT_EQ(resources::fileSha256(folder / ("a" + suffix)), resources::fileSha256(folder / ("b" + suffix))) << suffix;
+    EXPECT_EQ(resources::fileSha256(folder / ("a" + suffix)), resources::fileSha256(folder / ("b" + suffix)))
+        << suffix;
 }
 
 TEST(ViewCommand, ADriverTypesACommandAndCarriesTheRobotByTheMouse) {

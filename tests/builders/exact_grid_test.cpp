@@ -11,8 +11,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libslam/mapping/map_builder.h"
 #include "libslam/lidar/mrpt_types.h"
+#include "libslam/mapping/map_builder.h"
 #include "tests/mapping/small_room.h"
 
 namespace slam::builders {

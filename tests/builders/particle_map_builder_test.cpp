@@ -7,8 +7,8 @@
 #include <mrpt/obs/CObservation2DRangeScan.h>
 #include <mrpt/poses/CPosePDFGaussian.h>
 
-#include "libslam/mapping/map_builder.h"
 #include "libslam/lidar/mrpt_types.h"
+#include "libslam/mapping/map_builder.h"
 #include "tests/mapping/small_room.h"
 
 namespace slam::builders {

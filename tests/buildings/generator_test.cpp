@@ -9,8 +9,8 @@
 #include <string>
 
 #include "libslam/core/error.h"
-#include "libslam/resources/file_hash.h"
 #include "libslam/core/random.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/world/clearance.h"
 #include "libslam/world/region.h"

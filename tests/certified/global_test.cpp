@@ -5,11 +5,11 @@
 
 #include <cmath>
 
+#include "libslam/certified/relaxation.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
 #include "libslam/posegraph/chaining.h"
 #include "libslam/posegraph/parts.h"
-#include "libslam/certified/relaxation.h"
 #include "libslam/testing/pose_graphs.h"
 #include "tests/posegraph/real_graphs.h"
 
@@ -18,7 +18,8 @@ namespace {
 
 using core::kPi;
 
-posegraph::Edge edgeOf(int from, int to, const core::Pose2& T, const Eigen::Vector3d& information = {1, 1, 1}) {
+posegraph::Edge edgeOf(int from, int to, const core::Pose2& T,
+                       const Eigen::Vector3d& information = {1, 1, 1}) {
   posegraph::Edge edge;
   edge.from = from, edge.to = to, edge.T_from_to = T;
   edge.information = information.asDiagonal();
@@ -245,7 +246,8 @@ TEST(PartsOf, NamesWhatNothingTiesTogether) {
   EXPECT_EQ(posegraph::partsOf(graph), (std::vector<std::vector<int>>{{0, 2}, {1, 4}, {3}, {5}}));
   graph.setFixed(2);
   graph.addEdge(edgeOf(posegraph::kMap, 5, {}));
-  EXPECT_EQ(posegraph::partsOf(graph), (std::vector<std::vector<int>>{{0, 2, 5}, {1, 4}, {3}})) << "held is held";
+  EXPECT_EQ(posegraph::partsOf(graph), (std::vector<std::vector<int>>{{0, 2, 5}, {1, 4}, {3}}))
+      << "held is held";
   EXPECT_THROW(optimizeGlobally(graph), core::InputError);
 }
 

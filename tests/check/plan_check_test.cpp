@@ -126,8 +126,8 @@ TEST_F(PlanChecks, ReadsAnUnevenlyLitPhotographAndAJpeg) {
     for (int x = 0; x < dim.cols; ++x)
       dim.at<std::uint8_t>(y, x) =
           static_cast<std::uint8_t>(plan.sheet().at<std::uint8_t>(y, x) * (0.95 - 0.45 * x / dim.cols));
-  const cv::Mat walls =
-      drafting::maskOf(checkPlan(write(plan.sheet()), only({"thresholds"}, 0.025)).after, world::Cell::kOccupied);
+  const cv::Mat walls = drafting::maskOf(checkPlan(write(plan.sheet()), only({"thresholds"}, 0.025)).after,
+                                         world::Cell::kOccupied);
   for (const std::string name : {"dim.png", "dim.jpg"}) {
     const PlanCheck check = checkPlan(write(dim, name), only({"thresholds"}, 0.025));
     const cv::Mat found = drafting::maskOf(check.after, world::Cell::kOccupied);

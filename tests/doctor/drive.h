@@ -5,8 +5,8 @@
 
 #include "libslam/core/random.h"
 #include "libslam/doctor/log_check.h"
-#include "libslam/objects/object_stream.h"
 #include "libslam/lidar/mrpt_types.h"
+#include "libslam/objects/object_stream.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/logs/log_fixtures.h"

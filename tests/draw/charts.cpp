@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
 #include "libslam/draw/box_plot.h"
 #include "libslam/draw/chart_axes.h"
 #include "libslam/draw/curves.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::draw {

@@ -5,9 +5,9 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
+#include "libslam/explore/explore.h"
 #include "libslam/files/files.h"
 #include "libslam/resources/resources.h"
-#include "libslam/explore/explore.h"
 #include "libslam/results/journal_file.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/explore/two_rooms.h"
@@ -23,8 +23,8 @@ TEST(Explore, AMethodThatFailsIsARowOrAnErrorAndLeavesNoFolder) {
   // A limit that the first map breaks stands for a method that fails.
   const std::string resolution = "resolution_m = 0.05";
   files::writeFileAtomically(folder / "cramped.ini",
-                            std::string(icp).replace(icp.find(resolution), resolution.size(),
-                                                     "resolution_m = 0.02\nmax_map_cells = 10000"));
+                             std::string(icp).replace(icp.find(resolution), resolution.size(),
+                                                      "resolution_m = 0.02\nmax_map_cells = 10000"));
   auto wanted = request(folder, twoRooms(), {quickConfig("quadrant", 20)}, folder / "cramped.ini");
   EXPECT_THROW(run(wanted), core::MethodError);
   EXPECT_FALSE(fs::exists(folder / "out"));

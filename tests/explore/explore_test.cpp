@@ -10,9 +10,9 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
+#include "libslam/logs/trajectory_io.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/resources/resources.h"
-#include "libslam/logs/trajectory_io.h"
 #include "libslam/results/journal_file.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"
@@ -49,8 +49,9 @@ class Idle : public strategies::Strategy {
 TEST(Explore, TakesAStrategyFromOutside) {
   const testing::TempFolder folder;
   auto mine = quickConfig("nearest_frontier", 20);
-  mine.own = OwnStrategy{
-      "idle", [](const strategies::StrategyOptions&, core::RandomStream) { return std::make_unique<Idle>(); }};
+  mine.own = OwnStrategy{"idle", [](const strategies::StrategyOptions&, core::RandomStream) {
+                           return std::make_unique<Idle>();
+                         }};
   const auto result =
       run(request(folder, twoRooms(), {mine, quickConfig("nearest_frontier", 20)}, kTruthReference));
   ASSERT_EQ(result.runs.size(), 2U);
@@ -227,7 +228,8 @@ TEST(Explore, ARobotThatSeesNothingIsStuckAndSaysSo) {
   const testing::TempFolder folder;
   const std::vector<std::string> blind = {"lidar.drop_out=1", "exploration.stuck_s=20"};
   std::vector<ExploreConfig> configs;
-  for (const auto& strategy : strategies::strategyNames()) configs.push_back(quickConfig(strategy, 200, blind));
+  for (const auto& strategy : strategies::strategyNames())
+    configs.push_back(quickConfig(strategy, 200, blind));
   auto wanted = request(folder, twoRooms(), configs, "icp");
   wanted.tables_only = true;
   const auto result = run(wanted);

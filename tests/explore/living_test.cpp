@@ -5,19 +5,19 @@
 #include <filesystem>
 #include <string>
 
-#include "libslam/files/csv.h"
 #include "libslam/core/error.h"
+#include "libslam/explore/explore.h"
+#include "libslam/files/csv.h"
 #include "libslam/files/files.h"
+#include "libslam/logs/trajectory_io.h"
+#include "libslam/reach/reach_goal.h"
+#include "libslam/record/record.h"
 #include "libslam/resources/file_hash.h"
 #include "libslam/resources/resources.h"
-#include "libslam/explore/explore.h"
-#include "libslam/reach/reach_goal.h"
-#include "libslam/logs/trajectory_io.h"
-#include "libslam/record/record.h"
-#include "libslam/truth/truth_files.h"
 #include "libslam/score/compare.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::explore {
 namespace {
@@ -74,7 +74,8 @@ TEST(RecordLivingWorld, GivesTheSameBytesForTheSameSeed) {
   for (const std::string name : {"a", "b"})
     record::record(flat(), config, 3, folder / (name + ".rawlog"), {}, core::silentProgress());
   for (const std::string suffix : {".rawlog", ".gt.tum", ".movers.csv", ".plan.png"})
-    EXPECT_EQ(resources::fileSha256(folder / ("a" + suffix)), resources::fileSha256(folder / ("b" + suffix))) << suffix;
+    EXPECT_EQ(resources::fileSha256(folder / ("a" + suffix)), resources::fileSha256(folder / ("b" + suffix)))
+        << suffix;
 }
 
 TEST(RecordLivingWorld, WritesNothingOfMoversWhereNothingMoves) {

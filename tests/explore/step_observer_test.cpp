@@ -7,11 +7,11 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/resources/file_hash.h"
-#include "libslam/resources/resources.h"
 #include "libslam/explore/explore.h"
 #include "libslam/graph/graph_slam.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/testing/temp_folder.h"
 

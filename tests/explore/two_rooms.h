@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "libslam/resources/resources.h"
 #include "libslam/explore/explore.h"
+#include "libslam/resources/resources.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::explore {

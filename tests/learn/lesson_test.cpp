@@ -8,9 +8,9 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
 #include "libslam/learn/recipes.h"
 #include "libslam/learn/student_folder.h"
+#include "libslam/resources/resources.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 

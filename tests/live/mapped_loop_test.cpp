@@ -33,8 +33,8 @@ class Watcher : public record::StepObserver {
 };
 
 mapping::MapBuilder naiveByWheels() {
-  return mapping::makeMapBuilder(mapping::loadMethodConfig(resources::configsFolder() + "/methods", "naive_wheel"),
-                                 "naive_wheel", 1);
+  return mapping::makeMapBuilder(
+      mapping::loadMethodConfig(resources::configsFolder() + "/methods", "naive_wheel"), "naive_wheel", 1);
 }
 
 TEST(MappedLoop, AMapGrowsWhereNoneWasBuilt) {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "libslam/resources/resources.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/resources.h"
 
 namespace slam::live {
 namespace {

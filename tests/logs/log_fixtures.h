@@ -54,7 +54,8 @@ inline std::vector<LogEntry> sampleEntries(int count) {
   return entries;
 }
 
-inline void writeLog(const std::vector<LogEntry>& entries, const std::string& path, rawlogs::RawlogForm form) {
+inline void writeLog(const std::vector<LogEntry>& entries, const std::string& path,
+                     rawlogs::RawlogForm form) {
   LogWriter writer(path, form);
   for (const auto& entry : entries) writer.write(entry);
   writer.close();

@@ -22,9 +22,11 @@ size_t filesIn(const std::string& folder) {
 
 class BothForms : public ::testing::TestWithParam<rawlogs::RawlogForm> {};
 INSTANTIATE_TEST_SUITE_P(LogWriter, BothForms,
-                         ::testing::Values(rawlogs::RawlogForm::kActionFrame, rawlogs::RawlogForm::kObservationOnly),
+                         ::testing::Values(rawlogs::RawlogForm::kActionFrame,
+                                           rawlogs::RawlogForm::kObservationOnly),
                          [](const auto& form) {
-                           return form.param == rawlogs::RawlogForm::kActionFrame ? "ActionFrame" : "ObservationOnly";
+                           return form.param == rawlogs::RawlogForm::kActionFrame ? "ActionFrame"
+                                                                                  : "ObservationOnly";
                          });
 
 void expectSamePose(const core::Pose2& read, const core::Pose2& written) {

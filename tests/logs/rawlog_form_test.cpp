@@ -160,7 +160,8 @@ TEST(RawlogForms, NamesTheEntryOfOdometryThatIsNotFinite) {
     RawObjects log(folder / "a.rawlog");
     log << rawScan(kStart_s, "L") << rawOdometry(kStart_s, std::nan(""));
   }
-  const auto source = rawlogs::inForm(openLog(folder / "a.rawlog"), rawlogs::RawlogForm::kActionFrame, "a.rawlog");
+  const auto source =
+      rawlogs::inForm(openLog(folder / "a.rawlog"), rawlogs::RawlogForm::kActionFrame, "a.rawlog");
   source->next();
   source->next();
   try {

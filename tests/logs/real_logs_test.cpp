@@ -275,7 +275,8 @@ TEST(RealLogs, SayWhichStampsOfMitKillianAreInterpolated) {
 constexpr size_t kScansForPrograms = 300;
 
 /// The beginning of a log in one of the forms.
-void writeStart(const std::string& path, rawlogs::RawlogForm form, const std::string& out, size_t most_scans) {
+void writeStart(const std::string& path, rawlogs::RawlogForm form, const std::string& out,
+                size_t most_scans) {
   const auto source = rawlogs::inForm(openLog(path), form, path);
   const auto sink = createLog(out, LogFormat::kRawlog);
   for (size_t scans = 0; scans < most_scans;) {

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 #include <mrpt/obs/CObservationComment.h>
 
-#include "libslam/objects/sweep_note.h"
 #include "libslam/lidar/mrpt_types.h"
+#include "libslam/objects/sweep_note.h"
 #include "libslam/testing/error_of.h"
 #include "tests/logs/ros_fixtures.h"
 

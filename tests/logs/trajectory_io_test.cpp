@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
 #include "libslam/core/random.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::logs {
@@ -75,9 +75,9 @@ TEST(Tum, GivesBackWhatWasWritten) {
 TEST(Tum, ReadsWhatOthersWrite) {
   const testing::TempFolder folder;
   files::writeFileAtomically(folder / "t",
-                            "# comment\r\n\r\n"
-                            "  1e3\t+1 .5 9 0 0 -2 0 \r\n"            // z dropped, quaternion of any length
-                            "1000 1 2 3 0 0.70710678 0 0.70710678");  // pitch of 90 deg: its yaw is lost
+                             "# comment\r\n\r\n"
+                             "  1e3\t+1 .5 9 0 0 -2 0 \r\n"            // z dropped, quaternion of any length
+                             "1000 1 2 3 0 0.70710678 0 0.70710678");  // pitch of 90 deg: its yaw is lost
   const auto read = readTum(folder / "t");
   ASSERT_EQ(read.size(), 2U);
   EXPECT_EQ(read[0].time_s, 1000);

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <map>
 
-#include "libslam/resources/file_hash.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/resources/file_hash.h"
 #include "tests/graph/drawn_drives.h"
 
 namespace slam::mapping {

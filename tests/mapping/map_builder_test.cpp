@@ -78,7 +78,8 @@ TEST_P(EveryMethod, GivesTheSameBytesForTheSameSeedWhateverElseUsesTheGenerator)
 
   EXPECT_EQ(fingerprint(first_path), fingerprint(second_path));
   for (const char* file : {"map.yaml", "map.png", "map.gridmap.gz", "map.simplemap"})
-    EXPECT_EQ(resources::fileSha256(first_folder / file), resources::fileSha256(second_folder / file)) << file;
+    EXPECT_EQ(resources::fileSha256(first_folder / file), resources::fileSha256(second_folder / file))
+        << file;
 }
 
 TEST_P(EveryMethod, PrintsNothing) {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "libslam/core/pose2.h"
-#include "libslam/logs/log_reader.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/logs/log_reader.h"
 
 namespace slam::mapping::test {
 

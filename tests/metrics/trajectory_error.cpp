@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
 #include "libslam/core/random.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::metrics {

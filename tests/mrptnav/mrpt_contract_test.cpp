@@ -11,11 +11,11 @@
 
 #include "libslam/core/error.h"
 #include "libslam/gridmap/mrpt_grid.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/mrptnav/mrpt_explorer.h"
 #include "libslam/mrptnav/mrpt_navigator.h"
 #include "libslam/mrptnav/reactive_navigator.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/lidar/mrpt_types.h"
 #include "libslam/sim/simulator.h"
 #include "libslam/world/plan.h"
 

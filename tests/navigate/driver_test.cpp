@@ -5,8 +5,8 @@
 #include "libslam/buildings/building.h"
 #include "libslam/core/error.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/strategies/strategy.h"
 #include "libslam/safety/free_ways.h"
+#include "libslam/strategies/strategy.h"
 #include "tests/navigate/scenes.h"
 
 namespace slam::navigate {

@@ -63,7 +63,8 @@ TEST(LidarBugTable, IsTheDiagramInTheDocumentation) {
   } catch (const std::exception&) {
   }
   if (committed != goals::lidarBugDiagram())
-    files::writeFileAtomically(std::string(RASTERSLAM_BINARY_DIR) + "/lidar_bug.md", goals::lidarBugDiagram());
+    files::writeFileAtomically(std::string(RASTERSLAM_BINARY_DIR) + "/lidar_bug.md",
+                               goals::lidarBugDiagram());
   EXPECT_EQ(committed, goals::lidarBugDiagram());
 }
 

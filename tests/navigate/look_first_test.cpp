@@ -34,7 +34,8 @@ const robot::Command kAhead{0.5, 0, 0.2}, kBack{-0.5, 0, 0.2}, kTurn{0, 1, 0.2};
 
 /// Turns and looks as it says, in the open, until it has looked enough for the command. Returns by how much
 /// it turned.
-double choices::lookAround(goals::LookFirst& robot, core::Pose2& T_odom_robot, const robot::Command& command) {
+double choices::lookAround(goals::LookFirst& robot, core::Pose2& T_odom_robot,
+                           const robot::Command& command) {
   double turned_rad = 0;
   for (int i = 0; i < 100; ++i) {
     robot.update(look(lidar::kNoReturn), T_odom_robot);
@@ -91,7 +92,8 @@ TEST(LookFirst, KnowsTheFloorBeforeItsMinimumRangeByWhatItShowsBeyond) {
   robot.update(look(2), {});
   const robot::Command creep{0.02, 0, 0.2};
   core::Pose2 T_odom_robot;
-  EXPECT_LT(choices::lookAround(robot, T_odom_robot, creep), degToRad(360)) << "0.3 m ahead is nearer than it sees";
+  EXPECT_LT(choices::lookAround(robot, T_odom_robot, creep), degToRad(360))
+      << "0.3 m ahead is nearer than it sees";
 }
 
 struct ByCamera {

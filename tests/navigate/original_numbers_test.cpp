@@ -6,10 +6,10 @@
 #include "libslam/core/error.h"
 #include "libslam/goals/lidar_bug.h"
 #include "libslam/navigate/driver.h"
-#include "libslam/strategies/strategy.h"
 #include "libslam/safety/free_ways.h"
 #include "libslam/safety/safe_motion.h"
 #include "libslam/safety/view.h"
+#include "libslam/strategies/strategy.h"
 #include "tests/navigate/goal_scenes.h"
 #include "tests/navigate/scenes.h"
 

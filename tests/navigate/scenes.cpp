@@ -119,7 +119,8 @@ Exploration explore(const Plan& plan, const core::Pose2& start, const strategies
   const robot::RobotOptions robot;
   const double period_s = 1 / lidar.rate_hz;
   sim::Simulator simulator(plan, robot, lidar, {}, start, seed);
-  Driver driver(strategies::makeStrategy(options, {seed, "strategy"}), options, robot, period_s, {seed, "driver"});
+  Driver driver(strategies::makeStrategy(options, {seed, "strategy"}), options, robot, period_s,
+                {seed, "driver"});
   const auto floor = connectedFloor(plan, core::position(start));
   std::vector<char> seen(plan.cells.size(), 0);
 
@@ -177,12 +178,14 @@ double PerfectMap::seenShare(const core::Point2& p_world) const {
   return share(seen, connectedFloor(plan_, p_world));
 }
 
-MapExploration exploreOnMap(const Plan& plan, const core::Pose2& start, const strategies::StrategyOptions& options,
-                            const lidar::LidarOptions& lidar, std::uint64_t seed, double limit_s) {
+MapExploration exploreOnMap(const Plan& plan, const core::Pose2& start,
+                            const strategies::StrategyOptions& options, const lidar::LidarOptions& lidar,
+                            std::uint64_t seed, double limit_s) {
   const robot::RobotOptions robot;
   const double period_s = 1 / lidar.rate_hz;
   sim::Simulator simulator(plan, robot, lidar, {}, start, seed, 0.0);
-  Driver driver(strategies::makeStrategy(options, {seed, "strategy"}), options, robot, period_s, {seed, "driver"});
+  Driver driver(strategies::makeStrategy(options, {seed, "strategy"}), options, robot, period_s,
+                {seed, "driver"});
   PerfectMap map(plan);
   MapExploration result;
   sim::Sensed sensed = simulator.sense();

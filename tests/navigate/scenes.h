@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "libslam/navigate/driver.h"
-#include "libslam/strategies/strategy.h"
 #include "libslam/sim/simulator.h"
+#include "libslam/strategies/strategy.h"
 #include "libslam/world/plan.h"
 
 namespace slam::navigate::scenes {
@@ -51,8 +51,9 @@ struct Exploration {
 };
 
 /// Drives for duration_s with noise on lidar and odometry.
-Exploration explore(const world::Plan& plan, const core::Pose2& start, const strategies::StrategyOptions& options,
-                    const lidar::LidarOptions& lidar, std::uint64_t seed, double duration_s);
+Exploration explore(const world::Plan& plan, const core::Pose2& start,
+                    const strategies::StrategyOptions& options, const lidar::LidarOptions& lidar,
+                    std::uint64_t seed, double duration_s);
 
 /// An exploration on a perfect map and with the true pose, with noise on the lidar that the driver sees.
 struct MapExploration {
@@ -65,7 +66,8 @@ struct MapExploration {
   std::vector<core::Pose2> truth;
   std::vector<choices::Decision> decisions;
 };
-MapExploration exploreOnMap(const world::Plan& plan, const core::Pose2& start, const strategies::StrategyOptions& options,
-                            const lidar::LidarOptions& lidar, std::uint64_t seed, double limit_s);
+MapExploration exploreOnMap(const world::Plan& plan, const core::Pose2& start,
+                            const strategies::StrategyOptions& options, const lidar::LidarOptions& lidar,
+                            std::uint64_t seed, double limit_s);
 
 }  // namespace slam::navigate::scenes

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "libslam/navigate/right_of_way.h"
 #include "libslam/choices/team_share.h"
+#include "libslam/navigate/right_of_way.h"
 
 namespace slam::navigate {
 namespace {

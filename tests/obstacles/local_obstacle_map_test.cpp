@@ -237,7 +237,7 @@ TEST(LocalObstacleOptions, RefuseAMisspeltKeyAndAZoneWithoutWidth) {
   const auto message = [&](const std::string& line) {
     try {
       files::readParameters(files::IniFile::parse("[obstacles]\n" + line + "\n", "robot.ini"),
-                           LocalObstacleOptions::table(), options);
+                            LocalObstacleOptions::table(), options);
     } catch (const core::InputError& error) {
       return std::string(error.what());
     }

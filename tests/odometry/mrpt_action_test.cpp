@@ -16,8 +16,8 @@
 #include <tuple>
 
 #include "libslam/core/error.h"
-#include "libslam/odometry/mrpt_action.h"
 #include "libslam/lidar/mrpt_types.h"
+#include "libslam/odometry/mrpt_action.h"
 #include "tests/odometry/scene.h"
 
 namespace slam::odometry {

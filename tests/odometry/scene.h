@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "libslam/core/random.h"
-#include "libslam/odometry/scan_odometry.h"
 #include "libslam/lidar/scan.h"
+#include "libslam/odometry/scan_odometry.h"
 
 namespace slam::odometry::scenes {
 

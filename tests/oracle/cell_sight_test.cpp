@@ -33,13 +33,13 @@ bool isClear(const world::Plan& plan, const Block& block, const core::Point2& a,
       static_cast<std::size_t>(b.y) * static_cast<std::size_t>(plan.columns) + static_cast<std::size_t>(b.x);
   bool arrives = false;
   rays::walkRay(plan, a, {(b.x - a.x) / length, (b.y - a.y) / length}, length + 1,
-                 [&](const world::Cell* cell, const rays::RayEntry&) {
-                   const auto index = static_cast<std::size_t>(cell - plan.cells.data());
-                   arrives = arrives || index == end;
-                   const int column = static_cast<int>(index) % plan.columns,
-                             row = static_cast<int>(index) / plan.columns;
-                   return !arrives && (*cell != world::Cell::kOccupied || isIn(block, column, row));
-                 });
+                [&](const world::Cell* cell, const rays::RayEntry&) {
+                  const auto index = static_cast<std::size_t>(cell - plan.cells.data());
+                  arrives = arrives || index == end;
+                  const int column = static_cast<int>(index) % plan.columns,
+                            row = static_cast<int>(index) / plan.columns;
+                  return !arrives && (*cell != world::Cell::kOccupied || isIn(block, column, row));
+                });
   return arrives;
 }
 

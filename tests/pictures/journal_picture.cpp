@@ -6,8 +6,8 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
-#include "libslam/resources/file_hash.h"
 #include "libslam/draw/canvas.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::pictures {

@@ -8,8 +8,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "libslam/core/error.h"
-#include "libslam/resources/file_hash.h"
 #include "libslam/draw/map_view.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 
 namespace slam::pictures {

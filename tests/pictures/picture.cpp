@@ -7,8 +7,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "libslam/core/error.h"
-#include "libslam/resources/file_hash.h"
 #include "libslam/draw/map_view.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/pictures/read_picture.h"
 

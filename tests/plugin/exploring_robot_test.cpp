@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "libslam/core/error.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
+#include "libslam/resources/resources.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/plugin/readings.h"
 

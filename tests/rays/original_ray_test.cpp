@@ -17,7 +17,8 @@ using core::degToRad;
 using core::kPi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-double castDegrees(const world::Plan& plan, const core::Point2& origin, double angle_deg, double max_range_m = 0) {
+double castDegrees(const world::Plan& plan, const core::Point2& origin, double angle_deg,
+                   double max_range_m = 0) {
   return castOriginalRay(plan, origin, degToRad(angle_deg), max_range_m);
 }
 
@@ -38,7 +39,8 @@ double castByTheDocument(const world::Plan& plan, const core::Point2& origin, do
 }
 
 TEST(OriginalRays, MeasureFromPixelToPixelInWholePixels) {
-  const world::Plan plan = drawnPlan({"......#", ".......", ".......", "....#..", ".......", ".......", "#......"});
+  const world::Plan plan =
+      drawnPlan({"......#", ".......", ".......", "....#..", ".......", ".......", "#......"});
   // From the pixel (0, 3): the wall is in (4, 3), its face 3.9 before the place within the pixel.
   EXPECT_EQ(castDegrees(plan, {0.1, 3.9}, 0), 4);
   EXPECT_EQ(castDegrees(plan, {0.9, 3.1}, 0), 4) << "wherever in the pixel the ray begins";

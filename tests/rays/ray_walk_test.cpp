@@ -40,8 +40,8 @@ std::string path(const std::vector<Visit>& all) {
 
 TEST(RayWalk, EntersTheCellsInOrderUpToTheWall) {
   const world::Plan plan = drawnPlan({"...#.",  //
-                               ".....",  //
-                               "....."});
+                                      ".....",  //
+                                      "....."});
   EXPECT_EQ(path(visits(plan, {0.5, 0.5}, {0.8, 0.6})), "0,0 1,0 1,1 2,1 2,2 3,2 ");
   EXPECT_EQ(path(visits(plan, {2.9, 2.05}, {-0.8, -0.6})), "2,2 2,1 1,1 1,0 0,0 ");  // to the plan's edge
   EXPECT_EQ(path(visits(plan, {1.5, 0.5}, {0, 1})), "1,0 1,1 1,2 ");

@@ -15,8 +15,8 @@
 #include "libslam/buildings/generator.h"
 #include "libslam/core/error.h"
 #include "libslam/core/random.h"
-#include "libslam/testing/temp_folder.h"
 #include "libslam/rays/ray_caster.h"
+#include "libslam/testing/temp_folder.h"
 
 namespace slam::rays {
 namespace {
@@ -106,8 +106,8 @@ world::Plan placedPlan(int columns, int rows, std::uint64_t seed, int one_in) {
 
 /// In a wall, in the open or just outside.
 core::Point2 anyPoint(core::RandomStream& random, const world::Plan& plan) {
-  return world::cellsToWorld(plan,
-                      {random.uniform(-0.5, plan.columns + 0.5), random.uniform(-0.5, plan.rows + 0.5)});
+  return world::cellsToWorld(
+      plan, {random.uniform(-0.5, plan.columns + 0.5), random.uniform(-0.5, plan.rows + 0.5)});
 }
 
 /// A committed world, a generated building or a real map, by name; nullopt for a real map that is not here.
@@ -216,7 +216,7 @@ TEST(SectorCaster, SkipsFartherThanOneByteCounts) {
 
 TEST(SectorCaster, EqualsTheReferenceOnDrawnPlansOfOneCellOneLineAndNothing) {
   for (const world::Plan& plan : {drawnPlan({"#"}), drawnPlan({"."}), drawnPlan({"?"}), drawnPlan({".?.#"}),
-                           drawnPlan({"#", ".", "."}), drawnPlan({"#.", ".#"}), world::Plan{}}) {
+                                  drawnPlan({"#", ".", "."}), drawnPlan({"#.", ".#"}), world::Plan{}}) {
     Comparison compare(plan);
     for (double x = -0.5; x <= plan.columns + 0.5; x += 0.25)
       for (double y = -0.5; y <= plan.rows + 0.5; y += 0.25) {

@@ -25,8 +25,8 @@ void fill(world::Plan& plan, int x0, int y0, int x1, int y1, world::Cell cell) {
 
 TEST(SectorTable, CountsTheColumnsThatAreFreeForEverySlope) {
   const world::Plan plan = drawnPlan({"....#",  //
-                               ".....",  //
-                               "....."});
+                                      ".....",  //
+                                      "....."});
   const SectorTable table(plan);
   const Octant right_and_up{true, false, false};
   const auto at = [&](int u, int v) {

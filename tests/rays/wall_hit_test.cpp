@@ -92,7 +92,8 @@ double normalAt(const world::Plan& plan, const core::Point2& origin, double angl
 }
 
 TEST(SurfaceAt, IsTheFaceOfAWallAlongAnAxis) {
-  const world::Plan plan = drawnPlan({"########", "#......#", "#......#", "#......#", "#..MM..#", "########"});
+  const world::Plan plan =
+      drawnPlan({"########", "#......#", "#......#", "#......#", "#..MM..#", "########"});
   for (int i = 0; i < 12; ++i) {
     const double x = 1.25 + 0.5 * i;
     EXPECT_EQ(normalAt(plan, {x, 2.5}, kPi / 2), -90) << x;
@@ -135,8 +136,9 @@ world::Plan slope(double slope, int side = 120) {
   plan.resolution_m = 0.05;
   for (int row = 0; row < side; ++row)
     for (int column = 0; column < side; ++column)
-      plan.cells.push_back(row + 0.5 < 0.5 * side + slope * (column + 0.5 - 0.5 * side) ? world::Cell::kOccupied
-                                                                                        : world::Cell::kFree);
+      plan.cells.push_back(row + 0.5 < 0.5 * side + slope * (column + 0.5 - 0.5 * side)
+                               ? world::Cell::kOccupied
+                               : world::Cell::kFree);
   return plan;
 }
 

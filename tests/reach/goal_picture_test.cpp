@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "libslam/resources/file_hash.h"
 #include "libslam/reach/goal_methods.h"
-#include "libslam/truth/carry_file.h"
+#include "libslam/resources/file_hash.h"
 #include "libslam/testing/temp_folder.h"
+#include "libslam/truth/carry_file.h"
 
 namespace slam::reach {
 namespace {

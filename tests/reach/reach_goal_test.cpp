@@ -9,13 +9,13 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
 #include "libslam/goals/lidar_bug.h"
 #include "libslam/goals/surroundings.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
-#include "libslam/testing/temp_folder.h"
 #include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
+#include "libslam/testing/temp_folder.h"
 
 namespace slam::reach {
 namespace {

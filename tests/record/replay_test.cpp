@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
 #include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/odometry/scan_odometry.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/resources.h"
 #include "libslam/sim/operation_log.h"
 #include "libslam/testing/temp_folder.h"
 

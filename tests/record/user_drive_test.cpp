@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/trajectory_io.h"
-#include "libslam/truth/carry_file.h"
+#include "libslam/resources/resources.h"
 #include "libslam/sim/operation_log.h"
 #include "libslam/testing/temp_folder.h"
+#include "libslam/truth/carry_file.h"
 
 namespace slam::record {
 namespace {
@@ -97,8 +97,8 @@ TEST_F(UserDriveTest, ACarryIsNoCommandAndNoWay) {
   EXPECT_NEAR(odometry_m, 1.5, 0.2);  // the wheels turned as told
   ini_.set("events", "carry", "none", "test");
   drive("move 1\n");
-  EXPECT_TRUE(
-      truth::readCarryFile(truth::carriesPath(folder_ / "run.gt.tum")).empty());  // that of the drive before is gone
+  EXPECT_TRUE(truth::readCarryFile(truth::carriesPath(folder_ / "run.gt.tum"))
+                  .empty());  // that of the drive before is gone
 }
 
 }  // namespace

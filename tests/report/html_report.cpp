@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
 #include "libslam/draw/page_text.h"
+#include "libslam/files/files.h"
 #include "libslam/report/page_bundle.h"
 #include "libslam/report/page_plot.h"
 

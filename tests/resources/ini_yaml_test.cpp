@@ -45,7 +45,8 @@ TEST(IniYaml, MeansTheSameAsAnIni) {
 TEST(IniYaml, IsReadByItsName) {
   const testing::TempFolder folder;
   for (const char* name : {"a.yaml", "a.yml", "a.ini"})
-    files::writeFileAtomically(folder / name, std::string(name) == "a.ini" ? "[robot]\na = 1\n" : "robot: {a: 1}\n");
+    files::writeFileAtomically(folder / name,
+                               std::string(name) == "a.ini" ? "[robot]\na = 1\n" : "robot: {a: 1}\n");
   for (const char* name : {"a.yaml", "a.yml", "a.ini"}) {
     EXPECT_TRUE(isConfigFile(name));
     EXPECT_EQ(readConfigFile(folder / name).find("robot", "a")->value, "1") << name;

@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
 #include "libslam/core/random.h"
+#include "libslam/files/files.h"
 #include "libslam/stats/consistency.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/robot/drive.h"
 #include "libslam/lidar/lidar.h"
 #include "libslam/lidar/mrpt_types.h"
+#include "libslam/robot/drive.h"
 #include "libslam/robot/odometry_noise.h"
 
 namespace slam::robot {

@@ -7,13 +7,13 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/file_hash.h"
 #include "libslam/files/parameters.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/score/compare.h"
 #include "libslam/score/evaluate.h"
@@ -34,8 +34,8 @@ class TwoHalves : public ::testing::Test {
     ini.set("simulation", "duration_s", "40", "test");
     ini.set("lidar", "beams", "181", "test");
     const std::string whole = *folder_ / "whole.rawlog";
-    record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole, {},
-                   core::silentProgress());
+    record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole,
+                   {}, core::silentProgress());
     logs::LogReader log(whole);
     logs::LogWriter first(*folder_ / "first.rawlog", rawlogs::RawlogForm::kActionFrame);
     logs::LogWriter second(*folder_ / "second.rawlog", rawlogs::RawlogForm::kActionFrame);
@@ -71,7 +71,8 @@ TEST_F(TwoHalves, ContinuedEndsWhereTheWholeDoes) {
   const auto manifest = resources::readManifest(*folder_ / "both/manifest.json");
   EXPECT_EQ(manifest.results.at("continues"), *folder_ / "first");
   EXPECT_EQ(manifest.inputs.count(*folder_ / "first/map.simplemap"), 1U);
-  EXPECT_NE(resources::fileSha256(*folder_ / "both/map.png"), resources::fileSha256(*folder_ / "first/map.png"));
+  EXPECT_NE(resources::fileSha256(*folder_ / "both/map.png"),
+            resources::fileSha256(*folder_ / "first/map.png"));
 }
 
 TEST_F(TwoHalves, OfOtherMethodsToo) {
@@ -150,13 +151,13 @@ TEST_F(TwoHalves, ARunThatEndsLostHasItsFiguresAndANote) {
 TEST_F(TwoHalves, AComparisonShowsTheFiguresOfARunThatEndsLost) {
   const std::string program = *folder_ / "lost.sh";
   files::writeFileAtomically(program,
-                            "#!/bin/sh\n"
-                            "cp -r '" +
-                                (*folder_ / "whole") + "' \"$5\"\n" +
-                                R"(sed -i 's/"results": {/&"lost": "lost at scan 90",/' "$5/manifest.json")"
-                                "\n" +
-                                R"(echo '{"lost": "lost at scan 90"}')"
-                                "\nexit 4\n");
+                             "#!/bin/sh\n"
+                             "cp -r '" +
+                                 (*folder_ / "whole") + "' \"$5\"\n" +
+                                 R"(sed -i 's/"results": {/&"lost": "lost at scan 90",/' "$5/manifest.json")"
+                                 "\n" +
+                                 R"(echo '{"lost": "lost at scan 90"}')"
+                                 "\nexit 4\n");
   std::filesystem::permissions(program, std::filesystem::perms::owner_all);
   score::CompareRequest request;
   request.log_path = *folder_ / "whole.rawlog";

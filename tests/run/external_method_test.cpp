@@ -10,19 +10,19 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/file_hash.h"
-#include "libslam/resources/manifest.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/metrics/trajectory_error.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/manifest.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/score/compare.h"
 #include "libslam/sweep/sweep_plan.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
-#include "libslam/resources/ini_yaml.h"
 
 namespace slam::run {
 namespace {
@@ -129,8 +129,8 @@ class External : public ::testing::Test {
     files::IniFile ini;
     ini.set("simulation", "duration_s", "8", "test");
     ini.set("lidar", "beams", "181", "test");
-    record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(ini), 1, log(), {},
-                   core::silentProgress());
+    record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(ini), 1, log(),
+                   {}, core::silentProgress());
   }
   static void TearDownTestSuite() {
     delete folder_;
@@ -207,8 +207,9 @@ TEST_F(External, ItsFilesAreAPartOfIt) {
   using Files = std::map<std::string, std::string>;
   EXPECT_EQ(programFiles(config("A=1 sh {here}/'my slam.sh' sh {log} {output} no/such")),
             (Files{{sh, hash}, {script, resources::fileSha256(script)}}));
-  EXPECT_EQ(programFiles(config("no_such_program {output} && sh --rcfile=" + resources::shellQuoted({script}))),
-            (Files{{sh, hash}, {script, resources::fileSha256(script)}}));
+  EXPECT_EQ(
+      programFiles(config("no_such_program {output} && sh --rcfile=" + resources::shellQuoted({script}))),
+      (Files{{sh, hash}, {script, resources::fileSha256(script)}}));
   EXPECT_EQ(programFiles(config("\"" + sh + "\" {here} sh >{output} 2>> {here}/'my slam.sh'")),
             (Files{{sh, hash}}));
 }
@@ -217,7 +218,7 @@ TEST_F(External, ChangedFilesAreAnotherMethod) {
   const std::string script = here_ / "slam.sh";
   const auto write = [&](const std::string& end) {
     files::writeFileAtomically(script,
-                              "awk '{ print $1, $2, $3, 0, 0, 0, sin($4 / 2), cos($4 / 2) }' $1 > $2" + end);
+                               "awk '{ print $1, $2, $3, 0, 0, 0, sin($4 / 2), cos($4 / 2) }' $1 > $2" + end);
   };
   write("");
   score::CompareRequest request;
@@ -248,8 +249,8 @@ TEST_F(External, SeesNoTruthAndWorksInAnEmptyFolder) {
     const auto ini = method(
         "find {workdir} {workdir}/.. -type f && test -z \"$(ls)\" && ! grep -q TRUE {log} && " + kWheels,
         "log = " + form + "\n");
-    const auto result = runExternalMethod(readExternalMethod(resources::readConfigFile(ini)), here_ / "robot.clf",
-                                          1, here_ / "work", core::silentProgress());
+    const auto result = runExternalMethod(readExternalMethod(resources::readConfigFile(ini)),
+                                          here_ / "robot.clf", 1, here_ / "work", core::silentProgress());
     EXPECT_THAT(result.violations, IsEmpty()) << result.printed;
     EXPECT_THAT(result.printed, HasSubstr(form == "carmen" ? "log.clf" : "log.rawlog"));
     // The log and the scans.

@@ -9,17 +9,17 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/file_hash.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
+#include "libslam/rays/ray_caster.h"
 #include "libslam/record/record.h"
-#include "libslam/run/build_map.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/results/lost_time.h"
+#include "libslam/run/build_map.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
-#include "libslam/rays/ray_caster.h"
 #include "tests/world/drawn_plan.h"
 
 namespace slam::run {
@@ -54,8 +54,8 @@ TEST(ViewsOf, SeeWhatTheMapHoldsFromItsFreePlaces) {
     EXPECT_FALSE(world::discCollides(map, core::position(view.T_map_robot), 0.3));
     ASSERT_EQ(view.scan.ranges_m.size(), 360U);
     for (size_t i = 0; i < 360; i += 7)
-      EXPECT_EQ(view.scan.ranges_m[i], static_cast<float>(rays::castRay(
-                                           map, core::position(view.T_map_robot), view.scan.angle(i), 20)));
+      EXPECT_EQ(view.scan.ranges_m[i], static_cast<float>(rays::castRay(map, core::position(view.T_map_robot),
+                                                                        view.scan.angle(i), 20)));
   }
   for (const double side : {-1.0, 1.0})  // both rooms
     EXPECT_TRUE(std::any_of(views.begin(), views.end(), [&](const auto& view) {
@@ -139,7 +139,8 @@ TEST_F(InAGrid, ThePosesAreThoseOfTheRosMapsFrame) {
   const auto run = build("drive2", {*folder_ / "flat.yaml", true, truth.front().pose}, "in_plan");
   ASSERT_TRUE(run.lost_share);
   EXPECT_EQ(*run.lost_share, 0);
-  const auto evaluation = score::evaluate(results::loadRun(*folder_ / "in_plan"), score::Truth{truth, {}, {}});
+  const auto evaluation =
+      score::evaluate(results::loadRun(*folder_ / "in_plan"), score::Truth{truth, {}, {}});
   EXPECT_EQ(evaluation.align, metrics::Align::kNone);
   EXPECT_LT(evaluation.trajectory.position_m.max, 0.05);  // a cell of the plan
   EXPECT_EQ(evaluation.lost_share, 0);
@@ -171,7 +172,8 @@ std::vector<core::JournalLine> journalOf(const std::vector<std::pair<double, std
 
 TEST(LostTime, RunsFromLostToRecoveredOrToTheEnd) {
   EXPECT_EQ(results::lostShare({}, 10), 0);
-  EXPECT_EQ(results::lostShare(journalOf({{1, "poor"}, {2, "lost"}, {2.5, "lost"}, {4, "recovered"}}), 10), 0.2);
+  EXPECT_EQ(results::lostShare(journalOf({{1, "poor"}, {2, "lost"}, {2.5, "lost"}, {4, "recovered"}}), 10),
+            0.2);
   EXPECT_EQ(results::lostShare(journalOf({{2, "lost"}, {3, "recovered"}, {8, "lost"}}), 10), 0.3);
   EXPECT_EQ(results::lostShare(journalOf({{0, "lost"}}), 0), 0);
 }

@@ -13,23 +13,23 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
+#include "libslam/lidar/mrpt_types.h"
 #include "libslam/logs/log_format.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/objects/object_stream.h"
-#include "libslam/lidar/mrpt_types.h"
 #include "libslam/testing/temp_folder.h"
 #include "tests/mapping/small_room.h"
 
 namespace slam::run {
 namespace {
 
-using rawlogs::RawlogForm;
 using mapping::test::driveThroughRoom;
 using mrpt::obs::CActionCollection;
 using mrpt::obs::CActionRobotMovement2D;
 using mrpt::obs::CObservationOdometry;
 using mrpt::obs::CSensoryFrame;
+using rawlogs::RawlogForm;
 using ::testing::HasSubstr;
 using Objects = std::vector<std::shared_ptr<mrpt::serialization::CSerializable>>;
 

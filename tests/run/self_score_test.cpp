@@ -8,12 +8,12 @@
 #include <filesystem>
 
 #include "libslam/core/error.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"

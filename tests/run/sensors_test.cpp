@@ -6,16 +6,16 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
-#include "libslam/truth/truth_files.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/run/log_feed.h"
 #include "libslam/score/compare.h"
 #include "libslam/score/evaluate.h"
 #include "libslam/testing/temp_folder.h"
+#include "libslam/truth/truth_files.h"
 
 namespace slam::run {
 namespace {
@@ -29,8 +29,8 @@ files::IniFile configOf(const std::vector<std::string>& settings) {
 }
 
 void simulate(const std::vector<std::string>& settings, const std::string& log) {
-  record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(configOf(settings)), 1,
-                 log, {}, core::silentProgress());
+  record::record(world::loadPlan(resources::resolvePlan("flat")),
+                 record::readRecordConfig(configOf(settings)), 1, log, {}, core::silentProgress());
 }
 
 struct Run {

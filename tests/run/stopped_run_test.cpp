@@ -7,13 +7,13 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/file_hash.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/log_reader.h"
 #include "libslam/logs/log_writer.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/score/compare.h"
 #include "libslam/score/evaluate.h"
@@ -36,8 +36,8 @@ class BrokenOdometry : public ::testing::Test {
     ini.set("simulation", "duration_s", "20", "test");
     ini.set("lidar", "beams", "181", "test");
     const std::string whole = *folder_ / "whole.rawlog";
-    record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole, {},
-                   core::silentProgress());
+    record::record(world::loadPlan(resources::resolvePlan("flat")), record::readRecordConfig(ini), 1, whole,
+                   {}, core::silentProgress());
     logs::LogReader log(whole);
     logs::LogWriter bad(*folder_ / "bad.rawlog", rawlogs::RawlogForm::kActionFrame);
     logs::LogWriter first(*folder_ / "first.rawlog", rawlogs::RawlogForm::kActionFrame);
@@ -136,7 +136,8 @@ TEST_F(BrokenOdometry, AnInterruptKeepsWhatIsThereWhenAskedTo) {
   const auto partial = results::loadRun(*folder_ / "interrupted");
   EXPECT_EQ(partial.estimate.size(), 20U);
   EXPECT_EQ(partial.manifest.results.at("interrupted"), "at scan 20 (3.8 s)");
-  EXPECT_EQ(results::readJournal(*folder_ / "interrupted/journal.csv").back().event, core::JournalEvent::kInterrupted);
+  EXPECT_EQ(results::readJournal(*folder_ / "interrupted/journal.csv").back().event,
+            core::JournalEvent::kInterrupted);
   StopAt again(20);
   EXPECT_THROW(build("icp", "first", "not kept", again), core::Interrupted);
   EXPECT_FALSE(fs::exists(*folder_ / "not kept"));

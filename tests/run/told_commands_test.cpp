@@ -7,13 +7,13 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/ini_yaml.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/sim/operation_log.h"
 #include "libslam/testing/temp_folder.h"
-#include "libslam/resources/ini_yaml.h"
 
 namespace slam::run {
 namespace {
@@ -21,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 record::RecordConfig originalRobot(double duration_s) {
-  auto config =
-      record::readRecordConfig(resources::readConfigFile(resources::configsFolder() + "/lidars/thesis_360.ini"));
+  auto config = record::readRecordConfig(
+      resources::readConfigFile(resources::configsFolder() + "/lidars/thesis_360.ini"));
   config.simulation.duration_s = duration_s;
   return config;
 }
@@ -34,8 +34,8 @@ class ToldCommands : public ::testing::Test {
                    core::silentProgress());
   }
   MapRun run(const std::string& method, const std::string& name) {
-    return buildMap(log_, mapping::loadMethodConfig(resources::configsFolder() + "/methods", method), method, 7,
-                    folder_ / name, false, {}, core::silentProgress());
+    return buildMap(log_, mapping::loadMethodConfig(resources::configsFolder() + "/methods", method), method,
+                    7, folder_ / name, false, {}, core::silentProgress());
   }
   /// Root mean square of the distances, from the true start.
   double errorOf(const MapRun& run) {

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 
-#include "libslam/strategies/strategy.h"
 #include "libslam/safety/free_ways.h"
 #include "libslam/safety/view.h"
+#include "libslam/strategies/strategy.h"
 #include "tests/navigate/scenes.h"
 
 namespace slam::safety {

@@ -7,11 +7,11 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/file_hash.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/map_builder.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/score/compare.h"
 #include "libslam/score/evaluate.h"
@@ -97,7 +97,7 @@ TEST(Record, HasGoldenBytes) {
     run::buildMap(folder / "run.rawlog", config, method, 1, folder / method, false, {},
                   core::silentProgress());
     EXPECT_EQ(resources::sha256(resources::fileSha256(folder / (method + "/trajectory.tum")) +
-                           resources::fileSha256(folder / (method + "/map.png"))),
+                                resources::fileSha256(folder / (method + "/map.png"))),
               golden)
         << method;
   }

@@ -10,11 +10,11 @@
 
 #include "libslam/core/error.h"
 #include "libslam/files/files.h"
-#include "libslam/resources/file_hash.h"
-#include "libslam/resources/resources.h"
 #include "libslam/logs/trajectory_io.h"
 #include "libslam/mapping/key_frames.h"
 #include "libslam/record/record.h"
+#include "libslam/resources/file_hash.h"
+#include "libslam/resources/resources.h"
 #include "libslam/run/build_map.h"
 #include "libslam/sessions/diff_maps.h"
 #include "libslam/testing/error_of.h"
@@ -53,8 +53,8 @@ class TwoVisits : public ::testing::Test {
     ini.set("strategy", "name", "wall_follow", "test");
     ini.set("living", "visit", number, "test");
     const std::string log = *folder_ / (name + ".rawlog");
-    record::record(world::loadPlan(resources::resolvePlan(plan)), record::readRecordConfig(ini), seed, log, {},
-                   core::silentProgress());
+    record::record(world::loadPlan(resources::resolvePlan(plan)), record::readRecordConfig(ini), seed, log,
+                   {}, core::silentProgress());
     run::buildMap(log, config(), "graph", 1, *folder_ / name, true, {}, core::silentProgress(), false);
   }
   static std::string at(const std::string& name) { return *folder_ / name; }

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "libslam/core/error.h"
-#include "libslam/sim/simulator.h"
 #include "libslam/rays/ray_caster.h"
+#include "libslam/sim/simulator.h"
 #include "tests/world/drawn_plan.h"
 
 namespace slam::sim {

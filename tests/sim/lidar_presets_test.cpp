@@ -3,8 +3,8 @@
 #include <filesystem>
 
 #include "libslam/files/ini.h"
-#include "libslam/resources/ini_yaml.h"
 #include "libslam/lidar/lidar.h"
+#include "libslam/resources/ini_yaml.h"
 
 namespace slam::robot {
 namespace {

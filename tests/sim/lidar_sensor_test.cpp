@@ -6,8 +6,8 @@
 #include <map>
 
 #include "libslam/lidar/beam.h"
-#include "libslam/sim/simulator.h"
 #include "libslam/rays/ray_caster.h"
+#include "libslam/sim/simulator.h"
 #include "tests/world/drawn_plan.h"
 
 namespace slam::sim {

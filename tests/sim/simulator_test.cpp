@@ -206,7 +206,8 @@ Recording record(const lidar::LidarOptions& lidar, const robot::OdometryOptions&
     recording.scans.append(reinterpret_cast<const char*>(sensed.scan.ranges_m.data()),
                            sensed.scan.ranges_m.size() * sizeof(float));
   }
-  for (auto* bytes : {&recording.truth, &recording.odometry, &recording.scans}) *bytes = resources::sha256(*bytes);
+  for (auto* bytes : {&recording.truth, &recording.odometry, &recording.scans})
+    *bytes = resources::sha256(*bytes);
   return recording;
 }
 

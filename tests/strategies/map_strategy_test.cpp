@@ -35,8 +35,8 @@ lidar::Scan circleScan() {
   return scan;
 }
 
-choices::Decision decideOn(const std::string& name, const gridmap::OccupancyRaster& map, const core::Pose2& pose,
-                  const StrategyOptions& options = {}) {
+choices::Decision decideOn(const std::string& name, const gridmap::OccupancyRaster& map,
+                           const core::Pose2& pose, const StrategyOptions& options = {}) {
   auto all = options;
   all.name = name;
   const auto strategy = makeStrategy(all, {1, "strategy"});

@@ -142,7 +142,8 @@ class PathPastSomebody : public Strategy {
 int hitsIn(double limit_s, const core::Point2& hidden) {
   const auto plan = twoRooms();
   const double contact_m = robot::circumscribedRadius({}) + 0.1;
-  navigate::Driver driver(std::make_unique<PathPastSomebody>(std::vector<core::Point2>{}), {}, {}, 0.2, {1, "driver"});
+  navigate::Driver driver(std::make_unique<PathPastSomebody>(std::vector<core::Point2>{}), {}, {}, 0.2,
+                          {1, "driver"});
   core::Pose2 T = kRobot;
   int hits = 0;
   bool collided = false;

@@ -151,7 +151,7 @@ TEST(CoveringLooks, TakeTheLargestAndLeaveOutWhatItShows) {
     return made;
   };
   const std::vector<choices::Look> looks = {look(0, {{1, 1}, {2, 1}}), look(1, {{1, 1}, {2, 1}, {3, 1}}),
-                                   look(2, {{3, 1}, {4, 1}}), look(3, {{5, 0.05F}})};
+                                            look(2, {{3, 1}, {4, 1}}), look(3, {{5, 0.05F}})};
   const auto cover = choices::coveringLooks(looks, 10, 0.1, 9);
   ASSERT_EQ(cover.size(), 2u);
   EXPECT_EQ(cover[0].place, 1u);

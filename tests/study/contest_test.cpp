@@ -47,7 +47,7 @@ TEST(ContestSuite, DrawsBuildingsAndDrivesFromItsSeed) {
 TEST(ContestSuite, TakesFilesByTheirPath) {
   const testing::TempFolder folder;
   files::writeFileAtomically(folder / "mine.ini",
-                            "[method]\ntype = external\ncommand = cp {scans} {output}\n");
+                             "[method]\ntype = external\ncommand = cp {scans} {output}\n");
   auto with_file = request({"mine.ini", "graph"});
   with_file.folder = folder.path();
   const auto suite = contestSuite(with_file);

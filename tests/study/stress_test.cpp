@@ -16,8 +16,8 @@ StressSuite suiteOf(const std::string& ground, const std::string& vary) {
 }
 
 /// Every run 0.1 m off, but those of `method` from `fails_at` down failed.
-summary::SweepResults resultsOf(const StressSuite& suite, const sweep::SweepPlan& plan, const std::string& method,
-                       double fails_at) {
+summary::SweepResults resultsOf(const StressSuite& suite, const sweep::SweepPlan& plan,
+                                const std::string& method, double fails_at) {
   summary::SweepResults results;
   for (const auto& run : plan.runs) {
     sweep::CellResult result;

@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "libslam/core/error.h"
+#include "libslam/resources/ini_yaml.h"
 #include "libslam/resources/resources.h"
 #include "libslam/sweep/suite.h"
 #include "libslam/testing/error_of.h"
-#include "libslam/resources/ini_yaml.h"
 
 namespace slam::study {
 namespace {

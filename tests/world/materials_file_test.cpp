@@ -9,8 +9,8 @@
 
 #include "drawn_plan.h"
 #include "libslam/core/error.h"
-#include "libslam/files/files.h"
 #include "libslam/core/random.h"
+#include "libslam/files/files.h"
 #include "libslam/testing/error_of.h"
 #include "libslam/testing/temp_folder.h"
 #include "libslam/world/picture_file.h"

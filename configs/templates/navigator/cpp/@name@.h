@@ -1,6 +1,6 @@
 #pragma once
-#include "libslam/reach/reach_goal.h"
 #include "libslam/goals/guarded_navigator.h"
+#include "libslam/reach/reach_goal.h"
 
 /// How to get to a goal with the lidar only. The base class keeps away from what the lidar shows and ends the
 /// drive: at the goal, at the time limit, after a minute on one spot (libslam/goals/guarded_navigator.h);
