@@ -164,13 +164,12 @@ void LoopCloser::searchRemainingLoops(int first_searched, const std::function<vo
   }
 }
 
-/// Whether what was measured on the way allows for it.
-bool LoopCloser::isAllowed(const keyframes::Hypothesis& loop, LoopJudge& judge) {
-  if (map_->componentOf(loop.keyframe) != map_->componentOf(loop.old_keyframe)) return true;
+/// The innovation of a loop that what was measured on the way rules out; nothing where it allows for it.
+std::optional<double> LoopCloser::ruledOutBy(const keyframes::Hypothesis& loop, LoopJudge& judge) const {
+  if (map_->componentOf(loop.keyframe) != map_->componentOf(loop.old_keyframe)) return std::nullopt;
   const double off = judge.innovation(loop);
-  if (off <= options_->loop_innovation) return true;
-  map_->note(core::JournalEvent::kRejected, off, loop.old_keyframe);
-  return false;
+  if (off <= options_->loop_innovation) return std::nullopt;
+  return off;
 }
 
 std::optional<LoopCloser::Accepted> LoopCloser::accept(const keyframes::Hypothesis& loop) {
@@ -182,7 +181,10 @@ std::optional<LoopCloser::Accepted> LoopCloser::accept(const keyframes::Hypothes
   const int k = loop.keyframe, old = loop.old_keyframe;
   map_->note(core::JournalEvent::kConfirmed, loop.confirmations, old,
              "distinct by " + std::to_string(loop.evidence));
-  if (!isAllowed(loop, judge)) return std::nullopt;
+  if (const auto off = ruledOutBy(loop, judge)) {
+    map_->note(core::JournalEvent::kRejected, *off, old);
+    return std::nullopt;
+  }
   const double way_m = map_->pathTo(std::max(k, old))[static_cast<size_t>(std::min(k, old))];
   const int component = map_->componentOf(k), old_component = map_->componentOf(old);
   const bool joins = component != old_component;

@@ -47,7 +47,7 @@ class LoopCloser {
 
  private:
   std::optional<Accepted> accept(const keyframes::Hypothesis& loop, LoopJudge& judge);
-  bool isAllowed(const keyframes::Hypothesis& loop, LoopJudge& judge);
+  std::optional<double> ruledOutBy(const keyframes::Hypothesis& loop, LoopJudge& judge) const;
   bool isFollowedEnough(keyframes::Hypothesis& place, LoopJudge& judge) const;
   LoopJudge judge() const;
   void confirm(keyframes::Hypothesis& hypothesis, int keyframe) const;
